@@ -1,0 +1,83 @@
+"""Sweeps: short pieces of displaced tool motion, what the removal engine works on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+__all__ = ["Sweeps"]
+
+_COLUMNS: dict[str, tuple[type, tuple[int, ...]]] = {
+    "start_mm": (np.float64, (3,)),
+    "end_mm": (np.float64, (3,)),
+    "centre_mm": (np.float64, (3,)),
+    "axis": (np.float64, (3,)),
+    "sweep_rad": (np.float64, ()),
+    "tool": (np.int32, ()),
+    "move": (np.int64, ()),
+    "shift_mm": (np.float64, (2, 3)),
+    "shift_slope_mm": (np.float64, (2, 3)),
+    "tilt_rad": (np.float64, (2, 3)),
+    "tilt_slope_rad": (np.float64, (2, 3)),
+}
+
+
+@dataclass(frozen=True)
+class Sweeps:
+    """M elementary sweeps in cutting order, in workpiece coordinates, mm and rad.
+
+    With s from 0 to 1 along a sweep, the nominal tool tip is on the straight line from
+    `start_mm` to `end_mm`, or, where `sweep_rad` is not zero, on the arc (helix, spiral) about
+    `axis` through `centre_mm`. The displaced tool is the nominal one, axis along +Z of the
+    workpiece frame, moved by a small rigid motion: the tool point c (from the tip) is at
+
+        tip(s) + c + shift(s) + tilt(s) x c
+
+    where shift and tilt are the cubic Hermite curves given by their values and their
+    derivatives with respect to s at both ends.
+
+    Attributes
+    ----------
+    start_mm, end_mm, centre_mm, axis : (M, 3) float64
+        `centre_mm` at the axial height of the start; both zero for straight sweeps.
+    sweep_rad : (M,) float64
+        Signed angle about `axis`, right-handed; 0 for straight sweeps.
+    tool : (M,) int32
+        Index into the sequence of tools that goes with the sweeps.
+    move : (M,) int64
+        Which move of the program this sweep is a piece of.
+    shift_mm, tilt_rad : (M, 2, 3) float64
+        Displacement of the tip, and rotation vector of the tool about it, at s = 0 and s = 1.
+    shift_slope_mm, tilt_slope_rad : (M, 2, 3) float64
+        Their derivatives with respect to s at s = 0 and s = 1.
+    """
+
+    start_mm: np.ndarray
+    end_mm: np.ndarray
+    centre_mm: np.ndarray
+    axis: np.ndarray
+    sweep_rad: np.ndarray
+    tool: np.ndarray
+    move: np.ndarray
+    shift_mm: np.ndarray
+    shift_slope_mm: np.ndarray
+    tilt_rad: np.ndarray
+    tilt_slope_rad: np.ndarray
+
+    def __post_init__(self) -> None:
+        count = len(self.start_mm)
+        for field in fields(self):
+            dtype, tail = _COLUMNS[field.name]
+            array = np.ascontiguousarray(getattr(self, field.name), dtype=dtype)
+            if array.shape != (count, *tail):
+                raise ValueError(
+                    f"Sweeps.{field.name} has shape {array.shape}; expected {(count, *tail)}"
+                )
+            if dtype is np.float64 and not np.isfinite(array).all():
+                raise ValueError(f"Sweeps.{field.name} holds values that are not finite")
+            array.setflags(write=False)
+            object.__setattr__(self, field.name, array)
+
+    def __len__(self) -> int:
+        return len(self.start_mm)

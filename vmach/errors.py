@@ -1,0 +1,48 @@
+"""Errors that a user can cause and mend; each carries one complete message."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+__all__ = ["InputError", "VmachError"]
+
+
+class VmachError(Exception):
+    """Base of all errors that this package raises on purpose."""
+
+
+class InputError(VmachError, ValueError):
+    """Something in the user's files or arguments is wrong.
+
+    Parameters
+    ----------
+    what : str
+        What is wrong, with the value and its unit.
+    file : path, optional
+        The file at fault.
+    line : int, optional
+        1-based line in `file`.
+    accepted : str, optional
+        What would be accepted.
+    hint : str, optional
+        What to do about it.
+    """
+
+    def __init__(
+        self,
+        what: str,
+        *,
+        file: str | Path | None = None,
+        line: int | None = None,
+        accepted: str | None = None,
+        hint: str | None = None,
+    ) -> None:
+        self.what, self.file, self.line = what, file, line
+        self.accepted, self.hint = accepted, hint
+        where = "" if file is None else f"{file}: " if line is None else f"{file}:{line}: "
+        text = where + what
+        if accepted:
+            text += f"; accepted: {accepted}"
+        if hint:
+            text += f" (hint: {hint})"
+        super().__init__(text)
