@@ -1,0 +1,21 @@
+"""The machine: its chain, its component errors and the displacement of the tool they cause."""
+
+from vmach.machine.chain import LINEAR_AXES, Chain
+from vmach.machine.component_errors import COMPONENT_NAMES, ComponentError
+from vmach.machine.displacement import RigidDisplacement, Variant, displacement
+from vmach.machine.machine import Axis, Machine, Motion
+from vmach.machine.machine_file import read_machine
+
+__all__ = [
+    "COMPONENT_NAMES",
+    "LINEAR_AXES",
+    "Axis",
+    "Chain",
+    "ComponentError",
+    "Machine",
+    "Motion",
+    "RigidDisplacement",
+    "Variant",
+    "displacement",
+    "read_machine",
+]
