@@ -79,7 +79,8 @@ def _first_complaint(
             f"unknown key '{dotted}'", file=path, line=line, accepted=", ".join(known), hint=hint
         )
     if first["type"] == "missing":
-        return InputError(f"key '{dotted}' is missing", file=path, line=line_of_key(text, keys[:-1]))
+        parent = line_of_key(text, keys[:-1])
+        return InputError(f"key '{dotted}' is missing", file=path, line=parent)
     message = first["msg"].removeprefix("Value error, ")
     return InputError(f"'{dotted}' = {first['input']!r}: {message}", file=path, line=line)
 

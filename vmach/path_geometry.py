@@ -1,0 +1,126 @@
+"""Where the spindle nose is, and which way it goes, at any place of any move."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcode import MoveKind, Moves
+
+__all__ = ["last_direction", "move_length_mm", "position_at", "tangent_at"]
+
+#: how far back along a move one looks for the way an axis came to a standstill
+_BACK = 1e-6
+#: an axis slower than this share of the path speed counts as standing
+_STANDING = 1e-9
+
+
+def move_length_mm(moves: Moves) -> np.ndarray:
+    """Length of every move's path, (N,) float64; helices and spirals by their mean radius."""
+    straight = np.linalg.norm(moves.end_mm - moves.start_mm, axis=1)
+    along = np.einsum("ij,ij->i", moves.end_mm - moves.start_mm, moves.axis)
+    start_radius, end_radius = _radii(moves)
+    in_plane = np.abs(moves.sweep_rad) * 0.5 * (start_radius + end_radius)
+    in_plane = np.hypot(in_plane, end_radius - start_radius)
+    return np.where(moves.kind == MoveKind.ARC, np.hypot(in_plane, along), straight)
+
+
+def position_at(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
+    """Nose position in machine coordinates.
+
+    Parameters
+    ----------
+    moves : Moves
+    move : (P,) int
+        Index into `moves`.
+    parameter : (P,) float64
+        0 at the start of the move, 1 at its end.
+
+    Returns
+    -------
+    (P, 3) float64, mm
+    """
+    start, end = moves.start_mm[move], moves.end_mm[move]
+    nose = start + parameter[:, None] * (end - start)
+    arcs = np.flatnonzero(moves.kind[move] == MoveKind.ARC)
+    if arcs.size:
+        nose[arcs] = _arc(moves, move[arcs], parameter[arcs])[0]
+    ends = parameter == 1.0
+    nose[ends] = end[ends]
+    return nose
+
+
+def tangent_at(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
+    """Derivative of the nose position with respect to the parameter, (P, 3) float64, mm.
+
+    Divided by the move's duration it is the velocity. Zero while the axes stand.
+    """
+    tangent = moves.end_mm[move] - moves.start_mm[move]
+    arcs = np.flatnonzero(moves.kind[move] == MoveKind.ARC)
+    if arcs.size:
+        tangent[arcs] = _arc(moves, move[arcs], parameter[arcs])[1]
+    return tangent
+
+
+def last_direction(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
+    """Sign of the last motion of each axis, (P, 3): -1, +1, or 0 before an axis first moved.
+
+    An axis that stands still keeps the direction in which it came to rest.
+    """
+    leaving = _direction_within(moves, np.arange(len(moves)), np.ones(len(moves)))
+    before = np.zeros((len(moves) + 1, 3))
+    for axis in range(3):
+        known = np.flatnonzero(leaving[:, axis])
+        latest = np.searchsorted(known, np.arange(len(moves)), side="right") - 1
+        before[1:, axis] = np.where(latest >= 0, leaving[known, axis][latest], 0.0)
+    own = _direction_within(moves, move, parameter)
+    return np.where(own != 0.0, own, before[move])
+
+
+def _direction_within(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
+    """Sign of the motion of each axis within the move itself, (P, 3); 0 where it stands."""
+    now = _sign_of_motion(tangent_at(moves, move, parameter))
+    a_little_earlier = np.maximum(parameter - _BACK, 0.0)
+    earlier = _sign_of_motion(tangent_at(moves, move, a_little_earlier))
+    return np.where(now != 0.0, now, earlier)
+
+
+def _sign_of_motion(tangent: np.ndarray) -> np.ndarray:
+    speed = np.linalg.norm(tangent, axis=1, keepdims=True)
+    return np.where(np.abs(tangent) > _STANDING * speed, np.sign(tangent), 0.0)
+
+
+def _radii(moves: Moves) -> tuple[np.ndarray, np.ndarray]:
+    """In-plane distance of start and end from the arc's axis, each (N,)."""
+    radii = []
+    for point in (moves.start_mm, moves.end_mm):
+        offset = point - moves.centre_mm
+        offset = offset - np.einsum("ij,ij->i", offset, moves.axis)[:, None] * moves.axis
+        radii.append(np.linalg.norm(offset, axis=1))
+    return radii[0], radii[1]
+
+
+def _arc(
+    moves: Moves, move: np.ndarray, parameter: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Position and derivative on arcs, helices and spirals, each (P, 3)."""
+    axis, centre = moves.axis[move], moves.centre_mm[move]
+    start, end = moves.start_mm[move], moves.end_mm[move]
+    s, sweep = parameter[:, None], moves.sweep_rad[move][:, None]
+
+    def split(offset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        along = np.einsum("ij,ij->i", offset, axis)[:, None]
+        return offset - along * axis, along
+
+    first, start_along = split(start - centre)
+    last, end_along = split(end - centre)
+    start_radius = np.linalg.norm(first, axis=1, keepdims=True)
+    growth = np.linalg.norm(last, axis=1, keepdims=True) - start_radius
+    radius = start_radius + s * growth
+    outward = first / start_radius
+    onward = np.cross(axis, outward)
+    cos, sin = np.cos(s * sweep), np.sin(s * sweep)
+    radial, tangential = cos * outward + sin * onward, cos * onward - sin * outward
+    climb = end_along - start_along
+    position = centre + radius * radial + (start_along + s * climb) * axis
+    derivative = growth * radial + radius * sweep * tangential + climb * axis
+    return position, derivative
