@@ -81,3 +81,26 @@ class Sweeps:
 
     def __len__(self) -> int:
         return len(self.start_mm)
+
+    def displacement_at(
+        self, sweep: np.ndarray, parameter: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Shift (P, 3) mm and tilt (P, 3) rad at given places.
+
+        Parameters
+        ----------
+        sweep : (P,) int
+        parameter : (P,) float64
+            From 0 at the start of the sweep to 1 at its end.
+        """
+        shift = _hermite(self.shift_mm[sweep], self.shift_slope_mm[sweep], parameter)
+        tilt = _hermite(self.tilt_rad[sweep], self.tilt_slope_rad[sweep], parameter)
+        return shift, tilt
+
+
+def _hermite(values: np.ndarray, slopes: np.ndarray, parameter: np.ndarray) -> np.ndarray:
+    """Cubic with given values and derivatives (P, 2, 3) at 0 and 1."""
+    s = parameter[:, None]
+    rise = values[:, 1] - values[:, 0]
+    start, end = slopes[:, 0] - rise, slopes[:, 1] - rise
+    return values[:, 0] + s * rise + s * (1 - s) * ((1 - s) * start - s * end)

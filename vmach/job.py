@@ -1,0 +1,273 @@
+"""The job file: one machining job with its machine, program, stock, tools and nominal CAD."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import AfterValidator, Field
+
+from stock import StockError, Tool, make_tool
+from vmach.errors import InputError
+from vmach.machine import Machine, read_machine
+from vmach.toml_file import FileSection, line_of_key, read_text, read_toml
+
+__all__ = ["Blank", "Inspection", "Job", "read_job"]
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Point = tuple[Finite, Finite, Finite]
+
+#: names of the work offsets in the order of their numbers, 1 = G54
+WORK_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
+_ALIGNMENTS = ("none", "best-fit", "datum")
+
+
+def _known_offsets(offsets: dict[str, Point]) -> dict[str, Point]:
+    for name in offsets:
+        if name not in WORK_OFFSETS:
+            raise ValueError(f"'{name}' is no work offset; accepted: {', '.join(WORK_OFFSETS)}")
+    return offsets
+
+
+class _Stock(FileSection):
+    min_mm: Point | None = None
+    max_mm: Point | None = None
+    file: str | None = None
+
+
+class _Tool(FileSection):
+    shape: Literal["flat", "ball", "bull", "chamfer", "drill", "profile"]
+    diameter_mm: Finite
+    length_mm: Finite
+    corner_radius_mm: Finite | None = None
+    tip_diameter_mm: Finite | None = None
+    angle_deg: Finite | None = None
+    flute_length_mm: Finite | None = None
+    shank_diameter_mm: Finite | None = None
+    holder_mm: list[tuple[Finite, Finite]] | None = None
+    profile_mm: list[tuple[Finite, Finite]] | None = None
+    flutes: Annotated[int, Field(ge=1)] | None = None
+
+
+class _Inspection(FileSection):
+    spacing_mm: Positive = 2.0
+    edge_margin_mm: NonNegative = 0.1
+    reach_mm: Positive = 1.0
+    tolerance_um: Positive = 10.0
+    alignment: Literal["none", "best-fit", "datum"] = "none"
+    datum_features: list[str] = []
+
+
+class _JobFile(FileSection):
+    schema_: Literal[1] = Field(alias="schema")
+    machine: str
+    program: str
+    dialect: str = "auto"
+    nominal: str | None = None
+    measured: str | None = None
+    workpiece_zero: str | None = None
+    tool_offsets: Literal["program", "touched off"] = "program"
+    work_offsets_mm: Annotated[dict[str, Point], AfterValidator(_known_offsets)]
+    stock: _Stock | None = None
+    tools: dict[Annotated[int, Field(ge=1)], _Tool]
+    inspection: _Inspection = _Inspection()
+    effects: dict[str, Any] = {}
+    measurements: list[dict[str, Any]] = []
+    history: list[dict[str, Any]] = []
+
+
+@dataclass(frozen=True)
+class Blank:
+    """The material before the first cut, in workpiece coordinates.
+
+    Attributes
+    ----------
+    min_mm, max_mm : (3,) float64
+        Corners of the box, or of the solid's bounding box.
+    file : Path or None
+        A solid (STL), where the blank is no box.
+    """
+
+    min_mm: np.ndarray
+    max_mm: np.ndarray
+    file: Path | None = None
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """How the part is looked at; lengths in mm."""
+
+    spacing_mm: float
+    edge_margin_mm: float
+    reach_mm: float
+    tolerance_mm: float
+    alignment: str
+    datum_features: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Job:
+    """A machining job, read and checked.
+
+    Attributes
+    ----------
+    path : Path
+        The job file; every path in it is relative to its folder.
+    machine : Machine
+    machine_path, program : Path
+    dialect : str
+        Of the program; "auto" to recognise it.
+    nominal, measured : Path or None
+    workpiece_zero : str or None
+        The work offset that is the origin of the nominal CAD; None for the one in use.
+    touched_off : bool
+        The work offsets hold for the tip of every tool, whatever G43 says.
+    work_offsets_mm : mapping of "G54" ... to (3,) float64
+    blank : Blank or None
+    tools : mapping of tool number to stock.Tool
+    inspection : Inspection
+    effects, measurements, history
+        As in the file; read by the parts of the program that know them.
+    """
+
+    path: Path
+    machine: Machine
+    machine_path: Path
+    program: Path
+    dialect: str
+    nominal: Path | None
+    measured: Path | None
+    workpiece_zero: str | None
+    touched_off: bool
+    work_offsets_mm: Mapping[str, np.ndarray]
+    blank: Blank | None
+    tools: Mapping[int, Tool]
+    inspection: Inspection
+    effects: Mapping[str, Any]
+    measurements: Sequence[Mapping[str, Any]]
+    history: Sequence[Mapping[str, Any]]
+
+    @property
+    def folder(self) -> Path:
+        """Folder that the paths in the job file are relative to."""
+        return self.path.parent
+
+    def files(self) -> list[Path]:
+        """Every file that the prediction depends on, for the record of what was run."""
+        errors = sorted({self.machine_path.parent / t for t in self.machine.table_files})
+        optional = [self.nominal, self.measured, self.blank.file if self.blank else None]
+        return [self.path, self.program, self.machine_path, *errors, *filter(None, optional)]
+
+
+def read_job(path: str | Path) -> Job:
+    """Read a job file, its machine and its tools.
+
+    Parameters
+    ----------
+    path : path
+        The job file, or the folder that holds a ``job.toml``.
+
+    Raises
+    ------
+    InputError
+        Anything wrong with the files, with file, line, key, value and what is accepted.
+    """
+    path = Path(path)
+    path = path / "job.toml" if path.is_dir() else path
+    data = read_toml(path, _JobFile, what="job file")
+    text = read_text(path, what="job file")
+
+    def at(*keys: str) -> dict[str, Any]:
+        return {"file": path, "line": line_of_key(text, list(keys))}
+
+    def existing(key: str, name: str | None) -> Path | None:
+        if name is None:
+            return None
+        target = path.parent / name
+        if not target.is_file():
+            raise InputError(f"{key} = '{name}': no such file", **at(key))
+        return target
+
+    if data.workpiece_zero is not None and data.workpiece_zero not in data.work_offsets_mm:
+        raise InputError(
+            f"workpiece_zero = '{data.workpiece_zero}'",
+            **at("workpiece_zero"),
+            accepted=", ".join(data.work_offsets_mm),
+        )
+    machine_path = existing("machine", data.machine)
+    program = existing("program", data.program)
+    assert machine_path and program
+    return Job(
+        path=path,
+        machine=read_machine(machine_path),
+        machine_path=machine_path,
+        program=program,
+        dialect=data.dialect,
+        nominal=existing("nominal", data.nominal),
+        measured=existing("measured", data.measured),
+        workpiece_zero=data.workpiece_zero,
+        touched_off=data.tool_offsets == "touched off",
+        work_offsets_mm={k: np.array(v) for k, v in data.work_offsets_mm.items()},
+        blank=_blank(data, path, at),
+        tools={k: _tool(k, tool, at("tools", str(k))) for k, tool in data.tools.items()},
+        inspection=_inspection(data.inspection),
+        effects=data.effects,
+        measurements=data.measurements,
+        history=data.history,
+    )
+
+
+def _blank(data: _JobFile, path: Path, at: Any) -> Blank | None:
+    stock = data.stock
+    if stock is None:
+        return None
+    if stock.file is not None:
+        if stock.min_mm or stock.max_mm:
+            raise InputError("[stock] has both a file and a box", **at("stock"), accepted="one")
+        return _blank_from_file(path.parent / stock.file, at("stock", "file"))
+    if stock.min_mm is None or stock.max_mm is None:
+        raise InputError("[stock] is incomplete", **at("stock"), accepted="min_mm and max_mm, or file")
+    low, high = np.array(stock.min_mm), np.array(stock.max_mm)
+    if not (low < high).all():
+        raise InputError(
+            f"[stock] min_mm {list(stock.min_mm)} is not below max_mm {list(stock.max_mm)}",
+            **at("stock", "max_mm"),
+            accepted="min_mm smaller than max_mm in X, Y and Z",
+        )
+    return Blank(low, high)
+
+
+def _blank_from_file(file: Path, where: dict[str, Any]) -> Blank:
+    from vmach.nominal import read_nominal
+
+    if not file.is_file():
+        raise InputError(f"file = '{file.name}': no such file", **where)
+    low, high = read_nominal(file).bounds_mm
+    return Blank(low, high, file)
+
+
+def _tool(number: int, tool: _Tool, where: dict[str, Any]) -> Tool:
+    given = tool.model_dump(exclude_none=True, exclude={"flutes"})
+    if "angle_deg" in given:
+        given["angle_rad"] = math.radians(given.pop("angle_deg"))
+    try:
+        return make_tool(given.pop("shape"), **given)
+    except StockError as error:
+        raise InputError(f"tool {number}: {error}", **where) from None
+
+
+def _inspection(data: _Inspection) -> Inspection:
+    return Inspection(
+        spacing_mm=data.spacing_mm,
+        edge_margin_mm=data.edge_margin_mm,
+        reach_mm=data.reach_mm,
+        tolerance_mm=data.tolerance_um * 1e-3,
+        alignment=data.alignment,
+        datum_features=tuple(data.datum_features),
+    )

@@ -1,0 +1,149 @@
+"""Predicted deviation of surface points: the displaced path, swept exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+
+from stock import Edges, EdgeStatus, Sweeps, find_edges
+from vmach.machine import RigidDisplacement, Variant, displacement
+from vmach.preparation import Preparation
+from vmach.sweeping import build_sweeps
+from vmach.toolpath import PathStates
+
+__all__ = ["Effect", "Prediction", "displaced_sweeps", "predict"]
+
+
+class Effect(Protocol):
+    """A physical effect with its parameters set."""
+
+    def displacement(self, states: PathStates) -> RigidDisplacement:
+        """Rigid motion of the tool relative to the workpiece, whatever the surface."""
+
+    def at_surface(self, states: PathStates) -> np.ndarray:
+        """Further displacement of the cutting edge at the contact, (P, 3) mm."""
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Deviations of P surface points under one error model.
+
+    Attributes
+    ----------
+    variant : Variant
+    preparation : Preparation
+    normals : (P, 3) float64
+        Outward unit normals of the points.
+    deviation_mm : (P,) float64
+        Positive where material is left; 0 where `is_cut` is false.
+    edges : Edges
+        What the removal engine found: status, sweep, parameter, contact.
+    """
+
+    variant: Variant
+    preparation: Preparation
+    normals: np.ndarray
+    deviation_mm: np.ndarray
+    edges: Edges
+
+    @property
+    def is_cut(self) -> np.ndarray:
+        """(P,) bool: points whose surface a tool made."""
+        return self.edges.status == EdgeStatus.CUT
+
+    @cached_property
+    def states(self) -> PathStates:
+        """The machine's state when it made each point that is cut, in the order of the points."""
+        return _contact_states(self.preparation, self.edges, self.normals)
+
+
+def displaced_sweeps(
+    preparation: Preparation, variant: Variant, effects: Sequence[Effect] = ()
+) -> Sweeps:
+    """Sweeps of the whole program, displaced by the machine's errors and the effects."""
+    nodes = preparation.path.nodes
+    return build_sweeps(
+        preparation.path,
+        _rigid(preparation, nodes, variant, effects),
+        zero_mm=preparation.zero_mm,
+        tool_index=preparation.tool_index,
+    )
+
+
+def predict(
+    preparation: Preparation,
+    points_mm: np.ndarray,
+    normals: np.ndarray,
+    *,
+    variant: Variant,
+    effects: Sequence[Effect] = (),
+    sweeps: Sweeps | None = None,
+) -> Prediction:
+    """Signed deviation of nominal surface points.
+
+    Parameters
+    ----------
+    preparation : Preparation
+    points_mm, normals : (P, 3) float64
+        Nominal surface points and outward unit normals, workpiece coordinates.
+    variant : Variant
+        Arms of the machine's errors.
+    effects : sequence of Effect
+        What acts beside the machine's error tables.
+    sweeps : Sweeps, optional
+        `displaced_sweeps` of the same variant and effects, where they are there already.
+
+    Notes
+    -----
+    The engine sweeps the tool along the path with the displacement interpolated between the
+    nodes. Where it finds the edge of the material, the displacement is then evaluated once more,
+    exactly there, and the difference along the normal is added: what is left is of second order
+    in the slope of the error, and effects that depend on the surface's normal enter here.
+    """
+    if sweeps is None:
+        sweeps = displaced_sweeps(preparation, variant, effects)
+    job = preparation.job
+    edges = find_edges(
+        points_mm,
+        normals,
+        sweeps=sweeps,
+        tools=preparation.tools,
+        blank_mm=None if job.blank is None else (job.blank.min_mm, job.blank.max_mm),
+        reach_mm=job.inspection.reach_mm,
+    )
+    cut = np.flatnonzero(edges.status == EdgeStatus.CUT)
+    states = _contact_states(preparation, edges, normals)
+    interpolated = RigidDisplacement(*sweeps.displacement_at(edges.sweep[cut], edges.parameter[cut]))
+    exact = _rigid(preparation, states, variant, effects).at(states.contact_mm)
+    for effect in effects:
+        exact = exact + effect.at_surface(states)
+    correction = exact - interpolated.at(states.contact_mm)
+    deviation = edges.deviation_mm.copy()
+    deviation[cut] += np.einsum("ij,ij->i", correction, normals[cut])
+    return Prediction(variant, preparation, normals, deviation, edges)
+
+
+def _rigid(
+    preparation: Preparation, states: PathStates, variant: Variant, effects: Sequence[Effect]
+) -> RigidDisplacement:
+    """Displacement at the tip of the states' tools, and tilt, by errors and effects."""
+    total = displacement(preparation.job.machine, states.nose_mm, states.tool_mm, variant)
+    for effect in effects:
+        total = total + effect.displacement(states)
+    return total
+
+
+def _contact_states(
+    preparation: Preparation, edges: Edges, normals: np.ndarray
+) -> PathStates:
+    cut = np.flatnonzero(edges.status == EdgeStatus.CUT)
+    return preparation.path.states_on_pieces(
+        edges.sweep[cut],
+        edges.parameter[cut],
+        contact_mm=edges.contact_mm[cut],
+        normal=normals[cut],
+    )
