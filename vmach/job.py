@@ -160,9 +160,8 @@ class Job:
 
     def files(self) -> list[Path]:
         """Every file that the prediction depends on, for the record of what was run."""
-        errors = sorted({self.machine_path.parent / t for t in self.machine.table_files})
         optional = [self.nominal, self.measured, self.blank.file if self.blank else None]
-        return [self.path, self.program, self.machine_path, *errors, *filter(None, optional)]
+        return [self.path, self.program, *self.machine.files, *filter(None, optional)]
 
 
 def read_job(path: str | Path) -> Job:
@@ -232,7 +231,9 @@ def _blank(data: _JobFile, path: Path, at: Any) -> Blank | None:
             raise InputError("[stock] has both a file and a box", **at("stock"), accepted="one")
         return _blank_from_file(path.parent / stock.file, at("stock", "file"))
     if stock.min_mm is None or stock.max_mm is None:
-        raise InputError("[stock] is incomplete", **at("stock"), accepted="min_mm and max_mm, or file")
+        raise InputError(
+            "[stock] is incomplete", **at("stock"), accepted="min_mm and max_mm, or file"
+        )
     low, high = np.array(stock.min_mm), np.array(stock.max_mm)
     if not (low < high).all():
         raise InputError(

@@ -117,7 +117,8 @@ def predict(
     )
     cut = np.flatnonzero(edges.status == EdgeStatus.CUT)
     states = _contact_states(preparation, edges, normals)
-    interpolated = RigidDisplacement(*sweeps.displacement_at(edges.sweep[cut], edges.parameter[cut]))
+    at_contact = sweeps.displacement_at(edges.sweep[cut], edges.parameter[cut])
+    interpolated = RigidDisplacement(*at_contact)
     exact = _rigid(preparation, states, variant, effects).at(states.contact_mm)
     for effect in effects:
         exact = exact + effect.at_surface(states)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 
 import numpy as np
 
@@ -57,6 +58,8 @@ class Machine:
         Row j holds the rotation vector sigma_j of axis j's reference line; only the components
         across the axis act.
     sign : SignConvention
+    files : tuple of Path
+        The machine file and the tables that it names, for the record of what was run.
     """
 
     name: str
@@ -66,6 +69,7 @@ class Machine:
     components: Mapping[str, ComponentError]
     squareness_rad: np.ndarray
     sign: SignConvention = SignConvention.RELATIVE
+    files: tuple[Path, ...] = ()
 
     def axis_sign(self, axis: str) -> float:
         """+1, or -1 for the errors of a work-side axis recorded as motion of the body."""

@@ -133,6 +133,7 @@ def read_machine(path: str | Path) -> Machine:
         components={name: _component(name, data, path.parent) for name in data.errors},
         squareness_rad=_squareness(data),
         sign=SignConvention(data.convention.sign),
+        files=(path, *(path.parent / entry.table for entry in data.errors.values())),
     )
 
 
