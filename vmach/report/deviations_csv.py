@@ -1,0 +1,105 @@
+"""deviations.csv: every inspected point, one row each, one group of columns a variant."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from vmach.errors import InputError
+from vmach.report.atomic import atomic_file
+from vmach.report.result import InspectedPoints, Variant
+from vmach.units import mm_from_um, um_from_mm
+
+__all__ = ["read_deviations_csv", "write_deviations_csv"]
+
+_POINT_COLUMNS = [
+    *("id", "feature", "x", "y", "z", "i", "j", "k"),
+    *("line", "tool", "move", "time_s", "u_um"),
+]
+_DEVIATION, _STATUS = "_deviation_um", "_status"
+
+
+def write_deviations_csv(path: str | Path, points: InspectedPoints) -> None:
+    """Write the points in mm, deviations in um; a point that is not cut has an empty deviation.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written to.
+    """
+    header = list(_POINT_COLUMNS)
+    for variant in points.variants:
+        header += [variant.name + _DEVIATION, variant.name + _STATUS]
+    with atomic_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(zip(*_columns(points), strict=True))
+
+
+def _columns(points: InspectedPoints) -> list[list]:
+    blank = [""] * len(points)
+    columns = [points.id.tolist(), points.feature.tolist()]
+    columns += [[f"{x:.9g}" for x in column] for column in points.point_mm.T]
+    columns += [[f"{x:.9g}" for x in column] for column in points.normal.T]
+    columns += [points.line.tolist(), points.tool.tolist(), points.move.tolist()]
+    columns += [[f"{t:.3f}" for t in points.time_s]]
+    columns += [blank if points.u_mm is None else [f"{um_from_mm(u):.6g}" for u in points.u_mm]]
+    for variant in points.variants:
+        deviation_um = um_from_mm(variant.deviation_mm).tolist()
+        columns.append(
+            [f"{d:.6f}" if c else "" for d, c in zip(deviation_um, variant.is_cut, strict=True)]
+        )
+        columns.append(variant.status.tolist())
+    return columns
+
+
+def read_deviations_csv(path: str | Path) -> InspectedPoints:
+    """Read what `write_deviations_csv` wrote; labels of the variants are their names.
+
+    Raises
+    ------
+    InputError
+        The file is missing, empty, or lacks a column, or a cell is not a number.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError("no such file", file=path, hint="vmach run writes it")
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    variants = [
+        n.removesuffix(_DEVIATION) for n in (rows[0] if rows else ()) if n.endswith(_DEVIATION)
+    ]
+    missing = [name for name in _POINT_COLUMNS if not rows or name not in rows[0]]
+    if missing or not variants:
+        raise InputError("not a table of deviations", file=path, accepted="what vmach run wrote")
+    table = {name: [row[name] for row in rows] for name in rows[0]}
+    try:
+        return _points(table, variants)
+    except (TypeError, ValueError) as error:
+        raise InputError(str(error), file=path, accepted="what vmach run wrote") from error
+
+
+def _points(table: dict[str, list[str]], variants: list[str]) -> InspectedPoints:
+    numbers = {
+        name: np.array([float(cell) if cell else np.nan for cell in column])
+        for name, column in table.items()
+        if name in _POINT_COLUMNS[2:] or name.endswith(_DEVIATION)
+    }
+    has_u = np.isfinite(numbers["u_um"]).all()
+    return InspectedPoints(
+        id=table["id"],
+        feature=table["feature"],
+        point_mm=np.stack([numbers[name] for name in "xyz"], axis=1),
+        normal=np.stack([numbers[name] for name in "ijk"], axis=1),
+        line=numbers["line"],
+        tool=numbers["tool"],
+        move=numbers["move"],
+        time_s=numbers["time_s"],
+        variants=tuple(
+            Variant(name, name, mm_from_um(numbers[name + _DEVIATION]), table[name + _STATUS])
+            for name in variants
+        ),
+        u_mm=mm_from_um(numbers["u_um"]) if has_u else None,
+    )

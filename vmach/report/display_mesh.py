@@ -1,0 +1,218 @@
+"""A mesh made fit for showing: fine enough for the colours, small enough for a page."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from vmach.report.result import Colouring, DisplayMesh, InspectedPoints
+
+__all__ = ["build_display_mesh", "interpolate_to_mesh", "sharp_edges", "vertex_normals"]
+
+_SHARP_EDGE_RAD = 0.6  # above: an edge of the part; below: a chord of a curved face
+_NEIGHBOURS = 6
+
+
+def build_display_mesh(
+    vertices_mm: np.ndarray,
+    triangles: np.ndarray,
+    points: InspectedPoints,
+    *,
+    max_triangles: int = 100_000,
+) -> DisplayMesh:
+    """Return a mesh with the deviations of all variants interpolated to its vertices.
+
+    Large triangles are divided to about the spacing of the points, too many are thinned out;
+    a CAD face of two triangles would otherwise show nothing of what lies within it.
+
+    Parameters
+    ----------
+    vertices_mm, triangles : (V, 3) float, (T, 3) int
+        Closed surface in workpiece coordinates, shared or repeated vertices alike.
+    points : InspectedPoints
+    max_triangles : int
+        Not more triangles than this.
+    """
+    vertices_mm, triangles = _weld(np.asarray(vertices_mm, float), np.asarray(triangles))
+    if len(triangles) > max_triangles:
+        vertices_mm, triangles = _decimate(vertices_mm, triangles, max_triangles)
+    else:
+        vertices_mm, triangles = _refine(vertices_mm, triangles, len(points), max_triangles)
+    vertices_mm, triangles = _split_sharp_edges(vertices_mm, triangles)
+    mesh = DisplayMesh(vertices_mm, triangles)
+    colourings = {
+        variant.name: interpolate_to_mesh(
+            points, np.where(variant.is_cut, variant.deviation_mm, np.nan), mesh
+        )
+        for variant in points.variants
+    }
+    return DisplayMesh(vertices_mm, triangles, colourings)
+
+
+def interpolate_to_mesh(
+    points: InspectedPoints, values_mm: np.ndarray, mesh: DisplayMesh
+) -> Colouring:
+    """Interpolate values of the points to the vertices of a mesh; for display only.
+
+    The value of a vertex is the mean of its nearest points with weights 1/distance^2. Points
+    on faces of another direction count as far away: the neighbours are found in the space of
+    position and normal, the normal stretched so that 90 degrees are as far as the reach.
+
+    Parameters
+    ----------
+    points : InspectedPoints
+    values_mm : (P,) float
+        NaN where a point has no value: vertices nearest to such a point are not `known`.
+    mesh : DisplayMesh
+
+    Returns
+    -------
+    Colouring
+    """
+    if not len(points):
+        return Colouring(np.zeros(len(mesh.vertices_mm)), np.zeros(len(mesh.vertices_mm), bool))
+    reach_mm = 6 * _spacing(mesh, len(points))
+    stretch_mm = reach_mm / np.sqrt(2)
+    tree = cKDTree(np.hstack([points.point_mm, stretch_mm * points.normal]))
+    query = np.hstack([mesh.vertices_mm, stretch_mm * vertex_normals(mesh)])
+    count = min(_NEIGHBOURS, len(points))
+    distance_mm, index = tree.query(query, k=count)
+    distance_mm, index = distance_mm.reshape(-1, count), index.reshape(-1, count)
+    value = np.asarray(values_mm, float)[index]
+    known = np.isfinite(value[:, 0]) & (distance_mm[:, 0] < reach_mm)
+    weight = np.where(np.isfinite(value), 1 / (distance_mm**2 + (1e-3 * reach_mm) ** 2), 0.0)
+    mean = (weight * np.nan_to_num(value)).sum(1) / np.maximum(weight.sum(1), 1e-300)
+    return Colouring(np.where(known, mean, 0.0), known)
+
+
+def vertex_normals(mesh: DisplayMesh) -> np.ndarray:
+    """(V, 3) unit normals, the mean over the triangles at a vertex weighted by area."""
+    twice_area = _twice_area_vectors(mesh.vertices_mm, mesh.triangles)
+    normals = np.zeros((len(mesh.vertices_mm), 3))
+    for corner in mesh.triangles.T:
+        np.add.at(normals, corner, twice_area)
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    return normals / np.where(length > 0, length, 1.0)
+
+
+def _twice_area_vectors(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    a, b, c = (vertices[corner] for corner in triangles.T)
+    return np.cross(b - a, c - a)
+
+
+def _area(vertices: np.ndarray, triangles: np.ndarray) -> float:
+    return 0.5 * float(np.linalg.norm(_twice_area_vectors(vertices, triangles), axis=1).sum())
+
+
+def _spacing(mesh: DisplayMesh, count: int) -> float:
+    """Distance between neighbours if `count` points were spread evenly over the mesh."""
+    return np.sqrt(_area(mesh.vertices_mm, mesh.triangles) / max(count, 1))
+
+
+def _weld(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Merge equal vertices; drop triangles without area."""
+    vertices, inverse = np.unique(vertices, axis=0, return_inverse=True)
+    triangles = inverse.reshape(-1)[triangles]
+    a, b, c = triangles.T
+    return vertices, triangles[(a != b) & (b != c) & (c != a)]
+
+
+def _decimate(
+    vertices: np.ndarray, triangles: np.ndarray, count: int
+) -> tuple[np.ndarray, np.ndarray]:
+    import pyvista  # late: it takes half a second, and only large meshes need it
+
+    mesh = pyvista.PolyData.from_regular_faces(vertices, triangles)
+    reduced = mesh.decimate(1 - 0.99 * count / len(triangles))
+    return np.asarray(reduced.points, float), reduced.regular_faces
+
+
+def _refine(
+    vertices: np.ndarray, triangles: np.ndarray, point_count: int, max_triangles: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Halve edges longer than the spacing of the points, the longest first, within the limit."""
+    finest = np.sqrt(_area(vertices, triangles) / max(point_count, 1))
+    edge = np.ptp(vertices, axis=0).max(initial=0.0)
+    while edge > finest:
+        finer = _halve_edges(vertices, triangles, edge)
+        if len(finer[1]) > max_triangles:
+            break
+        if len(finer[1]) == len(triangles):
+            edge /= np.sqrt(2)
+        vertices, triangles = finer
+    return vertices, triangles
+
+
+def _halve_edges(
+    vertices: np.ndarray, triangles: np.ndarray, longest_mm: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Halve every edge longer than `longest_mm`; neighbours stay joined without a gap."""
+    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    edges, edge_of = np.unique(ends, axis=0, return_inverse=True)
+    start, end = vertices[edges[:, 0]], vertices[edges[:, 1]]
+    long = np.linalg.norm(end - start, axis=1) > longest_mm
+    midpoint = np.full(len(edges), -1)
+    midpoint[long] = len(vertices) + np.arange(long.sum())
+    mid = midpoint[edge_of.reshape(-1, 3)]
+    halved = mid >= 0
+    # turn each triangle a, b, c until the edges to halve are ab, or ab and bc, or all
+    turn = np.select(
+        [halved.sum(1) == 1, halved.sum(1) == 2],
+        [halved.argmax(1), (np.argmin(halved, axis=1) + 1) % 3],
+        0,
+    )
+    columns = (np.arange(3) + turn[:, None]) % 3
+    a, b, c = np.take_along_axis(triangles, columns, 1).T
+    m, n, p = np.take_along_axis(mid, columns, 1).T
+    pieces = {
+        0: [(a, b, c)],
+        1: [(a, m, c), (m, b, c)],
+        2: [(m, b, n), (a, m, n), (a, n, c)],
+        3: [(a, m, p), (m, b, n), (p, n, c), (m, n, p)],
+    }
+    count = halved.sum(1)
+    divided = [
+        np.stack(piece, axis=1)[count == number]
+        for number, parts in pieces.items()
+        for piece in parts
+    ]
+    return np.vstack([vertices, 0.5 * (start + end)[long]]), np.concatenate(divided)
+
+
+def _split_sharp_edges(
+    vertices: np.ndarray, triangles: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Repeat vertices so that no two triangles that meet at a sharp edge share one.
+
+    The corners of all triangles are the nodes of a graph; corners at the same vertex are joined
+    across each smooth edge. Every connected set of corners becomes one vertex.
+    """
+    normals = _twice_area_vectors(vertices, triangles)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    corner = np.arange(3 * len(triangles)).reshape(-1, 3)
+    start = corner.ravel()
+    end = corner[:, [1, 2, 0]].ravel()
+    vertex = triangles.ravel()
+    low_first = vertex[start] < vertex[end]
+    low = np.where(low_first, start, end)
+    high = np.where(low_first, end, start)
+    order = np.lexsort((vertex[high], vertex[low]))
+    low, high = low[order], high[order]
+    same = (vertex[low[1:]] == vertex[low[:-1]]) & (vertex[high[1:]] == vertex[high[:-1]])
+    cosine = np.einsum("ij,ij->i", normals[low[1:] // 3], normals[low[:-1] // 3])
+    smooth = np.flatnonzero(same & (cosine > np.cos(_SHARP_EDGE_RAD)))
+    row = np.concatenate([low[smooth], high[smooth]])
+    column = np.concatenate([low[smooth + 1], high[smooth + 1]])
+    graph = coo_matrix((np.ones(len(row), bool), (row, column)), shape=(vertex.size,) * 2)
+    _, label = connected_components(graph, directed=False)
+    _, first = np.unique(label, return_index=True)
+    return vertices[vertex[first]], label.reshape(-1, 3)
+
+
+def sharp_edges(mesh: DisplayMesh) -> np.ndarray:
+    """(E, 2) rows of vertices: the edges that a single triangle has, each face's outline."""
+    ends = np.sort(mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    edges, count = np.unique(ends, axis=0, return_counts=True)
+    return edges[count == 1]

@@ -1,0 +1,90 @@
+"""Figures that describe the deviations of one variant."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vmach.report.result import STATUSES, InspectedPoints, Variant
+
+__all__ = ["Statistics", "feature_statistics", "variant_statistics", "worst_points"]
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Statistics over the cut points; lengths in mm, NaN where there is no cut point.
+
+    Attributes
+    ----------
+    count : int
+        Cut points, the ones that the other figures are over.
+    status_counts : dict
+        Number of all points by status.
+    mean_mm, rms_mm, min_mm, max_mm : float
+        `rms_mm` is about zero, not about the mean.
+    outside_count : int
+        Cut points with abs(deviation) above the tolerance.
+    """
+
+    count: int
+    status_counts: dict[str, int]
+    mean_mm: float
+    rms_mm: float
+    min_mm: float
+    max_mm: float
+    outside_count: int
+
+    @property
+    def peak_to_valley_mm(self) -> float:
+        """Largest minus smallest deviation."""
+        return self.max_mm - self.min_mm
+
+    @property
+    def outside_share(self) -> float:
+        """Share of the cut points outside the tolerance, 0 to 1; NaN without cut points."""
+        return self.outside_count / self.count if self.count else np.nan
+
+
+def variant_statistics(
+    variant: Variant, tolerance_mm: float, *, among: np.ndarray | None = None
+) -> Statistics:
+    """Return the statistics of a variant, optionally `among` (P,) bool points only."""
+    chosen = np.ones(len(variant.status), bool) if among is None else among
+    status = variant.status[chosen]
+    deviation = variant.deviation_mm[chosen & variant.is_cut]
+    mean, rms, low, high = (
+        (deviation.mean(), np.sqrt(np.mean(deviation**2)), deviation.min(), deviation.max())
+        if deviation.size
+        else (np.nan,) * 4
+    )
+    return Statistics(
+        count=deviation.size,
+        status_counts={name: int((status == name).sum()) for name in STATUSES},
+        mean_mm=float(mean),
+        rms_mm=float(rms),
+        min_mm=float(low),
+        max_mm=float(high),
+        outside_count=int((np.abs(deviation) > tolerance_mm).sum()),
+    )
+
+
+def feature_statistics(
+    points: InspectedPoints, variant: Variant, tolerance_mm: float
+) -> dict[str, Statistics]:
+    """Return the statistics of a variant by feature, in order of first appearance."""
+    names, first = np.unique(points.feature, return_index=True)
+    return {
+        str(name): variant_statistics(variant, tolerance_mm, among=points.feature == name)
+        for name in names[np.argsort(first)]
+    }
+
+
+def worst_points(variant: Variant, count: int = 10) -> np.ndarray:
+    """Indices of the `count` cut points of largest abs(deviation), worst first.
+
+    Ties keep the order of the points, so that the answer is the same on every run.
+    """
+    cut = np.flatnonzero(variant.is_cut)
+    order = np.argsort(-np.abs(variant.deviation_mm[cut]), kind="stable")
+    return cut[order[:count]]

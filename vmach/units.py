@@ -1,0 +1,61 @@
+"""The one place where units change: mm, rad and s inside, um, urad and degrees in files.
+
+Each function takes a number or an array and returns the same, scaled.
+"""
+
+from __future__ import annotations
+
+import math
+
+__all__ = [
+    "deg_from_rad",
+    "mm_from_um",
+    "mm_per_min_from_mm_per_s",
+    "mm_per_s_from_mm_per_min",
+    "rad_from_deg",
+    "rad_from_urad",
+    "um_from_mm",
+    "urad_from_rad",
+]
+
+_DEG_PER_RAD = 180.0 / math.pi
+
+
+def mm_from_um(length_um):
+    """Millimetres from micrometres."""
+    return length_um / 1e3
+
+
+def um_from_mm(length_mm):
+    """Micrometres from millimetres."""
+    return length_mm * 1e3
+
+
+def rad_from_urad(angle_urad):
+    """Radians from microradians, which are also um/m (squareness, pitch per length)."""
+    return angle_urad / 1e6
+
+
+def urad_from_rad(angle_rad):
+    """Microradians (um/m) from radians."""
+    return angle_rad * 1e6
+
+
+def rad_from_deg(angle_deg):
+    """Radians from degrees."""
+    return angle_deg / _DEG_PER_RAD
+
+
+def deg_from_rad(angle_rad):
+    """Degrees from radians."""
+    return angle_rad * _DEG_PER_RAD
+
+
+def mm_per_s_from_mm_per_min(feed_mm_per_min):
+    """Speed in mm/s from a programmed feed in mm/min."""
+    return feed_mm_per_min / 60.0
+
+
+def mm_per_min_from_mm_per_s(speed_mm_per_s):
+    """Feed in mm/min from a speed in mm/s."""
+    return speed_mm_per_s * 60.0
