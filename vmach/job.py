@@ -25,7 +25,6 @@ Point = tuple[Finite, Finite, Finite]
 
 #: names of the work offsets in the order of their numbers, 1 = G54
 WORK_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
-_ALIGNMENTS = ("none", "best-fit", "datum")
 
 
 def _known_offsets(offsets: dict[str, Point]) -> dict[str, Point]:
@@ -61,7 +60,7 @@ class _Inspection(FileSection):
     reach_mm: Positive = 1.0
     tolerance_um: Positive = 10.0
     alignment: Literal["none", "best-fit", "datum"] = "none"
-    datum_features: list[str] = []
+    datums: list[list[str]] = []
 
 
 class _JobFile(FileSection):
@@ -108,7 +107,7 @@ class Inspection:
     reach_mm: float
     tolerance_mm: float
     alignment: str
-    datum_features: tuple[str, ...]
+    datums: tuple[tuple[str, ...], ...]
 
 
 @dataclass(frozen=True)
@@ -270,5 +269,5 @@ def _inspection(data: _Inspection) -> Inspection:
         reach_mm=data.reach_mm,
         tolerance_mm=data.tolerance_um * 1e-3,
         alignment=data.alignment,
-        datum_features=tuple(data.datum_features),
+        datums=tuple(map(tuple, data.datums)),
     )

@@ -67,11 +67,10 @@ def last_direction(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.
     An axis that stands still keeps the direction in which it came to rest.
     """
     leaving = _direction_within(moves, np.arange(len(moves)), np.ones(len(moves)))
-    before = np.zeros((len(moves) + 1, 3))
-    for axis in range(3):
-        known = np.flatnonzero(leaving[:, axis])
-        latest = np.searchsorted(known, np.arange(len(moves)), side="right") - 1
-        before[1:, axis] = np.where(latest >= 0, leaving[known, axis][latest], 0.0)
+    number = np.arange(len(moves))[:, None]
+    latest = np.maximum.accumulate(np.where(leaving != 0.0, number, -1), axis=0)
+    known = np.take_along_axis(leaving, np.maximum(latest, 0), axis=0)
+    before = np.vstack([np.zeros((1, 3)), np.where(latest >= 0, known, 0.0)])
     own = _direction_within(moves, move, parameter)
     return np.where(own != 0.0, own, before[move])
 

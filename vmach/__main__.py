@@ -1,0 +1,5 @@
+"""``python -m vmach``."""
+
+from vmach.cli import main
+
+main()

@@ -1,0 +1,155 @@
+"""The command line: ``vmach COMMAND``."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from gcode import ProgramError
+from stock import StockError
+from vmach import __version__
+from vmach.errors import VmachError
+from vmach.machine import Variant
+from vmach.progress import progress_bar
+
+__all__ = ["app", "main"]
+
+app = typer.Typer(
+    name="vmach",
+    help="Predict the part that a real machine makes from an NC program.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+JobPath = Annotated[Path, typer.Argument(metavar="JOB", help="job.toml, or the folder it is in")]
+AsJson = Annotated[bool, typer.Option("--json", help="print the figures as JSON")]
+OutDir = Annotated[Path | None, typer.Option("--out", help="folder for the results")]
+Model = Annotated[Variant, typer.Option(help="arms of the machine's angular errors")]
+
+
+@app.callback(invoke_without_command=True)
+def _version(
+    version: Annotated[bool, typer.Option("--version", help="print the version")] = False,
+) -> None:
+    if version:
+        print(__version__)
+        raise typer.Exit
+
+
+@app.command()
+def run(
+    job: JobPath, model: Model = Variant.ABBE, out: OutDir = None, as_json: AsJson = False
+) -> None:
+    """Machine the part virtually and compare it with its nominal CAD."""
+    variants = (Variant.NONE,) if model is Variant.NONE else (Variant.NONE, model)
+    _machine(job, model, variants, out=out, as_json=as_json)
+
+
+@app.command()
+def compare(job: JobPath, out: OutDir = None, as_json: AsJson = False) -> None:
+    """Error-model variants side by side, and against the measured points of the job."""
+    _machine(
+        job,
+        Variant.ABBE,
+        (Variant.NONE, Variant.HTM, Variant.ABBE),
+        prefer_measured=True,
+        out=out,
+        as_json=as_json,
+    )
+
+
+@app.command()
+def predict(
+    job: JobPath,
+    points: Annotated[Path, typer.Option(help="surface points: id,feature,x,y,z,i,j,k")],
+    program: Annotated[Path | None, typer.Option(help="another NC program")] = None,
+    model: Model = Variant.ABBE,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="CSV to write")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Predicted deviation at given surface points, with the NC line that made each."""
+    from vmach.pipeline import predict_points
+    from vmach.results import prediction_rows, prediction_summary, write_prediction_csv
+
+    with progress_bar() as progress:
+        found, prediction = predict_points(
+            job, points, program_path=program, variant=model, progress=progress
+        )
+    if out is not None:
+        write_prediction_csv(out, found, prediction)
+    if as_json:
+        print(json.dumps(prediction_summary(found, prediction), indent=1))
+    elif out is None:
+        for row in prediction_rows(found, prediction):
+            print(",".join(map(str, row)))
+    else:
+        figures = prediction_summary(found, prediction)
+        print(f"{out}: {figures['points']} points, {figures['status']}")
+
+
+@app.command()
+def view(directory: Annotated[Path, typer.Argument(metavar="DIR", help="a result")]) -> None:
+    """Show a result in a window."""
+    from vmach.report import open_viewer
+
+    open_viewer(directory)
+
+
+def _machine(
+    job: Path,
+    model: Variant,
+    variants: tuple[Variant, ...],
+    *,
+    out: Path | None,
+    as_json: bool,
+    prefer_measured: bool = False,
+) -> None:
+    from vmach.pipeline import machine_part
+    from vmach.report import render_variants
+    from vmach.results import default_folder, run_record, write_results
+
+    out = out or default_folder(job)
+    with progress_bar() as progress:
+        made = machine_part(
+            job, model=model, variants=variants, prefer_measured=prefer_measured, progress=progress
+        )
+        figures = write_results(made, out, command=_command_line(), progress=progress)
+    if as_json:
+        print(json.dumps(figures, indent=1))
+        return
+    console = Console()
+    console.print(render_variants(made.points, run_record(made, _command_line())))
+    for note in figures["run"]["warnings"]:
+        console.print(f"note: {note}", highlight=False, markup=False)
+    console.print(f"results in {out}: report.html, heatmap.png, part.stl, deviations.csv")
+
+
+def _command_line() -> str:
+    return shlex.join(["vmach", *sys.argv[1:]])
+
+
+def main() -> None:
+    """Run the command line; user errors become one message and exit status 1."""
+    try:
+        app()
+    except (VmachError, ProgramError, StockError) as error:
+        print(f"vmach: {error}", file=sys.stderr)
+        sys.exit(1)
+    except KeyboardInterrupt:
+        print("vmach: interrupted; nothing was written", file=sys.stderr)
+        sys.exit(130)
+    except BrokenPipeError:
+        sys.stderr.close()
+        sys.exit(0)
+
+
+if __name__ == "__main__":
+    main()

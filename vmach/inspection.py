@@ -1,0 +1,160 @@
+"""Inspection: where a job's part is looked at, and the table of what was found there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from vmach.alignment import align
+from vmach.errors import InputError
+from vmach.job import Inspection, Job
+from vmach.machine import Variant
+from vmach.nominal import NominalPart
+from vmach.points import SurfacePoints, read_points_csv
+from vmach.prediction import Prediction
+from vmach.report import STATUSES, InspectedPoints
+from vmach.report import Variant as Column
+
+__all__ = ["LABELS", "check_nominal_in_blank", "inspected_points", "surface_points"]
+
+LABELS = {
+    Variant.NONE: "Perfect machine (program only)",
+    Variant.HTM: "Conventional HTM",
+    Variant.ABBE: "Abbe-consistent",
+}
+#: how far the nominal part may stand out of the blank
+_BLANK_SLACK_MM = 0.05
+
+
+def surface_points(
+    job: Job, nominal: NominalPart | None, *, prefer_measured: bool = False
+) -> SurfacePoints:
+    """Points to inspect: sampled on the nominal CAD, or those that were measured.
+
+    Raises
+    ------
+    InputError
+        The job has neither; or the nominal part does not fit into the blank.
+    """
+    if job.measured is not None and (prefer_measured or nominal is None):
+        return read_points_csv(job.measured)
+    if nominal is None:
+        raise InputError(
+            "nothing to inspect",
+            file=job.path,
+            accepted="nominal = an STL or STEP file, or measured = a CSV of points",
+        )
+    check_nominal_in_blank(job, nominal)
+    settings = job.inspection
+    return nominal.sample(settings.spacing_mm, edge_margin_mm=settings.edge_margin_mm)
+
+
+def check_nominal_in_blank(job: Job, nominal: NominalPart) -> None:
+    """Refuse a nominal part that could not have come out of the blank."""
+    if job.blank is None:
+        return
+    low, high = nominal.bounds_mm
+    outside = max((job.blank.min_mm - low).max(), (high - job.blank.max_mm).max())
+    if outside > _BLANK_SLACK_MM:
+
+        def box(a: np.ndarray, b: np.ndarray) -> str:
+            return " x ".join(f"{x:g}..{y:g}" for x, y in zip(a, b, strict=True))
+
+        raise InputError(
+            f"the nominal part spans {box(low, high)} mm and stands {outside:.3g} mm out of "
+            "the stock",
+            file=job.nominal,
+            accepted=f"inside {box(job.blank.min_mm, job.blank.max_mm)} mm ([stock])",
+            hint="is the CAD in workpiece coordinates, in mm?",
+        )
+
+
+def inspected_points(
+    job: Job, points: SurfacePoints, predictions: Sequence[Prediction]
+) -> tuple[InspectedPoints, tuple[str, ...]]:
+    """The table of deviations, one column a variant, and notes on it.
+
+    Predicted deviations are aligned as the job asks. Measured ones, where the points have them,
+    are aligned by best fit to the last prediction, since a part's pose on the CMM is arbitrary;
+    for every variant the RMS of measured minus predicted after its own best fit is given.
+    """
+    notes: list[str] = []
+    columns = [_column(points, p, job.inspection, notes) for p in predictions]
+    primary = predictions[-1]
+    if points.measured_mm is not None:
+        columns.append(_measured_column(points, primary))
+    return _table(points, primary, columns), tuple(notes)
+
+
+def _column(
+    points: SurfacePoints, prediction: Prediction, settings: Inspection, notes: list[str]
+) -> Column:
+    cut = prediction.is_cut
+    deviation = np.array(prediction.deviation_mm)
+    if settings.alignment != "none" and cut.any():
+        found = align(
+            _some(points, cut), deviation[cut], mode=settings.alignment, datums=settings.datums
+        )
+        deviation[cut] = found.apply(points.point_mm[cut], points.normal[cut], deviation[cut])
+        shift = ", ".join(f"{1e3 * x:.2f}" for x in found.shift_mm)
+        turn = ", ".join(f"{1e6 * x:.1f}" for x in found.rotation_rad)
+        label = LABELS[prediction.variant]
+        notes.append(f"{label}: {settings.alignment} took away [{shift}] um, [{turn}] urad")
+    return Column(
+        name=str(prediction.variant),
+        label=LABELS[prediction.variant],
+        deviation_mm=deviation,
+        status=np.array(STATUSES)[prediction.edges.status],
+        remainder_rms_mm=_remainder_rms_mm(points, prediction),
+    )
+
+
+def _remainder_rms_mm(points: SurfacePoints, prediction: Prediction) -> float | None:
+    """RMS of measured minus predicted after a best fit; None without measured points."""
+    cut = prediction.is_cut
+    if points.measured_mm is None or not cut.any():
+        return None
+    left = (points.measured_deviation_mm - prediction.deviation_mm)[cut]
+    left = align(_some(points, cut), left).apply(points.point_mm[cut], points.normal[cut], left)
+    return float(np.sqrt(np.mean(left**2)))
+
+
+def _measured_column(points: SurfacePoints, primary: Prediction) -> Column:
+    cut = primary.is_cut
+    measured = np.array(points.measured_deviation_mm)
+    if cut.any():
+        left = (measured - primary.deviation_mm)[cut]
+        pose = align(_some(points, cut), left)
+        measured -= pose.deviation_mm(points.point_mm, points.normal)
+    status = np.full(len(points), "cut")
+    return Column("measured", "Measured, best fit to the prediction", measured, status)
+
+
+def _some(points: SurfacePoints, mask: np.ndarray) -> SurfacePoints:
+    return SurfacePoints(
+        points.id[mask], points.feature[mask], points.point_mm[mask], points.normal[mask]
+    )
+
+
+def _table(points: SurfacePoints, primary: Prediction, columns: list[Column]) -> InspectedPoints:
+    """Points with the move that made each; zeros where none did."""
+    cut, states = primary.is_cut, primary.states
+
+    def spread(values: np.ndarray, empty: float = 0) -> np.ndarray:
+        full = np.full(len(points), empty, dtype=values.dtype)
+        full[cut] = values
+        return full
+
+    return InspectedPoints(
+        id=points.id,
+        feature=points.feature,
+        point_mm=points.point_mm,
+        normal=points.normal,
+        line=spread(states.line),
+        tool=spread(states.tool),
+        move=spread(states.move, -1),
+        time_s=spread(states.time_s),
+        variants=tuple(columns),
+        u_mm=points.u_mm,
+    )

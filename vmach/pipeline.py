@@ -1,0 +1,147 @@
+"""The main job: from an NC program to the predicted part and its deviations.
+
+`machine_part` reads like the description of the program; everything it calls is a stage that can
+be used on its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from stock import VirtualPart, cut_part
+from vmach.alignment import align
+from vmach.effects import read_effects
+from vmach.errors import InputError
+from vmach.inspection import inspected_points, surface_points
+from vmach.job import Job, read_job
+from vmach.machine import Variant
+from vmach.nominal import NominalPart, read_nominal
+from vmach.points import SurfacePoints, read_points_csv
+from vmach.prediction import Prediction, displaced_sweeps, predict
+from vmach.preparation import Preparation, prepare
+from vmach.report import InspectedPoints
+from vmach.stage_clock import Progress, StageClock, silent
+
+__all__ = ["MachinedPart", "machine_part", "predict_points"]
+
+
+@dataclass(frozen=True)
+class MachinedPart:
+    """What the main job found.
+
+    Attributes
+    ----------
+    job : Job
+    preparation : Preparation
+    points : InspectedPoints
+        Deviations of every variant, aligned as the job asks.
+    part : VirtualPart
+        The solid that the displaced tools leave.
+    nominal : NominalPart or None
+    model : Variant
+        The error model that the solid was cut with.
+    stages_s : dict of str to float
+    notes : tuple of str
+        What the user should know before trusting the numbers.
+    """
+
+    job: Job
+    preparation: Preparation
+    points: InspectedPoints
+    part: VirtualPart
+    nominal: NominalPart | None
+    model: Variant
+    stages_s: dict[str, float]
+    notes: tuple[str, ...]
+
+
+def machine_part(
+    job_path: str | Path,
+    *,
+    model: Variant = Variant.ABBE,
+    variants: Sequence[Variant] = (Variant.NONE, Variant.ABBE),
+    progress: Progress = silent,
+) -> MachinedPart:
+    """Machine the job's part virtually and inspect it.
+
+    Parameters
+    ----------
+    job_path : path
+        The job file, or its folder.
+    model : Variant
+        Error model that the solid is cut with.
+    variants : sequence of Variant
+        Error models to inspect, side by side.
+    progress : Progress
+
+    Raises
+    ------
+    InputError, gcode.ProgramError, stock.StockError
+    """
+    clock = StageClock(progress)
+    with clock.stage("read"):
+        job = read_job(job_path)
+        effects = read_effects(job.effects, file=job.path)
+        preparation = prepare(job)
+        nominal = read_nominal(job.nominal) if job.nominal else None
+        points = surface_points(job, nominal)
+    with clock.stage("displace"):
+        sweeps = {v: displaced_sweeps(preparation, v, effects) for v in {*variants, model}}
+    with clock.stage("compare") as step:
+        predictions: list[Prediction] = []
+        for variant in variants:
+            predictions.append(
+                predict(
+                    preparation,
+                    points.point_mm,
+                    points.normal,
+                    variant=variant,
+                    effects=effects,
+                    sweeps=sweeps[variant],
+                )
+            )
+            step(len(predictions), len(variants))
+    with clock.stage("cut") as step:
+        part = cut_part(sweeps[model], preparation.tools, _blank(job), progress=step)
+    inspected, notes = inspected_points(job, points, predictions)
+    return MachinedPart(
+        job=job,
+        preparation=preparation,
+        points=inspected,
+        part=part,
+        nominal=nominal,
+        model=model,
+        stages_s=clock.seconds,
+        notes=(*preparation.notes, *points.notes, *notes),
+    )
+
+
+def predict_points(
+    job_path: str | Path,
+    points_path: str | Path,
+    *,
+    program_path: str | Path | None = None,
+    variant: Variant = Variant.ABBE,
+    progress: Progress = silent,
+) -> tuple[SurfacePoints, Prediction]:
+    """Predicted deviation at given surface points, of the job's program or of another.
+
+    Raises
+    ------
+    InputError, gcode.ProgramError, stock.StockError
+    """
+    clock = StageClock(progress)
+    with clock.stage("read"):
+        job = read_job(job_path)
+        effects = read_effects(job.effects, file=job.path)
+        points = read_points_csv(points_path)
+        preparation = prepare(job, program_path=Path(program_path) if program_path else None)
+    with clock.stage("predict"):
+        prediction = predict(
+            preparation, points.point_mm, points.normal, variant=variant, effects=effects
+        )
+    return points, prediction

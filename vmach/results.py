@@ -1,0 +1,138 @@
+"""The files of a run: summary, deviations, solid, picture and report."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import platform
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from stock import write_part
+from vmach.pipeline import MachinedPart
+from vmach.points import SurfacePoints
+from vmach.prediction import Prediction
+from vmach.report import (
+    STATUSES,
+    InputFile,
+    RunRecord,
+    atomic_file,
+    atomic_folder,
+    build_display_mesh,
+    draw_heatmap,
+    summary,
+    write_deviations_csv,
+    write_report_html,
+    write_summary,
+)
+from vmach.stage_clock import Progress, StageClock, silent
+from vmach.units import um_from_mm
+
+__all__ = ["run_record", "write_prediction_csv", "write_results"]
+
+_PACKAGES = ("vmach", "numpy", "scipy", "numba", "manifold3d", "trimesh", "pyvista")
+
+
+def write_results(
+    made: MachinedPart, out_dir: Path, *, command: str, progress: Progress = silent
+) -> dict:
+    """Write all files of a run into a folder, all of them or none.
+
+    Returns
+    -------
+    dict
+        The summary, as in ``summary.json``.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written to.
+    """
+    clock = StageClock(progress)
+    with atomic_folder(out_dir) as folder, clock.stage("write"):
+        write_part(made.part, folder / "part.stl")
+        write_deviations_csv(folder / "deviations.csv", made.points)
+        mesh = _display_mesh(made)
+        record = run_record(made, command)
+        hint = draw_heatmap(folder / "heatmap.png", mesh, made.points, record)
+        if hint:
+            record = run_record(made, command, hint)
+        write_report_html(
+            folder / "report.html", made.points, mesh, record, heatmap=folder / "heatmap.png"
+        )
+        write_summary(folder / "summary.json", made.points, record)
+    return summary(made.points, record)
+
+
+def _display_mesh(made: MachinedPart):
+    """The nominal CAD, or the virtual part where there is none, with the deviations on it."""
+    if made.nominal is not None:
+        vertices, triangles = made.nominal.mesh
+    else:
+        vertices, triangles = made.part.vertices_mm, made.part.triangles
+    return build_display_mesh(vertices, triangles, made.points)
+
+
+def run_record(made: MachinedPart, command: str, *hints: str) -> RunRecord:
+    """What was run: files with hashes, versions, facts."""
+    job, program = made.job, made.preparation.program
+    moves = program.moves
+    minutes = float(moves.start_s[-1] + moves.duration_s[-1]) / 60 if len(moves) else 0.0
+    return RunRecord(
+        title=job.path.parent.name if job.path.stem == "job" else job.path.stem,
+        command=command,
+        model=str(made.model),
+        tolerance_mm=job.inspection.tolerance_mm,
+        started_at=datetime.now(UTC).isoformat(timespec="seconds"),
+        files=tuple(_input_file(path, job.folder) for path in job.files()),
+        versions={"python": platform.python_version()} | {p: version(p) for p in _PACKAGES},
+        stages_s=made.stages_s,
+        facts={
+            "machine": job.machine.name,
+            "chain": str(job.machine.chain),
+            "moves": f"{len(moves)}",
+            "machining time": f"{minutes:.1f} min",
+            "volume of the part": f"{made.part.volume_mm3:.1f} mm3",
+            "effects": ", ".join(job.effects) or "none beside the error tables",
+        },
+        warnings=(*made.notes, *hints),
+        program_lines=tuple(program.source.text.splitlines()),
+    )
+
+
+def _input_file(path: Path, folder: Path) -> InputFile:
+    content = path.read_bytes()
+    name = path.relative_to(folder) if path.is_relative_to(folder) else path
+    role = path.suffix.removeprefix(".")
+    return InputFile(role, str(name), hashlib.sha256(content).hexdigest(), len(content))
+
+
+def write_prediction_csv(path: Path, points: SurfacePoints, prediction: Prediction) -> None:
+    """Write ``id, deviation_um, u_um, line, tool, time_s, status``; empty where nothing cut."""
+    with atomic_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow("id deviation_um u_um line tool time_s status".split())
+        writer.writerows(_prediction_rows(points, prediction))
+
+
+def _prediction_rows(points: SurfacePoints, prediction: Prediction):
+    states, deviation_um = prediction.states, um_from_mm(prediction.deviation_mm)
+    place = np.cumsum(prediction.is_cut) - 1
+    for k, name in enumerate(points.id):
+        status = STATUSES[prediction.edges.status[k]]
+        if not prediction.is_cut[k]:
+            yield [name, "", "", "", "", "", status]
+            continue
+        c = place[k]
+        yield [
+            name,
+            f"{deviation_um[k]:.6f}",
+            f"{um_from_mm(prediction.u_mm[k]):.4f}",
+            states.line[c],
+            states.tool[c],
+            f"{states.time_s[c]:.3f}",
+            status,
+        ]
