@@ -6,8 +6,8 @@ Job, tool controllers, pocket and profile operations, post-processor linuxcnc. T
 FreeCAD wrote, not touched by hand.
 """
 
-import re
 import pathlib
+import re
 
 import FreeCAD
 import MeshPart
