@@ -1,0 +1,162 @@
+"""The nominal part: faces that points are sampled on, and a mesh to look at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from vmach.errors import InputError
+from vmach.points import SurfacePoints
+
+__all__ = ["EDGE_MARGIN_MM", "MAX_POINTS", "Face", "Mesh", "NominalPart"]
+
+#: at an edge the deviation along a normal is not defined, so points keep this distance
+EDGE_MARGIN_MM = 0.05
+
+#: more sampled points than this are refused before any work is done
+MAX_POINTS = 5_000_000
+
+
+class Face(Protocol):
+    """One face of the nominal part."""
+
+    name: str  #: as in reports: ``face 12 cylinder R20``
+    kind: str  #: plane, cylinder, cone, ...
+    area_mm2: float
+
+    def sample(self, spacing_mm: float, edge_margin_mm: float) -> tuple[np.ndarray, np.ndarray]:
+        """Points and outward unit normals, (P, 3) mm each."""
+        ...
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Triangles to look at; numbers come from the faces themselves.
+
+    Attributes
+    ----------
+    vertices_mm : (V, 3) float64
+    triangles : (T, 3) int64
+        Counter-clockwise seen from outside.
+    face : (T,) int64
+        Index of the face in `NominalPart.faces` that each triangle belongs to.
+    """
+
+    vertices_mm: np.ndarray
+    triangles: np.ndarray
+    face: np.ndarray
+
+    def __post_init__(self) -> None:
+        for name, dtype in (("vertices_mm", np.float64), ("triangles", np.int64), ("face", int)):
+            array = np.ascontiguousarray(getattr(self, name), dtype=dtype)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    @property
+    def corners_mm(self) -> np.ndarray:
+        """Corners of the triangles, (T, 3, 3) mm."""
+        return self.vertices_mm[self.triangles]
+
+    @property
+    def volume_mm3(self) -> float:
+        """Enclosed volume, positive when the triangles face outwards."""
+        a, b, c = np.moveaxis(self.corners_mm - self.vertices_mm.mean(axis=0), 1, 0)
+        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+
+
+@dataclass(frozen=True)
+class NominalPart:
+    """Nominal CAD of the finished part, in workpiece coordinates, mm.
+
+    Attributes
+    ----------
+    path : Path
+        The file it was read from.
+    faces : tuple of Face
+        Faces with a name, a kind and an area.
+    mesh : Mesh
+        Closed triangle mesh for pictures.
+    mesh_chord_mm : float
+        How far the triangles of `mesh` are from the faces at most.
+    chord_error_mm : float
+        How far the faces are from the designer's surface: 0 for exact surfaces (STEP), the
+        estimated sagitta of the facets for STL.
+    notes : tuple of str
+        What the reader noticed and survived, one sentence each.
+    """
+
+    path: Path
+    faces: tuple[Face, ...]
+    mesh: Mesh
+    mesh_chord_mm: float
+    chord_error_mm: float
+    notes: tuple[str, ...] = ()
+
+    @property
+    def bounds_mm(self) -> np.ndarray:
+        """Lowest and highest corner of the bounding box of the mesh, (2, 3) mm."""
+        corners = self.mesh.vertices_mm
+        return np.array([corners.min(axis=0), corners.max(axis=0)])
+
+    def sample(
+        self,
+        spacing_mm: float,
+        *,
+        edge_margin_mm: float = EDGE_MARGIN_MM,
+        max_points: int = MAX_POINTS,
+    ) -> SurfacePoints:
+        """Sample points with outward normals on all faces, the same at every call.
+
+        Parameters
+        ----------
+        spacing_mm : float
+            Distance between neighbouring points; a face smaller than that gets one point.
+        edge_margin_mm : float
+            Least distance of a point from the edges of its face.
+        max_points : int
+            Refuse spacings that would give more points.
+
+        Returns
+        -------
+        SurfacePoints
+            With ids from 1, `feature` being the face's name; `notes` names the faces that are
+            too narrow for a point.
+
+        Raises
+        ------
+        InputError
+            Spacing or margin that is not a positive number, or too many points.
+        """
+        self._check(spacing_mm, edge_margin_mm, max_points)
+        samples = [face.sample(spacing_mm, edge_margin_mm) for face in self.faces]
+        counts = [len(points) for points, _ in samples]
+        bare = [f.name for f, count in zip(self.faces, counts, strict=True) if count == 0]
+        notes = (
+            (f"{len(bare)} faces are too narrow for a point: {', '.join(bare[:5])}",)
+            if bare
+            else ()
+        )
+        return SurfacePoints(
+            id=np.arange(1, sum(counts) + 1),
+            feature=np.repeat([face.name for face in self.faces], counts),
+            point_mm=np.vstack([points for points, _ in samples]),
+            normal=np.vstack([normals for _, normals in samples]),
+            notes=self.notes + notes,
+        )
+
+    def _check(self, spacing_mm: float, edge_margin_mm: float, max_points: int) -> None:
+        if not (np.isfinite(spacing_mm) and spacing_mm > 0.0):
+            raise InputError(f"spacing {spacing_mm} mm", accepted="a number above 0")
+        if not (np.isfinite(edge_margin_mm) and edge_margin_mm >= 0.0):
+            raise InputError(f"edge margin {edge_margin_mm} mm", accepted="0 or a number above it")
+        area_mm2 = sum(face.area_mm2 for face in self.faces)
+        if area_mm2 / spacing_mm**2 > max_points:
+            raise InputError(
+                f"a spacing of {spacing_mm:g} mm gives about {area_mm2 / spacing_mm**2:.2g} points",
+                file=self.path,
+                accepted=f"at most {max_points} points",
+                hint=f"use {np.sqrt(area_mm2 / max_points):.2g} mm or more",
+            )
