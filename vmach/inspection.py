@@ -16,7 +16,7 @@ from vmach.prediction import Prediction
 from vmach.report import STATUSES, InspectedPoints
 from vmach.report import Variant as Column
 
-__all__ = ["LABELS", "check_nominal_in_blank", "inspected_points", "surface_points"]
+__all__ = ["LABELS", "check_nominal_in_blank", "inspected_points", "remainder_rms_mm", "surface_points"]
 
 LABELS = {
     Variant.NONE: "Perfect machine (program only)",
@@ -106,11 +106,11 @@ def _column(
         label=LABELS[prediction.variant],
         deviation_mm=deviation,
         status=np.array(STATUSES)[prediction.edges.status],
-        remainder_rms_mm=_remainder_rms_mm(points, prediction),
+        remainder_rms_mm=remainder_rms_mm(points, prediction),
     )
 
 
-def _remainder_rms_mm(points: SurfacePoints, prediction: Prediction) -> float | None:
+def remainder_rms_mm(points: SurfacePoints, prediction: Prediction) -> float | None:
     """RMS of measured minus predicted after a best fit; None without measured points."""
     cut = prediction.is_cut
     if points.measured_mm is None or not cut.any():

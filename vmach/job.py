@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +15,7 @@ from vmach.errors import InputError
 from vmach.machine import Machine, read_machine
 from vmach.toml_file import FileSection, line_of_key, read_text, read_toml
 
-__all__ = ["Blank", "Inspection", "Job", "read_job"]
+__all__ = ["WORK_OFFSETS", "Blank", "Inspection", "Job", "JobTool", "read_job"]
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -40,10 +39,21 @@ class _Stock(FileSection):
     file: str | None = None
 
 
+#: keys of a tool that its cutting part is made from
+_CUTTER_DIMENSIONS = {
+    "diameter_mm",
+    "length_mm",
+    "corner_radius_mm",
+    "tip_diameter_mm",
+    "angle_deg",
+    "flute_length_mm",
+}
+
+
 class _Tool(FileSection):
     shape: Literal["flat", "ball", "bull", "chamfer", "drill", "profile"]
-    diameter_mm: Finite
-    length_mm: Finite
+    diameter_mm: Positive
+    length_mm: Positive
     corner_radius_mm: Finite | None = None
     tip_diameter_mm: Finite | None = None
     angle_deg: Finite | None = None
@@ -99,6 +109,34 @@ class Blank:
 
 
 @dataclass(frozen=True)
+class JobTool:
+    """A tool in its holder; lengths in mm.
+
+    Attributes
+    ----------
+    number : int
+        As in the program's T word.
+    cutter : stock.Tool
+        The cutting part, tip at the origin.
+    diameter_mm, length_mm : float
+        Cutting diameter; distance from spindle nose to tip.
+    flutes : int or None
+    shank_diameter_mm : float or None
+        Above the cutting part.
+    holder_mm : (K, 2) float64 or None
+        Outline (r, z) of the holder, z from the tip.
+    """
+
+    number: int
+    cutter: Tool
+    diameter_mm: float
+    length_mm: float
+    flutes: int | None = None
+    shank_diameter_mm: float | None = None
+    holder_mm: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
 class Inspection:
     """How the part is looked at; lengths in mm."""
 
@@ -129,7 +167,7 @@ class Job:
         The work offsets hold for the tip of every tool, whatever G43 says.
     work_offsets_mm : mapping of "G54" ... to (3,) float64
     blank : Blank or None
-    tools : mapping of tool number to stock.Tool
+    tools : mapping of tool number to JobTool
     inspection : Inspection
     effects, measurements, history
         As in the file; read by the parts of the program that know them.
@@ -146,7 +184,7 @@ class Job:
     touched_off: bool
     work_offsets_mm: Mapping[str, np.ndarray]
     blank: Blank | None
-    tools: Mapping[int, Tool]
+    tools: Mapping[int, JobTool]
     inspection: Inspection
     effects: Mapping[str, Any]
     measurements: Sequence[Mapping[str, Any]]
@@ -252,14 +290,23 @@ def _blank_from_file(file: Path, where: dict[str, Any]) -> Blank:
     return Blank(low, high, file)
 
 
-def _tool(number: int, tool: _Tool, where: dict[str, Any]) -> Tool:
-    given = tool.model_dump(exclude_none=True, exclude={"flutes"})
-    if "angle_deg" in given:
-        given["angle_rad"] = math.radians(given.pop("angle_deg"))
+def _tool(number: int, tool: _Tool, where: dict[str, Any]) -> JobTool:
+    given = tool.model_dump(exclude_none=True, include=_CUTTER_DIMENSIONS)
+    if tool.shape == "profile":
+        given = {"points_mm": tool.profile_mm or []}
     try:
-        return make_tool(given.pop("shape"), **given)
+        cutter = make_tool(tool.shape, **given)
     except StockError as error:
         raise InputError(f"tool {number}: {error}", **where) from None
+    return JobTool(
+        number=number,
+        cutter=cutter,
+        diameter_mm=tool.diameter_mm,
+        length_mm=tool.length_mm,
+        flutes=tool.flutes,
+        shank_diameter_mm=tool.shank_diameter_mm,
+        holder_mm=None if tool.holder_mm is None else np.array(tool.holder_mm),
+    )
 
 
 def _inspection(data: _Inspection) -> Inspection:

@@ -10,12 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from stock import VirtualPart, cut_part
-from vmach.alignment import align
 from vmach.effects import read_effects
-from vmach.errors import InputError
 from vmach.inspection import inspected_points, surface_points
 from vmach.job import Job, read_job
 from vmach.machine import Variant
@@ -64,6 +60,7 @@ def machine_part(
     *,
     model: Variant = Variant.ABBE,
     variants: Sequence[Variant] = (Variant.NONE, Variant.ABBE),
+    prefer_measured: bool = False,
     progress: Progress = silent,
 ) -> MachinedPart:
     """Machine the job's part virtually and inspect it.
@@ -76,6 +73,8 @@ def machine_part(
         Error model that the solid is cut with.
     variants : sequence of Variant
         Error models to inspect, side by side.
+    prefer_measured : bool
+        Inspect the measured points of the job, where it has them, and not the nominal CAD.
     progress : Progress
 
     Raises
@@ -88,7 +87,7 @@ def machine_part(
         effects = read_effects(job.effects, file=job.path)
         preparation = prepare(job)
         nominal = read_nominal(job.nominal) if job.nominal else None
-        points = surface_points(job, nominal)
+        points = surface_points(job, nominal, prefer_measured=prefer_measured)
     with clock.stage("displace"):
         sweeps = {v: displaced_sweeps(preparation, v, effects) for v in {*variants, model}}
     with clock.stage("compare") as step:
@@ -106,7 +105,7 @@ def machine_part(
             )
             step(len(predictions), len(variants))
     with clock.stage("cut") as step:
-        part = cut_part(sweeps[model], preparation.tools, _blank(job), progress=step)
+        part = cut_part(sweeps[model], preparation.cutters, job.blank_solid, progress=step)
     inspected, notes = inspected_points(job, points, predictions)
     return MachinedPart(
         job=job,

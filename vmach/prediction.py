@@ -111,7 +111,7 @@ def predict(
         points_mm,
         normals,
         sweeps=sweeps,
-        tools=preparation.tools,
+        tools=preparation.cutters,
         blank_mm=None if job.blank is None else (job.blank.min_mm, job.blank.max_mm),
         reach_mm=job.inspection.reach_mm,
     )

@@ -30,10 +30,10 @@ class Preparation:
     path : Toolpath
     zero_mm : (3,) float64
         Workpiece zero in machine coordinates.
-    tools : tuple of Tool
+    cutters : tuple of stock.Tool
         For the removal engine.
     tool_index : (T,) int64
-        Index into `tools` of tool number k; -1 where the job has no such tool.
+        Index into `cutters` of tool number k; -1 where the job has no such tool.
     notes : tuple of str
         What the user should know about how the program was understood.
     """
@@ -42,7 +42,7 @@ class Preparation:
     program: Program
     path: Toolpath
     zero_mm: np.ndarray
-    tools: tuple[Tool, ...]
+    cutters: tuple[Tool, ...]
     tool_index: np.ndarray
     notes: tuple[str, ...]
 
@@ -90,7 +90,8 @@ def prepare(
     index = np.full(max(job.tools) + 1, -1)
     index[list(job.tools)] = np.arange(len(job.tools))
     zero = job.work_offsets_mm[_zero_name(job, moves, source)]
-    return Preparation(job, program, path, zero, tuple(job.tools.values()), index, notes)
+    cutters = tuple(tool.cutter for tool in job.tools.values())
+    return Preparation(job, program, path, zero, cutters, index, notes)
 
 
 def _limits(job: Job) -> MachineLimits:

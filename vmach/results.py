@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import platform
+from collections.abc import Iterator
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -12,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from stock import write_part
+from vmach.inspection import remainder_rms_mm
 from vmach.pipeline import MachinedPart
 from vmach.points import SurfacePoints
 from vmach.prediction import Prediction
@@ -31,7 +33,14 @@ from vmach.report import (
 from vmach.stage_clock import Progress, StageClock, silent
 from vmach.units import um_from_mm
 
-__all__ = ["run_record", "write_prediction_csv", "write_results"]
+__all__ = [
+    "default_folder",
+    "prediction_rows",
+    "prediction_summary",
+    "run_record",
+    "write_prediction_csv",
+    "write_results",
+]
 
 _PACKAGES = ("vmach", "numpy", "scipy", "numba", "manifold3d", "trimesh", "pyvista")
 
@@ -82,7 +91,7 @@ def run_record(made: MachinedPart, command: str, *hints: str) -> RunRecord:
     moves = program.moves
     minutes = float(moves.start_s[-1] + moves.duration_s[-1]) / 60 if len(moves) else 0.0
     return RunRecord(
-        title=job.path.parent.name if job.path.stem == "job" else job.path.stem,
+        title=_job_name(job.path),
         command=command,
         model=str(made.model),
         tolerance_mm=job.inspection.tolerance_mm,
@@ -110,16 +119,23 @@ def _input_file(path: Path, folder: Path) -> InputFile:
     return InputFile(role, str(name), hashlib.sha256(content).hexdigest(), len(content))
 
 
-def write_prediction_csv(path: Path, points: SurfacePoints, prediction: Prediction) -> None:
-    """Write ``id, deviation_um, u_um, line, tool, time_s, status``; empty where nothing cut."""
-    with atomic_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow("id deviation_um u_um line tool time_s status".split())
-        writer.writerows(_prediction_rows(points, prediction))
+def default_folder(job_path: Path) -> Path:
+    """Where results go when the user names no folder: ``vmach-results/NAME`` right here."""
+    return Path("vmach-results") / _job_name(Path(job_path))
 
 
-def _prediction_rows(points: SurfacePoints, prediction: Prediction):
+def _job_name(path: Path) -> str:
+    path = path.resolve()
+    return path.parent.name if path.name == "job.toml" else path.stem
+
+
+PREDICTION_COLUMNS = ("id", "deviation_um", "u_um", "line", "tool", "time_s", "status")
+
+
+def prediction_rows(points: SurfacePoints, prediction: Prediction) -> Iterator[list[str]]:
+    """Rows of `PREDICTION_COLUMNS`, one a point; empty cells where no tool made the surface."""
     states, deviation_um = prediction.states, um_from_mm(prediction.deviation_mm)
+    u_um = um_from_mm(prediction.u_mm)
     place = np.cumsum(prediction.is_cut) - 1
     for k, name in enumerate(points.id):
         status = STATUSES[prediction.edges.status[k]]
@@ -130,9 +146,41 @@ def _prediction_rows(points: SurfacePoints, prediction: Prediction):
         yield [
             name,
             f"{deviation_um[k]:.6f}",
-            f"{um_from_mm(prediction.u_mm[k]):.4f}",
-            states.line[c],
-            states.tool[c],
+            f"{u_um[c]:.4f}",
+            f"{states.line[c]}",
+            f"{states.tool[c]}",
             f"{states.time_s[c]:.3f}",
             status,
         ]
+
+
+def write_prediction_csv(path: Path, points: SurfacePoints, prediction: Prediction) -> None:
+    """Write `prediction_rows` under their heading, the whole file or nothing."""
+    with atomic_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(PREDICTION_COLUMNS)
+        writer.writerows(prediction_rows(points, prediction))
+
+
+def prediction_summary(points: SurfacePoints, prediction: Prediction) -> dict:
+    """Figures of a prediction; measured against predicted where the points were measured."""
+    cut = prediction.is_cut
+    deviation_um = um_from_mm(prediction.deviation_mm[cut])
+    found = {
+        "points": len(points),
+        "model": str(prediction.variant),
+        "status": {
+            name: int((prediction.edges.status == k).sum()) for k, name in enumerate(STATUSES)
+        },
+    }
+    if cut.any():
+        found |= {
+            "mean_um": float(deviation_um.mean()),
+            "rms_um": float(np.sqrt(np.mean(deviation_um**2))),
+            "min_um": float(deviation_um.min()),
+            "max_um": float(deviation_um.max()),
+        }
+    remainder = remainder_rms_mm(points, prediction)
+    if remainder is not None:
+        found["measured_minus_predicted_rms_um"] = um_from_mm(remainder)
+    return found
