@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from machine_cases import constant, make_machine
 
+from tests.machine_cases import constant, make_machine
 from vmach.machine import ComponentError, Variant, displacement
 from vmach.machine.exact import exact_displacement
 

@@ -2,7 +2,7 @@
 
 from vmach.machine.chain import LINEAR_AXES, Chain
 from vmach.machine.component_errors import COMPONENT_NAMES, ComponentError
-from vmach.machine.displacement import RigidDisplacement, Variant, displacement
+from vmach.machine.displacement import RigidDisplacement, Variant, contributions, displacement
 from vmach.machine.machine import Axis, Machine, Motion
 from vmach.machine.machine_file import read_machine
 
@@ -16,6 +16,7 @@ __all__ = [
     "Motion",
     "RigidDisplacement",
     "Variant",
+    "contributions",
     "displacement",
     "read_machine",
 ]

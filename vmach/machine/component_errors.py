@@ -1,22 +1,24 @@
-"""Component errors: the tables that a laser, a level or a ballbar left behind."""
+"""Component errors: what a laser, a level or a straightedge found along one axis."""
 
 from __future__ import annotations
 
-import csv
-import math
 from dataclasses import dataclass
-from pathlib import Path
+from enum import StrEnum
+from functools import cached_property
 
 import numpy as np
 
 from vmach.errors import InputError
 from vmach.machine.chain import LINEAR_AXES
-from vmach.toml_file import read_text
+from vmach.machine.cross_validation import Score
+from vmach.machine.interpolation import LINEAR, Extrapolation, Interpolation, PiecewiseCubic
+from vmach.machine.runs import Runs
 
-__all__ = ["COMPONENT_NAMES", "ComponentError", "component_of", "read_error_table"]
+__all__ = ["COMPONENT_NAMES", "ComponentError", "SetUp", "component_of"]
 
 #: the 18 component errors, ISO 230-1: direction of the error, then the axis that moves
 COMPONENT_NAMES = tuple(f"E{kind}{axis}" for axis in LINEAR_AXES for kind in "XYZABC")
+_TABLE_END_SLACK_MM = 1e-6
 
 
 def component_of(name: str) -> tuple[int, int, bool]:
@@ -27,6 +29,16 @@ def component_of(name: str) -> tuple[int, int, bool]:
     kind, axis = name[1], name[2]
     angular = kind in "ABC"
     return ("ABC" if angular else "XYZ").index(kind), LINEAR_AXES.index(axis), angular
+
+
+class SetUp(StrEnum):
+    """Which side of the measured joint the measuring point belongs to."""
+
+    #: a reflector on the body that the axis carries: the point rides with it
+    REFLECTOR = "reflector"
+    #: an indicator on the other side (in the spindle, against a straightedge on the table):
+    #: the point of the body that is measured changes as the axis moves
+    INDICATOR = "indicator"
 
 
 @dataclass(frozen=True)
@@ -42,8 +54,20 @@ class ComponentError:
     forward, backward : (K,) float64
         The error approaching in positive and in negative direction, mm or rad.
     measured_at_mm : (3,) float64 or None
-        Where the reflector stood, in the frame of the body that the axis carries. Only for
-        positioning and straightness.
+        Where the measuring point was, in the frame of the body that the axis carries, origin at
+        the spindle nose with every axis at home; for `SetUp.INDICATOR` with the axis at zero.
+        Only for positioning and straightness.
+    set_up : SetUp
+    slope_removed : bool or None
+        Whether a least-squares line was taken out of a straightness; None where not said.
+    interpolation : Interpolation
+    extrapolation : Extrapolation
+    evidence : tuple of Score
+        Cross-validation that the interpolation was chosen by, if it was.
+    runs : Runs or None
+        The single runs, where the table holds them.
+    source : str
+        File that the values come from.
     """
 
     name: str
@@ -51,60 +75,79 @@ class ComponentError:
     forward: np.ndarray
     backward: np.ndarray
     measured_at_mm: np.ndarray | None = None
+    set_up: SetUp = SetUp.REFLECTOR
+    slope_removed: bool | None = None
+    interpolation: Interpolation = LINEAR
+    extrapolation: Extrapolation = Extrapolation.REFUSE
+    evidence: tuple[Score, ...] = ()
+    runs: Runs | None = None
+    source: str = ""
 
     @property
     def mean(self) -> np.ndarray:
         """Mean of both directions at the table's positions, (K,), mm or rad."""
         return 0.5 * (self.forward + self.backward)
 
-    def evaluate(self, position_mm: np.ndarray) -> np.ndarray:
-        """Mean of both directions, linear between the table's points, mm or rad.
+    @property
+    def is_angle(self) -> bool:
+        """Whether the error is in rad."""
+        return component_of(self.name)[2]
 
-        Beyond the table's ends the end value holds; whether a program may go there is checked
-        where the program is (`Machine.check_tables_cover`).
+    @property
+    def range_mm(self) -> tuple[float, float]:
+        """First and last position of the table."""
+        return float(self.position_mm[0]), float(self.position_mm[-1])
+
+    @cached_property
+    def curves(self) -> tuple[PiecewiseCubic, PiecewiseCubic, PiecewiseCubic]:
+        """Curves of mean, forward and backward, in this order."""
+        return tuple(
+            self.interpolation.fit(self.position_mm, value, self.extrapolation)
+            for value in (self.mean, self.forward, self.backward)
+        )
+
+    def evaluate(self, position_mm: np.ndarray, direction: np.ndarray | None = None) -> np.ndarray:
+        """The error at positions of its axis, mm or rad.
+
+        Parameters
+        ----------
+        position_mm : (P,) float64
+        direction : (P,) number, optional
+            Sign of the last motion of the axis: positive takes `forward`, negative `backward`,
+            zero (not known) their mean. Without it the mean everywhere.
+
+        Raises
+        ------
+        InputError
+            A position beyond the table where extrapolation is refused.
         """
-        return np.interp(position_mm, self.position_mm, self.mean)
+        position_mm = np.asarray(position_mm, dtype=float)
+        self.check_covers(position_mm)
+        mean, forward, backward = self.curves
+        if direction is None:
+            return mean(position_mm)
+        one_way = np.where(direction > 0, forward(position_mm), backward(position_mm))
+        return np.where(direction == 0, mean(position_mm), one_way)
 
+    def check_covers(self, position_mm: np.ndarray) -> None:
+        """Refuse positions beyond the table, unless its extrapolation is set.
 
-def read_error_table(path: Path, scale: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Read ``position_mm, forward, backward``; the errors are multiplied by `scale`.
-
-    Returns
-    -------
-    position_mm, forward, backward : (K,) float64
-        Sorted by position.
-
-    Raises
-    ------
-    InputError
-        No such file, wrong header, a cell that is no finite number, fewer than two rows, a
-        position twice.
-    """
-    text = read_text(path, what="error table")
-    rows = csv.reader(text.splitlines())
-    header = [cell.strip() for cell in next(rows, [])]
-    expected = ["position_mm", "forward", "backward"]
-    if header != expected:
+        Raises
+        ------
+        InputError
+            With component, worst position, range of the table and what to do.
+        """
+        if self.extrapolation is not Extrapolation.REFUSE or position_mm.size == 0:
+            return
+        low, high = self.range_mm
+        least, most = float(position_mm.min()), float(position_mm.max())
+        if least >= low - _TABLE_END_SLACK_MM and most <= high + _TABLE_END_SLACK_MM:
+            return
+        worst = least if low - least > most - high else most
         raise InputError(
-            f"header '{', '.join(header)}'", file=path, line=1, accepted=", ".join(expected)
+            f"{self.name} is asked for at {self.name[2]} = {worst:.3f} mm, its table ends before",
+            file=self.source or None,
+            accepted=f"{low:g} .. {high:g} mm",
+            hint=f'in the machine file, [errors.{self.name}] extrapolation = "hold" keeps the '
+            'value at the end, "linear" goes on along the tangent',
         )
-    values = [_numbers(row, path, line) for line, row in enumerate(rows, 2) if any(row)]
-    if len(values) < 2:
-        raise InputError(f"{len(values)} rows of data", file=path, accepted="two or more")
-    table = np.array(sorted(values))
-    twice = np.flatnonzero(np.diff(table[:, 0]) == 0)
-    if twice.size:
-        raise InputError(f"position {table[twice[0], 0]} mm stands there twice", file=path)
-    return table[:, 0], scale * table[:, 1], scale * table[:, 2]
-
-
-def _numbers(row: list[str], path: Path, line: int) -> tuple[float, ...]:
-    try:
-        numbers = tuple(float(cell) for cell in row)
-    except ValueError:
-        numbers = ()
-    if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
-        raise InputError(
-            f"row '{','.join(row)}'", file=path, line=line, accepted="three finite numbers"
-        )
-    return numbers

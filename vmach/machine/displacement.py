@@ -17,6 +17,7 @@ from enum import StrEnum
 import numpy as np
 
 from vmach.machine.component_errors import component_of
+from vmach.machine.kernel import compile_errors, displace
 from vmach.machine.machine import Machine
 
 __all__ = ["RigidDisplacement", "Variant", "contributions", "displacement"]
@@ -60,7 +61,12 @@ class RigidDisplacement:
 
 
 def displacement(
-    machine: Machine, nose_mm: np.ndarray, tool_mm: np.ndarray, variant: Variant
+    machine: Machine,
+    nose_mm: np.ndarray,
+    tool_mm: np.ndarray,
+    variant: Variant,
+    *,
+    direction: np.ndarray | None = None,
 ) -> RigidDisplacement:
     """Displacement of the tool by all geometric errors of the machine.
 
@@ -72,6 +78,10 @@ def displacement(
     tool_mm : (P, 3) or (3,) float64
         Vector T from nose to tip.
     variant : Variant
+    direction : (P, 3) number, optional
+        Sign of the last motion of every axis, kept while the axis stands still; zero where no
+        motion is known. Chooses between forward and backward tables on machines that say so
+        (`Machine.separate_directions`); without it, and elsewhere, their mean acts.
 
     Returns
     -------
@@ -80,23 +90,40 @@ def displacement(
     Raises
     ------
     InputError
-        `Variant.ABBE` and a reflector position is missing.
+        `Variant.ABBE` and a reflector position is missing; a position beyond a table whose
+        extrapolation is not set.
 
     Notes
     -----
-    With arms r_j = T + mask_j q (`Chain.arm_masks`), reflectors R_ij (zero in the conventional
-    form) and s_j = +1 or, for bodies that carry the workpiece, -1:
+    With arms r_j = T + mask_j q (`Chain.arm_masks`), measuring points R_ij (zero in the
+    conventional form), theta_j the rotation vector of axis j, sigma_j that of its reference line
+    and all component errors turned to "tool relative to workpiece":
 
-        e_i = sum_j s_j (E_ij + [theta_j x (r_j - R_ij)]_i) + sum_j q_j [sigma_j x e_j]_i
+        e_i = sum_j (E_ij + [theta_j x (r_j - R_ij)]_i) + sum_j q_j [sigma_j x e_j]_i
     """
-    total = RigidDisplacement.zero(len(nose_mm))
-    for _, part in contributions(machine, nose_mm, tool_mm, variant):
-        total = total + part
-    return total
+    nose_mm = np.ascontiguousarray(nose_mm, dtype=float)
+    if variant is Variant.NONE or len(nose_mm) == 0:
+        return RigidDisplacement.zero(len(nose_mm))
+    machine.check_covers(nose_mm)
+    reference_mm, reference_travel = _reference(machine, variant)
+    shift, tilt = displace(
+        _compiled(machine),
+        nose_mm,
+        np.ascontiguousarray(np.atleast_2d(tool_mm), dtype=float),
+        reference_mm=reference_mm,
+        reference_travel=reference_travel,
+        direction=_signs(machine, direction),
+    )
+    return RigidDisplacement(shift, tilt)
 
 
 def contributions(
-    machine: Machine, nose_mm: np.ndarray, tool_mm: np.ndarray, variant: Variant
+    machine: Machine,
+    nose_mm: np.ndarray,
+    tool_mm: np.ndarray,
+    variant: Variant,
+    *,
+    direction: np.ndarray | None = None,
 ) -> Iterator[tuple[str, RigidDisplacement]]:
     """The share of every component error, by its ISO 230-1 symbol; they add up to the whole.
 
@@ -104,19 +131,41 @@ def contributions(
     """
     if variant is Variant.NONE:
         return
-    if variant is Variant.ABBE:
-        reference_mm = machine.measuring_points_mm()
-    else:
-        reference_mm = np.zeros((3, 3, 3))
+    reference_mm, reference_travel = _reference(machine, variant)
     arms_mm = tool_mm + machine.chain.arm_masks[:, None, :] * nose_mm
+    signs = _signs(machine, direction)
     for name, component in machine.components.items():
-        direction, axis, angular = component_of(name)
-        value = machine.axis_sign(name[2]) * component.evaluate(nose_mm[:, axis])
+        kind, axis, angular = component_of(name)
+        way = None if signs is None else signs[:, axis]
+        value = machine.component_sign(name) * component.evaluate(nose_mm[:, axis], way)
         if angular:
-            yield name, _turn(value, direction, arms_mm[axis], reference_mm[:, axis])
+            own_mm = np.multiply.outer(reference_travel[:, axis], nose_mm[:, axis])
+            starts_mm = own_mm[:, :, None] * np.eye(3)[axis] + reference_mm[:, None, axis]
+            yield name, _turn(value, kind, arms_mm[axis], starts_mm)
         else:
-            yield name, _push(value, direction)
+            yield name, _push(value, kind)
     yield from _squareness(machine, nose_mm)
+
+
+def _reference(machine: Machine, variant: Variant) -> tuple[np.ndarray, np.ndarray]:
+    """Where the arm of E_ij starts, (3, 3, 3) mm, and how far that point travels with axis j."""
+    if variant is Variant.HTM:
+        return np.zeros((3, 3, 3)), np.zeros((3, 3))
+    return machine.measuring_points_mm(), machine.measuring_point_travel
+
+
+def _signs(machine: Machine, direction: np.ndarray | None) -> np.ndarray | None:
+    """Signs of the last motion where the machine's tables are kept apart."""
+    if direction is None or not machine.separate_directions:
+        return None
+    return np.ascontiguousarray(np.sign(direction), dtype=np.int8)
+
+
+def _compiled(machine: Machine):
+    """The machine's curves for the kernel, made once a machine."""
+    if "_compiled_errors" not in machine.__dict__:
+        machine.__dict__["_compiled_errors"] = compile_errors(machine)
+    return machine.__dict__["_compiled_errors"]
 
 
 def _push(value_mm: np.ndarray, direction: int) -> RigidDisplacement:
@@ -127,20 +176,18 @@ def _push(value_mm: np.ndarray, direction: int) -> RigidDisplacement:
 
 
 def _turn(
-    angle_rad: np.ndarray, direction: int, arm_mm: np.ndarray, reference_mm: np.ndarray
+    angle_rad: np.ndarray, rotation: int, arm_mm: np.ndarray, starts_mm: np.ndarray
 ) -> RigidDisplacement:
-    """An angular error; row i of `reference_mm` (3, 3) is where the error along i was read."""
+    """An angular error; ``starts_mm[i]`` (P, 3) is where the error along i was read."""
     part = RigidDisplacement.zero(len(angle_rad))
-    part.tilt_rad[:, direction] = angle_rad
-    first, second = (direction + 1) % 3, (direction + 2) % 3
-    part.shift_mm[:, first] = -angle_rad * (arm_mm[:, second] - reference_mm[first, second])
-    part.shift_mm[:, second] = angle_rad * (arm_mm[:, first] - reference_mm[second, first])
+    part.tilt_rad[:, rotation] = angle_rad
+    first, second = (rotation + 1) % 3, (rotation + 2) % 3
+    part.shift_mm[:, first] = -angle_rad * (arm_mm - starts_mm[first])[:, second]
+    part.shift_mm[:, second] = angle_rad * (arm_mm - starts_mm[second])[:, first]
     return part
 
 
-def _squareness(
-    machine: Machine, nose_mm: np.ndarray
-) -> Iterator[tuple[str, RigidDisplacement]]:
+def _squareness(machine: Machine, nose_mm: np.ndarray) -> Iterator[tuple[str, RigidDisplacement]]:
     """Reference lines out of square: they turn the direction of the axis' own travel only."""
     for axis in range(3):
         for rotation in range(3):

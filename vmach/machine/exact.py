@@ -57,12 +57,15 @@ def body_motion(
     for name, component in machine.components.items():
         direction, index, angular = component_of(name)
         if index == j:
-            (rotation if angular else shift)[:, direction] = component.evaluate(nose_mm[:, j])
+            value = machine.component_sign(name) * component.evaluate(nose_mm[:, j])
+            (rotation if angular else shift)[:, direction] = value
     if variant is Variant.ABBE:
         for i, reflector_mm in enumerate(machine.measuring_points_mm()[:, j]):
-            shift[:, i] -= np.cross(rotation, reflector_mm)[:, i]
-    # axis_sign is that of the displacement of the tool; a work-side body moves the other way
-    sign = machine.axis_sign(axis) * (1.0 if machine.chain.carries_tool(axis) else -1.0)
+            at_mm = np.tile(reflector_mm, (len(nose_mm), 1))
+            at_mm[:, j] += machine.measuring_point_travel[i, j] * nose_mm[:, j]
+            shift[:, i] -= np.cross(rotation, at_mm)[:, i]
+    # so far as displacement of the tool; the body of a work-side axis moves the other way
+    sign = 1.0 if machine.chain.carries_tool(axis) else -1.0
     return sign * shift, sign * rotation
 
 

@@ -4,25 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import StrEnum
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from vmach.errors import InputError
 from vmach.machine.chain import LINEAR_AXES, Chain
-from vmach.machine.component_errors import ComponentError, component_of
+from vmach.machine.component_errors import ComponentError, SetUp, component_of
+from vmach.machine.sign_convention import SignConvention, sign_to_relative
 
 __all__ = ["Axis", "Machine", "Motion", "SignConvention"]
-
-
-class SignConvention(StrEnum):
-    """What an error of an axis that carries the workpiece is the motion of."""
-
-    #: of the tool relative to the workpiece: every term adds
-    RELATIVE = "relative"
-    #: of the body itself in the bed's frame: terms of work-side axes subtract
-    BODY = "body"
 
 
 @dataclass(frozen=True)
@@ -53,13 +45,21 @@ class Machine:
     axes : mapping of axis name to Axis
     motion : Motion
     components : mapping of ISO 230-1 symbol to ComponentError
-        Those of the 18 that were measured; the others are taken as zero.
+        Those of the 18 that were measured, as recorded (see `sign`); the others are zero.
     squareness_rad : (3, 3) float64
-        Row j holds the rotation vector sigma_j of axis j's reference line; only the components
-        across the axis act.
+        Row j holds the rotation vector sigma_j of axis j's reference line, right-handed; only
+        the components across the axis act.
     sign : SignConvention
+        Of the component errors.
+    separate_directions : bool
+        Whether forward and backward tables act by the direction of the last motion; else their
+        mean acts always.
+    reference_axes : str
+        Primary and secondary axis of the machine's frame, such as ``ZY``; empty if not said.
     files : tuple of Path
         The machine file and the tables that it names, for the record of what was run.
+    notes : tuple of str
+        What was done to the tables on reading.
     """
 
     name: str
@@ -69,18 +69,35 @@ class Machine:
     components: Mapping[str, ComponentError]
     squareness_rad: np.ndarray
     sign: SignConvention = SignConvention.RELATIVE
+    separate_directions: bool = False
+    reference_axes: str = ""
     files: tuple[Path, ...] = ()
+    notes: tuple[str, ...] = ()
 
-    def axis_sign(self, axis: str) -> float:
-        """+1, or -1 for the errors of a work-side axis recorded as motion of the body."""
-        body = self.sign is SignConvention.BODY and not self.chain.carries_tool(axis)
-        return -1.0 if body else 1.0
+    def component_sign(self, name: str) -> float:
+        """Factor from a recorded component error to the displacement of the tool, +1 or -1."""
+        return sign_to_relative(self.sign, self.chain, name)
 
     @property
     def travel_mm(self) -> np.ndarray:
         """(2, 3) float64: lower and upper ends of the travel of X, Y, Z."""
         ends = [(self.axes[a].travel_min_mm, self.axes[a].travel_max_mm) for a in LINEAR_AXES]
         return np.array(ends).T
+
+    def check_covers(self, nose_mm: np.ndarray) -> None:
+        """Refuse axis positions (P, 3) beyond a table whose extrapolation is not set.
+
+        Raises
+        ------
+        InputError
+            With component, position and range.
+        """
+        if len(nose_mm) == 0:
+            return
+        columns = np.asarray(nose_mm).T  # three passes are faster than one across
+        ends_mm = np.array([[c.min() for c in columns], [c.max() for c in columns]])
+        for name, component in self.components.items():
+            component.check_covers(ends_mm[:, component_of(name)[1]])
 
     def measuring_points_mm(self) -> np.ndarray:
         """Reflector positions R[i, j] = where E_ij was read, (3, 3, 3) float64, mm.
@@ -95,11 +112,9 @@ class Machine:
             errors: the arm is then unknown.
         """
         points = np.zeros((3, 3, 3))
-        turning = {name[2] for name in self.components if component_of(name)[2]}
-        for name, component in self.components.items():
-            direction, axis, angular = component_of(name)
-            if angular:
-                continue
+        turning = {name[2] for name, component in self.components.items() if component.is_angle}
+        for name, component in self._linear_components():
+            direction, axis, _ = component_of(name)
             if component.measured_at_mm is not None:
                 points[direction, axis] = component.measured_at_mm
             elif name[2] in turning:
@@ -110,3 +125,21 @@ class Machine:
                     hint="the Abbe-consistent model needs it; '--model htm' does not",
                 )
         return points
+
+    @cached_property
+    def measuring_point_travel(self) -> np.ndarray:
+        """(3, 3): how far along axis j the measuring point of E_ij moves in the body's frame, per
+        mm of travel.
+
+        0 for a reflector on the body. An indicator on the other side of the joint stays with
+        the tool for a work-side axis (+1) and with the table for a tool-side axis (-1).
+        """
+        travel = np.zeros((3, 3))
+        for name, component in self._linear_components():
+            if component.set_up is SetUp.INDICATOR:
+                direction, axis, _ = component_of(name)
+                travel[direction, axis] = -1.0 if self.chain.carries_tool(name[2]) else 1.0
+        return travel
+
+    def _linear_components(self) -> list[tuple[str, ComponentError]]:
+        return [(name, c) for name, c in self.components.items() if not c.is_angle]

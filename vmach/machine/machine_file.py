@@ -2,84 +2,25 @@
 
 from __future__ import annotations
 
-import math
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field
 
 from vmach.errors import InputError
 from vmach.machine.chain import LINEAR_AXES, Chain
-from vmach.machine.component_errors import (
-    COMPONENT_NAMES,
-    ComponentError,
-    component_of,
-    read_error_table,
-)
-from vmach.machine.machine import Axis, Machine, Motion, SignConvention
-from vmach.toml_file import FileSection, line_of_key, read_text, read_toml
+from vmach.machine.component_errors import COMPONENT_NAMES, ComponentError, component_of
+from vmach.machine.cross_validation import choose, cross_validate
+from vmach.machine.error_table import MM_PER, RAD_PER, ErrorTable, read_error_table
+from vmach.machine.interpolation import Extrapolation, Interpolation, Method
+from vmach.machine.machine import Axis, Machine, Motion
+from vmach.machine.machine_schema import CROSS_VALIDATION, MachineSchema, TableEntry
+from vmach.machine.sign_convention import SignConvention
+from vmach.machine.squareness import agreed_value, squareness_vectors
+from vmach.machine.volumetric_file import VolumetricFile, read_volumetric_file
+from vmach.toml_file import line_of_key, read_text, read_toml
 
 __all__ = ["read_machine"]
-
-_MM_PER = {"um": 1e-3, "mm": 1.0}
-_RAD_PER = {"urad": 1e-6, "rad": 1.0, "arcsec": math.pi / 648000}
-_SIGN_IN_WORDS = {
-    "displacement of the tool relative to the workpiece, rotations right-handed": "relative",
-    "motion of the body in the frame of the bed, rotations right-handed": "body",
-}
-_ORIGIN = "spindle nose with every axis at home; axes as in ISO 841"
-
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Point = tuple[Finite, Finite, Finite]
-
-
-def _sign(text: str) -> str:
-    sign = _SIGN_IN_WORDS.get(text, text)
-    if sign not in list(SignConvention):
-        raise ValueError("accepted: 'relative' (tool relative to workpiece) or 'body'")
-    return sign
-
-
-def _origin(text: str) -> str:
-    if text != _ORIGIN:
-        raise ValueError(f"accepted: '{_ORIGIN}'")
-    return text
-
-
-class _Convention(FileSection):
-    origin: Annotated[str, AfterValidator(_origin)] = _ORIGIN
-    sign: Annotated[str, AfterValidator(_sign)]
-    length: Literal["um", "mm"]
-    angle: Literal["urad", "rad", "arcsec"]
-
-
-class _Motion(FileSection):
-    rapid_mm_min: Positive
-    tool_change_s: NonNegative = 0.0
-    acceleration_mm_s2: Positive | None = None
-
-
-class _Axis(FileSection):
-    travel_mm: tuple[Finite, Finite]
-
-
-class _Table(FileSection):
-    table: str
-    measured_at_mm: Point | None = None
-
-
-class _MachineFile(FileSection):
-    schema_: Literal[1] = Field(alias="schema")
-    name: str
-    chain: str
-    convention: _Convention
-    motion: _Motion
-    axes: dict[Literal["X", "Y", "Z"], _Axis]
-    errors: dict[str, _Table] = {}
-    squareness: dict[str, Finite] = {}
 
 
 def read_machine(path: str | Path) -> Machine:
@@ -91,38 +32,20 @@ def read_machine(path: str | Path) -> Machine:
         Anything wrong with the files, with file, line, key, value and what is accepted.
     """
     path = Path(path)
-    data = read_toml(path, _MachineFile, what="machine file")
-    text = read_text(path, what="machine file")
-
-    def fail(keys: list[str], what: str, accepted: str) -> InputError:
-        return InputError(what, file=path, line=line_of_key(text, keys), accepted=accepted)
-
-    try:
-        chain = Chain.parse(data.chain)
-    except InputError as error:
-        raise fail(["chain"], error.what, error.accepted or "") from None
-    for axis in LINEAR_AXES:
-        if axis not in data.axes:
-            raise fail(["axes"], f"axis {axis} has no travel", "[axes.X], [axes.Y], [axes.Z]")
-        low, high = data.axes[axis].travel_mm
-        if low >= high:
-            raise fail(["axes", axis, "travel_mm"], f"travel {low} .. {high} mm", "[low, high]")
-    for name in data.errors:
-        if name not in COMPONENT_NAMES:
-            raise fail(["errors", name], f"component error '{name}'", ", ".join(COMPONENT_NAMES))
-        if component_of(name)[2] and data.errors[name].measured_at_mm is not None:
-            raise fail(
-                ["errors", name, "measured_at_mm"],
-                f"{name} is an angle, which is the same at every point of the body",
-                "measured_at_mm for positioning and straightness only",
-            )
-    for name in data.squareness:
-        if not _is_squareness(name):
-            raise fail(
-                ["squareness", name],
-                f"squareness '{name}'",
-                "E, a rotation A, B or C, 0, the axis that is out of square across it: EC0Y",
-            )
+    data = read_toml(path, MachineSchema, what="machine file")
+    source = _Source(path, data, read_text(path, what="machine file"))
+    chain = source.chain()
+    source.check_travel()
+    volumetric = VolumetricFile()
+    files = [entry.table for entry in data.errors.values() if entry.table]
+    if data.volumetric is not None:
+        volumetric = read_volumetric_file(
+            path.parent / data.volumetric.file, data.volumetric.format
+        )
+        files.append(data.volumetric.file)
+    names = dict.fromkeys((*data.errors, *volumetric.tables))
+    tables = {name: source.table(name, volumetric) for name in names}
+    squareness = {name: source.squareness_rad(name) for name in data.squareness}
     return Machine(
         name=data.name,
         chain=chain,
@@ -130,31 +53,168 @@ def read_machine(path: str | Path) -> Machine:
         motion=Motion(
             data.motion.rapid_mm_min, data.motion.tool_change_s, data.motion.acceleration_mm_s2
         ),
-        components={name: _component(name, data, path.parent) for name in data.errors},
-        squareness_rad=_squareness(data),
+        components={name: source.component(name, table, chain) for name, table in tables.items()},
+        squareness_rad=squareness_vectors(volumetric.squareness_rad | squareness),
         sign=SignConvention(data.convention.sign),
-        files=(path, *(path.parent / entry.table for entry in data.errors.values())),
+        separate_directions=data.tables.directions == "separate",
+        reference_axes=data.convention.reference_axes or "",
+        files=(path, *(path.parent / name for name in dict.fromkeys(files))),
+        notes=tuple(f"{name}: {note}" for name, table in tables.items() for note in table.notes),
     )
 
 
-def _is_squareness(name: str) -> bool:
-    if len(name) != 4 or name[0] != "E" or name[2] != "0":
-        return False
-    rotation, axis = "ABC".find(name[1]), "XYZ".find(name[3])
-    return rotation >= 0 and axis >= 0 and rotation != axis
+@dataclass(frozen=True)
+class _Source:
+    """A machine file that was read, and complaints about it with file and line."""
 
+    path: Path
+    data: MachineSchema
+    text: str
 
-def _component(name: str, data: _MachineFile, folder: Path) -> ComponentError:
-    entry = data.errors[name]
-    angular = component_of(name)[2]
-    scale = _RAD_PER[data.convention.angle] if angular else _MM_PER[data.convention.length]
-    at = None if entry.measured_at_mm is None else np.array(entry.measured_at_mm, dtype=float)
-    return ComponentError(name, *read_error_table(folder / entry.table, scale), at)
+    def fail(
+        self, keys: list[str], what: str, accepted: str | None = None, hint: str | None = None
+    ) -> InputError:
+        line = line_of_key(self.text, keys)
+        return InputError(what, file=self.path, line=line, accepted=accepted, hint=hint)
 
+    def chain(self) -> Chain:
+        try:
+            return Chain.parse(self.data.chain)
+        except InputError as error:
+            raise self.fail(["chain"], error.what, error.accepted) from None
 
-def _squareness(data: _MachineFile) -> np.ndarray:
-    """Rotation vector of every axis' reference line, (3, 3), rad."""
-    sigma = np.zeros((3, 3))
-    for name, value in data.squareness.items():
-        sigma["XYZ".index(name[3]), "ABC".index(name[1])] = value * _RAD_PER[data.convention.angle]
-    return sigma
+    def check_travel(self) -> None:
+        for axis in LINEAR_AXES:
+            if axis not in self.data.axes:
+                raise self.fail(
+                    ["axes"], f"axis {axis} has no travel", "[axes.X], [axes.Y], [axes.Z]"
+                )
+            low, high = self.data.axes[axis].travel_mm
+            if low >= high:
+                raise self.fail(
+                    ["axes", axis, "travel_mm"], f"travel {low} .. {high} mm", "[low, high]"
+                )
+
+    def table(self, name: str, volumetric: VolumetricFile) -> ErrorTable:
+        """The values of one component error, from its own or from the volumetric file."""
+        if name not in COMPONENT_NAMES:
+            raise self.fail(
+                ["errors", name], f"component error '{name}'", ", ".join(COMPONENT_NAMES)
+            )
+        entry = self.data.errors.get(name, TableEntry())
+        if entry.table and name in volumetric.tables:
+            raise self.fail(
+                ["errors", name, "table"],
+                f"{name} is in '{entry.table}' and in '{self.data.volumetric.file}'",
+                "one of them",
+            )
+        if entry.table:
+            unit = entry.unit or self._unit(name)
+            units = RAD_PER if component_of(name)[2] else MM_PER
+            if unit not in units:
+                raise self.fail(
+                    ["errors", name, "unit"], f"unit '{unit}' of {name}", ", ".join(units)
+                )
+            return read_error_table(self.path.parent / entry.table, units, unit)
+        if name not in volumetric.tables:
+            raise self.fail(["errors", name], f"{name} has no table", 'table = "errors/NAME.csv"')
+        position_mm, value = volumetric.tables[name]
+        return ErrorTable(position_mm, value, value, None, ())
+
+    def component(self, name: str, table: ErrorTable, chain: Chain) -> ComponentError:
+        """The component error with its set-up and its curve."""
+        entry = self.data.errors.get(name, TableEntry())
+        common = self.data.tables
+        interpolation, evidence = self._interpolation(name, entry, table)
+        component = ComponentError(
+            name,
+            table.position_mm,
+            table.forward,
+            table.backward,
+            self._measured_at(name, entry, chain),
+            set_up=entry.set_up or self.data.convention.set_up,
+            slope_removed=entry.slope_removed,
+            interpolation=interpolation,
+            extrapolation=entry.extrapolation or common.extrapolation or Extrapolation.REFUSE,
+            evidence=evidence,
+            runs=table.runs,
+            source=str(self.path.parent / (entry.table or self.data.volumetric.file)),
+        )
+        try:
+            _ = component.curves
+        except InputError as error:
+            keys = ["errors", name, "interpolation"]
+            raise self.fail(keys, f"{name}: {error.what}", error.accepted, error.hint) from None
+        return component
+
+    def _interpolation(self, name: str, entry: TableEntry, table: ErrorTable):
+        """The method asked for, or the one that cross-validation chooses, with its evidence."""
+        common = self.data.tables
+        own = entry.interpolation is not None
+        method = entry.interpolation or common.interpolation or Method.LINEAR
+        if method == CROSS_VALIDATION:
+            scores = cross_validate(table.position_mm, 0.5 * (table.forward + table.backward))
+            return choose(scores), scores
+        order = entry.order or (None if own else common.order)
+        period = entry.period_mm or (None if own else common.period_mm)
+        if (order is not None) != (method in (Method.LEGENDRE, Method.FOURIER)):
+            raise self.fail(
+                ["errors", name, "interpolation"],
+                f"{name}: interpolation '{method}' "
+                + ("without an order" if order is None else f"with order {order}"),
+                "order = 1, 2 ... with 'legendre' and 'fourier', with no other",
+            )
+        return Interpolation(Method(method), order, period), ()
+
+    def _measured_at(self, name: str, entry: TableEntry, chain: Chain) -> np.ndarray | None:
+        """Measuring point in the frame of the body that the axis carries."""
+        _, axis, angular = component_of(name)
+        keys = ["errors", name]
+        by_state = entry.nose_at_mm is not None or entry.stick_out_mm is not None
+        if angular and (entry.measured_at_mm is not None or by_state):
+            raise self.fail(
+                [*keys, "measured_at_mm" if entry.measured_at_mm else "nose_at_mm"],
+                f"{name} is an angle, which is the same at every point of the body",
+                "a measuring point for positioning and straightness only",
+            )
+        if by_state:
+            if entry.measured_at_mm or entry.nose_at_mm is None or entry.stick_out_mm is None:
+                raise self.fail(
+                    keys,
+                    f"{name} does not say in one way where it was measured",
+                    "measured_at_mm, or nose_at_mm together with stick_out_mm",
+                )
+            tip = np.array([0.0, 0.0, -entry.stick_out_mm])
+            return tip + chain.arm_masks[axis] * np.array(entry.nose_at_mm)
+        if entry.measured_at_mm is not None:
+            return np.array(entry.measured_at_mm, dtype=float)
+        if angular or self.data.volumetric is None or entry.table:
+            return None
+        return np.array(self.data.volumetric.measured_at_mm, dtype=float)
+
+    def squareness_rad(self, name: str) -> float:
+        """One squareness, stated in the file's unit or in two units that have to agree."""
+        keys = ["squareness", name]
+        rotation, zero, axis = (name[1:2], name[2:3], name[3:]) if name[:1] == "E" else ("",) * 3
+        if (
+            rotation not in tuple("ABC")
+            or zero != "0"
+            or axis not in LINEAR_AXES
+            or ("ABC".index(rotation) == LINEAR_AXES.index(axis))
+        ):
+            raise self.fail(
+                keys,
+                f"squareness '{name}'",
+                "E, a rotation A, B or C, 0, the axis that is out of square across it: EC0Y",
+            )
+        value = self.data.squareness[name]
+        if isinstance(value, float):
+            return value * RAD_PER[self.data.convention.angle]
+        try:
+            return agreed_value(value.um_per_m, value.arcsec, value.use)
+        except InputError as error:
+            raise self.fail(keys, f"{name}: {error.what}", error.accepted, error.hint) from None
+
+    def _unit(self, name: str) -> str:
+        convention = self.data.convention
+        return convention.angle if component_of(name)[2] else convention.length

@@ -1,0 +1,90 @@
+"""Leaving the choice of interpolation to the data, with the evidence kept."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vmach.errors import InputError
+from vmach.machine.interpolation import Extrapolation, Interpolation, Method
+
+__all__ = ["CANDIDATES", "Score", "choose", "cross_validate"]
+
+#: from simple to elaborate
+CANDIDATES = (
+    Interpolation(Method.LINEAR),
+    Interpolation(Method.PCHIP),
+    Interpolation(Method.CUBIC),
+    Interpolation(Method.SMOOTHING),
+    *(Interpolation(Method.LEGENDRE, order) for order in (1, 2, 3, 5, 7)),
+    *(Interpolation(Method.FOURIER, order) for order in (1, 2, 3)),
+)
+
+
+@dataclass(frozen=True)
+class Score:
+    """How well a method foretells a measured point from the others.
+
+    Attributes
+    ----------
+    interpolation : Interpolation
+    rms : float
+        Root mean square of left-out value minus predicted, unit of the table.
+    standard_error : float
+        Of the mean square, turned into the unit of `rms`.
+    """
+
+    interpolation: Interpolation
+    rms: float
+    standard_error: float
+
+
+def cross_validate(
+    position: np.ndarray,
+    value: np.ndarray,
+    candidates: tuple[Interpolation, ...] = CANDIDATES,
+) -> tuple[Score, ...]:
+    """Leave out each inner point in turn and predict it from the rest.
+
+    Methods that need more points than there are take no part.
+
+    Returns
+    -------
+    tuple of Score
+        In the order of the candidates.
+    """
+    scores = []
+    for candidate in candidates:
+        try:
+            missed = np.array([_miss(candidate, position, value, k) for k in _inner(position)])
+        except InputError:
+            continue
+        square = missed**2
+        mean = float(np.mean(square))
+        spread = float(np.std(square, ddof=1)) / np.sqrt(len(square)) if len(square) > 1 else 0.0
+        rms = np.sqrt(mean)
+        scores.append(Score(candidate, rms, np.sqrt(mean + spread) - rms))
+    return tuple(scores)
+
+
+def choose(scores: tuple[Score, ...]) -> Interpolation:
+    """The simplest method whose score is within one standard error of the best.
+
+    The one-standard-error rule of Breiman et al. (1984): differences smaller than that are
+    noise, and then the simpler curve is the safer one.
+    """
+    if not scores:
+        return Interpolation(Method.LINEAR)
+    best = min(scores, key=lambda score: score.rms)
+    return next(s for s in scores if s.rms <= best.rms + best.standard_error).interpolation
+
+
+def _inner(position: np.ndarray) -> range:
+    return range(1, len(position) - 1)
+
+
+def _miss(candidate: Interpolation, position: np.ndarray, value: np.ndarray, k: int) -> float:
+    """Left-out value minus prediction at inner point k."""
+    curve = candidate.fit(np.delete(position, k), np.delete(value, k), Extrapolation.HOLD)
+    return float(value[k] - curve(position[k]))
