@@ -1,0 +1,50 @@
+"""What a run leaves to read and look at; docs/report.md describes the files.
+
+The pipeline fills `InspectedPoints` and `RunRecord`, gets a `DisplayMesh` from
+`build_display_mesh` and calls the writers inside `atomic_folder`.
+"""
+
+from vmach.report.atomic import atomic_file, atomic_folder
+from vmach.report.deviations_csv import read_deviations_csv, write_deviations_csv
+from vmach.report.display_mesh import build_display_mesh, interpolate_to_mesh
+from vmach.report.heatmap import draw_heatmap
+from vmach.report.html import write_report_html
+from vmach.report.result import (
+    STATUSES,
+    Colouring,
+    DisplayMesh,
+    InputFile,
+    InspectedPoints,
+    RunRecord,
+    Variant,
+)
+from vmach.report.statistics import Statistics, variant_statistics, worst_points
+from vmach.report.summary import SIGN_CONVENTION, summary, write_summary
+from vmach.report.table import variants_table
+from vmach.report.viewer import open_viewer
+
+__all__ = [
+    "SIGN_CONVENTION",
+    "STATUSES",
+    "Colouring",
+    "DisplayMesh",
+    "InputFile",
+    "InspectedPoints",
+    "RunRecord",
+    "Statistics",
+    "Variant",
+    "atomic_file",
+    "atomic_folder",
+    "build_display_mesh",
+    "draw_heatmap",
+    "interpolate_to_mesh",
+    "open_viewer",
+    "read_deviations_csv",
+    "summary",
+    "variant_statistics",
+    "variants_table",
+    "worst_points",
+    "write_deviations_csv",
+    "write_report_html",
+    "write_summary",
+]

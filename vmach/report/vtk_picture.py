@@ -1,7 +1,7 @@
 """A picture of a coloured mesh drawn by VTK off screen, in a process of its own.
 
 Where VTK finds no graphics library it may abort instead of raising, so it never runs inside
-the program: `vtk_pictures` starts this file as a script and takes what it leaves.
+the program: `vtk_pictures` starts `vtk_worker.py` as a script and takes what it leaves.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ __all__ = ["INSTALL_HINT", "vtk_pictures"]
 INSTALL_HINT = "sudo apt-get install libegl1 libgl1-mesa-dri libx11-6"
 _LIBRARIES = ("libEGL.so.1", "libX11.so.6")
 _TIME_LIMIT_S = 120
+_WORKER = Path(__file__).with_name("vtk_worker.py")
 
 
 def vtk_pictures(
@@ -60,7 +61,7 @@ def vtk_pictures(
         )
         try:
             subprocess.run(
-                [sys.executable, __file__, scene, picture],
+                [sys.executable, "-P", _WORKER, scene, picture],
                 capture_output=True,
                 check=True,
                 timeout=_TIME_LIMIT_S,
@@ -77,33 +78,3 @@ def _loads(library: str) -> bool:
     except OSError:
         return False
     return True
-
-
-def _draw(scene_path: str, picture_path: str) -> None:
-    import pyvista
-
-    scene = np.load(scene_path)
-    _, up, towards = scene["axes"]
-    vertices, centre, height = scene["vertices_mm"], scene["centre_mm"], float(scene["height_mm"])
-    mesh = pyvista.PolyData.from_regular_faces(vertices, scene["triangles"])
-    outline = pyvista.PolyData(
-        vertices + 1e-3 * height * towards,
-        lines=np.insert(scene["edges"], 0, 2, axis=1).ravel(),
-    )
-    plotter = pyvista.Plotter(off_screen=True, window_size=scene["size"].tolist())
-    plotter.enable_anti_aliasing("ssaa")
-    plotter.add_mesh(outline, color="#2a2e33", line_width=1.5, lighting=False)
-    plotter.enable_parallel_projection()
-    plotter.camera_position = [centre + 10 * height * towards, centre, up]
-    plotter.camera.parallel_scale = height / 2
-    pictures = []
-    for colours in scene["colours"]:
-        rgb = np.round(255 * colours).astype(np.uint8)
-        plotter.add_mesh(mesh, scalars=rgb, rgb=True, lighting=False, name="part")
-        plotter.reset_camera_clipping_range()
-        pictures.append(plotter.screenshot(transparent_background=True, return_img=True))
-    np.save(picture_path, np.stack(pictures))
-
-
-if __name__ == "__main__":
-    _draw(*sys.argv[1:])

@@ -1,0 +1,58 @@
+"""How often each deviation occurs, one histogram a variant on a common axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vmach.report.colours import colour_range, colours_of, nice_ceiling
+from vmach.report.result import InspectedPoints
+
+__all__ = ["Histogram", "histograms"]
+
+_BINS = 80
+
+
+@dataclass(frozen=True)
+class Histogram:
+    """Counts of one variant in bins of equal width from -end to +end.
+
+    Attributes
+    ----------
+    name, label : str
+        Of the variant.
+    end_mm : float
+        Half width of the axis. The outermost bins also hold what is beyond.
+    counts : (80,) int
+    colours : list of str
+        CSS colour of each bin, the one that the middle of the bin has in the heat map.
+    """
+
+    name: str
+    label: str
+    end_mm: float
+    counts: np.ndarray
+    colours: list[str]
+
+
+def histograms(points: InspectedPoints) -> list[Histogram]:
+    """Return the histograms of the cut points of all variants."""
+    values = [variant.deviation_mm[variant.is_cut] for variant in points.variants]
+    range_mm = colour_range(values)
+    largest = max([range_mm, *(np.abs(v).max() for v in values if v.size)])
+    end = min(nice_ceiling(largest), 2 * range_mm)
+    edges = np.linspace(-end, end, _BINS + 1)
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    rgb = np.round(255 * colours_of(middle, np.ones(_BINS, bool), range_mm)).astype(int)
+    colours = ["#{:02x}{:02x}{:02x}".format(*colour) for colour in rgb.tolist()]
+    return [
+        Histogram(
+            variant.name,
+            variant.label,
+            end,
+            np.histogram(np.clip(value, -end, end), edges)[0],
+            colours,
+        )
+        for variant, value in zip(points.variants, values, strict=True)
+    ]

@@ -1,0 +1,270 @@
+"use strict";
+
+(() => {
+  const byId = (id) => document.getElementById(id);
+  const all = (selector) => document.querySelectorAll(selector);
+  const page = JSON.parse(byId("page-data").textContent);
+  const state = { variant: page.primary, tolerance: page.tolerance_index, picked: null };
+  let scene = null;
+
+  const toleranceUm = () => page.thresholds_um[state.tolerance];
+  const short = (value) => String(Number(value.toPrecision(3)));
+  const signed = (um) => (um < 0 ? "−" : "+") + Math.abs(um).toFixed(page.decimals);
+
+  function element(tag, text, className) {
+    const made = document.createElement(tag);
+    if (text !== undefined) made.textContent = text;
+    if (className) made.className = className;
+    return made;
+  }
+
+  // ---- figures, tables, histograms: these work without the map
+
+  function showVariant(name) {
+    state.variant = name;
+    for (const block of all("[data-for]")) block.hidden = block.dataset.for !== name;
+    scene?.show(name);
+    makeMarks();
+    fillFlag();
+  }
+
+  function showTolerance(index) {
+    state.tolerance = index;
+    const um = toleranceUm();
+    byId("tolerance-text").textContent = short(um);
+    for (const text of all(".tolerance-value")) text.textContent = short(um);
+    for (const cell of all("[data-outside]")) {
+      const { count, outside } = page.variants[cell.dataset.outside];
+      cell.textContent = count ? ((100 * outside[index]) / count).toFixed(2) + " %" : "–";
+    }
+    for (const svg of all("svg[data-end-um]")) {
+      const half = Math.min(320, (320 * um) / Number(svg.dataset.endUm));
+      const band = svg.querySelector(".band");
+      band.setAttribute("x", 320 - half);
+      band.setAttribute("width", 2 * half);
+      svg.querySelectorAll("line.limit").forEach((line, i) => {
+        for (const end of ["x1", "x2"]) line.setAttribute(end, 320 + (2 * i - 1) * half);
+      });
+    }
+    scene?.setLook({ tolerance: um });
+    placeLimits();
+  }
+
+  function placeLimits() {
+    const share = toleranceUm() / rangeUm();
+    for (const limit of all("#ramp .limit")) {
+      limit.hidden = share > 1;
+      limit.style.top = `calc(${50 - 50 * share * Number(limit.dataset.sign)}% - 1px)`;
+    }
+  }
+
+  // ---- colour scale: the slider runs from a tenth of the standard range to all there is
+
+  const rangeEnds = [page.range_um / 10, Math.max(page.largest_um, 2 * page.range_um)];
+  const standardAt = Math.round((100 * Math.log(10)) / Math.log(rangeEnds[1] / rangeEnds[0]));
+  function rangeUm() {
+    const at = Number(byId("range").value);
+    if (at === standardAt) return page.range_um;
+    return Number((rangeEnds[0] * (rangeEnds[1] / rangeEnds[0]) ** (at / 100)).toPrecision(2));
+  }
+
+  function showRange() {
+    const end = rangeUm();
+    byId("range-text").textContent = short(end);
+    byId("ticks").replaceChildren(...Array.from({ length: 9 }, (_, i) => {
+      const value = end * (1 - i / 4);
+      const tick = element("li", i === 4 ? "0" : (value < 0 ? "−" : "+") + short(Math.abs(value)) + (i === 0 ? " µm" : ""));
+      tick.style.top = 12.5 * i + "%";
+      return tick;
+    }));
+    scene?.setLook({ range: end });
+    placeLimits();
+  }
+
+  // ---- marks over the map: ten worst points, the picked point, the directions of the axes
+
+  function makeMarks() {
+    if (!scene) return;
+    const worst = byId("worst-marks").checked ? page.variants[state.variant].worst : [];
+    const marks = worst.map((point, i) => Object.assign(element("div", String(i + 1), "mark"), { point }));
+    if (state.picked !== null) marks.unshift(Object.assign(element("div", "", "mark dot"), { point: pointAt(state.picked) }));
+    byId("marks").replaceChildren(...marks);
+    placeMarks();
+    hideCovered();
+  }
+
+  function placeMarks() {
+    for (const mark of byId("marks").children) {
+      const [x, y] = scene.toScreen(mark.point.at);
+      mark.style.transform = `translate(${x}px, ${y}px)`;
+      mark.style.visibility = dot(scene.axes()[2], mark.point.normal) > 0.02 ? "" : "hidden";
+    }
+    if (state.picked !== null) placeFlag();
+    drawTriad();
+  }
+
+  function hideCovered() {
+    for (const mark of byId("marks").children) {
+      const [x, y, depth] = scene.toScreen(mark.point.at);
+      const seen = scene.pick(x, y);
+      if (seen && seen.depth > depth + 0.01 * scene.model.radius) mark.style.visibility = "hidden";
+    }
+  }
+
+  function drawTriad() {
+    const [right, up] = scene.axes();
+    byId("triad").innerHTML = ["X", "Y", "Z"].map((name, k) => {
+      const x = 34 * right[k], y = -34 * up[k];
+      return `<line x1="0" y1="0" x2="${x}" y2="${y}"/><text x="${1.27 * x}" y="${1.27 * y}">${name}</text>`;
+    }).join("");
+  }
+
+  // ---- what a click finds
+
+  const pointAt = (i) => ({
+    at: Array.from(scene.model.points.subarray(3 * i, 3 * i + 3)),
+    normal: Array.from(scene.model.pointNormals.subarray(3 * i, 3 * i + 3)),
+  });
+
+  function pickNear(place, normal) {
+    const found = scene.model.nearestPoint(place, normal);
+    state.picked = found < 0 ? null : found;
+    fillFlag();
+    makeMarks();
+  }
+
+  function fillFlag() {
+    const flag = byId("flag"), i = state.picked;
+    flag.hidden = i === null;
+    if (i === null || !scene) return;
+    const { model } = scene, c = model.columns;
+    const rows = element("table");
+    for (const [name, variant] of Object.entries(page.variants)) {
+      const um = model.deviation("point:" + name, i);
+      const row = element("tr", undefined, name === state.variant ? "shown" : "");
+      row.append(element("td", variant.label),
+        element("td", um === null ? model.statuses[c["status:" + name][i]] : signed(um) + " µm"));
+      rows.append(row);
+    }
+    const line = c.point_line[i];
+    const place = pointAt(i).at.map((x) => x.toFixed(2).replace("-", "−")).join(", ");
+    flag.replaceChildren(
+      element("p", `${model.ids[i]} · ${model.features[c.point_feature[i]]}`), rows,
+      element("p", `at ${place} mm`),
+      element("p", line > 0 ? `tool ${c.point_tool[i]}, line ${line}` : "no move made this point"),
+      element("code", model.nc[line] ?? ""));
+    placeFlag();
+  }
+
+  function placeFlag() {
+    const flag = byId("flag"), view = byId("canvas"), [x, y] = scene.toScreen(pointAt(state.picked).at);
+    const left = x + 16 + flag.offsetWidth > view.clientWidth ? x - 16 - flag.offsetWidth : x + 16;
+    const top = Math.max(8, Math.min(view.clientHeight - flag.offsetHeight - 8, y - flag.offsetHeight / 2));
+    flag.style.left = Math.max(8, left) + "px";
+    flag.style.top = top + "px";
+  }
+
+  // ---- pointer, wheel, keys
+
+  function listen(canvas) {
+    const pointers = new Map();
+    let travelled = 0;
+    const spread = () => {
+      const [p, q] = [...pointers.values()];
+      return { x: (p.x + q.x) / 2, y: (p.y + q.y) / 2, size: Math.hypot(p.x - q.x, p.y - q.y) };
+    };
+    const here = (event) => ({ x: event.offsetX, y: event.offsetY });
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      pointers.set(event.pointerId, here(event));
+      if (pointers.size === 1) travelled = 0;
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      const before = pointers.get(event.pointerId);
+      if (!before) return;
+      const now = here(event), dx = now.x - before.x, dy = now.y - before.y;
+      travelled += Math.abs(dx) + Math.abs(dy);
+      if (pointers.size === 2) {
+        const old = spread();
+        pointers.set(event.pointerId, now);
+        const young = spread();
+        scene.pan(young.x - old.x, young.y - old.y);
+        scene.zoomAt(young.size / (old.size || 1), young.x, young.y);
+        return;
+      }
+      pointers.set(event.pointerId, now);
+      if (event.shiftKey || event.buttons > 1) scene.pan(dx, dy);
+      else scene.orbit(dx, dy);
+    });
+    for (const kind of ["pointerup", "pointercancel"]) canvas.addEventListener(kind, (event) => {
+      const alone = pointers.size === 1;
+      pointers.delete(event.pointerId);
+      if (kind !== "pointerup" || !alone || travelled > 5 || event.button !== 0) return;
+      const hit = scene.pick(event.offsetX, event.offsetY);
+      if (hit) return pickNear(hit.place, hit.normal);
+      state.picked = null;
+      fillFlag();
+      makeMarks();
+    });
+    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+    canvas.addEventListener("wheel", (event) => {
+      event.preventDefault();
+      scene.zoomAt(Math.exp(-0.0015 * event.deltaY), event.offsetX, event.offsetY);
+    }, { passive: false });
+    const middle = () => [canvas.clientWidth / 2, canvas.clientHeight / 2];
+    const keys = {
+      ArrowLeft: () => scene.orbit(-12, 0), ArrowRight: () => scene.orbit(12, 0),
+      ArrowUp: () => scene.orbit(0, -12), ArrowDown: () => scene.orbit(0, 12),
+      "+": () => scene.zoomAt(1.2, ...middle()), "-": () => scene.zoomAt(1 / 1.2, ...middle()), 0: () => scene.home(),
+    };
+    canvas.addEventListener("keydown", (event) => {
+      if (!keys[event.key]) return;
+      event.preventDefault();
+      keys[event.key]();
+    });
+  }
+
+  const quarter = Math.PI / 2;
+  const views = { home: [], top: [-quarter, quarter], front: [-quarter, 0], right: [0, 0], back: [quarter, 0], below: [-quarter, -quarter] };
+
+  function listenToControls() {
+    for (const input of all("input[name=variant]")) input.addEventListener("change", () => showVariant(input.value));
+    byId("tolerance").addEventListener("input", (event) => showTolerance(Number(event.target.value)));
+    byId("range").addEventListener("input", showRange);
+    byId("grey").addEventListener("change", (event) => scene.setLook({ greyWithin: event.target.checked }));
+    byId("worst-marks").addEventListener("change", makeMarks);
+    for (const button of all("[data-view]")) button.addEventListener("click", () => scene.home(...views[button.dataset.view]));
+    for (const row of all("tr[data-worst]")) row.querySelector("button").addEventListener("click", () => {
+      if (!scene) return;
+      const { at, normal } = page.variants[state.variant].worst[Number(row.dataset.worst)];
+      const upright = Math.abs(normal[2]) > 0.9;
+      scene.home(upright ? -0.938 : Math.atan2(normal[1], normal[0]) + 0.4, upright ? Math.sign(normal[2]) * 0.9 : 0.5);
+      pickNear(at, normal);
+      byId("stage").scrollIntoView({ block: "center" });
+    });
+  }
+
+  async function start() {
+    byId("tolerance").max = page.thresholds_um.length - 1;
+    byId("tolerance").value = state.tolerance;
+    byId("range").value = standardAt;
+    listenToControls();
+    try {
+      const model = new Model(await readPayload(byId("payload").textContent));
+      byId("stage").hidden = false;
+      scene = new Scene(byId("canvas"), model, page.colour_stops, page.unknown_colour);
+      scene.onDraw = placeMarks;
+      scene.onSettle = hideCovered;
+      listen(byId("canvas"));
+      byId("still").hidden = true;
+    } catch (error) {
+      scene = null;
+      byId("stage").hidden = true;
+      byId("still-note").textContent = `The turnable map is not available in this browser: ${error.message}.`;
+    }
+    showRange();
+    showTolerance(state.tolerance);
+    showVariant(state.variant);
+  }
+  start();
+})();

@@ -1,0 +1,306 @@
+"use strict";
+
+// The compressed block of the page: see payload.py for its layout.
+async function readPayload(base64) {
+  const packed = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+  const headerLength = new DataView(bytes.buffer).getUint32(0, true);
+  const data = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + headerLength)));
+  const columns = {};
+  let at = 4 + headerLength;
+  for (const [name, width, count] of data.columns) {
+    const column = new Int32Array(count);
+    let value = 0;
+    for (let i = 0; i < count; i++) {
+      for (let plane = 0; plane < width; plane++)
+        value += bytes[at + plane * count + i] << (8 * plane);
+      column[i] = value = width === 2 ? value & 0xffff : value | 0;
+    }
+    columns[name] = column;
+    at += width * count;
+  }
+  return { ...data, columns };
+}
+
+const signed16 = (value) => (value << 16) >> 16;
+
+// Mesh and points with lengths in mm and deviations in um.
+class Model {
+  constructor(data) {
+    Object.assign(this, data);
+    const c = data.columns;
+    this.vertices = this.positions("vertex");
+    this.points = this.positions("point");
+    this.pointNormals = this.interleave(["normal_x", "normal_y", "normal_z"], (v) => signed16(v) / 32767);
+    this.triangles = new Uint32Array(3 * c.corner_0.length);
+    for (let i = 0; i < c.corner_0.length; i++)
+      for (let k = 0; k < 3; k++) this.triangles[3 * i + k] = c["corner_" + k][i];
+    this.normals = this.vertexNormals();
+    this.outline = this.sharpEdges();
+    this.low = [0, 1, 2].map((k) => data.origin_mm[k]);
+    this.high = [0, 1, 2].map((k) => data.origin_mm[k] + 65535 * data.step_mm[k]);
+    this.centre = this.low.map((low, k) => (low + this.high[k]) / 2);
+    this.radius = Math.hypot(...this.low.map((low, k) => this.high[k] - low)) / 2;
+  }
+  interleave(names, convert) {
+    const columns = names.map((name) => this.columns[name]);
+    const out = new Float32Array(columns.length * columns[0].length);
+    columns.forEach((column, k) => {
+      for (let i = 0; i < column.length; i++) out[columns.length * i + k] = convert(column[i], k);
+    });
+    return out;
+  }
+  positions(kind) {
+    const names = ["x", "y", "z"].map((axis) => `${kind}_${axis}`);
+    return this.interleave(names, (v, k) => this.origin_mm[k] + v * this.step_mm[k]);
+  }
+  deviation(column, i) { // um, or null
+    const value = signed16(this.columns[column][i]);
+    return value === this.unknown ? null : value * this.value_step_um;
+  }
+  vertexValues(variant) { // (deviation in um, known) of each vertex
+    const count = this.vertices.length / 3, out = new Float32Array(2 * count);
+    for (let i = 0; i < count; i++) {
+      const value = this.deviation("vertex:" + variant, i);
+      out[2 * i] = value ?? 0;
+      out[2 * i + 1] = value === null ? 0 : 1;
+    }
+    return out;
+  }
+  vertexNormals() {
+    const v = this.vertices, t = this.triangles, out = new Float32Array(v.length);
+    for (let i = 0; i < t.length; i += 3) {
+      const n = this.triangleNormal(i);
+      for (let k = 0; k < 9; k++) out[3 * t[i + Math.floor(k / 3)] + (k % 3)] += n[k % 3];
+    }
+    for (let i = 0; i < out.length; i += 3) {
+      const length = Math.hypot(out[i], out[i + 1], out[i + 2]) || 1;
+      for (let k = 0; k < 3; k++) out[i + k] /= length;
+    }
+    return out;
+  }
+  triangleNormal(i) { // length: twice the area
+    const v = this.vertices, [a, b, c] = [0, 1, 2].map((k) => 3 * this.triangles[i + k]);
+    const p = [0, 1, 2].map((k) => v[b + k] - v[a + k]), q = [0, 1, 2].map((k) => v[c + k] - v[a + k]);
+    return cross(p, q);
+  }
+  sharpEdges() { // edges that one triangle alone has: vertices are not shared across sharp edges
+    const t = this.triangles, count = this.vertices.length / 3, keys = new Float64Array(t.length);
+    for (let i = 0; i < t.length; i++) {
+      const a = t[i], b = t[i % 3 === 2 ? i - 2 : i + 1];
+      keys[i] = Math.min(a, b) * count + Math.max(a, b);
+    }
+    keys.sort();
+    const out = [];
+    for (let i = 0; i < keys.length; i++)
+      if (keys[i] !== keys[i - 1] && keys[i] !== keys[i + 1]) out.push(Math.floor(keys[i] / count), keys[i] % count);
+    return new Uint32Array(out);
+  }
+  // The inspected point nearest to a place on the surface, on a face of the same direction.
+  nearestPoint(place, normal) {
+    let best = -1, smallest = Infinity;
+    for (let i = 0; i < this.points.length; i += 3) {
+      let distance = 0, cosine = 0;
+      for (let k = 0; k < 3; k++) {
+        distance += (this.points[i + k] - place[k]) ** 2;
+        cosine += this.pointNormals[i + k] * normal[k];
+      }
+      if (cosine > 0.7 && distance < smallest) [best, smallest] = [i / 3, distance];
+    }
+    return best;
+  }
+}
+
+const cross = (p, q) => [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
+const dot = (p, q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+
+const VERTEX_SHADER = `#version 300 es
+in vec3 position; in vec3 normal; in vec2 value;
+uniform mat3 axes; uniform vec3 centre; uniform vec3 scale;
+out vec3 seenNormal; out vec2 deviation;
+void main() {
+  seenNormal = axes * normal; deviation = value;
+  gl_Position = vec4(axes * (position - centre) * scale, 1.0);
+}`;
+
+const FRAGMENT_SHADER = `#version 300 es
+precision highp float;
+in vec3 seenNormal; in vec2 deviation;
+uniform sampler2D ramp; uniform float range, tolerance; uniform vec3 unknownColour, lineColour;
+uniform bool greyWithin, outline;
+out vec4 colour;
+void main() {
+  if (outline) { colour = vec4(lineColour, 1.0); return; }
+  vec3 light = normalize(vec3(-0.35, 0.5, 0.8));
+  float shade = 0.70 + 0.30 * clamp(dot(normalize(seenNormal), light), 0.0, 1.0);
+  vec3 rgb = texture(ramp, vec2(0.5 + 0.5 * deviation.x / range, 0.5)).rgb;
+  float beyond = abs(deviation.x) - tolerance;
+  if (greyWithin && beyond <= 0.0) rgb = vec3(0.86);
+  if (greyWithin) rgb *= 0.25 + 0.75 * smoothstep(0.4, 1.2, abs(beyond) / max(fwidth(deviation.x), 1e-12));
+  if (deviation.y < 0.5) {
+    float stripe = mod(gl_FragCoord.x + gl_FragCoord.y, 12.0);
+    rgb = unknownColour * (stripe < 3.0 ? 0.82 : 1.0);
+  }
+  colour = vec4(rgb * shade, 1.0);
+}`;
+
+// A parallel view of the model; azimuth and elevation in rad, zoom 1 shows all of it.
+class Scene {
+  constructor(canvas, model, colourStops, unknownColour) {
+    this.canvas = canvas; this.model = model;
+    const gl = this.gl = canvas.getContext("webgl2", { antialias: true, alpha: true });
+    if (!gl) throw new Error("WebGL 2 is not available");
+    this.onDraw = () => {}; this.onSettle = () => {};
+    this.look = { range: 1, tolerance: 1, greyWithin: false };
+    this.program = this.link(VERTEX_SHADER, FRAGMENT_SHADER);
+    this.buffers = {
+      position: this.buffer(gl.ARRAY_BUFFER, model.vertices, "position", 3),
+      normal: this.buffer(gl.ARRAY_BUFFER, model.normals, "normal", 3),
+      value: this.buffer(gl.ARRAY_BUFFER, new Float32Array(model.vertices.length / 3 * 2), "value", 2),
+      triangles: this.buffer(gl.ELEMENT_ARRAY_BUFFER, model.triangles),
+      outline: this.buffer(gl.ELEMENT_ARRAY_BUFFER, model.outline),
+    };
+    this.loadRamp(colourStops);
+    gl.enable(gl.DEPTH_TEST);
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(1, 2);
+    gl.useProgram(this.program);
+    gl.uniform3fv(this.uniform("unknownColour"), rgbOf(unknownColour));
+    gl.uniform3fv(this.uniform("lineColour"), [0.16, 0.18, 0.2]);
+    this.home();
+    new ResizeObserver(() => this.redraw()).observe(canvas);
+  }
+  uniform(name) { return this.gl.getUniformLocation(this.program, name); }
+  link(...sources) {
+    const gl = this.gl, program = gl.createProgram();
+    [gl.VERTEX_SHADER, gl.FRAGMENT_SHADER].forEach((kind, i) => {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, sources[i]);
+      gl.compileShader(shader);
+      gl.attachShader(program, shader);
+    });
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+    return program;
+  }
+  buffer(kind, data, attribute, size) {
+    const gl = this.gl, buffer = gl.createBuffer();
+    gl.bindBuffer(kind, buffer);
+    gl.bufferData(kind, data, gl.STATIC_DRAW);
+    if (attribute) {
+      const location = gl.getAttribLocation(this.program, attribute);
+      gl.enableVertexAttribArray(location);
+      gl.vertexAttribPointer(location, size, gl.FLOAT, false, 0, 0);
+    }
+    return buffer;
+  }
+  loadRamp(stops) {
+    const gl = this.gl, width = 256, rgb = stops.map(rgbOf), pixels = new Uint8Array(4 * width);
+    for (let i = 0; i < width; i++) {
+      const at = (i / (width - 1)) * (stops.length - 1), j = Math.min(Math.floor(at), stops.length - 2);
+      for (let k = 0; k < 3; k++) pixels[4 * i + k] = 255 * (rgb[j][k] + (at - j) * (rgb[j + 1][k] - rgb[j][k]));
+      pixels[4 * i + 3] = 255;
+    }
+    gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, width, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    for (const [key, value] of [[gl.TEXTURE_MIN_FILTER, gl.LINEAR], [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE],
+      [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE]]) gl.texParameteri(gl.TEXTURE_2D, key, value);
+  }
+  show(variant) {
+    const gl = this.gl;
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers.value);
+    gl.bufferData(gl.ARRAY_BUFFER, this.model.vertexValues(variant), gl.STATIC_DRAW);
+    this.redraw();
+  }
+  setLook(change) { Object.assign(this.look, change); this.redraw(); }
+  home(azimuth = -0.938, elevation = 0.588) {
+    Object.assign(this, { azimuth, elevation, zoom: 1, target: [...this.model.centre] });
+    this.redraw();
+  }
+  axes() { // rows: right, up, towards the viewer
+    const [ca, sa, ce, se] = [Math.cos(this.azimuth), Math.sin(this.azimuth), Math.cos(this.elevation), Math.sin(this.elevation)];
+    return [[-sa, ca, 0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]];
+  }
+  mmPerPixel() { // as large as possible with every corner of the box inside at zoom 1
+    const [right, up] = this.axes(), half = this.model.high.map((high, k) => (high - this.model.low[k]) / 2);
+    const extent = (axis) => axis.reduce((sum, x, k) => sum + Math.abs(x) * half[k], 0);
+    const { clientWidth, clientHeight } = this.canvas;
+    return 1.08 * Math.max(extent(right) / (clientWidth / 2), extent(up) / (clientHeight / 2)) / this.zoom;
+  }
+  toScreen(place) { // CSS pixels from the top left, depth in mm towards the viewer
+    const p = place.map((x, k) => x - this.target[k]), [right, up, towards] = this.axes(), mm = this.mmPerPixel();
+    return [this.canvas.clientWidth / 2 + dot(p, right) / mm, this.canvas.clientHeight / 2 - dot(p, up) / mm, dot(p, towards)];
+  }
+  orbit(dx, dy) {
+    this.azimuth -= 0.008 * dx;
+    this.elevation = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, this.elevation + 0.008 * dy));
+    this.redraw();
+  }
+  pan(dx, dy) {
+    const [right, up] = this.axes(), mm = this.mmPerPixel();
+    this.target = this.target.map((x, k) => x - mm * (dx * right[k] - dy * up[k]));
+    this.redraw();
+  }
+  zoomAt(factor, x, y) { // what is under (x, y) stays there
+    const dx = x - this.canvas.clientWidth / 2, dy = y - this.canvas.clientHeight / 2;
+    this.pan(-dx, -dy);
+    this.zoom = Math.max(0.3, Math.min(200, this.zoom * factor));
+    this.pan(dx, dy);
+  }
+  redraw() {
+    if (this.pending) return;
+    this.pending = requestAnimationFrame(() => { this.pending = null; this.draw(); });
+    clearTimeout(this.settling);
+    this.settling = setTimeout(() => this.onSettle(), 160);
+  }
+  draw() {
+    const { gl, canvas, look } = this, ratio = Math.min(window.devicePixelRatio || 1, 2);
+    const width = Math.round(canvas.clientWidth * ratio), height = Math.round(canvas.clientHeight * ratio);
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    const mm = this.mmPerPixel(), [right, up, towards] = this.axes();
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.uniformMatrix3fv(this.uniform("axes"), false, [0, 1, 2].flatMap((k) => [right[k], up[k], towards[k]]));
+    gl.uniform3fv(this.uniform("centre"), this.target);
+    const depth = this.model.radius + Math.hypot(...this.target.map((x, k) => x - this.model.centre[k]));
+    gl.uniform3f(this.uniform("scale"), 2 / (canvas.clientWidth * mm), 2 / (canvas.clientHeight * mm), -1 / depth);
+    gl.uniform1f(this.uniform("range"), look.range);
+    gl.uniform1f(this.uniform("tolerance"), look.tolerance);
+    gl.uniform1i(this.uniform("greyWithin"), look.greyWithin);
+    for (const [name, mode, isOutline] of [["triangles", gl.TRIANGLES, 0], ["outline", gl.LINES, 1]]) {
+      gl.uniform1i(this.uniform("outline"), isOutline);
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.buffers[name]);
+      gl.drawElements(mode, this.model[name].length, gl.UNSIGNED_INT, 0);
+    }
+    this.onDraw();
+  }
+  // What is seen at a pixel: place (mm), normal and depth, or null beside the part.
+  pick(x, y) {
+    const { vertices, triangles } = this.model, [right, up, towards] = this.axes(), mm = this.mmPerPixel();
+    const px = dot(this.target, right) + (x - this.canvas.clientWidth / 2) * mm;
+    const py = dot(this.target, up) - (y - this.canvas.clientHeight / 2) * mm;
+    const flat = new Float32Array(vertices.length);
+    for (let i = 0; i < vertices.length; i += 3) {
+      const p = [vertices[i], vertices[i + 1], vertices[i + 2]];
+      flat[i] = dot(p, right) - px; flat[i + 1] = dot(p, up) - py; flat[i + 2] = dot(p, towards);
+    }
+    let hit = null;
+    for (let i = 0; i < triangles.length; i += 3) {
+      const a = 3 * triangles[i], b = 3 * triangles[i + 1], c = 3 * triangles[i + 2];
+      const u = flat[b] * flat[c + 1] - flat[c] * flat[b + 1];
+      const v = flat[c] * flat[a + 1] - flat[a] * flat[c + 1];
+      const w = flat[a] * flat[b + 1] - flat[b] * flat[a + 1];
+      if (u < 0 || v < 0 || w < 0 || u + v + w <= 0) continue;
+      const depth = (u * flat[a + 2] + v * flat[b + 2] + w * flat[c + 2]) / (u + v + w);
+      if (!hit || depth > hit.depth) hit = { depth, i };
+    }
+    if (!hit) return null;
+    const normal = this.model.triangleNormal(hit.i), length = Math.hypot(...normal) || 1;
+    const place = [0, 1, 2].map((k) => px * right[k] + py * up[k] + hit.depth * towards[k]);
+    return { place, normal: normal.map((n) => n / length), depth: hit.depth - dot(this.target, towards) };
+  }
+}
+
+const rgbOf = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
