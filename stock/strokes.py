@@ -1,0 +1,167 @@
+"""Strokes: straight pieces of displaced tool motion that the virtual part is cut with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numba import njit
+
+from stock.sweeps import Sweeps
+
+__all__ = ["Strokes", "strokes_of"]
+
+#: a joint closer than this joins two strokes
+JOINT_MM = 1e-9
+#: nodes of a straight move are dropped where the displaced path stays within this of its chord
+STRAIGHT_MM = 2e-5
+
+
+@dataclass(frozen=True)
+class Strokes:
+    """S straight pieces in cutting order; the displaced tool goes linearly from start to end.
+
+    Attributes
+    ----------
+    start_mm, end_mm : (S, 3) float64
+        Displaced tool tip.
+    start_tilt_rad, end_tilt_rad : (S, 3) float64
+        Rotation vector of the tool about its tip.
+    tool : (S,) int32
+    move : (S,) int64
+    joined : (S,) bool
+        The stroke begins exactly where the one before ended, with the same tool.
+    """
+
+    start_mm: np.ndarray
+    end_mm: np.ndarray
+    start_tilt_rad: np.ndarray
+    end_tilt_rad: np.ndarray
+    tool: np.ndarray
+    move: np.ndarray
+    joined: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.start_mm)
+
+    def __getitem__(self, index: np.ndarray) -> Strokes:
+        return Strokes(**{f.name: getattr(self, f.name)[index] for f in fields(self)})
+
+
+def strokes_of(sweeps: Sweeps, tolerance_mm: float) -> Strokes:
+    """Straight strokes that follow the sweeps, arcs by chords of at most the given sagitta.
+
+    Straight sweeps of one move are merged where their nodes lie on one line to `STRAIGHT_MM`.
+    """
+    pieces = _chords(sweeps, tolerance_mm)
+    first = np.concatenate([[0], np.cumsum(pieces)])
+    index = np.repeat(np.arange(len(sweeps)), pieces)
+    begin = (np.arange(first[-1]) - first[index]) / pieces[index]
+    end = (np.arange(first[-1]) - first[index] + 1) / pieces[index]
+    start_mm, start_tilt = _placement(sweeps, index, begin)
+    end_mm, end_tilt = _placement(sweeps, index, end)
+    tool, move = sweeps.tool[index], sweeps.move[index]
+    joined = np.zeros(len(index), dtype=bool)
+    joined[1:] = (
+        (np.abs(start_mm[1:] - end_mm[:-1]).max(axis=1) < JOINT_MM)
+        & (np.abs(start_tilt[1:] - end_tilt[:-1]).max(axis=1) < JOINT_MM)
+        & (tool[1:] == tool[:-1])
+    )
+    straight = sweeps.sweep_rad[index] == 0
+    keep = _run_starts(
+        np.hstack([start_mm, 100.0 * start_tilt]),
+        np.hstack([end_mm, 100.0 * end_tilt]),
+        move=move,
+        mergeable=joined & straight,
+    )
+    last = np.concatenate([keep[1:], [len(index)]]) - 1 if len(keep) else keep
+    return Strokes(
+        start_mm=start_mm[keep],
+        end_mm=end_mm[last],
+        start_tilt_rad=start_tilt[keep],
+        end_tilt_rad=end_tilt[last],
+        tool=tool[keep],
+        move=move[keep],
+        joined=joined[keep],
+    )
+
+
+def _chords(sweeps: Sweeps, tolerance_mm: float) -> np.ndarray:
+    """Number of straight pieces of each sweep."""
+    radius = np.maximum(
+        _distance_from_axis(sweeps, sweeps.start_mm), _distance_from_axis(sweeps, sweeps.end_mm)
+    )
+    ratio = np.clip(1 - tolerance_mm / np.maximum(radius, tolerance_mm), -1.0, 1.0)
+    step = np.clip(2 * np.arccos(ratio), 1e-6, np.pi / 4)
+    return np.maximum(np.ceil(np.abs(sweeps.sweep_rad) / step - 1e-9), 1).astype(np.int64)
+
+
+def _distance_from_axis(sweeps: Sweeps, point_mm: np.ndarray) -> np.ndarray:
+    arm = point_mm - sweeps.centre_mm
+    along = np.einsum("ij,ij->i", arm, sweeps.axis)
+    return np.linalg.norm(arm - along[:, None] * sweeps.axis, axis=1)
+
+
+def _placement(
+    sweeps: Sweeps, index: np.ndarray, s: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Displaced tip and tilt, each (P, 3), at parameter s (P,) of the sweeps `index` (P,)."""
+    basis = np.stack([(1 + 2 * s) * (1 - s) ** 2, s**2 * (3 - 2 * s)], axis=1)
+    slope = np.stack([s * (1 - s) ** 2, s**2 * (s - 1)], axis=1)
+
+    def hermite(value: np.ndarray, derivative: np.ndarray) -> np.ndarray:
+        return np.einsum("pk,pkj->pj", basis, value[index]) + np.einsum(
+            "pk,pkj->pj", slope, derivative[index]
+        )
+
+    shift = hermite(sweeps.shift_mm, sweeps.shift_slope_mm)
+    tilt = hermite(sweeps.tilt_rad, sweeps.tilt_slope_rad)
+    return _tip(sweeps, index, s) + shift, tilt
+
+
+def _tip(sweeps: Sweeps, index: np.ndarray, s: np.ndarray) -> np.ndarray:
+    """Nominal tip (P, 3): on the line, or on the arc, helix or spiral."""
+    start, end = sweeps.start_mm[index], sweeps.end_mm[index]
+    line = (1 - s[:, None]) * start + s[:, None] * end
+    axis, centre = sweeps.axis[index], sweeps.centre_mm[index]
+    sweep_rad = sweeps.sweep_rad[index]
+    arm = start - centre
+    rise = np.einsum("ij,ij->i", end - start, axis)
+    radius = _distance_from_axis(sweeps, sweeps.start_mm)[index]
+    growth = _distance_from_axis(sweeps, sweeps.end_mm)[index] - radius
+    scale = np.where(radius > 0, 1 + s * growth / np.where(radius > 0, radius, 1.0), 1.0)
+    angle = (s * sweep_rad)[:, None]
+    turned = np.cos(angle) * arm + np.sin(angle) * np.cross(axis, arm)
+    arc = centre + scale[:, None] * turned + (s * rise)[:, None] * axis
+    exact_end = (s == 1)[:, None]
+    return np.where((sweep_rad == 0)[:, None], line, np.where(exact_end, end, arc))
+
+
+@njit(cache=True)
+def _run_starts(
+    start: np.ndarray, end: np.ndarray, move: np.ndarray, mergeable: np.ndarray
+) -> np.ndarray:
+    """First piece of each run of pieces whose nodes lie on one chord, evenly spaced or not."""
+    first = np.empty(len(start), dtype=np.int64)
+    runs = 0
+    for i in range(len(start)):
+        fits = i > 0 and mergeable[i] and mergeable_with(start, end, first[runs - 1], i)
+        if not fits or move[i] != move[i - 1]:
+            first[runs] = i
+            runs += 1
+    return first[:runs]
+
+
+@njit(cache=True)
+def mergeable_with(start: np.ndarray, end: np.ndarray, first: int, last: int) -> bool:
+    """Whether the nodes between piece `first` and piece `last` lie on their common chord."""
+    chord = end[last] - start[first]
+    length = np.sqrt((chord[:3] ** 2).sum())
+    if length == 0.0:
+        return False
+    for k in range(first + 1, last + 1):
+        arm = start[k] - start[first]
+        share = (arm[:3] * chord[:3]).sum() / length**2
+        if np.abs(arm - share * chord).max() > STRAIGHT_MM:
+            return False
+    return True
