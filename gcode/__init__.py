@@ -1,5 +1,13 @@
 """NC programs: from text to resolved moves. Knows neither machines' errors nor stock."""
 
+from gcode.arc_tolerance import ARC_TOLERANCES, ArcTolerance
+from gcode.clock import MachineLimits
+from gcode.errors import ProgramError
 from gcode.moves import MoveKind, Moves
+from gcode.program import Note, Program, read_program
+from gcode.source import Source, Word
+from gcode.tools import ToolEntry, read_tool_table
 
-__all__ = ["MoveKind", "Moves"]
+__all__ = ["ARC_TOLERANCES", "ArcTolerance", "MachineLimits", "MoveKind", "Moves", "Note",
+           "Program", "ProgramError", "Source", "ToolEntry", "Word", "read_program",
+           "read_tool_table"]  # fmt: skip

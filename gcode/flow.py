@@ -1,0 +1,365 @@
+"""Program flow: lines, O-words, subroutine calls, M98 and M99."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from gcode import cutter_compensation
+from gcode.block_values import whole
+from gcode.errors import ProgramError
+from gcode.expressions import value_of
+from gcode.interpreter import execute
+from gcode.lexer import Block, OWord, compact, is_control, read_block
+from gcode.state import Controller
+
+__all__ = ["run_program"]
+
+_LEVELS = 10  #: nesting of subroutine calls that the controller allows
+_LOCAL = frozenset(("do", "while", "repeat", "if", "elseif", "else", "endif", "break", "continue",
+                    "endwhile", "endrepeat"))  # fmt: skip
+
+
+@dataclass
+class _Label:
+    """Where a subroutine, a loop or an IF begins."""
+
+    keyword: str
+    line: int
+    repeats: int | None = None
+
+
+@dataclass
+class _Frame:
+    """One call in progress."""
+
+    name: str
+    keyword: str  #: call or m98
+    return_line: int
+    arguments: list[float]
+    repeats: int = 1
+
+
+def run_program(controller: Controller, lines: list[str], *, block_delete: bool,
+                max_blocks: int) -> None:  # fmt: skip
+    """Run a program from its first line to M2, M30, the closing % or the end of the text.
+
+    Raises
+    ------
+    ProgramError
+        With the line at which the program cannot go on.
+    """
+    runner = _Runner(controller, lines, block_delete=block_delete, max_blocks=max_blocks)
+    try:
+        runner.run()
+    except ProgramError as error:
+        raise error.located(file=None, line=controller.line) from None
+    except RecursionError:
+        raise ProgramError("expression is nested too deeply", line=controller.line) from None
+    except OverflowError:
+        raise ProgramError("number too large", line=controller.line) from None
+
+
+class _Runner:
+    """Interpreter of program flow; line numbers are 0-based indices here."""
+
+    def __init__(
+        self, controller: Controller, lines: list[str], *, block_delete: bool, max_blocks: int
+    ) -> None:
+        self.controller, self.lines = controller, lines
+        self.block_delete, self.max_blocks = block_delete, max_blocks
+        self.texts: list[str | None] = [None] * len(lines)
+        self.blocks: tuple[dict[int, Block], dict[int, Block]] = ({}, {})
+        self.next = 0
+        self.frames: list[_Frame] = []
+        self.labels: dict[str, _Label] = {}
+        self.skip_to: str | None = None  #: label at which execution goes on
+        self.skip_from = 0
+        self.seeking_sub = False
+        self.defining: str | None = None
+        self.if_done = False
+        self.leaving = self.continuing = False
+
+    def run(self) -> None:
+        """Execute until the program ends."""
+        controller = self.controller
+        opened = self._skip_percent()
+        executed = 0
+        while self.next < len(self.lines):
+            here = self.next
+            self.next = here + 1
+            controller.line = here + 1
+            text = self._text(here)
+            if opened and text == "%":
+                break
+            if not text or (self.block_delete and text[0] == "/"):
+                continue
+            executed += 1
+            if executed > self.max_blocks:
+                raise ProgramError(f"program runs more than {self.max_blocks} blocks",
+                                   hint="look for a loop without end, or raise max_blocks")
+            if self.skip_to is not None and not is_control(text):
+                continue
+            if self._obey(here, text):
+                return
+        self._finish()
+
+    def _finish(self) -> None:
+        if self.skip_to is not None:
+            raise ProgramError(f"end of file while seeking O<{self.skip_to.split('#')[-1]}>",
+                               line=self.skip_from + 1, hint="the O-word has no partner")
+        if self.frames:
+            raise ProgramError(f"end of file inside subroutine O<{self.frames[-1].name}>")
+        cutter_compensation.flush(self.controller)
+
+    def _skip_percent(self) -> bool:
+        """Step over a first line that is only %; tells whether there is one."""
+        for index, line in enumerate(self.lines):
+            if line.strip():
+                if line.strip() == "%":
+                    self.next = index + 1
+                    return True
+                break
+        return False
+
+    def _text(self, index: int) -> str:
+        text = self.texts[index]
+        if text is None:
+            text = self.texts[index] = compact(self.lines[index])
+        return text
+
+    def _obey(self, here: int, text: str) -> bool:
+        cache = self.blocks[bool(self.frames)]
+        block = cache.get(here)
+        if block is None:
+            block = cache[here] = read_block(text, in_subroutine=bool(self.frames))
+        if block.control is None:
+            return self.skip_to is None and execute(self.controller, block)
+        self._control(here, block, block.control)
+        return False
+
+    def _name(self, control: OWord) -> str:
+        if control.keyword == "m99":
+            return self.frames[-1].name
+        if isinstance(control.name, str):
+            name = control.name
+        else:
+            name = str(whole(value_of(control.name, self.controller.parameters), "O-word"))
+        if control.keyword not in _LOCAL:
+            return name
+        owner = self.frames[-1].name if self.frames else self.defining or ""
+        return f"{owner}#{name}"
+
+    def _control(self, here: int, block: Block, control: OWord) -> None:
+        keyword, name = control.keyword, self._name(control)
+        if self.defining is not None and keyword in ("sub", "program"):
+            raise ProgramError("subroutine defined inside a subroutine")
+        if self.defining is not None and not (keyword == "endsub" and name == self.defining):
+            return
+        if self.skip_to is not None and name != self.skip_to:
+            return
+        if self.seeking_sub and keyword not in ("sub", "program"):
+            return
+        handler = getattr(self, f"_{keyword}", None) or self._end_loop
+        handler(here, name, block)
+
+    def _value(self, block: Block) -> float:
+        return value_of(block.control.values[0], self.controller.parameters)
+
+    def _skip(self, here: int, name: str) -> None:
+        self.skip_to, self.skip_from = name, here
+
+    def _define(self, here: int, name: str, keyword: str) -> None:
+        known = self.labels.get(name)
+        if known is not None and (known.keyword, known.line) != (keyword, here):
+            raise ProgramError(f"O<{name.split('#')[-1]}> is already used in line {known.line + 1}",
+                               hint="give each O-word its own number")
+        if known is None:
+            self.labels[name] = _Label(keyword, here)
+
+    def _expect(self, name: str, *keywords: str) -> _Label:
+        label = self.labels.get(name)
+        if label is None or label.keyword not in keywords:
+            wanted = " or ".join(keywords).upper()
+            raise ProgramError(f"O<{name.split('#')[-1]}> has no {wanted}")
+        return label
+
+    # subroutines
+
+    def _sub(self, here: int, name: str, block: Block) -> None:
+        if self.frames and self.frames[-1].keyword == "m98":
+            raise ProgramError("O... sub called by M98", accepted="O... call")
+        self._enter(here, name, "sub")
+        if not self.frames:
+            self._define(here, name, "sub")
+            self._skip(here, name)
+            self.defining = name
+
+    def _program(self, here: int, name: str, block: Block) -> None:
+        if self.frames and self.frames[-1].keyword == "call":
+            raise ProgramError("Fanuc-style O number called by O-word", accepted="M98")
+        self._enter(here, name, "program")
+
+    def _enter(self, here: int, name: str, keyword: str) -> None:
+        if self.skip_to is not None:
+            self._define(here, name, keyword)
+            self.skip_to = None
+        self.seeking_sub = False
+
+    def _call(self, here: int, name: str, block: Block) -> None:
+        if self.skip_to is not None:
+            return
+        parameters = self.controller.parameters
+        values = [value_of(v, parameters) for v in block.control.values]
+        self._push(_Frame(name, "call", here + 1, parameters.arguments()))
+        parameters.set_arguments(values)
+        self._jump_to_sub(here, name)
+
+    def _m98(self, here: int, name: str, block: Block) -> None:
+        if self.skip_to is not None:
+            return
+        words = block.words
+        repeats = 1
+        if "l" in words:
+            repeats = whole(value_of(words["l"], self.controller.parameters), "L word of M98")
+        if repeats == 0:
+            return
+        self._push(_Frame(name, "m98", here + 1, [], repeats))
+        self._jump_to_sub(here, name)
+
+    def _push(self, frame: _Frame) -> None:
+        if len(self.frames) + 1 >= _LEVELS:
+            raise ProgramError(f"subroutine calls nested deeper than {_LEVELS - 1}")
+        self.frames.append(frame)
+        self.controller.parameters.locals.append({})
+
+    def _jump_to_sub(self, here: int, name: str) -> None:
+        label = self.labels.get(name)
+        if label is not None:
+            self.next = label.line
+        else:
+            self._skip(here, name)
+            self.seeking_sub = True
+
+    def _endsub(self, here: int, name: str, block: Block) -> None:
+        if self.frames:
+            self._return(here, name, block)
+        elif self.defining is None:
+            raise ProgramError("ENDSUB outside a subroutine")
+        else:
+            self.skip_to = self.defining = None
+
+    def _return(self, here: int, name: str, block: Block) -> None:
+        if self.skip_to is not None and block.control.keyword == "return":
+            return
+        if not self.frames:
+            raise ProgramError("RETURN outside a subroutine")
+        if self.frames[-1].keyword == "m98":
+            raise ProgramError("subprogram called by M98 must end with M99")
+        if self.frames[-1].name != name:
+            raise ProgramError(f"O<{name}> returns inside O<{self.frames[-1].name}>")
+        parameters = self.controller.parameters
+        values = block.control.values
+        returned = self._value(block) if values else 0.0
+        parameters.globals["_value"] = returned
+        parameters.globals["_value_returned"] = float(bool(values))
+        self.skip_to = None
+        frame = self._pop()
+        parameters.set_arguments(frame.arguments)
+
+    def _m99(self, here: int, name: str, block: Block) -> None:
+        if self.skip_to is not None:
+            return
+        if self.frames[-1].keyword != "m98":
+            raise ProgramError("M99 inside a subroutine called by O-word", accepted="O... endsub")
+        frame = self.frames[-1]
+        frame.repeats -= 1
+        if frame.repeats > 0:
+            self.controller.parameters.locals[-1] = {}
+            self._jump_to_sub(here, frame.name)
+        else:
+            self._pop()
+
+    def _pop(self) -> _Frame:
+        frame = self.frames.pop()
+        self.controller.parameters.locals.pop()
+        self.next = frame.return_line
+        return frame
+
+    # loops and branches
+
+    def _do(self, here: int, name: str, block: Block) -> None:
+        self.skip_to = None
+        self._define(here, name, "do")
+
+    def _while(self, here: int, name: str, block: Block) -> None:
+        label = self.labels.get(name)
+        if label is not None and label.keyword == "do":
+            self.skip_to = None
+            if self._value(block) != 0.0 and not self.leaving:
+                self.next = label.line
+            self.leaving = self.continuing = False
+            return
+        self._define(here, name, "while")
+        self.skip_to = None
+        if self._value(block) == 0.0:
+            self._skip(here, name)
+
+    def _repeat(self, here: int, name: str, block: Block) -> None:
+        self._define(here, name, "repeat")
+        self.skip_to = None
+        label = self.labels[name]
+        if label.repeats is None:
+            value = self._value(block)
+            label.repeats = int(value + (0.5 if value >= 0.0 else -0.5))
+        if label.repeats > 0:
+            label.repeats -= 1
+        else:
+            label.repeats = None
+            self._skip(here, name)
+
+    def _if(self, here: int, name: str, block: Block) -> None:
+        self._define(here, name, "if")
+        self.if_done = self._value(block) != 0.0
+        if self.if_done:
+            self.skip_to = None
+        else:
+            self._skip(here, name)
+
+    def _elseif(self, here: int, name: str, block: Block) -> None:
+        self._expect(name, "if")
+        if self.if_done:
+            self._skip(here, name)
+        elif self._value(block) != 0.0:
+            self.skip_to, self.if_done = None, True
+
+    def _else(self, here: int, name: str, block: Block) -> None:
+        self._expect(name, "if")
+        if self.if_done:
+            self._skip(here, name)
+        else:
+            self.skip_to, self.if_done = None, True
+
+    def _endif(self, here: int, name: str, block: Block) -> None:
+        self._expect(name, "if")
+        self.skip_to, self.if_done = None, True
+
+    def _break(self, here: int, name: str, block: Block) -> None:
+        self._expect(name, "while", "do")
+        self._skip(here, name)
+        self.leaving = True
+
+    def _continue(self, here: int, name: str, block: Block) -> None:
+        self._expect(name, "while", "do")
+        if self.skip_to == name:
+            return
+        self._skip(here, name)
+        self.continuing = True
+
+    def _end_loop(self, here: int, name: str, block: Block) -> None:
+        label = self._expect(name, block.control.keyword.removeprefix("end"))
+        if self.skip_to == name:
+            self.skip_to = None
+            if not self.continuing:
+                return
+            self.continuing = False
+        self.next = label.line

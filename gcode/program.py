@@ -1,0 +1,150 @@
+"""Programs: read a file, run it, and hold text and moves together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from gcode.arc_tolerance import ArcTolerance, arc_tolerance
+from gcode.clock import MachineLimits
+from gcode.errors import ProgramError
+from gcode.flow import run_program
+from gcode.moves import Moves
+from gcode.offsets import load_offsets
+from gcode.parameters import system_base
+from gcode.record import Record
+from gcode.resolve import path_of, to_moves
+from gcode.source import Source
+from gcode.state import Controller, mapping_of_systems
+from gcode.tools import ToolEntry
+
+__all__ = ["Note", "Program", "read_program"]
+
+
+@dataclass(frozen=True)
+class Note:
+    """A word that the reader understands and that does not change where the tool goes.
+
+    Attributes
+    ----------
+    line : int
+        1-based.
+    word : str
+        As ``M8``.
+    meaning : str
+        What it would do.
+    """
+
+    line: int
+    word: str
+    meaning: str
+
+
+@dataclass(frozen=True)
+class Program:
+    """One program, read completely.
+
+    Attributes
+    ----------
+    path : Path
+        Where it came from.
+    dialect : str
+        ``rs274``, ``fanuc``, ``heidenhain`` or ``sinumerik``.
+    source : Source
+        Exact text; `Source.words` gives the words of a line, `Source.rewritten` writes back.
+    moves : Moves
+        What the machine does, one row a move; `Moves.line` leads back to the text.
+    notes : tuple of Note
+        Words that are irrelevant to geometry.
+    record : Record
+        Canonical calls in the active work system.
+    """
+
+    path: Path
+    dialect: str
+    source: Source
+    moves: Moves
+    notes: tuple[Note, ...]
+    record: Record = field(repr=False)
+
+
+def read_program(
+    path: str | Path | Source,
+    *,
+    work_offsets_mm: Mapping[str, Sequence[float]] | None = None,
+    tools: Mapping[int, ToolEntry] | None = None,
+    limits: MachineLimits | None = None,
+    home_mm: Sequence[float] | None = None,
+    dialect: str = "auto",
+    arc_tolerances: str | ArcTolerance = "linuxcnc",
+    block_delete: bool = False,
+    machine_unit_mm: float = 1.0,
+    max_blocks: int = 10_000_000,
+) -> Program:
+    """Read an NC program as a controller reads it.
+
+    Parameters
+    ----------
+    path : path or Source
+        The program.
+    work_offsets_mm : mapping, optional
+        ``G54`` ... ``G59.3`` -> machine coordinates of the workpiece zero, mm.
+    tools : mapping, optional
+        Tool number -> entry of the tool table.
+    limits : MachineLimits, optional
+        Rapid, acceleration, tool change; for the clock.
+    home_mm : sequence of float, optional
+        Nose position X Y Z at the start, machine coordinates. Where it is not given, the
+        machine stands at the end of the first move, which so takes no time, and the program
+        starts reading as if at machine zero.
+    dialect : str
+        ``auto`` (from the text), or a dialect's name.
+    arc_tolerances : str or ArcTolerance
+        Which control's limits for arcs whose radii differ: ``linuxcnc``, ``grbl``,
+        ``sinumerik``, ``heidenhain``.
+    block_delete : bool
+        Skip lines that begin with a slash.
+    machine_unit_mm : float
+        Unit of offsets in parameters (#5221 ...), 25.4 for a machine in inches.
+    max_blocks : int
+        Give up after so many blocks.
+
+    Raises
+    ------
+    ProgramError
+        With file and line, for anything that cannot be obeyed.
+    OSError
+        If the file cannot be read.
+    """
+    source = path if isinstance(path, Source) else Source.read(path)
+    controller = Controller(dict(tools or {}), arc_tolerance(arc_tolerances), machine_unit_mm)
+    _prepare(controller, work_offsets_mm or {}, home_mm)
+    try:
+        run_program(controller, source.lines, block_delete=block_delete, max_blocks=max_blocks)
+    except ProgramError as error:
+        raise error.located(file=source.path, line=None) from None
+    home = None if home_mm is None else np.array(home_mm, np.float64)
+    record = controller.record
+    moves = to_moves(record, path_of(record), limits=limits or MachineLimits(), home_mm=home)
+    notes = tuple(Note(line, word, text) for (line, word), text in controller.notes.items())
+    return Program(source.path, "rs274", source, moves, notes, record)
+
+
+def _prepare(
+    controller: Controller, work_offsets_mm: Mapping[str, Sequence[float]],
+    home_mm: Sequence[float] | None,
+) -> None:  # fmt: skip
+    """Put work offsets and the start position into the controller's memory."""
+    scale = 1.0 / controller.machine_unit_mm
+    for system, offset in mapping_of_systems(work_offsets_mm).items():
+        values = [float(v) for v in offset]
+        if len(values) != 3 or not np.isfinite(values).all():
+            raise ProgramError(f"work offset {list(offset)}", accepted="three numbers X Y Z in mm")
+        controller.parameters.set_vector(system_base(system), [v * scale for v in values])
+    load_offsets(controller)
+    home = [0.0] * 3 if home_mm is None else [float(v) for v in home_mm]
+    controller.position = controller.from_machine([*home, 0.0, 0.0, 0.0])
+    controller.set_tool_parameters()

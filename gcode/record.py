@@ -1,0 +1,105 @@
+"""Canonical record: what the interpreter says to the machine, in order.
+
+Positions are in the active work system, mm and degrees: machine point = R (point + G92) + G5x
++ tool offset. Moves are rows; everything else that the machine is told (offsets, feed, spindle,
+modes) is an event that takes effect before the row with the same index.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+__all__ = ["Call", "Record"]
+
+
+class Call(IntEnum):
+    """Canonical calls that take time."""
+
+    TRAVERSE = 0
+    FEED = 1
+    ARC = 2
+    DWELL = 3
+    CHANGE_TOOL = 4
+    PROBE = 5
+    TAP = 6
+
+
+class Record:
+    """Rows and events of one program.
+
+    Attributes
+    ----------
+    rows : list of tuple
+        (call, line, x, y, z, a, b, c, feed in mm/min).
+    arcs : list of tuple
+        (row, plane, first end, second end, first centre, second centre, turns, axial end),
+        first and second axis X Y in G17, Z X in G18, Y Z in G19; turns negative clockwise.
+    dwells : list of tuple
+        (row, seconds).
+    events : list of tuple
+        (row, line, name, values...).
+    curves : list of tuple
+        (row, (points, 3) array) for rows of `Call.FEED` that follow a curve.
+    """
+
+    def __init__(self) -> None:
+        self.rows: list[tuple] = []
+        self.arcs: list[tuple] = []
+        self.dwells: list[tuple[int, float]] = []
+        self.events: list[tuple] = []
+        self.unit_mm = 1.0
+        self.feed_mm_per_min = 0.0
+        self.rpm_of_feed: float | None = None  #: spindle speed where the feed is per revolution
+
+    def straight(self, call: Call, line: int, position: list[float]) -> None:
+        """Append a straight move to `position`, program units and degrees."""
+        unit = self.unit_mm
+        x, y, z, a, b, c = position
+        feed = self.feed_mm_per_min
+        if self.rpm_of_feed is not None:
+            feed *= self.rpm_of_feed
+        self.rows.append((call, line, x * unit, y * unit, z * unit, a, b, c, feed))
+
+    def arc(self, line: int, plane: int, numbers: tuple, *, position: list[float]) -> None:
+        """Append an arc.
+
+        Parameters
+        ----------
+        line : int
+            Source line.
+        plane : int
+            1 XY, 2 YZ, 3 XZ.
+        numbers : tuple
+            First end, second end, first centre, second centre, turns, axial end.
+        position : list of float
+            The end once more as X Y Z A B C.
+        """
+        unit = self.unit_mm
+        first, second, centre1, centre2, turns, axial = numbers
+        self.arcs.append((len(self.rows), plane, first * unit, second * unit, centre1 * unit,
+                          centre2 * unit, turns, axial * unit))  # fmt: skip
+        self.straight(Call.ARC, line, position)
+
+    def dwell(self, line: int, seconds: float, position: list[float]) -> None:
+        """Append a pause."""
+        self.dwells.append((len(self.rows), seconds))
+        self.straight(Call.DWELL, line, position)
+
+    def change_tool(self, line: int, number: int, position: list[float]) -> None:
+        """Append a tool change."""
+        self.event(line, "change_tool", number)
+        self.straight(Call.CHANGE_TOOL, line, position)
+
+    def event(self, line: int, name: str, *values: object) -> None:
+        """Append something that takes no time."""
+        self.events.append((len(self.rows), line, name, *values))
+
+    def offset(self, line: int, name: str, *head: int, values: list[float]) -> None:
+        """Append an event with three lengths and three angles."""
+        unit = self.unit_mm
+        self.event(line, name, *head, *(v * unit for v in values[:3]), *values[3:])
+
+    def set_feed(self, line: int, feed: float) -> None:
+        """Append a feed in program units a minute (or a revolution)."""
+        self.feed_mm_per_min = feed * self.unit_mm
+        self.event(line, "set_feed_rate", self.feed_mm_per_min)

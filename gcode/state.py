@@ -1,0 +1,163 @@
+"""Modal state of the controller, in program units, and the frames that go with it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from gcode.arc_tolerance import ArcTolerance
+from gcode.compensation_queue import CompensationQueue
+from gcode.errors import ProgramError
+from gcode.parameters import Parameters
+from gcode.record import Record
+from gcode.tools import ToolEntry
+
+__all__ = ["PLANE_AXES", "Controller", "rotate"]
+
+XY, YZ, XZ = 1, 2, 3
+
+#: plane -> indices of first, second and axial axis.
+PLANE_AXES = {XY: (0, 1, 2), YZ: (1, 2, 0), XZ: (2, 0, 1)}
+
+_ZERO = (0.0,) * 6
+
+
+def rotate(point: list[float], angle_deg: float) -> None:
+    """Turn X and Y of `point` in place about Z."""
+    angle = math.radians(angle_deg)
+    cosine, sine = math.cos(angle), math.sin(angle)
+    x, y = point[0], point[1]
+    point[0], point[1] = x * cosine - y * sine, x * sine + y * cosine
+
+
+@dataclass
+class CycleMemory:
+    """What a canned cycle leaves for its repetition in the next block."""
+
+    r: float = 0.0
+    bottom: float = 0.0
+    p: float = 0.0
+    q: float = 0.0
+    ijk: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    initial: float | None = None  #: level above which G98 retracts; None outside cycles
+
+
+@dataclass
+class Controller:
+    """Everything that a block can read or change.
+
+    Lengths are in program units (`unit_mm` each) unless a name says otherwise; positions and
+    offsets are X Y Z A B C.
+    """
+
+    tools: dict[int, ToolEntry]
+    tolerance: ArcTolerance
+    machine_unit_mm: float = 1.0
+    parameters: Parameters = field(default_factory=Parameters)
+    record: Record = field(default_factory=Record)
+    line: int = 0
+
+    position: list[float] = field(default_factory=lambda: [0.0] * 6)
+    g92: list[float] = field(default_factory=lambda: [0.0] * 6)
+    origin: list[float] = field(default_factory=lambda: [0.0] * 6)
+    tool_offset: list[float] = field(default_factory=lambda: [0.0] * 6)
+    rotation_deg: float = 0.0
+    system: int = 1
+
+    unit_mm: float = 1.0
+    plane: int = XY
+    absolute: bool = True
+    arc_absolute: bool = False
+    diameter_mode: bool = False
+    motion: int | None = 800
+    feed_mode: str = "minute"
+    feed: float = 0.0
+    speed: float = 0.0
+    spindle: int = 0
+    css: bool = False
+    retract_to_initial: bool = True
+    path_control: int = 640
+    tool: int = 0
+    selected_tool: int | None = None
+    cycle: CycleMemory = field(default_factory=CycleMemory)
+
+    side: int = 0  #: cutter compensation: 1 left, -1 right, 0 off
+    radius: float = 0.0
+    orientation: int = 0
+    entering: bool = True
+    programmed: list[float] = field(default_factory=lambda: [0.0] * 3)
+    straight_only: bool = False
+    queue: CompensationQueue = field(default_factory=CompensationQueue)
+    notes: dict[tuple[int, str], str] = field(default_factory=dict)
+
+    def note(self, word: str, meaning: str) -> None:
+        """List a word as irrelevant to geometry."""
+        self.notes[(self.line, word)] = meaning
+
+    def to_program(self, values: list[float] | tuple[float, ...]) -> list[float]:
+        """Convert X Y Z A B C from machine units to program units."""
+        scale = self.machine_unit_mm / self.unit_mm
+        return [v * scale for v in values[:3]] + list(values[3:])
+
+    def to_machine_units(self, values: list[float]) -> list[float]:
+        """Convert X Y Z A B C from program units to machine units."""
+        scale = self.unit_mm / self.machine_unit_mm
+        return [v * scale for v in values[:3]] + list(values[3:])
+
+    def machine_position(self, *, with_tool: bool = True) -> list[float]:
+        """Nose (or, without tool, controlled point) in machine coordinates, program units."""
+        point = [p + g for p, g in zip(self.position, self.g92, strict=True)]
+        rotate(point, self.rotation_deg)
+        tool = self.tool_offset if with_tool else _ZERO
+        return [p + o + t for p, o, t in zip(point, self.origin, tool, strict=True)]
+
+    def from_machine(self, point: list[float]) -> list[float]:
+        """Program coordinates of a nose position in machine coordinates."""
+        result = [p - o - t for p, o, t in
+                  zip(point, self.origin, self.tool_offset, strict=True)]  # fmt: skip
+        rotate(result, -self.rotation_deg)
+        return [r - g for r, g in zip(result, self.g92, strict=True)]
+
+    def require_no_compensation(self, what: str) -> None:
+        """Raise ProgramError where cutter compensation forbids `what`."""
+        if self.side:
+            raise ProgramError(f"cannot {what} with cutter compensation on",
+                               hint="cancel it with G40 first")
+
+    def find_tool(self, number: int, *, word: str) -> ToolEntry:
+        """Look up the tool table; tool 0 is no tool."""
+        if number == 0:
+            return self.tools.get(0, ToolEntry())
+        if number not in self.tools:
+            known = ", ".join(str(n) for n in sorted(self.tools)) or "none"
+            raise ProgramError(f"{word}{number}: tool {number} is not in the tool table",
+                               accepted=f"tools {known}", hint="add the tool to the table")
+        return self.tools[number]
+
+    def set_tool_parameters(self) -> None:
+        """Publish the tool in the spindle as #5400 ... #5413, machine units."""
+        entry = self.tools.get(self.tool, ToolEntry())
+        scale = 1.0 / self.machine_unit_mm
+        lengths = [entry.x_mm * scale, entry.y_mm * scale, entry.length_mm * scale]
+        numbers = self.parameters.numbered
+        numbers[5400] = float(self.tool)
+        self.parameters.set_vector(5401, [*lengths, *entry.rotary_deg])
+        numbers[5410] = entry.diameter_mm * scale
+        numbers[5413] = float(entry.orientation)
+
+    def tool_offset_of(self, number: int, *, word: str) -> list[float]:
+        """Offset X Y Z A B C of a tool of the table, program units and degrees."""
+        entry = self.find_tool(number, word=word)
+        lengths = (entry.x_mm, entry.y_mm, entry.length_mm)
+        scale = self.machine_unit_mm
+        return self.to_program([v / scale for v in lengths] + list(entry.rotary_deg))
+
+
+def mapping_of_systems(work_offsets_mm: Mapping[str, object]) -> dict[int, object]:
+    """Translate G54 ... G59.3 to 1 ... 9; raises ProgramError for other names."""
+    names = ["G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"]
+    for name in work_offsets_mm:
+        if name.upper() not in names:
+            raise ProgramError(f"unknown work offset '{name}'", accepted=", ".join(names))
+    return {names.index(name.upper()) + 1: value for name, value in work_offsets_mm.items()}
