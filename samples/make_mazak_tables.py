@@ -1,11 +1,10 @@
-"""Reconstructed laser runs and error tables of the Mazak AJV-25/405 (mazak_ajv25).
+"""Reconstructed laser runs of the Mazak AJV-25/405 (mazak_ajv25).
 
 Run from anywhere:  python samples/make_mazak_tables.py
 
 The source prints, for every error, the figures of ISO 230-2 but shows few curves. This script
-makes up five bidirectional runs at the source's own targets that have exactly the printed figures
-(``runs/``), and the tables of their means (``errors/``), held constant to the ends of the
-travel. Fixed seed: the same numbers every time.
+makes up five bidirectional runs at the source's own targets that have exactly the printed figures.
+Fixed seed: the same numbers every time.
 """
 
 from __future__ import annotations
@@ -15,10 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from make_errors import smooth_curve, write_table
+from make_errors import smooth_curve
 
 FOLDER = Path(__file__).resolve().parent / "mazak_ajv25"
-TRAVEL_MM = {"X": (-990, 0), "Y": (-500, 0), "Z": (-460, 0)}
 SEED = 405
 RUNS = 5
 
@@ -159,24 +157,12 @@ def write_runs(path: Path, position_mm: np.ndarray, runs: np.ndarray) -> None:
     path.write_text("\n".join([",".join(["position_mm", *heads]), *lines]) + "\n")
 
 
-def table_of_means(figures: Printed, runs: np.ndarray) -> np.ndarray:
-    """Rows ``position, forward, backward``; the end values are held to the ends of the travel."""
-    rows = np.column_stack([figures.position_mm, *runs.mean(axis=1)])
-    low, high = TRAVEL_MM[figures.component[2]]
-    if rows[0, 0] > low:
-        rows = np.vstack([[low, *rows[0, 1:]], rows])
-    return np.vstack([rows, [high, *rows[-1, 1:]]])
-
-
 def main() -> None:
-    """Write all runs and tables."""
-    for name in ("runs", "errors"):
-        (FOLDER / name).mkdir(exist_ok=True)
+    """Write all runs."""
+    (FOLDER / "errors").mkdir(exist_ok=True)
     for number, figures in enumerate(read_printed()):
         runs = reconstruct_runs(figures, np.random.default_rng([SEED, number]))
-        write_runs(FOLDER / "runs" / f"{figures.component}.csv", figures.position_mm, runs)
-        table = table_of_means(figures, runs)
-        write_table(FOLDER / "errors" / f"{figures.component}.csv", table)
+        write_runs(FOLDER / "errors" / f"{figures.component}.csv", figures.position_mm, runs)
 
 
 if __name__ == "__main__":
