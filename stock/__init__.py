@@ -3,8 +3,25 @@
 Knows neither NC programs nor machines.
 """
 
+from stock.edge import Edges, EdgeStatus, find_edges
+from stock.errors import StockError
 from stock.export import write_part
 from stock.solid import BLANK, VirtualPart, cut_part
 from stock.sweeps import Sweeps
+from stock.tools import TOOL_SHAPES, Corner, Tool, make_tool
 
-__all__ = ["BLANK", "Sweeps", "VirtualPart", "cut_part", "write_part"]
+__all__ = [
+    "BLANK",
+    "TOOL_SHAPES",
+    "Corner",
+    "EdgeStatus",
+    "Edges",
+    "StockError",
+    "Sweeps",
+    "Tool",
+    "VirtualPart",
+    "cut_part",
+    "find_edges",
+    "make_tool",
+    "write_part",
+]

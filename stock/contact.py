@@ -1,0 +1,337 @@
+"""One displaced tool along one sweep against one line: how near, where in, where out.
+
+The line is p + h n. With the tool standing at s, the distance of a point of the line from the
+tool is phi(h, s). The distance from the sweep is psi(h), the least phi over s. Each tool is
+convex, so phi is convex in h at every s; along a straight sweep it is convex in (h, s) but for
+the micrometres of the displacement, whose curvature is bounded by `Motion.ripple_mm`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from stock.motion import tilt_at, tip_at
+from stock.outline import signed_distance
+
+__all__ = ["TOUCH_MM", "closest", "entry", "exit_below", "phi"]
+
+#: Nearer than this a sweep touches. Workpiece coordinates up to 1000 mm carry rounding of
+#: 1e-13 mm, sums of a few of them 1e-12; 1e-9 mm keeps well clear of it and is a millionth
+#: of a micrometre.
+TOUCH_MM = 1e-9
+#: a root is found when the distance there is below this, mm: the rounding of coordinates
+_ROOT_MM = 2e-13
+#: how far ahead along the line a touch is asked whether it is more than one, mm
+_PROBE_MM = 1e-3
+#: the line counts as nearly parallel to the surface that it touches below this cosine
+_PARALLEL = 1e-4
+#: on arcs, which are not convex, Newton steps along the line begin below this distance, mm
+_NEAR_MM = 1e-3
+#: share of the sweep that a valley of psi has to exceed to be searched for several minima
+_VALLEY = 1.0 / 32.0
+_VALLEY_PARTS = 8
+
+
+@njit(cache=True)
+def phi(work, i, s, line, h):
+    """Distance of the line's point at h from the tool of sweep i standing at s.
+
+    Parameters
+    ----------
+    work : Work
+    i : int
+        Sweep.
+    s : float
+    line : tuple (p, n) of 3-tuples
+    h : float
+
+    Returns
+    -------
+    tuple of float
+        phi, its first and second derivative by s, its derivative by h, and the curvature of
+        the outline at the nearest point, 1/mm.
+    """
+    p, n = line
+    tip, tip1, tip2 = tip_at(work.motion, i, s)
+    x = (p[0] + h * n[0] - tip[0], p[1] + h * n[1] - tip[1], p[2] + h * n[2] - tip[2])
+    x1, x2, d = (-tip1[0], -tip1[1], -tip1[2]), (-tip2[0], -tip2[1], -tip2[2]), n
+    if len(work.motion.tilt) > 0:
+        x, x1, x2, d = _untilted(work.motion, i, s, (x, x1, x2, d))
+    rho = math.sqrt(x[0] * x[0] + x[1] * x[1])
+    value, gr, gz, curvature = signed_distance(work.outlines, work.tool[i], rho, x[2])
+    scale = 1.0 / max(rho, 1e-12)
+    ex, ey = x[0] * scale, x[1] * scale
+    radial = ex * x1[0] + ey * x1[1]
+    around = ex * x1[1] - ey * x1[0]
+    along = gr * x1[2] - gz * radial
+    by_s = gr * radial + gz * x1[2]
+    by_ss = curvature * along * along + gr * scale * around * around
+    by_ss += gr * (ex * x2[0] + ey * x2[1]) + gz * x2[2]
+    by_h = gr * (ex * d[0] + ey * d[1]) + gz * d[2]
+    return value, by_s, by_ss, by_h, curvature
+
+
+@njit(cache=True)
+def _untilted(motion, i, s, vectors):
+    """Take the tilt off: solve x + tilt x x = y for x and its derivatives, and for d."""
+    y, y1, y2, d = vectors
+    t, t1, t2 = tilt_at(motion, i, s)
+    x = _solved(t, y)
+    x1 = _solved(t, _minus(y1, _cross(t1, x), 1.0))
+    x2 = _solved(t, _minus(_minus(y2, _cross(t2, x), 1.0), _cross(t1, x1), 2.0))
+    return x, x1, x2, _solved(t, d)
+
+
+@njit(cache=True)
+def _solved(t, y):
+    """x with x + t x x = y, that is (y - t x y + t (t.y)) / (1 + t.t)."""
+    c = _cross(t, y)
+    dot = t[0] * y[0] + t[1] * y[1] + t[2] * y[2]
+    scale = 1.0 / (1.0 + t[0] * t[0] + t[1] * t[1] + t[2] * t[2])
+    return (
+        (y[0] - c[0] + t[0] * dot) * scale,
+        (y[1] - c[1] + t[1] * dot) * scale,
+        (y[2] - c[2] + t[2] * dot) * scale,
+    )
+
+
+@njit(cache=True)
+def _cross(a, b):
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+@njit(cache=True)
+def _minus(a, b, k):
+    return (a[0] - k * b[0], a[1] - k * b[1], a[2] - k * b[2])
+
+
+@njit(cache=True)
+def guess(work, i, span, line, h):
+    """A start for the search of the nearest s: exact for level lines and arcs about +-Z."""
+    p, n = line
+    motion = work.motion
+    x, y = p[0] + h * n[0], p[1] + h * n[1]
+    k = motion.arc_of[i]
+    if k >= 0:
+        a = motion.arcs
+        z = p[2] + h * n[2] - a[k, 0, 2]
+        x, y = x - a[k, 0, 0], y - a[k, 0, 1]
+        along = x * a[k, 1, 0] + y * a[k, 1, 1] + z * a[k, 1, 2]
+        across = x * a[k, 2, 0] + y * a[k, 2, 1] + z * a[k, 2, 2]
+        middle = 0.5 * (span[0] + span[1]) * a[k, 4, 2]
+        turn = math.atan2(across, along) - middle
+        turn -= 2.0 * math.pi * round(turn / (2.0 * math.pi))
+        s = (middle + turn) / a[k, 4, 2]
+    else:
+        c = motion.path
+        vx, vy, vz = c[i, 1, 0], c[i, 1, 1], c[i, 1, 2]
+        z = min(0.0, p[2] + h * n[2] - c[i, 0, 2] - work.outlines.height[work.tool[i]])
+        if z == 0.0:
+            vz = 0.0
+        square = vx * vx + vy * vy + vz * vz
+        along = (x - c[i, 0, 0]) * vx + (y - c[i, 0, 1]) * vy + z * vz
+        s = along / square if square > 0.0 else 0.5 * (span[0] + span[1])
+    return min(max(s, span[0]), span[1])
+
+
+@njit(cache=True)
+def closest(work, i, span, line, h, s, limit):
+    """psi: the least distance from the sweep's piece `span` of the line's point at h.
+
+    Parameters
+    ----------
+    work, i, line, h
+        As in `phi`.
+    span : tuple of float
+        The piece of the sweep, as two values of s.
+    s : float
+        Where to start.
+    limit : float
+        A bound above which psi is of no interest, mm.
+
+    Returns
+    -------
+    tuple of float
+        psi, its derivative by h, s; (inf, 0, s) where psi is above `limit` for sure.
+    """
+    best = _descend(work, i, span, line, h, s, limit)
+    if work.motion.arc_of[i] >= 0 and best[0] < np.inf:
+        for end in span:  # an arc can come nearest at either end
+            if phi(work, i, end, line, h)[0] < best[0]:
+                best = _descend(work, i, span, line, h, end, limit)
+    if best[0] < np.inf and _has_valley(work, i, span, line, h, best[2]):
+        best = _lowest_in_valley(work, i, span, line, h, best)
+    return best
+
+
+@njit(cache=True)
+def _descend(work, i, span, line, h, s, limit):
+    """Newton's method on the derivative by s, kept in a bracket by its sign."""
+    bend = 0.5 * work.motion.bend_mm[i]
+    straight = work.motion.arc_of[i] < 0
+    low, high = span
+    at_low, at_high = (np.nan, 0.0), (np.nan, 0.0)
+    best_value, best_h, best_s = np.inf, 0.0, s
+    for turn in range(80):
+        value, by_s, by_ss, by_h, _ = phi(work, i, s, line, h)
+        if value < best_value:
+            best_value, best_h, best_s = value, by_h, s
+        far = max(s - low, high - s)
+        bound = value - max(by_s * (s - low), by_s * (s - high)) - bend * far * far
+        if turn == 0 and bound > limit:
+            return np.inf, 0.0, s
+        if by_s > 0.0:
+            high, at_high = s, (value, by_s)
+            gain, step_end, fresh = by_s * (s - low), low, math.isnan(at_low[0])
+        else:
+            low, at_low = s, (value, by_s)
+            gain, step_end, fresh = by_s * (s - high), high, math.isnan(at_high[0])
+        if (straight and gain <= _ROOT_MM) or by_s == 0.0 or high - low < 1e-13:
+            break
+        if by_ss > 0.0:
+            if by_s * by_s < 0.1 * _ROOT_MM * by_ss:
+                break
+            s = s - by_s / by_ss
+        else:
+            s = step_end
+        if not low < s < high:
+            s = step_end if fresh else _between(low, at_low, high, at_high)
+        elif turn % 4 == 3:
+            s = 0.5 * (low + high)
+    return best_value, best_h, best_s
+
+
+@njit(cache=True)
+def _between(low, at_low, high, at_high):
+    """Where the tangents at both ends of the bracket meet: at once at the tip of a kink."""
+    s = (at_high[0] - at_low[0] + at_low[1] * low - at_high[1] * high) / (at_low[1] - at_high[1])
+    margin = 0.01 * (high - low)
+    return s if low + margin < s < high - margin else 0.5 * (low + high)
+
+
+@njit(cache=True)
+def _has_valley(work, i, span, line, h, s):
+    """Whether phi is so level along s around its minimum that the displacement may ripple it."""
+    width = span[1] - span[0]
+    ripple = work.motion.ripple_mm[i]
+    if ripple * width * width < _ROOT_MM:
+        return False
+    _, _, by_ss, _, curvature = phi(work, i, s, line, h)
+    if by_ss > 10.0 * ripple and curvature * _NEAR_MM < 0.1:
+        return False
+    for step in (-_VALLEY * width, _VALLEY * width):
+        if span[0] < s + step < span[1]:
+            by_s = phi(work, i, s + step, line, h)[1]
+            if abs(by_s) <= 2.0 * ripple * width or by_s * step < 0.0:
+                return True
+    return False
+
+
+@njit(cache=True)
+def _lowest_in_valley(work, i, span, line, h, best):
+    width = (span[1] - span[0]) / _VALLEY_PARTS
+    for part in range(_VALLEY_PARTS):
+        piece = (span[0] + part * width, span[0] + (part + 1) * width)
+        middle = 0.5 * (piece[0] + piece[1])
+        other = _descend(work, i, piece, line, h, middle, best[0])
+        if other[0] < best[0]:
+            best = other
+    return best
+
+
+@njit(cache=True)
+def entry(work, i, span, line, most):
+    """First h, going outwards from 0, at which the line is in the sweep's piece or touches it.
+
+    Returns
+    -------
+    h, s : float
+        h is -inf where the line's point at 0 is inside by more than `TOUCH_MM`; +inf where the
+        sweep is not met up to `most`. A touch at 0 may come out as a tiny negative h.
+    """
+    straight = work.motion.arc_of[i] < 0
+    h, s = 0.0, guess(work, i, span, line, 0.0)
+    for turn in range(300):
+        distance, by_h, s = closest(work, i, span, line, h, s, most - h + TOUCH_MM)
+        if distance == np.inf:
+            return np.inf, s
+        if turn == 0 and distance < -TOUCH_MM:
+            return -np.inf, s
+        if distance <= TOUCH_MM and by_h > -_PARALLEL:
+            if turn > 0 or _touches_on(work, i, span, line, s):
+                return h, s
+            return np.inf, s
+        if distance <= _ROOT_MM or (turn == 0 and distance <= TOUCH_MM):
+            return h - distance / by_h, s
+        if straight or distance < _NEAR_MM:
+            if by_h >= 0.0:
+                return np.inf, s
+            h -= distance / by_h
+        else:
+            h += distance  # the nearest air is that far at least
+        if h > most + TOUCH_MM:
+            return np.inf, s
+    return np.inf, s
+
+
+@njit(cache=True)
+def _touches_on(work, i, span, line, s):
+    return closest(work, i, span, line, _PROBE_MM, s, TOUCH_MM)[0] <= TOUCH_MM
+
+
+@njit(cache=True)
+def exit_below(work, i, span, line, h, least):
+    """Where the line, followed inwards from h, leaves the sweep's piece.
+
+    Returns
+    -------
+    h, s : float
+        `least` where the sweep holds the line that far; +inf where it does not hold the
+        line's point at h, or only touches it.
+    touch : bool
+        The sweep touches the line's point at h from outside: its own boundary is there.
+    """
+    s = guess(work, i, span, line, h)
+    distance, by_h, s = closest(work, i, span, line, h, s, TOUCH_MM)
+    if distance > TOUCH_MM:
+        return np.inf, s, False
+    if distance >= -TOUCH_MM:  # its body may begin right here
+        begin = h - _PROBE_MM
+        below, _, t = closest(work, i, span, line, begin, s, -TOUCH_MM)
+        if below >= -TOUCH_MM:
+            return np.inf, s, by_h < -_PARALLEL
+        h, s = begin, t
+    for _ in range(100):
+        lower = _exit_standing(work, i, s, line, h, least)
+        if lower <= least or h - lower < _ROOT_MM:
+            return lower, s, False
+        h = lower
+        s = closest(work, i, span, line, h, s, TOUCH_MM)[2]
+    return h, s, False
+
+
+@njit(cache=True)
+def _exit_standing(work, i, s, line, h, least):
+    """Where the line, from h inwards, leaves the convex tool that stands at s."""
+    distance, _, _, by_h, _ = phi(work, i, s, line, h)
+    if distance >= -0.1 * _ROOT_MM:
+        return h
+    low = least
+    if by_h < -0.1:
+        low = max(least, h - distance / by_h)
+    for _turn in range(100):
+        distance, _, _, by_h, _ = phi(work, i, s, line, low)
+        if distance <= 0.1 * _ROOT_MM:
+            return low
+        step = -distance / by_h
+        if by_h >= 0.0 or low + step >= h or step < 1e-15:
+            return min(h, low)
+        low += step
+    return low

@@ -1,0 +1,228 @@
+"""Motion of the displaced tool along each sweep, with two derivatives, for the kernels.
+
+A line with its shift is one cubic in s; an arc adds its circle to the cubic of the shift. The
+tilt is a cubic of its own and is left out where every tilt is zero.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from stock.errors import StockError
+from stock.sweeps import Sweeps
+
+__all__ = ["Motion", "build_motion", "tilt_at", "tip_at", "tip_positions"]
+
+#: an arc has to end where its angle says within this, mm: above the rounding of any program
+_ARC_END_MM = 1e-6
+
+
+class Motion(NamedTuple):
+    """Polynomials and circles of all sweeps.
+
+    Attributes
+    ----------
+    path : (M, 4, 3) float64
+        Coefficients by power of s: line plus shift, or the shift alone on an arc.
+    tilt : (M, 4, 3) or (0, 4, 3) float64
+        Coefficients of the tilt.
+    arc_of : (M,) int64
+        Row in `arcs`, -1 for straight sweeps.
+    arcs : (A, 5, 3) float64
+        Centre; unit radius at the start; axis x that; rise along the axis; and start radius,
+        its growth, angle.
+    ripple_mm : (M,) float64
+        Bound on the second derivative by s of a tool point's way that the displacement
+        causes: how far the sweep can be from convex.
+    bend_mm : (M,) float64
+        The same with the arc's own curvature included.
+    """
+
+    path: np.ndarray
+    tilt: np.ndarray
+    arc_of: np.ndarray
+    arcs: np.ndarray
+    ripple_mm: np.ndarray
+    bend_mm: np.ndarray
+
+
+def build_motion(sweeps: Sweeps, reach_of_tool_mm: np.ndarray) -> Motion:
+    """Bring sweeps into the kernels' form.
+
+    Parameters
+    ----------
+    sweeps : Sweeps
+    reach_of_tool_mm : (T,) float64
+        Distance from the tip to the farthest point of each tool.
+
+    Raises
+    ------
+    StockError
+        If an arc does not end where its angle says.
+    """
+    path = _hermite(sweeps.shift_mm, sweeps.shift_slope_mm)
+    ripple = _largest_second_derivative(path)
+    straight = sweeps.sweep_rad == 0.0
+    _add_lines(path, straight, sweeps.start_mm, sweeps.end_mm)
+    tilt = np.zeros((0, 4, 3))
+    if sweeps.tilt_rad.any() or sweeps.tilt_slope_rad.any():
+        tilt = _hermite(sweeps.tilt_rad, sweeps.tilt_slope_rad)
+        arm = reach_of_tool_mm[sweeps.tool]
+        speed = np.linalg.norm(sweeps.end_mm - sweeps.start_mm, axis=1)
+        slope = np.linalg.norm(tilt[:, 1:], axis=2) @ np.array([1.0, 2.0, 3.0])
+        ripple = ripple + arm * _largest_second_derivative(tilt) + 2.0 * slope * speed
+    arcs = _arcs(sweeps, np.flatnonzero(~straight))
+    arc_of = np.full(len(sweeps), -1)
+    arc_of[~straight] = np.arange(len(arcs))
+    bend = ripple.copy()
+    radius, growth, angle = arcs[:, 4].T
+    bend[~straight] += (radius + np.maximum(growth, 0.0)) * angle**2 + 2 * np.abs(growth * angle)
+    return Motion(path, tilt, arc_of, arcs, ripple, bend)
+
+
+@njit(cache=True)
+def _hermite(value, slope):
+    """Power coefficients (M, 4, 3) of the cubic with these end values and end slopes."""
+    count = len(value)
+    cubic = np.empty((count, 4, 3))
+    for i in range(count):
+        for j in range(3):
+            rise = value[i, 1, j] - value[i, 0, j]
+            cubic[i, 0, j] = value[i, 0, j]
+            cubic[i, 1, j] = slope[i, 0, j]
+            cubic[i, 2, j] = 3.0 * rise - 2.0 * slope[i, 0, j] - slope[i, 1, j]
+            cubic[i, 3, j] = slope[i, 0, j] + slope[i, 1, j] - 2.0 * rise
+    return cubic
+
+
+@njit(cache=True)
+def _largest_second_derivative(cubic):
+    """Largest norm of the second derivative over s in [0, 1]: it is linear, so at an end."""
+    largest = np.empty(len(cubic))
+    for i in range(len(cubic)):
+        start, end = 0.0, 0.0
+        for j in range(3):
+            start += (2.0 * cubic[i, 2, j]) ** 2
+            end += (2.0 * cubic[i, 2, j] + 6.0 * cubic[i, 3, j]) ** 2
+        largest[i] = math.sqrt(max(start, end))
+    return largest
+
+
+@njit(cache=True)
+def _add_lines(path, straight, start, end):
+    for i in range(len(path)):
+        if straight[i]:
+            for j in range(3):
+                path[i, 0, j] += start[i, j]
+                path[i, 1, j] += end[i, j] - start[i, j]
+
+
+def _arcs(sweeps: Sweeps, which: np.ndarray) -> np.ndarray:
+    """Rows of `Motion.arcs` for the sweeps `which`, checked."""
+    axis, angle = sweeps.axis[which], sweeps.sweep_rad[which]
+    start, end, centre = sweeps.start_mm[which], sweeps.end_mm[which], sweeps.centre_mm[which]
+    if len(which) and np.abs(np.linalg.norm(axis, axis=1) - 1.0).max() > 1e-9:
+        bad = which[np.argmax(np.abs(np.linalg.norm(axis, axis=1) - 1.0))]
+        raise StockError(f"axis of the arc in sweep {bad} is no unit vector: {sweeps.axis[bad]}")
+    centre = centre + axis * _dot(start - centre, axis)
+    rise = axis * _dot(end - start, axis)
+    radial_start, radial_end = start - centre, end - rise - centre
+    start_radius = np.linalg.norm(radial_start, axis=1)
+    end_radius = np.linalg.norm(radial_end, axis=1)
+    growth = end_radius - start_radius
+    back = _turned(radial_end, axis, -angle)
+    longer = np.where((start_radius >= end_radius)[:, None], radial_start, back)
+    length = np.linalg.norm(longer, axis=1, keepdims=True)
+    unit = np.divide(longer, length, out=np.zeros_like(longer), where=length > 0.0)
+    gap = np.linalg.norm(_turned(unit, axis, angle) * end_radius[:, None] - radial_end, axis=1)
+    if len(which) and gap.max() > _ARC_END_MM:
+        bad = np.argmax(gap)
+        raise StockError(
+            f"arc in sweep {which[bad]} (move {sweeps.move[which[bad]]}) misses its end by "
+            f"{gap[bad]:.3g} mm",
+            accepted="end_mm at the angle sweep_rad from start_mm about axis through centre_mm",
+        )
+    sizes = np.stack([start_radius, growth, angle], axis=1)
+    return np.stack([centre, unit, np.cross(axis, unit), rise, sizes], axis=1)
+
+
+def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return np.einsum("ij,ij->i", a, b)[:, None]
+
+
+def _turned(vector: np.ndarray, axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """`vector`, square to `axis`, turned about it."""
+    angle = angle[:, None]
+    return vector * np.cos(angle) + np.cross(axis, vector) * np.sin(angle)
+
+
+@njit(cache=True)
+def _cubic(a, i, j, s):
+    """Value and two derivatives of component j of polynomial i."""
+    value = a[i, 0, j] + s * (a[i, 1, j] + s * (a[i, 2, j] + s * a[i, 3, j]))
+    first = a[i, 1, j] + s * (2.0 * a[i, 2, j] + s * (3.0 * a[i, 3, j]))
+    return value, first, 2.0 * a[i, 2, j] + 6.0 * s * a[i, 3, j]
+
+
+@njit(cache=True)
+def _cubics(a, i, s):
+    x, x1, x2 = _cubic(a, i, 0, s)
+    y, y1, y2 = _cubic(a, i, 1, s)
+    z, z1, z2 = _cubic(a, i, 2, s)
+    return (x, y, z), (x1, y1, z1), (x2, y2, z2)
+
+
+@njit(cache=True)
+def _on_arc(a, k, along, across):
+    return (
+        along * a[k, 1, 0] + across * a[k, 2, 0],
+        along * a[k, 1, 1] + across * a[k, 2, 1],
+        along * a[k, 1, 2] + across * a[k, 2, 2],
+    )
+
+
+@njit(cache=True)
+def _sum(u, v, w):
+    return (u[0] + v[0] + w[0], u[1] + v[1] + w[1], u[2] + v[2] + w[2])
+
+
+@njit(cache=True)
+def tip_at(motion, i, s):
+    """Position of the displaced tip of sweep `i` at `s`, and its two derivatives by s, mm."""
+    place, first, second = _cubics(motion.path, i, s)
+    if motion.arc_of[i] < 0:
+        return place, first, second
+    a, k = motion.arcs, motion.arc_of[i]
+    growth, turn = a[k, 4, 1], a[k, 4, 2]
+    radius, c, d = a[k, 4, 0] + growth * s, math.cos(turn * s), math.sin(turn * s)
+    # the circle's point is along * unit radius + across * (axis x unit radius)
+    along, across = radius * c, radius * d
+    along1, across1 = growth * c - turn * across, growth * d + turn * along
+    along2 = -turn * (turn * along + 2.0 * growth * d)
+    across2 = turn * (2.0 * growth * c - turn * across)
+    rise = (a[k, 3, 0], a[k, 3, 1], a[k, 3, 2])
+    centre = (a[k, 0, 0] + s * rise[0], a[k, 0, 1] + s * rise[1], a[k, 0, 2] + s * rise[2])
+    return (
+        _sum(place, centre, _on_arc(a, k, along, across)),
+        _sum(first, rise, _on_arc(a, k, along1, across1)),
+        _sum(second, (0.0, 0.0, 0.0), _on_arc(a, k, along2, across2)),
+    )
+
+
+@njit(cache=True)
+def tilt_at(motion, i, s):
+    """Tilt of sweep `i` at `s` and its two derivatives by s, rad."""
+    return _cubics(motion.tilt, i, s)
+
+
+@njit(cache=True)
+def tip_positions(motion, sweep, s):
+    """Positions (K, 3) of the displaced tip of the sweeps (K,) at s (K,), mm."""
+    place = np.empty((len(sweep), 3))
+    for k in range(len(sweep)):
+        place[k, 0], place[k, 1], place[k, 2] = tip_at(motion, sweep[k], s[k])[0]
+    return place

@@ -1,0 +1,30 @@
+"""Run a compiled kernel over parts of its range on all cores."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+__all__ = ["run_in_parts"]
+
+#: parts for each core, so that a slow one does not keep the others waiting
+_PARTS = 16
+#: a part is worth a thread from this many items on
+_LEAST = 256
+
+
+def run_in_parts(kernel: Callable[[int, int], None], count: int) -> None:
+    """Call ``kernel(begin, end)`` for parts that cover 0 to `count`.
+
+    The kernel has to release the interpreter's lock (``nogil``) and to write only what belongs
+    to its own part; the result then does not depend on the number of cores.
+    """
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    parts = max(1, min(cores * _PARTS, count // _LEAST))
+    ends = [count * part // parts for part in range(parts + 1)]
+    if parts == 1:
+        kernel(0, count)
+        return
+    with ThreadPoolExecutor(cores) as pool:
+        list(pool.map(kernel, ends[:-1], ends[1:]))
