@@ -11,14 +11,14 @@ from vmach.machine.interpolation import Extrapolation, Interpolation, Method
 
 __all__ = ["CANDIDATES", "Score", "choose", "cross_validate"]
 
-#: from simple to elaborate
+#: from few free numbers to as many as there are points
 CANDIDATES = (
+    *(Interpolation(Method.LEGENDRE, order) for order in (1, 2, 3, 5, 7)),
+    *(Interpolation(Method.FOURIER, order) for order in (1, 2, 3)),
+    Interpolation(Method.SMOOTHING),
     Interpolation(Method.LINEAR),
     Interpolation(Method.PCHIP),
     Interpolation(Method.CUBIC),
-    Interpolation(Method.SMOOTHING),
-    *(Interpolation(Method.LEGENDRE, order) for order in (1, 2, 3, 5, 7)),
-    *(Interpolation(Method.FOURIER, order) for order in (1, 2, 3)),
 )
 
 
@@ -47,7 +47,8 @@ def cross_validate(
 ) -> tuple[Score, ...]:
     """Leave out each inner point in turn and predict it from the rest.
 
-    Methods that need more points than there are take no part.
+    Methods that need more points than there are take no part; fewer than three points tell
+    nothing.
 
     Returns
     -------
@@ -55,9 +56,10 @@ def cross_validate(
         In the order of the candidates.
     """
     scores = []
-    for candidate in candidates:
+    inner = range(1, len(position) - 1)
+    for candidate in candidates if inner else ():
         try:
-            missed = np.array([_miss(candidate, position, value, k) for k in _inner(position)])
+            missed = np.array([_miss(candidate, position, value, k) for k in inner])
         except InputError:
             continue
         square = missed**2
@@ -78,10 +80,6 @@ def choose(scores: tuple[Score, ...]) -> Interpolation:
         return Interpolation(Method.LINEAR)
     best = min(scores, key=lambda score: score.rms)
     return next(s for s in scores if s.rms <= best.rms + best.standard_error).interpolation
-
-
-def _inner(position: np.ndarray) -> range:
-    return range(1, len(position) - 1)
 
 
 def _miss(candidate: Interpolation, position: np.ndarray, value: np.ndarray, k: int) -> float:

@@ -155,7 +155,11 @@ def _cubic(_: Interpolation, position: np.ndarray, value: np.ndarray) -> PPoly:
 def _smoothing(_: Interpolation, position: np.ndarray, value: np.ndarray) -> PPoly:
     if len(position) < 5:
         raise InputError(f"interpolation 'smoothing' needs 5 points, the table has {len(position)}")
-    return PPoly.from_spline(smoothing_spline(position, value))
+    # SciPy searches its smoothing parameter in bounds meant for steps of about one
+    step = (position[-1] - position[0]) / (len(position) - 1)
+    curve = PPoly.from_spline(smoothing_spline((position - position[0]) / step, value))
+    powers = np.arange(len(curve.c))[::-1, None]
+    return PPoly(curve.c / step**powers, position[0] + step * curve.x)
 
 
 def _legendre(chosen: Interpolation, position: np.ndarray, value: np.ndarray) -> PPoly:

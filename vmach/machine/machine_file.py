@@ -87,7 +87,9 @@ class _Source:
         for axis in LINEAR_AXES:
             if axis not in self.data.axes:
                 raise self.fail(
-                    ["axes"], f"axis {axis} has no travel", "[axes.X], [axes.Y], [axes.Z]"
+                    ["axes", *self.data.axes],
+                    f"axis {axis} has no travel",
+                    "[axes.X], [axes.Y], [axes.Z]",
                 )
             low, high = self.data.axes[axis].travel_mm
             if low >= high:
