@@ -1,0 +1,149 @@
+"""The reconstructed Mazak: figures of ISO 230-2 and toolpaths against the thesis' own numbers.
+
+Source: KTH master thesis on the geometric errors of a Mazak AJV-25/405, Tables 2 and 4 to 6,
+sections 4.1.2 and 5.2. The arithmetic of ISO 230-2 here is this file's own.
+"""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gcode import MachineLimits, MoveKind, ToolEntry, read_program
+
+FOLDER = Path(__file__).resolve().parents[2] / "samples" / "mazak_ajv25"
+
+#: Tables 4 to 6: A, R, mean reversal, M, B, E; um, and um/mm for the angles; None: not printed
+PRINTED = {
+    "EXX": (18.752, 4.566, 2.367, 14.620, 2.720, 17.100),
+    "EYX": (7.62, 3.92, 0.16, 5.62, None, None),
+    "EZX": (10.96, 8.88, 0.82, 4.51, None, None),
+    "EBX": (0.0212, 0.0057, 0.0, 0.0167, 0.0031, 0.0179),
+    "ECX": (0.0133, 0.005, 0.0005, 0.0097, 0.001, 0.0100),
+    "EYY": (19.580, 5.174, 2.909, 16.170, 3.440, 18.960),
+    "EXY": (21.98, 19.82, 0.06, 3.04, None, None),
+    "EZY": (4.79, 3.85, 0.25, 2.45, None, None),
+    "EAY": (0.0374, 0.0153, 0.0002, 0.025, 0.0009, 0.0252),
+    "ECY": (0.0455, 0.0298, -0.0021, 0.0212, 0.0038, 0.0232),
+    # the printed mean reversal, 15.553, contradicts E and M (see the sample's README)
+    "EZZ": (21.835, 16.135, None, 6.090, 15.553, 21.500),
+    "EXZ": (13.82, 13.82, -0.44, 1.25, None, None),
+    "EYZ": (1.68, 1.45, -0.10, 0.72, None, None),
+    "EAZ": (0.0251, 0.0133, -0.0007, 0.0129, 0.0014, 0.0138),
+    "EBZ": (0.0553, 0.0314, -0.0016, 0.0259, 0.0037, 0.0280),
+}
+TARGETS_MM = {
+    "X": np.arange(-800, -49, 50),
+    "Y": np.arange(-400, -24, 25),
+    "Z": np.arange(-300, -24, 25),
+}
+
+
+def runs_of(name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Targets, forward and backward readings (5, K) of one error, um or um/mm."""
+    with (FOLDER / "errors" / f"{name}.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    scale = 1e-3 if name[1] in "ABC" else 1.0
+    position = np.array([float(row["position_mm"]) for row in rows])
+    forward, backward = (
+        scale * np.array([[float(row[f"{way}_{k}"]) for row in rows] for k in range(1, 6)])
+        for way in ("forward", "backward")
+    )
+    return position, forward, backward
+
+
+def iso230_2(forward: np.ndarray, backward: np.ndarray) -> tuple[float, ...]:
+    """A, R, mean reversal, M, B, E of readings (runs, K), ISO 230-2:2014 section 3."""
+    up, down = forward.mean(axis=0), backward.mean(axis=0)
+    s_up, s_down = forward.std(axis=0, ddof=1), backward.std(axis=0, ddof=1)
+    reversal = up - down
+    highest = np.maximum(up + 2 * s_up, down + 2 * s_down)
+    lowest = np.minimum(up - 2 * s_up, down - 2 * s_down)
+    repeatability = np.max([2 * s_up + 2 * s_down + abs(reversal), 4 * s_up, 4 * s_down])
+    return (
+        highest.max() - lowest.min(),
+        repeatability,
+        reversal.mean(),
+        np.ptp((up + down) / 2),
+        abs(reversal).max(),
+        max(up.max(), down.max()) - min(up.min(), down.min()),
+    )
+
+
+@pytest.mark.parametrize("name", PRINTED)
+def test_runs_have_the_printed_figures(name):
+    decimals = 4 if name[1] in "ABC" else 3 if name[1] == name[2] else 2
+    _, forward, backward = runs_of(name)
+    for got, printed in zip(iso230_2(forward, backward), PRINTED[name], strict=True):
+        if printed is not None:
+            assert f"{got + 0.0:.{decimals}f}".replace("-0.0000", "0.0000") == (
+                f"{printed:.{decimals}f}"
+            )
+
+
+@pytest.mark.parametrize("name", PRINTED)
+def test_targets_are_those_of_the_thesis(name):
+    position, _, _ = runs_of(name)
+    expected = TARGETS_MM[name[2]]
+    if name in ("EXY", "EZY"):
+        expected = expected - 100
+    assert position.tolist() == expected.tolist()
+
+
+@pytest.mark.parametrize("name", ["EYX", "EZX", "EXY", "EZY", "EXZ", "EYZ"])
+def test_straightness_has_no_slope(name):
+    position, forward, backward = runs_of(name)
+    mean = (forward.mean(axis=0) + backward.mean(axis=0)) / 2
+    slope, offset = np.polyfit(position - position.mean(), mean, 1)
+    assert abs(slope) * np.ptp(position) < 1e-3
+    assert abs(offset) < 1e-3
+
+
+def test_printed_reversal_of_z_cannot_hold():
+    """All reversals equal to the largest one give E = M + B, 0.143 um more than printed."""
+    *_, M, B, E = PRINTED["EZZ"]
+    assert pytest.approx(0.143, abs=1e-9) == M + B - E
+    _, forward, backward = runs_of("EZZ")
+    assert iso230_2(forward, backward)[2] == pytest.approx(15.553 - 2 * 0.143 / 12, abs=1e-3)
+
+
+def positions(name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Kind, start and end of the feed moves at the toolpath's height, spindle nose."""
+    program = read_program(
+        FOLDER / f"{name}.nc",
+        work_offsets_mm={"G54": np.array([0.0, 0.0, -200.0])},
+        tools={1: ToolEntry(200.0, 20.0)},
+        limits=MachineLimits(rapid_mm_per_min=20000.0),
+    )
+    moves = program.moves
+    level = moves.start_mm[:, 2] == moves.end_mm[:, 2]
+    path = level & np.isin(moves.kind, [MoveKind.LINE, MoveKind.ARC])
+    return moves.kind[path], moves.start_mm[path], moves.end_mm[path]
+
+
+def test_toolpath_1_is_the_rectangle():
+    _, start, end = positions("toolpath1")
+    corners = np.vstack([start, end])
+    assert corners.min(axis=0).tolist() == [-650, -350, -280]
+    assert corners.max(axis=0).tolist() == [-350, -150, -280]
+    assert end[-1].tolist() == start[0].tolist()
+
+
+def test_toolpath_2_has_lines_at_45_degrees_and_two_half_circles():
+    kind, start, end = positions("toolpath2")
+    line = kind == MoveKind.LINE
+    direction = (end - start)[line]
+    assert line.sum() == 3
+    assert (kind == MoveKind.ARC).sum() == 2
+    assert np.abs(direction[:, 0]).tolist() == np.abs(direction[:, 1]).tolist()
+    # a half circle across the lines reaches its radius beyond its centre in X and in Y
+    centre = (start + end)[~line] / 2
+    radius = np.linalg.norm(end - start, axis=1)[~line] / 2
+    assert np.allclose(radius, 50 * 2**0.5)
+    assert centre[:, 0].max() + radius[0] == pytest.approx(-260, abs=1)
+    assert centre[:, 0].min() - radius[0] == pytest.approx(-740, abs=1)
+    assert [start[:, 1].min(), end[:, 1].max()] == [-450, -50]
+    assert set(end[:, 2]) == {-200.0}
