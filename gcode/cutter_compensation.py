@@ -118,7 +118,7 @@ class _Path:
         controller, line = self.controller, self.controller.line
 
         def issue(final: Point) -> None:
-            controller.record.straight(call, line, self.scaled(final, level))
+            controller.record.straight(call, self.scaled(final, level), line=line)
 
         name = "Straight feed" if call is Call.FEED else "Straight traverse"
         self.queue.items.append(WaitingMove(name, end, issue, direction))
@@ -135,7 +135,7 @@ class _Path:
             middle = self._tool_point(move.centre)
             numbers = (position[self.first], position[self.second], *middle, turns,
                        position[self.axial])  # fmt: skip
-            controller.record.arc(line, controller.plane, numbers, position=position)
+            controller.record.arc(controller.plane, numbers, position=position, line=line)
 
         move.issue = issue
         self.queue.items.append(move)
@@ -298,8 +298,7 @@ def _set_feed(path: _Path, block: Values, start: Point, *, centre: Point, turns:
         return
     length = arc_length(start, path.end, centre, turns=turns, rise=rise)
     rate = 0.1 if length == 0.0 else length * block.words["f"]
-    line = controller.line
-    path.queue.say(lambda: controller.record.set_feed(line, rate))
+    path.queue.say(lambda: controller.record.set_feed(rate))
     controller.feed = rate
 
 

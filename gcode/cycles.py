@@ -51,8 +51,7 @@ class Hole:
 
     def dwell(self, seconds: float) -> None:
         """Stand still."""
-        c = self.controller
-        c.record.dwell(c.line, seconds, c.position)
+        self.controller.record.dwell(seconds)
 
 
 def run_cycle(controller: Controller, block: Values, motion: int) -> None:

@@ -87,7 +87,7 @@ class _Runner:
         while self.next < len(self.lines):
             here = self.next
             self.next = here + 1
-            controller.line = here + 1
+            controller.line = controller.record.line = here + 1
             text = self._text(here)
             if opened and text == "%":
                 break

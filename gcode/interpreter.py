@@ -30,6 +30,8 @@ def execute(controller: Controller, block: Block) -> bool:
     ProgramError
         For whatever a controller would refuse; the caller adds the line.
     """
+    if controller.refresh:
+        controller.refresh_position()
     values = evaluate(block, controller.parameters)
     if controller.diameter_mode and "x" in values.words:
         values.words["x"] /= 2.0
@@ -58,17 +60,17 @@ def assign(controller: Controller, block: Block) -> None:
 
 
 def _comment(controller: Controller, text: str) -> None:
-    record, line = controller.record, controller.line
+    record = controller.record
     head, comma, rest = text.partition(",")
     if comma and head.strip().lower() in ("msg", "debug", "print", "log"):
-        record.event(line, "message", expand_comment(rest, controller.parameters))
+        record.event("message", expand_comment(rest, controller.parameters))
     else:
-        controller.queue.say(lambda: record.event(line, "comment", text))
+        controller.queue.say(lambda: record.event("comment", text))
 
 
 def _execute_modes(controller: Controller, values: Values) -> None:
     """Spindle mode, feed mode, F, S, T."""
-    g, words, line = values.g, values.words, controller.line
+    g, words = values.g, values.words
     record, say = controller.record, controller.queue.say
     if "spindle_mode" in g:
         controller.css = g["spindle_mode"] == 960
@@ -76,13 +78,13 @@ def _execute_modes(controller: Controller, values: Values) -> None:
     if "feed_mode" in g:
         controller.feed_mode = _FEED_MODES[g["feed_mode"]]
         per_revolution = int(controller.feed_mode == "revolution")
-        say(lambda: record.event(line, "set_feed_mode", per_revolution))
+        say(lambda: record.event("set_feed_mode", per_revolution))
         if controller.feed_mode != "inverse":
             controller.feed = 0.0
-            say(lambda: record.set_feed(line, 0.0))
+            say(lambda: record.set_feed(0.0))
     if "f" in words and controller.feed_mode != "inverse":
         feed = controller.feed = words["f"]
-        say(lambda: record.set_feed(line, feed))
+        say(lambda: record.set_feed(feed))
     if "s" in words:
         controller.speed = words["s"]
         _say_spindle(controller)
@@ -96,9 +98,9 @@ def _execute_modes(controller: Controller, values: Values) -> None:
 
 
 def _say_spindle(controller: Controller) -> None:
-    line, record = controller.line, controller.record
+    record = controller.record
     rpm = controller.spindle * controller.speed
-    controller.queue.say(lambda: record.event(line, "spindle", rpm))
+    controller.queue.say(lambda: record.event("spindle", rpm))
 
 
 def _execute_m(controller: Controller, values: Values) -> None:
@@ -128,14 +130,14 @@ def _input_output(controller: Controller, code: int, words: dict[str, float]) ->
 
 
 def _change_tool(controller: Controller, code: int, words: dict[str, float]) -> None:
-    record, line = controller.record, controller.line
+    record = controller.record
     if code == 61:
         number = whole(words.get("q", -1.0), "Q word of M61")
         if number < 0:
             raise ProgramError("M61 without Q word", accepted="Q with the tool's number")
         if controller.tools:
             controller.find_tool(number, word="Q")
-        record.event(line, "change_tool_number", number)
+        record.event("change_tool_number", number)
     else:
         if controller.selected_tool is None:
             raise ProgramError("M6 without a T word", hint="select the tool first: T1 M6")
@@ -143,8 +145,9 @@ def _change_tool(controller: Controller, code: int, words: dict[str, float]) -> 
         number = controller.selected_tool
         controller.spindle = 0
         _say_spindle(controller)
-        record.change_tool(line, number, controller.position)
+        record.change_tool(number)
     controller.tool = number
+    controller.refresh = True
     controller.set_tool_parameters()
 
 
@@ -160,11 +163,11 @@ def _spindle(controller: Controller, code: int) -> None:
 def _execute_g(controller: Controller, values: Values) -> None:
     """G codes: dwell, plane, units, compensation, tool length, work system, path control,
     distance modes, retract mode, non-modal codes, motion."""
-    g, line, record = values.g, controller.line, controller.record
+    g, record = values.g, controller.record
     nonmodal = g.get("nonmodal")
     if nonmodal == 40:
-        seconds, position = values.words["p"], controller.position
-        controller.queue.say(lambda: record.dwell(line, seconds, position))
+        seconds = values.words["p"]
+        controller.queue.say(lambda: record.dwell(seconds))
     if "plane" in g:
         _select_plane(controller, g["plane"])
     if "units" in g:
@@ -180,7 +183,7 @@ def _execute_g(controller: Controller, values: Values) -> None:
     if "control" in g:
         controller.require_no_compensation("change the control mode")
         controller.path_control = g["control"]
-        record.event(line, "path_control", g["control"])
+        record.event("path_control", g["control"])
     if "distance" in g:
         controller.absolute = g["distance"] == 900
     if "arc_distance" in g:
@@ -201,7 +204,7 @@ def _select_plane(controller: Controller, code: int) -> None:
     if controller.side and (plane != controller.plane or plane == YZ):
         raise ProgramError("cannot change planes with cutter compensation on")
     controller.plane = plane
-    controller.record.event(controller.line, "set_plane", plane)
+    controller.record.event("set_plane", plane)
 
 
 def set_units(controller: Controller, unit_mm: float) -> None:
@@ -268,8 +271,8 @@ def _stop(controller: Controller, code: int) -> bool:
     offsets.end_program(controller)
     if controller.plane != XY:
         controller.plane = XY
-        controller.record.event(controller.line, "set_plane", XY)
-    controller.record.set_feed(controller.line, 0.0)
+        controller.record.event("set_plane", XY)
+    controller.record.set_feed(0.0)
     controller.spindle = 0
     _say_spindle(controller)
     return True

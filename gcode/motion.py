@@ -99,8 +99,7 @@ def set_inverse_time_feed(controller: Controller, block: Values, length: float) 
     if controller.feed_mode != "inverse":
         return
     rate = 0.1 if length == 0.0 else length * block.words["f"]
-    line = controller.line
-    controller.queue.say(lambda: controller.record.set_feed(line, rate))
+    controller.queue.say(lambda: controller.record.set_feed(rate))
     controller.feed = rate
 
 
@@ -134,7 +133,7 @@ def straight(controller: Controller, block: Values, motion: int) -> None:
 
 def traverse(controller: Controller, end: list[float], call: Call = Call.TRAVERSE) -> None:
     """Go straight to `end` without compensation."""
-    controller.record.straight(call, controller.line, end)
+    controller.record.straight(call, end)
     controller.position = end
 
 
@@ -208,7 +207,7 @@ def arc(controller: Controller, block: Values, motion: int) -> None:
         length = arcs.arc_length(start2, end2, centre, turns=turns, rise=rise)
         set_inverse_time_feed(controller, block, length)
     numbers = (*end2, *centre, turns, end[axial])
-    controller.record.arc(controller.line, controller.plane, numbers, position=end)
+    controller.record.arc(controller.plane, numbers, position=end)
     controller.position = end
 
 
@@ -224,6 +223,7 @@ def probe(controller: Controller, block: Values, motion: int) -> None:
         raise ProgramError("probe ends where it starts")
     controller.motion = motion
     traverse(controller, end, Call.PROBE)
+    controller.refresh = True
     reached = controller.from_machine(controller.machine_position())
     controller.parameters.set_vector(5061, reached)
     controller.parameters.numbered[5070] = 0.0

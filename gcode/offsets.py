@@ -24,10 +24,10 @@ def _axis_words(block: Values) -> dict[int, float]:
 
 def say_work_system(controller: Controller) -> None:
     """Tell the machine the active offset, G92 offset and rotation."""
-    record, line = controller.record, controller.line
-    record.offset(line, "set_g5x_offset", controller.system, values=controller.origin)
-    record.offset(line, "set_g92_offset", values=controller.g92)
-    record.event(line, "set_xy_rotation", controller.rotation_deg)
+    record = controller.record
+    record.offset("set_g5x_offset", controller.system, values=controller.origin)
+    record.offset("set_g92_offset", values=controller.g92)
+    record.event("set_xy_rotation", controller.rotation_deg)
 
 
 def _load_system(controller: Controller, system: int) -> None:
@@ -85,7 +85,7 @@ def axis_offsets(controller: Controller, block: Values, code: int) -> None:
         parameters.numbered[G92_APPLIED] = 1.0 if code == 923 else 0.0
         controller.position = [p + b - g for p, b, g in
                                zip(controller.position, before, controller.g92, strict=True)]
-    controller.record.offset(controller.line, "set_g92_offset", values=controller.g92)
+    controller.record.offset("set_g92_offset", values=controller.g92)
 
 
 def setup(controller: Controller, block: Values) -> None:
@@ -205,8 +205,8 @@ def _apply_system(
     controller.position = position
     controller.rotation_deg = angle
     record = controller.record
-    record.offset(controller.line, "set_g5x_offset", controller.system, values=offset)
-    record.event(controller.line, "set_xy_rotation", angle)
+    record.offset("set_g5x_offset", controller.system, values=offset)
+    record.event("set_xy_rotation", angle)
 
 
 def set_tool_length(controller: Controller, block: Values, code: int) -> None:
@@ -234,7 +234,7 @@ def set_tool_length(controller: Controller, block: Values, code: int) -> None:
     rotate(change, -controller.rotation_deg)
     controller.position = [p + c for p, c in zip(controller.position, change, strict=True)]
     controller.tool_offset = offset
-    controller.record.offset(controller.line, "tool_offset", values=offset)
+    controller.record.offset("tool_offset", values=offset)
     controller.parameters.set_vector(5081, controller.to_machine_units(offset))
 
 
@@ -264,9 +264,9 @@ def end_program(controller: Controller) -> None:
     _load_system(controller, 1)
     controller.position = [p - o for p, o in zip(moved, controller.origin, strict=True)]
     rotate(controller.position, -controller.rotation_deg)
-    record, line = controller.record, controller.line
-    record.offset(line, "set_g5x_offset", 1, values=controller.origin)
-    record.event(line, "set_xy_rotation", controller.rotation_deg)
+    record = controller.record
+    record.offset("set_g5x_offset", 1, values=controller.origin)
+    record.event("set_xy_rotation", controller.rotation_deg)
 
 
 def load_offsets(controller: Controller) -> None:

@@ -82,6 +82,7 @@ def read_program(
     arc_tolerances: str | ArcTolerance = "linuxcnc",
     block_delete: bool = False,
     machine_unit_mm: float = 1.0,
+    preview: bool = False,
     max_blocks: int = 10_000_000,
 ) -> Program:
     """Read an NC program as a controller reads it.
@@ -109,6 +110,9 @@ def read_program(
         Skip lines that begin with a slash.
     machine_unit_mm : float
         Unit of offsets in parameters (#5221 ...), 25.4 for a machine in inches.
+    preview : bool
+        After a tool change, take the last commanded point for the position even where an offset
+        has changed since, as LinuxCNC's stand-alone interpreter does and a machine does not.
     max_blocks : int
         Give up after so many blocks.
 
@@ -120,7 +124,8 @@ def read_program(
         If the file cannot be read.
     """
     source = path if isinstance(path, Source) else Source.read(path)
-    controller = Controller(dict(tools or {}), arc_tolerance(arc_tolerances), machine_unit_mm)
+    controller = Controller(dict(tools or {}), arc_tolerance(arc_tolerances), machine_unit_mm,
+                            preview=preview)  # fmt: skip
     _prepare(controller, work_offsets_mm or {}, home_mm)
     try:
         run_program(controller, source.lines, block_delete=block_delete, max_blocks=max_blocks)
@@ -147,4 +152,5 @@ def _prepare(
     load_offsets(controller)
     home = [0.0] * 3 if home_mm is None else [float(v) for v in home_mm]
     controller.position = controller.from_machine([*home, 0.0, 0.0, 0.0])
+    controller.record.last = tuple(controller.position)
     controller.set_tool_parameters()

@@ -47,59 +47,67 @@ class Record:
         self.arcs: list[tuple] = []
         self.dwells: list[tuple[int, float]] = []
         self.events: list[tuple] = []
+        self.line = 0  #: line being obeyed
         self.unit_mm = 1.0
         self.feed_mm_per_min = 0.0
         self.rpm_of_feed: float | None = None  #: spindle speed where the feed is per revolution
+        self.last = (0.0,) * 6  #: end of the last move in mm and degrees, in its own frame
 
-    def straight(self, call: Call, line: int, position: list[float]) -> None:
+    def straight(self, call: Call, position: list[float], *, line: int | None = None) -> None:
         """Append a straight move to `position`, program units and degrees."""
         unit = self.unit_mm
         x, y, z, a, b, c = position
+        self.last = (x * unit, y * unit, z * unit, a, b, c)
+        self._row(call, self.line if line is None else line)
+
+    def _row(self, call: Call, line: int) -> None:
         feed = self.feed_mm_per_min
         if self.rpm_of_feed is not None:
             feed *= self.rpm_of_feed
-        self.rows.append((call, line, x * unit, y * unit, z * unit, a, b, c, feed))
+        self.rows.append((call, line, *self.last, feed))
 
-    def arc(self, line: int, plane: int, numbers: tuple, *, position: list[float]) -> None:
+    def arc(
+        self, plane: int, numbers: tuple, *, position: list[float], line: int | None = None
+    ) -> None:
         """Append an arc.
 
         Parameters
         ----------
-        line : int
-            Source line.
         plane : int
             1 XY, 2 YZ, 3 XZ.
         numbers : tuple
             First end, second end, first centre, second centre, turns, axial end.
         position : list of float
             The end once more as X Y Z A B C.
+        line : int, optional
+            Source line, where it is not the one being obeyed.
         """
         unit = self.unit_mm
         first, second, centre1, centre2, turns, axial = numbers
         self.arcs.append((len(self.rows), plane, first * unit, second * unit, centre1 * unit,
                           centre2 * unit, turns, axial * unit))  # fmt: skip
-        self.straight(Call.ARC, line, position)
+        self.straight(Call.ARC, position, line=line)
 
-    def dwell(self, line: int, seconds: float, position: list[float]) -> None:
+    def dwell(self, seconds: float) -> None:
         """Append a pause."""
         self.dwells.append((len(self.rows), seconds))
-        self.straight(Call.DWELL, line, position)
+        self._row(Call.DWELL, self.line)
 
-    def change_tool(self, line: int, number: int, position: list[float]) -> None:
+    def change_tool(self, number: int) -> None:
         """Append a tool change."""
-        self.event(line, "change_tool", number)
-        self.straight(Call.CHANGE_TOOL, line, position)
+        self.event("change_tool", number)
+        self._row(Call.CHANGE_TOOL, self.line)
 
-    def event(self, line: int, name: str, *values: object) -> None:
+    def event(self, name: str, *values: object) -> None:
         """Append something that takes no time."""
-        self.events.append((len(self.rows), line, name, *values))
+        self.events.append((len(self.rows), self.line, name, *values))
 
-    def offset(self, line: int, name: str, *head: int, values: list[float]) -> None:
+    def offset(self, name: str, *head: int, values: list[float]) -> None:
         """Append an event with three lengths and three angles."""
         unit = self.unit_mm
-        self.event(line, name, *head, *(v * unit for v in values[:3]), *values[3:])
+        self.event(name, *head, *(v * unit for v in values[:3]), *values[3:])
 
-    def set_feed(self, line: int, feed: float) -> None:
+    def set_feed(self, feed: float) -> None:
         """Append a feed in program units a minute (or a revolution)."""
         self.feed_mm_per_min = feed * self.unit_mm
-        self.event(line, "set_feed_rate", self.feed_mm_per_min)
+        self.event("set_feed_rate", self.feed_mm_per_min)

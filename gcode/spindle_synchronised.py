@@ -32,7 +32,7 @@ def synchronised(controller: Controller, block: Values, motion: int) -> None:
     if motion == 330:
         traverse(controller, end, Call.FEED)
     else:
-        record.straight(Call.TAP, controller.line, end)
+        record.straight(Call.TAP, end)
         controller.position[3:] = end[3:]
     record.feed_mm_per_min = feed
 

@@ -76,7 +76,7 @@ class Controller:
     speed: float = 0.0
     spindle: int = 0
     css: bool = False
-    retract_to_initial: bool = True
+    retract_to_initial: bool = False
     path_control: int = 640
     tool: int = 0
     selected_tool: int | None = None
@@ -89,7 +89,20 @@ class Controller:
     programmed: list[float] = field(default_factory=lambda: [0.0] * 3)
     straight_only: bool = False
     queue: CompensationQueue = field(default_factory=CompensationQueue)
+    preview: bool = False
+    refresh: bool = False  #: the next block takes its position from the last move
     notes: dict[tuple[int, str], str] = field(default_factory=dict)
+
+    def refresh_position(self) -> None:
+        """Take the last commanded point for the position, as the stand-alone interpreter does.
+
+        That interpreter does this after a tool change; where an offset has changed since the
+        last move it so mistakes the point's coordinates in the old frame for those in the new.
+        """
+        if self.refresh and self.preview:
+            x, y, z, *rotary = self.record.last
+            self.position = [x / self.unit_mm, y / self.unit_mm, z / self.unit_mm, *rotary]
+        self.refresh = False
 
     def note(self, word: str, meaning: str) -> None:
         """List a word as irrelevant to geometry."""
