@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["Camera", "isometric_camera", "shading"]
+__all__ = ["TOWARDS_VIEWER", "Camera", "isometric_camera", "shading"]
 
-_TOWARDS_VIEWER = (0.55, -0.75, 0.62)  # from the front, the right and above
+#: direction from the part to the viewer in every standard picture
+TOWARDS_VIEWER = (0.55, -0.75, 0.62)  # from the front, the right and above
 _MARGIN = 1.04  # of the picture over the part
 _ASPECTS = 1.1, 2.4  # width over height, narrowest and widest picture
 
@@ -43,7 +44,7 @@ class Camera:
 
 def isometric_camera(points_mm: np.ndarray) -> Camera:
     """Return a camera that just sees all (N, 3) points, in a picture of sensible shape."""
-    towards = np.array(_TOWARDS_VIEWER) / np.linalg.norm(_TOWARDS_VIEWER)
+    towards = np.array(TOWARDS_VIEWER) / np.linalg.norm(TOWARDS_VIEWER)
     right = np.cross([0.0, 0.0, 1.0], towards)
     right /= np.linalg.norm(right)
     axes = np.stack([right, np.cross(towards, right), towards])

@@ -138,12 +138,12 @@ def _largest_mm(points: InspectedPoints) -> float:
     return max(float(np.abs(v.deviation_mm[v.is_cut]).max(initial=0)) for v in points.variants)
 
 
-def _decimals(points: InspectedPoints) -> int:
-    """Digits after the point of a deviation in um, the same all over the page."""
+def _decimals(points: InspectedPoints) -> int | None:
+    """Digits after the point of every deviation in um on the page; None: powers of ten."""
     largest_um = um_from_mm(_largest_mm(points))
-    return (
-        2 if largest_um >= 1 or largest_um == 0 else min(9, 2 - math.floor(math.log10(largest_um)))
-    )
+    if largest_um >= 1 or largest_um == 0:
+        return 2
+    return 4 if largest_um >= 0.01 else None
 
 
 def _jpeg_data_uri(png: str | Path) -> str:
@@ -162,12 +162,15 @@ def _script_json(data: object) -> Markup:
     return Markup(text)
 
 
-def _um_text(length_mm: float, *, decimals: int, signed: bool = False) -> str:
+def _um_text(length_mm: float, *, decimals: int | None, signed: bool = False) -> str:
     """A length in um as people write it; a dash where there is none."""
     if not math.isfinite(length_mm):
         return "–"
-    text = f"{um_from_mm(length_mm):{'+' if signed else ''}.{decimals}f}"
-    return text.replace("-", "−")
+    length_um = um_from_mm(length_mm)
+    text = f"{abs(length_um):.1e}" if decimals is None else f"{abs(length_um):.{decimals}f}"
+    if float(text) == 0:
+        return text
+    return ("−" if length_um < 0 else "+" if signed else "") + text
 
 
 def _style_sheet() -> Markup:

@@ -9,7 +9,10 @@
 
   const toleranceUm = () => page.thresholds_um[state.tolerance];
   const short = (value) => String(Number(value.toPrecision(3)));
-  const signed = (um) => (um < 0 ? "−" : "+") + Math.abs(um).toFixed(page.decimals);
+  const signed = (um) => {
+    const text = page.decimals === null ? Math.abs(um).toExponential(1) : Math.abs(um).toFixed(page.decimals);
+    return (Number(text) === 0 ? "" : um < 0 ? "−" : "+") + text;
+  };
 
   function element(tag, text, className) {
     const made = document.createElement(tag);
@@ -157,7 +160,9 @@
   }
 
   function placeFlag() {
-    const flag = byId("flag"), view = byId("canvas"), [x, y] = scene.toScreen(pointAt(state.picked).at);
+    const flag = byId("flag"), view = byId("canvas"), { at, normal } = pointAt(state.picked), [x, y] = scene.toScreen(at);
+    const inView = x >= 0 && y >= 0 && x <= view.clientWidth && y <= view.clientHeight;
+    flag.style.visibility = inView && dot(scene.axes()[2], normal) > 0.02 ? "" : "hidden";
     const left = x + 16 + flag.offsetWidth > view.clientWidth ? x - 16 - flag.offsetWidth : x + 16;
     const top = Math.max(8, Math.min(view.clientHeight - flag.offsetHeight - 8, y - flag.offsetHeight / 2));
     flag.style.left = Math.max(8, left) + "px";

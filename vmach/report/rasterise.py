@@ -58,7 +58,7 @@ def _fill_triangles(seen, triangles, colours, image, depth):
     for i in range(len(triangles)):
         a, b, c = seen[triangles[i, 0]], seen[triangles[i, 1]], seen[triangles[i, 2]]
         twice_area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-        if twice_area >= 0:  # rows count downwards: a triangle facing away turns this way
+        if twice_area == 0:
             continue
         left = max(int(np.ceil(min(a[0], b[0], c[0]) - 0.5)), 0)
         right = min(int(np.floor(max(a[0], b[0], c[0]) - 0.5)), width - 1)

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 
 from vmach.errors import InputError
+from vmach.report.camera import TOWARDS_VIEWER
 from vmach.report.colours import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.report.deviations_csv import read_deviations_csv
 from vmach.report.display_mesh import build_display_mesh
@@ -74,7 +75,8 @@ def _plotter(folder: Path, points: InspectedPoints, *, off_screen: bool):
             clim=(-range_um, range_um),
             cmap=LinearSegmentedColormap.from_list("deviation", COLOUR_STOPS),
             nan_color=UNKNOWN_COLOUR,
-            ambient=0.4,
+            ambient=0.6,
+            diffuse=0.4,
             point_size=8,
             copy_mesh=True,
             show_scalar_bar=False,
@@ -92,6 +94,8 @@ def _plotter(folder: Path, points: InspectedPoints, *, off_screen: bool):
     show(names[0])
     plotter.add_key_event("v", show_next)
     plotter.add_axes()
+    plotter.enable_parallel_projection()
+    plotter.view_vector(TOWARDS_VIEWER, viewup=(0, 0, 1))
     return plotter
 
 
