@@ -6,11 +6,12 @@ from pathlib import Path
 
 from vmach.errors import InputError
 from vmach.nominal.part import NominalPart
+from vmach.nominal.step_part import read_step_part
 from vmach.nominal.stl_part import read_stl_part
 
 __all__ = ["read_nominal"]
 
-_READERS = {".stl": read_stl_part}
+_READERS = {".step": read_step_part, ".stp": read_step_part, ".stl": read_stl_part}
 
 
 def read_nominal(path: str | Path) -> NominalPart:

@@ -176,9 +176,10 @@ class _Joints:
             inside = owner == index
             around = sharp & ((owner[self.left] == index) | (owner[self.right] == index))
             weighted = normals[inside] * _areas(self.corners[inside])[:, None]
-            flat = np.linalg.norm(weighted.sum(axis=0)) > (1.0 - 1e-9) * np.linalg.norm(
-                weighted, axis=1
-            ).sum()
+            flat = (
+                np.linalg.norm(weighted.sum(axis=0))
+                > (1.0 - 1e-9) * np.linalg.norm(weighted, axis=1).sum()
+            )
             kind = "plane" if flat else "curved"
             regions.append(
                 MeshRegion(

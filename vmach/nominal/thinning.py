@@ -31,9 +31,7 @@ def spread(points_mm: np.ndarray, distance_mm: float) -> np.ndarray:
     return chosen
 
 
-def near_segments(
-    points_mm: np.ndarray, segments_mm: np.ndarray, distance_mm: float
-) -> np.ndarray:
+def near_segments(points_mm: np.ndarray, segments_mm: np.ndarray, distance_mm: float) -> np.ndarray:
     """Mask of the points nearer than `distance_mm` to any of the segments (S, 2, 3)."""
     near = np.zeros(len(points_mm), dtype=bool)
     if not len(points_mm) or not len(segments_mm) or distance_mm <= 0.0:

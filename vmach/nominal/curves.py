@@ -1,0 +1,225 @@
+"""The curves that edges of faces lie on, after ISO 10303-42.
+
+All evaluate with t of shape (N,) to points (N, 3) mm. `parameter` is the inverse for points on
+the curve (elsewhere: of the nearest point). `period` is 0 for curves that do not close.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy.interpolate import BSpline
+from scipy.spatial import cKDTree
+
+from vmach.nominal.frame import Frame
+
+__all__ = ["BSplineCurve", "Curve", "Ellipse", "Hyperbola", "Line", "Parabola", "polyline"]
+
+
+class Curve(Protocol):
+    """What every curve can do."""
+
+    period: float
+
+    def evaluate(self, t: np.ndarray) -> np.ndarray:
+        """Points, (N, 3) mm."""
+        ...
+
+    def derivative(self, t: np.ndarray) -> np.ndarray:
+        """dC/dt, (N, 3)."""
+        ...
+
+    def parameter(self, points: np.ndarray) -> np.ndarray:
+        """Parameters of points on the curve, (N,)."""
+        ...
+
+    def breaks(self, start: float, end: float) -> np.ndarray:
+        """Parameters from start to end between which the curve is smooth and turns little."""
+        ...
+
+
+@dataclass(frozen=True)
+class Line:
+    """origin + t direction, the direction being a unit vector."""
+
+    origin: np.ndarray
+    direction: np.ndarray
+    period = 0.0
+
+    def evaluate(self, t: np.ndarray) -> np.ndarray:
+        return self.origin + t[:, None] * self.direction
+
+    def derivative(self, t: np.ndarray) -> np.ndarray:
+        return np.broadcast_to(self.direction, (len(t), 3))
+
+    def parameter(self, points: np.ndarray) -> np.ndarray:
+        return (points - self.origin) @ self.direction
+
+    def breaks(self, start: float, end: float) -> np.ndarray:
+        return np.array([start, end])
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """a cos t x + b sin t y; a circle where a = b."""
+
+    frame: Frame
+    a: float
+    b: float
+    period = 2.0 * np.pi
+
+    def evaluate(self, t: np.ndarray) -> np.ndarray:
+        x, y = self.a * np.cos(t), self.b * np.sin(t)
+        return self.frame.world(np.column_stack([x, y, np.zeros_like(t)]))
+
+    def derivative(self, t: np.ndarray) -> np.ndarray:
+        x, y = -self.a * np.sin(t), self.b * np.cos(t)
+        return self.frame.direction(np.column_stack([x, y, np.zeros_like(t)]))
+
+    def parameter(self, points: np.ndarray) -> np.ndarray:
+        local = self.frame.local(points)
+        return np.arctan2(local[:, 1] / self.b, local[:, 0] / self.a)
+
+    def breaks(self, start: float, end: float) -> np.ndarray:
+        return np.linspace(start, end, int(np.ceil(abs(end - start) / np.radians(15.0))) + 1)
+
+
+@dataclass(frozen=True)
+class Hyperbola:
+    """a cosh t x + b sinh t y: a cone cut along its axis."""
+
+    frame: Frame
+    a: float
+    b: float
+    period = 0.0
+
+    def evaluate(self, t: np.ndarray) -> np.ndarray:
+        x, y = self.a * np.cosh(t), self.b * np.sinh(t)
+        return self.frame.world(np.column_stack([x, y, np.zeros_like(t)]))
+
+    def derivative(self, t: np.ndarray) -> np.ndarray:
+        x, y = self.a * np.sinh(t), self.b * np.cosh(t)
+        return self.frame.direction(np.column_stack([x, y, np.zeros_like(t)]))
+
+    def parameter(self, points: np.ndarray) -> np.ndarray:
+        return np.arcsinh(self.frame.local(points)[:, 1] / self.b)
+
+    def breaks(self, start: float, end: float) -> np.ndarray:
+        return np.linspace(start, end, 9)
+
+
+@dataclass(frozen=True)
+class Parabola:
+    """f t^2 x + 2 f t y: a cone cut parallel to its flank."""
+
+    frame: Frame
+    focal: float
+    period = 0.0
+
+    def evaluate(self, t: np.ndarray) -> np.ndarray:
+        x, y = self.focal * t**2, 2.0 * self.focal * t
+        return self.frame.world(np.column_stack([x, y, np.zeros_like(t)]))
+
+    def derivative(self, t: np.ndarray) -> np.ndarray:
+        x, y = 2.0 * self.focal * t, np.full_like(t, 2.0 * self.focal)
+        return self.frame.direction(np.column_stack([x, y, np.zeros_like(t)]))
+
+    def parameter(self, points: np.ndarray) -> np.ndarray:
+        return self.frame.local(points)[:, 1] / (2.0 * self.focal)
+
+    def breaks(self, start: float, end: float) -> np.ndarray:
+        return np.linspace(start, end, 9)
+
+
+class BSplineCurve:
+    """Polynomial or rational B-spline.
+
+    Parameters
+    ----------
+    control_mm : (n, 3) array
+        Control points.
+    weights : (n,) array
+        All ones for a polynomial spline.
+    knots : (n + degree + 1,) array
+        Knots, repeated by their multiplicity.
+    degree : int
+    """
+
+    def __init__(
+        self, control_mm: np.ndarray, weights: np.ndarray, knots: np.ndarray, degree: int
+    ) -> None:
+        homogeneous = np.column_stack([control_mm * weights[:, None], weights])
+        self._spline = BSpline(knots, homogeneous, degree)
+        self._slope = self._spline.derivative()
+        self.domain = float(knots[degree]), float(knots[-degree - 1])
+        inner = np.unique(knots)
+        self._knots = inner[(inner >= self.domain[0]) & (inner <= self.domain[1])]
+        self._pieces = 2 * degree
+        ends = self._raw(np.array(self.domain))
+        size = np.ptp(control_mm, axis=0).max()
+        closed = np.linalg.norm(ends[1] - ends[0]) < 1e-7 * size
+        self.period = self.domain[1] - self.domain[0] if closed else 0.0
+        # densely enough for the nearest of these to lead to the nearest of all
+        self._seeds = self.breaks(*self.domain)
+        self._seeds = np.interp(
+            np.linspace(0, len(self._seeds) - 1, 4 * len(self._seeds)),
+            np.arange(len(self._seeds)),
+            self._seeds,
+        )
+        self._tree = cKDTree(self._raw(self._seeds))
+
+    def _raw(self, t: np.ndarray) -> np.ndarray:
+        value = self._spline(t)
+        return value[:, :3] / value[:, 3:]
+
+    def _wrapped(self, t: np.ndarray) -> np.ndarray:
+        low, high = self.domain
+        return low + np.mod(t - low, self.period) if self.period else np.clip(t, low, high)
+
+    def evaluate(self, t: np.ndarray) -> np.ndarray:
+        return self._raw(self._wrapped(t))
+
+    def derivative(self, t: np.ndarray) -> np.ndarray:
+        t = self._wrapped(t)
+        value, slope = self._spline(t), self._slope(t)
+        return (slope[:, :3] - slope[:, 3:] * value[:, :3] / value[:, 3:]) / value[:, 3:]
+
+    def parameter(self, points: np.ndarray) -> np.ndarray:
+        t = self._seeds[self._tree.query(points)[1]]
+        for _ in range(20):
+            slope = self.derivative(t)
+            square = np.maximum(np.einsum("ij,ij->i", slope, slope), 1e-300)
+            step = np.einsum("ij,ij->i", points - self.evaluate(t), slope) / square
+            t = np.clip(t + step, *self.domain)
+        return t
+
+    def breaks(self, start: float, end: float) -> np.ndarray:
+        low, high = min(start, end), max(start, end)
+        knots = self._knots
+        if self.period:
+            knots = np.concatenate([knots + turn * self.period for turn in (-1, 0, 1)])
+        inner = knots[(knots > low) & (knots < high)]
+        ends = np.unique(np.r_[low, inner, high])
+        share = np.arange(self._pieces) / self._pieces
+        t = np.r_[(ends[:-1, None] + np.diff(ends)[:, None] * share).ravel(), high]
+        return t if end >= start else t[::-1]
+
+
+def polyline(
+    curve: Curve, start: float, end: float, tolerance_mm: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Parameters (N,) and points (N, 3) mm whose chords leave the curve by the tolerance."""
+    t = curve.breaks(start, end)
+    points = curve.evaluate(t)
+    for _ in range(20):
+        middle = (t[:-1] + t[1:]) / 2.0
+        between = curve.evaluate(middle)
+        off = np.linalg.norm(between - (points[:-1] + points[1:]) / 2.0, axis=1)
+        split = np.flatnonzero(off > tolerance_mm)
+        if not len(split):
+            break
+        t = np.insert(t, split + 1, middle[split])
+        points = np.insert(points, split + 1, between[split], axis=0)
+    return t, points

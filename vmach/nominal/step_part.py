@@ -1,0 +1,87 @@
+"""A nominal part from a STEP file: exact faces, and triangles of them to look at."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from vmach.nominal.part import Mesh, NominalPart
+from vmach.nominal.step_assembly import read_solids
+from vmach.nominal.step_file import StepFile
+from vmach.nominal.step_solids import CHORD_MM, Solid
+from vmach.nominal.surface_face import SurfaceFace
+from vmach.nominal.tessellation import conforming, face_trim, triangulate
+
+__all__ = ["read_step_part"]
+
+
+def read_step_part(path: Path) -> NominalPart:
+    """Read the solids of a STEP file (AP203, AP214, AP242) as exact surfaces, in mm.
+
+    Raises
+    ------
+    InputError
+        Not a STEP file, cut short, without a closed solid, or with geometry that is not
+        supported.
+    """
+    solids = read_solids(StepFile(path))
+    notes = [f"{len(solids)} solids are taken together"] if len(solids) > 1 else []
+    gap_mm = max(solid.gap_mm for solid in solids)
+    if gap_mm > 1e-4:
+        notes.append(f"edges of the CAD miss their vertices by up to {1e3 * gap_mm:.3g} um")
+    faces, meshes = [], []
+    for solid in solids:
+        solid_faces, mesh = _build(solid, first=len(faces))
+        if mesh.volume_mm3 < 0.0:
+            solid_faces = [replace(face, outward=-face.outward) for face in solid_faces]
+            mesh = Mesh(mesh.vertices_mm, mesh.triangles[:, ::-1], mesh.face)
+            notes.append("a solid was inside out and has been turned")
+        faces += solid_faces
+        meshes.append(mesh)
+    return NominalPart(
+        path=path,
+        faces=tuple(faces),
+        mesh=_joined(meshes),
+        mesh_chord_mm=CHORD_MM,
+        chord_error_mm=0.0,
+        notes=tuple(notes),
+    )
+
+
+def _build(solid: Solid, first: int) -> tuple[list[SurfaceFace], Mesh]:
+    """Faces of one solid, numbered on from `first`, and their mesh."""
+    solid = conforming(solid)
+    faces, vertices, triangles, owner, count = [], [], [], [], 0
+    for index, raw in enumerate(solid.faces, first):
+        trim = face_trim(solid, raw)
+        points, corners = triangulate(trim)
+        if raw.outward < 0.0:
+            corners = corners[:, ::-1]
+        name = f"face {index + 1} {trim.surface.label}"
+        area = _area(points[corners])
+        faces.append(SurfaceFace(name, trim.surface.kind, trim, raw.outward, area))
+        vertices.append(points)
+        triangles.append(corners + count)
+        owner.append(np.full(len(corners), index))
+        count += len(points)
+    # faces share the points of their edges bit by bit
+    welded, place = np.unique(np.vstack(vertices), axis=0, return_inverse=True)
+    joined = place.reshape(-1)[np.vstack(triangles)]
+    solid_triangles = (joined != np.roll(joined, 1, axis=1)).all(axis=1)
+    return faces, Mesh(welded, joined[solid_triangles], np.concatenate(owner)[solid_triangles])
+
+
+def _area(corners: np.ndarray) -> float:
+    a, b, c = np.moveaxis(corners, 1, 0)
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)
+
+
+def _joined(meshes: list[Mesh]) -> Mesh:
+    offsets = np.cumsum([0] + [len(mesh.vertices_mm) for mesh in meshes])
+    return Mesh(
+        np.vstack([mesh.vertices_mm for mesh in meshes]),
+        np.vstack([mesh.triangles + start for mesh, start in zip(meshes, offsets, strict=False)]),
+        np.concatenate([mesh.face for mesh in meshes]),
+    )

@@ -1,0 +1,163 @@
+"""Which part of a surface a face covers: its edges as directed segments in u and v.
+
+Every segment has the face on its left, seen from the tip of dS/du x dS/dv. That alone says what
+is inside: going up along v through a segment that runs towards -u enters the face, one that
+runs towards +u leaves it. No loop has to be closed or unwrapped, so cylinders with or without a
+seam, poles and tori need no cases of their own. Seams are left out: they bound nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vmach.nominal.surfaces import Surface
+
+__all__ = ["Trim"]
+
+
+@dataclass(frozen=True)
+class Trim:
+    """The edges of one face on its surface.
+
+    Attributes
+    ----------
+    surface : Surface
+    segments_mm : (S, 2, 3) float64
+        Start and end of each segment.
+    segments_uv : (S, 2, 2) float64
+        The same in u and v; the end is on the same turn as the start.
+    """
+
+    surface: Surface
+    segments_mm: np.ndarray
+    segments_uv: np.ndarray
+
+    @classmethod
+    def from_polylines(cls, surface: Surface, polylines: list[np.ndarray]) -> Trim:
+        """Trim from the edges' points in space, each (N, 3), the face on their left."""
+        if not polylines:
+            return cls(surface, np.empty((0, 2, 3)), np.empty((0, 2, 2)))
+        segments_mm = np.vstack([np.stack([line[:-1], line[1:]], axis=1) for line in polylines])
+        uv = [_defined(surface.parameters(line)) for line in polylines]
+        segments = np.vstack([np.stack([line[:-1], line[1:]], axis=1) for line in uv])
+        step = segments[:, 1] - segments[:, 0]
+        for axis, period in enumerate((surface.u_period, surface.v_period)):
+            if period:
+                step[:, axis] -= period * np.round(step[:, axis] / period)
+        return cls(surface, segments_mm, np.stack([segments[:, 0], segments[:, 0] + step], axis=1))
+
+    def v_range(self) -> tuple[float, float]:
+        """Lowest and highest v of the face."""
+        if self.surface.v_period:
+            return 0.0, self.surface.v_period
+        low, high = self.surface.v_limits
+        v, begins = self._column()
+        if len(v) and begins[np.argmin(v)]:
+            low = self.segments_uv[:, :, 1].min()
+        if len(v) and not begins[np.argmax(v)]:
+            high = self.segments_uv[:, :, 1].max()
+        return low, high
+
+    def grid(self, count: int) -> np.ndarray:
+        """A grid of u and v over the face's extent, (count, count, 2)."""
+        u = self.segments_uv[:, :, 0]
+        full = self.surface.u_period and np.ptp(u) > 0.5 * self.surface.u_period
+        ends = (0.0, self.surface.u_period) if full or not u.size else (u.min(), u.max())
+        axes = np.linspace(*ends, count), np.linspace(*self.v_range(), count)
+        return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+
+    def row_intervals(self, v: float) -> np.ndarray:
+        """Intervals of u that the face covers at one v, (I, 2); a full turn is one interval."""
+        period = self.surface.u_period
+        u, upward = _crossings(self.segments_uv, 1, v, self.surface.v_period)
+        begins = ~upward
+        if not len(u):
+            inside = bool(period) and self._covers_row(v)
+            return np.array([[0.0, period]]) if inside else np.empty((0, 2))
+        u = np.mod(u, period) if period else u
+        order = np.lexsort((begins, u))
+        u, begins = u[order], begins[order]
+        following, ends = np.roll(u, -1), ~np.roll(begins, -1)
+        following[-1] += period
+        pairs = begins & ends & (following > u)
+        return np.column_stack([u[pairs], following[pairs]])
+
+    def contains(self, uv: np.ndarray) -> np.ndarray:
+        """Mask of the points (N, 2) that lie inside the face."""
+        inside = np.zeros(len(uv), dtype=bool)
+        if not len(self.segments_uv):
+            return ~inside
+        pieces = len(uv) * len(self.segments_uv) // 1_000_000 + 1
+        for chunk in np.array_split(np.arange(len(uv)), pieces):
+            inside[chunk] = self._contains(uv[chunk])
+        return inside
+
+    def _contains(self, uv: np.ndarray) -> np.ndarray:
+        """From the nearest edge towards +u of each point: inside where the face ends there."""
+        point, u, upward = _all_crossings(self.segments_uv, 1, uv[:, 1], self.surface.v_period)
+        ahead = u - uv[point, 0]
+        if self.surface.u_period:
+            ahead = np.mod(ahead, self.surface.u_period)
+        order = np.lexsort((ahead, point))
+        order = order[ahead[order] >= 0.0]
+        first, where = np.unique(point[order], return_index=True)
+        inside = np.zeros(len(uv), dtype=bool)
+        inside[first] = upward[order[where]]
+        if self.surface.u_period:
+            for row in np.setdiff1d(np.arange(len(uv)), point):
+                inside[row] = self._covers_row(uv[row, 1])
+        return inside
+
+    def _column(self) -> tuple[np.ndarray, np.ndarray]:
+        """Crossings of one column with the edges: v, and whether the face begins there."""
+        if not len(self.segments_uv):
+            return np.empty(0), np.empty(0, dtype=bool)
+        step = self.segments_uv[:, 1, 0] - self.segments_uv[:, 0, 0]
+        u = self.segments_uv[np.argmax(np.abs(step)), :, 0].mean()
+        return _crossings(self.segments_uv, 0, u, self.surface.u_period)
+
+    def _covers_row(self, v: float) -> bool:
+        """Whether a row that meets no edge is inside, from the nearest crossing of a column."""
+        crossing, begins = self._column()
+        if not len(crossing):
+            return True
+        period = self.surface.v_period
+        height = np.mod(crossing - v, period) if period else crossing - v
+        above = height > 0.0
+        if above.any():
+            return not begins[np.argmin(np.where(above, height, np.inf))]
+        return bool(begins[np.argmax(height)])
+
+
+def _crossings(
+    segments: np.ndarray, axis: int, value: float, period: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where segments (S, 2, 2) cross uv[axis] = value: the other coordinate, and if upwards."""
+    return _all_crossings(segments, axis, np.array([value]), period)[1:]
+
+
+def _all_crossings(
+    segments: np.ndarray, axis: int, values: np.ndarray, period: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The same for many values: which value, the other coordinate, and if upwards."""
+    height = segments[:, :, axis] - values[:, None, None]
+    side = np.floor(height / period) if period else (height >= 0.0).astype(np.float64)
+    which, segment = np.nonzero(side[:, :, 0] != side[:, :, 1])
+    side = side[which, segment]
+    start, end = segments[segment, 0], segments[segment, 1]
+    target = values[which] + period * side.max(axis=1)
+    share = (target - start[:, axis]) / (end[:, axis] - start[:, axis])
+    other = start[:, 1 - axis] + share * (end[:, 1 - axis] - start[:, 1 - axis])
+    return which, other, side[:, 1] > side[:, 0]
+
+
+def _defined(uv: np.ndarray) -> np.ndarray:
+    """At a pole, where u is not defined, an edge keeps the u that it arrives or leaves with."""
+    lost = np.isnan(uv[:, 0])
+    if lost.any() and not lost.all():
+        known = np.flatnonzero(~lost)
+        nearest = known[np.abs(np.arange(len(uv))[:, None] - known).argmin(axis=1)]
+        uv = np.column_stack([uv[nearest, 0], uv[:, 1]])
+    return uv
