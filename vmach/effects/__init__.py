@@ -1,0 +1,34 @@
+"""Physical effects beyond the error tables: one file an effect, joined by the catalogue."""
+
+from vmach.effects.circumstances import Circumstances
+from vmach.effects.effect import (
+    Displaced,
+    Effect,
+    EffectInstance,
+    Parameter,
+    along,
+    inner,
+    linear,
+)
+
+from vmach.effects.catalogue import (  # isort: skip  (the effects import the names above)
+    catalogue,
+    load_effect_file,
+    read_effects,
+    set_up_effect,
+)
+
+__all__ = [
+    "Circumstances",
+    "Displaced",
+    "Effect",
+    "EffectInstance",
+    "Parameter",
+    "along",
+    "catalogue",
+    "inner",
+    "linear",
+    "load_effect_file",
+    "read_effects",
+    "set_up_effect",
+]

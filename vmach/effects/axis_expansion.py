@@ -1,0 +1,36 @@
+"""Axis expansion: the screw of an axis without a scale warms up and gets longer."""
+
+from vmach.effects.effect import Effect, along, inner, linear
+from vmach.machine import LINEAR_AXES
+
+__all__ = ["AxisExpansion"]
+
+
+class AxisExpansion(Effect):
+    """A scale error that grows while the machine works, about the screw's fixed bearing."""
+
+    name = "axis_expansion"
+    title = "expansion of the warm screw"
+    parameters = (
+        linear("expansion_ppm", "stretch when warm", usual=40.0),
+        linear("at_home_um", "displacement at the axis' home when warm", usual=10.0),
+        inner(
+            "time_constant_s",
+            "time to reach 63 % of the final stretch",
+            (300, 600, 1000, 1500, 2300, 3600, 6000),
+            usual=1500.0,
+        ),
+        inner("work_share", "share of the heat that follows the axis' own motion", (0.0, 1.0),
+              usual=1.0),
+    )
+    usual_size = "20 to 100 ppm with a time constant of 10 to 60 minutes"
+    confirm = "laser the same line cold, after 30 and after 60 minutes of work"
+    cure = "measure with a linear scale, cool the screw, or warm up and re-datum"
+
+    def displacement(
+        self, path, target, expansion_ppm, at_home_um, time_constant_s, work_share
+    ):
+        axis = LINEAR_AXES.index(target)
+        warmth = path.warmth_of_axis(axis, time_constant_s, work_share)
+        stretch_mm = 1e-6 * expansion_ppm * path.nose_mm[:, axis] + 1e-3 * at_home_um
+        return along(target, stretch_mm * warmth)

@@ -1,0 +1,230 @@
+"""The effects there are: those of this package, and those that others add by an entry point."""
+
+from __future__ import annotations
+
+import difflib
+import importlib.util
+from collections.abc import Mapping
+from functools import lru_cache
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vmach.effects import (
+    ambient_drift,
+    axis_expansion,
+    backlash,
+    component,
+    cyclic_pitch,
+    datum,
+    gravity_sag,
+    head_tilt,
+    probe_radius,
+    reflector,
+    reversal,
+    rotary_location,
+    scale,
+    servo,
+    spindle_growth,
+    squareness,
+    tool_deflection,
+    tool_size,
+    workpiece_temperature,
+)
+from vmach.effects.effect import Effect, EffectInstance
+from vmach.errors import InputError
+from vmach.job import Job, read_job
+from vmach.toml_file import line_of_key, read_text
+
+__all__ = ["ENTRY_POINT", "catalogue", "load_effect_file", "read_effects", "set_up_effect"]
+
+#: group of entry points under which a package offers its own effects
+ENTRY_POINT = "vmach.effects"
+
+#: the commonest first: where data cannot tell, the earlier name leads
+_OWN: tuple[type[Effect], ...] = (
+    backlash.Backlash,
+    spindle_growth.SpindleGrowth,
+    squareness.Squareness,
+    workpiece_temperature.WorkpieceTemperature,
+    scale.Scale,
+    tool_size.ToolRadius,
+    tool_size.ToolLength,
+    tool_deflection.ToolDeflection,
+    tool_size.ToolWear,
+    axis_expansion.AxisExpansion,
+    cyclic_pitch.CyclicPitch,
+    servo.ServoMismatch,
+    servo.ServoLag,
+    head_tilt.HeadTilt,
+    ambient_drift.AmbientDrift,
+    component.Component,
+    gravity_sag.GravitySag,
+    datum.Fixture,
+    datum.DatumShift,
+    probe_radius.ProbeRadius,
+    tool_size.Runout,
+    reversal.QuadrantGlitch,
+    reversal.Hysteresis,
+    reversal.LateralPlay,
+    servo.CornerRounding,
+    gravity_sag.TableLoadSag,
+    reflector.Reflector,
+    rotary_location.RotaryLocation,
+)
+
+
+@lru_cache(maxsize=1)
+def catalogue() -> dict[str, Effect]:
+    """Every known effect by its name, in order of how common it is."""
+    effects: dict[str, Effect] = {kind.name: kind() for kind in _OWN}
+    for entry in entry_points(group=ENTRY_POINT):
+        kind = entry.load()
+        effects[kind.name] = kind()
+    return effects
+
+
+def load_effect_file(path: str | Path) -> Effect:
+    """Load a user's own effect from a Python file and put it into the catalogue.
+
+    Raises
+    ------
+    InputError
+        No such file, an error inside it, or not exactly one subclass of `Effect`.
+    """
+    path = Path(path)
+    read_text(path, what="effect file")
+    spec = importlib.util.spec_from_file_location(f"vmach_user_effect_{path.stem}", path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        raise InputError(f"effect file cannot be loaded: {error!r}", file=path) from error
+    kinds = [
+        value
+        for value in vars(module).values()
+        if isinstance(value, type) and issubclass(value, Effect) and value is not Effect
+        and value.__module__ == module.__name__
+    ]
+    if len(kinds) != 1:
+        raise InputError(
+            f"{len(kinds)} effects in the file", file=path, accepted="one subclass of Effect"
+        )
+    effect = kinds[0]()
+    catalogue()[effect.name] = effect
+    return effect
+
+
+def read_effects(
+    effects: Mapping[str, Any], *, file: Path, job: Job | None = None
+) -> tuple[EffectInstance, ...]:
+    """The effects that a job adds to its machine's errors.
+
+    Parameters
+    ----------
+    effects : mapping
+        The table ``[effects]`` of the job file. ``[effects.NAME]`` holds the parameters of an
+        effect without a target, or with the key ``target``; ``[effects.NAME.TARGET]`` holds
+        those for one of several targets.
+    file : Path
+        The job file, for messages.
+    job : Job, optional
+        The job itself; read from `file` where left out.
+
+    Raises
+    ------
+    InputError
+        Unknown effect, target or parameter, a parameter missing or outside its bounds.
+    """
+    if not effects:
+        return ()
+    job = job or read_job(file)
+    found = []
+    for name, table in effects.items():
+        if not isinstance(table, Mapping):
+            raise _error(f"effects.{name} = {table!r}", file, [name], accepted="a table")
+        nested = {key: value for key, value in table.items() if isinstance(value, Mapping)}
+        plain = {key: value for key, value in table.items() if key not in nested}
+        if plain or not nested:
+            found.append(set_up_effect(name, str(plain.pop("target", "")), plain, job=job))
+        for target, parameters in nested.items():
+            found.append(set_up_effect(name, target, parameters, job=job))
+    return tuple(found)
+
+
+def set_up_effect(
+    name: str, target: str, parameters: Mapping[str, Any], *, job: Job
+) -> EffectInstance:
+    """An effect of a job, its target and parameters checked.
+
+    Raises
+    ------
+    InputError
+        Unknown effect, target or parameter, a parameter missing or outside its bounds.
+    """
+    file = job.path
+    known = catalogue()
+    if name not in known:
+        close = difflib.get_close_matches(name, known, n=1)
+        hint = f"did you mean '{close[0]}'?" if close else None
+        raise _error(f"unknown effect '{name}'", file, [name], ", ".join(known), hint)
+    effect = known[name]
+    targets = effect.possible_targets(job)
+    if target not in targets:
+        what = f"effect '{name}' has the target '{target}'" if target else \
+            f"effect '{name}' has no target"
+        choice = ", ".join(targets) if targets != ("",) else "no target"
+        raise _error(what, file, [name, target], choice)
+    names = [p.name for p in effect.parameters]
+    for key in parameters:
+        if key not in names:
+            close = difflib.get_close_matches(key, names, n=1)
+            hint = f"did you mean '{close[0]}'?" if close else None
+            keys = [name, target, key] if target else [name, key]
+            raise _error(
+                f"effect '{name}' has no parameter '{key}'", file, keys, ", ".join(names), hint
+            )
+    needed = _needed(effect, target)
+    checked = {}
+    for parameter in effect.parameters:
+        if parameter.name not in needed and parameter.name not in parameters:
+            continue
+        keys = [name, target, parameter.name] if target else [name, parameter.name]
+        if parameter.name not in parameters:
+            raise _error(
+                f"effect '{name}': '{parameter.name}' is missing ({parameter.meaning})",
+                file, keys, f"{parameter.low:g} .. {parameter.high:g}",
+            )
+        checked[parameter.name] = _in_bounds(
+            parameters[parameter.name], parameter, lambda *a, k=keys: _error(a[0], file, k, a[1])
+        )
+    return EffectInstance(effect, target, checked, job)
+
+
+def _needed(effect: Effect, target: str) -> list[str]:
+    if effect.name == "component":
+        return ["position_mm", "correction_urad" if target[1] in "ABC" else "correction_um"]
+    return [p.name for p in effect.parameters]
+
+
+def _in_bounds(value: Any, parameter, error) -> float | list[float]:
+    accepted = f"{parameter.low:g} .. {parameter.high:g}"
+    try:
+        numbers = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise error(f"{parameter.name} = {value!r} is no number", accepted) from None
+    good = np.isfinite(numbers) & (numbers >= parameter.low) & (numbers <= parameter.high)
+    if not good.all():
+        raise error(f"{parameter.name} = {value!r} is out of bounds", accepted)
+    return numbers.tolist()
+
+
+def _error(
+    what: str, file: Path, keys: list[str], accepted: str, hint: str | None = None
+) -> InputError:
+    text = read_text(file, what="job file")
+    line = line_of_key(text, ["effects", *[key for key in keys if key]])
+    return InputError(what, file=file, line=line, accepted=accepted, hint=hint)

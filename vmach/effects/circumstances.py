@@ -1,0 +1,243 @@
+"""The circumstances under which the tool made a point: everything an effect may depend on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from gcode import Moves
+from vmach.effects.engagement import radial_depth_mm
+from vmach.effects.history_of_motion import MotionHistory
+from vmach.effects.path_dynamics import corner_before, curvature_per_mm
+from vmach.job import WORK_OFFSETS, Job
+from vmach.machine import ComponentError, RigidDisplacement, Variant
+from vmach.machine.displacement import contributions
+from vmach.toolpath import PathStates
+
+__all__ = ["DEAD_BAND_MM", "Circumstances"]
+
+#: an axis that moves less than this has not reversed
+DEAD_BAND_MM = 2e-3
+#: spindle speed that thermal amplitudes are stated at
+REFERENCE_RPM = 8000.0
+_EVERYWHERE_MM = np.array([-1e6, 1e6])
+
+
+@dataclass(frozen=True)
+class Circumstances:
+    """P states with everything derived from them that effects ask for.
+
+    Lengths in mm, times in s, speeds in mm/s; arrays have one row a state.
+
+    Attributes
+    ----------
+    states : PathStates
+    job : Job
+        For machine, tools, blank and work offsets.
+    """
+
+    states: PathStates
+    job: Job
+
+    def __len__(self) -> int:
+        return len(self.states)
+
+    @property
+    def moves(self) -> Moves:
+        """The whole program."""
+        return self.states.moves
+
+    @cached_property
+    def history(self) -> MotionHistory:
+        """What the axes and the spindle did before."""
+        return MotionHistory(self.moves)
+
+    # position -----------------------------------------------------------------------------
+
+    @property
+    def nose_mm(self) -> np.ndarray:
+        """Axis positions, (P, 3): spindle nose in machine coordinates, zero at home."""
+        return self.states.nose_mm
+
+    @property
+    def tool_mm(self) -> np.ndarray:
+        """Vector from nose to tip, (P, 3)."""
+        return self.states.tool_mm
+
+    @property
+    def contact_mm(self) -> np.ndarray:
+        """Vector from tip to the point of interest, (P, 3)."""
+        return self.states.contact_mm
+
+    @cached_property
+    def on_part_mm(self) -> np.ndarray:
+        """The point of interest in workpiece coordinates, (P, 3)."""
+        offsets = np.zeros((len(WORK_OFFSETS) + 1, 3))
+        for name, offset in self.job.work_offsets_mm.items():
+            offsets[1 + WORK_OFFSETS.index(name)] = offset
+        zero = offsets[self.moves.work_offset[self.states.move]]
+        return self.nose_mm + self.tool_mm + self.contact_mm - zero
+
+    @property
+    def normal(self) -> np.ndarray:
+        """Outward normal of the surface being cut, (P, 3)."""
+        if self.states.normal is None:
+            raise ValueError("these states belong to no surface")
+        return self.states.normal
+
+    @cached_property
+    def side_normal(self) -> np.ndarray:
+        """The part of the normal across the tool axis, (P, 3)."""
+        return self.normal * np.array([1.0, 1.0, 0.0])
+
+    @property
+    def setup(self) -> np.ndarray:
+        """Number of the work offset in force, (P,): 1 is G54."""
+        return self.moves.work_offset[self.states.move]
+
+    # motion -------------------------------------------------------------------------------
+
+    @cached_property
+    def _play(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        key = self.states.move + self.states.parameter
+        return self.history.play(key, self.nose_mm, width_mm=DEAD_BAND_MM)
+
+    @property
+    def direction(self) -> np.ndarray:
+        """Direction in which each axis last moved, (P, 3): -1, 1; 0 before it first moved."""
+        return self._play[0]
+
+    @property
+    def travel_since_reversal_mm(self) -> np.ndarray:
+        """Way of each axis since it last reversed, (P, 3)."""
+        return self._play[1]
+
+    @cached_property
+    def time_since_reversal_s(self) -> np.ndarray:
+        """Time since each axis last reversed, (P, 3)."""
+        since = self._play[2]
+        move = np.minimum(since.astype(np.int64), len(self.moves) - 1)
+        when = self.moves.start_s[move] + (since - move) * self.moves.duration_s[move]
+        return np.maximum(self.time_s[:, None] - when, 0.0)
+
+    @property
+    def velocity_mm_per_s(self) -> np.ndarray:
+        """Velocity of the nose, (P, 3)."""
+        return self.states.velocity_mm_per_s
+
+    @cached_property
+    def acceleration_mm_per_s2(self) -> np.ndarray:
+        """Acceleration from the path's curvature, towards the centre, (P, 3)."""
+        curvature = curvature_per_mm(self.moves, self.states.move, self.states.parameter)
+        return curvature * (self.velocity_mm_per_s**2).sum(axis=1, keepdims=True)
+
+    @cached_property
+    def corner(self) -> tuple[np.ndarray, np.ndarray]:
+        """Jump of the velocity at the last corner, (P, 3) mm/s, and time since, (P,) s."""
+        return corner_before(self.moves, self.states.move, self.time_s)
+
+    # time ---------------------------------------------------------------------------------
+
+    @property
+    def time_s(self) -> np.ndarray:
+        """Time since the cold start, (P,)."""
+        return self.states.time_s
+
+    @property
+    def spindle_rpm(self) -> np.ndarray:
+        """Spindle speed, (P,)."""
+        return np.abs(self.states.spindle_rpm)
+
+    def warmth_of_spindle(self, time_constant_s: float, exponent: float) -> np.ndarray:
+        """First-order response to the spindle's speed, (P,); 1 when warm at 8000 rpm.
+
+        The heat source is (rpm / 8000) ** exponent.
+        """
+        drive = (np.abs(self.moves.spindle_rpm) / REFERENCE_RPM) ** exponent
+        return self._response(drive, time_constant_s)
+
+    def warmth_of_axis(self, axis: int, time_constant_s: float, work_share: float) -> np.ndarray:
+        """First-order response to the axis' motion, (P,); 1 when warm.
+
+        The heat source is, in the share `work_share`, the speed of the axis against its mean
+        over the program, and constant in the rest.
+        """
+        speed = self.history.axis_speed_mm_per_s[:, axis]
+        duration = self.moves.duration_s
+        mean = (speed * duration).sum() / max(duration.sum(), 1e-9)
+        drive = work_share * speed / (mean if mean > 0 else 1.0) + (1.0 - work_share)
+        return self._response(drive, time_constant_s)
+
+    def _response(self, drive: np.ndarray, time_constant_s: float) -> np.ndarray:
+        return self.history.response(
+            drive, time_constant_s, move=self.states.move, time_s=self.time_s
+        )
+
+    # tool and cut -------------------------------------------------------------------------
+
+    @property
+    def tool(self) -> np.ndarray:
+        """Tool number, (P,)."""
+        return self.states.tool
+
+    def of_tool(self, name: str) -> np.ndarray:
+        """A dimension of each state's tool, such as ``diameter_mm``, (P,); NaN if not given."""
+        values = np.full(max([*self.job.tools, int(self.moves.tool.max())]) + 1, np.nan)
+        for number, tool in self.job.tools.items():
+            given = getattr(tool, name)
+            values[number] = np.nan if given is None else given
+        return values[self.tool]
+
+    @property
+    def cutting_way_mm(self) -> np.ndarray:
+        """Way that the tool has gone at feed so far, (P,)."""
+        return self.history.cutting_way_mm(self.states.move, self.states.parameter)
+
+    @cached_property
+    def feed_per_tooth_mm(self) -> np.ndarray:
+        """Feed per tooth, (P,); two flutes where the job does not say."""
+        flutes = np.nan_to_num(self.of_tool("flutes"), nan=2.0)
+        per_min = np.where(self.spindle_rpm > 0, self.spindle_rpm * flutes, np.inf)
+        return 60.0 * np.linalg.norm(self.velocity_mm_per_s, axis=1) / per_min
+
+    @cached_property
+    def radial_depth_mm(self) -> np.ndarray:
+        """Material along the normal that the last cut took away, (P,)."""
+        lengths = self.states.tool_lengths_mm
+        radii = np.full(len(lengths), np.nan)
+        for number, tool in self.job.tools.items():
+            radii[number] = 0.5 * tool.diameter_mm
+        return radial_depth_mm(
+            self.moves,
+            self.states.move,
+            parameter=self.states.parameter,
+            tip_mm=self.nose_mm + self.tool_mm,
+            tool_lengths_mm=lengths,
+            radii_mm=radii,
+            contact_mm=self.contact_mm,
+            normal=self.normal,
+        )
+
+    @cached_property
+    def axial_depth_mm(self) -> np.ndarray:
+        """Height of the tip below the top of the blank, (P,); 1 mm where there is no blank."""
+        if self.job.blank is None:
+            return np.ones(len(self))
+        tip = self.on_part_mm[:, 2] - self.contact_mm[:, 2]
+        return np.maximum(self.job.blank.max_mm[2] - tip, 0.0)
+
+    # machine ------------------------------------------------------------------------------
+
+    def lever(self, component: str) -> RigidDisplacement:
+        """Displacement of the tool by one unit (mm or rad) of a component error everywhere."""
+        machine = self.job.machine
+        unit = ComponentError(component, _EVERYWHERE_MM, np.ones(2), np.ones(2))
+        if component in machine.components:
+            at = machine.components[component].measured_at_mm
+            unit = replace(unit, measured_at_mm=at)
+        changed = replace(machine, components={**machine.components, component: unit})
+        parts = contributions(changed, self.nose_mm, self.tool_mm, Variant.ABBE)
+        return next(part for name, part in parts if name == component)
+

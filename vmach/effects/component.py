@@ -1,0 +1,87 @@
+"""Component: one of the 18 error tables is missing or no longer true."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vmach.effects.effect import Effect, Parameter
+from vmach.machine import COMPONENT_NAMES, RigidDisplacement
+from vmach.machine.component_errors import component_of
+
+__all__ = ["Component"]
+
+_KNOT_SPACING_MM = 20.0
+#: correlation lengths of the correction: a local dent, a change of the whole curve
+_LENGTHS_MM = (30.0, 120.0)
+
+
+class Component(Effect):
+    """A smooth correction of one component error against the position of its axis.
+
+    Linear between the positions given; the end values hold beyond them.
+    """
+
+    name = "component"
+    title = "error table of one component, missing or no longer true"
+    parameters = (
+        Parameter("position_mm", "axis positions, increasing", -1e6, 1e6, 100.0),
+        Parameter("correction_um", "to be added to a positioning or straightness table there",
+                  -1e4, 1e4, 5.0),
+        Parameter("correction_urad", "to be added to an angular table there", -1e5, 1e5, 15.0),
+    )
+    targets = COMPONENT_NAMES
+    usual_size = "5 to 20 um, 10 to 60 urad; locally more after a collision or with worn guides"
+    confirm = "measure this component again over the range where it differs"
+    cure = "enter the new table; mend the guide where the damage is local"
+
+    def displacement(self, path, target, position_mm, correction_um=None, correction_urad=None):
+        _, axis, angular = component_of(target)
+        values = 1e-6 * np.array(correction_urad) if angular else 1e-3 * np.array(correction_um)
+        value = np.interp(path.nose_mm[:, axis], position_mm, values)
+        lever = path.lever(target)
+        return RigidDisplacement(
+            value[:, None] * lever.shift_mm, value[:, None] * lever.tilt_rad
+        )
+
+    # a fit works with independent unit coefficients of a smooth curve ------------------------
+
+    @property
+    def amplitudes(self):
+        return ()
+
+    @property
+    def inner_parameters(self):
+        return ()
+
+    def inner_grid(self, path):
+        for length in _LENGTHS_MM:
+            yield {"length_mm": length}
+
+    def columns(self, path, target, inner_values):
+        _, axis, angular = component_of(target)
+        knots = self.knots_mm(path, target)
+        position = path.nose_mm[:, axis]
+        hats = np.stack(
+            [np.interp(position, knots, unit) for unit in np.eye(len(knots))], axis=1
+        )
+        size = 15e-6 if angular else 5e-3
+        lever = path.lever(target).at(path.contact_mm)
+        return size * lever[:, :, None] * (hats @ _root(knots, **inner_values))[:, None, :]
+
+    def knots_mm(self, path, target) -> np.ndarray:
+        """Positions of the correction's values: equal steps over the axis' travel."""
+        low, high = path.job.machine.travel_mm[:, component_of(target)[1]]
+        return np.linspace(low, high, 1 + int(np.ceil((high - low) / _KNOT_SPACING_MM)))
+
+    def curve(self, path, target, length_mm) -> np.ndarray:
+        """Matrix from coefficients to the correction at the knots, um or urad, (K, K)."""
+        size = 15.0 if component_of(target)[2] else 5.0
+        return size * _root(self.knots_mm(path, target), length_mm)
+
+
+def _root(knots_mm: np.ndarray, length_mm: float) -> np.ndarray:
+    """Square root of a squared-exponential covariance between the knots, (K, K)."""
+    apart = np.subtract.outer(knots_mm, knots_mm) / length_mm
+    values, vectors = np.linalg.eigh(np.exp(-0.5 * apart**2))
+    keep = values > 1e-6 * values[-1]
+    return vectors[:, keep] * np.sqrt(values[keep])

@@ -1,0 +1,51 @@
+"""Cyclic pitch error: the screw or its encoder errs once a turn."""
+
+import numpy as np
+
+from vmach.effects.effect import Effect, along, inner, linear
+from vmach.machine import LINEAR_AXES
+
+__all__ = ["CyclicPitch"]
+
+#: equal steps of spatial frequency, fine enough for a metre of travel
+_PITCHES_MM = 1.0 / np.arange(0.02, 0.52, 0.0004)
+
+
+class CyclicPitch(Effect):
+    """A sine of the axis position: amplitude x sin(2 pi position / pitch + phase)."""
+
+    name = "cyclic_pitch"
+    title = "cyclic error of the screw's pitch or of the encoder"
+    parameters = (
+        linear("amplitude_um", "amplitude", usual=3.0),
+        inner("pitch_mm", "period along the axis", _PITCHES_MM, usual=10.0),
+        inner("phase_rad", "phase at the axis' home", (-np.pi, np.pi), usual=1.0),
+    )
+    usual_size = "1 to 5 um; the period is the pitch, 5 to 20 mm, or a fraction of it"
+    confirm = "laser line in steps of a tenth of the pitch over three pitches"
+    cure = "mend the coupling or the encoder's mounting, or set interpolated compensation"
+    source = "ISO 230-2 on periodic errors"
+
+    def displacement(self, path, target, amplitude_um, pitch_mm, phase_rad):
+        angle = 2 * np.pi * path.nose_mm[:, LINEAR_AXES.index(target)] / pitch_mm
+        return along(target, 1e-3 * amplitude_um * np.sin(angle + phase_rad))
+
+    # a fit works with the amplitudes of sine and cosine, which enter in proportion
+
+    @property
+    def inner_parameters(self):
+        return (self.parameters[1],)
+
+    def columns(self, path, target, inner_values):
+        usual = self.parameters[0].usual
+        quarters = (0.0, 0.5 * np.pi)
+        return np.stack(
+            [self.displacement(path, target, usual, phase_rad=phase, **inner_values)
+             for phase in quarters],
+            axis=2,
+        )
+
+    def settle(self, coefficients, inner_values):
+        sine, cosine = self.parameters[0].usual * coefficients
+        amplitude, phase = np.hypot(sine, cosine), np.arctan2(cosine, sine)
+        return {"amplitude_um": float(amplitude), "phase_rad": float(phase), **inner_values}

@@ -1,0 +1,197 @@
+"""What an effect is: declared parameters, the axes it can act on, one pure function."""
+
+from __future__ import annotations
+
+import itertools
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from vmach.effects.circumstances import Circumstances
+from vmach.job import Job
+from vmach.machine import LINEAR_AXES, RigidDisplacement
+from vmach.toolpath import PathStates
+
+__all__ = ["Displaced", "Effect", "EffectInstance", "Parameter", "along", "inner", "linear"]
+
+Displaced = RigidDisplacement | np.ndarray
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of an effect; its unit stands at the end of its name.
+
+    Attributes
+    ----------
+    name : str
+    meaning : str
+        What it is, for the documentation and for messages.
+    low, high : float
+        What is accepted.
+    usual : float
+        Usual size, in the parameter's unit. For amplitudes it sets the scale on which "no such
+        effect" and "some of it" are weighed.
+    grid : tuple of float
+        Empty for an amplitude, which the displacement is proportional to. Otherwise the values
+        that a fit starts from.
+    """
+
+    name: str
+    meaning: str
+    low: float
+    high: float
+    usual: float
+    grid: tuple[float, ...] = ()
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the displacement is proportional to it."""
+        return not self.grid
+
+
+def linear(name: str, meaning: str, *, usual: float) -> Parameter:
+    """An amplitude of either sign, up to a thousand times its usual size."""
+    return Parameter(name, meaning, -1000.0 * usual, 1000.0 * usual, usual)
+
+
+def inner(name: str, meaning: str, grid: Sequence[float], *, usual: float) -> Parameter:
+    """A parameter inside the function: time constant, pitch, exponent."""
+    return Parameter(name, meaning, 0.25 * min(grid), 4.0 * max(grid), usual, tuple(grid))
+
+
+def along(axis: str, amount_mm: np.ndarray) -> np.ndarray:
+    """Displacement (P, 3) of `amount_mm` (P,) in the direction of one axis."""
+    shift = np.zeros((len(amount_mm), 3))
+    shift[:, LINEAR_AXES.index(axis)] = amount_mm
+    return shift
+
+
+class Effect(ABC):
+    """A physical effect that the error tables do not hold.
+
+    A subclass is one file: the class attributes below and one pure function, `displacement`.
+    Amplitudes (`linear` parameters) have to enter proportionally; everything else is an `inner`
+    parameter with a grid of starting values.
+
+    Examples
+    --------
+    >>> from vmach.effects import Effect, along, linear
+    >>> class Twist(Effect):
+    ...     name = "twist"
+    ...     title = "twist of the bed"
+    ...     parameters = (linear("twist_um_per_m2", "rise over one square metre", usual=20.0),)
+    ...     targets = ("",)
+    ...
+    ...     def displacement(self, path, target, twist_um_per_m2):
+    ...         x, y, _ = path.nose_mm.T
+    ...         return along("Z", 1e-9 * twist_um_per_m2 * x * y)
+    """
+
+    name: ClassVar[str]
+    title: ClassVar[str]
+    parameters: ClassVar[tuple[Parameter, ...]]
+    #: axes, tools, components ... that it can act on; ("",) where there is nothing to choose
+    targets: ClassVar[tuple[str, ...]] = LINEAR_AXES
+    #: whether it acts on the cutting edge at a surface, and not on the tool as a whole
+    needs_surface: ClassVar[bool] = False
+    usual_size: ClassVar[str] = ""
+    confirm: ClassVar[str] = ""
+    cure: ClassVar[str] = ""
+    source: ClassVar[str] = ""
+
+    @abstractmethod
+    def displacement(self, path: Circumstances, target: str, **parameters: float) -> Displaced:
+        """Displacement of the tool relative to the workpiece, actual minus nominal.
+
+        Returns
+        -------
+        (P, 3) float64, mm
+            At the contact; or a `RigidDisplacement` where the tool also turns.
+        """
+
+    def possible_targets(self, job: Job) -> tuple[str, ...]:
+        """The targets that this job has; those of the class unless overridden."""
+        return self.targets
+
+    def not_testable(self, path: Circumstances, target: str) -> str | None:
+        """Why these states cannot show the effect, in words, or None."""
+        return None
+
+    # what a fit works with; an effect overrides these only where its amplitudes hide ----------
+
+    @property
+    def amplitudes(self) -> tuple[Parameter, ...]:
+        """The linear parameters."""
+        return tuple(p for p in self.parameters if p.is_linear)
+
+    @property
+    def inner_parameters(self) -> tuple[Parameter, ...]:
+        """The parameters with a grid."""
+        return tuple(p for p in self.parameters if not p.is_linear)
+
+    def inner_grid(self, path: Circumstances) -> Iterator[dict[str, float]]:
+        """Every combination of the inner parameters' starting values."""
+        names = [p.name for p in self.inner_parameters]
+        for values in itertools.product(*(p.grid for p in self.inner_parameters)):
+            yield dict(zip(names, values, strict=True))
+
+    def columns(
+        self, path: Circumstances, target: str, inner_values: Mapping[str, float]
+    ) -> np.ndarray:
+        """Displacement at the contact for one usual size of each coefficient, (P, 3, K) mm."""
+        parts = []
+        for one in self.amplitudes:
+            unit = {p.name: p.usual * float(p is one) for p in self.amplitudes}
+            moved = self.displacement(path, target, **unit, **inner_values)
+            parts.append(_at_contact(moved, path))
+        return np.stack(parts, axis=2)
+
+    def settle(
+        self, coefficients: np.ndarray, inner_values: Mapping[str, float]
+    ) -> dict[str, float]:
+        """The parameters, from fitted multiples (K,) of the columns."""
+        found = {p.name: float(p.usual * c) for p, c in
+                 zip(self.amplitudes, coefficients, strict=True)}
+        return {**found, **inner_values}
+
+
+def _at_contact(moved: Displaced, path: Circumstances) -> np.ndarray:
+    return moved.at(path.contact_mm) if isinstance(moved, RigidDisplacement) else moved
+
+
+@dataclass(frozen=True)
+class EffectInstance:
+    """An effect with its target and all parameters set, as in ``[effects.NAME]`` of a job."""
+
+    effect: Effect
+    target: str
+    parameters: Mapping[str, float]
+    job: Job
+
+    @property
+    def label(self) -> str:
+        """Name and target for people: ``backlash X``."""
+        return f"{self.effect.name} {self.target}".strip()
+
+    def displacement(self, states: PathStates) -> RigidDisplacement:
+        """Rigid motion of the tool at the states; zero for effects bound to a surface."""
+        if self.effect.needs_surface:
+            return RigidDisplacement.zero(len(states))
+        moved = self._evaluate(states)
+        if isinstance(moved, RigidDisplacement):
+            return moved
+        return RigidDisplacement(moved, np.zeros_like(moved))
+
+    def at_surface(self, states: PathStates) -> np.ndarray:
+        """Displacement of the cutting edge, (P, 3) mm; zero for effects on the whole tool."""
+        if not self.effect.needs_surface or states.normal is None:
+            return np.zeros((len(states), 3))
+        path = Circumstances(states, self.job)
+        return _at_contact(self._evaluate(states), path)
+
+    def _evaluate(self, states: PathStates) -> Displaced:
+        path = Circumstances(states, self.job)
+        return self.effect.displacement(path, self.target, **self.parameters)

@@ -1,0 +1,141 @@
+"""How much material the tool took where it made the surface: radial depth along the normal."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from gcode import MoveKind, Moves
+from vmach.path_geometry import move_length_mm, position_at
+
+__all__ = ["radial_depth_mm"]
+
+_ARC_STEP_RAD = np.radians(1.5)
+#: way just before the contact, in tool radii, that belongs to the same cut
+_SAME_CUT_RADII = 3.0
+#: an earlier pass this near to the final surface leaves nothing to cut
+_NOTHING_MM = 1e-4
+#: a normal with less than this across the tool axis counts as vertical
+_VERTICAL = 1e-6
+
+
+def radial_depth_mm(
+    moves: Moves,
+    move: np.ndarray,
+    *,
+    parameter: np.ndarray,
+    tip_mm: np.ndarray,
+    tool_lengths_mm: np.ndarray,
+    radii_mm: np.ndarray,
+    contact_mm: np.ndarray,
+    normal: np.ndarray,
+) -> np.ndarray:
+    """Thickness of material on the final surface before the last cut, (P,) mm.
+
+    For every contact, the line along the horizontal part of the normal is met with the stadiums
+    that the tool's earlier passes swept at that depth; material begins where the first of them
+    is entered. Bounded by the tool's diameter; zero where the normal is vertical.
+
+    Parameters
+    ----------
+    moves : Moves
+    move, parameter : (P,)
+        Where the contact was made.
+    tip_mm, contact_mm, normal : (P, 3)
+        Tool tip, contact from it, normal of the surface.
+    tool_lengths_mm, radii_mm : (T,) float64
+        Of tool number k at index k; NaN where there is no such tool.
+    """
+    flat = np.hypot(normal[:, 0], normal[:, 1])
+    sideways = flat > _VERTICAL
+    direction = normal[:, :2] / np.where(sideways, flat, 1.0)[:, None]
+    length = move_length_mm(moves)
+    before = np.cumsum(length) - length
+    start, end, owner, share = _chords(moves, tool_lengths_mm)
+    return _depths(
+        tip_mm + contact_mm,
+        np.where(sideways[:, None], direction, 0.0),
+        before[move] + parameter * length[move],
+        radii_mm[moves.tool[move]],
+        np.column_stack([before[owner] + share * length[owner], radii_mm[moves.tool[owner]]]),
+        start,
+        end,
+    )
+
+
+def _chords(
+    moves: Moves, tool_lengths_mm: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Straight pieces of the tip's path at feed: start, end (M, 3), move and parameter (M,)."""
+    length = tool_lengths_mm[np.minimum(moves.tool, len(tool_lengths_mm) - 1)]
+    feeding = (moves.kind == MoveKind.LINE) | (moves.kind == MoveKind.ARC)
+    index = np.flatnonzero(np.isfinite(length) & feeding)
+    pieces = np.maximum(np.ceil(np.abs(moves.sweep_rad[index]) / _ARC_STEP_RAD), 1).astype(int)
+    owner = np.repeat(index, pieces)
+    step = np.arange(len(owner)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    count = np.repeat(pieces, pieces)
+    drop = np.column_stack([np.zeros((len(owner), 2)), length[owner]])
+    start = position_at(moves, owner, step / count) - drop
+    end = position_at(moves, owner, (step + 1) / count) - drop
+    return start, end, owner, step / count
+
+
+@njit(cache=True)
+def _depths(point, direction, way, radius, chord_way_and_radius, start, end):
+    depth = np.zeros(len(point))
+    for k in range(len(point)):
+        nx, ny = direction[k]
+        if nx == 0.0 and ny == 0.0:
+            continue
+        nearest = 2.0 * radius[k]
+        for c in range(len(start)):
+            left = way[k] - _SAME_CUT_RADII * radius[k] - chord_way_and_radius[c, 0]
+            if left <= 0.0:
+                break
+            if min(start[c, 2], end[c, 2]) > point[k, 2]:
+                continue
+            # of the chord that the tool is on, only what lies well behind it
+            length = np.sqrt(((end[c] - start[c]) ** 2).sum())
+            last = start[c] + min(1.0, left / max(length, left)) * (end[c] - start[c])
+            entry = _entry(point[k], nx, ny, start[c], last, chord_way_and_radius[c, 1])
+            nearest = min(nearest, entry)
+        depth[k] = max(nearest, 0.0)
+    return depth
+
+
+@njit(cache=True)
+def _entry(point, nx, ny, start, end, radius):
+    """Where the line point + s n enters the stadium about a chord, s >= 0; inf if it misses."""
+    best = np.inf
+    for which in range(2):
+        centre = start if which == 0 else end
+        dx, dy = point[0] - centre[0], point[1] - centre[1]
+        middle = -(dx * nx + dy * ny)
+        across = radius * radius - (dx * dx + dy * dy - middle * middle)
+        if across > 0.0:
+            half = np.sqrt(across)
+            if middle + half > _NOTHING_MM:
+                best = min(best, max(middle - half, 0.0))
+    tx, ty = end[0] - start[0], end[1] - start[1]
+    length = np.sqrt(tx * tx + ty * ty)
+    if length == 0.0:
+        return best
+    tx, ty = tx / length, ty / length
+    slope = nx * -ty + ny * tx
+    if abs(slope) < 1e-9:
+        return best
+    dx, dy = point[0] - start[0], point[1] - start[1]
+    offset = dx * -ty + dy * tx
+    low = min((-radius - offset) / slope, (radius - offset) / slope)
+    high = max((-radius - offset) / slope, (radius - offset) / slope)
+    # the part of the line over the chord itself
+    rate, base = nx * tx + ny * ty, dx * tx + dy * ty
+    if abs(rate) < 1e-9:
+        if base < 0.0 or base > length:
+            return best
+    else:
+        low = max(low, min(-base / rate, (length - base) / rate))
+        high = min(high, max(-base / rate, (length - base) / rate))
+    if high > max(low, _NOTHING_MM):
+        best = min(best, max(low, 0.0))
+    return best

@@ -1,0 +1,45 @@
+"""Sag under gravity: a beam bends under the weight that travels on it."""
+
+import numpy as np
+
+from vmach.effects.effect import Effect, along, linear
+from vmach.machine import LINEAR_AXES
+
+__all__ = ["GravitySag", "TableLoadSag"]
+
+
+class GravitySag(Effect):
+    """A drop with the square of the way from the middle of the travel."""
+
+    name = "gravity_sag"
+    title = "sag of a beam or ram under its weight"
+    parameters = (linear("sag_um", "drop at the ends of the travel against its middle", usual=10.0),)
+    targets = ("X", "Y")
+    usual_size = "10 um for 100 N at the end of a slim 250 mm arm"
+    confirm = "straightness of the axis with and without added weight"
+    cure = "set straightness compensation, or counterbalance the weight"
+
+    def displacement(self, path, target, sag_um):
+        return along("Z", -1e-3 * sag_um * _from_middle(path, target) ** 2)
+
+
+class TableLoadSag(Effect):
+    """The guides give way under a heavy part in proportion to its overhang, cubed."""
+
+    name = "table_load_sag"
+    title = "sag of the table under the workpiece"
+    parameters = (linear("sag_um", "drop at the ends of the travel", usual=10.0),)
+    targets = ("X", "Y")
+    usual_size = "5 to 20 um for half the permitted load"
+    confirm = "measure flatness of the axis' motion with the table empty and loaded"
+    cure = "clamp heavy parts over the guides, or compensate by load"
+
+    def displacement(self, path, target, sag_um):
+        return along("Z", 1e-3 * sag_um * _from_middle(path, target) ** 3)
+
+
+def _from_middle(path, target: str) -> np.ndarray:
+    """Axis position, -1 to 1 over the travel, (P,)."""
+    axis = LINEAR_AXES.index(target)
+    low, high = path.job.machine.travel_mm[:, axis]
+    return (2.0 * path.nose_mm[:, axis] - low - high) / (high - low)

@@ -1,0 +1,28 @@
+"""Squareness: two axes do not stand at right angles."""
+
+import numpy as np
+
+from vmach.effects.effect import Effect, linear
+
+__all__ = ["Squareness"]
+
+#: target -> (axis that moves, rotation of its reference line)
+_PAIRS = {"C0Y": (1, 2), "B0X": (0, 1), "A0Y": (1, 0)}
+
+
+class Squareness(Effect):
+    """The reference line of one axis is turned against the others."""
+
+    name = "squareness"
+    title = "squareness of two axes"
+    parameters = (linear("squareness_urad", "rotation of the axis' line, right-handed", usual=30.0),)
+    targets = tuple(_PAIRS)
+    usual_size = "10 to 50 urad (um per metre); more after a collision"
+    confirm = "cut or measure a square, turn it by 90 degrees, measure again; or a ballbar"
+    cure = "align the guides, or set the control's squareness compensation"
+    source = "ISO 230-1, E(C)0Y and the like; dx = -C0Y y, dz = -B0X x, dz = +A0Y y"
+
+    def displacement(self, path, target, squareness_urad):
+        axis, rotation = _PAIRS[target]
+        across = np.cross(np.eye(3)[rotation], np.eye(3)[axis])
+        return 1e-6 * squareness_urad * path.nose_mm[:, axis, None] * across

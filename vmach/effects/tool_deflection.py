@@ -1,0 +1,55 @@
+"""Tool deflection: cutting force bends the tool away from the wall."""
+
+import numpy as np
+
+from vmach.effects.effect import Effect, inner, linear
+
+__all__ = ["ToolDeflection"]
+
+#: share of the diameter beyond which a radial depth is no finishing cut
+_SLOTTING = 0.15
+
+
+class ToolDeflection(Effect):
+    """Material is left in proportion to the force across the wall and the tool's slenderness.
+
+    The force goes with axial depth x radial depth x feed per tooth to a power; a slender tool
+    gives way with length cubed over diameter to the fourth. The amplitudes are stated for a cut
+    10 mm deep and 1 mm wide at 0.1 mm per tooth, with a tool of 20 mm diameter, 100 mm long.
+    The radial depth comes from the earlier passes of the program. Where there are none, walls
+    would be made by slotting; they are taken as roughed by another program, which left
+    `allowance_mm`.
+    """
+
+    name = "tool_deflection"
+    title = "deflection of the tool under the cutting force"
+    parameters = (
+        linear("tool_um", "bending of the tool in the reference cut", usual=3.0),
+        linear("machine_um", "give of spindle and machine in the reference cut", usual=1.0),
+        linear("taper_um", "bending at the tip minus bending at the top of the cut", usual=1.0),
+        inner("feed_exponent", "of the force with feed per tooth", (0.6, 0.8, 1.0), usual=0.8),
+        inner(
+            "allowance_mm",
+            "radial depth of walls that an earlier program roughed",
+            (0.05, 0.1, 0.2, 0.4, 0.8),
+            usual=0.3,
+        ),
+    )
+    targets = ("",)
+    needs_surface = True
+    usual_size = "5 to 30 um in finishing, up to 100 um in roughing"
+    confirm = "run a spring pass: the same path again without infeed takes off what was left"
+    cure = "shorter or thicker tool, smaller allowance, lower feed per tooth, or a spring pass"
+    source = "cantilever L^3/(3 E I); chip thickness exponent 1 - m_c after Kienzle"
+
+    def displacement(
+        self, path, target, tool_um, machine_um, taper_um, feed_exponent, allowance_mm
+    ):
+        diameter, depth = path.of_tool("diameter_mm"), path.axial_depth_mm
+        width = path.radial_depth_mm
+        width = np.where(width > _SLOTTING * diameter, allowance_mm, width)
+        force = depth / 10.0 * width * (path.feed_per_tooth_mm / 0.1) ** feed_exponent
+        bending = force * (path.of_tool("length_mm") / 100.0) ** 3 * (20.0 / diameter) ** 4
+        height = path.contact_mm[:, 2] / np.where(depth > 0, depth, 1.0)
+        left_um = machine_um * force + (tool_um + taper_um * (0.5 - height)) * bending
+        return 1e-3 * left_um[:, None] * path.side_normal

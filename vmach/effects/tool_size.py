@@ -1,0 +1,85 @@
+"""Tool size: radius and length of a tool are not what the control believes."""
+
+import numpy as np
+
+from vmach.effects.effect import Effect, along, linear
+
+__all__ = ["Runout", "ToolLength", "ToolRadius", "ToolWear"]
+
+
+class _OfOneTool(Effect):
+    """Base of the effects that belong to one tool; the target is its number: ``T1``."""
+
+    targets = ()
+
+    def possible_targets(self, job):
+        return tuple(f"T{number}" for number in job.tools)
+
+    def not_testable(self, path, target):
+        return None if _by(path, target).any() else f"no point was made by {target}"
+
+
+class ToolRadius(_OfOneTool):
+    """The tool is thicker than in the tool table: it takes more from every wall."""
+
+    name = "tool_radius"
+    title = "radius of the tool"
+    parameters = (linear("radius_um", "true minus stated radius", usual=10.0),)
+    needs_surface = True
+    usual_size = "5 to 20 um; regrinds more"
+    confirm = "measure the tool; compare a boss and a bore, whose sizes err in opposite ways"
+    cure = "enter the measured radius in the tool table"
+
+    def displacement(self, path, target, radius_um):
+        return -1e-3 * radius_um * _by(path, target)[:, None] * path.side_normal
+
+
+class Runout(_OfOneTool):
+    """The tool turns off centre: its longest flute cuts at a larger radius."""
+
+    name = "runout"
+    title = "runout of the tool"
+    parameters = (linear("runout_um", "growth of the cutting radius", usual=10.0),)
+    needs_surface = True
+    usual_size = "3 to 20 um"
+    confirm = "dial gauge on the shank at two heights, spindle turned by hand"
+    cure = "clean collet and taper; clamp the tool again; balance it"
+
+    def displacement(self, path, target, runout_um):
+        return -1e-3 * runout_um * _by(path, target)[:, None] * path.side_normal
+
+
+class ToolWear(_OfOneTool):
+    """The cutting radius shrinks with the way that the tool has cut."""
+
+    name = "tool_wear"
+    title = "wear of the tool"
+    parameters = (linear("wear_um_per_m", "loss of radius per metre of cut", usual=1.0),)
+    needs_surface = True
+    usual_size = "10 um per 5 to 60 minutes of cutting"
+    confirm = "measure the tool before and after; cut the first feature again at the end"
+    cure = "change the tool earlier, or compensate its radius by way"
+
+    def displacement(self, path, target, wear_um_per_m):
+        left_mm = 1e-6 * wear_um_per_m * path.cutting_way_mm * _by(path, target)
+        return left_mm[:, None] * path.side_normal
+
+
+class ToolLength(_OfOneTool):
+    """The tool is longer than in the tool table: it cuts too deep."""
+
+    name = "tool_length"
+    title = "length of the tool"
+    parameters = (linear("length_um", "true minus stated length", usual=15.0),)
+    needs_surface = True
+    usual_size = "5 to 30 um"
+    confirm = "touch off all tools on one surface"
+    cure = "measure the tool again and enter its length"
+
+    def displacement(self, path, target, length_um):
+        return along("Z", -1e-3 * length_um * _by(path, target))
+
+
+def _by(path, target: str) -> np.ndarray:
+    """1 where the state belongs to the tool ``T1`` ..., else 0; (P,)."""
+    return (path.tool == int(target[1:])).astype(float)

@@ -1,0 +1,23 @@
+"""Workpiece temperature: the part was cut at another temperature than it is measured at."""
+
+from vmach.effects.effect import Effect, linear
+
+__all__ = ["WorkpieceTemperature"]
+
+
+class WorkpieceTemperature(Effect):
+    """The part shrinks alike in all directions when it has cooled down."""
+
+    name = "workpiece_temperature"
+    title = "temperature of the workpiece while it was cut"
+    parameters = (
+        linear("expansion_ppm", "stretch while cut: expansion coefficient x warming", usual=20.0),
+    )
+    targets = ("",)
+    needs_surface = True
+    usual_size = "23 ppm per kelvin in aluminium, 12 in steel"
+    confirm = "log the part's temperature while it is cut and while it is measured"
+    cure = "cut with coolant at measuring temperature, or scale the program"
+
+    def displacement(self, path, target, expansion_ppm):
+        return -1e-6 * expansion_ppm * path.on_part_mm
