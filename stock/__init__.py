@@ -6,6 +6,7 @@ Knows neither NC programs nor machines.
 from stock.edge import Edges, EdgeStatus, find_edges
 from stock.errors import StockError
 from stock.export import write_part
+from stock.generating import Generation, find_generating
 from stock.solid import BLANK, VirtualPart, cut_part
 from stock.sweeps import Sweeps
 from stock.tools import TOOL_SHAPES, Corner, Tool, make_tool
@@ -16,12 +17,14 @@ __all__ = [
     "Corner",
     "EdgeStatus",
     "Edges",
+    "Generation",
     "StockError",
     "Sweeps",
     "Tool",
     "VirtualPart",
     "cut_part",
     "find_edges",
+    "find_generating",
     "make_tool",
     "write_part",
 ]

@@ -106,35 +106,8 @@ def _placement(
     sweeps: Sweeps, index: np.ndarray, s: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Displaced tip and tilt, each (P, 3), at parameter s (P,) of the sweeps `index` (P,)."""
-    basis = np.stack([(1 + 2 * s) * (1 - s) ** 2, s**2 * (3 - 2 * s)], axis=1)
-    slope = np.stack([s * (1 - s) ** 2, s**2 * (s - 1)], axis=1)
-
-    def hermite(value: np.ndarray, derivative: np.ndarray) -> np.ndarray:
-        return np.einsum("pk,pkj->pj", basis, value[index]) + np.einsum(
-            "pk,pkj->pj", slope, derivative[index]
-        )
-
-    shift = hermite(sweeps.shift_mm, sweeps.shift_slope_mm)
-    tilt = hermite(sweeps.tilt_rad, sweeps.tilt_slope_rad)
-    return _tip(sweeps, index, s) + shift, tilt
-
-
-def _tip(sweeps: Sweeps, index: np.ndarray, s: np.ndarray) -> np.ndarray:
-    """Nominal tip (P, 3): on the line, or on the arc, helix or spiral."""
-    start, end = sweeps.start_mm[index], sweeps.end_mm[index]
-    line = (1 - s[:, None]) * start + s[:, None] * end
-    axis, centre = sweeps.axis[index], sweeps.centre_mm[index]
-    sweep_rad = sweeps.sweep_rad[index]
-    arm = start - centre
-    rise = np.einsum("ij,ij->i", end - start, axis)
-    radius = _distance_from_axis(sweeps, sweeps.start_mm)[index]
-    growth = _distance_from_axis(sweeps, sweeps.end_mm)[index] - radius
-    scale = np.where(radius > 0, 1 + s * growth / np.where(radius > 0, radius, 1.0), 1.0)
-    angle = (s * sweep_rad)[:, None]
-    turned = np.cos(angle) * arm + np.sin(angle) * np.cross(axis, arm)
-    arc = centre + scale[:, None] * turned + (s * rise)[:, None] * axis
-    exact_end = (s == 1)[:, None]
-    return np.where((sweep_rad == 0)[:, None], line, np.where(exact_end, end, arc))
+    shift, tilt = sweeps.displacement_at(index, s)
+    return sweeps.nominal_tip_at(index, s) + shift, tilt
 
 
 @njit(cache=True)

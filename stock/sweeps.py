@@ -82,6 +82,31 @@ class Sweeps:
     def __len__(self) -> int:
         return len(self.start_mm)
 
+    def nominal_tip_at(self, sweep: np.ndarray, parameter: np.ndarray) -> np.ndarray:
+        """Tip without displacement, (P, 3) mm; arguments as in `displacement_at`."""
+        s = parameter[:, None]
+        start, end = self.start_mm[sweep], self.end_mm[sweep]
+        tip = (1 - s) * start + s * end
+        arcs = np.flatnonzero(self.sweep_rad[sweep] != 0)
+        if arcs.size:
+            tip[arcs] = self._tip_on_arc(sweep[arcs], parameter[arcs])
+        tip[parameter == 1.0] = end[parameter == 1.0]
+        return tip
+
+    def _tip_on_arc(self, sweep: np.ndarray, parameter: np.ndarray) -> np.ndarray:
+        s, axis = parameter[:, None], self.axis[sweep]
+        first = self.start_mm[sweep] - self.centre_mm[sweep]
+        last = self.end_mm[sweep] - self.centre_mm[sweep]
+        rise = np.einsum("ij,ij->i", last - first, axis)[:, None]
+        radii = []
+        for arm in (first, last):
+            across = arm - np.einsum("ij,ij->i", arm, axis)[:, None] * axis
+            radii.append(np.linalg.norm(across, axis=1, keepdims=True))
+        scale = 1 + s * np.divide(radii[1], radii[0], out=np.ones_like(s), where=radii[0] > 0) - s
+        angle = s * self.sweep_rad[sweep][:, None]
+        turned = np.cos(angle) * first + np.sin(angle) * np.cross(axis, first)
+        return self.centre_mm[sweep] + scale * turned + s * rise * axis
+
     def displacement_at(
         self, sweep: np.ndarray, parameter: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:

@@ -195,6 +195,13 @@ class Job:
         """Folder that the paths in the job file are relative to."""
         return self.path.parent
 
+    @property
+    def blank_solid(self) -> tuple[np.ndarray, np.ndarray] | Path | None:
+        """The blank as the removal engine takes it: a box, a file, or nothing."""
+        if self.blank is None:
+            return None
+        return self.blank.file or (self.blank.min_mm, self.blank.max_mm)
+
     def files(self) -> list[Path]:
         """Every file that the prediction depends on, for the record of what was run."""
         optional = [self.nominal, self.measured, self.blank.file if self.blank else None]

@@ -11,13 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stock import VirtualPart, cut_part
-from vmach.effects import read_effects
-from vmach.inspection import inspected_points, surface_points
+from vmach.inspection import found_on_part, inspected_points, surface_points
 from vmach.job import Job, read_job
 from vmach.machine import Variant
 from vmach.nominal import NominalPart, read_nominal
 from vmach.points import SurfacePoints, read_points_csv
-from vmach.prediction import Prediction, displaced_sweeps, predict
+from vmach.prediction import Effect, Prediction, displaced_sweeps, predict
 from vmach.preparation import Preparation, prepare
 from vmach.report import InspectedPoints
 from vmach.stage_clock import Progress, StageClock, silent
@@ -84,7 +83,7 @@ def machine_part(
     clock = StageClock(progress)
     with clock.stage("read"):
         job = read_job(job_path)
-        effects = read_effects(job.effects, file=job.path)
+        effects: tuple[Effect, ...] = ()
         preparation = prepare(job)
         nominal = read_nominal(job.nominal) if job.nominal else None
         points = surface_points(job, nominal, prefer_measured=prefer_measured)
@@ -100,6 +99,7 @@ def machine_part(
                     points.normal,
                     variant=variant,
                     effects=effects,
+                    known_surface=found_on_part(points, job),
                     sweeps=sweeps[variant],
                 )
             )
@@ -136,11 +136,16 @@ def predict_points(
     clock = StageClock(progress)
     with clock.stage("read"):
         job = read_job(job_path)
-        effects = read_effects(job.effects, file=job.path)
+        effects: tuple[Effect, ...] = ()
         points = read_points_csv(points_path)
         preparation = prepare(job, program_path=Path(program_path) if program_path else None)
     with clock.stage("predict"):
         prediction = predict(
-            preparation, points.point_mm, points.normal, variant=variant, effects=effects
+            preparation,
+            points.point_mm,
+            points.normal,
+            variant=variant,
+            effects=effects,
+            known_surface=found_on_part(points, job),
         )
     return points, prediction

@@ -9,11 +9,14 @@ from typing import Protocol
 
 import numpy as np
 
-from stock import Edges, EdgeStatus, Sweeps, find_edges
+from stock import Edges, EdgeStatus, Sweeps, find_edges, find_generating
 from vmach.machine import RigidDisplacement, Variant, displacement
 from vmach.preparation import Preparation
 from vmach.sweeping import build_sweeps
 from vmach.toolpath import PathStates
+
+#: a tool that passes a surface point no closer than this does not generate it
+GENERATING_MISS_MM = 0.05
 
 __all__ = ["Effect", "Prediction", "displaced_sweeps", "predict"]
 
@@ -42,6 +45,9 @@ class Prediction:
         Positive where material is left; 0 where `is_cut` is false.
     edges : Edges
         What the removal engine found: status, sweep, parameter, contact.
+    overcut : (P,) bool
+        Points known to be surface which other moves of the program would have cut away; their
+        deviation is that of the move which generates them.
     """
 
     variant: Variant
@@ -49,6 +55,7 @@ class Prediction:
     normals: np.ndarray
     deviation_mm: np.ndarray
     edges: Edges
+    overcut: np.ndarray
 
     @property
     def is_cut(self) -> np.ndarray:
@@ -81,6 +88,7 @@ def predict(
     *,
     variant: Variant,
     effects: Sequence[Effect] = (),
+    known_surface: np.ndarray | None = None,
     sweeps: Sweeps | None = None,
 ) -> Prediction:
     """Signed deviation of nominal surface points.
@@ -94,6 +102,9 @@ def predict(
         Arms of the machine's errors.
     effects : sequence of Effect
         What acts beside the machine's error tables.
+    known_surface : (P,) bool, optional
+        Points where the real part has been found, so that a tool must have made them. Where the
+        program as read would have cut them away, the move that generates the surface counts.
     sweeps : Sweeps, optional
         `displaced_sweeps` of the same variant and effects, where they are there already.
 
@@ -115,17 +126,59 @@ def predict(
         blank_mm=None if job.blank is None else (job.blank.min_mm, job.blank.max_mm),
         reach_mm=job.inspection.reach_mm,
     )
+    overcut = np.zeros(len(points_mm), dtype=bool)
+    if known_surface is not None:
+        edges, overcut = _generated(edges, known_surface, points_mm, normals, preparation, sweeps)
     cut = np.flatnonzero(edges.status == EdgeStatus.CUT)
     states = _contact_states(preparation, edges, normals)
     at_contact = sweeps.displacement_at(edges.sweep[cut], edges.parameter[cut])
-    interpolated = RigidDisplacement(*at_contact)
+    interpolated = RigidDisplacement(*at_contact).at(states.contact_mm)
     exact = _rigid(preparation, states, variant, effects).at(states.contact_mm)
     for effect in effects:
         exact = exact + effect.at_surface(states)
-    correction = exact - interpolated.at(states.contact_mm)
+    correction = exact - np.where(overcut[cut, None], 0.0, interpolated)
     deviation = edges.deviation_mm.copy()
     deviation[cut] += np.einsum("ij,ij->i", correction, normals[cut])
-    return Prediction(variant, preparation, normals, deviation, edges)
+    return Prediction(variant, preparation, normals, deviation, edges, overcut)
+
+
+def _generated(
+    edges: Edges,
+    known_surface: np.ndarray,
+    points_mm: np.ndarray,
+    normals: np.ndarray,
+    preparation: Preparation,
+    sweeps: Sweeps,
+) -> tuple[Edges, np.ndarray]:
+    """Give known surface points that were gouged away the place on the path that makes them.
+
+    Returns the edges, with deviations of the perfect path there, and which points these are.
+    """
+    lost = np.flatnonzero(known_surface & (edges.status == EdgeStatus.GOUGED))
+    overcut = np.zeros(len(points_mm), dtype=bool)
+    if lost.size == 0:
+        return edges, overcut
+    found = find_generating(
+        points_mm[lost], normals[lost], sweeps=sweeps, tools=preparation.cutters
+    )
+    near = found.miss_mm < GENERATING_MISS_MM
+    rows = lost[near]
+    overcut[rows] = True
+    tips = sweeps.nominal_tip_at(found.sweep[near], found.parameter[near])
+    own = np.einsum("ij,ij->i", tips + found.contact_mm[near] - points_mm[rows], normals[rows])
+
+    def filled(values: np.ndarray, new: np.ndarray | int) -> np.ndarray:
+        values = values.copy()
+        values[rows] = new
+        return values
+
+    return Edges(
+        deviation_mm=filled(edges.deviation_mm, own),
+        status=filled(edges.status, EdgeStatus.CUT),
+        sweep=filled(edges.sweep, found.sweep[near]),
+        parameter=filled(edges.parameter, found.parameter[near]),
+        contact_mm=filled(edges.contact_mm, found.contact_mm[near]),
+    ), overcut
 
 
 def _rigid(

@@ -1,0 +1,199 @@
+"""The move that was meant to make a surface point, whatever other moves did there.
+
+The surface that a tool generates has, where it touches, the tool's own normal turned round. So
+the generating place on the path is the one where the tool point with outward normal -n comes
+closest to the surface point. A program that cuts into its own part somewhere still has one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from stock.sweeps import Sweeps
+from stock.tools import Tool
+
+__all__ = ["Generation", "find_generating"]
+
+#: straight pieces that an arc is looked at in; the place found is then refined on the arc
+_CHORDS = 16
+#: outline points whose heights over the tangent differ by less than this are both touched
+_TIE_MM = 1e-9
+#: a normal with a smaller horizontal part than this is that of a floor
+_FLOOR = 1e-9
+
+
+@dataclass(frozen=True)
+class Generation:
+    """Generating place of P surface points.
+
+    Attributes
+    ----------
+    sweep : (P,) int64
+        The last of the sweeps that come closest.
+    parameter : (P,) float64
+        Where on it, 0 to 1.
+    contact_mm : (P, 3) float64
+        Tool point from the tip that generates the surface there.
+    miss_mm : (P,) float64
+        Distance from that tool point to the surface point, without displacement.
+    """
+
+    sweep: np.ndarray
+    parameter: np.ndarray
+    contact_mm: np.ndarray
+    miss_mm: np.ndarray
+
+
+def find_generating(
+    points_mm: np.ndarray, normals: np.ndarray, *, sweeps: Sweeps, tools: Sequence[Tool]
+) -> Generation:
+    """Find the generating place of each surface point by looking at every sweep.
+
+    Parameters
+    ----------
+    points_mm, normals : (P, 3) float64
+        Nominal surface points and outward unit normals.
+    sweeps : Sweeps
+        Only their nominal geometry counts; not empty.
+    tools : sequence of Tool
+        What ``sweeps.tool`` points into.
+
+    Notes
+    -----
+    The effort grows as points times sweeps: meant for few points.
+    """
+    pieces = np.where(sweeps.sweep_rad == 0, 1, _CHORDS)
+    index = np.repeat(np.arange(len(sweeps)), pieces)
+    within = np.arange(len(index)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    begin, end = within / pieces[index], (within + 1) / pieces[index]
+    chords = np.stack(
+        [sweeps.nominal_tip_at(index, begin), sweeps.nominal_tip_at(index, end)], axis=1
+    )
+    sweep = np.empty(len(points_mm), dtype=np.int64)
+    parameter = np.empty(len(points_mm))
+    contact = np.empty((len(points_mm), 3))
+    for k, (point, normal) in enumerate(zip(points_mm, normals, strict=True)):
+        supports = np.array([_support(tool, normal) for tool in tools])
+        chord, share = _closest(point, chords, supports[sweeps.tool[index]])
+        sweep[k] = index[chord]
+        parameter[k] = begin[chord] + share * (end[chord] - begin[chord])
+        support = supports[sweeps.tool[sweep[k]]]
+        if sweeps.sweep_rad[sweep[k]] != 0:
+            parameter[k] = _refined(point, support, sweeps, sweep[k], parameter[k])
+        tip = sweeps.nominal_tip_at(sweep[k : k + 1], parameter[k : k + 1])[0]
+        contact[k] = _touching(point - tip, support)
+    tips = sweeps.nominal_tip_at(sweep, parameter)
+    miss = np.linalg.norm(tips + contact - points_mm, axis=1)
+    return Generation(sweep, parameter, contact, miss)
+
+
+def _support(tool: Tool, normal: np.ndarray) -> np.ndarray:
+    """Tool points with outward normal `-normal`, (7,): two ends of a segment and a flag.
+
+    For a floor or a ceiling it is a disc: the segment leads from the axis to its rim, and the
+    flag says that it may be turned about the axis.
+    """
+    across = math.hypot(normal[0], normal[1])
+    up = -normal[2]
+    if across < _FLOOR:
+        corner = tool.corners[0] if up < 0 else tool.corners[-1]
+        height = corner.z_mm + math.copysign(corner.radius_mm, up)
+        return np.array([0.0, 0.0, height, corner.r_mm, 0.0, height, 1.0])
+    azimuth = (-normal[0] / across, -normal[1] / across)
+    heights = [across * c.r_mm + up * c.z_mm + c.radius_mm for c in tool.corners]
+    touched = [c for c, h in zip(tool.corners, heights, strict=True) if h > max(heights) - _TIE_MM]
+    ends = []
+    for corner in (touched[0], touched[-1]):
+        radius = corner.r_mm + corner.radius_mm * across
+        ends += [radius * azimuth[0], radius * azimuth[1], corner.z_mm + corner.radius_mm * up]
+    return np.array([*ends, 0.0])
+
+
+@njit(cache=True)
+def _closest(point, chords, supports):
+    """The last chord whose tool comes closest to the point, and where on it."""
+    best, chord, share = np.inf, 0, 0.0
+    for k in range(len(chords)):
+        distance, s = _approach(point, chords[k], supports[k])
+        if distance <= best + 1e-9:
+            best, chord, share = min(best, distance), k, s
+    return chord, share
+
+
+@njit(cache=True)
+def _approach(point, chord, support):
+    """Least distance of the support on the chord from the point, and where that is."""
+    way = chord[1] - chord[0]
+    if support[6] == 1.0:
+        start = point[:2] - chord[0, :2]
+        length = way[0] ** 2 + way[1] ** 2
+        s = 0.0 if length == 0.0 else (start[0] * way[0] + start[1] * way[1]) / length
+        s = min(max(s, 0.0), 1.0)
+        beside = math.hypot(start[0] - s * way[0], start[1] - s * way[1])
+        below = point[2] - support[2] - chord[0, 2] - s * way[2]
+        return math.hypot(max(beside - support[3], 0.0), below), s
+    return _between_segments(point - support[:3] - chord[0], support[3:6] - support[:3], way)
+
+
+@njit(cache=True)
+def _between_segments(offset, edge, way):
+    """Least of abs(offset - t edge - s way) over s and t in [0, 1], and its s."""
+    best, place = np.inf, 0.0
+    a, b, c = (way * way).sum(), (way * edge).sum(), (edge * edge).sum()
+    d, e = (way * offset).sum(), (edge * offset).sum()
+    determinant = a * c - b * b
+    for candidate in range(5):
+        if candidate == 0:
+            if determinant <= 1e-12 * a * c:
+                continue
+            s, t = (c * d - b * e) / determinant, (a * e - b * d) / determinant
+            if s < 0.0 or s > 1.0 or t < 0.0 or t > 1.0:
+                continue
+        elif candidate <= 2:
+            s = candidate - 1.0
+            t = 0.0 if c == 0.0 else min(max((e - s * b) / c, 0.0), 1.0)
+        else:
+            t = candidate - 3.0
+            s = 0.0 if a == 0.0 else min(max((d - t * b) / a, 0.0), 1.0)
+        gap = offset - t * edge - s * way
+        distance = math.sqrt((gap * gap).sum())
+        if distance < best:
+            best, place = distance, s
+    return best, place
+
+
+def _refined(
+    point: np.ndarray, support: np.ndarray, sweeps: Sweeps, sweep: int, parameter: float
+) -> float:
+    """The parameter of the closest approach on the arc itself, by golden section."""
+    ratio = (math.sqrt(5) - 1) / 2
+    low, high = max(parameter - 1 / _CHORDS, 0.0), min(parameter + 1 / _CHORDS, 1.0)
+
+    def distance(s: float) -> float:
+        tip = sweeps.nominal_tip_at(np.array([sweep]), np.array([s]))[0]
+        return float(np.linalg.norm(point - tip - _touching(point - tip, support)))
+
+    while high - low > 1e-9:
+        left, right = high - ratio * (high - low), low + ratio * (high - low)
+        if distance(left) < distance(right):
+            high = right
+        else:
+            low = left
+    return 0.5 * (low + high)
+
+
+def _touching(offset: np.ndarray, support: np.ndarray) -> np.ndarray:
+    """The point of the support, as seen from the tip, that is nearest to `offset`."""
+    if support[6] == 1.0:
+        across = math.hypot(offset[0], offset[1])
+        share = min(support[3] / across, 1.0) if across > 0 else 0.0
+        return np.array([share * offset[0], share * offset[1], support[2]])
+    edge = support[3:6] - support[:3]
+    length = float(edge @ edge)
+    t = 0.0 if length == 0.0 else min(max(float((offset - support[:3]) @ edge) / length, 0.0), 1.0)
+    return support[:3] + t * edge
