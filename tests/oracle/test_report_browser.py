@@ -1,0 +1,35 @@
+"""A real browser opens the report, draws the map and shows the same figures."""
+
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+from tests.report_case import block, points, run
+from vmach.report import build_display_mesh, write_report_html
+
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
+OPTIONS = (
+    "--headless --no-sandbox --disable-quic --no-first-run --disable-background-networking "
+    "--disable-component-update --disable-sync --use-gl=angle --use-angle=swiftshader "
+    "--enable-unsafe-swiftshader --virtual-time-budget=5000 --dump-dom"
+)
+
+
+@pytest.mark.skipif(BROWSER is None, reason="chromium is not installed")
+def test_the_page_starts_and_agrees_with_the_numbers(tmp_path):
+    case = points()
+    write_report_html(tmp_path / "r.html", build_display_mesh(*block(), case), case, run())
+    page = subprocess.run(
+        [BROWSER, *OPTIONS.split(), f"--user-data-dir={tmp_path / 'profile'}",
+         (tmp_path / "r.html").as_uri()],
+        capture_output=True, text=True, timeout=60, check=True,
+    ).stdout  # fmt: skip
+    assert re.search(r'<div class="stage" id="stage">', page)  # no longer hidden
+    assert re.search(r'<figure id="still" hidden', page)
+    assert len(re.findall(r'<div class="mark"', page)) == 10
+    deviation = case["abbe"].deviation_mm[case["abbe"].is_cut]
+    share = 100 * (np.abs(deviation) > 3e-3).mean()
+    assert f'data-outside="abbe">{share:.2f} %' in page

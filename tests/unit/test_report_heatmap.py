@@ -1,0 +1,125 @@
+"""heatmap.png, with VTK, without it, and when it dies."""
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from tests.report_case import block, points, run
+from vmach.report import (
+    Colouring,
+    DisplayMesh,
+    build_display_mesh,
+    draw_heatmap,
+    vtk_picture,
+)
+from vmach.report.camera import Camera, isometric_camera
+from vmach.report.colours import COLOUR_STOPS, colour_range, colours_of, nice_ceiling
+from vmach.report.rasterise import rasterise
+
+FRONT = Camera(np.eye(3), np.zeros(3), width_mm=100.0, height_mm=50.0)
+
+
+def square(side_mm, height_mm):
+    """Two triangles facing +Z, centred."""
+    x = side_mm / 2
+    vertices = [[-x, -x, height_mm], [x, -x, height_mm], [x, x, height_mm], [-x, x, height_mm]]
+    return np.array(vertices), np.array([[0, 1, 2], [0, 2, 3]])
+
+
+def test_a_square_covers_its_own_pixels_in_its_own_colour():
+    mesh = DisplayMesh(*square(20.0, 0.0))
+    picture = rasterise(mesh, np.full((4, 3), (1.0, 0.5, 0.25)), FRONT, (200, 100))
+    rows, columns = np.nonzero(picture[..., 3])
+    assert (rows.min(), rows.max(), columns.min(), columns.max()) == (30, 70, 80, 120)
+    assert picture[50, 95].tolist() == [255, 128, 64, 255]
+    assert picture[29, 95, 3] == 0
+
+
+def test_a_ball_covers_a_disc_of_its_radius():
+    ball = trimesh.creation.icosphere(subdivisions=5, radius=20.0)
+    mesh = DisplayMesh(ball.vertices, ball.faces)
+    picture = rasterise(mesh, np.ones(ball.vertices.shape), FRONT, (400, 200))
+    area_mm2 = (picture[..., 3] / 255).sum() * 0.25**2
+    assert area_mm2 == pytest.approx(np.pi * 20**2, rel=0.01)
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_what_is_nearer_hides_what_is_behind(order):
+    squares = [square(20.0, 5.0), square(30.0, -5.0)]
+    colours = [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0)]
+    near_first = [squares[i] for i in order]
+    mesh = DisplayMesh(
+        np.vstack([vertices for vertices, _ in near_first]),
+        np.vstack([near_first[0][1], near_first[1][1] + 4]),
+    )
+    picture = rasterise(mesh, np.repeat([colours[i] for i in order], 4, axis=0), FRONT, (200, 100))
+    assert picture[50, 105].tolist() == [255, 0, 0, 255]
+    assert picture[50, 125].tolist() == [0, 0, 255, 255]
+
+
+def test_camera_sees_all_points():
+    vertices = 100 * np.random.default_rng(3).normal(size=(50, 3)) * [5, 1, 0.1]
+    seen = isometric_camera(vertices).pixels(vertices, (640, 480))
+    assert (seen[:, :2] >= 0).all()
+    assert (seen[:, :2] <= [640, 480]).all()
+
+
+def test_colours_run_from_blue_over_near_white_to_red():
+    colours = colours_of(np.array([-9.0, -1.0, 0.0, 1.0, 9.0]), np.ones(5, bool), 1.0)
+    np.testing.assert_array_equal(colours[0], colours[1])
+    np.testing.assert_array_equal(colours[3], colours[4])
+    assert colours[0, 2] > 2 * colours[0, 0]
+    assert colours[4, 0] > 2 * colours[4, 2]
+    assert colours[2].min() > 0.9
+    lightness = colours_of(np.linspace(-1, 1, 9), np.ones(9, bool), 1.0) @ [0.21, 0.72, 0.07]
+    assert (np.diff(lightness)[:4] > 0).all()
+    assert (np.diff(lightness)[4:] < 0).all()
+    assert len(COLOUR_STOPS) == 9
+
+
+def test_colour_scale_is_round_and_ignores_a_few_gross_points():
+    assert [nice_ceiling(x) for x in (1.0, 1.01, 7.0, 9.0, 0.02)] == [1.0, 1.5, 8.0, 10.0, 0.02]
+    values = np.full(1000, 3.3e-3)
+    values[:5] = 1.0
+    assert colour_range([values]) == pytest.approx(4e-3)
+    assert colour_range([np.zeros(0)]) == pytest.approx(1e-6)
+
+
+def size_and_colours(path):
+    with Image.open(path) as picture:
+        return picture.size, np.unique(np.asarray(picture.convert("RGB")).reshape(-1, 3), axis=0)
+
+
+def test_without_the_libraries_a_picture_and_one_line(tmp_path, monkeypatch):
+    monkeypatch.setattr(vtk_picture, "_loads", lambda library: library != "libEGL.so.1")
+    case = points()
+    note = draw_heatmap(tmp_path / "h.png", build_display_mesh(*block(), case), case, run())
+    assert "sudo apt-get install libegl1 libgl1-mesa-dri libx11-6" in note
+    assert "\n" not in note
+    (width, height), colours = size_and_colours(tmp_path / "h.png")
+    assert width > 1500
+    assert height > 800
+    assert len(colours) > 1000
+
+
+@pytest.mark.parametrize(
+    "worker",
+    ["import os; os.abort()", "raise SystemExit(3)", "pass", "import time; time.sleep(60)"],
+)
+def test_when_vtk_dies_the_picture_is_drawn_all_the_same(tmp_path, monkeypatch, worker):
+    (tmp_path / "worker.py").write_text(worker)
+    monkeypatch.setattr(vtk_picture, "_loads", lambda library: True)
+    monkeypatch.setattr(vtk_picture, "_WORKER", tmp_path / "worker.py")
+    monkeypatch.setattr(vtk_picture, "_TIME_LIMIT_S", 1)
+    case = points()
+    mesh = build_display_mesh(*block(), case)
+    note = draw_heatmap(tmp_path / "h.png", mesh, case, run(title="$x_1"), variants=["abbe"])
+    assert "apt-get install" in note
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["h.png", "worker.py"]
+
+
+def test_unknown_vertices_are_grey():
+    colours = colours_of(np.array([5.0]), np.array([False]), 1.0)
+    assert np.ptp(colours) < 0.06
+    assert Colouring(np.zeros(1), np.array([False])).known.dtype == bool

@@ -1,0 +1,185 @@
+"""report.html: one file, no network, within its size, and safe with any name in it."""
+
+import base64
+import gzip
+import html.parser
+import json
+import re
+import struct
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.report_case import HOSTILE, block, large_mesh, points, run
+from vmach.report import (
+    InputFile,
+    Variant,
+    build_display_mesh,
+    draw_heatmap,
+    write_report_html,
+)
+
+
+class Page(html.parser.HTMLParser):
+    """Collects the elements, the attributes and the contents of the scripts of a page."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.elements, self.scripts, self.style, self.text, self._open = [], [], "", "", None
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.elements.append((tag, dict(attributes)))
+        self._open = tag
+        if tag == "script":
+            self.scripts.append("")
+
+    def handle_endtag(self, tag):
+        self._open = None
+
+    def handle_data(self, data):
+        if self._open == "script":
+            self.scripts[-1] += data
+        elif self._open == "style":
+            self.style += data
+        else:
+            self.text += data
+
+
+def written(path, case, record, **options):
+    mesh = options.pop("mesh", None) or build_display_mesh(*block(), case)
+    write_report_html(path, mesh, case, record, **options)
+    return path.read_text(encoding="utf-8")
+
+
+def unpack(payload):
+    """A reader of the payload written from the description of its layout."""
+    raw = gzip.decompress(base64.b64decode(payload))
+    (length,) = struct.unpack_from("<I", raw)
+    header = json.loads(raw[4 : 4 + length])
+    at, columns = 4 + length, {}
+    for name, width, count in header["columns"]:
+        planes = np.frombuffer(raw, np.uint8, width * count, at).reshape(width, count)
+        steps = sum(planes[k].astype(np.int64) << (8 * k) for k in range(width))
+        columns[name] = np.cumsum(steps) % (1 << (8 * width))
+        at += width * count
+    assert at == len(raw)
+    return header, columns
+
+
+def signed(column):
+    return np.where(column >= 32768, column - 65536, column)
+
+
+def test_page_asks_the_network_for_nothing(tmp_path):
+    text = written(tmp_path / "r.html", points(), run())
+    page = Page(text)
+    for tag, attributes in page.elements:
+        assert tag not in {"link", "iframe", "object", "embed", "base", "form", "audio", "video"}
+        assert not any(
+            value and not value.startswith(("data:", "#"))
+            for name, value in attributes.items()
+            if name in {"src", "href", "action", "srcset", "data", "poster", "xlink:href"}
+        )
+    without_payload = "".join(page.scripts[:1] + page.scripts[2:])
+    assert not re.search(
+        r"https?:|//\w+\.\w|\bfetch\(|XMLHttpRequest|WebSocket|import\(|url\(",
+        without_payload + page.style,
+    )
+    policy = next(a["content"] for t, a in page.elements if a.get("http-equiv"))
+    assert policy.startswith("default-src 'none'")
+
+
+def test_names_cannot_break_out_of_the_page(tmp_path):
+    record = run(
+        title=HOSTILE, command=HOSTILE, warnings=[HOSTILE], facts={HOSTILE: HOSTILE},
+        program_lines=[HOSTILE] * 50, versions={HOSTILE: HOSTILE},
+        files=[InputFile(HOSTILE, HOSTILE, "0" * 64, 1)],
+    )  # fmt: skip
+    case = points(name=HOSTILE)
+    relabelled = tuple(replace(v, label=HOSTILE) for v in case.variants)
+    case = replace(case, variants=relabelled, id=[HOSTILE] * len(case))
+    page = Page(written(tmp_path / "r.html", case, record))
+    assert not any("onerror" in attributes for _, attributes in page.elements)
+    assert [tag for tag, _ in page.elements].count("script") == 4
+    assert page.text.count(HOSTILE) > 30
+    assert "49" not in page.text.split("What was run")[1].split("Duration")[0]
+    data = json.loads(page.scripts[0])
+    assert data["variants"]["abbe"]["label"] == HOSTILE
+
+
+def test_size_at_a_hundred_thousand_triangles(tmp_path):
+    case = points(60_000)
+    mesh = large_mesh(100_000, ("none", "abbe", "measured"))
+    assert len(mesh.triangles) > 99_000
+    draw_heatmap(tmp_path / "h.png", mesh, case, run())
+    write_report_html(tmp_path / "r.html", mesh, case, run(), heatmap_png=tmp_path / "h.png")
+    assert (tmp_path / "r.html").stat().st_size < 4e6
+
+
+def test_payload_carries_mesh_and_points_within_its_rounding(tmp_path):
+    case = points()
+    mesh = build_display_mesh(*block(), case)
+    header, columns = unpack(Page(written(tmp_path / "r.html", case, run(), mesh=mesh)).scripts[1])
+    place = np.stack([columns[f"vertex_{axis}"] for axis in "xyz"], axis=1)
+    place = header["origin_mm"] + place * header["step_mm"]
+    assert np.abs(place - mesh.vertices_mm).max() <= 0.51 * max(header["step_mm"])
+    corners = np.stack([columns[f"corner_{i}"] for i in range(3)], axis=1)
+    np.testing.assert_array_equal(corners, mesh.triangles)
+    quantised = signed(columns["point:abbe"])
+    cut = case["abbe"].is_cut
+    np.testing.assert_array_equal(quantised == header["unknown"], ~cut)
+    deviation_um = quantised[cut] * header["value_step_um"]
+    largest_um = 1e3 * np.abs(case["measured"].deviation_mm).max()
+    assert np.abs(deviation_um - 1e3 * case["abbe"].deviation_mm[cut]).max() < largest_um / 60_000
+    status = [header["statuses"][i] for i in columns["status:abbe"]]
+    assert status == case["abbe"].status.tolist()
+    features = [header["features"][i] for i in columns["point_feature"]]
+    assert features == case.feature.tolist()
+    assert header["nc"]["7"] == "N7 G1 X7"
+
+
+def test_slider_counts_agree_with_a_direct_count(tmp_path):
+    case = points()
+    data = json.loads(Page(written(tmp_path / "r.html", case, run())).scripts[0])
+    assert data["thresholds_um"][data["tolerance_index"]] == pytest.approx(3.0)
+    size_um = 1e3 * np.abs(case["measured"].deviation_mm)
+    for threshold, outside in zip(
+        data["thresholds_um"], data["variants"]["measured"]["outside"], strict=True
+    ):
+        assert outside in ((size_um > t).sum() for t in (threshold - 1e-9, threshold + 1e-9))
+
+
+def test_figures_and_worst_points_are_in_the_text(tmp_path):
+    case = points()
+    text = Page(written(tmp_path / "r.html", case, run())).text
+    largest = 1e3 * case["abbe"].deviation_mm[case["abbe"].is_cut].max()
+    assert f"+{largest:.2f}" in text
+    assert "positive: material left, negative: too much removed" in text
+    worst = np.nanargmax(np.abs(case["abbe"].deviation_mm))
+    assert case.id[worst] in text
+    assert f"N{case.line[worst]} G1 X{case.line[worst]}" in text
+    assert "ab" * 32 in text
+
+
+@pytest.mark.parametrize("scale", [0.0, 1e-9, 1e6])
+def test_any_size_of_deviation_makes_a_page(tmp_path, scale):
+    case = points(50)
+    variant = Variant("abbe", "a", scale * case["measured"].deviation_mm, np.full(50, "cut"))
+    text = written(tmp_path / "r.html", replace(case, variants=(variant,)), run())
+    page = Page(text)
+    numbers = [v for tag, a in page.elements if tag in {"rect", "line"} for v in a.values()]
+    assert "nan" not in " ".join([page.text, *filter(None, numbers)]).lower()
+
+
+def test_a_part_that_no_tool_reached_makes_a_page(tmp_path):
+    case = points(50)
+    variant = Variant("abbe", "a", np.full(50, np.nan), np.full(50, "uncut"))
+    text = written(tmp_path / "r.html", replace(case, variants=(variant,)), run())
+    assert "no cut points" in text
+
+
+def test_same_input_gives_the_same_page(tmp_path):
+    pages = [written(tmp_path / f"{i}.html", points(), run()) for i in range(2)]
+    assert pages[0] == pages[1]

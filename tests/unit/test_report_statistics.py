@@ -1,0 +1,80 @@
+"""Statistics against numbers worked out by hand."""
+
+import numpy as np
+import pytest
+
+from tests.report_case import points, run
+from vmach.report import InspectedPoints, RunRecord, Variant, variant_statistics, worst_points
+from vmach.report.statistics import feature_statistics
+
+
+def variant(deviation_um, status=None):
+    status = ["cut"] * len(deviation_um) if status is None else status
+    return Variant("v", "V", 1e-3 * np.array(deviation_um, float), status)
+
+
+def test_figures_of_four_points():
+    figures = variant_statistics(variant([3.0, -4.0, 0.0, 5.0]), 3.5e-3)
+    assert figures.count == 4
+    assert figures.mean_mm == pytest.approx(1e-3)
+    assert figures.rms_mm == pytest.approx(1e-3 * np.sqrt(12.5))
+    assert (figures.min_mm, figures.max_mm) == pytest.approx((-4e-3, 5e-3))
+    assert figures.peak_to_valley_mm == pytest.approx(9e-3)
+    assert figures.outside_count == 2
+    assert figures.outside_share == 0.5
+
+
+def test_a_point_exactly_on_the_limit_is_within():
+    assert variant_statistics(variant([3.0, -3.0]), 3e-3).outside_count == 0
+
+
+def test_points_that_are_not_cut_count_only_by_their_status():
+    status = ["cut", "uncut", "gouged away", "uncut"]
+    figures = variant_statistics(variant([1.0, 900.0, np.nan, np.nan], status), 2e-3)
+    assert figures.status_counts == {"cut": 1, "uncut": 2, "gouged away": 1}
+    assert figures.max_mm == pytest.approx(1e-3)
+
+
+def test_no_cut_point_gives_nan_and_no_warning():
+    figures = variant_statistics(variant([np.nan], ["uncut"]), 1e-3)
+    assert figures.count == 0
+    assert np.isnan([figures.rms_mm, figures.mean_mm, figures.outside_share]).all()
+
+
+def test_worst_points_are_sorted_by_size_and_ties_keep_their_order():
+    assert worst_points(variant([2.0, -9.0, 9.0, 1.0, -2.0]), 4).tolist() == [1, 2, 0, 4]
+
+
+def test_features_come_in_order_of_appearance_and_add_up():
+    case = points()
+    by_feature = feature_statistics(case, case["abbe"], 1e-3)
+    assert next(iter(by_feature)) == case.feature[0]
+    assert sum(s.count for s in by_feature.values()) == case["abbe"].is_cut.sum()
+
+
+def test_records_refuse_what_would_be_a_silent_error():
+    with pytest.raises(ValueError, match="no finite deviation"):
+        variant([np.nan])
+    with pytest.raises(ValueError, match="'lost'; accepted"):
+        variant([1.0], ["lost"])
+    with pytest.raises(ValueError, match="tolerance_mm is nan"):
+        run(tolerance_mm=float("nan"))
+    case = points(5)
+    changed = {name: getattr(case, name) for name in case.__dataclass_fields__}
+    with pytest.raises(ValueError, match="normal has shape"):
+        InspectedPoints(**(changed | {"normal": np.zeros((4, 3))}))
+    with pytest.raises(ValueError, match="different names"):
+        InspectedPoints(**(changed | {"variants": (case["none"], case["none"])}))
+    with pytest.raises(ValueError, match="read-only"):
+        case.point_mm[0] = 0
+
+
+def test_primary_variant_is_the_last_prediction():
+    assert points(5).primary.name == "abbe"
+    with pytest.raises(KeyError):
+        points(5)["htm"]
+
+
+def test_nc_text_of_a_line_that_is_not_there_is_empty():
+    record = RunRecord("t", "c", "abbe", 1e-3, program_lines=["  G0 X1 \r"])
+    assert [record.nc_text(n) for n in (0, 1, 2)] == ["", "G0 X1", ""]
