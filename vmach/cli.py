@@ -113,7 +113,7 @@ def _machine(
     prefer_measured: bool = False,
 ) -> None:
     from vmach.pipeline import machine_part
-    from vmach.report import render_variants
+    from vmach.report import variants_table
     from vmach.results import default_folder, run_record, write_results
 
     out = out or default_folder(job)
@@ -126,7 +126,7 @@ def _machine(
         print(json.dumps(figures, indent=1))
         return
     console = Console()
-    console.print(render_variants(made.points, run_record(made, _command_line())))
+    console.print(variants_table(made.points, run_record(made, _command_line())))
     for note in figures["run"]["warnings"]:
         console.print(f"note: {note}", highlight=False, markup=False)
     console.print(f"results in {out}: report.html, heatmap.png, part.stl, deviations.csv")

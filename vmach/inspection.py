@@ -26,7 +26,7 @@ __all__ = [
 ]
 
 LABELS = {
-    Variant.NONE: "Perfect machine (program only)",
+    Variant.NONE: "Program alone",
     Variant.HTM: "Conventional HTM",
     Variant.ABBE: "Abbe-consistent",
 }

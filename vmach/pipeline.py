@@ -11,12 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stock import VirtualPart, cut_part
+from vmach.effects import read_effects
 from vmach.inspection import found_on_part, inspected_points, surface_points
 from vmach.job import Job, read_job
 from vmach.machine import Variant
 from vmach.nominal import NominalPart, read_nominal
 from vmach.points import SurfacePoints, read_points_csv
-from vmach.prediction import Effect, Prediction, displaced_sweeps, predict
+from vmach.prediction import Prediction, displaced_sweeps, predict
 from vmach.preparation import Preparation, prepare
 from vmach.report import InspectedPoints
 from vmach.stage_clock import Progress, StageClock, silent
@@ -83,7 +84,7 @@ def machine_part(
     clock = StageClock(progress)
     with clock.stage("read"):
         job = read_job(job_path)
-        effects: tuple[Effect, ...] = ()
+        effects = read_effects(job.effects, file=job.path, job=job)
         preparation = prepare(job)
         nominal = read_nominal(job.nominal) if job.nominal else None
         points = surface_points(job, nominal, prefer_measured=prefer_measured)
@@ -136,7 +137,7 @@ def predict_points(
     clock = StageClock(progress)
     with clock.stage("read"):
         job = read_job(job_path)
-        effects: tuple[Effect, ...] = ()
+        effects = read_effects(job.effects, file=job.path, job=job)
         points = read_points_csv(points_path)
         preparation = prepare(job, program_path=Path(program_path) if program_path else None)
     with clock.stage("predict"):

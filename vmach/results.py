@@ -70,7 +70,7 @@ def write_results(
         if hint:
             record = run_record(made, command, hint)
         write_report_html(
-            folder / "report.html", made.points, mesh, record, heatmap=folder / "heatmap.png"
+            folder / "report.html", mesh, made.points, record, heatmap_png=folder / "heatmap.png"
         )
         write_summary(folder / "summary.json", made.points, record)
     return summary(made.points, record)
@@ -78,11 +78,8 @@ def write_results(
 
 def _display_mesh(made: MachinedPart):
     """The nominal CAD, or the virtual part where there is none, with the deviations on it."""
-    if made.nominal is not None:
-        vertices, triangles = made.nominal.mesh
-    else:
-        vertices, triangles = made.part.vertices_mm, made.part.triangles
-    return build_display_mesh(vertices, triangles, made.points)
+    mesh = made.part if made.nominal is None else made.nominal.mesh
+    return build_display_mesh(mesh.vertices_mm, mesh.triangles, made.points)
 
 
 def run_record(made: MachinedPart, command: str, *hints: str) -> RunRecord:
@@ -108,7 +105,7 @@ def run_record(made: MachinedPart, command: str, *hints: str) -> RunRecord:
             "effects": ", ".join(job.effects) or "none beside the error tables",
         },
         warnings=(*made.notes, *hints),
-        program_lines=tuple(program.source.text.splitlines()),
+        program_lines=tuple(program.source.lines),
     )
 
 
