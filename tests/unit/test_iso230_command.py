@@ -1,0 +1,63 @@
+"""``vmach iso230``: what it prints and writes, and its complaints."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from vmach.errors import InputError
+from vmach.iso230.command import iso230
+
+RUNS = "position_mm,forward_1,backward_1,forward_2,backward_2\n0,1,0,3,2\n100,5,4,5,6\n"
+
+
+@pytest.fixture
+def runs(tmp_path):
+    path = tmp_path / "x.csv"
+    path.write_text(RUNS)
+    return path
+
+
+def test_json_has_figures_and_uncertainty(runs, capsys):
+    iso230(runs, as_json=True)
+    table = json.loads(capsys.readouterr().out)["tables"]["x"]
+    assert table["unit"] == "um"
+    assert table["figures"]["E"] == pytest.approx(4.0)
+    assert table["U_k2"]["A"] > table["U_k2"]["R"] > 0
+    assert table["notes"] == ["2 runs; the standard asks for five"]
+
+
+def test_angles_have_no_budget(runs, capsys):
+    iso230(runs, unit="arcsec", as_json=True)
+    table = json.loads(capsys.readouterr().out)["tables"]["x"]
+    assert table["unit"] == "urad"
+    assert table["figures"]["E"] == pytest.approx(4 * 4.8481368, abs=1e-3)
+    assert "U_k2" not in table
+
+
+def test_diagram_and_json_are_written(runs, tmp_path, capsys):
+    iso230(runs, out=tmp_path / "out")
+    assert (tmp_path / "out/x.png").read_bytes().startswith(b"\x89PNG")
+    assert json.loads((tmp_path / "out/iso230.json").read_text())["standard"] == "ISO 230-2:2014"
+    assert "expanded uncertainty" in capsys.readouterr().out
+
+
+def test_budget_file_changes_the_uncertainty(runs, tmp_path, capsys):
+    budget = tmp_path / "budget.toml"
+    budget.write_text("eve_um = 0\nmisalignment_mrad = 0\nabbe_offset_mm = 0\nair_um = 0.5\n")
+    iso230(runs, budget=budget, as_json=True)
+    table = json.loads(capsys.readouterr().out)["tables"]["x"]
+    assert table["U_k2"]["R"] == 0
+    assert table["U_k2"]["E"] == pytest.approx(2 * 0.5036, abs=0.01)
+
+
+def test_complaints(runs, tmp_path):
+    with pytest.raises(InputError, match="--unit parsec"):
+        iso230(runs, unit="parsec")
+    budget = tmp_path / "budget.toml"
+    budget.write_text("eve = 1\n")
+    with pytest.raises(InputError, match="unknown key 'eve'"):
+        iso230(runs, budget=budget)
+    with pytest.raises(InputError, match="not found"):
+        iso230(tmp_path / "none.csv")
