@@ -192,7 +192,7 @@ class BSplineCurve:
             slope = self.derivative(t)
             square = np.maximum(np.einsum("ij,ij->i", slope, slope), 1e-300)
             step = np.einsum("ij,ij->i", points - self.evaluate(t), slope) / square
-            t = np.clip(t + step, *self.domain)
+            t = t + step if self.period else np.clip(t + step, *self.domain)
         return t
 
     def breaks(self, start: float, end: float) -> np.ndarray:

@@ -12,7 +12,7 @@ from vmach.nominal.step_assembly import read_solids
 from vmach.nominal.step_file import StepFile
 from vmach.nominal.step_solids import CHORD_MM, Solid
 from vmach.nominal.surface_face import SurfaceFace
-from vmach.nominal.tessellation import conforming, face_trim, triangulate
+from vmach.nominal.tessellation import tessellate
 
 __all__ = ["read_step_part"]
 
@@ -52,11 +52,10 @@ def read_step_part(path: Path) -> NominalPart:
 
 def _build(solid: Solid, first: int) -> tuple[list[SurfaceFace], Mesh]:
     """Faces of one solid, numbered on from `first`, and their mesh."""
-    solid = conforming(solid)
     faces, vertices, triangles, owner, count = [], [], [], [], 0
-    for index, raw in enumerate(solid.faces, first):
-        trim = face_trim(solid, raw)
-        points, corners = triangulate(trim)
+    for index, (raw, (trim, points, corners)) in enumerate(
+        zip(solid.faces, tessellate(solid), strict=True), first
+    ):
         if raw.outward < 0.0:
             corners = corners[:, ::-1]
         name = f"face {index + 1} {trim.surface.label}"
@@ -66,11 +65,21 @@ def _build(solid: Solid, first: int) -> tuple[list[SurfaceFace], Mesh]:
         triangles.append(corners + count)
         owner.append(np.full(len(corners), index))
         count += len(points)
-    # faces share the points of their edges bit by bit
-    welded, place = np.unique(np.vstack(vertices), axis=0, return_inverse=True)
-    joined = place.reshape(-1)[np.vstack(triangles)]
-    solid_triangles = (joined != np.roll(joined, 1, axis=1)).all(axis=1)
-    return faces, Mesh(welded, joined[solid_triangles], np.concatenate(owner)[solid_triangles])
+    mesh = _welded(np.vstack(vertices), np.vstack(triangles), np.concatenate(owner))
+    return faces, mesh
+
+
+def _welded(vertices: np.ndarray, triangles: np.ndarray, face: np.ndarray) -> Mesh:
+    """Mesh with equal vertices made one: faces share the points of their edges bit by bit."""
+    welded, place = np.unique(vertices, axis=0, return_inverse=True)
+    triangles = place.reshape(-1)[triangles]
+    whole = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
+    # at a pole two triangles may lie back to back
+    _, which, times = np.unique(
+        np.sort(triangles, axis=1), axis=0, return_inverse=True, return_counts=True
+    )
+    whole &= times[which.reshape(-1)] == 1
+    return Mesh(welded, triangles[whole], face[whole])
 
 
 def _area(corners: np.ndarray) -> float:

@@ -63,8 +63,9 @@ class Trim:
     def grid(self, count: int) -> np.ndarray:
         """A grid of u and v over the face's extent, (count, count, 2)."""
         u = self.segments_uv[:, :, 0]
-        full = self.surface.u_period and np.ptp(u) > 0.5 * self.surface.u_period
-        ends = (0.0, self.surface.u_period) if full or not u.size else (u.min(), u.max())
+        turn = self.surface.u_period
+        full = not u.size or (turn and np.ptp(u) > 0.5 * turn)
+        ends = (0.0, turn) if full else (u.min(), u.max())
         axes = np.linspace(*ends, count), np.linspace(*self.v_range(), count)
         return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
 
