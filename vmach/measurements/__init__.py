@@ -1,0 +1,7 @@
+"""Measurements of parts and machines, each with what its instrument leaves free."""
+
+from vmach.measurements.instruments import read_instruments
+from vmach.measurements.measurement import Measurement, group_offsets
+from vmach.measurements.part import measure_part
+
+__all__ = ["Measurement", "group_offsets", "measure_part", "read_instruments"]

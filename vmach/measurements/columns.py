@@ -1,0 +1,71 @@
+"""CSV files of instruments: named columns, checked."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from vmach.errors import InputError
+from vmach.toml_file import read_text
+
+__all__ = ["Columns", "read_columns"]
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Named columns of one file."""
+
+    path: Path
+    text: dict[str, np.ndarray]
+    numbers: dict[str, np.ndarray]
+
+    def vectors(self, names: Sequence[str]) -> np.ndarray:
+        """Several columns side by side, (P, K) float64."""
+        return np.column_stack([self.numbers[name] for name in names])
+
+
+def read_columns(path: Path, *, numbers: Sequence[str], text: Sequence[str] = ()) -> Columns:
+    """Read a CSV file with a header; the order of the columns is free.
+
+    Raises
+    ------
+    InputError
+        No such file, a column missing, no rows, a cell that is no finite number.
+    """
+    rows = list(csv.reader(read_text(path, what="measurement file").splitlines()))
+    header = [cell.strip() for cell in rows[0]] if rows else []
+    for name in (*text, *numbers):
+        if name not in header:
+            raise InputError(
+                f"column '{name}' is missing", file=path, line=1,
+                accepted=", ".join((*text, *numbers)),
+            )
+    body = [(line, row) for line, row in enumerate(rows[1:], 2) if any(row)]
+    if not body:
+        raise InputError("no rows of data", file=path)
+    for line, row in body:
+        if len(row) != len(header):
+            raise InputError(
+                f"{len(row)} cells", file=path, line=line, accepted=f"{len(header)} as in line 1"
+            )
+    cells = {name: [row[k].strip() for _, row in body] for k, name in enumerate(header)}
+    values = {name: _numbers(cells[name], name, path, body) for name in numbers}
+    return Columns(path, {name: np.array(cells[name]) for name in text}, values)
+
+
+def _numbers(cells: list[str], name: str, path: Path, body) -> np.ndarray:
+    values = np.empty(len(cells))
+    for k, cell in enumerate(cells):
+        try:
+            values[k] = float(cell)
+        except ValueError:
+            values[k] = np.nan
+        if not np.isfinite(values[k]):
+            raise InputError(
+                f"{name} is '{cell}'", file=path, line=body[k][0], accepted="a finite number"
+            )
+    return values

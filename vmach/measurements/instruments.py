@@ -1,0 +1,269 @@
+"""Ballbar, laser, drift and tip tests: from a file to a `Measurement`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, TypeAdapter, ValidationError
+
+from vmach.errors import InputError
+from vmach.job import Job
+from vmach.machine import LINEAR_AXES, Variant, displacement
+from vmach.measurements.columns import read_columns
+from vmach.measurements.measurement import Measurement
+from vmach.measurements.test_motion import MotionRecord, stop_and_go
+from vmach.prediction import Effect
+from vmach.toml_file import FileSection, line_of_key, read_text
+from vmach.toolpath import PathStates
+from vmach.units import mm_from_um
+
+__all__ = ["read_instruments"]
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Point = tuple[Finite, Finite, Finite]
+
+#: way on the circle, before the first reading, that settles the direction of the axes
+_RUN_UP_RAD = np.radians(10.0)
+#: row k, the displacements are those along X, Y and Z of the same place
+_ALONG = ("dx_um", "dy_um", "dz_um")
+
+
+class _Ballbar(FileSection):
+    kind: Literal["ballbar"]
+    file: str
+    plane: Literal["XY", "YZ", "ZX", "XZ", "YX", "ZY"] = "XY"
+    centre_mm: Point
+    radius_mm: Positive
+    tool_length_mm: Positive
+    u_um: Positive
+
+
+class _Laser(FileSection):
+    kind: Literal["laser"]
+    file: str
+    axis: Literal["X", "Y", "Z"]
+    at_mm: Point
+    tool_length_mm: Positive
+    u_um: Positive
+
+
+class _Drift(FileSection):
+    kind: Literal["drift"]
+    file: str
+    at_mm: Point
+    tool_length_mm: Positive
+    u_um: Positive
+
+
+class _Tip(FileSection):
+    kind: Literal["tip"]
+    file: str
+    frame: Literal["offset", "rigid"] = "offset"
+    tool_length_mm: Positive
+    u_um: Positive
+
+
+_Instrument = TypeAdapter(
+    Annotated[_Ballbar | _Laser | _Drift | _Tip, Field(discriminator="kind")]
+)
+
+
+def read_instruments(
+    job: Job, *, variant: Variant = Variant.ABBE, effects: Sequence[Effect] = ()
+) -> tuple[Measurement, ...]:
+    """The ``[[measurements]]`` of a job, each with what the model predicts for it.
+
+    Raises
+    ------
+    InputError
+        Unknown kind or key, missing file or column, a value that is no number.
+    """
+    found = []
+    for entry in job.measurements:
+        settings = _settings(job, entry)
+        path = job.folder / settings.file
+        found.append(_READERS[settings.kind](settings, path, _Model(job, variant, effects)))
+    return tuple(found)
+
+
+def _settings(job: Job, entry):
+    try:
+        return _Instrument.validate_python(dict(entry))
+    except ValidationError as error:
+        first = error.errors()[0]
+        keys = [str(part) for part in first["loc"] if part not in ("ballbar", "laser", "drift",
+                                                                  "tip")]
+        text = read_text(job.path, what="job file")
+        raise InputError(
+            f"[[measurements]] of {entry.get('file', 'no file')}: "
+            f"{'.'.join(keys) or 'kind'}: {first['msg']}",
+            file=job.path,
+            line=line_of_key(text, ["measurements"]),
+            accepted="kind = ballbar, laser, drift or tip, with the keys of that kind",
+        ) from None
+
+
+class _Model:
+    """Displacement of the tool tip at the states of a test."""
+
+    def __init__(self, job: Job, variant: Variant, effects: Sequence[Effect]) -> None:
+        self._job, self._variant, self._effects = job, variant, effects
+
+    def predicted_mm(self, states: PathStates, sensing: np.ndarray) -> np.ndarray:
+        moved = displacement(self._job.machine, states.nose_mm, states.tool_mm, self._variant)
+        for effect in self._effects:
+            moved = moved + effect.displacement(states)
+        return np.einsum("ij,ij->i", sensing, moved.shift_mm)
+
+
+def _ballbar(settings: _Ballbar, path, model: _Model) -> Measurement:
+    table = read_columns(
+        path, numbers=("feed_mm_min", "angle_deg", "t_s", "radius_um"), text=("run",)
+    )
+    first, second = (LINEAR_AXES.index(axis) for axis in settings.plane)
+    across, upward = np.eye(3)[first], np.eye(3)[second]
+    centre = np.array(settings.centre_mm)
+    angle, time = np.radians(table.numbers["angle_deg"]), table.numbers["t_s"]
+    out = np.outer(np.cos(angle), across) + np.outer(np.sin(angle), upward)
+    record = MotionRecord(centre, tool_length_mm=settings.tool_length_mm)
+    group = np.char.add(
+        np.char.add(table.text["run"], " "), table.numbers["feed_mm_min"].astype(str)
+    )
+    move, parameter = np.empty(len(out), dtype=np.int64), np.empty(len(out))
+    starts = np.flatnonzero(np.concatenate([[True], group[1:] != group[:-1]]))
+    for begin, end in zip(starts, [*starts[1:], len(group)], strict=True):
+        turned = np.unwrap(angle[begin:end])
+        sweep = turned[-1] - turned[0]
+        speed = sweep / (time[end - 1] - time[begin])
+        run_up = np.sign(sweep) * _RUN_UP_RAD
+
+        def at(a: float) -> np.ndarray:
+            return centre + settings.radius_mm * (np.cos(a) * across + np.sin(a) * upward)
+
+        record.line(at(turned[0] - run_up), until_s=time[begin] - run_up / speed)
+        arc = record.arc(
+            at(turned[-1]),
+            centre_mm=centre,
+            axis=np.cross(across, upward),
+            sweep_rad=sweep + run_up,
+            until_s=time[end - 1],
+        )
+        move[begin:end] = arc
+        parameter[begin:end] = (turned - turned[0] + run_up) / (sweep + run_up)
+    states = record.states(move, parameter)
+    return Measurement(
+        kind="ballbar",
+        name=path.name,
+        id=np.arange(1, len(out) + 1).astype(str),
+        states=states,
+        sensing=out,
+        measured_mm=mm_from_um(table.numbers["radius_um"]),
+        predicted_mm=model.predicted_mm(states, out),
+        u_mm=np.full(len(out), mm_from_um(settings.u_um)),
+        group=group,
+        nuisance=np.column_stack([np.ones(len(out)), np.cos(angle), np.sin(angle)]),
+        nuisance_names=("radius", f"centre {settings.plane[0]}", f"centre {settings.plane[1]}"),
+    )
+
+
+def _laser(settings: _Laser, path, model: _Model) -> Measurement:
+    table = read_columns(
+        path, numbers=("position_mm", "approach", "t_s", "deviation_um"), text=("run",)
+    )
+    axis = LINEAR_AXES.index(settings.axis)
+    count = len(table.numbers["t_s"])
+    nose = np.tile(settings.at_mm, (count, 1))
+    nose[:, axis] = table.numbers["position_mm"]
+    side = np.zeros((count, 3))
+    side[:, axis] = np.sign(table.numbers["approach"])
+    states = stop_and_go(
+        nose, table.numbers["t_s"], side=side, tool_length_mm=settings.tool_length_mm
+    )
+    sensing = np.tile(np.eye(3)[axis], (count, 1))
+    return Measurement(
+        kind="laser",
+        name=path.name,
+        id=np.arange(1, count + 1).astype(str),
+        states=states,
+        sensing=sensing,
+        measured_mm=mm_from_um(table.numbers["deviation_um"]),
+        predicted_mm=model.predicted_mm(states, sensing),
+        u_mm=np.full(count, mm_from_um(settings.u_um)),
+        group=np.char.add("run ", table.text["run"]),
+        nuisance=np.ones((count, 1)),
+        nuisance_names=("zero",),
+    )
+
+
+def _drift(settings: _Drift, path, model: _Model) -> Measurement:
+    table = read_columns(path, numbers=("t_s", "spindle_rpm", *_ALONG))
+    time = table.numbers["t_s"]
+    nose = np.tile(settings.at_mm, (len(time), 1))
+    states = stop_and_go(
+        nose,
+        time,
+        side=np.zeros((len(time), 3)),
+        tool_length_mm=settings.tool_length_mm,
+        rpm=table.numbers["spindle_rpm"],
+    )
+    zero = np.tile(np.eye(3), (len(time), 1))
+    return _three_directions("drift", settings, table, states, model=model, nuisance=zero,
+                             names=("zero X", "zero Y", "zero Z"))
+
+
+def _tip(settings: _Tip, path, model: _Model) -> Measurement:
+    table = read_columns(path, numbers=("t_s", *"XYZ", "sx", "sy", "sz", *_ALONG))
+    nose = table.vectors("XYZ")
+    states = stop_and_go(
+        nose,
+        table.numbers["t_s"],
+        side=np.sign(table.vectors(("sx", "sy", "sz"))),
+        tool_length_mm=settings.tool_length_mm,
+    )
+    unit = np.tile(np.eye(3), (len(nose), 1))
+    nuisance, names = unit, ("offset X", "offset Y", "offset Z")
+    if settings.frame == "rigid":
+        arm = np.repeat(nose - nose.mean(axis=0), 3, axis=0)
+        nuisance = np.hstack([unit, np.cross(arm, unit)])
+        names = (*names, "turn about X", "turn about Y", "turn about Z")
+    return _three_directions("tip", settings, table, states, model=model, nuisance=nuisance,
+                             names=names)
+
+
+def _three_directions(
+    kind, settings, table, states: PathStates, *, model: _Model, nuisance, names
+) -> Measurement:
+    """One reading along each of X, Y and Z at every state."""
+    count = len(states)
+    thrice = PathStates(
+        moves=states.moves,
+        tool_lengths_mm=states.tool_lengths_mm,
+        move=np.repeat(states.move, 3),
+        parameter=np.repeat(states.parameter, 3),
+        contact_mm=np.zeros((3 * count, 3)),
+    )
+    sensing = np.tile(np.eye(3), (count, 1))
+    return Measurement(
+        kind=kind,
+        name=table.path.name,
+        id=np.repeat(np.arange(1, count + 1), 3).astype(str),
+        states=thrice,
+        sensing=sensing,
+        measured_mm=mm_from_um(table.vectors(_ALONG).ravel()),
+        predicted_mm=model.predicted_mm(thrice, sensing),
+        u_mm=np.full(3 * count, mm_from_um(settings.u_um)),
+        group=np.tile([f"along {axis}" for axis in LINEAR_AXES], count),
+        nuisance=nuisance,
+        nuisance_names=tuple(names),
+    )
+
+
+_READERS: dict[str, Callable[..., Measurement]] = {
+    "ballbar": _ballbar,
+    "laser": _laser,
+    "drift": _drift,
+    "tip": _tip,
+}

@@ -1,0 +1,91 @@
+"""One measurement of the machine or of a part: rows of deviations, and what they depend on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vmach.toolpath import PathStates
+
+__all__ = ["Measurement", "group_offsets"]
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """P readings of one instrument, in mm.
+
+    Attributes
+    ----------
+    kind : str
+        "part", "ballbar", "laser", "drift" or "tip".
+    name : str
+        For people: the file's name.
+    id : (P,) str
+        Of each reading, as in the file.
+    states : PathStates
+        What the machine did at each reading; with normals where a surface was measured.
+    sensing : (P, 3) float64
+        Unit vector along which a displacement of the tool shows.
+    measured_mm, predicted_mm : (P,) float64
+        The reading and what the model says.
+    u_mm : (P,) float64
+        Standard uncertainty of a reading.
+    group : (P,) str
+        Readings that belong together: the feature, the run, the direction.
+    nuisance : (P, K) float64
+        Columns of what the instrument leaves free: alignment, zero, radius ...
+    nuisance_names : tuple of str
+    notes : tuple of str
+        What the reader noticed and survived.
+    """
+
+    kind: str
+    name: str
+    id: np.ndarray
+    states: PathStates
+    sensing: np.ndarray
+    measured_mm: np.ndarray
+    predicted_mm: np.ndarray
+    u_mm: np.ndarray
+    group: np.ndarray
+    nuisance: np.ndarray
+    nuisance_names: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        count = len(self.measured_mm)
+        for name in ("sensing", "measured_mm", "predicted_mm", "u_mm", "nuisance"):
+            value = getattr(self, name)
+            if len(value) != count or not np.isfinite(value).all():
+                raise ValueError(f"Measurement.{name} has to hold {count} finite rows")
+
+    def __len__(self) -> int:
+        return len(self.measured_mm)
+
+    @property
+    def on_part(self) -> bool:
+        """Whether a machined surface was measured."""
+        return self.states.normal is not None
+
+    def keep(self, rows: np.ndarray, note: str) -> Measurement:
+        """The measurement with some of its rows (bool or index), and a note why."""
+        states = self.states
+        normal = None if states.normal is None else states.normal[rows]
+        kept = PathStates(
+            moves=states.moves,
+            tool_lengths_mm=states.tool_lengths_mm,
+            move=states.move[rows],
+            parameter=states.parameter[rows],
+            contact_mm=states.contact_mm[rows],
+            normal=normal,
+        )
+        arrays = ("id", "sensing", "measured_mm", "predicted_mm", "u_mm", "group", "nuisance")
+        cut = {name: getattr(self, name)[rows] for name in arrays}
+        return replace(self, states=kept, notes=(*self.notes, note), **cut)
+
+
+def group_offsets(label: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+    """One column of ones and zeros for every distinct label, (P, K), and the labels."""
+    names, number = np.unique(label, return_inverse=True)
+    return np.eye(len(names))[number], tuple(str(name) for name in names)

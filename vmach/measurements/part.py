@@ -1,0 +1,174 @@
+"""CMM points of the job's part as a `Measurement`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from vmach.errors import InputError
+from vmach.measurements.measurement import Measurement
+from vmach.points import SurfacePoints, read_points_csv
+from vmach.prediction import Effect, Prediction, predict
+from vmach.machine import Variant
+from vmach.preparation import Preparation
+
+__all__ = ["measure_part"]
+
+#: a measured part whose points lie further away than this (median) is another part
+_OTHER_PART_MM = 0.5
+#: a point further away than this is no measurement of the surface
+_ASTRAY_MM = 0.5
+_FEWEST = 12
+
+
+def measure_part(
+    preparation: Preparation,
+    path: Path,
+    *,
+    variant: Variant = Variant.ABBE,
+    effects: Sequence[Effect] = (),
+) -> tuple[Measurement, Prediction]:
+    """Measured points of the part beside what the model predicts for them.
+
+    Points that no move cut, that lie astray or that repeat another row are left out and said.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, has no measured coordinates, holds another unit or another part,
+        or too few of its points were cut by the program.
+    """
+    points = read_points_csv(path)
+    deviation = points.measured_deviation_mm
+    _check_same_part(points, deviation, path)
+    prediction = predict(
+        preparation,
+        points.point_mm,
+        points.normal,
+        variant=variant,
+        effects=effects,
+        known_surface=np.abs(deviation) < preparation.job.inspection.reach_mm,
+    )
+    cut = np.flatnonzero(prediction.is_cut)
+    if len(cut) < _FEWEST:
+        raise InputError(
+            f"the program cuts {len(cut)} of the {len(points)} measured points",
+            file=path,
+            accepted=f"at least {_FEWEST} points of surfaces that the program makes",
+            hint="are the points in workpiece coordinates, and is this the part's program?",
+        )
+    normal = points.normal[cut]
+    arm = points.point_mm[cut] - points.point_mm[cut].mean(axis=0)
+    u_mm = np.full(len(cut), np.nan) if points.u_mm is None else points.u_mm[cut]
+    part = Measurement(
+        kind="part",
+        name=path.name,
+        id=points.id[cut],
+        states=prediction.states,
+        sensing=normal,
+        measured_mm=deviation[cut],
+        predicted_mm=prediction.deviation_mm[cut],
+        u_mm=np.nan_to_num(u_mm, nan=1.0),
+        group=points.feature[cut],
+        nuisance=np.hstack([normal, np.cross(arm, normal)]),
+        nuisance_names=("shift X", "shift Y", "shift Z", "turn X", "turn Y", "turn Z"),
+        notes=points.notes,
+    )
+    if len(cut) < len(points):
+        uncut = points.id[~prediction.is_cut]
+        part = replace(
+            part,
+            notes=(*part.notes, f"{len(uncut)} points that no move cut are left out: "
+                   f"{_listed(uncut)}"),
+        )
+    part = _without_repeats(part, points.point_mm[cut])
+    if np.isnan(u_mm).any():
+        part = replace(
+            part,
+            u_mm=np.full(len(part), _scatter_of_neighbours_mm(part)),
+            notes=(*part.notes, "no uncertainty in the file: taken from the scatter between "
+                   "neighbouring points"),
+        )
+    return _without_outliers(part), prediction
+
+
+def _check_same_part(points: SurfacePoints, deviation: np.ndarray, path: Path) -> None:
+    for note in points.notes:
+        if "look like" in note:
+            raise InputError(note, file=path, accepted="all coordinates in mm")
+    away = np.linalg.norm(points.measured_mm - points.point_mm, axis=1)
+    if np.median(np.minimum(away, np.abs(deviation))) > _OTHER_PART_MM:
+        raise InputError(
+            f"the measured points are {np.median(away):.3g} mm from the nominal ones (median)",
+            file=path,
+            accepted=f"measured points within {_OTHER_PART_MM} mm of the nominal surface",
+            hint="is this the measurement of this part, aligned to its datums?",
+        )
+
+
+def _without_repeats(part: Measurement, points_mm: np.ndarray) -> Measurement:
+    rows = np.column_stack([points_mm, part.sensing, part.measured_mm])
+    _, first = np.unique(rows, axis=0, return_index=True)
+    if len(first) == len(part):
+        return part
+    return part.keep(
+        np.sort(first), f"{len(part) - len(first)} rows that repeat another row are left out"
+    )
+
+
+def _without_outliers(part: Measurement) -> Measurement:
+    """Leave out points that no neighbour on either side agrees with: a chip under the probe.
+
+    A step, such as backlash makes, has one side that agrees.
+    """
+    residual = part.measured_mm - part.predicted_mm
+    good = np.ones(len(part), dtype=bool)
+    for group in np.unique(part.group):
+        rows = np.flatnonzero(part.group == group)
+        if len(rows) < 8:
+            continue
+        apart = np.minimum(*_distance_to_sides(residual[rows]))
+        limit = _OUTLIER_U * part.u_mm[rows] + 6.0 * np.median(apart)
+        good[rows] = apart < limit
+    good &= np.abs(part.measured_mm) < _ASTRAY_MM
+    if good.all():
+        return part
+    bad = part.id[~good]
+    return part.keep(
+        good, f"{len(bad)} points stand out from their neighbours and are left out "
+        f"(a chip under the probe?): {_listed(bad)}"
+    )
+
+
+#: neighbours on each side that an outlier is judged by, and how many u it has to stand out
+_NEIGHBOURS = 3
+_OUTLIER_U = 12.0
+
+
+def _distance_to_sides(value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distance of each value from the median of those before and of those after it."""
+    sides = []
+    for ordered in (value, value[::-1]):
+        apart = np.full(len(value), np.inf)
+        for k in range(2, len(value)):
+            apart[k] = abs(ordered[k] - np.median(ordered[max(k - _NEIGHBOURS, 0) : k]))
+        sides.append(apart)
+    return sides[0], sides[1][::-1]
+
+
+def _scatter_of_neighbours_mm(part: Measurement) -> float:
+    """Standard uncertainty from second differences within each group; robust, in mm."""
+    residual = part.measured_mm - part.predicted_mm
+    bends = [np.diff(residual[part.group == group], 2) for group in np.unique(part.group)]
+    bend = np.concatenate(bends)
+    if len(bend) == 0:
+        return float(np.std(residual))
+    return float(1.4826 * np.median(np.abs(bend)) / np.sqrt(6.0))
+
+
+def _listed(names: np.ndarray, most: int = 6) -> str:
+    shown = ", ".join(str(name) for name in names[:most])
+    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"

@@ -1,0 +1,135 @@
+"""The motion of a test that is given by its readings: where, when, from which side."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcode import MoveKind, Moves
+from vmach.toolpath import PathStates
+
+__all__ = ["MotionRecord", "stop_and_go"]
+
+#: how far an axis overruns to come from the side that the file states
+_OVERRUN_MM = 2.0
+_QUICKEST_S = 1e-3
+
+
+class MotionRecord:
+    """Moves written down one after the other; times in s from the cold start."""
+
+    def __init__(self, start_mm: np.ndarray, *, tool_length_mm: float) -> None:
+        self._rows: list[dict] = []
+        self._nose = np.asarray(start_mm, dtype=float)
+        self._time = 0.0
+        self._length = tool_length_mm
+
+    @property
+    def nose_mm(self) -> np.ndarray:
+        """Where the spindle nose is now, (3,)."""
+        return self._nose
+
+    def stand(self, *, until_s: float, rpm: float = 0.0) -> int:
+        """The axes stand still; returns the move's index."""
+        return self._add(MoveKind.DWELL, self._nose, until_s, rpm=rpm)
+
+    def line(self, end_mm: np.ndarray, *, until_s: float) -> int:
+        """Straight to `end_mm`; returns the move's index."""
+        return self._add(MoveKind.LINE, end_mm, until_s)
+
+    def arc(
+        self, end_mm: np.ndarray, *, centre_mm: np.ndarray, axis: np.ndarray, sweep_rad: float,
+        until_s: float,
+    ) -> int:
+        """Along a circle; returns the move's index."""
+        return self._add(
+            MoveKind.ARC, end_mm, until_s, centre_mm=centre_mm, axis=axis, sweep_rad=sweep_rad
+        )
+
+    def _add(self, kind, end_mm, until_s, *, rpm=0.0, centre_mm=None, axis=None, sweep_rad=0.0):
+        until_s = max(until_s, self._time + _QUICKEST_S)
+        end = np.asarray(end_mm, dtype=float)
+        self._rows.append(
+            {
+                "kind": kind,
+                "start_mm": self._nose,
+                "end_mm": end,
+                "centre_mm": np.zeros(3) if centre_mm is None else centre_mm,
+                "axis": np.zeros(3) if axis is None else axis,
+                "sweep_rad": sweep_rad,
+                "spindle_rpm": rpm,
+                "start_s": self._time,
+                "duration_s": until_s - self._time,
+            }
+        )
+        self._nose, self._time = end, until_s
+        return len(self._rows) - 1
+
+    def states(self, move: np.ndarray, parameter: np.ndarray) -> PathStates:
+        """States of the whole record at given places; the reading is taken at the tool's tip."""
+        rows, count = self._rows, len(self._rows)
+
+        def column(name: str) -> np.ndarray:
+            return np.array([row[name] for row in rows])
+
+        offset = np.zeros((count, 3))
+        offset[:, 2] = self._length
+        moves = Moves(
+            **{name: column(name) for name in rows[0]},
+            line=np.arange(1, count + 1),
+            rotary_start_deg=np.zeros((count, 3)),
+            rotary_end_deg=np.zeros((count, 3)),
+            feed_mm_per_min=np.zeros(count),
+            tool=np.ones(count),
+            tool_offset_mm=offset,
+            work_offset=np.ones(count),
+            exact_stop=np.ones(count),
+        )
+        return PathStates(
+            moves=moves,
+            tool_lengths_mm=np.array([np.nan, self._length]),
+            move=np.asarray(move, dtype=np.int64),
+            parameter=np.asarray(parameter, dtype=float),
+            contact_mm=np.zeros((len(move), 3)),
+        )
+
+
+def stop_and_go(
+    nose_mm: np.ndarray, time_s: np.ndarray, *, side: np.ndarray, tool_length_mm: float,
+    rpm: np.ndarray | None = None,
+) -> PathStates:
+    """States at positions that the machine drives to and stands at while the reading is taken.
+
+    Parameters
+    ----------
+    nose_mm : (P, 3) float64
+    time_s : (P,) float64
+        When each reading is taken.
+    side : (P, 3) float64
+        Sign of the last motion of each axis; 0 where it is not known. Where the way from the
+        position before comes from the other side, the axis overruns and turns back.
+    tool_length_mm : float
+    rpm : (P,) float64, optional
+        Spindle speed at the reading and until the next one; it stands where left out.
+    """
+    rpm = np.zeros(len(time_s)) if rpm is None else rpm
+    record = MotionRecord(nose_mm[0], tool_length_mm=tool_length_mm)
+    last_side = np.zeros(3)
+    stops = np.empty(len(time_s), dtype=np.int64)
+    for k, (nose, wanted) in enumerate(zip(nose_mm, side, strict=True)):
+        way = nose - record.nose_mm
+        natural = np.where(way != 0, np.sign(way), last_side)
+        wrong = (wanted != 0) & (natural != wanted)
+        arrival = float(time_s[k])
+        begin = time_s[k - 1] if k else arrival
+        if wrong.any():
+            around = nose - np.where(wrong, wanted, 0.0) * _OVERRUN_MM
+            record.line(around, until_s=begin + 0.8 * (arrival - begin))
+        if wrong.any() or way.any():
+            record.line(nose, until_s=arrival)
+        last_side = np.where(wrong, wanted, natural)
+        leave = time_s[k + 1] if k + 1 < len(time_s) else arrival + 1.0
+        still = not np.any(nose_mm[min(k + 1, len(nose_mm) - 1)] != nose)
+        stops[k] = record.stand(
+            until_s=arrival + (1.0 if still else 0.2) * (leave - arrival), rpm=rpm[k]
+        )
+    return record.states(stops, np.zeros(len(stops)))
