@@ -101,7 +101,7 @@ def _is_used(block: Values, letter: str) -> bool:
     )  # fmt: skip
 
 
-def check_block(block: Values) -> None:
+def check_block(controller: Controller, block: Values) -> None:
     """Raise ProgramError for words without a code that uses them, and the other way round."""
     words, motion = block.words, block.motion
     if motion in CYCLES:
@@ -117,10 +117,10 @@ def check_block(block: Values) -> None:
     turns = words.get("p", 1.0)
     if motion in _ARCS and (abs(turns - round(turns)) > 0.001 or turns < 0.5):
         raise ProgramError(f"P word {turns:g} of an arc", accepted="whole turns, P1 ...")
-    _check_complete(block)
+    _check_complete(controller, block)
 
 
-def _check_complete(block: Values) -> None:
+def _check_complete(controller: Controller, block: Values) -> None:
     words, motion, nonmodal = block.words, block.motion, block.g.get("nonmodal")
     if nonmodal == 40:
         if "p" not in words:
@@ -131,6 +131,8 @@ def _check_complete(block: Values) -> None:
             raise ProgramError(f"negative dwell P{words['p']:g}", accepted="seconds")
     if nonmodal == 530 and motion not in (0, 10):
         raise ProgramError("G53 without G0 or G1")
+    if nonmodal == 530 and block.g.get("distance", 900 if controller.absolute else 910) == 910:
+        raise ProgramError("G53 in incremental mode", hint="use G90")
     if block.g.get("spindle_mode") == 960 and "s" not in words:
         raise ProgramError("G96 without S word")
     if motion in (330, 331):

@@ -10,7 +10,7 @@ from gcode.codes import AXES, code_name
 from gcode.errors import ProgramError
 from gcode.motion import traverse
 from gcode.record import Call
-from gcode.state import PLANE_AXES, Controller
+from gcode.state import PLANE_AXES, XY, YZ, Controller
 
 __all__ = ["run_cycle"]
 
@@ -100,7 +100,7 @@ def _remember(controller: Controller, block: Values, motion: int, *, fresh: bool
     memory.r = words.get("r", memory.r)
     axial = PLANE_AXES[controller.plane][2]
     memory.bottom = words.get(AXES[axial], memory.bottom)
-    memory.p = words.get("p", 0.0 if fresh and motion in (740, 840) else memory.p)
+    memory.p = words.get("p", memory.p)
     memory.q = words.get("q", memory.q)
     memory.ijk = tuple(words.get(k, old) for k, old in zip("ijk", memory.ijk, strict=True))
     if motion in (730, 830) and memory.q <= 0.0:
@@ -207,13 +207,36 @@ def _peck(hole: Hole, clearance: float, *, full_retract: bool) -> None:
 
 
 def _tap(hole: Hole, sense: int, name: str) -> None:
+    """Feed down, stand, feed up.
+
+    In G18 and G19 the control permutes the axes once too often: depth and position change
+    places. The tool goes there, so this goes there.
+    """
     _require_spindle(hole, name)
     if hole.controller.spindle != sense:
         raise ProgramError(f"{name} with the spindle turning the wrong way",
                            accepted="M3 for G84, M4 for G74")
-    hole.feed(hole.bottom)
+    _tap_feed(hole, hole.bottom)
     hole.dwell(hole.controller.cycle.p)
-    hole.feed(hole.clear)
+    _tap_feed(hole, hole.clear)
+    _finish_tap(hole)
+
+
+def _tap_feed(hole: Hole, level: float) -> None:
+    plane, x, y = hole.controller.plane, hole.first, hole.second
+    if plane == XY:
+        hole.feed(level)
+    elif plane == YZ:
+        hole.go(Call.FEED, y, at=(level, x))
+    else:
+        hole.go(Call.FEED, x, at=(y, level))
+
+
+def _finish_tap(hole: Hole) -> None:
+    """Where the program stands after tapping, whatever the last move was."""
+    first, second, axial = PLANE_AXES[hole.controller.plane]
+    position = hole.controller.position = list(hole.controller.position)
+    position[first], position[second], position[axial] = hole.first, hole.second, hole.clear
 
 
 def _g74(hole: Hole, _: float) -> None:

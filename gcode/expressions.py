@@ -13,7 +13,7 @@ __all__ = ["Expression", "Reader", "value_of", "value_of_key"]
 #: A constant, or a function of the parameters' present values.
 Expression = float | Callable[[Parameters], float]
 
-#: Numbers closer than this compare equal in EQ, NE, GE, LE.
+#: Numbers closer than this compare equal in EQ and NE.
 _EQUAL = 1e-6
 
 
@@ -51,8 +51,8 @@ _BINARY: dict[str, tuple[int, Callable[[float, float], float]]] = {
     "lt": (3, lambda a, b: float(a < b)),
     "eq": (3, lambda a, b: float(abs(a - b) < _EQUAL)),
     "ne": (3, lambda a, b: float(abs(a - b) >= _EQUAL)),
-    "le": (3, lambda a, b: float(abs(a - b) < _EQUAL or a <= b)),
-    "ge": (3, lambda a, b: float(abs(a - b) < _EQUAL or a >= b)),
+    "le": (3, lambda a, b: float(a <= b)),
+    "ge": (3, lambda a, b: float(a >= b)),
     "gt": (3, lambda a, b: float(a > b)),
     "-": (4, lambda a, b: a - b),
     "+": (4, lambda a, b: a + b),

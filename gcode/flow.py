@@ -8,7 +8,7 @@ from gcode import cutter_compensation
 from gcode.block_values import whole
 from gcode.errors import ProgramError
 from gcode.expressions import value_of
-from gcode.interpreter import execute
+from gcode.interpreter import execute, restore_modes
 from gcode.lexer import Block, OWord, compact, is_control, read_block
 from gcode.state import Controller
 
@@ -150,10 +150,14 @@ class _Runner:
         return f"{owner}#{name}"
 
     def _control(self, here: int, block: Block, control: OWord) -> None:
-        keyword, name = control.keyword, self._name(control)
-        if self.defining is not None and keyword in ("sub", "program"):
-            raise ProgramError("subroutine defined inside a subroutine")
-        if self.defining is not None and not (keyword == "endsub" and name == self.defining):
+        keyword = control.keyword
+        if self.defining is not None:
+            if keyword in ("sub", "program"):
+                raise ProgramError("subroutine defined inside a subroutine")
+            if keyword != "endsub":
+                return
+        name = self._name(control)
+        if self.defining is not None and name != self.defining:
             return
         if self.skip_to is not None and name != self.skip_to:
             return
@@ -190,6 +194,9 @@ class _Runner:
             raise ProgramError("O... sub called by M98", accepted="O... call")
         self._enter(here, name, "sub")
         if not self.frames:
+            if name in self.labels:
+                raise ProgramError(f"O<{name}> SUB stands where the program runs into it",
+                                   hint="end the main program with M2 before it")
             self._define(here, name, "sub")
             self._skip(here, name)
             self.defining = name
@@ -231,6 +238,7 @@ class _Runner:
             raise ProgramError(f"subroutine calls nested deeper than {_LEVELS - 1}")
         self.frames.append(frame)
         self.controller.parameters.locals.append({})
+        self.controller.saved_modes.append(None)
 
     def _jump_to_sub(self, here: int, name: str) -> None:
         label = self.labels.get(name)
@@ -255,8 +263,6 @@ class _Runner:
             raise ProgramError("RETURN outside a subroutine")
         if self.frames[-1].keyword == "m98":
             raise ProgramError("subprogram called by M98 must end with M99")
-        if self.frames[-1].name != name:
-            raise ProgramError(f"O<{name}> returns inside O<{self.frames[-1].name}>")
         parameters = self.controller.parameters
         values = block.control.values
         returned = self._value(block) if values else 0.0
@@ -280,8 +286,14 @@ class _Runner:
             self._pop()
 
     def _pop(self) -> _Frame:
+        controller, level = self.controller, len(self.controller.saved_modes)
+        if level in controller.restore_on_return:
+            controller.restore_on_return.discard(level)
+            if controller.saved_modes[-1] is not None:
+                restore_modes(controller)
         frame = self.frames.pop()
-        self.controller.parameters.locals.pop()
+        controller.parameters.locals.pop()
+        controller.saved_modes.pop()
         self.next = frame.return_line
         return frame
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gcode import cutter_compensation, motion, offsets
+from gcode import cutter_compensation, motion, offsets, standalone
 from gcode.block_values import Values, evaluate, whole
 from gcode.checks import check_block, choose_motion
 from gcode.codes import CYCLES, IRRELEVANT_M, code_name
@@ -10,11 +10,13 @@ from gcode.comments import expand_comment
 from gcode.cycles import run_cycle
 from gcode.errors import ProgramError
 from gcode.expressions import value_of, value_of_key
-from gcode.lexer import Block
+from gcode.lexer import Block, read_block
+from gcode.modal_memory import ModalMemory, restoring_lines
+from gcode.predefined import unknown_input
 from gcode.spindle_synchronised import run_threading, synchronised
 from gcode.state import XY, XZ, YZ, Controller
 
-__all__ = ["assign", "execute", "set_units"]
+__all__ = ["assign", "execute", "restore_modes", "set_units"]
 
 _PLANES = {170: XY, 180: XZ, 190: YZ}
 _FEED_MODES = {930: "inverse", 940: "minute", 950: "revolution"}
@@ -31,12 +33,12 @@ def execute(controller: Controller, block: Block) -> bool:
         For whatever a controller would refuse; the caller adds the line.
     """
     if controller.refresh:
-        controller.refresh_position()
+        standalone.after_tool_change(controller)
     values = evaluate(block, controller.parameters)
     if controller.diameter_mode and "x" in values.words:
         values.words["x"] /= 2.0
     choose_motion(controller, values)
-    check_block(values)
+    check_block(controller, values)
     assign(controller, block)
     if block.comment is not None:
         _comment(controller, block.comment)
@@ -62,6 +64,8 @@ def assign(controller: Controller, block: Block) -> None:
 def _comment(controller: Controller, text: str) -> None:
     record = controller.record
     head, comma, rest = text.partition(",")
+    if comma and head.strip().lower() == "abort":
+        raise ProgramError(f"program aborts itself: {rest.strip()}")
     if comma and head.strip().lower() in ("msg", "debug", "print", "log"):
         record.event("message", expand_comment(rest, controller.parameters))
     else:
@@ -117,13 +121,19 @@ def _execute_m(controller: Controller, values: Values) -> None:
             if group == "override":
                 controller.require_no_compensation(f"use M{m[group]}")
             controller.note(f"M{m[group]}", IRRELEVANT_M[m[group]])
+    coolant = m.get("coolant")
+    controller.mist = coolant == 7 or (controller.mist and coolant != 9)
+    controller.flood = coolant == 8 or (controller.flood and coolant != 9)
 
 
 def _input_output(controller: Controller, code: int, words: dict[str, float]) -> None:
     controller.require_no_compensation(f"use M{code}")
     if code == 66:
-        raise ProgramError("M66 waits for an input whose value is not known here",
-                           hint="remove the branch on #5399 and M66")
+        if not {"p", "e"} & words.keys():
+            raise ProgramError("M66 without P or E word")
+        unknown_input(controller.parameters)
+        controller.note("M66", "wait for an input")
+        return
     if ("p" if code < 66 else "e") not in words:
         raise ProgramError(f"M{code} without {'P' if code < 66 else 'E'} word")
     controller.note(f"M{code}", IRRELEVANT_M[code])
@@ -153,11 +163,29 @@ def _change_tool(controller: Controller, code: int, words: dict[str, float]) -> 
 
 def _spindle(controller: Controller, code: int) -> None:
     if code in (70, 71, 72, 73):
-        raise ProgramError(f"M{code} (modal state) outside its place")
+        _modal_memory(controller, code)
+        return
     controller.spindle = {3: 1, 4: -1}.get(code, 0)
     if code == 19:
         controller.note("M19", IRRELEVANT_M[19])
     _say_spindle(controller)
+
+
+def _modal_memory(controller: Controller, code: int) -> None:
+    """M70 saves the modal state, M71 forgets it, M72 restores it, M73 restores on return."""
+    memory = controller.saved_modes
+    if code == 72:
+        restore_modes(controller)
+        return
+    memory[-1] = None if code == 71 else ModalMemory.of(controller)
+    if code == 73 and len(memory) > 1:
+        controller.restore_on_return.add(len(memory))
+
+
+def restore_modes(controller: Controller) -> None:
+    """Bring back the modal state saved at this call level."""
+    for text in restoring_lines(controller, controller.saved_modes[-1]):
+        execute(controller, read_block(text))
 
 
 def _execute_g(controller: Controller, values: Values) -> None:
@@ -215,6 +243,7 @@ def set_units(controller: Controller, unit_mm: float) -> None:
     for values in (controller.position, controller.g92, controller.origin,
                    controller.tool_offset, controller.programmed):  # fmt: skip
         values[:3] = [v * factor for v in values[:3]]
+    standalone.keep_tool_offset(controller, factor)
     controller.feed *= factor
     controller.radius *= factor
     controller.queue.scale(factor)

@@ -73,7 +73,7 @@ def axis_offsets(controller: Controller, block: Values, code: int) -> None:
         for axis, value in _axis_words(block).items():
             total = controller.position[axis] + controller.g92[axis]
             controller.g92[axis] = value if code == 520 else total - value
-            controller.position[axis] = total - value
+            controller.position[axis] = total - value if code == 520 else value
         parameters.set_vector(applied, controller.to_machine_units(controller.g92))
     else:
         if code == 923:
@@ -235,7 +235,6 @@ def set_tool_length(controller: Controller, block: Values, code: int) -> None:
     controller.position = [p + c for p, c in zip(controller.position, change, strict=True)]
     controller.tool_offset = offset
     controller.record.offset("tool_offset", values=offset)
-    controller.parameters.set_vector(5081, controller.to_machine_units(offset))
 
 
 def set_home(controller: Controller, code: int) -> None:

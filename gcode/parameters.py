@@ -34,7 +34,7 @@ class Parameters:
 
     def __init__(self) -> None:
         self.numbered: dict[int, float] = {FIRST_SYSTEM: 1.0}
-        self.globals: dict[str, float] = {}
+        self.globals: dict[str, float] = {"_value": 0.0, "_value_returned": 0.0}
         self.locals: list[dict[str, float]] = [{}]
         self.computed: dict[int | str, Callable[[], float]] = {}
 

@@ -15,6 +15,7 @@ from gcode.flow import run_program
 from gcode.moves import Moves
 from gcode.offsets import load_offsets
 from gcode.parameters import system_base
+from gcode.predefined import install_predefined
 from gcode.record import Record
 from gcode.resolve import path_of, to_moves
 from gcode.source import Source
@@ -152,5 +153,6 @@ def _prepare(
     load_offsets(controller)
     home = [0.0] * 3 if home_mm is None else [float(v) for v in home_mm]
     controller.position = controller.from_machine([*home, 0.0, 0.0, 0.0])
-    controller.record.last = tuple(controller.position)
+    controller.record.last = controller.record.last_straight = tuple(controller.position)
     controller.set_tool_parameters()
+    install_predefined(controller)

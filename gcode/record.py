@@ -52,12 +52,15 @@ class Record:
         self.feed_mm_per_min = 0.0
         self.rpm_of_feed: float | None = None  #: spindle speed where the feed is per revolution
         self.last = (0.0,) * 6  #: end of the last move in mm and degrees, in its own frame
+        self.last_straight = (0.0,) * 6  #: the same of the last straight move, program units
 
     def straight(self, call: Call, position: list[float], *, line: int | None = None) -> None:
         """Append a straight move to `position`, program units and degrees."""
         unit = self.unit_mm
         x, y, z, a, b, c = position
         self.last = (x * unit, y * unit, z * unit, a, b, c)
+        if call is not Call.ARC and call is not Call.TAP:
+            self.last_straight = (x, y, z, a, b, c)
         self._row(call, self.line if line is None else line)
 
     def _row(self, call: Call, line: int) -> None:

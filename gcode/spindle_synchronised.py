@@ -109,17 +109,18 @@ class _Thread:
     def _pass(self, depth: float) -> None:
         x, z = self.start[0], self.start[2]
         offset = (depth - self.outer) * self.slope
-        cutting, entry_x = x + self.sign * depth, x + self.sign * (depth - self.full + self.outer)
-        taper = Call.FEED
-        self._go(Call.TRAVERSE, entry_x if self.entry else cutting, z - offset)
-        if self.entry:
-            self._go(taper, cutting, z - offset - self.taper, pitch=self.taper_pitch)
+        cutting = x + self.sign * depth
+        clear, shallow = cutting - self.sign * self.full, cutting - self.sign * self.height
+        target = self.target_z - offset
+        self._go(Call.TRAVERSE, clear, z - offset)
+        if self.taper and self.entry:
+            self._go(Call.FEED, shallow, z - offset, pitch=self.taper_pitch)
+            self._go(Call.FEED, cutting, z - offset - self.taper, pitch=self.taper_pitch)
         else:
-            self._go(Call.FEED, cutting, z - offset, pitch=self.pitch)
-        if self.exit:
-            self._go(Call.FEED, cutting, self.target_z - offset + self.taper, pitch=self.pitch)
-            self._go(taper, entry_x, self.target_z - offset, pitch=self.taper_pitch)
+            self._go(Call.TRAVERSE, cutting, z - offset)
+        if self.taper and self.exit:
+            self._go(Call.FEED, cutting, target + self.taper, pitch=self.pitch)
+            self._go(Call.FEED, shallow, target, pitch=self.taper_pitch)
         else:
-            self._go(Call.FEED, cutting, self.target_z - offset, pitch=self.pitch)
-        self._go(Call.TRAVERSE, x, self.target_z)
-        self._go(Call.TRAVERSE, x, z)
+            self._go(Call.FEED, cutting, target, pitch=self.pitch)
+        self._go(Call.TRAVERSE, clear, target)

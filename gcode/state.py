@@ -13,7 +13,7 @@ from gcode.parameters import Parameters
 from gcode.record import Record
 from gcode.tools import ToolEntry
 
-__all__ = ["PLANE_AXES", "Controller", "rotate"]
+__all__ = ["PLANE_AXES", "XY", "XZ", "YZ", "Controller", "mapping_of_systems", "rotate"]
 
 XY, YZ, XZ = 1, 2, 3
 
@@ -76,6 +76,10 @@ class Controller:
     speed: float = 0.0
     spindle: int = 0
     css: bool = False
+    mist: bool = False
+    flood: bool = False
+    saved_modes: list = field(default_factory=lambda: [None])  #: M70, M73: one per call level
+    restore_on_return: set[int] = field(default_factory=set)
     retract_to_initial: bool = False
     path_control: int = 640
     tool: int = 0
@@ -89,20 +93,13 @@ class Controller:
     programmed: list[float] = field(default_factory=lambda: [0.0] * 3)
     straight_only: bool = False
     queue: CompensationQueue = field(default_factory=CompensationQueue)
-    preview: bool = False
-    refresh: bool = False  #: the next block takes its position from the last move
+    preview: bool = False  #: show the quirks in `standalone`
+    refresh: bool = False  #: a tool has been changed in the block before
+    tool_table: dict[int, ToolEntry] = field(init=False)
     notes: dict[tuple[int, str], str] = field(default_factory=dict)
 
-    def refresh_position(self) -> None:
-        """Take the last commanded point for the position, as the stand-alone interpreter does.
-
-        That interpreter does this after a tool change; where an offset has changed since the
-        last move it so mistakes the point's coordinates in the old frame for those in the new.
-        """
-        if self.refresh and self.preview:
-            x, y, z, *rotary = self.record.last
-            self.position = [x / self.unit_mm, y / self.unit_mm, z / self.unit_mm, *rotary]
-        self.refresh = False
+    def __post_init__(self) -> None:
+        self.tool_table = dict(self.tools)
 
     def note(self, word: str, meaning: str) -> None:
         """List a word as irrelevant to geometry."""
