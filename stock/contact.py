@@ -24,6 +24,8 @@ __all__ = ["TOUCH_MM", "closest", "entry", "exit_below", "phi"]
 TOUCH_MM = 1e-9
 #: a root is found when the distance there is below this, mm: the rounding of coordinates
 _ROOT_MM = 2e-13
+#: rounding of a distance, mm
+_ROUNDING_MM = 1e-12
 #: how far ahead along the line a touch is asked whether it is more than one, mm
 _PROBE_MM = 1e-3
 #: the line counts as nearly parallel to the surface that it touches below this cosine
@@ -32,7 +34,7 @@ _PARALLEL = 1e-4
 _NEAR_MM = 1e-3
 #: share of the sweep that a valley of psi has to exceed to be searched for several minima
 _VALLEY = 1.0 / 32.0
-_VALLEY_PARTS = 8
+_PARTS = 8
 
 
 @njit(cache=True)
@@ -54,12 +56,7 @@ def phi(work, i, s, line, h):
         phi, its first and second derivative by s, its derivative by h, and the curvature of
         the outline at the nearest point, 1/mm.
     """
-    p, n = line
-    tip, tip1, tip2 = tip_at(work.motion, i, s)
-    x = (p[0] + h * n[0] - tip[0], p[1] + h * n[1] - tip[1], p[2] + h * n[2] - tip[2])
-    x1, x2, d = (-tip1[0], -tip1[1], -tip1[2]), (-tip2[0], -tip2[1], -tip2[2]), n
-    if len(work.motion.tilt) > 0:
-        x, x1, x2, d = _untilted(work.motion, i, s, (x, x1, x2, d))
+    x, x1, x2, d = _seen_from_tool(work, i, s, line, h)
     rho = math.sqrt(x[0] * x[0] + x[1] * x[1])
     value, gr, gz, curvature = signed_distance(work.outlines, work.tool[i], rho, x[2])
     scale = 1.0 / max(rho, 1e-12)
@@ -72,6 +69,18 @@ def phi(work, i, s, line, h):
     by_ss += gr * (ex * x2[0] + ey * x2[1]) + gz * x2[2]
     by_h = gr * (ex * d[0] + ey * d[1]) + gz * d[2]
     return value, by_s, by_ss, by_h, curvature
+
+
+@njit(cache=True)
+def _seen_from_tool(work, i, s, line, h):
+    """The line's point, its first and second derivative by s, and by h, in the tool's frame."""
+    p, n = line
+    tip, tip1, tip2 = tip_at(work.motion, i, s)
+    x = (p[0] + h * n[0] - tip[0], p[1] + h * n[1] - tip[1], p[2] + h * n[2] - tip[2])
+    x1, x2, d = (-tip1[0], -tip1[1], -tip1[2]), (-tip2[0], -tip2[1], -tip2[2]), n
+    if len(work.motion.tilt) > 0:
+        x, x1, x2, d = _untilted(work.motion, i, s, (x, x1, x2, d))
+    return x, x1, x2, d
 
 
 @njit(cache=True)
@@ -162,13 +171,26 @@ def closest(work, i, span, line, h, s, limit):
         psi, its derivative by h, s; (inf, 0, s) where psi is above `limit` for sure.
     """
     best = _descend(work, i, span, line, h, s, limit)
-    if work.motion.arc_of[i] >= 0 and best[0] < np.inf:
+    if best[0] == np.inf:
+        return best
+    if work.motion.arc_of[i] >= 0:
         for end in span:  # an arc can come nearest at either end
             if phi(work, i, end, line, h)[0] < best[0]:
                 best = _descend(work, i, span, line, h, end, limit)
-    if best[0] < np.inf and _has_valley(work, i, span, line, h, best[2]):
-        best = _lowest_in_valley(work, i, span, line, h, best)
+    if not _level(work.motion, i) or _has_valley(work, i, span, line, h, best[2]):
+        best = _lowest_of_parts(work, i, span, line, h, best)
     return best
+
+
+@njit(cache=True)
+def _level(motion, i):
+    """Whether sweep i is a line, or an arc in a plane square to the tool axis.
+
+    The distance from such an arc falls and rises once along it; from other arcs it may do so
+    more often.
+    """
+    k, a = motion.arc_of[i], motion.arcs
+    return k < 0 or (a[k, 1, 2] == 0.0 and a[k, 2, 2] == 0.0 and a[k, 3, 2] == 0.0)
 
 
 @njit(cache=True)
@@ -235,9 +257,10 @@ def _has_valley(work, i, span, line, h, s):
 
 
 @njit(cache=True)
-def _lowest_in_valley(work, i, span, line, h, best):
-    width = (span[1] - span[0]) / _VALLEY_PARTS
-    for part in range(_VALLEY_PARTS):
+def _lowest_of_parts(work, i, span, line, h, best):
+    """Look for a lower minimum in each part of the span that can have one."""
+    width = (span[1] - span[0]) / _PARTS
+    for part in range(_PARTS):
         piece = (span[0] + part * width, span[0] + (part + 1) * width)
         middle = 0.5 * (piece[0] + piece[1])
         other = _descend(work, i, piece, line, h, middle, best[0])
@@ -257,28 +280,68 @@ def entry(work, i, span, line, most):
         sweep is not met up to `most`. A touch at 0 may come out as a tiny negative h.
     """
     straight = work.motion.arc_of[i] < 0
-    h, s = 0.0, guess(work, i, span, line, 0.0)
+    h, s, outside = 0.0, guess(work, i, span, line, 0.0), 0.0
     for turn in range(300):
         distance, by_h, s = closest(work, i, span, line, h, s, most - h + TOUCH_MM)
         if distance == np.inf:
             return np.inf, s
         if turn == 0 and distance < -TOUCH_MM:
             return -np.inf, s
-        if distance <= TOUCH_MM and by_h > -_PARALLEL:
-            if turn > 0 or _touches_on(work, i, span, line, s):
-                return h, s
-            return np.inf, s
-        if distance <= _ROOT_MM or (turn == 0 and distance <= TOUCH_MM):
+        if abs(distance) <= TOUCH_MM and by_h > -_PARALLEL:
+            touches = turn > 0 or _touches_on(work, i, span, line, s)
+            return (h if touches else np.inf), s
+        if abs(distance) <= (_ROOT_MM if turn > 0 else TOUCH_MM):
             return h - distance / by_h, s
-        if straight or distance < _NEAR_MM:
-            if by_h >= 0.0:
-                return np.inf, s
+        if 0.0 < distance < _NEAR_MM:
+            on_rim, rim_h, rim_s = _meet_rim(work, i, span, line, (h, s))
+            if on_rim and closest(work, i, span, line, rim_h, rim_s, most)[0] > -_ROUNDING_MM:
+                return rim_h, rim_s
+        if distance < 0.0:  # the displacement has bent the sweep: a step too far
+            step = -distance / by_h if by_h < 0.0 else outside - h
+            h = h + step if h + step > outside else 0.5 * (h + outside)
+            continue
+        outside = h
+        if not straight and distance > _NEAR_MM:
+            h += distance  # the nearest air is that far at least
+        elif by_h < 0.0:
             h -= distance / by_h
         else:
-            h += distance  # the nearest air is that far at least
+            return np.inf, s
         if h > most + TOUCH_MM:
             return np.inf, s
-    return np.inf, s
+    return h, s
+
+
+@njit(cache=True)
+def _meet_rim(work, i, span, line, near):
+    """Solve for the h and s at which the line goes through a sharp rim of the moving tool.
+
+    Right at a rim the gradient of the distance has no limit, so that the last steps have to be
+    made on the rim's own two equations: radius and height are those of the corner.
+    """
+    h, s = near
+    x, x1, _, d = _seen_from_tool(work, i, s, line, h)
+    rho = math.sqrt(x[0] * x[0] + x[1] * x[1])
+    distance, gr, gz, curvature = signed_distance(work.outlines, work.tool[i], rho, x[2])
+    if distance <= 0.0 or abs(distance * curvature - 1.0) > 1e-6 or rho < _NEAR_MM:
+        return False, h, s  # not opposite a sharp corner
+    corner = (rho - gr * distance, x[2] - gz * distance)
+    for _ in range(20):
+        ex, ey = x[0] / rho, x[1] / rho
+        off_r, off_z = rho - corner[0], x[2] - corner[1]
+        if abs(off_r) + abs(off_z) < _ROOT_MM:
+            return True, h, s
+        r_h, r_s = ex * d[0] + ey * d[1], ex * x1[0] + ey * x1[1]
+        det = r_h * x1[2] - r_s * d[2]
+        if abs(det) < 1e-12:
+            return False, h, s
+        h -= (off_r * x1[2] - off_z * r_s) / det
+        s -= (r_h * off_z - d[2] * off_r) / det
+        if not (span[0] <= s <= span[1] and abs(h - near[0]) < 100.0 * distance + TOUCH_MM):
+            return False, h, s
+        x, x1, _, d = _seen_from_tool(work, i, s, line, h)
+        rho = max(math.sqrt(x[0] * x[0] + x[1] * x[1]), 1e-12)
+    return False, h, s
 
 
 @njit(cache=True)

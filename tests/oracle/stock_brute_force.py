@@ -118,15 +118,15 @@ def cone(o, d, tip_z, slope):
     b = o[:, 0] * d[:, 0] + o[:, 1] * d[:, 1] - slope**2 * o[:, 2] * d[:, 2]
     c = o[:, 0] ** 2 + o[:, 1] ** 2 - (slope * o[:, 2]) ** 2
     disc = np.sqrt(np.maximum(b * b - a * c, 0.0))
-    h1, h2 = np.minimum((-b - disc) / a, (-b + disc) / a), np.maximum((-b - disc) / a, (-b + disc) / a)
+    h1, h2 = (-b - disc) / a, (-b + disc) / a
+    h1, h2 = np.minimum(h1, h2), np.maximum(h1, h2)
     z1, z2 = o[:, 2] + h1 * d[:, 2], o[:, 2] + h2 * d[:, 2]
     miss = b * b - a * c < 0
     low = np.where((a > 0) & (z1 >= 0), h1, np.inf)
     high = np.where((a > 0) & (z2 >= 0), h2, -np.inf)
     # steeper than the cone: a half line from the root on the upper nappe
     up = d[:, 2] > 0
-    start = np.where(z1 >= 0, h1, h2), np.where(z2 >= 0, h2, h1)
-    low = np.where(a < 0, np.where(up, start[0] if False else np.where(z2 >= 0, h2, h1), -np.inf), low)
+    low = np.where(a < 0, np.where(up, np.where(z2 >= 0, h2, h1), -np.inf), low)
     high = np.where(a < 0, np.where(up, np.inf, np.where(z1 >= 0, h1, h2)), high)
     return np.where(miss & (a > 0), np.inf, low), np.where(miss & (a > 0), -np.inf, high)
 
@@ -171,49 +171,44 @@ def intervals(sweeps, tools, i, s, p, n):
     return tool_interval(tools[sweeps.tool[i]], *line_in_tool_frame(sweeps, i, s, p, n))
 
 
-def lowest(sweeps, tools, i, k, p, n, floor):
-    """Least beginning, above `floor`, of the intervals of sweep i around grid value k."""
+def lowest(sweeps, tools, i, k, p, n):
+    """Least beginning of the intervals of sweep i around grid value k."""
     step = 1.0 / (GRID - 1)
     centre, best = k * step, np.inf
     for _ in range(ZOOMS):
         s = np.clip(np.linspace(centre - step, centre + step, 41), 0.0, 1.0)
         low, _ = intervals(sweeps, tools, i, s, p, n)
-        low = np.where(low < floor, np.inf, low)
         centre, best = s[np.argmin(low)], min(best, low.min())
         step /= 10.0
     return best
 
 
+def pieces(sweeps, tools, i, p, n, reach):
+    """What the line has in common with sweep i: one interval for each run of s that hits.
+
+    The tool's interval moves continuously with s, so over a run its union has no gap.
+    """
+    low, high = intervals(sweeps, tools, i, np.linspace(0.0, 1.0, GRID), p, n)
+    hits = np.flatnonzero(np.isfinite(low))
+    for run in np.split(hits, np.flatnonzero(np.diff(hits) > 1) + 1):
+        if len(run) and low[run].min() < reach + 0.3 and high[run].max() > -reach - 0.3:
+            inside = np.where(np.isin(np.arange(GRID), run), low, np.inf)
+            starts = local_minima(inside, inside.min() + 0.3)
+            yield min(lowest(sweeps, tools, i, k, p, n) for k in starts), high[run].max()
+
+
 def edge(sweeps, tools, p, n, reach):
     """(state, h) of one line: 0 cut, 1 uncut, 2 gouged."""
-    s = np.linspace(0.0, 1.0, GRID)
-    pairs = [intervals(sweeps, tools, i, s, p, n) for i in range(len(sweeps.tool))]
-    low, high = np.array([a for a, _ in pairs]), np.array([b for _, b in pairs])
-    if not ((low <= 0) & (high >= 0)).any():
-        ahead = np.where(low > 0, low, np.inf)
-        first = [
-            lowest(sweeps, tools, i, k, p, n, -1e-6)
-            for i in range(len(low))
-            for k in local_minima(ahead[i], min(ahead.min() + 0.2, reach + 0.2))
-        ]
-        h = min(first, default=np.inf)
+    found = [x for i in range(len(sweeps)) for x in pieces(sweeps, tools, i, p, n, reach)]
+    if not any(low < 0 < high for low, high in found):
+        h = min((low for low, _ in found if low > 0), default=np.inf)
         return (0, h) if h <= reach else (1, 0.0)
     h = 0.0
     while h > -reach:
-        over = (low < h - 1e-12) & (high >= h)
-        if not over.any():
+        below = min((low for low, high in found if low < h <= high), default=h)
+        if below == h:
             return 0, h
-        reached = np.where(over, low, np.inf)
-        i = np.argmin(reached.min(axis=1))
-        near = min(reached.min() + 0.02, h)
-        new = min(
-            lowest(sweeps, tools, i, k, p, n, -np.inf)
-            for i in range(len(low))
-            for k in local_minima(reached[i], near)
-        )
-        if new >= h - 1e-12:
-            return 0, h
-        h = new
+        h = below
     return 2, 0.0
 
 
