@@ -1,5 +1,7 @@
 """heatmap.png, with VTK, without it, and when it dies."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
@@ -101,6 +103,18 @@ def test_without_the_libraries_a_picture_and_one_line(tmp_path, monkeypatch):
     assert width > 1500
     assert height > 800
     assert len(colours) > 1000
+
+
+def test_a_perfect_machine_is_drawn_only_where_it_is_alone(tmp_path, monkeypatch):
+    monkeypatch.setattr(vtk_picture, "_loads", lambda library: False)
+    case = points()
+    mesh = build_display_mesh(*block(), case)
+    widths = {}
+    for name, variants in {"all": case.variants, "none": case.variants[:1]}.items():
+        draw_heatmap(tmp_path / "h.png", mesh, replace(case, variants=variants), run())
+        widths[name] = size_and_colours(tmp_path / "h.png")[0][0]
+    assert widths["none"] > 1000
+    assert 1.6 < widths["all"] / widths["none"] < 2  # two panels, not three
 
 
 @pytest.mark.parametrize(

@@ -157,12 +157,9 @@ def _halve_edges(
     midpoint[long] = len(vertices) + np.arange(long.sum())
     mid = midpoint[edge_of.reshape(-1, 3)]
     halved = mid >= 0
+    count = halved.sum(axis=1)
     # turn each triangle a, b, c until the edges to halve are ab, or ab and bc, or all
-    turn = np.select(
-        [halved.sum(1) == 1, halved.sum(1) == 2],
-        [halved.argmax(1), (np.argmin(halved, axis=1) + 1) % 3],
-        0,
-    )
+    turn = np.where(count == 2, halved.argmin(axis=1) + 1, halved.argmax(axis=1))
     columns = (np.arange(3) + turn[:, None]) % 3
     a, b, c = np.take_along_axis(triangles, columns, 1).T
     m, n, p = np.take_along_axis(mid, columns, 1).T
@@ -172,7 +169,6 @@ def _halve_edges(
         2: [(m, b, n), (a, m, n), (a, n, c)],
         3: [(a, m, p), (m, b, n), (p, n, c), (m, n, p)],
     }
-    count = halved.sum(1)
     divided = [
         np.stack(piece, axis=1)[count == number]
         for number, parts in pieces.items()

@@ -25,7 +25,7 @@ from vmach.units import um_from_mm
 __all__ = ["common_range_mm", "draw_heatmap"]
 
 _PANEL_WIDTH_INCH, _DPI = 7.2, 140
-_CAPTION_INCH, _HEADING_INCH, _BAR_INCH, _MARGIN_INCH = 0.35, 0.55, 1.3, 0.1
+_CAPTION_INCH, _HEADING_INCH, _BAR_INCH, _MARGIN_INCH = 0.6, 0.5, 1.3, 0.1
 _INK, _GREY = "#1d2125", "#5c646c"
 
 
@@ -48,7 +48,8 @@ def draw_heatmap(
     points, run : InspectedPoints, RunRecord
         For the figures in the captions.
     variants : sequence of str, optional
-        Names of the variants to draw; all by default.
+        Names of the variants to draw; by default all but ``"none"``, a perfect machine, which is
+        drawn only where it is the only one.
 
     Returns
     -------
@@ -61,16 +62,14 @@ def draw_heatmap(
     InputError
         The folder cannot be written to.
     """
-    names = [variant.name for variant in points.variants] if variants is None else list(variants)
+    names = _telling_variants(points) if variants is None else list(variants)
     range_mm = common_range_mm(points)
     pictures, note = _pictures([mesh.colourings[name] for name in names], mesh, range_mm)
     figure, panels = _figure(len(names), pictures.shape[1] / _DPI)
     for panel, name, picture in zip(panels, names, pictures, strict=True):
         panel.set_axis_off()
         panel.imshow(picture, interpolation="none", aspect="auto")
-        statistics = variant_statistics(points[name], run.tolerance_mm)
-        panel.set_title(_plain(points[name].label), loc="left", size=12, color=_INK, weight="bold")
-        panel.set_title(_caption(statistics, run), loc="right", size=9.5, color=_GREY)
+        _caption(panel, points[name].label, variant_statistics(points[name], run.tolerance_mm), run)
     left, top = _MARGIN_INCH / figure.get_figwidth(), 1 - 0.34 / figure.get_figheight()
     figure.text(left, top, _plain(run.title), size=15, weight="bold", color=_INK)
     _add_colour_bar(figure, range_mm)
@@ -82,6 +81,11 @@ def draw_heatmap(
 def common_range_mm(points: InspectedPoints) -> float:
     """Return the end of the colour scale that all variants of a run share."""
     return colour_range([variant.deviation_mm[variant.is_cut] for variant in points.variants])
+
+
+def _telling_variants(points: InspectedPoints) -> list[str]:
+    names = [variant.name for variant in points.variants]
+    return [name for name in names if name != "none"] or names
 
 
 def _pictures(
@@ -128,17 +132,23 @@ def _plain(text: str) -> str:
     return text.replace("$", r"\$")
 
 
-def _caption(statistics: Statistics, run: RunRecord) -> str:
-    if not statistics.count:
-        return "no cut points"
-    low, high, rms, tolerance = (
-        um_from_mm(x)
-        for x in (statistics.min_mm, statistics.max_mm, statistics.rms_mm, run.tolerance_mm)
-    )
-    return (
-        f"RMS {rms:.3g} µm    {low:+.3g} … {high:+.3g} µm    "
-        f"{100 * statistics.outside_share:.2g} % outside ±{tolerance:g} µm"
-    )
+def _caption(panel: Axes, label: str, statistics: Statistics, run: RunRecord) -> None:
+    """Write the name of the variant and its figures above the panel."""
+    text = "no cut points"
+    if statistics.count:
+        low, high, rms, tolerance = (
+            um_from_mm(x)
+            for x in (statistics.min_mm, statistics.max_mm, statistics.rms_mm, run.tolerance_mm)
+        )
+        text = (
+            f"RMS {rms:.3g} µm      {low:+.3g} … {high:+.3g} µm      "
+            f"{100 * statistics.outside_share:.2g} % outside ±{tolerance:g} µm"
+        )
+    for line, style in (
+        (text, {"xytext": (4, 6), "size": 10, "color": _GREY}),
+        (_plain(label), {"xytext": (4, 23), "size": 12.5, "color": _INK, "weight": "bold"}),
+    ):
+        panel.annotate(line, (0, 1), xycoords="axes fraction", textcoords="offset points", **style)
 
 
 def _add_colour_bar(figure: Figure, range_mm: float) -> None:

@@ -107,11 +107,8 @@
   }
 
   function hideCovered() {
-    for (const mark of byId("marks").children) {
-      const [x, y, depth] = scene.toScreen(mark.point.at);
-      const seen = scene.pick(x, y);
-      if (seen && seen.depth > depth + 0.01 * scene.model.radius) mark.style.visibility = "hidden";
-    }
+    for (const mark of byId("marks").children)
+      if (!scene.sees(mark.point.at)) mark.style.visibility = "hidden";
   }
 
   function drawTriad() {
@@ -241,10 +238,9 @@
     for (const button of all("[data-view]")) button.addEventListener("click", () => scene.home(...views[button.dataset.view]));
     for (const row of all("tr[data-worst]")) row.querySelector("button").addEventListener("click", () => {
       if (!scene) return;
-      const { at, normal } = page.variants[state.variant].worst[Number(row.dataset.worst)];
-      const upright = Math.abs(normal[2]) > 0.9;
-      scene.home(upright ? -0.938 : Math.atan2(normal[1], normal[0]) + 0.4, upright ? Math.sign(normal[2]) * 0.9 : 0.5);
-      pickNear(at, normal);
+      const point = page.variants[state.variant].worst[Number(row.dataset.worst)];
+      scene.face(point);
+      pickNear(point.at, point.normal);
       byId("stage").scrollIntoView({ block: "center" });
     });
   }

@@ -69,7 +69,9 @@ class Variant:
         status = _frozen(self, "status", np.str_, (count,))
         unknown = np.setdiff1d(status, STATUSES)
         if unknown.size:
-            raise ValueError(f"variant {self.name}: status {str(unknown[0])!r}; accepted: {STATUSES}")
+            raise ValueError(
+                f"variant {self.name}: status {str(unknown[0])!r}; accepted: {STATUSES}"
+            )
         if not np.isfinite(deviation[self.is_cut]).all():
             raise ValueError(f"variant {self.name}: a cut point has no finite deviation")
 

@@ -117,11 +117,12 @@ const dot = (p, q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
 
 const VERTEX_SHADER = `#version 300 es
 in vec3 position; in vec3 normal; in vec2 value;
-uniform mat3 axes; uniform vec3 centre; uniform vec3 scale;
+uniform mat3 axes; uniform vec3 centre; uniform vec3 scale; uniform bool outline;
 out vec3 seenNormal; out vec2 deviation;
 void main() {
   seenNormal = axes * normal; deviation = value;
   gl_Position = vec4(axes * (position - centre) * scale, 1.0);
+  if (outline) gl_Position.z -= 0.004; // lines in front of the faces that they bound
 }`;
 
 const FRAGMENT_SHADER = `#version 300 es
@@ -163,8 +164,6 @@ class Scene {
     };
     this.loadRamp(colourStops);
     gl.enable(gl.DEPTH_TEST);
-    gl.enable(gl.POLYGON_OFFSET_FILL);
-    gl.polygonOffset(1, 2);
     gl.useProgram(this.program);
     gl.uniform3fv(this.uniform("unknownColour"), rgbOf(unknownColour));
     gl.uniform3fv(this.uniform("lineColour"), [0.16, 0.18, 0.2]);
@@ -231,6 +230,19 @@ class Scene {
   toScreen(place) { // CSS pixels from the top left, depth in mm towards the viewer
     const p = place.map((x, k) => x - this.target[k]), [right, up, towards] = this.axes(), mm = this.mmPerPixel();
     return [this.canvas.clientWidth / 2 + dot(p, right) / mm, this.canvas.clientHeight / 2 - dot(p, up) / mm, dot(p, towards)];
+  }
+  // Turn until nothing hides a point of the surface: from its own side, steeper while covered.
+  face({ at, normal }) {
+    const sideways = Math.abs(normal[2]) < 0.9 ? Math.atan2(normal[1], normal[0]) : -0.938;
+    const side = normal[2] < -0.3 ? -1 : 1;
+    for (const elevation of [0.5, 0.8, 1.1, 1.3]) for (const turn of [0.4, -0.4, 0]) {
+      this.home(sideways + turn, side * elevation);
+      if (this.sees(at)) return;
+    }
+  }
+  sees(place) {
+    const [x, y, depth] = this.toScreen(place), seen = this.pick(x, y);
+    return !seen || seen.depth < depth + 0.01 * this.model.radius;
   }
   orbit(dx, dy) {
     this.azimuth -= 0.008 * dx;

@@ -15,36 +15,38 @@ __all__ = ["variants_table"]
 
 
 def variants_table(points: InspectedPoints, run: RunRecord) -> Table:
-    """Return a rich table, one row a variant, lengths in um."""
+    """Return a rich table, one column a variant, lengths in um; fits 80 columns up to four."""
     table = Table(title=Text(run.title), title_justify="left", caption_justify="left")
-    table.caption = "µm; positive: material left, negative: too much removed"
-    table.add_column("variant")
-    tolerance_um = um_from_mm(run.tolerance_mm)
-    headings = ("RMS", "mean", "smallest", "largest", f"outside ±{tolerance_um:g} µm", "cut")
-    has_remainder = any(v.remainder_rms_mm is not None for v in points.variants)
-    for heading in (*headings, "not cut", *(("measured − predicted, RMS",) * has_remainder)):
-        table.add_column(heading, justify="right")
+    table.caption = "positive: material left, negative: too much removed"
+    table.add_column("µm", no_wrap=True)
     for variant in points.variants:
-        figures = variant_statistics(variant, run.tolerance_mm)
-        cells = [
-            _um(figures.rms_mm),
-            *(_um(x, "+") for x in (figures.mean_mm, figures.min_mm, figures.max_mm)),
-            f"{100 * figures.outside_share:.2f} %" if figures.count else "–",
-            str(figures.count),
-            str(len(points) - figures.count),
-        ]
-        if has_remainder:
-            cells.append(_um(variant.remainder_rms_mm))
-        table.add_row(Text(variant.label), *cells)
+        table.add_column(Text(variant.label), justify="right", min_width=9, overflow="fold")
+    for label, cells in _rows(points, run):
+        table.add_row(label, *cells)
     return table
+
+
+def _rows(points: InspectedPoints, run: RunRecord) -> list[tuple[str, list[str]]]:
+    every = [variant_statistics(variant, run.tolerance_mm) for variant in points.variants]
+    rows = [
+        ("RMS", [_um(s.rms_mm) for s in every]),
+        ("mean", [_um(s.mean_mm, "+") for s in every]),
+        ("minimum", [_um(s.min_mm, "+") for s in every]),
+        ("maximum", [_um(s.max_mm, "+") for s in every]),
+    ]
+    remainders = [variant.remainder_rms_mm for variant in points.variants]
+    if any(remainder is not None for remainder in remainders):
+        rows.append(("measured − predicted", [_um(remainder) for remainder in remainders]))
+    shares = [f"{100 * s.outside_share:.2f} %" if s.count else "–" for s in every]
+    rows.append((f"outside ±{um_from_mm(run.tolerance_mm):g} µm", shares))
+    rows.append(("points cut", [str(s.count) for s in every]))
+    rows.append(("points not cut", [str(len(points) - s.count) for s in every]))
+    return rows
 
 
 def _um(length_mm: float | None, sign: str = "-") -> str:
     if length_mm is None or not math.isfinite(length_mm):
         return "–"
-    value_um = um_from_mm(length_mm)
-    return (
-        f"{value_um:{sign}.3f}"
-        if value_um == 0 or abs(value_um) >= 1e-3
-        else f"{value_um:{sign}.1e}"
-    )
+    length_um = um_from_mm(length_mm)
+    tiny = 0 < abs(length_um) < 1e-3
+    return f"{length_um:{sign}.1e}" if tiny else f"{length_um:{sign}.3f}"
