@@ -140,15 +140,18 @@ def main() -> None:
     """Run the command line; user errors become one message and exit status 1."""
     try:
         app()
+    except BrokenPipeError:  # the reader of a pipe has seen enough
+        sys.stderr.close()
+        sys.exit(0)
     except (VmachError, ProgramError, StockError) as error:
         print(f"vmach: {error}", file=sys.stderr)
+        sys.exit(1)
+    except OSError as error:
+        print(f"vmach: {error.filename or 'file'}: {error.strerror}", file=sys.stderr)
         sys.exit(1)
     except KeyboardInterrupt:
         print("vmach: interrupted; nothing was written", file=sys.stderr)
         sys.exit(130)
-    except BrokenPipeError:
-        sys.stderr.close()
-        sys.exit(0)
 
 
 if __name__ == "__main__":

@@ -98,9 +98,7 @@ def _radii(moves: Moves) -> tuple[np.ndarray, np.ndarray]:
     return radii[0], radii[1]
 
 
-def _arc(
-    moves: Moves, move: np.ndarray, parameter: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def _arc(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Position and derivative on arcs, helices and spirals, each (P, 3)."""
     axis, centre = moves.axis[move], moves.centre_mm[move]
     start, end = moves.start_mm[move], moves.end_mm[move]

@@ -185,15 +185,15 @@ def _rigid(
     preparation: Preparation, states: PathStates, variant: Variant, effects: Sequence[Effect]
 ) -> RigidDisplacement:
     """Displacement at the tip of the states' tools, and tilt, by errors and effects."""
-    total = displacement(preparation.job.machine, states.nose_mm, states.tool_mm, variant)
+    machine = preparation.job.machine
+    direction = states.direction if machine.separate_directions else None
+    total = displacement(machine, states.nose_mm, states.tool_mm, variant, direction=direction)
     for effect in effects:
         total = total + effect.displacement(states)
     return total
 
 
-def _contact_states(
-    preparation: Preparation, edges: Edges, normals: np.ndarray
-) -> PathStates:
+def _contact_states(preparation: Preparation, edges: Edges, normals: np.ndarray) -> PathStates:
     cut = np.flatnonzero(edges.status == EdgeStatus.CUT)
     return preparation.path.states_on_pieces(
         edges.sweep[cut],

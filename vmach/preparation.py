@@ -67,6 +67,8 @@ def prepare(
         leaves the travel.
     """
     source = program_path or job.program
+    if not source.is_file():
+        raise InputError("NC program not found", file=source)
     program = read_program(
         source,
         work_offsets_mm=job.work_offsets_mm,
@@ -155,7 +157,7 @@ def _offsets_that_differ(job: Job, moves: Moves, source: Path) -> tuple[str, ...
                 f"{source.name}:{moves.line[first]}: tool {number} is {tool.length_mm:g} mm long "
                 f"but cuts with a length offset of {offset[first]:g} mm, so its tip is "
                 f"{offset[first] - tool.length_mm:+g} mm from the programmed height "
-                "(tool_offsets = \"touched off\" in the job if the offsets hold for the tip)"
+                '(tool_offsets = "touched off" in the job if the offsets hold for the tip)'
             )
     return tuple(notes)
 

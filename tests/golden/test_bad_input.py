@@ -1,0 +1,155 @@
+"""What users get wrong: one message with file, line, value and what is accepted; exit status 1."""
+
+import sys
+
+import pytest
+
+from tests.small_job import write_job, write_nominal_stl
+from vmach import cli
+
+
+@pytest.fixture
+def job(tmp_path):
+    folder = tmp_path / "job"
+    folder.mkdir()
+    return write_job(folder)
+
+
+def run_vmach(monkeypatch, capsys, *arguments):
+    """Exit status, standard output and standard error of a command."""
+    monkeypatch.setattr(sys, "argv", ["vmach", *map(str, arguments)])
+    with pytest.raises(SystemExit) as stopped:
+        cli.main()
+        raise SystemExit(0)
+    captured = capsys.readouterr()
+    return stopped.value.code, captured.out, captured.err
+
+
+def replace(path, old, new):
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+
+
+CASES = {
+    "missing machine file": (
+        lambda f: (f / "machine.toml").unlink(),
+        ["job.toml:2", "machine.toml", "no such file"],
+    ),
+    "missing program": (
+        lambda f: (f / "part.nc").unlink(),
+        ["job.toml:3", "part.nc", "no such file"],
+    ),
+    "missing error table": (
+        lambda f: replace(
+            f / "machine.toml", "[axes.X]", '[errors.EXX]\ntable = "no.csv"\n[axes.X]'
+        ),
+        ["no.csv", "not found"],
+    ),
+    "unknown key": (
+        lambda f: replace(f / "job.toml", "diameter_mm", "diametre_mm"),
+        ["job.toml:", "tools.1.diametre_mm", "accepted: ", "did you mean 'diameter_mm'?"],
+    ),
+    "wrong type": (
+        lambda f: replace(f / "job.toml", "length_mm = 100", 'length_mm = "long"'),
+        ["job.toml:", "tools.1.length_mm", "'long'"],
+    ),
+    "tool of zero diameter": (
+        lambda f: replace(f / "job.toml", "diameter_mm = 10", "diameter_mm = 0"),
+        ["job.toml:", "tools.1.diameter_mm", "greater than 0"],
+    ),
+    "corner radius larger than the tool": (
+        lambda f: replace(f / "job.toml", 'shape = "flat"', 'shape = "bull"\ncorner_radius_mm = 6'),
+        ["job.toml:", "tool 1", "corner_radius_mm = 6", "accepted"],
+    ),
+    "tool that the job lacks": (
+        lambda f: replace(f / "part.nc", "T1 M6", "T7 M6"),
+        ["part.nc:", "T7", "T1", "[tools.7]"],
+    ),
+    "move outside the travel": (
+        lambda f: replace(f / "part.nc", "X40 Y0", "X340 Y0"),
+        ["part.nc:19", "X goes to 140.000 mm", "accepted: -400 .. 0 mm"],
+    ),
+    "arc whose radii disagree": (
+        lambda f: replace(f / "part.nc", "G2 X41 Y0 I-1", "G2 X45 Y0 I-1"),
+        ["part.nc:22", "radius"],
+    ),
+    "program without motion": (
+        lambda f: (f / "part.nc").write_text("%\nG21 G90\nM30\n%\n"),
+        ["part.nc", "moves no tool"],
+    ),
+    "not a word of G-code": (
+        lambda f: replace(f / "part.nc", "X-15\n", "X-15 ?\n"),
+        ["part.nc:9"],
+    ),
+    "nothing to inspect": (
+        lambda f: replace(f / "job.toml", 'measured = "points.csv"\n', ""),
+        ["job.toml", "nothing to inspect", "nominal", "measured"],
+    ),
+    "stock upside down": (
+        lambda f: replace(f / "job.toml", "max_mm = [60, 25, 0]", "max_mm = [60, 25, -30]"),
+        ["job.toml:", "max_mm", "accepted"],
+    ),
+    "work offset that the job lacks": (
+        lambda f: replace(f / "part.nc", "G54", "G55"),
+        ["part.nc:", "G55", "G54"],
+    ),
+    "normal that is no unit vector": (
+        lambda f: replace(f / "points.csv", ",-1.0,0.0,0.0,", ",-3.0,0.0,0.0,"),
+        ["points.csv:2", "length 3"],
+    ),
+    "chain without a bed": (
+        lambda f: replace(f / "machine.toml", "Z Y b X'", "Z Y X'"),
+        ["machine.toml:3", "accepted"],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_one_clear_message_and_nothing_written(name, job, tmp_path, monkeypatch, capsys):
+    spoil, expected = CASES[name]
+    spoil(job.parent)
+    out = tmp_path / "out"
+    status, _, message = run_vmach(monkeypatch, capsys, "run", job, "--out", out)
+    assert status == 1
+    assert message.startswith("vmach: ")
+    assert message.count("\n") == 1
+    for words in expected:
+        assert words in message
+    assert not out.exists()
+    assert [p.name for p in tmp_path.iterdir()] == ["job"]
+
+
+def test_nominal_far_from_the_stock(job, tmp_path, monkeypatch, capsys):
+    write_nominal_stl(job.parent / "part.stl", shift_mm=(500, 0, 0))
+    replace(job, "measured =", 'nominal = "part.stl"\nmeasured =')
+    status, _, message = run_vmach(monkeypatch, capsys, "run", job, "--out", tmp_path / "out")
+    assert status == 1
+    assert "part.stl: the nominal part spans 470..560" in message
+    assert "accepted: inside -30..60" in message
+
+
+def test_open_mesh(job, tmp_path, monkeypatch, capsys):
+    path = job.parent / "part.stl"
+    write_nominal_stl(path)
+    data = bytearray(path.read_bytes())
+    count = int.from_bytes(data[80:84], "little") - 1
+    path.write_bytes(bytes(data[:80]) + count.to_bytes(4, "little") + bytes(data[84:-50]))
+    replace(job, "measured =", 'nominal = "part.stl"\nmeasured =')
+    status, _, message = run_vmach(monkeypatch, capsys, "run", job, "--out", tmp_path / "out")
+    assert status == 1
+    assert "part.stl: the mesh is open" in message
+
+
+def test_output_folder_that_is_a_file(job, tmp_path, monkeypatch, capsys):
+    (tmp_path / "out").write_text("precious")
+    status, _, message = run_vmach(monkeypatch, capsys, "run", job, "--out", tmp_path / "out")
+    assert status == 1
+    assert "out" in message
+    assert (tmp_path / "out").read_text() == "precious"
+
+
+def test_wrong_usage(monkeypatch, capsys):
+    assert run_vmach(monkeypatch, capsys, "run")[0] == 2
+    assert run_vmach(monkeypatch, capsys, "run", "x", "--model", "none-such")[0] == 2
+    assert run_vmach(monkeypatch, capsys, "frobnicate")[0] == 2

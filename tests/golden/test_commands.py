@@ -1,0 +1,94 @@
+"""The commands on a small job: what they write and print."""
+
+import csv
+import json
+
+import pytest
+
+from tests.golden.test_bad_input import replace, run_vmach
+from tests.small_job import pocket_points, write_job, write_nominal_stl
+
+ERRORS = {"EXX": (lambda x: 6.0 * x / 400.0, (0, 0, -100)), "ECX": (lambda x: 20.0, None)}
+
+
+@pytest.fixture
+def job(tmp_path):
+    folder = tmp_path / "job"
+    folder.mkdir()
+    path = write_job(folder, ERRORS)
+    write_nominal_stl(folder / "part.stl")
+    replace(path, "measured =", 'nominal = "part.stl"\nmeasured =')
+    return path
+
+
+def test_run_writes_the_five_files(job, tmp_path, monkeypatch, capsys):
+    out = tmp_path / "out"
+    status, text, _ = run_vmach(monkeypatch, capsys, "run", job, "--out", out)
+    assert status == 0
+    assert "Abbe-consistent" in text
+    expected = ["deviations.csv", "heatmap.png", "part.stl", "report.html", "summary.json"]
+    assert sorted(p.name for p in out.iterdir()) == expected
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["model"] == "abbe"
+    assert list(summary["variants"]) == ["none", "abbe"]
+    program_only = summary["variants"]["none"]
+    assert program_only["status"]["cut"] > 500
+    assert max(abs(program_only["max_um"]), abs(program_only["min_um"])) < 1e-6
+    roles = {file["path"] for file in summary["run"]["files"]}
+    assert {"job.toml", "part.nc", "machine.toml", "part.stl", "errors/EXX.csv"} <= roles
+
+
+def test_results_are_the_same_every_time(job, tmp_path, monkeypatch, capsys):
+    for name in ("one", "two"):
+        run_vmach(monkeypatch, capsys, "run", job, "--out", tmp_path / name)
+    for name in ("deviations.csv", "part.stl"):
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+
+
+def test_compare_sets_variants_and_measurement_side_by_side(job, tmp_path, monkeypatch, capsys):
+    status, text, _ = run_vmach(
+        monkeypatch, capsys, "compare", job, "--out", tmp_path / "out", "--json"
+    )
+    assert status == 0
+    summary = json.loads(text)
+    assert list(summary["variants"]) == ["none", "htm", "abbe", "measured"]
+    assert summary["points"] == len(pocket_points()[0])
+    # the part was "measured" exactly nominal
+    assert summary["variants"]["none"]["remainder_rms_um"] < 1e-6
+    assert summary["variants"]["abbe"]["remainder_rms_um"] > 0.1
+
+
+def test_predict_writes_a_row_for_every_point(job, tmp_path, monkeypatch, capsys):
+    out = tmp_path / "out.csv"
+    points = job.parent / "points.csv"
+    status, _, _ = run_vmach(monkeypatch, capsys, "predict", job, "--points", points, "-o", out)
+    assert status == 0
+    rows = list(csv.DictReader(out.open()))
+    assert list(rows[0]) == ["id", "deviation_um", "u_um", "line", "tool", "time_s", "status"]
+    assert [row["id"] for row in rows] == [str(k + 1) for k in range(len(rows))]
+    assert {row["status"] for row in rows} == {"cut"}
+
+
+def test_uncut_and_gouged_away_are_states_without_a_number(job, tmp_path, monkeypatch, capsys):
+    points = tmp_path / "points.csv"
+    points.write_text(
+        "id,feature,x,y,z,i,j,k\n"
+        "cut,floor,0,0,-8,0,0,1\n"
+        "stock,side,60,0,-10,1,0,0\n"
+        "buried,core,0,0,-15,0,0,1\n"
+        "air,ghost,0,0,-4,0,0,1\n"
+    )
+    out = tmp_path / "out.csv"
+    run_vmach(monkeypatch, capsys, "predict", job, "--points", points, "-o", out)
+    rows = {row["id"]: row for row in csv.DictReader(out.open())}
+    status = {name: row["status"] for name, row in rows.items()}
+    assert status == {"cut": "cut", "stock": "uncut", "buried": "uncut", "air": "gouged away"}
+    assert all((row["deviation_um"] == "") == (row["status"] != "cut") for row in rows.values())
+
+
+def test_no_model_means_the_program_alone(job, tmp_path, monkeypatch, capsys):
+    status, text, _ = run_vmach(
+        monkeypatch, capsys, "run", job, "--model", "none", "--out", tmp_path / "o", "--json"
+    )
+    assert status == 0
+    assert list(json.loads(text)["variants"]) == ["none"]
