@@ -53,7 +53,7 @@ def _cutter(controller: Controller, block: Values, code: int) -> tuple[float, in
         if "l" in words and controller.plane != XZ:
             raise ProgramError(f"{name}.1 with L word outside G18")
         return words["d"], int(words.get("l", 0.0))
-    number = whole(words["d"], f"D word of {name}") if "d" in words else controller.tool
+    number = whole(words["d"], f"D word of {name}") if "d" in words else controller.loaded
     if number < 0:
         raise ProgramError(f"negative D word D{number}")
     entry = controller.find_tool(number, word="D" if "d" in words else f"{name} with tool T")

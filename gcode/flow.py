@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from gcode import cutter_compensation
 from gcode.block_values import whole
 from gcode.errors import ProgramError
 from gcode.expressions import value_of
+from gcode.fast_lane import FastLane
 from gcode.interpreter import execute, restore_modes
 from gcode.lexer import Block, OWord, compact, is_control, read_block
+from gcode.source import Source
 from gcode.state import Controller
 
 __all__ = ["run_program"]
@@ -19,12 +22,18 @@ _LOCAL = frozenset(("do", "while", "repeat", "if", "elseif", "else", "endif", "b
                     "endwhile", "endrepeat"))  # fmt: skip
 
 
+#: 0-based line and byte offset of its first byte.
+Place = tuple[int, int]
+
+_OPENING = re.compile(rb"\s*%[ \t\r\f\v]*(?:\n|$)")
+
+
 @dataclass
 class _Label:
     """Where a subroutine, a loop or an IF begins."""
 
     keyword: str
-    line: int
+    place: Place
     repeats: int | None = None
 
 
@@ -34,13 +43,14 @@ class _Frame:
 
     name: str
     keyword: str  #: call or m98
-    return_line: int
+    return_to: Place
     arguments: list[float]
     repeats: int = 1
 
 
-def run_program(controller: Controller, lines: list[str], *, block_delete: bool,
-                max_blocks: int) -> None:  # fmt: skip
+def run_program(
+    controller: Controller, source: Source, *, block_delete: bool, max_blocks: int, fast: bool
+) -> None:
     """Run a program from its first line to M2, M30, the closing % or the end of the text.
 
     Raises
@@ -48,7 +58,8 @@ def run_program(controller: Controller, lines: list[str], *, block_delete: bool,
     ProgramError
         With the line at which the program cannot go on.
     """
-    runner = _Runner(controller, lines, block_delete=block_delete, max_blocks=max_blocks)
+    runner = _Runner(controller, source, block_delete=block_delete, max_blocks=max_blocks)
+    runner.fast = FastLane(controller, source.data) if fast else None
     try:
         runner.run()
     except ProgramError as error:
@@ -60,20 +71,24 @@ def run_program(controller: Controller, lines: list[str], *, block_delete: bool,
 
 
 class _Runner:
-    """Interpreter of program flow; line numbers are 0-based indices here."""
+    """Interpreter of program flow.
+
+    A place in the program is (0-based line, byte offset of its first byte).
+    """
 
     def __init__(
-        self, controller: Controller, lines: list[str], *, block_delete: bool, max_blocks: int
+        self, controller: Controller, source: Source, *, block_delete: bool, max_blocks: int
     ) -> None:
-        self.controller, self.lines = controller, lines
+        self.controller, self.data = controller, source.data
         self.block_delete, self.max_blocks = block_delete, max_blocks
-        self.texts: list[str | None] = [None] * len(lines)
+        self.texts: dict[int, tuple[str, int]] = {}
         self.blocks: tuple[dict[int, Block], dict[int, Block]] = ({}, {})
-        self.next = 0
+        self.next: Place = (0, 0)
+        self.fast: FastLane | None = None
         self.frames: list[_Frame] = []
         self.labels: dict[str, _Label] = {}
         self.skip_to: str | None = None  #: label at which execution goes on
-        self.skip_from = 0
+        self.skip_from: Place = (0, 0)
         self.seeking_sub = False
         self.defining: str | None = None
         self.if_done = False
@@ -81,14 +96,20 @@ class _Runner:
 
     def run(self) -> None:
         """Execute until the program ends."""
-        controller = self.controller
+        controller, record, size = self.controller, self.controller.record, len(self.data)
         opened = self._skip_percent()
         executed = 0
-        while self.next < len(self.lines):
+        while self.next[1] < size:
             here = self.next
-            self.next = here + 1
-            controller.line = controller.record.line = here + 1
-            text = self._text(here)
+            if self.fast is not None and self.skip_to is None:
+                self.next = self.fast.run(here)
+                if self.next != here:
+                    executed += self.next[0] - here[0]
+                    continue
+            line = here[0]
+            text, end = self.texts.get(line) or self._text(here)
+            self.next = (line + 1, end)
+            controller.line = record.line = line + 1
             if opened and text == "%":
                 break
             if not text or (self.block_delete and text[0] == "/"):
@@ -106,32 +127,32 @@ class _Runner:
     def _finish(self) -> None:
         if self.skip_to is not None:
             raise ProgramError(f"end of file while seeking O<{self.skip_to.split('#')[-1]}>",
-                               line=self.skip_from + 1, hint="the O-word has no partner")
+                               line=self.skip_from[0] + 1, hint="the O-word has no partner")
         if self.frames:
             raise ProgramError(f"end of file inside subroutine O<{self.frames[-1].name}>")
         cutter_compensation.flush(self.controller)
 
     def _skip_percent(self) -> bool:
         """Step over a first line that is only %; tells whether there is one."""
-        for index, line in enumerate(self.lines):
-            if line.strip():
-                if line.strip() == "%":
-                    self.next = index + 1
-                    return True
-                break
-        return False
+        match = _OPENING.match(self.data)
+        if match is None:
+            return False
+        self.next = (match.group().count(b"\n"), match.end())
+        return True
 
-    def _text(self, index: int) -> str:
-        text = self.texts[index]
-        if text is None:
-            text = self.texts[index] = compact(self.lines[index])
-        return text
+    def _text(self, place: Place) -> tuple[str, int]:
+        """Compact text of a line, and where the next one begins."""
+        end = self.data.find(b"\n", place[1]) + 1 or len(self.data)
+        self.controller.line = place[0] + 1
+        result = compact(self.data[place[1] : end].decode("latin-1").rstrip("\r\n")), end
+        self.texts[place[0]] = result
+        return result
 
-    def _obey(self, here: int, text: str) -> bool:
+    def _obey(self, here: Place, text: str) -> bool:
         cache = self.blocks[bool(self.frames)]
-        block = cache.get(here)
+        block = cache.get(here[0])
         if block is None:
-            block = cache[here] = read_block(text, in_subroutine=bool(self.frames))
+            block = cache[here[0]] = read_block(text, in_subroutine=bool(self.frames))
         if block.control is None:
             return self.skip_to is None and execute(self.controller, block)
         self._control(here, block, block.control)
@@ -149,7 +170,7 @@ class _Runner:
         owner = self.frames[-1].name if self.frames else self.defining or ""
         return f"{owner}#{name}"
 
-    def _control(self, here: int, block: Block, control: OWord) -> None:
+    def _control(self, here: Place, block: Block, control: OWord) -> None:
         keyword = control.keyword
         if self.defining is not None:
             if keyword in ("sub", "program"):
@@ -169,13 +190,14 @@ class _Runner:
     def _value(self, block: Block) -> float:
         return value_of(block.control.values[0], self.controller.parameters)
 
-    def _skip(self, here: int, name: str) -> None:
+    def _skip(self, here: Place, name: str) -> None:
         self.skip_to, self.skip_from = name, here
 
-    def _define(self, here: int, name: str, keyword: str) -> None:
+    def _define(self, here: Place, name: str, keyword: str) -> None:
         known = self.labels.get(name)
-        if known is not None and (known.keyword, known.line) != (keyword, here):
-            raise ProgramError(f"O<{name.split('#')[-1]}> is already used in line {known.line + 1}",
+        if known is not None and (known.keyword, known.place) != (keyword, here):
+            label = name.split("#")[-1]
+            raise ProgramError(f"O<{label}> is already used in line {known.place[0] + 1}",
                                hint="give each O-word its own number")
         if known is None:
             self.labels[name] = _Label(keyword, here)
@@ -189,7 +211,7 @@ class _Runner:
 
     # subroutines
 
-    def _sub(self, here: int, name: str, block: Block) -> None:
+    def _sub(self, here: Place, name: str, block: Block) -> None:
         if self.frames and self.frames[-1].keyword == "m98":
             raise ProgramError("O... sub called by M98", accepted="O... call")
         self._enter(here, name, "sub")
@@ -201,27 +223,27 @@ class _Runner:
             self._skip(here, name)
             self.defining = name
 
-    def _program(self, here: int, name: str, block: Block) -> None:
+    def _program(self, here: Place, name: str, block: Block) -> None:
         if self.frames and self.frames[-1].keyword == "call":
             raise ProgramError("Fanuc-style O number called by O-word", accepted="M98")
         self._enter(here, name, "program")
 
-    def _enter(self, here: int, name: str, keyword: str) -> None:
+    def _enter(self, here: Place, name: str, keyword: str) -> None:
         if self.skip_to is not None:
             self._define(here, name, keyword)
             self.skip_to = None
         self.seeking_sub = False
 
-    def _call(self, here: int, name: str, block: Block) -> None:
+    def _call(self, here: Place, name: str, block: Block) -> None:
         if self.skip_to is not None:
             return
         parameters = self.controller.parameters
         values = [value_of(v, parameters) for v in block.control.values]
-        self._push(_Frame(name, "call", here + 1, parameters.arguments()))
+        self._push(_Frame(name, "call", self.next, parameters.arguments()))
         parameters.set_arguments(values)
         self._jump_to_sub(here, name)
 
-    def _m98(self, here: int, name: str, block: Block) -> None:
+    def _m98(self, here: Place, name: str, block: Block) -> None:
         if self.skip_to is not None:
             return
         words = block.words
@@ -230,7 +252,7 @@ class _Runner:
             repeats = whole(value_of(words["l"], self.controller.parameters), "L word of M98")
         if repeats == 0:
             return
-        self._push(_Frame(name, "m98", here + 1, [], repeats))
+        self._push(_Frame(name, "m98", self.next, [], repeats))
         self._jump_to_sub(here, name)
 
     def _push(self, frame: _Frame) -> None:
@@ -240,15 +262,15 @@ class _Runner:
         self.controller.parameters.locals.append({})
         self.controller.saved_modes.append(None)
 
-    def _jump_to_sub(self, here: int, name: str) -> None:
+    def _jump_to_sub(self, here: Place, name: str) -> None:
         label = self.labels.get(name)
         if label is not None:
-            self.next = label.line
+            self.next = label.place
         else:
             self._skip(here, name)
             self.seeking_sub = True
 
-    def _endsub(self, here: int, name: str, block: Block) -> None:
+    def _endsub(self, here: Place, name: str, block: Block) -> None:
         if self.frames:
             self._return(here, name, block)
         elif self.defining is None:
@@ -256,7 +278,7 @@ class _Runner:
         else:
             self.skip_to = self.defining = None
 
-    def _return(self, here: int, name: str, block: Block) -> None:
+    def _return(self, here: Place, name: str, block: Block) -> None:
         if self.skip_to is not None and block.control.keyword == "return":
             return
         if not self.frames:
@@ -272,7 +294,7 @@ class _Runner:
         frame = self._pop()
         parameters.set_arguments(frame.arguments)
 
-    def _m99(self, here: int, name: str, block: Block) -> None:
+    def _m99(self, here: Place, name: str, block: Block) -> None:
         if self.skip_to is not None:
             return
         if self.frames[-1].keyword != "m98":
@@ -294,21 +316,21 @@ class _Runner:
         frame = self.frames.pop()
         controller.parameters.locals.pop()
         controller.saved_modes.pop()
-        self.next = frame.return_line
+        self.next = frame.return_to
         return frame
 
     # loops and branches
 
-    def _do(self, here: int, name: str, block: Block) -> None:
+    def _do(self, here: Place, name: str, block: Block) -> None:
         self.skip_to = None
         self._define(here, name, "do")
 
-    def _while(self, here: int, name: str, block: Block) -> None:
+    def _while(self, here: Place, name: str, block: Block) -> None:
         label = self.labels.get(name)
         if label is not None and label.keyword == "do":
             self.skip_to = None
             if self._value(block) != 0.0 and not self.leaving:
-                self.next = label.line
+                self.next = label.place
             self.leaving = self.continuing = False
             return
         self._define(here, name, "while")
@@ -316,7 +338,7 @@ class _Runner:
         if self._value(block) == 0.0:
             self._skip(here, name)
 
-    def _repeat(self, here: int, name: str, block: Block) -> None:
+    def _repeat(self, here: Place, name: str, block: Block) -> None:
         self._define(here, name, "repeat")
         self.skip_to = None
         label = self.labels[name]
@@ -329,7 +351,7 @@ class _Runner:
             label.repeats = None
             self._skip(here, name)
 
-    def _if(self, here: int, name: str, block: Block) -> None:
+    def _if(self, here: Place, name: str, block: Block) -> None:
         self._define(here, name, "if")
         self.if_done = self._value(block) != 0.0
         if self.if_done:
@@ -337,41 +359,41 @@ class _Runner:
         else:
             self._skip(here, name)
 
-    def _elseif(self, here: int, name: str, block: Block) -> None:
+    def _elseif(self, here: Place, name: str, block: Block) -> None:
         self._expect(name, "if")
         if self.if_done:
             self._skip(here, name)
         elif self._value(block) != 0.0:
             self.skip_to, self.if_done = None, True
 
-    def _else(self, here: int, name: str, block: Block) -> None:
+    def _else(self, here: Place, name: str, block: Block) -> None:
         self._expect(name, "if")
         if self.if_done:
             self._skip(here, name)
         else:
             self.skip_to, self.if_done = None, True
 
-    def _endif(self, here: int, name: str, block: Block) -> None:
+    def _endif(self, here: Place, name: str, block: Block) -> None:
         self._expect(name, "if")
         self.skip_to, self.if_done = None, True
 
-    def _break(self, here: int, name: str, block: Block) -> None:
+    def _break(self, here: Place, name: str, block: Block) -> None:
         self._expect(name, "while", "do")
         self._skip(here, name)
         self.leaving = True
 
-    def _continue(self, here: int, name: str, block: Block) -> None:
+    def _continue(self, here: Place, name: str, block: Block) -> None:
         self._expect(name, "while", "do")
         if self.skip_to == name:
             return
         self._skip(here, name)
         self.continuing = True
 
-    def _end_loop(self, here: int, name: str, block: Block) -> None:
+    def _end_loop(self, here: Place, name: str, block: Block) -> None:
         label = self._expect(name, block.control.keyword.removeprefix("end"))
         if self.skip_to == name:
             self.skip_to = None
             if not self.continuing:
                 return
             self.continuing = False
-        self.next = label.line
+        self.next = label.place

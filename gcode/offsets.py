@@ -216,7 +216,8 @@ def set_tool_length(controller: Controller, block: Values, code: int) -> None:
     if code == 490:
         offset = [0.0] * 6
     elif code == 430:
-        number = int(block.words["h"]) if "h" in block.words else controller.tool
+        number = controller.tool if controller.refresh and controller.tool else controller.loaded
+        number = int(block.words.get("h", number))
         word = "H" if "h" in block.words else "G43 with tool T"
         offset = controller.tool_offset_of(number, word=word)
     else:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -17,10 +18,13 @@ from gcode.offsets import load_offsets
 from gcode.parameters import system_base
 from gcode.predefined import install_predefined
 from gcode.record import Record
-from gcode.resolve import path_of, to_moves
+from gcode.resolve import to_moves
 from gcode.source import Source
 from gcode.state import Controller, mapping_of_systems
 from gcode.tools import ToolEntry
+
+#: Smaller programs are read before the compiled reader would be loaded, bytes.
+_FAST_FROM = 50_000
 
 __all__ = ["Note", "Program", "read_program"]
 
@@ -56,20 +60,28 @@ class Program:
         ``rs274``, ``fanuc``, ``heidenhain`` or ``sinumerik``.
     source : Source
         Exact text; `Source.words` gives the words of a line, `Source.rewritten` writes back.
-    moves : Moves
-        What the machine does, one row a move; `Moves.line` leads back to the text.
     notes : tuple of Note
         Words that are irrelevant to geometry.
     record : Record
         Canonical calls in the active work system.
+    limits : MachineLimits
+        For the clock.
+    home_mm : (3,) array or None
+        Nose position at the start, where it is known.
     """
 
     path: Path
     dialect: str
     source: Source
-    moves: Moves
     notes: tuple[Note, ...]
     record: Record = field(repr=False)
+    limits: MachineLimits = field(repr=False)
+    home_mm: np.ndarray | None = field(repr=False)
+
+    @cached_property
+    def moves(self) -> Moves:
+        """What the machine does, one row a move; `Moves.line` leads back to the text."""
+        return to_moves(self.record, limits=self.limits, home_mm=self.home_mm)
 
 
 def read_program(
@@ -85,6 +97,7 @@ def read_program(
     machine_unit_mm: float = 1.0,
     preview: bool = False,
     max_blocks: int = 10_000_000,
+    fast: bool | None = None,
 ) -> Program:
     """Read an NC program as a controller reads it.
 
@@ -116,6 +129,9 @@ def read_program(
         has changed since, as LinuxCNC's stand-alone interpreter does and a machine does not.
     max_blocks : int
         Give up after so many blocks.
+    fast : bool, optional
+        Read stretches of plain motion with compiled code; the result is the same to the bit.
+        By default for programs of 50 kB and more.
 
     Raises
     ------
@@ -129,14 +145,14 @@ def read_program(
                             preview=preview)  # fmt: skip
     _prepare(controller, work_offsets_mm or {}, home_mm)
     try:
-        run_program(controller, source.lines, block_delete=block_delete, max_blocks=max_blocks)
+        run_program(controller, source, block_delete=block_delete, max_blocks=max_blocks,
+                    fast=len(source.data) >= _FAST_FROM if fast is None else fast)  # fmt: skip
     except ProgramError as error:
         raise error.located(file=source.path, line=None) from None
-    home = None if home_mm is None else np.array(home_mm, np.float64)
-    record = controller.record
-    moves = to_moves(record, path_of(record), limits=limits or MachineLimits(), home_mm=home)
     notes = tuple(Note(line, word, text) for (line, word), text in controller.notes.items())
-    return Program(source.path, "rs274", source, moves, notes, record)
+    home = None if home_mm is None else np.array(home_mm, np.float64)
+    return Program(source.path, "rs274", source, notes, controller.record,
+                   limits or MachineLimits(), home)  # fmt: skip
 
 
 def _prepare(

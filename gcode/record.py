@@ -7,9 +7,12 @@ modes) is an event that takes effect before the row with the same index.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import IntEnum
 
-__all__ = ["Call", "Record"]
+import numpy as np
+
+__all__ = ["Call", "Path", "Record"]
 
 
 class Call(IntEnum):
@@ -24,13 +27,36 @@ class Call(IntEnum):
     TAP = 6
 
 
+@dataclass(frozen=True)
+class Path:
+    """Rows of a record as arrays, in the active work system.
+
+    Attributes
+    ----------
+    call : (N,) int8
+        A `Call`.
+    line : (N,) int32
+        1-based source line.
+    point_mm : (N, 3) float64
+        X Y Z of the end.
+    rotary_deg : (N, 3) float64
+        A B C of the end.
+    feed_mm_per_min : (N,) float64
+        Feed in force.
+    """
+
+    call: np.ndarray
+    line: np.ndarray
+    point_mm: np.ndarray
+    rotary_deg: np.ndarray
+    feed_mm_per_min: np.ndarray
+
+
 class Record:
     """Rows and events of one program.
 
     Attributes
     ----------
-    rows : list of tuple
-        (call, line, x, y, z, a, b, c, feed in mm/min).
     arcs : list of tuple
         (row, plane, first end, second end, first centre, second centre, turns, axial end),
         first and second axis X Y in G17, Z X in G18, Y Z in G19; turns negative clockwise.
@@ -38,12 +64,9 @@ class Record:
         (row, seconds).
     events : list of tuple
         (row, line, name, values...).
-    curves : list of tuple
-        (row, (points, 3) array) for rows of `Call.FEED` that follow a curve.
     """
 
     def __init__(self) -> None:
-        self.rows: list[tuple] = []
         self.arcs: list[tuple] = []
         self.dwells: list[tuple[int, float]] = []
         self.events: list[tuple] = []
@@ -53,6 +76,13 @@ class Record:
         self.rpm_of_feed: float | None = None  #: spindle speed where the feed is per revolution
         self.last = (0.0,) * 6  #: end of the last move in mm and degrees, in its own frame
         self.last_straight = (0.0,) * 6  #: the same of the last straight move, program units
+        self._parts: list[Path] = []  # settled rows
+        self._rows: list[tuple] = []  # rows since then: call, line, x, y, z, a, b, c, feed
+        self._settled = 0
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return self._settled + len(self._rows)
 
     def straight(self, call: Call, position: list[float], *, line: int | None = None) -> None:
         """Append a straight move to `position`, program units and degrees."""
@@ -67,7 +97,34 @@ class Record:
         feed = self.feed_mm_per_min
         if self.rpm_of_feed is not None:
             feed *= self.rpm_of_feed
-        self.rows.append((call, line, *self.last, feed))
+        self._rows.append((call, line, *self.last, feed))
+
+    def _settle(self) -> None:
+        if self._rows:
+            table = np.array(self._rows, np.float64)
+            self._parts.append(Path(table[:, 0].astype(np.int8), table[:, 1].astype(np.int32),
+                                    table[:, 2:5], table[:, 5:8], table[:, 8]))  # fmt: skip
+            self._settled += len(self._rows)
+            self._rows = []
+
+    def stretch(self, part: Path) -> None:
+        """Append the rows of a stretch of plain motion."""
+        self._settle()
+        self._parts.append(part)
+        self._settled += len(part.call)
+        self.last = (*part.point_mm[-1].tolist(), *part.rotary_deg[-1].tolist())
+
+    def path(self) -> Path:
+        """All rows as arrays."""
+        self._settle()
+        if not self._parts:
+            empty = np.zeros((0, 3))
+            return Path(np.zeros(0, np.int8), np.zeros(0, np.int32), empty, empty, np.zeros(0))
+        if len(self._parts) > 1:
+            names = ("call", "line", "point_mm", "rotary_deg", "feed_mm_per_min")
+            self._parts = [Path(*(np.concatenate([getattr(part, name) for part in self._parts])
+                                  for name in names))]  # fmt: skip
+        return self._parts[0]
 
     def arc(
         self, plane: int, numbers: tuple, *, position: list[float], line: int | None = None
@@ -87,13 +144,13 @@ class Record:
         """
         unit = self.unit_mm
         first, second, centre1, centre2, turns, axial = numbers
-        self.arcs.append((len(self.rows), plane, first * unit, second * unit, centre1 * unit,
+        self.arcs.append((len(self), plane, first * unit, second * unit, centre1 * unit,
                           centre2 * unit, turns, axial * unit))  # fmt: skip
         self.straight(Call.ARC, position, line=line)
 
     def dwell(self, seconds: float) -> None:
         """Append a pause."""
-        self.dwells.append((len(self.rows), seconds))
+        self.dwells.append((len(self), seconds))
         self._row(Call.DWELL, self.line)
 
     def change_tool(self, number: int) -> None:
@@ -103,7 +160,7 @@ class Record:
 
     def event(self, name: str, *values: object) -> None:
         """Append something that takes no time."""
-        self.events.append((len(self.rows), self.line, name, *values))
+        self.events.append((len(self), self.line, name, *values))
 
     def offset(self, name: str, *head: int, values: list[float]) -> None:
         """Append an event with three lengths and three angles."""

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gcode.clock import MachineLimits, path_lengths
 from gcode.moves import MoveKind, Moves
-from gcode.record import Call, Record
+from gcode.record import Call, Path, Record
 
-__all__ = ["Path", "path_of", "to_moves"]
+__all__ = ["to_moves"]
 
 #: An angle below this is a full circle rather than nothing, rad.
 _FULL_CIRCLE = 1e-6
@@ -18,35 +16,6 @@ _FULL_CIRCLE = 1e-6
 _KIND = {Call.TRAVERSE: MoveKind.RAPID, Call.FEED: MoveKind.LINE, Call.ARC: MoveKind.ARC,
          Call.DWELL: MoveKind.DWELL, Call.CHANGE_TOOL: MoveKind.DWELL, Call.PROBE: MoveKind.LINE,
          Call.TAP: MoveKind.LINE}  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Path:
-    """Rows of a record as arrays, in the active work system.
-
-    Attributes
-    ----------
-    call : (N,) int8
-        A `Call`.
-    line : (N,) int32
-        Source line.
-    end : (N, 6) float64
-        X Y Z in mm, A B C in degrees.
-    feed_mm_per_min : (N,) float64
-        Feed in force.
-    """
-
-    call: np.ndarray
-    line: np.ndarray
-    end: np.ndarray
-    feed_mm_per_min: np.ndarray
-
-
-def path_of(record: Record) -> Path:
-    """Turn the rows of a record into arrays."""
-    table = np.array(record.rows, np.float64).reshape(-1, 9)
-    return Path(table[:, 0].astype(np.int8), table[:, 1].astype(np.int32),
-                np.ascontiguousarray(table[:, 2:8]), np.ascontiguousarray(table[:, 8]))  # fmt: skip
 
 
 class _Modal:
@@ -79,22 +48,21 @@ class _Modal:
 
 
 def to_moves(
-    record: Record, path: Path, *, limits: MachineLimits, home_mm: np.ndarray | None
+    record: Record, *, limits: MachineLimits, home_mm: np.ndarray | None
 ) -> Moves:
     """Resolve a record to moves in machine coordinates.
 
     Parameters
     ----------
     record : Record
-        Events, arcs and dwells.
-    path : Path
-        Rows of the record.
+        Rows and events.
     limits : MachineLimits
         For the clock.
     home_mm : (3,) array or None
         Nose position at the start; None where it is unknown, then the first rapid starts where
         it ends.
     """
+    path = record.path()
     count = len(path.call)
     modal = _Modal(record, count)
     offset = modal.column("tool_offset", 6)
@@ -143,15 +111,16 @@ def _machine_ends(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Ends in machine coordinates: R (program + G92) + G5x + tool offset."""
     origin = modal.column("set_g5x_offset", 6, skip=1)
-    point = path.end + modal.column("set_g92_offset", 6)
+    g92 = modal.column("set_g92_offset", 6)
+    point = path.point_mm + g92[:, :3]
     angle = modal.column("set_xy_rotation")[:, 0]
     if angle.any():
         cosine, sine = _rotations(angle)
         x, y = point[:, 0].copy(), point[:, 1].copy()
         point[:, 0] = x * cosine - y * sine
         point[:, 1] = x * sine + y * cosine
-    point = point + origin + offset
-    return point[:, :3], point[:, 3:]
+    rotary = path.rotary_deg + g92[:, 3:] + origin[:, 3:] + offset[:, 3:]
+    return point + origin[:, :3] + offset[:, :3], rotary
 
 
 def _start_point(path: Path, end: np.ndarray, home_mm: np.ndarray | None) -> np.ndarray:

@@ -15,6 +15,7 @@ __all__ = ["after_tool_change", "keep_tool_offset"]
 def after_tool_change(controller: Controller) -> None:
     """Put position and tool table back to what the interpreter remembers."""
     controller.refresh = False
+    controller.loaded = controller.tool
     if controller.preview:
         controller.position = list(controller.record.last_straight)
         controller.tools = dict(controller.tool_table)

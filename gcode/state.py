@@ -83,6 +83,7 @@ class Controller:
     retract_to_initial: bool = False
     path_control: int = 640
     tool: int = 0
+    loaded: int = 0  #: tool that G43 without H and G41 without D mean: M6 counts one block later
     selected_tool: int | None = None
     cycle: CycleMemory = field(default_factory=CycleMemory)
 
