@@ -1,6 +1,7 @@
 """NC programs: from text to resolved moves. Knows neither machines' errors nor stock."""
 
 from gcode.arc_tolerance import ARC_TOLERANCES, ArcTolerance
+from gcode.canon import canon_calls, canon_lines
 from gcode.clock import MachineLimits
 from gcode.errors import ProgramError
 from gcode.moves import MoveKind, Moves
@@ -9,5 +10,5 @@ from gcode.source import Source, Word
 from gcode.tools import ToolEntry, read_tool_table
 
 __all__ = ["ARC_TOLERANCES", "ArcTolerance", "MachineLimits", "MoveKind", "Moves", "Note",
-           "Program", "ProgramError", "Source", "ToolEntry", "Word", "read_program",
-           "read_tool_table"]  # fmt: skip
+           "Program", "ProgramError", "Source", "ToolEntry", "Word", "canon_calls", "canon_lines",
+           "read_program", "read_tool_table"]  # fmt: skip

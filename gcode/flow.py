@@ -9,7 +9,6 @@ from gcode import cutter_compensation
 from gcode.block_values import whole
 from gcode.errors import ProgramError
 from gcode.expressions import value_of
-from gcode.fast_lane import FastLane
 from gcode.interpreter import execute, restore_modes
 from gcode.lexer import Block, OWord, compact, is_control, read_block
 from gcode.source import Source
@@ -59,7 +58,10 @@ def run_program(
         With the line at which the program cannot go on.
     """
     runner = _Runner(controller, source, block_delete=block_delete, max_blocks=max_blocks)
-    runner.fast = FastLane(controller, source.data) if fast else None
+    if fast:
+        from gcode.fast_lane import FastLane  # loads the compiler, which small programs spare
+
+        runner.fast = FastLane(controller, source.data)
     try:
         runner.run()
     except ProgramError as error:
@@ -84,7 +86,7 @@ class _Runner:
         self.texts: dict[int, tuple[str, int]] = {}
         self.blocks: tuple[dict[int, Block], dict[int, Block]] = ({}, {})
         self.next: Place = (0, 0)
-        self.fast: FastLane | None = None
+        self.fast = None
         self.frames: list[_Frame] = []
         self.labels: dict[str, _Label] = {}
         self.skip_to: str | None = None  #: label at which execution goes on

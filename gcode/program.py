@@ -68,6 +68,8 @@ class Program:
         For the clock.
     home_mm : (3,) array or None
         Nose position at the start, where it is known.
+    options : mapping
+        How it was read: arguments of `read_program`.
     """
 
     path: Path
@@ -77,6 +79,7 @@ class Program:
     record: Record = field(repr=False)
     limits: MachineLimits = field(repr=False)
     home_mm: np.ndarray | None = field(repr=False)
+    options: Mapping[str, object] = field(repr=False)
 
     @cached_property
     def moves(self) -> Moves:
@@ -140,6 +143,7 @@ def read_program(
     OSError
         If the file cannot be read.
     """
+    options = {k: v for k, v in locals().items() if k != "path"}
     source = path if isinstance(path, Source) else Source.read(path)
     controller = Controller(dict(tools or {}), arc_tolerance(arc_tolerances), machine_unit_mm,
                             preview=preview)  # fmt: skip
@@ -152,7 +156,7 @@ def read_program(
     notes = tuple(Note(line, word, text) for (line, word), text in controller.notes.items())
     home = None if home_mm is None else np.array(home_mm, np.float64)
     return Program(source.path, "rs274", source, notes, controller.record,
-                   limits or MachineLimits(), home)  # fmt: skip
+                   limits or MachineLimits(), home, options)  # fmt: skip
 
 
 def _prepare(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcode.clock import MachineLimits, path_lengths
+from gcode.clock import Geometry, MachineLimits, durations
 from gcode.moves import MoveKind, Moves
 from gcode.record import Call, Path, Record
 
@@ -75,11 +75,12 @@ def to_moves(
     rotary_start = np.concatenate((np.zeros((1, 3)), rotary[:-1])) if count else rotary
     kind = np.array([_KIND[call] for call in Call], np.int8)[path.call]
     centre, axis, sweep = _arcs(record, modal, start=start, end=end, offset=offset)
-    lengths = path_lengths(start, end, centre_mm=centre, axis=axis, sweep_rad=sweep)
     feed = np.where(kind == MoveKind.RAPID, limits.rapid_mm_per_min, path.feed_mm_per_min)
     feed[still] = 0.0
     turned = np.sqrt(((rotary - rotary_start) ** 2).sum(axis=1))
-    duration = _durations(lengths, turned, kind=kind, feed=feed, limits=limits)
+    path_control = modal.column("path_control")[:, 0]
+    duration = durations(Geometry(start, end, centre, axis, sweep, turned), feed,
+                         rapid=kind == MoveKind.RAPID, path_control=path_control, limits=limits)
     _set_pauses(duration, record, path, limits)
     return Moves(
         kind=kind,
@@ -96,7 +97,7 @@ def to_moves(
         tool=modal.column("change_tool")[:, 0],
         tool_offset_mm=offset[:, :3],
         work_offset=modal.column("set_g5x_offset")[:, 0],
-        exact_stop=modal.column("path_control")[:, 0] == 611,
+        exact_stop=path_control == 611,
         start_s=np.concatenate(([0.0], np.cumsum(duration)[:-1])) if count else duration,
         duration_s=duration,
     )
@@ -176,19 +177,6 @@ def _sweeps(
     angle = sense * np.arctan2(cross, np.einsum("ij,ij->i", from_centre, flat))
     angle = np.where(angle < _FULL_CIRCLE, angle + 2.0 * np.pi, angle)
     return sense * (angle + (np.abs(turns) - 1.0) * 2.0 * np.pi)
-
-
-def _durations(
-    lengths: np.ndarray, turned_deg: np.ndarray, *, kind: np.ndarray, feed: np.ndarray,
-    limits: MachineLimits,
-) -> np.ndarray:  # fmt: skip
-    """Seconds at constant speed: along X Y Z, or in degrees where only rotary axes move."""
-    rapid = kind == MoveKind.RAPID
-    distance = np.where((lengths > 1e-7) | rapid, lengths, turned_deg)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        seconds = np.where(distance > 0.0, distance / feed * 60.0, 0.0)
-    turning = turned_deg / limits.rapid_deg_per_min * 60.0
-    return np.where(rapid, np.maximum(seconds, turning), seconds)
 
 
 def _set_pauses(
