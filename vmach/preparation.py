@@ -88,10 +88,10 @@ def prepare(
         raise InputError(
             "the program moves no tool", file=source, hint="a T word with M6 puts one in"
         )
+    zero = job.work_offsets_mm[_zero_name(job, moves, source)]
     _check_travel(job, path, source)
     index = np.full(max(job.tools) + 1, -1)
     index[list(job.tools)] = np.arange(len(job.tools))
-    zero = job.work_offsets_mm[_zero_name(job, moves, source)]
     cutters = tuple(tool.cutter for tool in job.tools.values())
     return Preparation(job, program, path, zero, cutters, index, notes)
 
@@ -169,8 +169,10 @@ def _check_travel(job: Job, path: Toolpath, source: Path) -> None:
     if not outside.any():
         return
     node, axis = np.argwhere(outside)[0]
+    along = nose[path.nodes.move == path.nodes.move[node], axis]
+    farthest = along.max() if nose[node, axis] > high[axis] else along.min()
     raise InputError(
-        f"{'XYZ'[axis]} goes to {nose[node, axis]:.3f} mm in machine coordinates, "
+        f"{'XYZ'[axis]} goes to {farthest:.3f} mm in machine coordinates, "
         "outside the travel",
         file=source,
         line=int(path.nodes.line[node]),

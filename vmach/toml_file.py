@@ -67,7 +67,9 @@ def read_toml(path: Path, schema: type[Section], *, what: str) -> Section:
 def _first_complaint(
     error: ValidationError, path: Path, text: str, schema: type[FileSection]
 ) -> InputError:
-    first = error.errors()[0]
+    complaints = error.errors()
+    # a misspelt key is also a missing one: say what was written first
+    first = min(complaints, key=lambda c: c["type"] != "extra_forbidden")
     keys = [str(part) for part in first["loc"]]
     dotted = ".".join(keys)
     line = line_of_key(text, keys)

@@ -64,7 +64,7 @@ CASES = {
     ),
     "tool that the job lacks": (
         lambda f: replace(f / "part.nc", "T1 M6", "T7 M6"),
-        ["part.nc:", "T7", "T1", "[tools.7]"],
+        ["part.nc:3", "T7", "accepted: tools 1"],
     ),
     "move outside the travel": (
         lambda f: replace(f / "part.nc", "X40 Y0", "X340 Y0"),
@@ -80,7 +80,7 @@ CASES = {
     ),
     "not a word of G-code": (
         lambda f: replace(f / "part.nc", "X-15\n", "X-15 ?\n"),
-        ["part.nc:9"],
+        ["part.nc:11:5", "'?'"],
     ),
     "nothing to inspect": (
         lambda f: replace(f / "job.toml", 'measured = "points.csv"\n', ""),

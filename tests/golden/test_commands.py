@@ -32,7 +32,7 @@ def test_run_writes_the_five_files(job, tmp_path, monkeypatch, capsys):
     assert summary["model"] == "abbe"
     assert list(summary["variants"]) == ["none", "abbe"]
     program_only = summary["variants"]["none"]
-    assert program_only["status"]["cut"] > 500
+    assert program_only["status"]["cut"] > 450
     assert max(abs(program_only["max_um"]), abs(program_only["min_um"])) < 1e-6
     roles = {file["path"] for file in summary["run"]["files"]}
     assert {"job.toml", "part.nc", "machine.toml", "part.stl", "errors/EXX.csv"} <= roles
@@ -63,7 +63,7 @@ def test_predict_writes_a_row_for_every_point(job, tmp_path, monkeypatch, capsys
     points = job.parent / "points.csv"
     status, _, _ = run_vmach(monkeypatch, capsys, "predict", job, "--points", points, "-o", out)
     assert status == 0
-    rows = list(csv.DictReader(out.open()))
+    rows = list(csv.DictReader(out.read_text().splitlines()))
     assert list(rows[0]) == ["id", "deviation_um", "u_um", "line", "tool", "time_s", "status"]
     assert [row["id"] for row in rows] == [str(k + 1) for k in range(len(rows))]
     assert {row["status"] for row in rows} == {"cut"}
@@ -80,7 +80,7 @@ def test_uncut_and_gouged_away_are_states_without_a_number(job, tmp_path, monkey
     )
     out = tmp_path / "out.csv"
     run_vmach(monkeypatch, capsys, "predict", job, "--points", points, "-o", out)
-    rows = {row["id"]: row for row in csv.DictReader(out.open())}
+    rows = {row["id"]: row for row in csv.DictReader(out.read_text().splitlines())}
     status = {name: row["status"] for name, row in rows.items()}
     assert status == {"cut": "cut", "stock": "uncut", "buried": "uncut", "air": "gouged away"}
     assert all((row["deviation_um"] == "") == (row["status"] != "cut") for row in rows.values())
