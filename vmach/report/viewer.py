@@ -24,7 +24,7 @@ _BAR_TITLE = "um, positive: material left"
 
 
 def open_viewer(folder: str | Path, *, screenshot: str | Path | None = None) -> None:
-    """Show the part of a result folder coloured by its deviations; the key ``v`` changes variant.
+    """Show the part of a result folder coloured by its deviations; ``n`` shows the next variant.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def _plotter(folder: Path, points: InspectedPoints, *, off_screen: bool):
             show_scalar_bar=False,
         )
         plotter.add_scalar_bar(_BAR_TITLE, n_labels=5, fmt="%+.3g", render=False)
-        plotter.add_text(f"{name}    (v: next variant)", name="caption", font_size=11)
+        plotter.add_text(f"{name}    (n: next variant)", name="caption", font_size=11)
 
     def show_next() -> None:
         names.append(names.pop(0))
@@ -92,7 +92,7 @@ def _plotter(folder: Path, points: InspectedPoints, *, off_screen: bool):
     while names[0] != points.primary.name:
         names.append(names.pop(0))
     show(names[0])
-    plotter.add_key_event("v", show_next)
+    plotter.add_key_event("n", show_next)
     plotter.add_axes()
     plotter.enable_parallel_projection()
     plotter.view_vector(TOWARDS_VIEWER, viewup=(0, 0, 1))
