@@ -38,11 +38,12 @@ def blank_solid(blank: Any) -> Manifold:
 
 
 def _from_mesh(vertices_mm: np.ndarray, faces: np.ndarray) -> Manifold:
-    mesh = Mesh64(
-        np.ascontiguousarray(vertices_mm, dtype=np.float64),
-        np.ascontiguousarray(faces, dtype=np.uint64),
+    solid = Manifold(
+        Mesh64(
+            np.array(vertices_mm, dtype=np.float64, order="C"),
+            np.array(faces, dtype=np.uint64, order="C"),
+        )
     )
-    solid = Manifold(mesh)
     if solid.status() != Error.NoError or solid.is_empty():
         raise StockError(
             f"the blank's mesh of {len(faces)} triangles is no closed solid"

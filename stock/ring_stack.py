@@ -33,11 +33,10 @@ class RingStack:
     def up_to(self, height_mm: float) -> RingStack:
         """The rings that matter where nothing lies above `height_mm`, open at the top.
 
-        The topmost ring left lies at that height or above; its normals lose the upper side.
+        The topmost ring left lies at that height or above, or is the last; its normals lose
+        the upper side.
         """
         count = max(int(np.searchsorted(self.rings[:, 1], height_mm)) + 1, 2)
-        if count >= len(self.rings):
-            return self
         rings = self.rings[:count].copy()
         rings[-1, 3] = rings[-1, 2]
         return RingStack(rings, self.azimuths[:count])
@@ -46,15 +45,12 @@ class RingStack:
 def ring_stack(tool: Tool, tolerance_mm: float) -> RingStack:
     """Rings on the tool's surface whose chords, along and around, stay within the tolerance."""
     tangents = [0.0, *map(_tangent, tool.corners[:-1], tool.corners[1:]), np.pi]
-    rings = np.array(
+    rings = np.vstack(
         [
-            ring
+            _corner_rings(corner, lo, hi, tolerance_mm)
             for corner, lo, hi in zip(tool.corners, tangents[:-1], tangents[1:], strict=True)
-            for ring in _corner_rings(corner, lo, hi, tolerance_mm)
         ]
     )
-    if rings[0, 3] == 0.0 and rings[0, 0] > 0:
-        rings[0, 3] = rings[1, 2] / 2  # the rim of a flat bottom has the bottom's normal too
     return RingStack(rings, azimuth_count(rings[:, 0], tolerance_mm))
 
 
@@ -85,17 +81,16 @@ def _tangent(a: Corner, b: Corner) -> float:
 
 def _corner_rings(
     corner: Corner, lo: float, hi: float, tolerance_mm: float
-) -> list[tuple[float, float, float, float]]:
-    """Radius, height and interval of normals of the rings on one corner."""
+) -> np.ndarray:
+    """Radius, height and interval of normals, (K, 4), of the rings on one corner."""
     if corner.radius_mm == 0.0:
-        return [(corner.r_mm, corner.z_mm, lo, hi)]
+        return np.array([[corner.r_mm, corner.z_mm, lo, hi]])
     steps = int(np.ceil((hi - lo) / _chord_angle(corner.radius_mm, tolerance_mm) - 1e-9))
-    return [
-        (
-            corner.r_mm + corner.radius_mm * np.sin(normal),
-            corner.z_mm - corner.radius_mm * np.cos(normal),
-            normal,
-            normal,
-        )
-        for normal in np.linspace(lo, hi, max(steps, 1) + 1)
-    ]
+    normals = np.linspace(lo, hi, max(steps, 1) + 1)
+    half = (normals[1] - normals[0]) / 2
+    from_, to = normals.copy(), normals.copy()
+    to[0] += half  # where the rounding meets straight edges the facet beside counts as well
+    from_[-1] -= half
+    radius = corner.r_mm + corner.radius_mm * np.sin(normals)
+    height = corner.z_mm - corner.radius_mm * np.cos(normals)
+    return np.column_stack([radius, height, from_, to])

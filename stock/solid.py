@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 from manifold3d import Manifold
 
+from stock.advancing_cut import finished_pieces
 from stock.blank import blank_solid
 from stock.cutter_solids import CutterSolids
 from stock.errors import StockError
 from stock.ring_stack import ring_stack
+from stock.seams import PieceMesh, join_pieces
 from stock.strokes import strokes_of
 from stock.sweeps import Sweeps
 from stock.tools import Tool
@@ -21,6 +23,8 @@ __all__ = ["BLANK", "VirtualPart", "cut_part"]
 
 #: stands for the blank's own surface where a move is expected
 BLANK = -1
+#: a wall where the part was split for a while
+_WALL = -2
 
 
 @dataclass(frozen=True)
@@ -68,7 +72,7 @@ def cut_part(
     tolerance_mm : float
         Largest sagitta of a facet's chord on a tool or along an arc.
     progress : callable, optional
-        Called with the number of strokes done and their total.
+        Called every few strokes with how many of how many straight strokes are cut.
 
     Raises
     ------
@@ -78,32 +82,25 @@ def cut_part(
     if not tolerance_mm > 0:
         raise StockError(f"tolerance of {tolerance_mm!r} mm", accepted="a positive length")
     solid = blank_solid(blank)
-    bounds = np.reshape(solid.bounding_box(), (2, 3))
     strokes = strokes_of(sweeps, tolerance_mm)
     stacks = [ring_stack(tool, tolerance_mm) for tool in tools]
-    cutters = CutterSolids(strokes, stacks, bounds[1, 2])
-    low, high = cutters.boxes()
-    index = np.flatnonzero(((low < bounds[1]) & (high > bounds[0])).all(axis=1))
-    finished = 0
-
-    def done(count: int) -> None:
-        nonlocal finished
-        finished += count
-        if progress:
-            progress(finished, len(index))
-
-    if len(index):
-        solid = solid - cutters.union(index, done)
-    return _part(solid, cutters.move_of_id)
+    cutters = CutterSolids(strokes, stacks, top_mm=solid.bounding_box()[5])
+    move_of_id = cutters.move_of_id
+    move_of_id[solid.original_id()] = BLANK
+    pieces, volume_mm3 = [], 0.0
+    for piece in finished_pieces(solid, cutters, progress=progress):
+        pieces.append(_mesh(piece, move_of_id))
+        volume_mm3 += piece.volume()
+    joined = join_pieces(pieces)
+    return VirtualPart(joined.vertices_mm, joined.triangles, joined.move, volume_mm3)
 
 
-def _part(solid: Manifold, move_of_id: dict[int, int]) -> VirtualPart:
+def _mesh(solid: Manifold, move_of_id: dict[int, int]) -> PieceMesh:
+    """Triangles whose origin is known: all but the walls where pieces were split."""
     mesh = solid.to_mesh64()
-    run_move = np.array([move_of_id.get(int(i), BLANK) for i in mesh.run_original_id], np.int64)
+    origin = [move_of_id.get(int(number), _WALL) for number in mesh.run_original_id]
     lengths = np.diff(np.asarray(mesh.run_index, dtype=np.int64)) // 3
-    return VirtualPart(
-        vertices_mm=np.asarray(mesh.vert_properties)[:, :3].copy(),
-        triangles=np.asarray(mesh.tri_verts).astype(np.int64),
-        move=np.repeat(run_move, lengths),
-        volume_mm3=solid.volume(),
-    )
+    move = np.repeat(np.array(origin, dtype=np.int64), lengths)
+    triangles = np.asarray(mesh.tri_verts).astype(np.int64)
+    kept = move != _WALL
+    return PieceMesh(np.asarray(mesh.vert_properties)[:, :3], triangles[kept], move[kept])

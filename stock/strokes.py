@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
@@ -44,8 +44,16 @@ class Strokes:
     def __len__(self) -> int:
         return len(self.start_mm)
 
-    def __getitem__(self, index: np.ndarray) -> Strokes:
-        return Strokes(**{f.name: getattr(self, f.name)[index] for f in fields(self)})
+    def before(self, i: int) -> np.ndarray:
+        """Motion (3,) of the stroke that stroke i continues, zero where it begins a path."""
+        if not self.joined[i]:
+            return np.zeros(3)
+        return self.end_mm[i - 1] - self.start_mm[i - 1]
+
+    def ends(self, i: int) -> np.ndarray:
+        """Whether stroke i begins and whether it ends a path, (2,) bool."""
+        last = i + 1 == len(self) or not self.joined[i + 1]
+        return np.array([not self.joined[i], last])
 
 
 def strokes_of(sweeps: Sweeps, tolerance_mm: float) -> Strokes:
@@ -114,19 +122,19 @@ def _placement(
 def _run_starts(
     start: np.ndarray, end: np.ndarray, move: np.ndarray, mergeable: np.ndarray
 ) -> np.ndarray:
-    """First piece of each run of pieces whose nodes lie on one chord, evenly spaced or not."""
+    """First piece of each run of pieces whose nodes lie on one chord."""
     first = np.empty(len(start), dtype=np.int64)
     runs = 0
     for i in range(len(start)):
-        fits = i > 0 and mergeable[i] and mergeable_with(start, end, first[runs - 1], i)
-        if not fits or move[i] != move[i - 1]:
+        follows = i > 0 and mergeable[i] and move[i] == move[i - 1]
+        if not (follows and _on_chord(start, end, first[runs - 1], i)):
             first[runs] = i
             runs += 1
     return first[:runs]
 
 
 @njit(cache=True)
-def mergeable_with(start: np.ndarray, end: np.ndarray, first: int, last: int) -> bool:
+def _on_chord(start: np.ndarray, end: np.ndarray, first: int, last: int) -> bool:
     """Whether the nodes between piece `first` and piece `last` lie on their common chord."""
     chord = end[last] - start[first]
     length = np.sqrt((chord[:3] ** 2).sum())

@@ -21,6 +21,9 @@ from numba import njit
 __all__ = ["swept_points"]
 
 _SLACK_RAD = 1e-9
+_NOTHING = 1e-12
+#: a motion is level where a flat end rises by less than this over the tool's radius, mm
+_LEVEL_MM = 1e-4
 
 
 @njit(cache=True)
@@ -100,10 +103,19 @@ def _heading(step: np.ndarray) -> tuple[float, float, float]:
 
 @njit(cache=True)
 def _view(ring: np.ndarray, heading: tuple[float, float, float]) -> tuple[float, float]:
-    """Largest angle off the heading's azimuth that looks forward, smallest that looks back."""
-    lo = _half_front(ring[2], heading[1], heading[2])
-    hi = _half_front(ring[3], heading[1], heading[2])
-    return max(lo, hi), min(lo, hi)
+    """Largest angle off the heading's azimuth that looks forward, smallest that looks back.
+
+    Flat ends have no side in a level motion: the walls alone decide.
+    """
+    lo, hi = ring[2], ring[3]
+    if ring[0] * abs(heading[2]) <= _LEVEL_MM:
+        if lo == 0.0:
+            lo = hi
+        elif hi == np.pi:
+            hi = lo
+    a = _half_front(lo, heading[1], heading[2])
+    b = _half_front(hi, heading[1], heading[2])
+    return max(a, b), min(a, b)
 
 
 @njit(cache=True)
@@ -111,14 +123,14 @@ def _half_front(inclination: float, level: float, rise: float) -> float:
     """Half the azimuth range around the motion in which one inclination looks forward.
 
     The normal (sin i cos a, sin i sin a, -cos i) looks forward along (level, 0, rise) where
-    sin i cos a level >= cos i rise. A level motion counts as sinking by next to nothing, so
-    that the bottom of a flat tool has a side.
+    sin i cos a level >= cos i rise. Walls that slide along themselves, in a vertical motion,
+    look forward on one half, as if the motion were level by next to nothing.
     """
     side, lift = np.sin(inclination) * level, np.cos(inclination) * rise
-    if rise == 0.0 and side < _SLACK_RAD:
-        lift = -np.cos(inclination)
+    if side < _NOTHING and abs(lift) < _NOTHING:
+        return np.pi / 2
     if lift <= -side:
-        return np.pi if lift < 0.0 else np.pi / 2
+        return np.pi
     return 0.0 if lift >= side else np.arccos(lift / side)
 
 
