@@ -9,7 +9,7 @@ ROOT = Path(__file__).parents[2]
 
 #: layer of every part of vmach; a part may import its own layer and lower ones
 LAYERS = [
-    {"units", "errors"},
+    {"units", "errors", "stage_clock", "progress"},
     {"toml_file", "points", "path_geometry", "alignment", "nominal"},
     {"machine", "accuracy", "iso230"},
     {"job", "toolpath"},
@@ -17,7 +17,9 @@ LAYERS = [
     {"prediction", "measurements"},
     {"fit"},
     {"diagnosis", "compensation", "report", "history"},
+    {"inspection"},
     {"pipeline"},
+    {"results"},
     {"cli", "__main__", "__init__"},
 ]
 
