@@ -129,6 +129,8 @@ def _check_complete(controller: Controller, block: Values) -> None:
             raise ProgramError("G4 with an arc; both use P")
         if words["p"] < 0.0:
             raise ProgramError(f"negative dwell P{words['p']:g}", accepted="seconds")
+    if nonmodal == 53 and motion not in (None, 52):
+        raise ProgramError("G5.3 with another motion", accepted="G5.3 alone")
     if nonmodal == 530 and motion not in (0, 10):
         raise ProgramError("G53 without G0 or G1")
     if nonmodal == 530 and block.g.get("distance", 900 if controller.absolute else 910) == 910:

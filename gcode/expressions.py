@@ -96,7 +96,7 @@ _UNARY: dict[str, Callable[[float], float]] = {
     "fix": lambda value: float(math.floor(value)),
     "fup": lambda value: float(math.ceil(value)),
     "ln": _logarithm,
-    "round": lambda value: float(math.floor(value + 0.5) if value >= 0 else -int(0.5 - value)),
+    "round": lambda value: float(int(value + (-0.5 if value < 0.0 else 0.5))),
     "sin": lambda value: math.sin(math.radians(value)),
     "sqrt": _root,
     "tan": lambda value: math.tan(math.radians(value)),

@@ -14,7 +14,7 @@ from gcode.lexer import Block, OWord, compact, is_control, read_block
 from gcode.source import Source
 from gcode.state import Controller
 
-__all__ = ["run_program"]
+__all__ = ["run_rs274"]
 
 _LEVELS = 10  #: nesting of subroutine calls that the controller allows
 _LOCAL = frozenset(("do", "while", "repeat", "if", "elseif", "else", "endif", "break", "continue",
@@ -47,29 +47,22 @@ class _Frame:
     repeats: int = 1
 
 
-def run_program(
+def run_rs274(
     controller: Controller, source: Source, *, block_delete: bool, max_blocks: int, fast: bool
 ) -> None:
-    """Run a program from its first line to M2, M30, the closing % or the end of the text.
+    """Run RS274/NGC from the first line to M2, M30, the closing % or the end of the text.
 
     Raises
     ------
     ProgramError
-        With the line at which the program cannot go on.
+        Where the program cannot go on; `controller.line` is the line.
     """
     runner = _Runner(controller, source, block_delete=block_delete, max_blocks=max_blocks)
     if fast:
         from gcode.fast_lane import FastLane  # loads the compiler, which small programs spare
 
         runner.fast = FastLane(controller, source.data)
-    try:
-        runner.run()
-    except ProgramError as error:
-        raise error.located(file=None, line=controller.line) from None
-    except RecursionError:
-        raise ProgramError("expression is nested too deeply", line=controller.line) from None
-    except OverflowError:
-        raise ProgramError("number too large", line=controller.line) from None
+    runner.run()
 
 
 class _Runner:

@@ -14,6 +14,7 @@ from gcode.lexer import Block, read_block
 from gcode.modal_memory import ModalMemory, restoring_lines
 from gcode.predefined import unknown_input
 from gcode.spindle_synchronised import run_threading, synchronised
+from gcode.splines import close_nurbs, nurbs_point, spline
 from gcode.state import XY, XZ, YZ, Controller
 
 __all__ = ["assign", "execute", "restore_modes", "set_units"]
@@ -267,7 +268,7 @@ def _nonmodal(controller: Controller, values: Values, code: int) -> None:
     elif code in (520, 920):
         offsets.axis_offsets(controller, values, code)
     elif code == 53:
-        raise ProgramError("G5.3 without G5.2")
+        close_nurbs(controller)
 
 
 def _move(controller: Controller, values: Values, code: int) -> None:
@@ -287,8 +288,10 @@ def _move(controller: Controller, values: Values, code: int) -> None:
         synchronised(controller, values, code)
     elif code == 760:
         run_threading(controller, values)
+    elif code == 52:
+        nurbs_point(controller, values)
     else:
-        raise ProgramError(f"{code_name(code)} is not read", hint="splines and NURBS are refused")
+        spline(controller, values, code)
 
 
 def _stop(controller: Controller, code: int) -> bool:

@@ -11,14 +11,15 @@ import numpy as np
 
 from gcode.arc_tolerance import ArcTolerance, arc_tolerance
 from gcode.clock import MachineLimits
+from gcode.dialects.detect import choose_dialect
 from gcode.errors import ProgramError
-from gcode.flow import run_program
 from gcode.moves import Moves
 from gcode.offsets import load_offsets
 from gcode.parameters import system_base
 from gcode.predefined import install_predefined
 from gcode.record import Record
 from gcode.resolve import to_moves
+from gcode.run import run_program
 from gcode.source import Source
 from gcode.state import Controller, mapping_of_systems
 from gcode.tools import ToolEntry
@@ -148,14 +149,16 @@ def read_program(
     controller = Controller(dict(tools or {}), arc_tolerance(arc_tolerances), machine_unit_mm,
                             preview=preview)  # fmt: skip
     _prepare(controller, work_offsets_mm or {}, home_mm)
+    fast = len(source.data) >= _FAST_FROM if fast is None else fast
     try:
-        run_program(controller, source, block_delete=block_delete, max_blocks=max_blocks,
-                    fast=len(source.data) >= _FAST_FROM if fast is None else fast)  # fmt: skip
+        spoken = choose_dialect(dialect, source.data)
+        run_program(controller, source, dialect=spoken, block_delete=block_delete,
+                    max_blocks=max_blocks, fast=fast)  # fmt: skip
     except ProgramError as error:
         raise error.located(file=source.path, line=None) from None
     notes = tuple(Note(line, word, text) for (line, word), text in controller.notes.items())
     home = None if home_mm is None else np.array(home_mm, np.float64)
-    return Program(source.path, "rs274", source, notes, controller.record,
+    return Program(source.path, spoken, source, notes, controller.record,
                    limits or MachineLimits(), home, options)  # fmt: skip
 
 

@@ -86,6 +86,8 @@ class Controller:
     loaded: int = 0  #: tool that G43 without H and G41 without D mean: M6 counts one block later
     selected_tool: int | None = None
     cycle: CycleMemory = field(default_factory=CycleMemory)
+    control_points: list[tuple[float, float, float]] = field(default_factory=list)
+    nurbs_order: int = 3
 
     side: int = 0  #: cutter compensation: 1 left, -1 right, 0 off
     radius: float = 0.0
@@ -137,9 +139,9 @@ class Controller:
                                hint="cancel it with G40 first")
 
     def find_tool(self, number: int, *, word: str) -> ToolEntry:
-        """Look up the tool table; tool 0 is no tool."""
+        """Look up the tool table; number 0 means the tool in the spindle."""
         if number == 0:
-            return self.tools.get(0, ToolEntry())
+            return self.tools.get(self.loaded, ToolEntry())
         if number not in self.tools:
             known = ", ".join(str(n) for n in sorted(self.tools)) or "none"
             raise ProgramError(f"{word}{number}: tool {number} is not in the tool table",

@@ -1,0 +1,45 @@
+"""Which control a program was written for."""
+
+from __future__ import annotations
+
+import re
+
+from gcode.errors import ProgramError
+
+__all__ = ["DIALECTS", "choose_dialect", "detect_dialect"]
+
+DIALECTS = ("rs274", "fanuc", "heidenhain", "sinumerik")
+
+_FLAGS = re.IGNORECASE | re.MULTILINE
+_START = r"^[ \t]*(?:N?\d+[ \t]+)?"  # line or block number
+_HEIDENHAIN = re.compile(_START + r"(?:BEGIN PGM|BLK FORM|TOOL CALL|CYCL DEF)\b", _FLAGS)
+_SINUMERIK = re.compile(
+    r"^[ \t]*(?:%_N_\w+|;\$PATH=)"
+    rf"|{_START}(?:DEF[ \t]+(?:REAL|INT|BOOL|STRING)|PROC[ \t]|EXTERN[ \t]|ENDFOR|ENDWHILE"
+    r"|STOPRE|WORKPIECE[ \t]*\(|CYCLE\d+[ \t]*\(|TRANS[ \t]|ATRANS[ \t]|MSG[ \t]*\(\")"
+    r"|^[^(;\n]*\b(?:[XYZFS]|CR|TURN|AP|RP)[ \t]*=[ \t]*[-+.\dA-Z]",
+    _FLAGS,
+)
+_FANUC = re.compile(
+    r"^[ \t]*(?:N\d+[ \t]*)?(?:IF[ \t]*\[[^\n]*\][ \t]*(?:GOTO|THEN)|WHILE[ \t]*\[[^\n]*\][ \t]*DO"
+    r"|GOTO[ \t]*[\d#\[]|END[ \t]*[123]\b)|^[^(;\n]*\bG0*6[56](?![\d.])",
+    _FLAGS,
+)
+
+
+def detect_dialect(text: str) -> str:
+    """Guess the dialect of a program from words that no other dialect has."""
+    if _HEIDENHAIN.search(text):
+        return "heidenhain"
+    if _FANUC.search(text):
+        return "fanuc"
+    return "sinumerik" if _SINUMERIK.search(text) else "rs274"
+
+
+def choose_dialect(name: str, data: bytes) -> str:
+    """Return the dialect asked for, or detect it for ``auto``; raises ProgramError."""
+    if name == "auto":
+        return detect_dialect(data[:100_000].decode("latin-1"))
+    if name not in DIALECTS:
+        raise ProgramError(f"unknown dialect '{name}'", accepted="auto, " + ", ".join(DIALECTS))
+    return name

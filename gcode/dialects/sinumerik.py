@@ -1,0 +1,123 @@
+"""Sinumerik: G code blocks with plain motion; variables, cycles and frames are refused."""
+
+from __future__ import annotations
+
+import re
+
+from gcode.dialects.translate import Translated, number
+from gcode.errors import ProgramError
+from gcode.lexer import read_block
+from gcode.state import Controller
+
+__all__ = ["Sinumerik"]
+
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
+_WORD = re.compile(rf"(CR|TURN|[A-Z])\s*(=?)\s*({_NUMBER})", re.IGNORECASE)
+#: Codes of this control -> RS274/NGC, times ten; absent ones keep their meaning.
+_CODES = {70: "g20", 700: "g20", 71: "g21", 710: "g21", 60: "g61.1", 64: "g64", 601: "", 602: ""}
+_SAME = frozenset((0, 1, 2, 3, 17, 18, 19, 40, 53, 54, 55, 56, 57, 90, 91, 94, 95))
+_MOTION = frozenset((0, 1, 2, 3))
+_STOPS = frozenset((0, 1, 2, 30, 17))
+
+
+class Sinumerik(Translated):
+    """Runs a Sinumerik program; every line becomes blocks of RS274/NGC."""
+
+    def __init__(self, controller: Controller, lines: list[str], *, max_blocks: int) -> None:
+        super().__init__(controller, lines, max_blocks=max_blocks)
+        self.edge = 1  #: D: cutting edge, 0 takes the tool offset off
+        self.execute("g21g90g17g40")
+
+    def obey(self, text: str) -> None:
+        """Obey one line."""
+        content = re.sub(r";.*", "", text).strip()
+        if not content or content.startswith("%"):
+            return
+        content = re.sub(r"^/?\s*(?:[N:]\d+\s*)?", "", content, flags=re.IGNORECASE)
+        words = self._words(content)
+        g_codes = [value for letter, value in words if letter == "G"]
+        if 4.0 in g_codes:
+            self._dwell(words)
+            return
+        self._tool(words)
+        self.execute(self._block(words, g_codes))
+        stop = [v for letter, v in words if letter == "M" and v in _STOPS]
+        if stop:
+            self.execute("m30" if stop[0] in (2, 17, 30) else f"m{stop[0]:.0f}")
+
+    def _words(self, content: str) -> list[tuple[str, float]]:
+        words, position = [], 0
+        for match in _WORD.finditer(content):
+            if content[position : match.start()].strip():
+                break
+            letter = match[1].upper()
+            if letter in ("CR", "TURN") and not match[2]:
+                break
+            words.append((letter, float(match[3])))
+            position = match.end()
+        rest = content[position:].strip()
+        if rest:
+            word = re.match(r"\w+|.", rest)[0]
+            raise ProgramError(f"Sinumerik word '{word}' is not read",
+                               accepted="G M T D F S X Y Z A B C I J K CR= TURN= with numbers")
+        return words
+
+    def _dwell(self, words: list[tuple[str, float]]) -> None:
+        """G4 F is a time in seconds, G4 S a number of revolutions."""
+        values = dict(words)
+        if set(values) == {"G", "F"}:
+            self.execute(f"g4p{number(values['F'])}")
+        elif set(values) == {"G", "S"} and self.controller.speed > 0.0:
+            self.execute(f"g4p{number(values['S'] * 60.0 / self.controller.speed)}")
+        else:
+            raise ProgramError("G4 takes F (seconds) or S (revolutions) alone in its block")
+
+    def _tool(self, words: list[tuple[str, float]]) -> None:
+        values = dict(words)
+        if "T" in values:
+            self.execute(f"t{values['T']:.0f}")
+        edge = self.edge
+        if "D" in values:
+            if values["D"] not in (0.0, 1.0):
+                raise ProgramError(f"cutting edge D{values['D']:g}", accepted="D0 D1")
+            edge = int(values["D"])
+        changed = any(letter == "M" and value == 6 for letter, value in words)
+        if changed:
+            self.execute("m6")
+        if changed or edge != self.edge:
+            self.edge = edge
+            tool = self.controller.tool
+            self.execute(f"g43h{tool}" if edge and tool else "g49")
+
+    def _block(self, words: list[tuple[str, float]], g_codes: list[float]) -> str:
+        text = []
+        for letter, value in words:
+            if letter == "G":
+                text.append(self._code(value))
+            elif letter == "M":
+                if value not in _STOPS and value != 6:
+                    text.append(f"m{value:g}")
+            elif letter == "CR":
+                text.append(f"r{number(value)}")
+            elif letter == "TURN":
+                text.append(f"p{value + 1:.0f}")
+            elif letter in ("T", "D"):
+                continue
+            elif letter in "XYZABCIJKFS":
+                text.append(f"{letter.lower()}{number(value)}")
+            else:
+                raise ProgramError(f"Sinumerik word '{letter}{value:g}' is not read",
+                                   accepted="G M T D F S X Y Z A B C I J K CR= TURN=")
+        block = "".join(text)
+        if block and not read_block(block).g_codes and self.controller.motion in (None, 800):
+            block = "g1" + block if any(w[0] in "XYZABC" for w in words) else block
+        return block
+
+    @staticmethod
+    def _code(value: float) -> str:
+        if value in _CODES:
+            return _CODES[value]
+        if value not in _SAME:
+            raise ProgramError(f"Sinumerik G{value:g} is not read",
+                               accepted="G0-G4 G17-G19 G40 G53-G57 G60 G64 G70 G71 G90 G91 G94 G95")
+        return f"g{value:.0f}"

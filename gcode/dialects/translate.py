@@ -1,0 +1,61 @@
+"""Running a program line by line, each line translated to RS274/NGC blocks."""
+
+from __future__ import annotations
+
+from gcode.cutter_compensation import flush
+from gcode.errors import ProgramError
+from gcode.interpreter import execute
+from gcode.lexer import compact, read_block
+from gcode.state import Controller
+
+__all__ = ["Translated", "number"]
+
+
+def number(value: float) -> str:
+    """Write a number so that reading gives the same value; RS274 has no exponents."""
+    text = repr(float(value))
+    return text if "e" not in text else f"{value:.20f}"
+
+
+class Translated:
+    """Base of the dialects whose lines become blocks.
+
+    Parameters
+    ----------
+    controller : Controller
+        State.
+    lines : list of str
+        The program.
+    max_blocks : int
+        Give up after so many.
+    """
+
+    def __init__(self, controller: Controller, lines: list[str], *, max_blocks: int) -> None:
+        self.controller, self.lines, self.max_blocks = controller, lines, max_blocks
+        self.next = 0
+        self.ended = False
+
+    def run(self) -> None:
+        """Run to the end of the program."""
+        controller = self.controller
+        executed = 0
+        while self.next < len(self.lines) and not self.ended:
+            here = self.next
+            self.next = here + 1
+            controller.line = controller.record.line = here + 1
+            executed += 1
+            if executed > self.max_blocks:
+                raise ProgramError(f"program runs more than {self.max_blocks} blocks",
+                                   hint="look for a loop without end, or raise max_blocks")
+            self.obey(self.lines[here])
+        flush(controller)
+
+    def obey(self, text: str) -> None:
+        """Obey one line."""
+        raise NotImplementedError
+
+    def execute(self, *blocks: str) -> None:
+        """Hand blocks of RS274/NGC to the interpreter."""
+        for block in blocks:
+            if block.strip():
+                self.ended = execute(self.controller, read_block(compact(block))) or self.ended
