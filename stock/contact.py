@@ -394,7 +394,9 @@ def _exit_standing(work, i, s, line, h, least):
         if distance <= 0.1 * _ROOT_MM:
             return low
         step = -distance / by_h
-        if by_h >= 0.0 or low + step >= h or step < 1e-15:
-            return min(h, low)
+        if by_h >= 0.0 or low + step >= h:
+            return h
+        if step < 1e-15:
+            return low
         low += step
     return low
