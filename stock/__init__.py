@@ -3,6 +3,7 @@
 Knows neither NC programs nor machines.
 """
 
+from stock.collision import Collision, find_collisions
 from stock.edge import Edges, EdgeStatus, find_edges
 from stock.errors import StockError
 from stock.export import write_part
@@ -14,6 +15,7 @@ from stock.tools import TOOL_SHAPES, Corner, Tool, make_tool
 __all__ = [
     "BLANK",
     "TOOL_SHAPES",
+    "Collision",
     "Corner",
     "EdgeStatus",
     "Edges",
@@ -23,6 +25,7 @@ __all__ = [
     "Tool",
     "VirtualPart",
     "cut_part",
+    "find_collisions",
     "find_edges",
     "find_generating",
     "make_tool",
