@@ -11,10 +11,12 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from gcode import ProgramError
+from gcode import ProgramError, canon_calls, canon_lines, read_program, read_tool_table
 from stock import StockError
 from vmach import __version__
-from vmach.errors import VmachError
+from vmach.accuracy.command import accuracy
+from vmach.errors import InputError, VmachError
+from vmach.iso230.command import iso230
 from vmach.machine import Variant
 from vmach.progress import progress_bar
 
@@ -93,6 +95,28 @@ def predict(
     else:
         figures = prediction_summary(found, prediction)
         print(f"{out}: {figures['points']} points, {figures['status']}")
+
+
+app.command()(accuracy)
+app.command()(iso230)
+
+
+@app.command()
+def canon(
+    program: Annotated[Path, typer.Argument(metavar="PROGRAM", help="the NC program")],
+    tools: Annotated[Path | None, typer.Option(help="tool table, as LinuxCNC's tool.tbl")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """What the program says to the machine: one resolved move a line."""
+    if not program.is_file():
+        raise InputError("NC program not found", file=program)
+    table = read_tool_table(tools) if tools is not None else {}
+    read = read_program(program, tools=table)
+    if as_json:
+        calls = [{"line": n, "call": name, "arguments": a} for n, name, a in canon_calls(read)]
+        print(json.dumps(calls, indent=1))
+    else:
+        sys.stdout.writelines(f"{line}\n" for line in canon_lines(read))
 
 
 @app.command()

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from stock import EdgeStatus
 from vmach.alignment import align
 from vmach.errors import InputError
 from vmach.job import Inspection, Job
@@ -98,7 +99,28 @@ def inspected_points(
     primary = predictions[-1]
     if points.measured_mm is not None:
         columns.append(_measured_column(points, primary))
+    notes += _notes_on_states(primary)
     return _table(points, primary, columns), tuple(notes)
+
+
+def _notes_on_states(prediction: Prediction) -> list[str]:
+    """Say what was not cut, and where the program cuts into surfaces that the part has."""
+    notes = []
+    uncut = int((prediction.edges.status == EdgeStatus.UNCUT).sum())
+    if uncut:
+        notes.append(f"{uncut} points lie where no tool came near: raw stock, or left over")
+    gouged = int((prediction.edges.status == EdgeStatus.GOUGED).sum())
+    if gouged:
+        notes.append(f"{gouged} points lie where the program removes the surface altogether")
+    overcut = int(prediction.overcut.sum())
+    if overcut:
+        line = prediction.states.line[np.argmax(prediction.overcut[prediction.is_cut])]
+        notes.append(
+            f"{overcut} measured points, the first from line {line}, are surface on the part, "
+            "yet other moves of the program as read would have cut them away; they are predicted "
+            "from the move that makes them"
+        )
+    return notes
 
 
 def _column(

@@ -202,10 +202,14 @@ class Job:
             return None
         return self.blank.file or (self.blank.min_mm, self.blank.max_mm)
 
-    def files(self) -> list[Path]:
-        """Every file that the prediction depends on, for the record of what was run."""
-        optional = [self.nominal, self.measured, self.blank.file if self.blank else None]
-        return [self.path, self.program, *self.machine.files, *filter(None, optional)]
+    def files(self) -> list[tuple[str, Path]]:
+        """Role and path of every file that the prediction depends on."""
+        machine, *tables = self.machine.files
+        files = [("job", self.path), ("program", self.program), ("machine", machine)]
+        files += [("error table", table) for table in dict.fromkeys(tables)]
+        blank = self.blank.file if self.blank else None
+        optional = [("nominal", self.nominal), ("measured", self.measured), ("stock", blank)]
+        return files + [(role, path) for role, path in optional if path is not None]
 
 
 def read_job(path: str | Path) -> Job:

@@ -93,7 +93,7 @@ def run_record(made: MachinedPart, command: str, *hints: str) -> RunRecord:
         model=str(made.model),
         tolerance_mm=job.inspection.tolerance_mm,
         started_at=datetime.now(UTC).isoformat(timespec="seconds"),
-        files=tuple(_input_file(path, job.folder) for path in job.files()),
+        files=tuple(_input_file(role, path, job.folder) for role, path in job.files()),
         versions={"python": platform.python_version()} | {p: version(p) for p in _PACKAGES},
         stages_s=made.stages_s,
         facts={
@@ -109,10 +109,9 @@ def run_record(made: MachinedPart, command: str, *hints: str) -> RunRecord:
     )
 
 
-def _input_file(path: Path, folder: Path) -> InputFile:
+def _input_file(role: str, path: Path, folder: Path) -> InputFile:
     content = path.read_bytes()
     name = path.relative_to(folder) if path.is_relative_to(folder) else path
-    role = path.suffix.removeprefix(".")
     return InputFile(role, str(name), hashlib.sha256(content).hexdigest(), len(content))
 
 
