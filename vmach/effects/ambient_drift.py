@@ -22,6 +22,9 @@ class AmbientDrift(Effect):
             usual=86400.0,
         ),
     )
+    rarity = 1.0
+    slack_share = 0.1
+    slack_time_s = 3000.0
     usual_size = "5 to 30 um a day for a few kelvin"
     confirm = "drift test with the spindle standing, over a working day (ISO 230-3, ETVE)"
     cure = "keep sun and draught off the machine; probe the datum again before finishing"

@@ -19,10 +19,13 @@ class AxisExpansion(Effect):
             "time to reach 63 % of the final stretch",
             (300, 600, 1000, 1500, 2300, 3600, 6000),
             usual=1500.0,
+            spread=0.7,
         ),
-        inner("work_share", "share of the heat that follows the axis' own motion", (0.0, 1.0),
+        inner("work_share", "share of the heat that follows the axis' own motion", (0.02, 1.0),
               usual=1.0),
     )
+    slack_share = 0.1
+    slack_time_s = 1500.0
     usual_size = "20 to 100 ppm with a time constant of 10 to 60 minutes"
     confirm = "laser the same line cold, after 30 and after 60 minutes of work"
     cure = "measure with a linear scale, cool the screw, or warm up and re-datum"

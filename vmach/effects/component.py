@@ -30,6 +30,7 @@ class Component(Effect):
         Parameter("correction_urad", "to be added to an angular table there", -1e5, 1e5, 15.0),
     )
     targets = COMPONENT_NAMES
+    rarity = 1.5
     usual_size = "5 to 20 um, 10 to 60 urad; locally more after a collision or with worn guides"
     confirm = "measure this component again over the range where it differs"
     cure = "enter the new table; mend the guide where the damage is local"
@@ -83,5 +84,4 @@ def _root(knots_mm: np.ndarray, length_mm: float) -> np.ndarray:
     """Square root of a squared-exponential covariance between the knots, (K, K)."""
     apart = np.subtract.outer(knots_mm, knots_mm) / length_mm
     values, vectors = np.linalg.eigh(np.exp(-0.5 * apart**2))
-    keep = values > 1e-6 * values[-1]
-    return vectors[:, keep] * np.sqrt(values[keep])
+    return vectors * np.sqrt(np.maximum(values, 0.0))

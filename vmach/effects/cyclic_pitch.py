@@ -8,7 +8,7 @@ from vmach.machine import LINEAR_AXES
 __all__ = ["CyclicPitch"]
 
 #: equal steps of spatial frequency, fine enough for a metre of travel
-_PITCHES_MM = 1.0 / np.arange(0.02, 0.52, 0.0004)
+_PITCHES_MM = 1.0 / np.arange(0.02, 0.34, 0.0005)
 
 
 class CyclicPitch(Effect):
@@ -21,6 +21,7 @@ class CyclicPitch(Effect):
         inner("pitch_mm", "period along the axis", _PITCHES_MM, usual=10.0),
         inner("phase_rad", "phase at the axis' home", (-np.pi, np.pi), usual=1.0),
     )
+    rarity = 0.5
     usual_size = "1 to 5 um; the period is the pitch, 5 to 20 mm, or a fraction of it"
     confirm = "laser line in steps of a tenth of the pitch over three pitches"
     cure = "mend the coupling or the encoder's mounting, or set interpolated compensation"

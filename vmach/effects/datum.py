@@ -23,6 +23,7 @@ class Fixture(Effect):
     )
     targets = ()
     needs_surface = True
+    rarity = 1.0
     usual_size = "10 to 200 um and 0.1 to 1 mrad"
     confirm = "probe the datum surfaces on the machine after each clamping"
     cure = "probe and correct the work offset of the set-up"
@@ -55,6 +56,7 @@ class DatumShift(Effect):
     )
     targets = ("",)
     needs_surface = True
+    rarity = 1.0
     usual_size = "any"
     confirm = "probe the datums again and compare with the start of the program"
     cure = "find the collision or the loose clamp; probe between operations"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from typing import ClassVar
 import numpy as np
 
 from vmach.effects.circumstances import Circumstances
+from vmach.effects.wandering import wandering
 from vmach.job import Job
 from vmach.machine import LINEAR_AXES, RigidDisplacement
 from vmach.toolpath import PathStates
@@ -37,6 +39,9 @@ class Parameter:
     grid : tuple of float
         Empty for an amplitude, which the displacement is proportional to. Otherwise the values
         that a fit starts from.
+    spread : float
+        Of an inner parameter: how far from the usual value it may well be, as the standard
+        deviation of its logarithm; infinite where any value is as good as another.
     """
 
     name: str
@@ -45,6 +50,7 @@ class Parameter:
     high: float
     usual: float
     grid: tuple[float, ...] = ()
+    spread: float = math.inf
 
     @property
     def is_linear(self) -> bool:
@@ -57,9 +63,13 @@ def linear(name: str, meaning: str, *, usual: float) -> Parameter:
     return Parameter(name, meaning, -1000.0 * usual, 1000.0 * usual, usual)
 
 
-def inner(name: str, meaning: str, grid: Sequence[float], *, usual: float) -> Parameter:
+def inner(
+    name: str, meaning: str, grid: Sequence[float], *, usual: float, spread: float = math.inf
+) -> Parameter:
     """A parameter inside the function: time constant, pitch, exponent."""
-    return Parameter(name, meaning, 0.25 * min(grid), 4.0 * max(grid), usual, tuple(grid))
+    values = tuple(float(value) for value in grid)
+    low, high = 0.25 * min(values), 4.0 * max(values)
+    return Parameter(name, meaning, low, high, usual, values, spread)
 
 
 def along(axis: str, amount_mm: np.ndarray) -> np.ndarray:
@@ -97,6 +107,11 @@ class Effect(ABC):
     targets: ClassVar[tuple[str, ...]] = LINEAR_AXES
     #: whether it acts on the cutting edge at a surface, and not on the tool as a whole
     needs_surface: ClassVar[bool] = False
+    #: how many times rarer than the common effects, as a logarithm; weighs in close calls only
+    rarity: ClassVar[float] = 0.0
+    #: what the law leaves out, as a share of the effect, wandering over this time
+    slack_share: ClassVar[float] = 0.0
+    slack_time_s: ClassVar[float] = 60.0
     usual_size: ClassVar[str] = ""
     confirm: ClassVar[str] = ""
     cure: ClassVar[str] = ""
@@ -119,6 +134,21 @@ class Effect(ABC):
     def not_testable(self, path: Circumstances, target: str) -> str | None:
         """Why these states cannot show the effect, in words, or None."""
         return None
+
+    def slack_pattern(
+        self, path: Circumstances, target: str, parameters: Mapping[str, float]
+    ) -> np.ndarray:
+        """Where the law's own inaccuracy shows, at full size, (P, 3) mm; the effect itself."""
+        return _at_contact(self.displacement(path, target, **parameters), path)
+
+    def slack(
+        self, path: Circumstances, target: str, parameters: Mapping[str, float]
+    ) -> np.ndarray:
+        """Displacements of unit variance by which nature may differ from the law, (P, 3, K)."""
+        if self.slack_share == 0.0:
+            return np.zeros((len(path), 3, 0))
+        pattern = self.slack_share * self.slack_pattern(path, target, parameters)
+        return pattern[:, :, None] * wandering(path.time_s, self.slack_time_s)[:, None, :]
 
     # what a fit works with; an effect overrides these only where its amplitudes hide ----------
 

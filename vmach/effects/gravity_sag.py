@@ -15,6 +15,7 @@ class GravitySag(Effect):
     title = "sag of a beam or ram under its weight"
     parameters = (linear("sag_um", "drop at the ends of the travel against its middle", usual=10.0),)
     targets = ("X", "Y")
+    rarity = 1.5
     usual_size = "10 um for 100 N at the end of a slim 250 mm arm"
     confirm = "straightness of the axis with and without added weight"
     cure = "set straightness compensation, or counterbalance the weight"
@@ -30,6 +31,7 @@ class TableLoadSag(Effect):
     title = "sag of the table under the workpiece"
     parameters = (linear("sag_um", "drop at the ends of the travel", usual=10.0),)
     targets = ("X", "Y")
+    rarity = 1.5
     usual_size = "5 to 20 um for half the permitted load"
     confirm = "measure flatness of the axis' motion with the table empty and loaded"
     cure = "clamp heavy parts over the guides, or compensate by load"

@@ -21,10 +21,15 @@ class HeadTilt(Effect):
             "time to reach 63 % of the final tilt",
             (300, 600, 1000, 1600, 2500, 4000, 7000),
             usual=3000.0,
+            spread=0.8,
         ),
-        inner("speed_exponent", "of the heat with the speed", (0.4, 0.7, 1.0, 1.5), usual=0.7),
+        inner("speed_exponent", "of the heat with the speed", (0.4, 0.7, 1.0, 1.5), usual=0.7,
+              spread=0.3),
     )
     targets = ("A", "B")
+    rarity = 0.5
+    slack_share = 0.15
+    slack_time_s = 1500.0
     usual_size = "50 urad above 5000 rpm, time constant 0.5 to 4 hours"
     confirm = "drift test with two tool lengths, or with a nest of five probes"
     cure = "warm up before finishing; cool the head; compensate by temperature"

@@ -13,6 +13,7 @@ class ProbeRadius(Effect):
     parameters = (linear("radius_um", "deviation seen on every surface", usual=5.0),)
     targets = ("",)
     needs_surface = True
+    rarity = 1.0
     usual_size = "1 to 10 um"
     confirm = "measure a calibrated ring or sphere in the same job"
     cure = "qualify the probe again"

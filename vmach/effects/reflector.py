@@ -1,9 +1,11 @@
 """Reflector: a measuring point of the error tables is documented wrongly."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from vmach.effects.effect import Effect, linear
-from vmach.machine import LINEAR_AXES
+from vmach.machine import LINEAR_AXES, Variant, displacement
 from vmach.machine.component_errors import component_of
 
 __all__ = ["Reflector"]
@@ -19,30 +21,31 @@ class Reflector(Effect):
     name = "reflector"
     title = "documented position of a reflector"
     parameters = (
-        linear("first_mm", "first direction across the measured one (X: Y, Y: Z, Z: X)", usual=100.0),
+        linear("first_mm", "first direction across the one measured (X: Y, Y: Z, Z: X)",
+               usual=100.0),
         linear("second_mm", "second direction across (X: Z, Y: X, Z: Y)", usual=100.0),
     )
     targets = tuple(f"E{kind}{axis}" for axis in LINEAR_AXES for kind in LINEAR_AXES)
+    rarity = 2.0
     usual_size = "centimetres to decimetres"
     confirm = "measure the component again and write down where the reflector stands"
     cure = "correct measured_at_mm in the machine file"
 
     def displacement(self, path, target, first_mm, second_mm):
-        direction, axis, _ = component_of(target)
+        machine = path.job.machine
+        direction, _, _ = component_of(target)
         offset = np.zeros(3)
         offset[(direction + 1) % 3], offset[(direction + 2) % 3] = first_mm, second_mm
-        machine = path.job.machine
-        angles = np.zeros((len(path), 3))
-        for turn in range(3):
-            table = machine.components.get(f"E{'ABC'[turn]}{target[2]}")
-            if table is not None:
-                angles[:, turn] = table.evaluate(path.nose_mm[:, axis])
-        moved = np.zeros((len(path), 3))
-        moved[:, direction] = -np.cross(angles, offset)[:, direction]
-        return machine.axis_sign(target[2]) * moved
+        table = machine.components[target]
+        moved = replace(table, measured_at_mm=table.measured_at_mm + offset)
+        corrected = replace(machine, components={**machine.components, target: moved})
+        states = path.nose_mm, path.tool_mm, Variant.ABBE
+        return displacement(corrected, *states).shift_mm - displacement(machine, *states).shift_mm
 
     def not_testable(self, path, target):
-        turning = [f"E{kind}{target[2]}" for kind in "ABC"]
-        if not any(name in path.job.machine.components for name in turning):
+        components = path.job.machine.components
+        if not any(f"E{kind}{target[2]}" in components for kind in "ABC"):
             return f"the machine file has no angular tables of axis {target[2]}"
+        if target not in components or components[target].measured_at_mm is None:
+            return f"the machine file does not say where {target} was measured"
         return None

@@ -18,6 +18,7 @@ class QuadrantGlitch(Effect):
         inner("way_mm", "way over which it fades to 37 %", (0.02, 0.05, 0.1, 0.25, 0.6, 1.5),
               usual=0.3),
     )
+    rarity = 1.0
     usual_size = "2 to 10 um over 0.1 to 1 mm"
     confirm = "ballbar at two feeds: spikes at the quadrants, higher with feed"
     cure = "set the control's friction compensation; lubricate"
@@ -38,6 +39,7 @@ class Hysteresis(Effect):
         linear("width_um", "width of the loop", usual=5.0),
         inner("way_mm", "way over which it builds up to 63 %", (2, 4, 8, 16, 32, 64), usual=10.0),
     )
+    rarity = 1.0
     usual_size = "1 to 5 um over 5 to 50 mm"
     confirm = "approach one position from both sides with different overruns"
     cure = "mend the guide's preload; always approach from one side with the same overrun"
@@ -55,6 +57,7 @@ class LateralPlay(Effect):
     title = "lateral play of a guide"
     parameters = (linear("play_um", "sideways difference between both directions", usual=5.0),)
     targets = ("XY", "XZ", "YX", "YZ", "ZX", "ZY")
+    rarity = 1.0
     usual_size = "1 to 10 um"
     confirm = "dial gauge across the guide while the axis reverses"
     cure = "set the gibs or the guide's preload"

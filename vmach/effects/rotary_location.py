@@ -17,6 +17,7 @@ class RotaryLocation(Effect):
         linear("second_um", "offset along the second direction", usual=15.0),
     )
     targets = ("A", "B", "C")
+    rarity = 0.5
     usual_size = "5 to 50 um"
     confirm = "R-test: sphere on the table, rotary axis turned, linear axes following"
     cure = "measure and enter the centre of rotation"

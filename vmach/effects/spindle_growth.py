@@ -1,5 +1,7 @@
 """Spindle growth: the warm spindle gets longer."""
 
+import numpy as np
+
 from vmach.effects.effect import Effect, along, inner, linear
 
 __all__ = ["SpindleGrowth"]
@@ -17,10 +19,14 @@ class SpindleGrowth(Effect):
             "time to reach 63 % of the final growth",
             (120, 200, 320, 500, 750, 1100, 1600, 2300, 3300, 5000, 8000),
             usual=1500.0,
+            spread=0.7,
         ),
-        inner("speed_exponent", "of the heat with the speed", (0.4, 0.7, 1.0, 1.5), usual=0.7),
+        inner("speed_exponent", "of the heat with the speed", (0.4, 0.7, 1.0, 1.5), usual=0.7,
+              spread=0.3),
     )
     targets = ("Z",)
+    slack_share = 0.2
+    slack_time_s = 1500.0
     usual_size = "10 to 100 um with a time constant of 5 to 60 minutes"
     confirm = "drift test: run the spindle for an hour, then let it stand, with a probe on the tool"
     cure = "warm up before finishing, touch off the tool again, or compensate by temperature"
@@ -29,6 +35,9 @@ class SpindleGrowth(Effect):
     def displacement(self, path, target, growth_um, time_constant_s, speed_exponent):
         warmth = path.warmth_of_spindle(time_constant_s, speed_exponent)
         return along(target, -1e-3 * growth_um * warmth)
+
+    def slack_pattern(self, path, target, parameters):
+        return along(target, np.full(len(path), 1e-3 * parameters["growth_um"]))
 
     def not_testable(self, path, target):
         return None if (path.moves.spindle_rpm != 0).any() else "the spindle never turned"

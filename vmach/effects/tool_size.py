@@ -41,6 +41,7 @@ class Runout(_OfOneTool):
     title = "runout of the tool"
     parameters = (linear("runout_um", "growth of the cutting radius", usual=10.0),)
     needs_surface = True
+    rarity = 1.0
     usual_size = "3 to 20 um"
     confirm = "dial gauge on the shank at two heights, spindle turned by hand"
     cure = "clean collet and taper; clamp the tool again; balance it"

@@ -1,0 +1,226 @@
+"""Search for the set of effects that explains the measurements.
+
+Candidates are weighed by their evidence on what the effects before them left, absorbed, and
+refitted together. Several sets are followed side by side, so that a pair of effects that mask
+each other is found even where neither leads alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from vmach.fit.candidates import Candidate
+from vmach.fit.evidence import WIDTHS, Evidence, log_evidence
+from vmach.fit.joint_fit import JointFit, Term, fit_terms
+from vmach.fit.survey import Survey
+from vmach.fit.whitening import Whitening
+
+__all__ = ["Explanation", "Search"]
+
+#: sets followed side by side, and candidates tried on each
+_BEAM, _TRIED = 3, 5
+_MOST_EFFECTS = 4
+#: share of the best candidate's evidence that makes another worth following
+_WORTH_TRYING = 0.25
+_SIMULATIONS = 200
+#: log prior odds of a component that the machine file has no table of: it is there, unmeasured
+_MISSING_TABLE = 4.0
+#: chance of naming something on clean data
+_FALSE_ALARM = 0.002
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A set of effects, fitted, and what the candidates say about the rest.
+
+    Attributes
+    ----------
+    fit : JointFit or None
+        None for the empty set.
+    score : float
+        Log evidence of the set against nothing, prior odds included.
+    evidence : tuple of Evidence
+        Of every candidate on what the set leaves.
+    residual : (n,) float64
+        Whitened, what the set leaves.
+    degrees : int
+        Its degrees of freedom.
+    """
+
+    fit: JointFit | None
+    score: float
+    evidence: tuple[Evidence, ...]
+    residual: np.ndarray
+    degrees: int
+
+    @property
+    def labels(self) -> frozenset[str]:
+        """Names and targets of the effects in the set."""
+        return frozenset(t.label for t in self.fit.terms) if self.fit else frozenset()
+
+
+class Search:
+    """The search over one survey's candidates.
+
+    Parameters
+    ----------
+    survey : Survey
+    candidates : sequence of Candidate
+    whiten : Whitening
+        Of the survey.
+    seed : int
+        Of the simulated clean data that calibrate the threshold.
+    """
+
+    def __init__(
+        self, survey: Survey, candidates: Sequence[Candidate], whiten: Whitening, *, seed: int = 1
+    ) -> None:
+        self.survey, self.candidates, self.whiten = survey, list(candidates), whiten
+        self._white = [whiten(c.signatures_mm) for c in self.candidates]
+        self._reading = whiten(survey.residual_mm)
+        self._seed = seed
+
+    @cached_property
+    def nothing(self) -> Explanation:
+        """The empty set."""
+        return self._explain(None, 0.0)
+
+    @cached_property
+    def threshold(self) -> float:
+        """Log evidence that clean data exceed with the chance of a false alarm.
+
+        The largest evidence over all candidates on simulated clean data falls off at least as
+        fast as exp(-x); from its 90 % point on this bound is used.
+        """
+        random = np.random.default_rng(self._seed)
+        noise = self.whiten.projected(random.standard_normal((len(self.survey), _SIMULATIONS)))
+        largest = np.full(_SIMULATIONS, -np.inf)
+        for columns, candidate in zip(self._white, self.candidates, strict=True):
+            found = log_evidence(columns, noise, candidate.log_prior).log_factor
+            largest = np.maximum(largest, found + self.log_prior(candidate))
+        return float(np.quantile(largest, 0.9) + np.log(0.1 / _FALSE_ALARM))
+
+    def log_prior(self, candidate: Candidate) -> float:
+        """Prior odds of a candidate; a component without a table is expected to be missing."""
+        if candidate.effect.name == "component":
+            if candidate.target not in self.survey.job.machine.components:
+                return _MISSING_TABLE
+        return -candidate.effect.rarity
+
+    def run(self) -> Explanation:
+        """The best set of effects, every one of them above the threshold given the others."""
+        beam, finished = [self.nothing], []
+        for _ in range(_MOST_EFFECTS):
+            grown: dict[frozenset[str], Explanation] = {}
+            for explanation in beam:
+                children = self._children(explanation)
+                if not children:
+                    finished.append(explanation)
+                for child in children:
+                    known = grown.get(child.labels)
+                    if known is None or child.score > known.score:
+                        grown[child.labels] = child
+            beam = sorted(grown.values(), key=lambda e: -e.score - self._next(e))[:_BEAM]
+            if not beam:
+                break
+        best = max([*finished, *beam], key=lambda e: e.score)
+        return self._without_needless(best)
+
+    def _next(self, explanation: Explanation) -> float:
+        """Evidence of the best candidate on what an explanation leaves, if above threshold."""
+        best = max(self._gains(explanation))
+        return best if best > self.threshold else 0.0
+
+    def _gains(self, explanation: Explanation) -> list[float]:
+        return [
+            float(e.log_factor[0]) + self.log_prior(c)
+            for e, c in zip(explanation.evidence, self.candidates, strict=True)
+        ]
+
+    def _children(self, explanation: Explanation) -> list[Explanation]:
+        gains = self._gains(explanation)
+        least = max(self.threshold, _WORTH_TRYING * max(gains))
+        leading = [k for k in np.argsort(gains)[::-1][:_TRIED] if gains[k] > least]
+        leading = [k for k in leading if self.candidates[k].label not in explanation.labels]
+        return [self.extend(explanation, k) for k in leading]
+
+    def extend(self, explanation: Explanation, k: int) -> Explanation:
+        """The explanation with candidate k added and everything refitted."""
+        evidence = explanation.evidence[k]
+        gain = float(evidence.log_factor[0]) + self.log_prior(self.candidates[k])
+        terms = [] if explanation.fit is None else list(explanation.fit.terms)
+        terms.append(self.term(k, explanation))
+        fit = fit_terms(self.survey, terms, self.whiten)
+        return self._explain(fit, explanation.score + gain)
+
+    def term(self, k: int, explanation: Explanation) -> Term:
+        """Candidate k with its best inner parameters on what an explanation leaves."""
+        candidate, evidence = self.candidates[k], explanation.evidence[k]
+        place = int(evidence.best[0])
+        width = None
+        if not candidate.effect.amplitudes:
+            width = WIDTHS[int(evidence.best_width[0])]
+        return Term(candidate.effect, candidate.target, candidate.grid[place], width)
+
+    def explain(self, terms: Sequence[Term], score: float = 0.0) -> Explanation:
+        """The explanation by given terms."""
+        fit = fit_terms(self.survey, terms, self.whiten) if terms else None
+        return self._explain(fit, score)
+
+    def _explain(self, fit: JointFit | None, score: float) -> Explanation:
+        white, reading, degrees = self._white, self._reading, self.whiten.degrees
+        if fit is not None:
+            absorb = self._absorber(fit)
+            white = [absorb(w) for w in white]
+            reading = absorb(reading)
+            degrees = absorb.degrees - (len(self.survey) - self.whiten.degrees)
+        evidence = tuple(
+            log_evidence(w, reading[:, None], c.log_prior)
+            for w, c in zip(white, self.candidates, strict=True)
+        )
+        return Explanation(fit, score, evidence, reading, degrees)
+
+    def _absorber(self, fit: JointFit) -> Whitening:
+        """Takes the fitted effects out, what their laws leave open and their inner parameters."""
+        free, random = [], []
+        for k, term in enumerate(fit.terms):
+            if term.width is None:
+                free += [fit.signatures_mm[k], fit.tangents_mm[k]]
+            else:
+                random.append(term.width * fit.signatures_mm[k])
+            if term.effect.slack_share > 0.0:
+                random.append(self.survey.slack(term.effect, term.target, fit.parameters(k)))
+        n = len(self.survey)
+        free_white = self.whiten(np.hstack([np.zeros((n, 0)), *free]))
+        random_white = self.whiten(np.hstack([np.zeros((n, 0)), *random]))
+        return Whitening(np.ones(n), random_white, free_white)
+
+    def _without_needless(self, explanation: Explanation) -> Explanation:
+        """Drop effects, the weakest first, that the others make needless."""
+        while explanation.fit is not None:
+            gains = [self.gain_of(explanation, k) for k in range(len(explanation.fit.terms))]
+            weakest = int(np.argmin(gains))
+            if gains[weakest] > self.threshold:
+                break
+            terms = [t for k, t in enumerate(explanation.fit.terms) if k != weakest]
+            explanation = self.explain(terms, explanation.score - gains[weakest])
+        return explanation
+
+    def gain_of(self, explanation: Explanation, k: int) -> float:
+        """Evidence for term k of an explanation, given its other terms."""
+        assert explanation.fit is not None
+        term = explanation.fit.terms[k]
+        others = self.without(explanation, k)
+        place = next(i for i, c in enumerate(self.candidates) if c.label == term.label)
+        return self._gains(others)[place]
+
+    def without(self, explanation: Explanation, k: int) -> Explanation:
+        """The explanation without its term k; the others keep their inner parameters."""
+        assert explanation.fit is not None
+        terms = [t for i, t in enumerate(explanation.fit.terms) if i != k]
+        fit = fit_terms(self.survey, terms, self.whiten, refine=False) if terms else None
+        return self._explain(fit, 0.0)

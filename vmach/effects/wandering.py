@@ -1,0 +1,25 @@
+"""Slow random wandering, as a sum of independent waves of unit variance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+__all__ = ["wandering"]
+
+_MOST_KNOTS = 60
+
+
+def wandering(position: np.ndarray, length: float) -> np.ndarray:
+    """Columns W (P, K) such that W W^T is the covariance of a process that wanders.
+
+    The covariance is (1 + d) exp(-d), d = sqrt(3) distance / length (Matern 3/2: bends may be
+    sharp); the process is linear between knots a third of the length apart.
+    """
+    low, high = float(position.min()), float(position.max())
+    count = int(min(2 + np.ceil(3.0 * (high - low) / length), _MOST_KNOTS))
+    knots = np.linspace(low, max(high, low + 1e-9), count)
+    apart = np.sqrt(3.0) * np.abs(np.subtract.outer(knots, knots)) / length
+    values, vectors = np.linalg.eigh((1.0 + apart) * np.exp(-apart))
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    hats = np.stack([np.interp(position, knots, unit) for unit in np.eye(count)], axis=1)
+    return hats @ root

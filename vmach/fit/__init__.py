@@ -1,0 +1,1 @@
+"""Fitting effects to measurements: uncertainty, evidence, joint fits."""

@@ -1,0 +1,92 @@
+"""Every effect on every target that the measurements could show, with its signatures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import logsumexp
+
+from vmach.effects import Effect, catalogue
+from vmach.fit.survey import Survey
+
+__all__ = ["Candidate", "gather_candidates"]
+
+#: an effect is blind when its usual size stays below this share of the smallest uncertainty
+_BLIND = 1e-3
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect on a target.
+
+    Attributes
+    ----------
+    effect : Effect
+    target : str
+    grid : list of dict
+        G combinations of inner parameters.
+    log_prior : (G,) float64
+        How usual each combination is; the exponentials add up to one.
+    signatures_mm : (n, G, K) float64
+        What one usual size of each of K coefficients does to the readings.
+    """
+
+    effect: Effect
+    target: str
+    grid: list[dict[str, float]]
+    log_prior: np.ndarray
+    signatures_mm: np.ndarray
+
+    @property
+    def label(self) -> str:
+        """Name and target."""
+        return f"{self.effect.name} {self.target}".strip()
+
+
+def gather_candidates(
+    survey: Survey, effects: Iterable[Effect] | None = None
+) -> tuple[list[Candidate], list[tuple[Effect, str, str]]]:
+    """Candidates of a survey, and (effect, target, why) of those that it cannot show.
+
+    Parameters
+    ----------
+    survey : Survey
+    effects : iterable of Effect, optional
+        The whole catalogue where left out.
+    """
+    found, excluded = [], []
+    for effect in catalogue().values() if effects is None else effects:
+        for target in effect.possible_targets(survey.job):
+            reason = survey.not_testable(effect, target)
+            if reason is None:
+                candidate = _candidate(survey, effect, target)
+                if candidate is not None:
+                    found.append(candidate)
+                    continue
+                reason = "the measurements do not depend on it"
+            excluded.append((effect, target, reason))
+    return found, excluded
+
+
+def _candidate(survey: Survey, effect: Effect, target: str) -> Candidate | None:
+    grid = survey.inner_grid(effect)
+    columns = [survey.signature(effect, target, inner) for inner in grid]
+    if not columns:
+        return None
+    signatures = np.stack(columns, axis=1)
+    # a usual size that is the same for all readings is a zero or an alignment
+    if np.ptp(signatures, axis=0).max(initial=0.0) < _BLIND * survey.u_mm.min():
+        return None
+    log_prior = np.array([_log_prior(effect, inner) for inner in grid])
+    return Candidate(effect, target, grid, log_prior - logsumexp(log_prior), signatures)
+
+
+def _log_prior(effect: Effect, inner: Mapping[str, float]) -> float:
+    spread = {p.name: (p.usual, p.spread) for p in effect.inner_parameters}
+    return sum(
+        -0.5 * (np.log(value / spread[name][0]) / spread[name][1]) ** 2
+        for name, value in inner.items()
+        if name in spread and np.isfinite(spread[name][1])
+    )

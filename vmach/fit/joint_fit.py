@@ -1,0 +1,251 @@
+"""Joint fit of several effects: amplitudes by generalised least squares, inner parameters around.
+
+The amplitudes are eliminated at every step (variable projection); a component's correction curve
+is held by its smoothness prior, everything else is free. What the whitening left free, alignment
+and zeros, is fitted at the same time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from vmach.effects import Effect
+from vmach.fit.survey import Survey
+from vmach.fit.whitening import Whitening
+
+__all__ = ["JointFit", "Term", "fit_terms"]
+
+#: amplitudes are free within this many usual sizes; a weak prior that keeps twins apart
+_FREE = 1e3
+#: inner parameters without a usual spread are free within a factor of e^3
+_LOOSE = 3.0
+_STEP = 1e-3
+
+
+@dataclass(frozen=True)
+class Term:
+    """One effect of a joint fit: its target, inner parameters, and the width of its prior.
+
+    `width` is in usual sizes and only set for effects whose coefficients are a curve.
+    """
+
+    effect: Effect
+    target: str
+    inner: Mapping[str, float]
+    width: float | None = None
+
+    @property
+    def label(self) -> str:
+        """Name and target."""
+        return f"{self.effect.name} {self.target}".strip()
+
+    @property
+    def free_inner(self) -> list[str]:
+        """Names of the inner parameters that a fit may move."""
+        return [p.name for p in self.effect.inner_parameters if p.low > 0]
+
+
+@dataclass(frozen=True)
+class JointFit:
+    """Fitted terms.
+
+    Attributes
+    ----------
+    terms : tuple of Term
+        With their fitted inner parameters.
+    coefficients : tuple of (K,) float64
+        Of each term, in usual sizes.
+    covariance : tuple of (K + I, K + I) float64
+        Of each term's coefficients and the logarithms of its free inner parameters.
+    chi_squared : float
+        Sum of squares of the whitened residual.
+    signatures_mm : tuple of (n, K) float64
+    tangents_mm : tuple of (n, I) float64
+        Change of the fitted effect with the logarithm of each free inner parameter.
+    """
+
+    terms: tuple[Term, ...]
+    coefficients: tuple[np.ndarray, ...]
+    covariance: tuple[np.ndarray, ...]
+    chi_squared: float
+    signatures_mm: tuple[np.ndarray, ...]
+    tangents_mm: tuple[np.ndarray, ...]
+
+    def parameters(self, k: int) -> dict[str, float]:
+        """Parameters of term k."""
+        term = self.terms[k]
+        return term.effect.settle(self.coefficients[k], term.inner)
+
+    def uncertainty(self, k: int) -> dict[str, float]:
+        """Standard uncertainty of the parameters of term k."""
+        term, coefficients = self.terms[k], self.coefficients[k]
+        names = term.free_inner
+        start = np.concatenate([coefficients, np.zeros(len(names))])
+
+        def settled(x: np.ndarray) -> dict[str, float]:
+            moved = {
+                name: term.inner[name] * np.exp(step)
+                for name, step in zip(names, x[len(coefficients) :], strict=True)
+            }
+            return term.effect.settle(x[: len(coefficients)], {**term.inner, **moved})
+
+        centre = settled(start)
+        rows = []
+        for unit in np.eye(len(start)):
+            near = settled(start + 1e-4 * unit)
+            rows.append([(near[name] - centre[name]) / 1e-4 for name in centre])
+        slope = np.array(rows)
+        spread = np.einsum("ij,ik,kj->j", slope, self.covariance[k], slope)
+        return dict(zip(centre, np.sqrt(np.maximum(spread, 0.0)).tolist(), strict=True))
+
+    def explained_mm(self, k: int) -> np.ndarray:
+        """What term k does to the readings, (n,)."""
+        return self.signatures_mm[k] @ self.coefficients[k]
+
+
+def fit_terms(
+    survey: Survey, terms: Sequence[Term], whiten: Whitening | Callable[[np.ndarray], np.ndarray],
+    *, refine: bool = True,
+) -> JointFit:
+    """Fit terms to the readings of a survey.
+
+    Parameters
+    ----------
+    survey : Survey
+    terms : sequence of Term
+        With starting values.
+    whiten : Whitening
+        Of the survey's readings.
+    refine : bool
+        Whether inner parameters move from their starting values.
+    """
+    problem = _Problem(survey, tuple(terms), whiten)
+    start = problem.logarithms()
+    if refine and len(start):
+        low, high = problem.bounds()
+        found = least_squares(
+            problem.residual, np.clip(start, low, high), bounds=(low, high), x_scale=0.3,
+            diff_step=_STEP, max_nfev=12, xtol=1e-4, ftol=1e-5,
+        )
+        problem = problem.at(found.x)
+    return problem.solve()
+
+
+class _Problem:
+    """The fit as a function of the logarithms of all free inner parameters."""
+
+    def __init__(self, survey: Survey, terms: tuple[Term, ...], whiten) -> None:
+        self.survey, self.terms, self.whiten = survey, terms, whiten
+        self.target = whiten(survey.residual_mm)
+        self._cache: dict[tuple, tuple[np.ndarray, np.ndarray]] = {}
+
+    def logarithms(self) -> np.ndarray:
+        values = [term.inner[name] for term in self.terms for name in term.free_inner]
+        return np.log(np.maximum(values, 1e-9)) if values else np.zeros(0)
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        ends = []
+        for term in self.terms:
+            by_name = {p.name: p for p in term.effect.inner_parameters}
+            ends += [(by_name[n].low, by_name[n].high) for n in term.free_inner]
+        low, high = np.log(np.array(ends)).T
+        return low - 1e-9, high + 1e-9
+
+    def at(self, logarithms: np.ndarray) -> _Problem:
+        moved, first = [], 0
+        for term in self.terms:
+            names = term.free_inner
+            values = np.exp(logarithms[first : first + len(names)])
+            first += len(names)
+            update = dict(zip(names, values.tolist(), strict=True))
+            moved.append(replace(term, inner={**term.inner, **update}))
+        other = _Problem(self.survey, tuple(moved), self.whiten)
+        other._cache = self._cache
+        return other
+
+    def prior_residual(self) -> np.ndarray:
+        rows = []
+        for term in self.terms:
+            by_name = {p.name: p for p in term.effect.inner_parameters}
+            for name in term.free_inner:
+                p = by_name[name]
+                spread = p.spread if np.isfinite(p.spread) else _LOOSE
+                centre = p.usual if np.isfinite(p.spread) else term.inner[name]
+                rows.append(np.log(term.inner[name] / centre) / spread)
+        return np.array(rows)
+
+    def columns(self, term: Term) -> tuple[np.ndarray, np.ndarray]:
+        """Signatures in mm and whitened."""
+        key = (term.label, *term.inner.values())
+        if key not in self._cache:
+            raw = self.survey.signature(term.effect, term.target, term.inner)
+            self._cache[key] = raw, self.whiten(raw)
+        return self._cache[key]
+
+    def _system(self) -> tuple[np.ndarray, np.ndarray]:
+        white = [self.columns(term)[1] for term in self.terms]
+        widths = np.concatenate(
+            [np.full(w.shape[1], t.width or _FREE) for t, w in zip(self.terms, white, strict=True)]
+        )
+        rows = np.vstack([np.hstack(white), np.diag(1.0 / widths)])
+        return rows, np.concatenate([self.target, np.zeros(len(widths))])
+
+    def residual(self, logarithms: np.ndarray) -> np.ndarray:
+        here = self.at(logarithms)
+        rows, target = here._system()
+        solution = np.linalg.lstsq(rows, target, rcond=None)[0]
+        return np.concatenate([target - rows @ solution, here.prior_residual()])
+
+    def solve(self) -> JointFit:
+        rows, target = self._system()
+        solution = np.linalg.lstsq(rows, target, rcond=None)[0]
+        count = len(self.target)
+        leftover = self.target - rows[:count] @ solution
+        raw = [self.columns(term)[0] for term in self.terms]
+        ends = np.cumsum([r.shape[1] for r in raw])
+        coefficients = np.split(solution, ends[:-1])
+        tangents = [
+            self._tangents(term, c) for term, c in zip(self.terms, coefficients, strict=True)
+        ]
+        return JointFit(
+            terms=self.terms,
+            coefficients=tuple(coefficients),
+            covariance=self._covariance(rows, raw, tangents),
+            chi_squared=float(leftover @ leftover),
+            signatures_mm=tuple(raw),
+            tangents_mm=tuple(tangents),
+        )
+
+    def _tangents(self, term: Term, coefficients: np.ndarray) -> np.ndarray:
+        here = self.columns(term)[0]
+        slopes = [np.zeros((len(here), 0))]
+        for name in term.free_inner:
+            moved = {**term.inner, name: term.inner[name] * np.exp(_STEP)}
+            near = self.survey.signature(term.effect, term.target, moved)
+            slopes.append(((near - here) @ coefficients / _STEP)[:, None])
+        return np.hstack(slopes)
+
+    def _covariance(self, rows, raw, tangents) -> tuple[np.ndarray, ...]:
+        """Covariance of every term's own coefficients and inner parameters, all free at once."""
+        slope = np.hstack([self.whiten(t) for t in tangents])
+        spreads = []
+        for term in self.terms:
+            by_name = {p.name: p.spread for p in term.effect.inner_parameters}
+            spreads += [min(by_name[name], _LOOSE) for name in term.free_inner]
+        padded = np.vstack([slope, np.zeros((len(rows) - len(slope), slope.shape[1]))])
+        prior = np.hstack([np.zeros((len(spreads), rows.shape[1])), np.diag(1.0 / np.array(spreads))
+                           if spreads else np.zeros((0, 0))])
+        full = np.vstack([np.hstack([rows, padded]), prior])
+        covariance = np.linalg.pinv(full.T @ full)
+        parts, first, first_inner = [], 0, rows.shape[1]
+        for r, t in zip(raw, tangents, strict=True):
+            own = [*range(first, first + r.shape[1]),
+                   *range(first_inner, first_inner + t.shape[1])]
+            parts.append(covariance[np.ix_(own, own)])
+            first += r.shape[1]
+            first_inner += t.shape[1]
+        return tuple(parts)

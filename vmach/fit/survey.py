@@ -1,0 +1,137 @@
+"""All measurements of a job side by side: what is to be explained, and with what uncertainty."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from vmach.effects import Circumstances, Effect
+from vmach.fit.table_uncertainty import TableUncertainty
+from vmach.job import Job
+from vmach.measurements import Measurement
+
+__all__ = ["Survey"]
+
+
+@dataclass(frozen=True)
+class Survey:
+    """Measurements of one machine, n readings in all.
+
+    Attributes
+    ----------
+    job : Job
+    measurements : tuple of Measurement
+    """
+
+    job: Job
+    measurements: tuple[Measurement, ...]
+
+    def __len__(self) -> int:
+        return sum(len(m) for m in self.measurements)
+
+    @cached_property
+    def paths(self) -> tuple[Circumstances, ...]:
+        """What each measurement's readings depend on."""
+        return tuple(Circumstances(m.states, self.job) for m in self.measurements)
+
+    @cached_property
+    def residual_mm(self) -> np.ndarray:
+        """Measured minus predicted, (n,)."""
+        return np.concatenate([m.measured_mm - m.predicted_mm for m in self.measurements])
+
+    @cached_property
+    def u_mm(self) -> np.ndarray:
+        """Standard uncertainty of each reading, (n,)."""
+        return np.concatenate([m.u_mm for m in self.measurements])
+
+    @cached_property
+    def nuisance(self) -> np.ndarray:
+        """What the instruments leave free, (n, p)."""
+        return block_diag(*(m.nuisance for m in self.measurements))
+
+    @cached_property
+    def group(self) -> np.ndarray:
+        """Measurement and group of each reading, (n,) str."""
+        return np.concatenate(
+            [np.char.add(f"{k}:", m.group.astype(str)) for k, m in enumerate(self.measurements)]
+        )
+
+    @cached_property
+    def sensing(self) -> np.ndarray:
+        """Direction of each reading, (n, 3)."""
+        return np.vstack([m.sensing for m in self.measurements])
+
+    def factors(self, *, bend_share: float) -> np.ndarray:
+        """Signatures of the tables' uncertainty, the same causes in all measurements, (n, q)."""
+        tables = TableUncertainty.of(self.job.machine)
+        parts = [
+            tables.factors(path, m.sensing, bend_share=bend_share)
+            for path, m in zip(self.paths, self.measurements, strict=True)
+        ]
+        everything = np.vstack(parts)
+        return everything[:, np.abs(everything).max(axis=0) > 1e-9]
+
+    def signature(
+        self, effect: Effect, target: str, inner_values: Mapping[str, float]
+    ) -> np.ndarray:
+        """What one usual size of each coefficient of an effect does to the readings, (n, K) mm."""
+        return self._stack(effect, lambda path: effect.columns(path, target, inner_values))
+
+    def slack(self, effect: Effect, target: str, parameters: Mapping[str, float]) -> np.ndarray:
+        """Signatures of unit variance of what an effect's law leaves open, (n, K) mm.
+
+        Independent in every measurement.
+        """
+        if effect.slack_share == 0.0:
+            return np.zeros((len(self), 0))
+        parts = []
+        for path, m in zip(self.paths, self.measurements, strict=True):
+            if effect.needs_surface and not m.on_part:
+                parts.append(np.zeros((len(m), 0)))
+            else:
+                moved = effect.slack(path, target, parameters)
+                parts.append(np.einsum("pi,pik->pk", m.sensing, moved))
+        return block_diag(*parts)
+
+    def _stack(self, effect: Effect, columns: Callable[[Circumstances], np.ndarray]) -> np.ndarray:
+        parts = [
+            None
+            if effect.needs_surface and not m.on_part
+            else np.einsum("pi,pik->pk", m.sensing, columns(path))
+            for path, m in zip(self.paths, self.measurements, strict=True)
+        ]
+        terms = next((p.shape[1] for p in parts if p is not None), 0)
+        blank = [np.zeros((len(m), terms)) for m in self.measurements]
+        return np.vstack([b if p is None else p for p, b in zip(parts, blank, strict=True)])
+
+    def not_testable(self, effect: Effect, target: str) -> str | None:
+        """Why none of the measurements can show the effect, or None."""
+        reasons = [
+            "no machined surface was measured"
+            if effect.needs_surface and not m.on_part
+            else effect.not_testable(path, target)
+            for path, m in zip(self.paths, self.measurements, strict=True)
+        ]
+        return None if any(reason is None for reason in reasons) else reasons[0]
+
+    def inner_grid(self, effect: Effect) -> list[dict[str, float]]:
+        """Starting values of the inner parameters, on the measurements that show the effect."""
+        for path, m in zip(self.paths, self.measurements, strict=True):
+            if m.on_part or not effect.needs_surface:
+                return list(effect.inner_grid(path))
+        return []
+
+    def part_of(self, rows: Sequence[bool] | np.ndarray) -> Survey:
+        """The survey with some of its readings, (n,) bool."""
+        rows = np.asarray(rows)
+        kept, first = [], 0
+        for m in self.measurements:
+            own = rows[first : first + len(m)]
+            first += len(m)
+            if own.any():
+                kept.append(m if own.all() else m.keep(own, ""))
+        return Survey(self.job, tuple(kept))

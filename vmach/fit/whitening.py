@@ -1,0 +1,65 @@
+"""Readings with correlated uncertainty and free nuisance, turned into plain unit noise."""
+
+from __future__ import annotations
+
+import numpy as np
+
+__all__ = ["Whitening", "orthonormal"]
+
+#: share of the largest norm below which a direction counts as zero
+_RANK = 1e-9
+
+
+def orthonormal(columns: np.ndarray, *, tolerance: float = _RANK) -> np.ndarray:
+    """Orthonormal basis of the span of the columns, (n, r)."""
+    if columns.shape[1] == 0:
+        return columns
+    norm = np.linalg.norm(columns, axis=0)
+    scaled = columns / np.where(norm > 0, norm, 1.0)
+    left, size, _ = np.linalg.svd(scaled, full_matrices=False)
+    return left[:, size > tolerance * max(size[0], 1e-300)]
+
+
+class Whitening:
+    """Maps readings so that noise of covariance diag(u^2) + F F^T becomes white.
+
+    What the nuisance columns can explain is taken out afterwards, whatever its size: all later
+    sums of squares are those of a generalised least-squares fit with the nuisance free.
+
+    Parameters
+    ----------
+    u : (n,) float64
+        Independent standard uncertainty of each reading.
+    factors : (n, q) float64
+        Signatures of the common causes, each of unit variance.
+    nuisance : (n, p) float64
+        Columns of what is free.
+    """
+
+    def __init__(self, u: np.ndarray, factors: np.ndarray, nuisance: np.ndarray) -> None:
+        self._u = u[:, None]
+        left, size, _ = np.linalg.svd(factors / self._u, full_matrices=False)
+        notable = size > 1e-3
+        self._left = left[:, notable]
+        self._shrink = 1.0 - 1.0 / np.sqrt(1.0 + size[notable] ** 2)
+        #: log determinant of the covariance, relative to diag(u^2)
+        self.log_determinant = float(np.log1p(size**2).sum())
+        self._free = orthonormal(self._white(nuisance))
+
+    @property
+    def degrees(self) -> int:
+        """Degrees of freedom left after the nuisance."""
+        return len(self._u) - self._free.shape[1]
+
+    def __call__(self, columns: np.ndarray) -> np.ndarray:
+        """Whitened columns without their nuisance part; (n,) or (n, k)."""
+        flat = columns.reshape(len(columns), -1)
+        return self.projected(self._white(flat)).reshape(columns.shape)
+
+    def projected(self, white: np.ndarray) -> np.ndarray:
+        """White readings (n, k) without what the nuisance can explain."""
+        return white - self._free @ (self._free.T @ white)
+
+    def _white(self, columns: np.ndarray) -> np.ndarray:
+        scaled = columns / self._u
+        return scaled - self._left @ (self._shrink[:, None] * (self._left.T @ scaled))
