@@ -17,6 +17,7 @@ from vmach import __version__
 from vmach.accuracy.command import accuracy
 from vmach.errors import InputError, VmachError
 from vmach.iso230.command import iso230
+from vmach.kernel_cache import forget_stale_kernels
 from vmach.machine import Variant
 from vmach.progress import progress_bar
 
@@ -162,6 +163,7 @@ def _command_line() -> str:
 
 def main() -> None:
     """Run the command line; user errors become one message and exit status 1."""
+    forget_stale_kernels()
     try:
         app()
     except BrokenPipeError:  # the reader of a pipe has seen enough

@@ -9,7 +9,7 @@ ROOT = Path(__file__).parents[2]
 
 #: layer of every part of vmach; a part may import its own layer and lower ones
 LAYERS = [
-    {"units", "errors", "stage_clock", "progress"},
+    {"units", "errors", "stage_clock", "progress", "kernel_cache"},
     {"toml_file", "points", "path_geometry", "alignment", "nominal"},
     {"machine", "accuracy", "iso230"},
     {"job", "toolpath"},

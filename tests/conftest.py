@@ -1,0 +1,5 @@
+"""Before any test: no compiled kernel that is older than its sources."""
+
+from vmach.kernel_cache import forget_stale_kernels
+
+forget_stale_kernels()
