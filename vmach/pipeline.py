@@ -12,6 +12,7 @@ from pathlib import Path
 
 from stock import VirtualPart, cut_part
 from vmach.effects import read_effects
+from vmach.error_budget import ErrorBudget, error_budget
 from vmach.inspection import found_on_part, inspected_points, surface_points
 from vmach.job import Job, read_job
 from vmach.machine import Variant
@@ -35,6 +36,8 @@ class MachinedPart:
     preparation : Preparation
     points : InspectedPoints
         Deviations of every variant, aligned as the job asks.
+    budget : ErrorBudget
+        Of the last variant, without alignment, for the points that were cut.
     part : VirtualPart
         The solid that the displaced tools leave.
     nominal : NominalPart or None
@@ -48,6 +51,7 @@ class MachinedPart:
     job: Job
     preparation: Preparation
     points: InspectedPoints
+    budget: ErrorBudget
     part: VirtualPart
     nominal: NominalPart | None
     model: Variant
@@ -112,6 +116,7 @@ def machine_part(
         job=job,
         preparation=preparation,
         points=inspected,
+        budget=error_budget(predictions[-1], effects),
         part=part,
         nominal=nominal,
         model=model,

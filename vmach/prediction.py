@@ -24,6 +24,8 @@ __all__ = ["Effect", "Prediction", "displaced_sweeps", "predict"]
 class Effect(Protocol):
     """A physical effect with its parameters set."""
 
+    label: str
+
     def displacement(self, states: PathStates) -> RigidDisplacement:
         """Rigid motion of the tool relative to the workpiece, whatever the surface."""
 

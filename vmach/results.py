@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from stock import write_part
+from vmach.error_budget import write_budget_csv
 from vmach.inspection import remainder_rms_mm
 from vmach.pipeline import MachinedPart
 from vmach.points import SurfacePoints
@@ -64,6 +65,8 @@ def write_results(
     with atomic_folder(out_dir) as folder, clock.stage("write"):
         write_part(made.part, folder / "part.stl")
         write_deviations_csv(folder / "deviations.csv", made.points)
+        cut = made.points.primary.is_cut
+        write_budget_csv(folder / "budget.csv", made.points.id[cut], made.budget)
         mesh = _display_mesh(made)
         record = run_record(made, command)
         hint = draw_heatmap(folder / "heatmap.png", mesh, made.points, record)

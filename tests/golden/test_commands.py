@@ -21,12 +21,19 @@ def job(tmp_path):
     return path
 
 
-def test_run_writes_the_five_files(job, tmp_path, monkeypatch, capsys):
+def test_run_writes_all_files(job, tmp_path, monkeypatch, capsys):
     out = tmp_path / "out"
     status, text, _ = run_vmach(monkeypatch, capsys, "run", job, "--out", out)
     assert status == 0
     assert "Abbe-consistent" in text
-    expected = ["deviations.csv", "heatmap.png", "part.stl", "report.html", "summary.json"]
+    expected = [
+        "budget.csv",
+        "deviations.csv",
+        "heatmap.png",
+        "part.stl",
+        "report.html",
+        "summary.json",
+    ]
     assert sorted(p.name for p in out.iterdir()) == expected
     summary = json.loads((out / "summary.json").read_text())
     assert summary["model"] == "abbe"
@@ -96,3 +103,15 @@ def test_no_model_means_the_program_alone(job, tmp_path, monkeypatch, capsys):
     )
     assert status == 0
     assert list(json.loads(text)["variants"]) == ["none"]
+
+
+def test_budget_adds_up_to_the_deviation(job, tmp_path, monkeypatch, capsys):
+    out = tmp_path / "out"
+    run_vmach(monkeypatch, capsys, "compare", job, "--out", out)
+    budget = {r["id"]: r for r in csv.DictReader((out / "budget.csv").read_text().splitlines())}
+    rows = csv.DictReader((out / "deviations.csv").read_text().splitlines())
+    for row in rows:
+        shares = {k: float(v) for k, v in budget[row["id"]].items() if k != "id"}
+        assert set(shares) == {"program_um", "EXX_um", "ECX_um"}
+        assert sum(shares.values()) == pytest.approx(float(row["abbe_deviation_um"]), abs=2e-4)
+        assert abs(shares["program_um"]) < 0.02

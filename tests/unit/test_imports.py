@@ -14,7 +14,7 @@ LAYERS = [
     {"machine", "accuracy", "iso230"},
     {"job", "toolpath"},
     {"sweeping", "preparation", "effects"},
-    {"prediction", "measurements"},
+    {"prediction", "error_budget", "measurements"},
     {"fit"},
     {"diagnosis", "compensation", "report", "history"},
     {"inspection"},

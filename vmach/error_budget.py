@@ -1,0 +1,80 @@
+"""Error budget: what each component error and each effect adds to a point's deviation."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from vmach.machine.displacement import contributions
+from vmach.prediction import Effect, Prediction
+from vmach.units import um_from_mm
+
+__all__ = ["PROGRAM", "ErrorBudget", "error_budget", "write_budget_csv"]
+
+#: the share that a perfect machine would leave too: cusps, rounding of the program
+PROGRAM = "program"
+
+
+@dataclass(frozen=True)
+class ErrorBudget:
+    """Shares of B sources in the deviations of the points that a tool cut.
+
+    Attributes
+    ----------
+    sources : tuple of str
+        `PROGRAM`, symbols of component and squareness errors, labels of effects.
+    share_mm : (C, B) float64
+        Along the outward normal, positive where the source leaves material. A row adds up to
+        the point's deviation; C points, in the order of the cut points.
+    """
+
+    sources: tuple[str, ...]
+    share_mm: np.ndarray
+
+    def largest(self, point: int, count: int = 3) -> list[tuple[str, float]]:
+        """The sources with the largest shares at a point, with their shares in mm."""
+        order = np.argsort(-np.abs(self.share_mm[point]))[:count]
+        return [(self.sources[k], float(self.share_mm[point, k])) for k in order]
+
+
+def error_budget(prediction: Prediction, effects: Sequence[Effect] = ()) -> ErrorBudget:
+    """Split predicted deviations into their sources.
+
+    Every source is evaluated at the contact that made the point. What is left beside them is
+    the program's own share; it also holds the terms of second order, far below 0.01 um.
+
+    Parameters
+    ----------
+    prediction : Prediction
+    effects : sequence of Effect
+        Those that the prediction was made with.
+    """
+    states = prediction.states
+    normals = prediction.normals[prediction.is_cut]
+    machine = prediction.preparation.job.machine
+    direction = states.direction if machine.separate_directions else None
+    sources, columns = [PROGRAM], [np.zeros(len(states))]
+    for name, part in contributions(
+        machine, states.nose_mm, states.tool_mm, prediction.variant, direction=direction
+    ):
+        sources.append(name)
+        columns.append(np.einsum("ij,ij->i", part.at(states.contact_mm), normals))
+    for effect in effects:
+        moved = effect.displacement(states).at(states.contact_mm) + effect.at_surface(states)
+        sources.append(effect.label)
+        columns.append(np.einsum("ij,ij->i", moved, normals))
+    columns[0] = prediction.deviation_mm[prediction.is_cut] - np.sum(columns, axis=0)
+    return ErrorBudget(tuple(sources), np.column_stack(columns))
+
+
+def write_budget_csv(path: Path, ids: np.ndarray, budget: ErrorBudget) -> None:
+    """Write ``id, program, EXX, ...``: one row for every point that was cut, in um."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["id", *(f"{source}_um" for source in budget.sources)])
+        for name, row in zip(ids, um_from_mm(budget.share_mm), strict=True):
+            writer.writerow([name, *(f"{value:.4f}" for value in row)])
