@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from stock import EdgeStatus
 from vmach.alignment import align
+from vmach.error_budget import ErrorBudget
 from vmach.errors import InputError
 from vmach.job import Inspection, Job
 from vmach.machine import Variant
@@ -16,6 +18,7 @@ from vmach.points import SurfacePoints, read_points_csv
 from vmach.prediction import Prediction
 from vmach.report import STATUSES, InspectedPoints
 from vmach.report import Variant as Column
+from vmach.units import um_from_mm
 
 __all__ = [
     "LABELS",
@@ -24,6 +27,7 @@ __all__ = [
     "inspected_points",
     "remainder_rms_mm",
     "surface_points",
+    "with_causes",
 ]
 
 LABELS = {
@@ -101,6 +105,15 @@ def inspected_points(
         columns.append(_measured_column(points, primary))
     notes += _notes_on_states(primary)
     return _table(points, primary, columns), tuple(notes)
+
+
+def with_causes(points: InspectedPoints, budget: ErrorBudget) -> InspectedPoints:
+    """The table with the largest shares of every cut point's deviation in words."""
+    cause = np.full(len(points), "", dtype="U80")
+    for row, k in enumerate(np.flatnonzero(points.primary.is_cut)):
+        shares = budget.largest(row)
+        cause[k] = ", ".join(f"{name} {um_from_mm(share):+.2f}" for name, share in shares)
+    return replace(points, cause=cause)
 
 
 def _notes_on_states(prediction: Prediction) -> list[str]:

@@ -13,7 +13,7 @@ from pathlib import Path
 from stock import VirtualPart, cut_part
 from vmach.effects import read_effects
 from vmach.error_budget import ErrorBudget, error_budget
-from vmach.inspection import found_on_part, inspected_points, surface_points
+from vmach.inspection import found_on_part, inspected_points, surface_points, with_causes
 from vmach.job import Job, read_job
 from vmach.machine import Variant
 from vmach.nominal import NominalPart, read_nominal
@@ -112,11 +112,12 @@ def machine_part(
     with clock.stage("cut") as step:
         part = cut_part(sweeps[model], preparation.cutters, job.blank_solid, progress=step)
     inspected, notes = inspected_points(job, points, predictions)
+    budget = error_budget(predictions[-1], effects)
     return MachinedPart(
         job=job,
         preparation=preparation,
-        points=inspected,
-        budget=error_budget(predictions[-1], effects),
+        points=with_causes(inspected, budget),
+        budget=budget,
         part=part,
         nominal=nominal,
         model=model,

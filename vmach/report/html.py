@@ -90,8 +90,9 @@ def _variant_view(points: InspectedPoints, variant: Variant, run: RunRecord) -> 
 
 
 def _variant_columns(points: InspectedPoints) -> dict[str, bool]:
-    """Which optional rows the table of variants has."""
+    """Which optional rows and columns the tables have."""
     return {
+        "cause": points.cause is not None,
         "remainder": any(v.remainder_rms_mm is not None for v in points.variants),
         "uncut": any((v.status == "uncut").any() for v in points.variants),
         "gouged": any((v.status == "gouged away").any() for v in points.variants),

@@ -100,6 +100,8 @@ class InspectedPoints:
         At least one; the last prediction (not ``"measured"``) is the one shown first.
     u_mm : (P,) float64, optional
         Standard uncertainty of the measured deviation.
+    cause : (P,) str, optional
+        What the deviation of the primary variant consists of, largest shares first, in words.
     """
 
     id: np.ndarray
@@ -112,9 +114,12 @@ class InspectedPoints:
     time_s: np.ndarray
     variants: tuple[Variant, ...]
     u_mm: np.ndarray | None = None
+    cause: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         count = len(self.point_mm)
+        if self.cause is not None:
+            _frozen(self, "cause", np.str_, (count,))
         _finite(self, "point_mm", (count, 3))
         _finite(self, "normal", (count, 3))
         _finite(self, "time_s", (count,))

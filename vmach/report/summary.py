@@ -90,6 +90,7 @@ def _figures(statistics: Statistics) -> dict:
 
 def _worst(points: InspectedPoints, variant: Variant, run: RunRecord, index: int) -> dict:
     line = int(points.line[index])
+    has_cause = points.cause is not None and variant.name == points.primary.name
     return {
         "id": str(points.id[index]),
         "feature": str(points.feature[index]),
@@ -101,6 +102,7 @@ def _worst(points: InspectedPoints, variant: Variant, run: RunRecord, index: int
         "tool": int(points.tool[index]),
         "move": int(points.move[index]),
         "time_s": float(points.time_s[index]),
+        **({"cause": str(points.cause[index])} if has_cause else {}),
     }
 
 
