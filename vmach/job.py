@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
+import trimesh
 from pydantic import AfterValidator, Field
 
 from stock import StockError, Tool, make_tool
@@ -100,12 +101,20 @@ class Blank:
     min_mm, max_mm : (3,) float64
         Corners of the box, or of the solid's bounding box.
     file : Path or None
-        A solid (STL), where the blank is no box.
+        A solid, where the blank is no box.
+    mesh : trimesh.Trimesh or None
+        Its surface.
     """
 
     min_mm: np.ndarray
     max_mm: np.ndarray
     file: Path | None = None
+    mesh: trimesh.Trimesh | None = None
+
+    @property
+    def solid(self) -> tuple[np.ndarray, np.ndarray] | trimesh.Trimesh:
+        """The blank as the removal engine takes it: two corners, or a mesh."""
+        return (self.min_mm, self.max_mm) if self.mesh is None else self.mesh
 
 
 @dataclass(frozen=True)
@@ -194,13 +203,6 @@ class Job:
     def folder(self) -> Path:
         """Folder that the paths in the job file are relative to."""
         return self.path.parent
-
-    @property
-    def blank_solid(self) -> tuple[np.ndarray, np.ndarray] | Path | None:
-        """The blank as the removal engine takes it: a box, a file, or nothing."""
-        if self.blank is None:
-            return None
-        return self.blank.file or (self.blank.min_mm, self.blank.max_mm)
 
     def files(self) -> list[tuple[str, Path]]:
         """Role and path of every file that the prediction depends on."""
@@ -297,8 +299,10 @@ def _blank_from_file(file: Path, where: dict[str, Any]) -> Blank:
 
     if not file.is_file():
         raise InputError(f"file = '{file.name}': no such file", **where)
-    low, high = read_nominal(file).bounds_mm
-    return Blank(low, high, file)
+    part = read_nominal(file)
+    low, high = part.bounds_mm
+    mesh = trimesh.Trimesh(part.mesh.vertices_mm, part.mesh.triangles, process=False)
+    return Blank(low, high, file, mesh)
 
 
 def _tool(number: int, tool: _Tool, where: dict[str, Any]) -> JobTool:

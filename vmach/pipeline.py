@@ -11,8 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stock import VirtualPart, cut_part
+from vmach.collisions import collision_notes, job_collisions
 from vmach.effects import read_effects
 from vmach.error_budget import ErrorBudget, error_budget
+from vmach.errors import InputError
 from vmach.inspection import found_on_part, inspected_points, surface_points, with_causes
 from vmach.job import Job, read_job
 from vmach.machine import Variant
@@ -110,7 +112,9 @@ def machine_part(
             )
             step(len(predictions), len(variants))
     with clock.stage("cut") as step:
-        part = cut_part(sweeps[model], preparation.cutters, job.blank_solid, progress=step)
+        part = cut_part(sweeps[model], preparation.cutters, blank_of(job), progress=step)
+    with clock.stage("collide") as step:
+        collisions = job_collisions(preparation, sweeps[model], progress=step)
     inspected, notes = inspected_points(job, points, predictions)
     budget = error_budget(predictions[-1], effects)
     return MachinedPart(
@@ -122,8 +126,30 @@ def machine_part(
         nominal=nominal,
         model=model,
         stages_s=clock.seconds,
-        notes=(*preparation.notes, *points.notes, *notes),
+        notes=(
+            *collision_notes(preparation, collisions),
+            *preparation.notes,
+            *points.notes,
+            *notes,
+        ),
     )
+
+
+def blank_of(job: Job):
+    """The blank that the virtual part is cut from, two corners or a mesh.
+
+    Raises
+    ------
+    InputError
+        The job has no [stock].
+    """
+    if job.blank is None:
+        raise InputError(
+            "the virtual part needs a blank",
+            file=job.path,
+            accepted="[stock] with min_mm and max_mm, or file",
+        )
+    return job.blank.solid
 
 
 def predict_points(

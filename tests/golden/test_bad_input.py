@@ -90,6 +90,14 @@ CASES = {
         lambda f: replace(f / "job.toml", "max_mm = [60, 25, 0]", "max_mm = [60, 25, -30]"),
         ["job.toml:", "max_mm", "accepted"],
     ),
+    "no stock": (
+        lambda f: replace(
+            f / "job.toml",
+            "[stock]\nmin_mm = [-30, -25, -20]\nmax_mm = [60, 25, 0]\n",
+            "",
+        ),
+        ["job.toml", "needs a blank", "[stock]"],
+    ),
     "work offset that the job lacks": (
         lambda f: replace(f / "part.nc", "G54", "G55"),
         ["part.nc:", "G55", "G54"],

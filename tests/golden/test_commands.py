@@ -4,6 +4,7 @@ import csv
 import json
 
 import pytest
+import trimesh
 
 from tests.golden.test_bad_input import replace, run_vmach
 from tests.small_job import pocket_points, write_job, write_nominal_stl
@@ -115,3 +116,23 @@ def test_budget_adds_up_to_the_deviation(job, tmp_path, monkeypatch, capsys):
         assert set(shares) == {"program_um", "EXX_um", "ECX_um"}
         assert sum(shares.values()) == pytest.approx(float(row["abbe_deviation_um"]), abs=2e-4)
         assert abs(shares["program_um"]) < 0.02
+
+
+def test_collisions_are_named_by_line(job, tmp_path, monkeypatch, capsys):
+    replace(job.parent / "part.nc", "G0 Z5\nG0 X40 Y0", "G0 X25 Y9\nG0 Z5\nG0 X40 Y0")
+    _, text, _ = run_vmach(monkeypatch, capsys, "run", job, "--out", tmp_path / "o", "--json")
+    (note,) = [n for n in json.loads(text)["run"]["warnings"] if "collision" in n]
+    assert note.startswith("part.nc:18: collision: rapid in material, T1, 8 mm deep")
+
+
+def test_blank_from_a_solid(job, tmp_path, monkeypatch, capsys):
+    block = trimesh.creation.box(bounds=[(-30, -25, -20), (60, 25, 0)])
+    block.export(job.parent / "blank.stl")
+    box = "min_mm = [-30, -25, -20]\nmax_mm = [60, 25, 0]"
+    run_vmach(monkeypatch, capsys, "run", job, "--out", tmp_path / "box", "--json")
+    replace(job, box, 'file = "blank.stl"')
+    run_vmach(monkeypatch, capsys, "run", job, "--out", tmp_path / "solid", "--json")
+    one, other = ((tmp_path / n / "deviations.csv").read_bytes() for n in ("box", "solid"))
+    assert one == other
+    volumes = [trimesh.load(tmp_path / n / "part.stl").volume for n in ("box", "solid")]
+    assert volumes[0] == pytest.approx(volumes[1], rel=1e-6)

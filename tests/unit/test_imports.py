@@ -14,7 +14,7 @@ LAYERS = [
     {"machine", "accuracy", "iso230"},
     {"job", "toolpath"},
     {"sweeping", "preparation", "effects"},
-    {"prediction", "error_budget", "measurements"},
+    {"prediction", "error_budget", "collisions", "measurements"},
     {"fit"},
     {"diagnosis", "compensation", "report", "history"},
     {"inspection"},
