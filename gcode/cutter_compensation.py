@@ -319,7 +319,7 @@ def _entry_arc(path: _Path, block: Values, arc_centre: ArcCentre) -> None:
     half = _distance(path.current, target) / 2.0
     base = _direction(target, centre)
     spread = math.cos(_direction(target, path.current) - base)
-    if abs(spread) < 1e-6:
+    if abs(spread) < 1e-4:
         raise ProgramError("tool radius is not less than the radius of the entry arc")
     centre = _beside(target, half / spread, base)
     error = abs(_distance(centre, target) - _distance(centre, path.current))

@@ -14,7 +14,7 @@ __all__ = ["Expression", "Reader", "value_of", "value_of_key"]
 Expression = float | Callable[[Parameters], float]
 
 #: Numbers closer than this compare equal in EQ and NE.
-_EQUAL = 1e-6
+_EQUAL = 1e-4
 
 
 def value_of(expression: Expression, parameters: Parameters) -> float:
@@ -81,6 +81,12 @@ def _logarithm(value: float) -> float:
     return math.log(value)
 
 
+def _round(value: float) -> float:
+    if not abs(value) < 2**31:
+        raise ProgramError(f"ROUND of {value:g}", accepted="a number that fits 32 bits")
+    return float(int(value + (-0.5 if value < 0.0 else 0.5)))
+
+
 def _root(value: float) -> float:
     if value < 0.0:
         raise ProgramError(f"SQRT of the negative number {value:g}")
@@ -96,7 +102,7 @@ _UNARY: dict[str, Callable[[float], float]] = {
     "fix": lambda value: float(math.floor(value)),
     "fup": lambda value: float(math.ceil(value)),
     "ln": _logarithm,
-    "round": lambda value: float(int(value + (-0.5 if value < 0.0 else 0.5))),
+    "round": _round,
     "sin": lambda value: math.sin(math.radians(value)),
     "sqrt": _root,
     "tan": lambda value: math.tan(math.radians(value)),

@@ -307,6 +307,7 @@ class _Runner:
         if level in controller.restore_on_return:
             controller.restore_on_return.discard(level)
             if controller.saved_modes[-1] is not None:
+                controller.line = controller.record.line = self.frames[-1].return_to[0]
                 restore_modes(controller)
         frame = self.frames.pop()
         controller.parameters.locals.pop()
