@@ -39,7 +39,7 @@ def test_first_order_is_within_10_nm_of_the_exact_product(chain, variant, sign):
     assert np.abs(exact.tilt_rad - first.tilt_rad).max() < 1e-8
 
 
-def _matrix(shift, rotation):
+def matrix(shift, rotation):
     """Plain 4x4 of a shift and one rotation (axis index, angle), without any library."""
     matrix = [[1.0 if i == j else 0.0 for j in range(4)] for i in range(4)]
     for i in range(3):
@@ -51,11 +51,11 @@ def _matrix(shift, rotation):
     return matrix
 
 
-def _times(left, right):
+def times(left, right):
     return [[sum(left[i][k] * right[k][j] for k in range(4)) for j in range(4)] for i in range(4)]
 
 
-def _inverse(matrix):
+def inverse(matrix):
     """Inverse of a rigid motion by its transposed rotation."""
     turned = [[matrix[j][i] for j in range(3)] for i in range(3)]
     shift = [-sum(turned[i][k] * matrix[k][3] for k in range(3)) for i in range(3)]
@@ -66,15 +66,15 @@ def _tip(tool_side, work_side, q, tool, *, joint, rotation):
     """Tip in workpiece coordinates when the body of one joint is turned, written out."""
     sides = []
     for axes, sign in ((tool_side[::-1], 1.0), (work_side, -1.0)):
-        product = _matrix((0.0, 0.0, 0.0), (0, 0.0))
+        product = matrix((0.0, 0.0, 0.0), (0, 0.0))
         for axis in axes:
             k = "XYZ".index(axis)
             way = [sign * q[k] if i == k else 0.0 for i in range(3)]
-            product = _times(product, _matrix(way, (0, 0.0)))
+            product = times(product, matrix(way, (0, 0.0)))
             if axis == joint:
-                product = _times(product, _matrix((0.0, 0.0, 0.0), rotation))
+                product = times(product, matrix((0.0, 0.0, 0.0), rotation))
         sides.append(product)
-    relative = _times(_inverse(sides[1]), sides[0])
+    relative = times(inverse(sides[1]), sides[0])
     return [sum(relative[i][k] * [*tool, 1.0][k] for k in range(4)) for i in range(3)]
 
 

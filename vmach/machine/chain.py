@@ -12,11 +12,12 @@ from vmach.errors import InputError
 __all__ = ["LINEAR_AXES", "Chain"]
 
 LINEAR_AXES = ("X", "Y", "Z")
+_ROTARY_AXES = ("A", "B", "C")
 
 
 @dataclass(frozen=True)
 class Chain:
-    """Order of the three linear axes between tool and workpiece.
+    """Order of the three linear axes, and of rotary ones, between tool and workpiece.
 
     Attributes
     ----------
@@ -31,15 +32,22 @@ class Chain:
 
     def __post_init__(self) -> None:
         axes = self.tool_side + self.work_side
-        if sorted(axes) != sorted(LINEAR_AXES):
+        linear = [axis for axis in axes if axis not in _ROTARY_AXES]
+        if sorted(linear) != sorted(LINEAR_AXES):
             raise InputError(
-                f"the chain has the linear axes {' '.join(axes) or 'none'}",
+                f"the chain has the linear axes {' '.join(linear) or 'none'}",
                 accepted="X, Y and Z, each once",
+            )
+        if len(set(axes)) < len(axes):
+            raise InputError(
+                f"the chain has the axes {' '.join(axes)}", accepted="A, B and C at most once"
             )
 
     @classmethod
     def parse(cls, text: str) -> Chain:
-        """Read a chain such as ``t (C) Z Y b X' w`` (either end first).
+        """Read a chain such as ``t (C) Z Y b X' w`` or ``t (C1) B Z Y b X' C' w``.
+
+        Either end may come first.
 
         The spindle in brackets is skipped; a prime marks an axis that carries the workpiece and
         may be left out, since the side of the bed ``b`` says the same.
@@ -65,14 +73,21 @@ class Chain:
                 )
         work_side = [axis.removesuffix("'") for axis in work_side]
         for axis in tool_side + work_side:
-            if axis not in LINEAR_AXES:
+            if axis not in (*LINEAR_AXES, *_ROTARY_AXES):
                 raise InputError(
-                    f"chain '{text}': '{axis}' is no linear axis", accepted="X, Y, Z, each once"
+                    f"chain '{text}': '{axis}' is no axis",
+                    accepted="X, Y, Z, each once, and A, B, C",
                 )
         try:
             return cls(tuple(tool_side), tuple(work_side))
         except InputError as error:
             raise InputError(f"chain '{text}': {error.what}", accepted=error.accepted) from None
+
+    @property
+    def rotary_axes(self) -> tuple[str, ...]:
+        """The rotary axes of the chain, from the tool to the workpiece."""
+        axes = self.tool_side + self.work_side
+        return tuple(axis for axis in axes if axis in _ROTARY_AXES)
 
     def carries_tool(self, axis: str) -> bool:
         """Whether the axis is between bed and tool."""
@@ -88,15 +103,17 @@ class Chain:
 
         A tool-side axis has the coordinates of the axes nearer the tool, its own excluded; a
         work-side axis has those of all tool-side axes and of the work-side axes from the bed up
-        to itself, its own included: the table moves under the tip.
+        to itself, its own included: the table moves under the tip. Rotary axes stand at zero.
         """
         masks = np.zeros((3, 3))
         index = {axis: k for k, axis in enumerate(LINEAR_AXES)}
-        for place, axis in enumerate(self.tool_side):
-            for nearer in self.tool_side[:place]:
+        tool_side = [axis for axis in self.tool_side if axis in index]
+        work_side = [axis for axis in self.work_side if axis in index]
+        for place, axis in enumerate(tool_side):
+            for nearer in tool_side[:place]:
                 masks[index[axis], index[nearer]] = 1.0
-        for place, axis in enumerate(self.work_side):
-            for other in (*self.tool_side, *self.work_side[: place + 1]):
+        for place, axis in enumerate(work_side):
+            for other in (*tool_side, *work_side[: place + 1]):
                 masks[index[axis], index[other]] = 1.0
         masks.setflags(write=False)
         return masks

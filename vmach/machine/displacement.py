@@ -19,6 +19,7 @@ import numpy as np
 from vmach.machine.component_errors import component_of
 from vmach.machine.kernel import compile_errors, displace
 from vmach.machine.machine import Machine
+from vmach.machine.rotary_displacement import rotary_displacement
 
 __all__ = ["RigidDisplacement", "Variant", "contributions", "displacement"]
 
@@ -67,6 +68,7 @@ def displacement(
     variant: Variant,
     *,
     direction: np.ndarray | None = None,
+    rotary_rad: np.ndarray | None = None,
 ) -> RigidDisplacement:
     """Displacement of the tool by all geometric errors of the machine.
 
@@ -82,10 +84,14 @@ def displacement(
         Sign of the last motion of every axis, kept while the axis stands still; zero where no
         motion is known. Chooses between forward and backward tables on machines that say so
         (`Machine.separate_directions`); without it, and elsewhere, their mean acts.
+    rotary_rad : (P, 3) float64, optional
+        Angles of A, B, C; zero by default. Machines without rotary axes do not look at them.
 
     Returns
     -------
     RigidDisplacement
+        In the axes of the workpiece: those of the machine, turned with the workpiece where
+        rotary axes carry it.
 
     Raises
     ------
@@ -106,15 +112,18 @@ def displacement(
         return RigidDisplacement.zero(len(nose_mm))
     machine.check_covers(nose_mm)
     reference_mm, reference_travel = _reference(machine, variant)
-    shift, tilt = displace(
-        _compiled(machine),
-        nose_mm,
-        np.ascontiguousarray(np.atleast_2d(tool_mm), dtype=float),
-        reference_mm=reference_mm,
-        reference_travel=reference_travel,
-        direction=_signs(machine, direction),
-    )
-    return RigidDisplacement(shift, tilt)
+    common = {
+        "reference_mm": reference_mm,
+        "reference_travel": reference_travel,
+        "direction": _signs(machine, direction),
+    }
+    tool_mm = np.ascontiguousarray(np.atleast_2d(tool_mm), dtype=float)
+    if machine.rotary:
+        angles = np.zeros_like(nose_mm) if rotary_rad is None else np.asarray(rotary_rad)
+        moved = rotary_displacement(machine, nose_mm, tool_mm, rotary_rad=angles, **common)
+    else:
+        moved = displace(_compiled(machine), nose_mm, tool_mm, **common)
+    return RigidDisplacement(*moved)
 
 
 def contributions(
@@ -127,7 +136,7 @@ def contributions(
 ) -> Iterator[tuple[str, RigidDisplacement]]:
     """The share of every component error, by its ISO 230-1 symbol; they add up to the whole.
 
-    Parameters as in `displacement`.
+    Parameters as in `displacement`; rotary axes stand at zero, where they do nothing.
     """
     if variant is Variant.NONE:
         return

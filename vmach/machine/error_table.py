@@ -38,7 +38,8 @@ _ACCEPTED = (
     "position_mm, forward, backward | position_mm, forward_1, backward_1, ... | "
     "run, position_mm, approach, deviation"
 )
-_SAME_POSITION_MM = 1e-3
+POSITION_MM_PER = {unit: MM_PER[unit] for unit in ("mm", "m", "inch")}
+_SAME_POSITION = 1e-3  #: in the unit of the file
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,13 @@ class ErrorTable:
     notes: tuple[str, ...]
 
 
-def read_error_table(path: Path, units: Mapping[str, float], unit: str) -> ErrorTable:
+def read_error_table(
+    path: Path,
+    units: Mapping[str, float],
+    unit: str,
+    *,
+    positions: Mapping[str, float] = POSITION_MM_PER,
+) -> ErrorTable:
     """Read a table of one error.
 
     Parameters
@@ -72,6 +79,9 @@ def read_error_table(path: Path, units: Mapping[str, float], unit: str) -> Error
         `MM_PER` or `RAD_PER`.
     unit : str
         Of the columns that do not name their own.
+    positions : mapping of unit to its size
+        Of the column ``position_UNIT``; for a rotary axis in rad, and the table's positions are
+        then in rad too.
 
     Raises
     ------
@@ -87,13 +97,13 @@ def read_error_table(path: Path, units: Mapping[str, float], unit: str) -> Error
     ]
     if not rows:
         raise InputError("the table is empty", file=path, accepted=_ACCEPTED)
-    header = _Header(path, rows[0][0], rows[0][1], units=units, unit=unit)
+    header = _Header(path, rows[0][0], rows[0][1], units=units, unit=unit, positions=positions)
     values = np.array([_numbers(cells, header, path, line) for line, cells in rows[1:]])
     if len(values) == 0:
         raise InputError("the table has no rows below its header", file=path)
     notes = [] if np.all(np.diff(values[:, header.position]) >= 0) else ["rows sorted by position"]
     runs = _long_runs(values, header) if header.approach is not None else _wide_runs(values, header)
-    _check_positions(runs.position_mm, path)
+    _check_positions(runs.position_mm, header)
     forward, backward = (
         _filled(getattr(runs, way), runs.position_mm, path, notes=notes, way=way)
         for way in ("forward", "backward")
@@ -106,10 +116,17 @@ class _Header:
     """Which column holds what, and its factor to mm or rad."""
 
     def __init__(
-        self, path: Path, line: int, names: list[str], *, units: Mapping[str, float], unit: str
+        self,
+        path: Path,
+        line: int,
+        names: list[str],
+        *,
+        units: Mapping[str, float],
+        unit: str,
+        positions: Mapping[str, float],
     ) -> None:
         self.path, self.line, self.names = path, line, names
-        self.position, self.position_scale = self._find_position()
+        self.position, self.position_scale = self._find_position(positions)
         self.approach = names.index("approach") if "approach" in names else None
         self.forward: list[int] = []
         self.backward: list[int] = []
@@ -135,11 +152,11 @@ class _Header:
         if not self.forward or not self.backward or len(set(names)) < len(names):
             raise self._wrong()
 
-    def _find_position(self) -> tuple[int, float]:
+    def _find_position(self, positions: Mapping[str, float]) -> tuple[int, float]:
         for column, name in enumerate(self.names):
             unit = name.removeprefix("position_")
-            if unit != name and unit in ("mm", "m", "inch"):
-                return column, MM_PER[unit]
+            if unit != name and unit in positions:
+                return column, positions[unit]
         raise self._wrong()
 
     def _wrong(self) -> InputError:
@@ -178,7 +195,8 @@ def _wide_runs(values: np.ndarray, header: _Header) -> Runs:
 def _long_runs(values: np.ndarray, header: _Header) -> Runs:
     """The n-th reading of a position in a direction belongs to the n-th run."""
     position = values[:, header.position]
-    targets, target = np.unique(np.round(position / _SAME_POSITION_MM), return_inverse=True)
+    step = _SAME_POSITION * header.position_scale
+    targets, target = np.unique(np.round(position / step), return_inverse=True)
     sides = []
     for sign in (1.0, -1.0):
         mine = np.sign(values[:, header.approach]) == sign
@@ -188,18 +206,19 @@ def _long_runs(values: np.ndarray, header: _Header) -> Runs:
             readings = values[mine & (target == k), header.forward[0]]
             side[: len(readings), k] = readings
         sides.append(side)
-    return Runs(targets * _SAME_POSITION_MM, *sides)
+    return Runs(targets * step, *sides)
 
 
-def _check_positions(position_mm: np.ndarray, path: Path) -> None:
-    if len(position_mm) < 2:
-        raise InputError(f"{len(position_mm)} position", file=path, accepted="two or more")
-    twice = np.flatnonzero(np.diff(position_mm) < _SAME_POSITION_MM)
+def _check_positions(position: np.ndarray, header: _Header) -> None:
+    if len(position) < 2:
+        raise InputError(f"{len(position)} position", file=header.path, accepted="two or more")
+    twice = np.flatnonzero(np.diff(position) < _SAME_POSITION * header.position_scale)
     if twice.size:
         raise InputError(
-            f"position {position_mm[twice[0]]:g} mm stands there twice", file=path,
+            f"position {position[twice[0]] / header.position_scale:g} stands there twice",
+            file=header.path,
             hint="single runs go into columns forward_1, forward_2, ...",
-        )  # fmt: skip
+        )
 
 
 def _filled(

@@ -14,12 +14,18 @@ from vmach.machine.chain import LINEAR_AXES
 from vmach.machine.component_errors import component_of
 from vmach.machine.displacement import RigidDisplacement, Variant
 from vmach.machine.machine import Machine
+from vmach.machine.rotary import ROTARY_AXES
 
 __all__ = ["body_motion", "exact_displacement"]
 
 
 def exact_displacement(
-    machine: Machine, nose_mm: np.ndarray, tool_mm: np.ndarray, variant: Variant
+    machine: Machine,
+    nose_mm: np.ndarray,
+    tool_mm: np.ndarray,
+    variant: Variant,
+    *,
+    rotary_rad: np.ndarray | None = None,
 ) -> RigidDisplacement:
     """Displacement of the tool with no term left out.
 
@@ -27,17 +33,25 @@ def exact_displacement(
 
     Notes
     -----
-    ``H_tool = prod (bed to tool) S_j Tr(q_j) S_j^-1 E_j``, ``H_work`` the same with ``-q_j``;
-    the tip in workpiece coordinates is ``H_work^-1 H_tool (T, 1)`` and nominally ``T + q``.
-    The tilt is the rotation vector of ``H_work^-1 H_tool``.
+    ``H_tool = prod (bed to tool) S_j Tr(q_j) S_j^-1 E_j``, ``H_work`` the same with ``-q_j``, and
+    for a rotary axis with centre c, location error D and angle ``+-phi_j`` the factor
+    ``Tr(c) E_j D Rot(phi_j) D^-1 Tr(-c)``; the tip in workpiece coordinates is
+    ``H_work^-1 H_tool (T, 1)``, nominally with the same product without errors.
     """
-    tool2bed = _side(machine, nose_mm, variant, machine.chain.tool_side[::-1])
-    work2bed = _side(machine, nose_mm, variant, machine.chain.work_side)
-    tool2work = np.linalg.inv(work2bed) @ tool2bed
+    if rotary_rad is None:
+        rotary_rad = np.zeros_like(nose_mm)
     tip = np.broadcast_to(np.asarray(tool_mm, dtype=float), nose_mm.shape)
-    actual = np.einsum("pij,pj->pi", tool2work[:, :3, :3], tip) + tool2work[:, :3, 3]
-    tilt = Rotation.from_matrix(tool2work[:, :3, :3]).as_rotvec()
-    return RigidDisplacement(actual - tip - nose_mm, tilt)
+    states = (machine, nose_mm, rotary_rad)
+    actual = np.linalg.inv(_side(*states, variant, side="work")) @ _side(
+        *states, variant, side="tool"
+    )
+    nominal = np.linalg.inv(_side(*states, Variant.NONE, side="work")) @ _side(
+        *states, Variant.NONE, side="tool"
+    )
+    difference = actual - nominal
+    shift = np.einsum("pij,pj->pi", difference[:, :3, :3], tip) + difference[:, :3, 3]
+    turn = actual[:, :3, :3] @ nominal[:, :3, :3].transpose(0, 2, 1)
+    return RigidDisplacement(shift, Rotation.from_matrix(turn).as_rotvec())
 
 
 def body_motion(
@@ -70,22 +84,44 @@ def body_motion(
 
 
 def _side(
-    machine: Machine, nose_mm: np.ndarray, variant: Variant, axes: tuple[str, ...]
+    machine: Machine, nose_mm: np.ndarray, rotary_rad: np.ndarray, variant: Variant, *, side: str
 ) -> np.ndarray:
     """Matrices from the outermost body of one side of the bed to the bed, (P, 4, 4)."""
+    chain = machine.chain
     body2bed = np.tile(np.eye(4), (len(nose_mm), 1, 1))
-    for axis in axes:
-        body2bed = body2bed @ _travel(machine, axis, nose_mm)
-        body2bed = body2bed @ _matrix(*body_motion(machine, axis, nose_mm, variant))
+    for axis in chain.tool_side[::-1] if side == "tool" else chain.work_side:
+        if axis in ROTARY_AXES:
+            body2bed = body2bed @ _turn(machine, axis, rotary_rad, variant)
+            continue
+        body2bed = body2bed @ _travel(machine, axis, nose_mm, variant)
+        if variant is not Variant.NONE:
+            body2bed = body2bed @ _matrix(*body_motion(machine, axis, nose_mm, variant))
     return body2bed
 
 
-def _travel(machine: Machine, axis: str, nose_mm: np.ndarray) -> np.ndarray:
+def _travel(machine: Machine, axis: str, nose_mm: np.ndarray, variant: Variant) -> np.ndarray:
     """S_j Tr(q_j) S_j^-1: travel along the axis' own, perhaps not square, reference line."""
     j = LINEAR_AXES.index(axis)
-    line = Rotation.from_rotvec(machine.squareness_rad[j]).apply(np.eye(3)[j])
+    lean = np.zeros(3) if variant is Variant.NONE else machine.squareness_rad[j]
+    line = Rotation.from_rotvec(lean).apply(np.eye(3)[j])
     way_mm = nose_mm[:, j] if machine.chain.carries_tool(axis) else -nose_mm[:, j]
     return _matrix(way_mm[:, None] * line, np.zeros((len(nose_mm), 3)))
+
+
+def _turn(machine: Machine, axis: str, rotary_rad: np.ndarray, variant: Variant) -> np.ndarray:
+    """Tr(c) E_j D Rot(phi_j) D^-1 Tr(-c): turn about the axis' own, perhaps misplaced, line."""
+    k = ROTARY_AXES.index(axis)
+    rotary = machine.rotary[axis]
+    tool_side = machine.chain.carries_tool(axis)
+    angle = rotary_rad[:, k] if tool_side else -rotary_rad[:, k]
+    none = np.zeros((len(angle), 3))
+    turn = _matrix(none, np.multiply.outer(angle, np.eye(3)[k]))
+    if variant is not Variant.NONE:
+        place = _matrix(none + rotary.location_mm, none + rotary.location_rad)
+        sign = machine.component_sign(f"EX{axis}") * (1.0 if tool_side else -1.0)
+        shift, rotation = rotary.motion(rotary_rad[:, k])
+        turn = _matrix(sign * shift, sign * rotation) @ place @ turn @ np.linalg.inv(place)
+    return _matrix(none + rotary.centre_mm, none) @ turn @ _matrix(none - rotary.centre_mm, none)
 
 
 def _matrix(shift_mm: np.ndarray, rotation_rad: np.ndarray) -> np.ndarray:

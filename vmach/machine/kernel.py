@@ -112,10 +112,12 @@ def displace(
     """
     ways = np.zeros((1, 3), dtype=np.int8) if direction is None else direction
     shift, tilt = np.empty_like(nose_mm), np.empty_like(nose_mm)
+    # arm of E_ij along k per mm of q_k; own travel of the measuring point taken off
+    gains = errors.arm_masks - reference_travel[:, :, None] * np.eye(3)
     packed = [(c.breaks, c.origins, c.coefficients, c.buckets) for c in errors.axes]
     _loop(
         nose_mm, tool_mm, ways, packed[0], packed[1], packed[2],
-        errors.arm_masks, reference_mm, reference_travel, errors.squareness_rad, shift, tilt,
+        gains, reference_mm, errors.squareness_rad, shift, tilt,
     )  # fmt: skip
     return shift, tilt
 
@@ -158,7 +160,7 @@ def _way(sign):
 @njit(cache=True, parallel=True)
 def _loop(
     nose, tool, ways, curves_x, curves_y, curves_z,
-    masks, reference, reference_travel, sigma, shift, tilt,
+    gains, reference, sigma, shift, tilt,
 ):  # fmt: skip
     for chunk in prange((len(nose) + _CHUNK - 1) // _CHUNK):
         values = np.empty((3, 6))
@@ -170,11 +172,11 @@ def _loop(
             _axis(q[0], _way(way[0]), curves_x, values[0])
             _axis(q[1], _way(way[1]), curves_y, values[1])
             _axis(q[2], _way(way[2]), curves_z, values[2])
-            _add_up(q, t, values, masks, reference, reference_travel, sigma, shift[p], tilt[p])
+            _add_up(q, t, values, gains, reference, sigma, shift[p], tilt[p])
 
 
 @njit(cache=True, inline="always")
-def _add_up(q, t, values, masks, reference, reference_travel, sigma, shift, tilt):
+def _add_up(q, t, values, gains, reference, sigma, shift, tilt):
     """Shift and tilt at one state."""
     for i in range(3):
         b, c = (i + 1) % 3, (i + 2) % 3
@@ -182,9 +184,8 @@ def _add_up(q, t, values, masks, reference, reference_travel, sigma, shift, tilt
         e = q[c] * sigma[c, b] - q[b] * sigma[b, c]
         w = 0.0
         for j in range(3):
-            travel = reference_travel[i, j] * q[j]
-            arm_b = t[b] + masks[j, b] * q[b] - reference[i, j, b] - (travel if b == j else 0.0)
-            arm_c = t[c] + masks[j, c] * q[c] - reference[i, j, c] - (travel if c == j else 0.0)
+            arm_b = t[b] + gains[i, j, b] * q[b] - reference[i, j, b]
+            arm_c = t[c] + gains[i, j, c] * q[c] - reference[i, j, c]
             e += values[j, i] + values[j, 3 + b] * arm_c - values[j, 3 + c] * arm_b
             w += values[j, 3 + i]
         shift[i] = e

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -12,6 +12,7 @@ import numpy as np
 from vmach.errors import InputError
 from vmach.machine.chain import LINEAR_AXES, Chain
 from vmach.machine.component_errors import ComponentError, SetUp, component_of
+from vmach.machine.rotary import RotaryAxis
 from vmach.machine.sign_convention import SignConvention, sign_to_relative
 
 __all__ = ["Axis", "Machine", "Motion", "SignConvention"]
@@ -36,7 +37,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class Machine:
-    """A three-axis machine and its 21 geometric errors.
+    """A machine with three linear axes, perhaps rotary ones, and its geometric errors.
 
     Attributes
     ----------
@@ -54,6 +55,8 @@ class Machine:
     separate_directions : bool
         Whether forward and backward tables act by the direction of the last motion; else their
         mean acts always.
+    rotary : mapping of axis name to RotaryAxis
+        The rotary axes of the chain.
     reference_axes : str
         Primary and secondary axis of the machine's frame, such as ``ZY``; empty if not said.
     files : tuple of Path
@@ -70,9 +73,17 @@ class Machine:
     squareness_rad: np.ndarray
     sign: SignConvention = SignConvention.RELATIVE
     separate_directions: bool = False
+    rotary: Mapping[str, RotaryAxis] = field(default_factory=dict)
     reference_axes: str = ""
     files: tuple[Path, ...] = ()
     notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if set(self.rotary) != set(self.chain.rotary_axes):
+            raise InputError(
+                f"machine '{self.name}': rotary axes {' '.join(self.rotary) or 'none'}, in the "
+                f"chain {' '.join(self.chain.rotary_axes) or 'none'}"
+            )
 
     def component_sign(self, name: str) -> float:
         """Factor from a recorded component error to the displacement of the tool, +1 or -1."""

@@ -15,6 +15,7 @@ from vmach.machine.error_table import MM_PER, RAD_PER, ErrorTable, read_error_ta
 from vmach.machine.interpolation import Extrapolation, Interpolation, Method
 from vmach.machine.machine import Axis, Machine, Motion
 from vmach.machine.machine_schema import CROSS_VALIDATION, MachineSchema, TableEntry
+from vmach.machine.rotary_file import is_rotary_error, read_rotary_axes
 from vmach.machine.sign_convention import SignConvention
 from vmach.machine.squareness import agreed_value, squareness_vectors
 from vmach.machine.volumetric_file import VolumetricFile, read_volumetric_file
@@ -43,7 +44,8 @@ def read_machine(path: str | Path) -> Machine:
             path.parent / data.volumetric.file, data.volumetric.format
         )
         files.append(data.volumetric.file)
-    names = dict.fromkeys((*data.errors, *volumetric.tables))
+    linear = [name for name in data.errors if not is_rotary_error(name)]
+    names = dict.fromkeys((*linear, *volumetric.tables))
     tables = {name: source.table(name, volumetric) for name in names}
     squareness = {name: source.squareness_rad(name) for name in data.squareness}
     return Machine(
@@ -57,6 +59,7 @@ def read_machine(path: str | Path) -> Machine:
         squareness_rad=squareness_vectors(volumetric.squareness_rad | squareness),
         sign=SignConvention(data.convention.sign),
         separate_directions=data.tables.directions == "separate",
+        rotary=read_rotary_axes(data, chain.rotary_axes, folder=path.parent, fail=source.fail),
         reference_axes=data.convention.reference_axes or "",
         files=(path, *(path.parent / name for name in dict.fromkeys(files))),
         notes=tuple(f"{name}: {note}" for name, table in tables.items() for note in table.notes),
@@ -85,7 +88,7 @@ class _Source:
 
     def check_travel(self) -> None:
         for axis in LINEAR_AXES:
-            if axis not in self.data.axes:
+            if axis not in self.data.axes or self.data.axes[axis].travel_mm is None:
                 raise self.fail(
                     ["axes", *self.data.axes],
                     f"axis {axis} has no travel",

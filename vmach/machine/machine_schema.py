@@ -58,7 +58,9 @@ class _Motion(FileSection):
 
 
 class _Axis(FileSection):
-    travel_mm: tuple[Finite, Finite]
+    travel_mm: tuple[Finite, Finite] | None = None
+    travel_deg: tuple[Finite, Finite] | None = None
+    centre_mm: Point | None = None
 
 
 class _Curve(FileSection):
@@ -108,8 +110,9 @@ class MachineSchema(FileSection):
     chain: str
     convention: _Convention
     motion: _Motion
-    axes: dict[Literal["X", "Y", "Z"], _Axis]
+    axes: dict[Literal["X", "Y", "Z", "A", "B", "C"], _Axis]
     tables: _Tables = _Tables()
     errors: dict[str, TableEntry] = Field(default_factory=dict)
     volumetric: _Volumetric | None = None
+    location: dict[str, Finite] = Field(default_factory=dict)
     squareness: dict[str, Finite | SquarenessEntry] = Field(default_factory=dict)

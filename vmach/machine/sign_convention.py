@@ -38,7 +38,8 @@ def sign_to_relative(convention: SignConvention, chain: Chain, name: str) -> flo
     """
     if convention is SignConvention.BODY:
         return 1.0 if chain.carries_tool(name[2]) else -1.0
-    if convention is SignConvention.HUDDERSFIELD and component_of(name)[2]:
+    linear = name[2] in LINEAR_AXES  # the rule says nothing of rotary axes
+    if convention is SignConvention.HUDDERSFIELD and linear and component_of(name)[2]:
         return _sign_of_first_effect(chain, name)
     return 1.0
 
