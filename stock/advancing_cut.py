@@ -17,7 +17,7 @@ from stock.cutter_solids import CutterSolids
 __all__ = ["BLOCK_STROKES", "finished_pieces"]
 
 #: strokes that are cut before finished material is split off
-BLOCK_STROKES = 8000
+BLOCK_STROKES = 4000
 #: how far behind the next stroke the front stays, mm; odd, to keep off planes of the part
 _FRONT_GAP_MM = 0.0173
 

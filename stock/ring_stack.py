@@ -16,8 +16,7 @@ class RingStack:
     """K rings of a convex body of revolution about +Z, from the tip upwards.
 
     Normals are given by their inclination: 0 points straight down, pi/2 is level, pi straight
-    up. At a ring the outward normals fill the interval from `normal_lo_rad` to
-    `normal_hi_rad`: an edge has a true interval, a rounding a single value.
+    up. At a ring the outward normals fill an interval: that between the facets below and above.
 
     Attributes
     ----------
@@ -87,10 +86,7 @@ def _corner_rings(
         return np.array([[corner.r_mm, corner.z_mm, lo, hi]])
     steps = int(np.ceil((hi - lo) / _chord_angle(corner.radius_mm, tolerance_mm) - 1e-9))
     normals = np.linspace(lo, hi, max(steps, 1) + 1)
-    half = (normals[1] - normals[0]) / 2
-    from_, to = normals.copy(), normals.copy()
-    to[0] += half  # where the rounding meets straight edges the facet beside counts as well
-    from_[-1] -= half
+    between = (normals[1:] + normals[:-1]) / 2  # normals of the facets between the rings
     radius = corner.r_mm + corner.radius_mm * np.sin(normals)
     height = corner.z_mm - corner.radius_mm * np.cos(normals)
-    return np.column_stack([radius, height, from_, to])
+    return np.column_stack([radius, height, np.r_[lo, between], np.r_[between, hi]])

@@ -51,7 +51,7 @@ def join_pieces(pieces: list[PieceMesh]) -> PieceMesh:
     StockError
         If the pieces do not close up.
     """
-    first = np.cumsum([0] + [len(piece.vertices_mm) for piece in pieces])[:-1]
+    first = np.cumsum([0] + [len(piece.vertices_mm) for piece in pieces])[:-1].tolist()
     vertices = np.concatenate([piece.vertices_mm for piece in pieces])
     triangles = np.concatenate([p.triangles + k for p, k in zip(pieces, first, strict=True)])
     move = np.concatenate([piece.move for piece in pieces])

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from manifold3d import Manifold
 
-from stock.advancing_cut import finished_pieces
+from stock.advancing_cut import BLOCK_STROKES, finished_pieces
 from stock.blank import blank_solid
 from stock.cutter_solids import CutterSolids
 from stock.errors import StockError
@@ -29,7 +29,7 @@ _WALL = -2
 
 @dataclass(frozen=True)
 class VirtualPart:
-    """A closed surface of T triangles that know which move cut them.
+    """A closed surface of T triangles that know which move cut them. Arrays are read-only.
 
     Attributes
     ----------
@@ -47,6 +47,10 @@ class VirtualPart:
     move: np.ndarray
     volume_mm3: float
 
+    def __post_init__(self) -> None:
+        for array in (self.vertices_mm, self.triangles, self.move):
+            array.setflags(write=False)
+
 
 def cut_part(
     sweeps: Sweeps,
@@ -54,13 +58,15 @@ def cut_part(
     blank: Any,
     *,
     tolerance_mm: float = 0.01,
+    block_strokes: int = BLOCK_STROKES,
     progress: Callable[[int, int], None] | None = None,
 ) -> VirtualPart:
     """Remove from the blank everything that the displaced tools sweep.
 
-    Round tools and arcs are faceted with corners on the true surface, so material may be left
-    by up to the tolerance; planes keep every micrometre of the displacement. Numbers come from
-    the exact engine, the solid is for looking at, volume, export and collision.
+    Round tools are faceted with corners on the true surface: they leave up to the tolerance of
+    material, twice that where they are curved both ways, and cut too deep only inside arcs, by
+    up to the tolerance. Planes keep every micrometre of the displacement. Numbers come from the
+    exact engine; the solid is for looking at, volume and export.
 
     Parameters
     ----------
@@ -70,17 +76,19 @@ def cut_part(
     blank : pair of (3,) float64, or a mesh
         See `stock.blank.blank_solid`.
     tolerance_mm : float
-        Largest sagitta of a facet's chord on a tool or along an arc.
+        Largest sagitta of a chord around the tool's axis, along its outline, and along an arc.
+    block_strokes : int
+        Strokes that are cut before finished material is set aside; bounds the working memory.
     progress : callable, optional
         Called every few strokes with how many of how many straight strokes are cut.
 
     Raises
     ------
     StockError
-        If the blank is no solid or the tolerance is not positive.
+        If the blank is no solid, a sweep has no tool, or the tolerance or the block is not
+        positive.
     """
-    if not tolerance_mm > 0:
-        raise StockError(f"tolerance of {tolerance_mm!r} mm", accepted="a positive length")
+    _check(sweeps, tools, tolerance_mm, block_strokes)
     solid = blank_solid(blank)
     strokes = strokes_of(sweeps, tolerance_mm)
     stacks = [ring_stack(tool, tolerance_mm) for tool in tools]
@@ -88,11 +96,28 @@ def cut_part(
     move_of_id = cutters.move_of_id
     move_of_id[solid.original_id()] = BLANK
     pieces, volume_mm3 = [], 0.0
-    for piece in finished_pieces(solid, cutters, progress=progress):
+    for piece in finished_pieces(
+        solid, cutters, block_strokes=block_strokes, progress=progress
+    ):
         pieces.append(_mesh(piece, move_of_id))
         volume_mm3 += piece.volume()
     joined = join_pieces(pieces)
     return VirtualPart(joined.vertices_mm, joined.triangles, joined.move, volume_mm3)
+
+
+def _check(
+    sweeps: Sweeps, tools: Sequence[Tool], tolerance_mm: float, block_strokes: int
+) -> None:
+    if not 0 < tolerance_mm < np.inf:
+        raise StockError(f"tolerance of {tolerance_mm!r} mm", accepted="a positive length")
+    if block_strokes < 1:
+        raise StockError(f"blocks of {block_strokes!r} strokes", accepted="1 or more")
+    unknown = sweeps.tool[(sweeps.tool < 0) | (sweeps.tool >= len(tools))]
+    if len(unknown):
+        raise StockError(
+            f"a sweep uses tool {unknown[0]} of {len(tools)}",
+            accepted=f"indices from 0 to {len(tools) - 1}",
+        )
 
 
 def _mesh(solid: Manifold, move_of_id: dict[int, int]) -> PieceMesh:
@@ -103,4 +128,5 @@ def _mesh(solid: Manifold, move_of_id: dict[int, int]) -> PieceMesh:
     move = np.repeat(np.array(origin, dtype=np.int64), lengths)
     triangles = np.asarray(mesh.tri_verts).astype(np.int64)
     kept = move != _WALL
-    return PieceMesh(np.asarray(mesh.vert_properties)[:, :3], triangles[kept], move[kept])
+    vertices = np.array(mesh.vert_properties)  # a view would keep the whole mesh alive
+    return PieceMesh(vertices, triangles[kept], move[kept])

@@ -60,8 +60,8 @@ def swept_points(
     count = 0
     foremost, reach = 0, -np.inf
     for k in range(len(rings)):
-        front, back = _view(rings[k], heading)
-        front0, back0 = _view(rings[k], heading0)
+        front, back = _view(rings[k], azimuths[k], heading)
+        front0, back0 = _view(rings[k], azimuths[k], heading0)
         advance = rings[k, 0] * heading[1] + rings[k, 1] * heading[2]
         if advance > reach:
             foremost, reach = k, advance
@@ -102,10 +102,13 @@ def _heading(step: np.ndarray) -> tuple[float, float, float]:
 
 
 @njit(cache=True)
-def _view(ring: np.ndarray, heading: tuple[float, float, float]) -> tuple[float, float]:
+def _view(
+    ring: np.ndarray, azimuths: int, heading: tuple[float, float, float]
+) -> tuple[float, float]:
     """Largest angle off the heading's azimuth that looks forward, smallest that looks back.
 
-    Flat ends have no side in a level motion: the walls alone decide.
+    Flat ends have no side in a level motion: the walls alone decide. Angles closer than the
+    ring's own corners become one, that of the upper facet, which may be a wall.
     """
     lo, hi = ring[2], ring[3]
     if ring[0] * abs(heading[2]) <= _LEVEL_MM:
@@ -113,9 +116,11 @@ def _view(ring: np.ndarray, heading: tuple[float, float, float]) -> tuple[float,
             lo = hi
         elif hi == np.pi:
             hi = lo
-    a = _half_front(lo, heading[1], heading[2])
-    b = _half_front(hi, heading[1], heading[2])
-    return max(a, b), min(a, b)
+    below = _half_front(lo, heading[1], heading[2])
+    above = _half_front(hi, heading[1], heading[2])
+    if abs(above - below) * azimuths < 2 * np.pi:
+        return above, above
+    return max(below, above), min(below, above)
 
 
 @njit(cache=True)
