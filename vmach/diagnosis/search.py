@@ -7,7 +7,7 @@ each other is found even where neither leads alone.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -80,7 +80,7 @@ class Search:
         self, survey: Survey, candidates: Sequence[Candidate], whiten: Whitening, *, seed: int = 1
     ) -> None:
         self.survey, self.candidates, self.whiten = survey, list(candidates), whiten
-        self._white = [whiten(c.signatures_mm) for c in self.candidates]
+        self.white = [whiten(c.signatures_mm) for c in self.candidates]
         self._reading = whiten(survey.residual_mm)
         self._seed = seed
 
@@ -99,7 +99,7 @@ class Search:
         random = np.random.default_rng(self._seed)
         noise = self.whiten.projected(random.standard_normal((len(self.survey), _SIMULATIONS)))
         largest = np.full(_SIMULATIONS, -np.inf)
-        for columns, candidate in zip(self._white, self.candidates, strict=True):
+        for columns, candidate in zip(self.white, self.candidates, strict=True):
             found = log_evidence(columns, noise, candidate.log_prior).log_factor
             largest = np.maximum(largest, found + self.log_prior(candidate))
         return float(np.quantile(largest, 0.9) + np.log(0.1 / _FALSE_ALARM))
@@ -110,6 +110,10 @@ class Search:
             if candidate.target not in self.survey.job.machine.components:
                 return _MISSING_TABLE
         return -candidate.effect.rarity
+
+    def candidate(self, label: str) -> Candidate:
+        """The candidate with a given name and target."""
+        return next(c for c in self.candidates if c.label == label)
 
     def run(self) -> Explanation:
         """The best set of effects, every one of them above the threshold given the others."""
@@ -132,17 +136,18 @@ class Search:
 
     def _next(self, explanation: Explanation) -> float:
         """Evidence of the best candidate on what an explanation leaves, if above threshold."""
-        best = max(self._gains(explanation))
+        best = max(self.gains(explanation))
         return best if best > self.threshold else 0.0
 
-    def _gains(self, explanation: Explanation) -> list[float]:
+    def gains(self, explanation: Explanation) -> list[float]:
+        """Evidence of every candidate on what an explanation leaves, prior odds included."""
         return [
             float(e.log_factor[0]) + self.log_prior(c)
             for e, c in zip(explanation.evidence, self.candidates, strict=True)
         ]
 
     def _children(self, explanation: Explanation) -> list[Explanation]:
-        gains = self._gains(explanation)
+        gains = self.gains(explanation)
         least = max(self.threshold, _WORTH_TRYING * max(gains))
         leading = [k for k in np.argsort(gains)[::-1][:_TRIED] if gains[k] > least]
         leading = [k for k in leading if self.candidates[k].label not in explanation.labels]
@@ -171,10 +176,14 @@ class Search:
         fit = fit_terms(self.survey, terms, self.whiten) if terms else None
         return self._explain(fit, score)
 
+    def with_fit(self, fit: JointFit, score: float) -> Explanation:
+        """The explanation by terms that were fitted elsewhere."""
+        return self._explain(fit, score)
+
     def _explain(self, fit: JointFit | None, score: float) -> Explanation:
-        white, reading, degrees = self._white, self._reading, self.whiten.degrees
+        white, reading, degrees = self.white, self._reading, self.whiten.degrees
         if fit is not None:
-            absorb = self._absorber(fit)
+            absorb = self._absorbing(fit)
             white = [absorb(w) for w in white]
             reading = absorb(reading)
             degrees = absorb.degrees - (len(self.survey) - self.whiten.degrees)
@@ -184,20 +193,31 @@ class Search:
         )
         return Explanation(fit, score, evidence, reading, degrees)
 
-    def _absorber(self, fit: JointFit) -> Whitening:
+    def absorber(self, explanation: Explanation) -> Callable[[np.ndarray], np.ndarray]:
+        """What takes an explanation out of whitened readings or signatures."""
+        return self._absorbing(explanation.fit) if explanation.fit else lambda white: white
+
+    def _absorbing(self, fit: JointFit) -> Whitening:
         """Takes the fitted effects out, what their laws leave open and their inner parameters."""
-        free, random = [], []
+        free, random = [], [self.slack_of(fit)]
         for k, term in enumerate(fit.terms):
             if term.width is None:
                 free += [fit.signatures_mm[k], fit.tangents_mm[k]]
             else:
                 random.append(term.width * fit.signatures_mm[k])
-            if term.effect.slack_share > 0.0:
-                random.append(self.survey.slack(term.effect, term.target, fit.parameters(k)))
         n = len(self.survey)
         free_white = self.whiten(np.hstack([np.zeros((n, 0)), *free]))
-        random_white = self.whiten(np.hstack([np.zeros((n, 0)), *random]))
+        random_white = self.whiten(np.hstack(random))
         return Whitening(np.ones(n), random_white, free_white)
+
+    def slack_of(self, fit: JointFit) -> np.ndarray:
+        """Unit-variance signatures of what the laws of a fit's effects leave open, (n, K) mm."""
+        parts = [
+            self.survey.slack(term.effect, term.target, fit.parameters(k))
+            for k, term in enumerate(fit.terms)
+            if term.effect.slack_share > 0.0
+        ]
+        return np.hstack([np.zeros((len(self.survey), 0)), *parts])
 
     def _without_needless(self, explanation: Explanation) -> Explanation:
         """Drop effects, the weakest first, that the others make needless."""
@@ -215,8 +235,8 @@ class Search:
         assert explanation.fit is not None
         term = explanation.fit.terms[k]
         others = self.without(explanation, k)
-        place = next(i for i, c in enumerate(self.candidates) if c.label == term.label)
-        return self._gains(others)[place]
+        place = self.candidates.index(self.candidate(term.label))
+        return self.gains(others)[place]
 
     def without(self, explanation: Explanation, k: int) -> Explanation:
         """The explanation without its term k; the others keep their inner parameters."""

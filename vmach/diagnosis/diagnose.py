@@ -1,0 +1,302 @@
+"""Diagnosis: what the model lacks, named, or a class, or something unknown, or nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.stats import norm
+
+from vmach.diagnosis.blind_spots import BlindSpot, blind_spots
+from vmach.diagnosis.held_out import holds_out
+from vmach.diagnosis.next_measurement import NextMeasurement, next_measurement
+from vmach.diagnosis.rivals import Rivals, rivals_of
+from vmach.diagnosis.search import Explanation, Search
+from vmach.diagnosis.structure import Structure
+from vmach.diagnosis.where_it_fails import Failure, where_it_fails
+from vmach.diagnosis.words import component_parameters, where_component
+from vmach.effects import Effect
+from vmach.effects.component import Component
+from vmach.fit.candidates import Candidate, gather_candidates
+from vmach.fit.joint_fit import fit_terms
+from vmach.fit.survey import Survey
+from vmach.fit.whitening import Whitening
+from vmach.units import um_from_mm
+
+__all__ = ["CandidateScore", "Diagnosis", "Finding", "diagnose"]
+
+#: share of the error between two table points that is carried as uncertainty
+_BEND_SHARE = 1.0
+#: at most this share of the readings may be left out as outliers after the fit
+_MOST_OUTLIERS = 0.02
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One effect found.
+
+    Attributes
+    ----------
+    effect : Effect or None
+        None for something that no effect explains.
+    target : str
+    parameters, u : dict
+        In the units of their names; a component's are lists.
+    rivals : Rivals
+    where : str or None
+    """
+
+    effect: Effect | None
+    target: str
+    parameters: dict
+    u: dict
+    rivals: Rivals
+    where: str | None
+
+    @property
+    def name(self) -> str:
+        """Name of the effect, or "unknown"."""
+        return self.effect.name if self.effect else "unknown"
+
+
+@dataclass(frozen=True)
+class CandidateScore:
+    """How a single effect does on its own."""
+
+    effect: str
+    target: str
+    score: float
+    rms_after_um: float
+    status: str
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What the measurements say about the model.
+
+    Attributes
+    ----------
+    verdict : str
+        "named", "class", "unknown" or "nothing".
+    findings : tuple of Finding
+    rms_um : dict
+        "before", "after", "expected_noise": over all readings, alignment taken off.
+    candidates : tuple of CandidateScore
+    failures : tuple of Failure
+        Where the model fails, before anything is added.
+    blind_spots : tuple of BlindSpot
+    next_measurement : NextMeasurement or None
+    left : dict
+        What is left beyond noise by kind of pattern; empty where the rest is noise.
+    notes : tuple of str
+    """
+
+    verdict: str
+    findings: tuple[Finding, ...]
+    rms_um: dict[str, float]
+    candidates: tuple[CandidateScore, ...]
+    failures: tuple[Failure, ...]
+    blind_spots: tuple[BlindSpot, ...]
+    next_measurement: NextMeasurement | None
+    left: dict[str, float]
+    notes: tuple[str, ...]
+
+
+def diagnose(
+    survey: Survey, *, effects: Sequence[Effect] | None = None, progress: Progress | None = None
+) -> Diagnosis:
+    """Compare measurements with the model and say what is missing.
+
+    Parameters
+    ----------
+    survey : Survey
+    effects : sequence of Effect, optional
+        Candidates; the whole catalogue where left out.
+    progress : callable, optional
+        Told what is being done.
+    """
+    tell = progress or (lambda text: None)
+    tell("signatures of all effects")
+    candidates, excluded = gather_candidates(survey, effects)
+    tell("search")
+    search, explanation = _searched(survey, candidates)
+    astray = _outliers(search, explanation)
+    outliers: list[str] = []
+    if astray.any():
+        outliers = [_reading_name(survey, k) for k in np.flatnonzero(astray)]
+        keep = ~astray
+        survey = survey.part_of(keep)
+        candidates = [replace(c, signatures_mm=c.signatures_mm[keep]) for c in candidates]
+        search, explanation = _searched(survey, candidates)
+    explanation = _settled(search, explanation)
+    tell("is what is left noise?")
+    structure = Structure(survey, search.whiten)
+    left = structure.left_in(
+        explanation.residual, explanation.degrees, absorb=search.absorber(explanation)
+    )
+    failures = where_it_fails(survey, search.whiten, survey.residual_mm)
+    findings = _findings(search, explanation)
+    verdict = _verdict(findings, left)
+    if verdict == "unknown":
+        remaining = where_it_fails(survey, search.whiten, _leftover_mm(search, explanation))
+        findings = (_something(remaining or failures),)
+    tell("what to measure next")
+    return Diagnosis(
+        verdict=verdict,
+        findings=findings,
+        rms_um=_rms(survey, explanation),
+        candidates=_scores(search, excluded),
+        failures=failures,
+        blind_spots=blind_spots(search, explanation, excluded),
+        next_measurement=next_measurement(search, explanation, findings),
+        left=left,
+        notes=(
+            *(note for m in survey.measurements for note in m.notes if note),
+            *_outlier_notes(outliers),
+        ),
+    )
+
+
+def _searched(survey: Survey, candidates: list[Candidate]) -> tuple[Search, Explanation]:
+    factors = survey.factors(bend_share=_BEND_SHARE)
+    whiten = Whitening(survey.u_mm, factors, survey.nuisance)
+    search = Search(survey, candidates, whiten)
+    return search, search.run()
+
+
+def _settled(search: Search, explanation: Explanation) -> Explanation:
+    """Without effects that do not help to predict readings held out, and refitted with slack."""
+    while explanation.fit is not None:
+        useful = holds_out(search.survey, explanation.fit)
+        if all(useful):
+            break
+        terms = [t for t, good in zip(explanation.fit.terms, useful, strict=True) if good]
+        explanation = search.explain(terms)
+    if explanation.fit is None:
+        return explanation
+    slack = search.slack_of(explanation.fit)
+    if slack.shape[1]:
+        factors = np.hstack([search.survey.factors(bend_share=_BEND_SHARE), slack])
+        careful = Whitening(search.survey.u_mm, factors, search.survey.nuisance)
+        fit = fit_terms(search.survey, explanation.fit.terms, careful)
+        explanation = search.with_fit(fit, explanation.score)
+    return explanation
+
+
+def _outliers(search: Search, explanation: Explanation) -> np.ndarray:
+    """Readings that a normal distribution would not hold, (n,) bool; none if there are many."""
+    count = len(search.survey)
+    limit = norm.isf(0.5 * 0.001 / count)
+    astray = np.abs(explanation.residual) > limit
+    return astray if astray.sum() <= _MOST_OUTLIERS * count else np.zeros(count, dtype=bool)
+
+
+def _outlier_notes(names: list[str]) -> tuple[str, ...]:
+    if not names:
+        return ()
+    shown = ", ".join(names[:6]) + (f" and {len(names) - 6} more" if len(names) > 6 else "")
+    return (f"{len(names)} readings are out of all proportion and were left out: {shown}",)
+
+
+def _reading_name(survey: Survey, k: int) -> str:
+    for m in survey.measurements:
+        if k < len(m):
+            return f"{m.name} {m.id[k]}"
+        k -= len(m)
+    raise IndexError(k)
+
+
+def _findings(search: Search, explanation: Explanation) -> tuple[Finding, ...]:
+    if explanation.fit is None:
+        return ()
+    findings = []
+    for k, term in enumerate(explanation.fit.terms):
+        where = None
+        if isinstance(term.effect, Component):
+            part = search.survey.paths[0]
+            parameters, u = component_parameters(explanation.fit, k, part)
+            where = where_component(parameters, u, term.target)
+        else:
+            parameters = explanation.fit.parameters(k)
+            u = explanation.fit.uncertainty(k)
+        rivals = rivals_of(search, explanation, k)
+        findings.append(Finding(term.effect, term.target, parameters, u, rivals, where))
+    return tuple(findings)
+
+
+def _verdict(findings: tuple[Finding, ...], left: dict[str, float]) -> str:
+    if left:
+        return "unknown"
+    if not findings:
+        return "nothing"
+    return "class" if any(len(f.rivals.names) > 1 for f in findings) else "named"
+
+
+def _something(failures: tuple[Failure, ...]) -> Finding:
+    where = "; ".join(f"{f.by}: {f.text}" for f in failures[:3]) or None
+    return Finding(None, "", {}, {}, Rivals((), ()), where)
+
+
+def _leftover_mm(search: Search, explanation: Explanation) -> np.ndarray:
+    residual = search.survey.residual_mm
+    if explanation.fit is None:
+        return residual
+    count = len(explanation.fit.terms)
+    return residual - sum(explanation.fit.explained_mm(k) for k in range(count))
+
+
+def _rms(survey: Survey, explanation: Explanation) -> dict[str, float]:
+    explained = np.zeros(len(survey))
+    if explanation.fit is not None:
+        for k in range(len(explanation.fit.terms)):
+            explained = explained + explanation.fit.explained_mm(k)
+    factors = _aligned(survey, survey.factors(bend_share=_BEND_SHARE))
+    noise = np.sqrt(np.mean(survey.u_mm**2 + (factors**2).sum(axis=1)))
+    values = {
+        "before": _root_mean_square(_aligned(survey, survey.residual_mm)),
+        "after": _root_mean_square(_aligned(survey, survey.residual_mm - explained)),
+        "expected_noise": noise,
+    }
+    return {name: float(um_from_mm(value)) for name, value in values.items()}
+
+
+def _root_mean_square(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _aligned(survey: Survey, columns: np.ndarray) -> np.ndarray:
+    """What a plain least-squares alignment leaves."""
+    weight = 1.0 / survey.u_mm[:, None]
+    target = columns if columns.ndim == 2 else columns[:, None]
+    solution = np.linalg.lstsq(survey.nuisance * weight, target * weight, rcond=None)[0]
+    return (target - survey.nuisance @ solution).reshape(columns.shape)
+
+
+def _scores(
+    search: Search, excluded: list[tuple[Effect, str, str]]
+) -> tuple[CandidateScore, ...]:
+    survey, nothing = search.survey, search.nothing
+    scores = []
+    for k, candidate in enumerate(search.candidates):
+        term = search.term(k, nothing)
+        fit = fit_terms(survey, [term], search.whiten, refine=False)
+        after = _aligned(survey, survey.residual_mm - fit.explained_mm(0))
+        scores.append(
+            CandidateScore(
+                candidate.effect.name,
+                candidate.target,
+                round(search.gains(nothing)[k], 2),
+                round(float(um_from_mm(_root_mean_square(after))), 3),
+                "tested",
+            )
+        )
+    scores.sort(key=lambda s: -s.score)
+    before = _rms(survey, nothing)["before"]
+    scores += [
+        CandidateScore(e.name, target, 0.0, round(before, 3), f"not testable: {why}")
+        for e, target, why in excluded
+    ]
+    return tuple(scores)

@@ -1,0 +1,69 @@
+"""Rivals: which other effects would explain the same readings as well as the one found?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vmach.diagnosis.search import Explanation, Search
+from vmach.fit.whitening import orthonormal
+
+__all__ = ["Rivals", "rivals_of"]
+
+#: effects whose log evidence is this close cannot be told apart
+_MARGIN = 4.0
+
+
+@dataclass(frozen=True)
+class Rivals:
+    """Effects that the data cannot tell from one that was found.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Names of effects, the most plausible first, the one found among them.
+    labels : tuple of str
+        The same with targets.
+    """
+
+    names: tuple[str, ...]
+    labels: tuple[str, ...]
+
+
+def rivals_of(search: Search, explanation: Explanation, k: int) -> Rivals:
+    """Rivals of term k of an explanation, the other terms staying."""
+    assert explanation.fit is not None
+    own = explanation.fit.terms[k]
+    others = search.without(explanation, k)
+    gains = search.gains(others)
+    best = max(gains)
+    near = [i for i in np.argsort(gains)[::-1] if gains[i] > best - _MARGIN]
+    labels = [search.candidates[i].label for i in near]
+    if own.label not in labels:
+        labels.insert(0, own.label)
+    names = list(dict.fromkeys(label.split()[0] for label in labels))
+    names += [n for n in _teams(search, explanation, k, others) if n not in names]
+    names.sort(key=lambda name: name != own.effect.name)
+    return Rivals(tuple(names), tuple(labels))
+
+
+def _teams(search: Search, explanation: Explanation, k: int, others: Explanation) -> list[str]:
+    """Effects that do the same when they act on several targets at once: three scales ..."""
+    assert explanation.fit is not None
+    absorb = search.absorber(others)
+    shown = absorb(search.whiten(explanation.fit.explained_mm(k)))
+    found = []
+    by_name: dict[str, list[int]] = {}
+    for i, candidate in enumerate(search.candidates):
+        if candidate.effect.amplitudes and len(candidate.grid) == 1:
+            by_name.setdefault(candidate.effect.name, []).append(i)
+    for name, members in by_name.items():
+        if len(members) < 2 or name == explanation.fit.terms[k].effect.name:
+            continue
+        span = np.hstack([search.white[i][:, 0, :] for i in members])
+        basis = orthonormal(absorb(span), tolerance=1e-6)
+        left = shown - basis @ (basis.T @ shown)
+        if left @ left < 2.0 * _MARGIN:
+            found.append(name)
+    return found

@@ -1,0 +1,72 @@
+"""The findings in words that a machinist understands."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vmach.effects import Effect
+from vmach.effects.component import Component
+from vmach.effects.circumstances import Circumstances
+from vmach.fit.joint_fit import JointFit
+from vmach.machine.component_errors import component_of
+
+__all__ = ["component_parameters", "describe", "where_component"]
+
+#: a correction counts as there where it exceeds this many standard uncertainties
+_CLEAR = 3.0
+
+
+def describe(effect: Effect) -> dict[str, str]:
+    """What an effect is, its usual size, how to confirm and how to cure it."""
+    return {
+        "what": effect.title,
+        "usual_size": effect.usual_size,
+        "confirm": effect.confirm,
+        "cure": effect.cure,
+    }
+
+
+def component_parameters(
+    fit: JointFit, k: int, path: Circumstances
+) -> tuple[dict[str, list[float]], dict[str, list[float]]]:
+    """Correction curve of a component, and its standard uncertainty, at positions in use."""
+    term = fit.terms[k]
+    effect, target = term.effect, term.target
+    assert isinstance(effect, Component)
+    root = effect.curve(path, target, **term.inner)
+    knots = effect.knots_mm(path, target)
+    value = root @ fit.coefficients[k]
+    u = np.sqrt(np.einsum("ij,jk,ik->i", root, fit.covariance[k], root))
+    position = path.nose_mm[:, component_of(target)[1]]
+    step = knots[1] - knots[0]
+    used = (knots > position.min() - step) & (knots < position.max() + step)
+    key = "correction_urad" if component_of(target)[2] else "correction_um"
+    rounded = {"position_mm": np.round(knots[used], 3).tolist(),
+               key: np.round(value[used], 4).tolist()}
+    return rounded, {key: np.round(u[used], 4).tolist()}
+
+
+def where_component(
+    parameters: dict[str, list[float]], u: dict[str, list[float]], target: str
+) -> str:
+    """Where on the axis a component's correction is clearly not zero."""
+    key = next(iter(u))
+    unit = key.rsplit("_", 1)[1]
+    position = np.array(parameters["position_mm"])
+    value, spread = np.array(parameters[key]), np.array(u[key])
+    # the alignment leaves offset and slope open: what counts is the difference from the middle
+    shape = value - np.median(value)
+    peak = int(np.argmax(np.abs(shape)))
+    clear = (np.abs(shape) > _CLEAR * spread) & (np.abs(shape) > 0.3 * np.abs(shape[peak]))
+    axis = target[2]
+    if not clear[peak]:
+        return f"{axis} {position[0]:.0f} .. {position[-1]:.0f} mm"
+    first = last = peak
+    while first > 0 and clear[first - 1]:
+        first -= 1
+    while last < len(clear) - 1 and clear[last + 1]:
+        last += 1
+    return (
+        f"{axis} {position[first]:.0f} .. {position[last]:.0f} mm, "
+        f"most at {position[peak]:.0f} mm ({shape[peak]:+.1f} {unit})"
+    )
