@@ -144,7 +144,7 @@ def _as_dict(axis: _Axis, budget: Budget) -> dict[str, Any]:
         "unit": axis.unit, "runs": runs, "targets": len(result.runs.position_mm),
         "length_mm": axis.length_mm, "figures": figures, "notes": list(_notes(axis, runs)),
     }  # fmt: skip
-    if axis.is_positioning:
+    if axis.is_positioning and axis.result.A is not None:
         standard = parameter_uncertainties(budget, axis.length_mm, runs)
         entry["U_k2"] = {k: round(expanded(u) * axis.factor, 2) for k, u in standard.items()}
     return entry
@@ -153,6 +153,8 @@ def _as_dict(axis: _Axis, budget: Budget) -> dict[str, Any]:
 def _notes(axis: _Axis, runs: int) -> Iterator[str]:
     if axis.result.A is None:
         yield "means only: A and R need at least two runs in either direction"
+        if axis.result.B == 0.0:
+            yield "the same values for both directions: B says nothing"
     elif runs < 5:
         yield f"{runs} runs; the standard asks for five"
     targets = len(axis.result.runs.position_mm)
