@@ -33,7 +33,7 @@ def corner_speeds(
     """
     cosine = np.clip(np.einsum("ij,ij->i", leaving, entering), -1.0, 1.0)
     sine = np.sqrt(0.5 * (1.0 + cosine))  # of half the angle between the two moves' lines
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):
         squared = acceleration_mm_per_s2 * tolerance_mm * sine / (1.0 - sine)
     return np.where(1.0 - cosine < _TANGENT, np.inf, np.sqrt(np.where(sine < 1.0, squared, 0.0)))
 

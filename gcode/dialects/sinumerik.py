@@ -12,7 +12,7 @@ from gcode.state import Controller
 __all__ = ["Sinumerik"]
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
-_WORD = re.compile(rf"(CR|TURN|[A-Z])\s*(=?)\s*({_NUMBER})", re.IGNORECASE)
+_WORD = re.compile(rf"(CR|TURN|[A-Z])\s*(=?)\s*({_NUMBER})(?![\d.]*\s*=)", re.IGNORECASE)
 #: Codes of this control -> RS274/NGC, times ten; absent ones keep their meaning.
 _CODES = {70: "g20", 700: "g20", 71: "g21", 710: "g21", 60: "g61.1", 64: "g64", 601: "", 602: ""}
 _SAME = frozenset((0, 1, 2, 3, 17, 18, 19, 40, 53, 54, 55, 56, 57, 90, 91, 94, 95))

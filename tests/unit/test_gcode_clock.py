@@ -1,0 +1,95 @@
+"""Clock against closed forms of constant and trapezoidal speed."""
+
+import numpy as np
+import pytest
+
+from gcode import MachineLimits, MoveKind, Source, ToolEntry, read_program
+
+HOME = (0.0, 0.0, 0.0)
+
+
+def moves(text, home_mm=HOME, tools=None, **limits):
+    limits = MachineLimits(**{"rapid_mm_per_min": 6000.0, **limits})
+    return read_program(Source(text.encode()), limits=limits, home_mm=home_mm, tools=tools).moves
+
+
+def test_infinite_acceleration_takes_length_over_feed():
+    m = moves("G21\nG0 X30 Y40\nG1 X30 Y100 F600\nG2 X30 Y120 I0 J10\nG4 P2.5\nM2\n")
+    arc = np.pi * 10.0
+    assert m.duration_s == pytest.approx([0.5, 6.0, arc / 10.0, 2.5])
+    assert m.start_s == pytest.approx(np.concatenate(([0.0], np.cumsum(m.duration_s)[:-1])))
+
+
+def test_tool_change_takes_its_time_and_stands_still():
+    m = moves("T1 M6\nG0 X10\nM2\n", tool_change_s=8.0, tools={1: ToolEntry(100.0)})
+    assert m.kind[0] == MoveKind.DWELL
+    assert m.duration_s[0] == 8.0
+    assert (m.start_mm[0] == m.end_mm[0]).all()
+    assert m.tool.tolist() == [1, 1]
+
+
+def test_unknown_start_makes_the_first_positioning_free():
+    m = moves("G0 X300 Y400 Z50\nG1 Z0 F600\nM2\n", home_mm=None)
+    assert m.duration_s == pytest.approx([0.0, 5.0])
+    assert (m.start_mm[0] == [300.0, 400.0, 50.0]).all()
+
+
+def test_feed_modes_agree():
+    per_minute = moves("F300\nG1 X30\nM2\n")
+    inverse = moves("G93 G1 X30 F10\nM2\n")
+    per_turn = moves("G95 S1500 M3 F.2\nG1 X30\nM2\n")
+    for other in (inverse, per_turn):
+        assert other.duration_s == pytest.approx(per_minute.duration_s)
+
+
+def test_rotary_axes_alone_move_in_degrees():
+    m = moves("G1 A90 F180\nG1 X10 A0 F100\nM2\n")
+    assert m.duration_s == pytest.approx([30.0, 6.0])
+
+
+def test_one_move_is_a_trapezoid():
+    m = moves("G61.1\nG1 X100 F6000\nM2\n", acceleration_mm_per_s2=1000.0)
+    assert m.duration_s == pytest.approx([1.0 + 0.1])
+
+
+def test_a_short_move_is_a_triangle():
+    m = moves("G61.1\nG1 X4 F60000\nM2\n", acceleration_mm_per_s2=1000.0)
+    assert m.duration_s == pytest.approx([2.0 * np.sqrt(4.0 / 1000.0)])
+
+
+def test_tangent_moves_run_through_and_exact_stop_stops():
+    through = moves("F6000\nG1 X50\nX100\nM2\n", acceleration_mm_per_s2=1000.0)
+    stopped = moves("G61.1\nF6000\nG1 X50\nX100\nM2\n", acceleration_mm_per_s2=1000.0)
+    assert through.duration_s.sum() == pytest.approx(1.1)
+    assert stopped.duration_s.sum() == pytest.approx(1.2)
+    assert stopped.exact_stop.all() and not through.exact_stop.any()
+
+
+def test_exact_path_stops_at_corners_only():
+    m = moves("G61\nF6000\nG1 X50\nX100\nY100\nM2\n", acceleration_mm_per_s2=1000.0)
+    assert m.duration_s.sum() == pytest.approx(1.1 + 1.1)
+
+
+def test_blending_costs_less_than_stopping_and_more_than_running_through():
+    corner = "F6000\nG1 X100\nY100\nM2\n"
+    limits = {"acceleration_mm_per_s2": 1000.0}
+    blended = moves(corner, corner_tolerance_mm=0.05, **limits).duration_s.sum()
+    assert 2.1 < blended < 2.2
+    speed = np.sqrt(1000.0 * 0.05 * np.sqrt(0.5) / (1.0 - np.sqrt(0.5)))
+    slower = (100.0 - speed) ** 2 / (1000.0 * 100.0)  # lost at each side of the corner
+    assert blended == pytest.approx(2.1 + slower)
+
+
+def test_centripetal_acceleration_limits_small_arcs():
+    m = moves("F6000\nG2 X0 Y0 I2\nM2\n", acceleration_mm_per_s2=1000.0)
+    speed = np.sqrt(1000.0 * 2.0)
+    length = 4.0 * np.pi
+    assert m.duration_s == pytest.approx([length / speed + speed / 1000.0])
+
+
+def test_acceleration_never_makes_a_program_faster():
+    text = "F3000\nG1 X5 Y2\nX9\nG3 X5 Y6 R4\nG0 Z20\nG1 Y0\nX-3 Y-3\nM2\n"
+    slow = moves(text, acceleration_mm_per_s2=500.0).duration_s
+    fast = moves(text).duration_s
+    assert (slow >= fast - 1e-12).all()
+    assert moves(text, acceleration_mm_per_s2=1e12).duration_s == pytest.approx(fast, abs=1e-4)

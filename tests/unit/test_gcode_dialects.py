@@ -1,0 +1,219 @@
+"""Fanuc macros, Heidenhain Klartext and Sinumerik: read right, or refused with line and word."""
+
+import numpy as np
+import pytest
+
+from gcode import MoveKind, ProgramError, Source, ToolEntry, read_program
+from gcode.dialects import detect_dialect
+
+TOOLS = {1: ToolEntry(100.0, 10.0), 2: ToolEntry(80.0, 6.0)}
+
+
+def read(text, **options):
+    return read_program(Source(text.encode(), "part.nc"), tools=TOOLS, **options)
+
+
+def ends(text, **options):
+    return np.round(read(text, **options).moves.end_mm, 9).tolist()
+
+
+def refusal(text, **options):
+    with pytest.raises(ProgramError) as error:
+        read(text, **options)
+    return str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "dialect"),
+    [
+        ("%\nO100\nG0 X1\nIF[#1 GT 2]GOTO 10\nM30\n", "fanuc"),
+        ("O1\nG65 P100 A1\nM30\n", "fanuc"),
+        ("0 BEGIN PGM PART MM\n1 L X+1 FMAX\n", "heidenhain"),
+        ("BEGIN PGM A INCH\nL X+1\n", "heidenhain"),
+        ("%_N_PART_MPF\nG0 X10\n", "sinumerik"),
+        ("N10 G2 X10 Y0 CR=5\nM30\n", "sinumerik"),
+        ("DEF REAL A\n", "sinumerik"),
+        ("O100 if [#1 GT 2]\nG0 X1\nO100 endif\nM2\n", "rs274"),
+        ("(CR=5) G0 X1\n#<x>=5 G1 X#<x>\nM2\n", "rs274"),
+        ("G10 L2 P1 X0\n; Y=3\nM2\n", "rs274"),
+    ],
+)
+def test_recognised_by_the_text(text, dialect):
+    assert detect_dialect(text) == dialect
+
+
+FANUC = """%
+O1000 (MAIN)
+G21 G90 G54
+#100=2
+G0 X0 Y0 Z10.
+G65 P2000 A10. B3 F200.
+#101=0
+WHILE[#101 LT 3]DO1
+G1 X[#101*#100] F100.
+#101=#101+1
+END1
+IF[#101 EQ 3]THEN #102=7
+IF[#102 NE 7]GOTO 90
+M98 P3000 L2
+GOTO 95
+N90 G0 X999
+N95 G0 Z#102
+M30
+O2000 (ROW)
+#5=1
+N1 IF[#5 GT #2]GOTO 2
+G1 Y[#1*#5] F#9
+#5=#5+1
+GOTO 1
+N2 M99
+O3000
+G91 G1 Z-1.
+G90
+M99
+%
+"""
+
+
+def test_fanuc_macro_program():
+    program = read(FANUC)
+    assert program.dialect == "fanuc"
+    assert ends(FANUC) == [
+        [0, 0, 10], [0, 10, 10], [0, 20, 10], [0, 30, 10],
+        [0, 30, 10], [2, 30, 10], [4, 30, 10], [4, 30, 9], [4, 30, 8], [4, 30, 7],
+    ]  # fmt: skip
+    assert program.moves.feed_mm_per_min[1] == 200.0
+
+
+def test_fanuc_d_word_stays_in_force():
+    base = "O1\nIF[1 EQ 2]GOTO 1\nF100\nT2M6\nG0 G43H2{}Z5.\nX-20.Y0\n"
+    base += "G41{} G1 X0 Y0\nX20.\nG40 X40.\nN1 M30\n"
+    assert ends(base.format("D1", "")) == ends(base.format("", " D1"))
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("O1\nG65 P2\nM30\n", 2, "O2 is not in this file"),
+        ("O1\nGOTO 5\nM30\n", 2, "no block N5"),
+        ("O1\nIF[#3 EQ 1]GOTO 5\nM30\n", 2, "#3 is <null>"),
+        ("O1\nWHILE[1 EQ 0]DO1\nG0 X1\nM30\n", 2, "without END1"),
+        ("O1\nG66 P2\nM30\n", 2, "G66"),
+        ("O1\nG65 P1 G1\nM30\n", 2, "argument G"),
+        ("O1\nIF[1 EQ 0]GOTO 1\nS100 M13\nN1 M30\n", 3, "M13"),
+        ("O1\nWHILE[1 EQ 1]DO1\nEND1\nM30\n", 3, "more than 500 blocks"),
+    ],
+)
+def test_fanuc_refusals(text, line, words):
+    message = refusal(text, dialect="fanuc", max_blocks=500)
+    assert message.startswith("part.nc:") and words in message
+    if "blocks" not in words:
+        assert message.startswith(f"part.nc:{line}:")
+
+
+KLARTEXT = """0 BEGIN PGM PLATE MM
+1 BLK FORM 0.1 Z X+0 Y+0 Z-20
+2 TOOL CALL 2 Z S3500
+3 L X+0 Y+0 Z+50 R0 FMAX M3
+4 L Z-5 F250
+5 L X+20
+6 L IX+10 IY+5 F300 M8
+7 CC X+40 Y+5
+8 C X+50 Y+5 DR-
+9 CR X+60 Y+15 R+10 DR+
+10 LBL 1
+11 L IZ-1 F100
+12 CALL LBL 1 REP 2/2
+13 L Z+0 FMAX M91
+14 CALL LBL 7
+15 L X+0 FMAX M2
+16 LBL 7 ; subprogram
+17 L IY+1 FMAX
+18 LBL 0
+19 END PGM PLATE MM
+"""
+
+
+def test_klartext():
+    program = read(KLARTEXT, work_offsets_mm={"G54": (0, 0, -200)})
+    moves = program.moves
+    motion = moves.kind != MoveKind.DWELL
+    tip = np.round(moves.end_mm[motion] - [0, 0, 80 - 200], 9).tolist()
+    assert tip == [
+        [0, 0, 50], [0, 0, -5], [20, 0, -5], [30, 5, -5], [50, 5, -5], [60, 15, -5],
+        [60, 15, -6], [60, 15, -7], [60, 15, -8], [60, 15, 120], [60, 16, 120], [0, 16, 120],
+    ]  # fmt: skip
+    arcs = moves.kind == MoveKind.ARC
+    assert moves.sweep_rad[arcs] == pytest.approx([-np.pi, np.pi / 2])
+    assert moves.tool[-1] == 2
+    assert program.dialect == "heidenhain"
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("L X+Q1 F100", "X"),
+        ("L X+1 RL F100", "RL"),
+        ("FN 0: Q1 = 5", "FN"),
+        ("CYCL DEF 7.0 DATUM SHIFT", "CYCL"),
+        ("Q1 = 5", "Q1"),
+        ("L X+1", "without feed"),
+        ("C X+1 Y+1 DR+", "CC first"),
+        ("CR X+1 Y+1 DR+", "CR without R"),
+        ("L X+1 FMAX M140", "M140"),
+        ("LBL A", "label"),
+        ("CALL LBL 9", "LBL 9"),
+        ("APPR LT X+1 LEN10", "APPR"),
+    ],
+)
+def test_klartext_refusals_name_line_and_word(line, words):
+    message = refusal(f"BEGIN PGM A MM\nTOOL CALL 1 Z S100\n{line}\nEND PGM A MM\n")
+    assert message.startswith("part.nc:3:")
+    assert words in message
+
+
+SINUMERIK = """%_N_PART_MPF
+N10 G90 G17 G71 G54 ; start
+N20 T2 D1 M6
+N30 S2000 M3
+N40 G0 X=10 Y=20 Z5
+N50 G1 Z-2 F300
+N60 G2 X30 Y20 CR=10
+N70 G3 X30 Y20 I-5 J0 TURN=1
+N80 G4 F2.5
+N90 G91 G1 X5 G60
+N100 G90 G64 G0 Z50 D0
+N110 M30
+"""
+
+
+def test_sinumerik():
+    program = read(SINUMERIK)
+    moves = program.moves
+    motion = moves.kind != MoveKind.DWELL
+    assert program.dialect == "sinumerik"
+    assert np.round(moves.end_mm[motion], 9).tolist() == [
+        [10, 20, 85], [10, 20, 78], [30, 20, 78], [30, 20, 78], [35, 20, 78], [35, 20, 50],
+    ]  # fmt: skip
+    assert moves.sweep_rad[moves.kind == MoveKind.ARC] == pytest.approx([-np.pi, 4 * np.pi])
+    assert moves.duration_s[moves.kind == MoveKind.DWELL].tolist() == [0.0, 2.5]
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("R1=5", "R1"),
+        ("G1 X=R1", "X"),
+        ("CYCLE81(10,0,2,-5)", "CYCLE81"),
+        ("TRANS X10", "TRANS"),
+        ("G1 X=AC(5)", "X"),
+        ("G41 X5", "G41"),
+        ("G110 X0", "G110"),
+        ("G4 P2", "G4"),
+        ("FOR I=0 TO 5", "FOR"),
+    ],
+)
+def test_sinumerik_refusals_name_line_and_word(line, words):
+    message = refusal(f"%_N_A_MPF\nG1 F100\n{line}\nM30\n")
+    assert message.startswith("part.nc:3:")
+    assert words in message

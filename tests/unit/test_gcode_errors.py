@@ -1,0 +1,107 @@
+"""Every refusal names file, line, what is wrong, and what would be right."""
+
+import pytest
+
+from gcode import ARC_TOLERANCES, MachineLimits, ProgramError, Source, read_program, read_tool_table
+
+
+def refusal(text, **options):
+    with pytest.raises(ProgramError) as error:
+        read_program(Source(text.encode(), "part.nc"), **options)
+    return str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("G21\nG0 X1 Q\n", 2, "bad number"),
+        ("G1 X1\n", 1, "feed zero"),
+        ("G123\n", 1, "unknown G code G123"),
+        ("M123\n", 1, "unknown M code M123"),
+        ("G0 G1 X1\n", 1, "one modal group"),
+        ("G0 U1\n", 1, "'U' is not known"),
+        ("G0 X[1+]\n", 1, "bad number"),
+        ("G0 X[1/0]\n", 1, "divide by zero"),
+        ("G0 X[sqrt[-1]]\n", 1, "SQRT"),
+        ("G0 X[2**[0.5]*[-1]**.5]\n", 1, "negative number"),
+        ("#5400=1\n", 1, "read only"),
+        ("G0 X#9999\n", 1, "out of range"),
+        ("O1 endif\n", 1, "has no IF"),
+        ("G21\nO1 while [1 EQ 0]\nG0 X1\n", 2, "seeking O<1>"),
+        ("O1 call\n", 1, "seeking O<1>"),
+        ("O1 sub\nO2 sub\n", 2, "inside a subroutine"),
+        ("F1\nG43 H7\n", 2, "tool 7 is not in the tool table"),
+        ("F9 G41.1 D4\nG2 X30 I15\nG40\nG2 X0 I-15\n", 4, "must be straight"),
+        ("G4\n", 1, "G4 without P"),
+        ("F1 G5.3\n", 1, "G5.3 without G5.2"),
+        ("M66 P0 L0\nG0 X#5399\n", 2, "#5399"),
+        ("M72\n", 1, "M72 without M70"),
+        ("(abort, no part)\n", 1, "no part"),
+        ("G0 X1e5\n", 1, "E word without a code"),
+    ],
+)
+def test_refused_with_file_line_and_reason(text, line, words):
+    message = refusal(text)
+    assert message.startswith(f"part.nc:{line}:")
+    assert words in message
+
+
+def test_message_says_what_is_accepted_and_gives_a_hint():
+    message = refusal("G21\nG1 X1\n")
+    assert message == "part.nc:2: G1 with feed zero (hint: give a feed first, for example F500)"
+
+
+def test_endless_loop_ends():
+    assert "more than 1000 blocks" in refusal("O1 while [1]\nO1 endwhile\n", max_blocks=1000)
+
+
+@pytest.mark.parametrize("name", ["G53", "X"])
+def test_unknown_work_offset(name):
+    assert "unknown work offset" in refusal("M2\n", work_offsets_mm={name: (0, 0, 0)})
+
+
+def test_work_offset_needs_three_finite_numbers():
+    assert "three numbers" in refusal("M2\n", work_offsets_mm={"G54": (0, 0)})
+    assert "three numbers" in refusal("M2\n", work_offsets_mm={"G54": (0, 0, float("nan"))})
+
+
+def test_unknown_names_list_the_known_ones():
+    assert "rs274, fanuc" in refusal("M2\n", dialect="klingon")
+    assert "linuxcnc, grbl" in refusal("M2\n", arc_tolerances="none")
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"rapid_mm_per_min": 0.0}, {"acceleration_mm_per_s2": -1.0}, {"tool_change_s": -1.0}]
+)
+def test_limits_are_checked(wrong):
+    with pytest.raises(ProgramError, match=next(iter(wrong))):
+        MachineLimits(**wrong)
+
+
+def test_tool_table_errors_name_the_row(tmp_path):
+    table = tmp_path / "tool.tbl"
+    table.write_text("T1 P1 D6\nD3\n")
+    with pytest.raises(ProgramError, match=r"tool\.tbl:2: not a row"):
+        read_tool_table(table)
+
+
+@pytest.mark.parametrize(
+    ("control", "mismatch_mm", "accepted"),
+    [
+        ("linuxcnc", 0.027, True),
+        ("linuxcnc", 0.030, False),
+        ("grbl", 0.0049, True),
+        ("grbl", 0.0060, False),
+        ("sinumerik", 0.0099, True),
+        ("sinumerik", 0.0110, False),
+        ("heidenhain", 0.0150, True),
+        ("heidenhain", 0.0170, False),
+    ],
+)
+def test_arc_tolerance_of_each_control(control, mismatch_mm, accepted):
+    text = f"G21 F100\nG0 X0 Y-2\nG3 X{2 + mismatch_mm:.4f} Y0 I0 J2\n"
+    assert control in ARC_TOLERANCES
+    if accepted:
+        assert len(read_program(Source(text.encode()), arc_tolerances=control).moves) == 2
+    else:
+        assert "differs from radius" in refusal(text, arc_tolerances=control)

@@ -1,0 +1,57 @@
+"""The token store keeps every byte and knows where each word stands."""
+
+import pytest
+
+from gcode import Source
+
+TEXT = (
+    b"%\r\nN10 G1 X 1.5Y-.25 (X9) F#<feed>\n"
+    b"g0 x[#1 + 2*[3]] y2 ; z7\n#3=4 Z[1]\nM3\xe9\n\n"
+)
+
+
+def test_bytes_come_back_untouched():
+    assert Source(TEXT).rewritten({}) == TEXT
+
+
+def test_words_have_letter_value_text_and_span():
+    source = Source(TEXT)
+    words = source.words(2)
+    assert [(w.letter, w.value, w.text) for w in words] == [
+        ("N", 10.0, "N10"),
+        ("G", 1.0, "G1"),
+        ("X", 1.5, "X 1.5"),
+        ("Y", -0.25, "Y-.25"),
+        ("F", None, "F#<feed>"),
+    ]
+    for word in words:
+        assert TEXT[word.span[0] : word.span[1]].decode() == word.text
+
+
+def test_words_with_expressions_end_where_the_next_begins():
+    words = Source(TEXT).words(3)
+    assert [(w.letter, w.text) for w in words] == [
+        ("G", "g0"), ("X", "x[#1 + 2*[3]]"), ("Y", "y2"),
+    ]  # fmt: skip
+
+
+def test_parameter_settings_are_no_words():
+    assert [w.letter for w in Source(TEXT).words(4)] == ["Z"]
+
+
+def test_replacing_a_word_leaves_everything_else():
+    source = Source(TEXT)
+    word = source.words(2)[2]
+    changed = source.rewritten({word.span: "X2.000"})
+    assert changed == TEXT.replace(b"X 1.5", b"X2.000")
+
+
+def test_overlapping_replacements_are_refused():
+    with pytest.raises(ValueError, match="overlap"):
+        Source(TEXT).rewritten({(0, 5): "a", (3, 8): "b"})
+
+
+def test_lines_are_counted_with_and_without_final_newline():
+    assert len(Source(b"a\nb")) == 2
+    assert len(Source(b"a\nb\n")) == 2
+    assert len(Source(b"")) == 0
