@@ -21,7 +21,7 @@ from stock.blank import blank_solid
 from stock.dexels import Dexels, dexels_of, overlap, remove
 from stock.errors import StockError
 from stock.ring_stack import ring_stack
-from stock.strokes import Strokes, strokes_of
+from stock.strokes import Strokes, check_tools, strokes_of
 from stock.sweeps import Sweeps
 from stock.tools import Tool
 
@@ -107,9 +107,10 @@ def find_collisions(
     Raises
     ------
     StockError
-        If the blank is no solid, the cell or the clearance makes no sense, or there is not
-        one outline a tool.
+        If the blank is no solid, a sweep has no tool, the cell or the clearance makes no
+        sense, or there is not one outline a tool.
     """
+    check_tools(sweeps, len(tools))
     solid = blank_solid(blank)
     low, high = np.reshape(solid.bounding_box(), (2, 3))
     if cell_mm is None:
@@ -223,16 +224,17 @@ def _follow(ends, tool, rapid, tables, dexels, clearance, worst) -> None:
     for s in range(len(ends)):
         step = ends[s, 1] - ends[s, 0]
         stops = int(np.ceil(2 * np.sqrt((step**2).sum()) / cell)) + 1
+        cutter = tables[tool[s], _CUTTER]
+        if rapid[s]:
+            for stop in range(stops + 1):
+                tip = ends[s, 0] + step * (stop / stops)
+                _hold(tip, cutter, dexels, clearance, worst[s, _CUTTER])
         for stop in range(stops + 1):
             tip = ends[s, 0] + step * (stop / stops)
-            for body in range(len(KINDS)):
-                table = tables[tool[s], body]
-                if table[0] > 0.0 and tip[2] + table[1] < top:
-                    cuts = body == _CUTTER
-                    if rapid[s] or not cuts:
-                        _hold(tip, table, dexels, clearance, worst[s, body])
-                    if cuts:
-                        _cut(tip, table, dexels)
+            for body in range(_CUTTER + 1, len(KINDS)):
+                _hold(tip, tables[tool[s], body], dexels, clearance, worst[s, body])
+            if tip[2] < top:
+                _cut(tip, cutter, dexels)
 
 
 @njit(cache=True)
@@ -245,7 +247,9 @@ def _span(centre: float, radius: float, origin: float, cell: float, count: int):
 @njit(cache=True)
 def _hold(tip, table, dexels, clearance, worst) -> None:
     """Longest stretch of material inside a body, made smaller by the clearance, at one place."""
-    origin, cell, low, high, count, _ = dexels
+    origin, cell, low, high, count, highest = dexels
+    if table[0] == 0.0 or tip[2] + table[1] >= highest:
+        return
     radius = table[0] * (_RADII - 1) - clearance
     for i in _span(tip[0], radius, origin[0], cell, count.shape[0]):
         for j in _span(tip[1], radius, origin[1], cell, count.shape[1]):

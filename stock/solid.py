@@ -15,7 +15,7 @@ from stock.cutter_solids import CutterSolids
 from stock.errors import StockError
 from stock.ring_stack import ring_stack
 from stock.seams import PieceMesh, join_pieces
-from stock.strokes import strokes_of
+from stock.strokes import check_tools, strokes_of
 from stock.sweeps import Sweeps
 from stock.tools import Tool
 
@@ -88,7 +88,11 @@ def cut_part(
         If the blank is no solid, a sweep has no tool, or the tolerance or the block is not
         positive.
     """
-    _check(sweeps, tools, tolerance_mm, block_strokes)
+    check_tools(sweeps, len(tools))
+    if not 0 < tolerance_mm < np.inf:
+        raise StockError(f"tolerance of {tolerance_mm!r} mm", accepted="a positive length")
+    if block_strokes < 1:
+        raise StockError(f"blocks of {block_strokes!r} strokes", accepted="1 or more")
     solid = blank_solid(blank)
     strokes = strokes_of(sweeps, tolerance_mm)
     stacks = [ring_stack(tool, tolerance_mm) for tool in tools]
@@ -103,21 +107,6 @@ def cut_part(
         volume_mm3 += piece.volume()
     joined = join_pieces(pieces)
     return VirtualPart(joined.vertices_mm, joined.triangles, joined.move, volume_mm3)
-
-
-def _check(
-    sweeps: Sweeps, tools: Sequence[Tool], tolerance_mm: float, block_strokes: int
-) -> None:
-    if not 0 < tolerance_mm < np.inf:
-        raise StockError(f"tolerance of {tolerance_mm!r} mm", accepted="a positive length")
-    if block_strokes < 1:
-        raise StockError(f"blocks of {block_strokes!r} strokes", accepted="1 or more")
-    unknown = sweeps.tool[(sweeps.tool < 0) | (sweeps.tool >= len(tools))]
-    if len(unknown):
-        raise StockError(
-            f"a sweep uses tool {unknown[0]} of {len(tools)}",
-            accepted=f"indices from 0 to {len(tools) - 1}",
-        )
 
 
 def _mesh(solid: Manifold, move_of_id: dict[int, int]) -> PieceMesh:
