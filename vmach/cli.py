@@ -49,11 +49,17 @@ def _version(
 
 @app.command()
 def run(
-    job: JobPath, model: Model = Variant.ABBE, out: OutDir = None, as_json: AsJson = False
+    job: JobPath,
+    model: Model = Variant.ABBE,
+    out: OutDir = None,
+    part: Annotated[
+        Path | None, typer.Option(help="also write the coloured part: .glb, .3mf or .stl")
+    ] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Machine the part virtually and compare it with its nominal CAD."""
     variants = (Variant.NONE,) if model is Variant.NONE else (Variant.NONE, model)
-    _machine(job, model, variants, out=out, as_json=as_json)
+    _machine(job, model, variants, out=out, part_file=part, as_json=as_json)
 
 
 @app.command()
@@ -135,17 +141,20 @@ def _machine(
     *,
     out: Path | None,
     as_json: bool,
+    part_file: Path | None = None,
     prefer_measured: bool = False,
 ) -> None:
     from vmach.pipeline import machine_part
     from vmach.report import variants_table
-    from vmach.results import default_folder, run_record, write_results
+    from vmach.results import default_folder, run_record, write_coloured_part, write_results
 
     out = out or default_folder(job)
     with progress_bar() as progress:
         made = machine_part(
             job, model=model, variants=variants, prefer_measured=prefer_measured, progress=progress
         )
+        if part_file is not None:
+            write_coloured_part(made, part_file)
         figures = write_results(made, out, command=_command_line(), progress=progress)
     if as_json:
         print(json.dumps(figures, indent=1))

@@ -11,6 +11,7 @@ import numpy as np
 
 from vmach.machine.displacement import contributions
 from vmach.prediction import Effect, Prediction
+from vmach.toolpath import PathStates
 from vmach.units import um_from_mm
 
 __all__ = ["PROGRAM", "ErrorBudget", "error_budget", "write_budget_csv"]
@@ -71,10 +72,27 @@ def error_budget(prediction: Prediction, effects: Sequence[Effect] = ()) -> Erro
     return ErrorBudget(tuple(sources), np.column_stack(columns))
 
 
-def write_budget_csv(path: Path, ids: np.ndarray, budget: ErrorBudget) -> None:
-    """Write ``id, program, EXX, ...``: one row for every point that was cut, in um."""
+def write_budget_csv(
+    path: Path, ids: np.ndarray, states: PathStates, budget: ErrorBudget
+) -> None:
+    """Write one row for every point that was cut: how it was made, and its budget in um.
+
+    Columns: id; line and tool; X, Y, Z of the spindle nose in machine coordinates; the sign of
+    the last motion of each axis; feed; time; one column a source.
+    """
+    header = "id line tool X_mm Y_mm Z_mm direction_X direction_Y direction_Z feed_mm_min time_s"
+    made = zip(
+        ids,
+        states.line,
+        states.tool,
+        *states.nose_mm.round(6).T,
+        *states.direction.astype(int).T,
+        states.feed_mm_per_min.round(3),
+        states.time_s.round(3),
+        strict=True,
+    )
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["id", *(f"{source}_um" for source in budget.sources)])
-        for name, row in zip(ids, um_from_mm(budget.share_mm), strict=True):
-            writer.writerow([name, *(f"{value:.4f}" for value in row)])
+        writer.writerow([*header.split(), *(f"{source}_um" for source in budget.sources)])
+        for how, shares in zip(made, um_from_mm(budget.share_mm), strict=True):
+            writer.writerow([*how, *(f"{value:.4f}" for value in shares)])

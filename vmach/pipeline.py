@@ -24,6 +24,7 @@ from vmach.prediction import Prediction, displaced_sweeps, predict
 from vmach.preparation import Preparation, prepare
 from vmach.report import InspectedPoints
 from vmach.stage_clock import Progress, StageClock, silent
+from vmach.toolpath import PathStates
 
 __all__ = ["MachinedPart", "machine_part", "predict_points"]
 
@@ -38,8 +39,10 @@ class MachinedPart:
     preparation : Preparation
     points : InspectedPoints
         Deviations of every variant, aligned as the job asks.
+    states : PathStates
+        How the points that were cut under the last variant were made.
     budget : ErrorBudget
-        Of the last variant, without alignment, for the points that were cut.
+        Of the same points and variant, without alignment.
     part : VirtualPart
         The solid that the displaced tools leave.
     nominal : NominalPart or None
@@ -53,6 +56,7 @@ class MachinedPart:
     job: Job
     preparation: Preparation
     points: InspectedPoints
+    states: PathStates
     budget: ErrorBudget
     part: VirtualPart
     nominal: NominalPart | None
@@ -121,6 +125,7 @@ def machine_part(
         job=job,
         preparation=preparation,
         points=with_causes(inspected, budget),
+        states=predictions[-1].states,
         budget=budget,
         part=part,
         nominal=nominal,

@@ -26,6 +26,7 @@ from vmach.report import (
     atomic_folder,
     build_display_mesh,
     draw_heatmap,
+    part_colours,
     summary,
     write_deviations_csv,
     write_report_html,
@@ -39,6 +40,7 @@ __all__ = [
     "prediction_rows",
     "prediction_summary",
     "run_record",
+    "write_coloured_part",
     "write_prediction_csv",
     "write_results",
 ]
@@ -66,7 +68,7 @@ def write_results(
         write_part(made.part, folder / "part.stl")
         write_deviations_csv(folder / "deviations.csv", made.points)
         cut = made.points.primary.is_cut
-        write_budget_csv(folder / "budget.csv", made.points.id[cut], made.budget)
+        write_budget_csv(folder / "budget.csv", made.points.id[cut], made.states, made.budget)
         mesh = _display_mesh(made)
         record = run_record(made, command)
         hint = draw_heatmap(folder / "heatmap.png", mesh, made.points, record)
@@ -77,6 +79,18 @@ def write_results(
         )
         write_summary(folder / "summary.json", made.points, record)
     return summary(made.points, record)
+
+
+def write_coloured_part(made: MachinedPart, path: Path) -> None:
+    """Write the virtual part coloured by deviation: ``.glb``, ``.3mf`` or (grey) ``.stl``.
+
+    Raises
+    ------
+    stock.StockError
+        Unknown ending.
+    """
+    part = made.part
+    write_part(part, path, colours=part_colours(part.vertices_mm, part.triangles, made.points))
 
 
 def _display_mesh(made: MachinedPart):

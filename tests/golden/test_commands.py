@@ -3,6 +3,7 @@
 import csv
 import json
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -112,7 +113,9 @@ def test_budget_adds_up_to_the_deviation(job, tmp_path, monkeypatch, capsys):
     budget = {r["id"]: r for r in csv.DictReader((out / "budget.csv").read_text().splitlines())}
     rows = csv.DictReader((out / "deviations.csv").read_text().splitlines())
     for row in rows:
-        shares = {k: float(v) for k, v in budget[row["id"]].items() if k != "id"}
+        made = budget[row["id"]]
+        assert made["line"] == row["line"]
+        shares = {k: float(v) for k, v in made.items() if k.endswith("_um")}
         assert set(shares) == {"program_um", "EXX_um", "ECX_um"}
         assert sum(shares.values()) == pytest.approx(float(row["abbe_deviation_um"]), abs=2e-4)
         assert abs(shares["program_um"]) < 0.02
@@ -136,3 +139,16 @@ def test_blank_from_a_solid(job, tmp_path, monkeypatch, capsys):
     assert one == other
     volumes = [trimesh.load(tmp_path / n / "part.stl").volume for n in ("box", "solid")]
     assert volumes[0] == pytest.approx(volumes[1], rel=1e-6)
+
+
+def test_coloured_part(job, tmp_path, monkeypatch, capsys):
+    path = tmp_path / "part.glb"
+    run_vmach(monkeypatch, capsys, "run", job, "--out", tmp_path / "o", "--part", path)
+    (mesh,) = trimesh.load(path).geometry.values()
+    assert mesh.is_watertight
+    assert len(np.unique(mesh.visual.vertex_colors, axis=0)) > 20
+    status, _, message = run_vmach(
+        monkeypatch, capsys, "run", job, "--out", tmp_path / "p", "--part", tmp_path / "part.xyz"
+    )
+    assert (status, (tmp_path / "p").exists()) == (1, False)
+    assert "part.xyz" in message and ".glb" in message

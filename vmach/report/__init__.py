@@ -5,6 +5,7 @@ The pipeline fills `InspectedPoints` and `RunRecord`, gets a `DisplayMesh` from
 """
 
 from vmach.report.atomic import atomic_file, atomic_folder
+from vmach.report.coloured_part import part_colours
 from vmach.report.deviations_csv import read_deviations_csv, write_deviations_csv
 from vmach.report.display_mesh import build_display_mesh, interpolate_to_mesh
 from vmach.report.heatmap import draw_heatmap
@@ -39,6 +40,7 @@ __all__ = [
     "draw_heatmap",
     "interpolate_to_mesh",
     "open_viewer",
+    "part_colours",
     "read_deviations_csv",
     "summary",
     "variant_statistics",

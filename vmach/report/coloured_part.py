@@ -1,0 +1,30 @@
+"""Colours of the virtual part by the deviation of the inspected points nearest to it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vmach.report.colours import colours_of
+from vmach.report.display_mesh import interpolate_to_mesh
+from vmach.report.heatmap import common_range_mm
+from vmach.report.result import DisplayMesh, InspectedPoints
+
+__all__ = ["part_colours"]
+
+
+def part_colours(
+    vertices_mm: np.ndarray, triangles: np.ndarray, points: InspectedPoints
+) -> np.ndarray:
+    """Colour of every vertex on the scale of the heat map, (V, 3) uint8.
+
+    Parameters
+    ----------
+    vertices_mm, triangles : (V, 3) float64, (T, 3) int
+    points : InspectedPoints
+        The primary variant counts; vertices that no cut point is near to are grey.
+    """
+    variant = points.primary
+    value_mm = np.where(variant.is_cut, variant.deviation_mm, np.nan)
+    colouring = interpolate_to_mesh(points, value_mm, DisplayMesh(vertices_mm, triangles))
+    colours = colours_of(colouring.value_mm, colouring.known, common_range_mm(points))
+    return np.round(255 * colours).astype(np.uint8)
