@@ -18,6 +18,7 @@ from vmach.inspection import remainder_rms_mm
 from vmach.pipeline import MachinedPart
 from vmach.points import SurfacePoints
 from vmach.prediction import Prediction
+from vmach.prediction_uncertainty import prediction_u_mm
 from vmach.report import (
     STATUSES,
     InputFile,
@@ -148,6 +149,7 @@ PREDICTION_COLUMNS = ("id", "deviation_um", "u_um", "line", "tool", "time_s", "s
 def prediction_rows(points: SurfacePoints, prediction: Prediction) -> Iterator[list[str]]:
     """Rows of `PREDICTION_COLUMNS`, one a point; empty cells where no tool made the surface."""
     states, deviation_um = prediction.states, um_from_mm(prediction.deviation_mm)
+    u_um = um_from_mm(prediction_u_mm(prediction))
     place = np.cumsum(prediction.is_cut) - 1
     for k, name in enumerate(points.id):
         status = STATUSES[prediction.edges.status[k]]
@@ -158,7 +160,7 @@ def prediction_rows(points: SurfacePoints, prediction: Prediction) -> Iterator[l
         yield [
             name,
             f"{deviation_um[k]:.6f}",
-            "",
+            f"{u_um[c]:.4f}",
             f"{states.line[c]}",
             f"{states.tool[c]}",
             f"{states.time_s[c]:.3f}",

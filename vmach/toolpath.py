@@ -48,6 +48,17 @@ class PathStates:
     def __len__(self) -> int:
         return len(self.move)
 
+    def __getitem__(self, rows: np.ndarray) -> PathStates:
+        """Some of the states, by index or mask."""
+        return PathStates(
+            moves=self.moves,
+            tool_lengths_mm=self.tool_lengths_mm,
+            move=self.move[rows],
+            parameter=self.parameter[rows],
+            contact_mm=self.contact_mm[rows],
+            normal=None if self.normal is None else self.normal[rows],
+        )
+
     @cached_property
     def nose_mm(self) -> np.ndarray:
         """Axis positions q, (P, 3): the spindle nose in machine coordinates."""

@@ -16,6 +16,7 @@ LAYERS = [
     {"sweeping", "preparation", "effects"},
     {"prediction", "error_budget", "collisions", "measurements"},
     {"fit"},
+    {"prediction_uncertainty"},
     {"diagnosis", "compensation", "report", "history"},
     {"inspection"},
     {"pipeline"},
