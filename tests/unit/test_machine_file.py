@@ -194,3 +194,41 @@ def test_squareness_with_its_two_numbers_swapped_is_caught(write):
         assert part in str(caught.value)
     path = write(SQUARE, swapped + '\nuse = "arcsec"')
     assert read_machine(path).squareness_rad[2, 0] == pytest.approx(323.357e-6, rel=1e-5)
+
+
+ISG = "X EXX ECX\n-500 0.001 0.000002\n0 0.003 0.000004\n#\nC0Y\n0.00003\n"
+VOLUMETRIC = """[volumetric]
+file = "vc.csv"
+format = "isg-csv"
+measured_at_mm = [0, 0, 0]
+"""
+
+
+def test_all_errors_in_one_volumetric_file(write, tmp_path):
+    path = write()
+    (tmp_path / "vc.csv").write_text(ISG)
+    own = FILE[FILE.index("[errors.EXX]") : FILE.index("[squareness]")]
+    path.write_text(FILE.replace(own, VOLUMETRIC).replace(SQUARE, ""))
+    machine = read_machine(path)
+    assert machine.components["EXX"].mean.tolist() == [0.001, 0.003]
+    assert machine.components["EXX"].measured_at_mm.tolist() == [0, 0, 0]
+    assert machine.components["ECX"].measured_at_mm is None
+    assert machine.squareness_rad[1, 2] == 3e-5
+    assert [file.name for file in machine.files] == ["machine.toml", "vc.csv"]
+
+
+def test_an_error_in_both_files_is_refused(write, tmp_path):
+    path = write("[errors.EXX]", VOLUMETRIC + "[errors.EXX]")
+    (tmp_path / "vc.csv").write_text(ISG)
+    with pytest.raises(InputError, match=r"EXX is in 'EXX.csv' and in 'vc.csv'"):
+        read_machine(path)
+
+
+def test_interpolation_left_to_cross_validation_keeps_its_evidence(write):
+    rows = "".join(f"{x},{x * x / 1e4},{x * x / 1e4}\n" for x in range(-500, 1, 25))
+    path = write('"EXX.csv"', '"EXX.csv"\ninterpolation = "cross-validation"',
+                 EXX="position_mm,forward,backward\n" + rows)  # fmt: skip
+    component = read_machine(path).components["EXX"]
+    assert str(component.interpolation) == "legendre(2)"
+    assert len(component.evidence) == 12
+    assert component.evaluate(np.array([-260.0])) == pytest.approx([6.76e-3])

@@ -104,5 +104,14 @@ def test_cross_validation_finds_the_kind_of_curve_and_keeps_the_scores():
     assert score.rms == pytest.approx(np.sqrt(np.mean(left_out[1:-1] ** 2)), rel=1e-6)
 
 
+def test_long_tables_leave_several_points_out_at_once():
+    rng = np.random.default_rng(3)
+    x = np.linspace(-800, 0, 150)
+    noise = rng.normal(0, 0.1, 150)
+    scores = {s.interpolation: s.rms for s in cross_validate(x, np.sin(x / 60) + noise)}
+    # a line between two noisy neighbours: variance 1 + 1/2
+    assert scores[Interpolation(Method.LINEAR)] == pytest.approx(0.1 * np.sqrt(1.5), rel=0.15)
+
+
 def test_few_points_stay_linear():
     assert choose(cross_validate(X[:2], Y[:2])) == Interpolation(Method.LINEAR)

@@ -57,7 +57,7 @@ def accuracy(
     space = _volume(known, volume, _counts(grid))
     field = error_field(known, space, tool_mm, model)
     result = assess(field)
-    comparison = _comparison(known, space, tool_mm)
+    comparison = _comparison(known, tool_mm, {model: field})
     path = None
     if profile is not None:
         path = read_profile(profile).divided(_PROFILE_SPACING_MM).errors(known, tool_mm, model)
@@ -112,13 +112,16 @@ def _volume(machine: Machine, text: str | None, counts: tuple[int, int, int]) ->
     return Volume(ends[:, 0], ends[:, 1], counts)
 
 
-def _comparison(machine: Machine, volume: Volume, tool_mm: np.ndarray) -> Comparison | None:
+def _comparison(
+    machine: Machine, tool_mm: np.ndarray, fields: dict[Variant, ErrorField]
+) -> Comparison | None:
     """Both forms of the arms, where every measuring point is known."""
     try:
         machine.measuring_points_mm()
     except InputError:
         return None
-    return compare_variants(machine, volume, tool_mm)
+    volume = next(iter(fields.values())).volume
+    return compare_variants(machine, volume, tool_mm, known=fields)
 
 
 def _um(value_mm: float | np.ndarray) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,16 +37,34 @@ class Comparison:
     smaller_percent: float
 
 
-def compare_variants(machine: Machine, volume: Volume, tool_mm: np.ndarray) -> Comparison:
+def compare_variants(
+    machine: Machine,
+    volume: Volume,
+    tool_mm: np.ndarray,
+    *,
+    known: Mapping[Variant, ErrorField] | None = None,
+) -> Comparison:
     """Compute both fields over a volume.
+
+    Parameters
+    ----------
+    machine : Machine
+    volume : Volume
+    tool_mm : (3,) float64
+        Vector from nose to tip.
+    known : mapping of Variant to ErrorField, optional
+        Fields of the same machine, volume and tool that are there already.
 
     Raises
     ------
     InputError
         A measuring point is missing.
     """
-    htm = error_field(machine, volume, tool_mm, Variant.HTM)
-    abbe = error_field(machine, volume, tool_mm, Variant.ABBE)
+    known = known or {}
+    htm, abbe = (
+        known[variant] if variant in known else error_field(machine, volume, tool_mm, variant)
+        for variant in (Variant.HTM, Variant.ABBE)
+    )
     means = [float(field.magnitude_mm.mean()) for field in (htm, abbe)]
     percent = 100.0 * (1.0 - means[1] / means[0]) if means[0] else 0.0
     return Comparison(htm, abbe, *means, percent)
