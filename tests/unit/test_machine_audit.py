@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from datetime import date
 
 import numpy as np
 import pytest
@@ -110,6 +111,14 @@ def test_values_copied_from_another_table(sound):
 def test_missing_tables_are_named_together(sound):
     rest = {n: c for n, c in sound.components.items() if n not in ("EAX", "EBY", "ECZ")}
     assert found(replace(sound, components=rest)) == [("note", "EAX EBY ECZ")]
+
+
+def test_provenance_and_dates(sound):
+    machine = changed(sound, "EAX", provenance="assumed", measured_on=date(2024, 3, 1))
+    machine = changed(machine, "EAY", provenance="assumed", measured_on=date(2024, 3, 20))
+    assert found(machine) == [("note", "EAX EAY")]
+    machine = changed(machine, "EZZ", provenance="measured", measured_on=date(2024, 9, 1))
+    assert found(machine) == [("doubt", "EAX EZZ"), ("note", "EAX EAY")]
 
 
 def test_double_count_of_an_angle_by_hand():

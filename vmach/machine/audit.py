@@ -25,6 +25,7 @@ _SMALLEST = {False: 5e-5, True: 5e-8}  # peak to valley of a real error, mm and 
 _SLOPE_OVER_TABLE_MM = 1e-3
 _REACH_BEYOND_ARMS_MM = 500.0
 _LONGEST_TOOL_MM = 500.0
+_SAME_STATE_DAYS = 31
 
 
 @dataclass(frozen=True)
@@ -161,6 +162,22 @@ def _measuring_points(machine: Machine) -> Iterator[Finding]:
             )
 
 
+def _provenance(machine: Machine) -> Iterator[Finding]:
+    """Tables that nobody measured, and tables of one machine from different times."""
+    for kind in ("reconstructed", "assumed"):
+        names = [name for name, c in machine.components.items() if c.provenance == kind]
+        if names:
+            yield Finding("note", " ".join(names), f"{kind}, not measured")
+    dated = {name: c.measured_on for name, c in machine.components.items() if c.measured_on}
+    first, last = min(dated, key=dated.get, default=""), max(dated, key=dated.get, default="")
+    if dated and (dated[last] - dated[first]).days > _SAME_STATE_DAYS:
+        yield Finding(
+            "doubt",
+            f"{first} {last}",
+            f"measured on {dated[first]} and on {dated[last]}: still the same machine?",
+        )
+
+
 def _what_is_missing(machine: Machine) -> Iterator[Finding]:
     missing = [name for name in COMPONENT_NAMES if name not in machine.components]
     if missing:
@@ -224,6 +241,7 @@ _CHECKS: tuple[Callable[[Machine], Iterator[Finding]], ...] = (
     _sizes,
     _copies,
     _measuring_points,
+    _provenance,
     _what_is_missing,
     _ranges,
     _rows,

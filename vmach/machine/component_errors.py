@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import date
 from enum import StrEnum
 from functools import cached_property
 
@@ -68,6 +69,9 @@ class ComponentError:
         The single runs, where the table holds them.
     source : str
         File that the values come from.
+    provenance : str
+        ``measured``, ``reconstructed`` or ``assumed``; empty where not said.
+    measured_on : date or None
     """
 
     name: str
@@ -82,6 +86,8 @@ class ComponentError:
     evidence: tuple[Score, ...] = ()
     runs: Runs | None = None
     source: str = ""
+    provenance: str = ""
+    measured_on: date | None = None
 
     @property
     def mean(self) -> np.ndarray:

@@ -143,6 +143,8 @@ class _Source:
             extrapolation=entry.extrapolation or common.extrapolation or Extrapolation.REFUSE,
             evidence=evidence,
             runs=table.runs,
+            provenance=entry.provenance or common.provenance or "",
+            measured_on=entry.measured_on or common.measured_on,
             source=str(self.path.parent / (entry.table or self.data.volumetric.file)),
         )
         try:

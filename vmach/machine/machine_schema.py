@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import date
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
@@ -25,6 +26,7 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Point = tuple[Finite, Finite, Finite]
+Provenance = Literal["measured", "reconstructed", "assumed"]
 
 
 def _sign(text: str) -> str:
@@ -74,6 +76,8 @@ class _Curve(FileSection):
 
 class _Tables(_Curve):
     directions: Literal["mean", "separate"] = "mean"
+    provenance: Provenance | None = None
+    measured_on: date | None = None
 
 
 class TableEntry(_Curve):
@@ -86,6 +90,8 @@ class TableEntry(_Curve):
     stick_out_mm: NonNegative | None = None
     set_up: SetUp | None = None
     slope_removed: bool | None = None
+    provenance: Provenance | None = None
+    measured_on: date | None = None
 
 
 class _Volumetric(FileSection):
