@@ -16,7 +16,7 @@ from vmach.errors import InputError
 from vmach.machine import Chain, Variant, displacement, read_machine
 from vmach.machine.exact import exact_displacement
 from vmach.machine.machine import SignConvention
-from vmach.machine.nominal_motion import nominal_poses
+from vmach.machine.nominal_motion import nominal_joints
 from vmach.machine.rotary import RotaryAxis, RotaryError
 
 CHAINS = [
@@ -174,11 +174,13 @@ def test_nominal_tip_on_a_turntable_by_hand():
     machine = turntable()
     centre = machine.rotary["C"].centre_mm
     tip = centre + np.array([100.0, 0.0, 50.0])
-    poses = nominal_poses(machine, (tip - TOOL)[None], np.array([[0.0, 0.0, math.pi / 2]]))
-    # X of the tip is the work-side axis: the table has moved by -x, the tip stays over the bed
-    tip_in_bed = np.append(TOOL + np.array([0.0, *(tip - TOOL)[1:]]), 1.0)
-    on_table = np.linalg.inv(poses["C"].body2bed[0]) @ tip_in_bed
-    assert on_table[:3] == pytest.approx(centre + np.array([0.0, 100.0, 50.0]))
+    angles = np.array([[0.0, 0.0, math.pi / 2]])
+    tool_side, work_side = nominal_joints(machine, (tip - TOOL)[None], angles)
+    tip_in_bed = tool_side[-1].body.points_to_bed(TOOL[None])
+    # X is on the work side: the table has moved by -x, the tip stays where it is in X
+    assert tip_in_bed[0] == pytest.approx([TOOL[0], tip[1], tip[2]])
+    on_table = work_side[-1].body.points_from_bed(tip_in_bed)[0]
+    assert on_table == pytest.approx(centre + np.array([0.0, 100.0, 50.0]))
 
 
 def test_axial_and_angular_errors_of_a_table_by_hand():

@@ -9,36 +9,76 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from vmach.machine.chain import LINEAR_AXES
 from vmach.machine.machine import Machine
 from vmach.machine.rotary import ROTARY_AXES
 
-__all__ = ["BodyPose", "nominal_poses", "turned"]
+__all__ = ["BED", "Joint", "Pose", "nominal_joints", "turned"]
 
 
 @dataclass(frozen=True)
-class BodyPose:
-    """Pose of the body that an axis carries.
+class Pose:
+    """Pose of a frame in the frame of the bed at P states.
 
     Attributes
     ----------
-    carrier2bed, body2bed : (P, 4, 4) float64
-        Matrices from the frames of the carrying body and of the body itself to the bed.
-    own_rotation : (P, 3, 3) float64
-        Nominal rotation of this axis alone, from body to carrier; ones for a linear axis.
+    origin_mm : (P, 3) or (3,) float64
+    rotation : (P, 3, 3) float64 or None
+        From the frame to the bed; None for a frame that has not turned, which saves most of the
+        work on machines with few rotary axes.
     """
 
-    carrier2bed: np.ndarray
-    body2bed: np.ndarray
-    own_rotation: np.ndarray
+    origin_mm: np.ndarray
+    rotation: np.ndarray | None = None
+
+    def vectors_to_bed(self, vectors: np.ndarray) -> np.ndarray:
+        """Vectors (P, 3) of this frame in the axes of the bed."""
+        if self.rotation is None:
+            return vectors
+        return np.einsum("pij,pj->pi", self.rotation, vectors)
+
+    def vectors_from_bed(self, vectors: np.ndarray) -> np.ndarray:
+        """Vectors (P, 3) of the bed in the axes of this frame."""
+        if self.rotation is None:
+            return vectors
+        return np.einsum("pji,pj->pi", self.rotation, vectors)
+
+    def points_to_bed(self, points_mm: np.ndarray) -> np.ndarray:
+        """Points (P, 3) of this frame in the frame of the bed."""
+        return self.origin_mm + self.vectors_to_bed(points_mm)
+
+    def points_from_bed(self, points_mm: np.ndarray) -> np.ndarray:
+        """Points (P, 3) of the bed in this frame."""
+        return self.vectors_from_bed(points_mm - self.origin_mm)
 
 
-def nominal_poses(
+BED = Pose(np.zeros(3))
+
+
+@dataclass(frozen=True)
+class Joint:
+    """An axis between two bodies.
+
+    Attributes
+    ----------
+    axis : str
+    carrier, body : Pose
+        Of the body towards the bed, and of the one that the axis carries.
+    turn : (P, 3, 3) float64 or None
+        Nominal rotation from body to carrier; None for a linear axis.
+    """
+
+    axis: str
+    carrier: Pose
+    body: Pose
+    turn: np.ndarray | None
+
+
+def nominal_joints(
     machine: Machine, nose_mm: np.ndarray, rotary_rad: np.ndarray
-) -> dict[str, BodyPose]:
-    """Nominal poses of all bodies, by the axis that carries them.
+) -> tuple[list[Joint], list[Joint]]:
+    """The joints of the tool side and of the work side, each from the bed outwards.
 
     Parameters
     ----------
@@ -49,24 +89,37 @@ def nominal_poses(
         Angles of A, B, C. An axis that carries the workpiece moves the other way, as ISO 841 has
         it: positive is the motion of the tool relative to the workpiece.
     """
-    poses = {}
+    sides = []
     for axes, sense in ((machine.chain.tool_side[::-1], 1.0), (machine.chain.work_side, -1.0)):
-        carrier = np.tile(np.eye(4), (len(nose_mm), 1, 1))
+        carrier, joints = BED, []
         for axis in axes:
-            own = np.tile(np.eye(4), (len(nose_mm), 1, 1))
             if axis in LINEAR_AXES:
                 j = LINEAR_AXES.index(axis)
-                own[:, j, 3] = sense * nose_mm[:, j]
+                travel = np.zeros_like(nose_mm)
+                travel[:, j] = sense * nose_mm[:, j]
+                turn, body = None, Pose(carrier.points_to_bed(travel), carrier.rotation)
             else:
                 k = ROTARY_AXES.index(axis)
-                own[:, :3, :3] = turned(k, sense * rotary_rad[:, k])
-                centre = machine.rotary[axis].centre_mm
-                own[:, :3, 3] = centre - own[:, :3, :3] @ centre
-            poses[axis] = BodyPose(carrier, carrier @ own, own[:, :3, :3])
-            carrier = poses[axis].body2bed
-    return poses
+                turn = turned(k, sense * rotary_rad[:, k])
+                body = _turned_pose(carrier, turn, machine.rotary[axis].centre_mm)
+            joints.append(Joint(axis, carrier, body, turn))
+            carrier = body
+        sides.append(joints)
+    return sides[0], sides[1]
+
+
+def _turned_pose(carrier: Pose, turn: np.ndarray, centre_mm: np.ndarray) -> Pose:
+    """Pose of a body that is turned about a centre, the same point in both frames."""
+    origin = carrier.points_to_bed(centre_mm - turn @ centre_mm)
+    return Pose(origin, turn if carrier.rotation is None else carrier.rotation @ turn)
 
 
 def turned(axis: int, angle_rad: np.ndarray) -> np.ndarray:
     """Rotations about a machine axis, right-handed, (P, 3, 3)."""
-    return Rotation.from_rotvec(np.multiply.outer(angle_rad, np.eye(3)[axis])).as_matrix()
+    b, c = (axis + 1) % 3, (axis + 2) % 3
+    rotation = np.zeros((len(angle_rad), 3, 3))
+    rotation[:, axis, axis] = 1.0
+    rotation[:, b, b] = rotation[:, c, c] = np.cos(angle_rad)
+    rotation[:, c, b] = np.sin(angle_rad)
+    rotation[:, b, c] = -rotation[:, c, b]
+    return rotation

@@ -12,7 +12,7 @@ import numpy as np
 from vmach.machine.chain import LINEAR_AXES
 from vmach.machine.component_errors import component_of
 from vmach.machine.machine import Machine
-from vmach.machine.nominal_motion import BodyPose, nominal_poses
+from vmach.machine.nominal_motion import BED, Joint, nominal_joints
 from vmach.machine.rotary import ROTARY_AXES
 
 __all__ = ["rotary_displacement"]
@@ -35,27 +35,24 @@ def rotary_displacement(
     rotary_rad : (P, 3) float64
         Angles of A, B, C.
     """
-    poses = nominal_poses(machine, nose_mm, rotary_rad)
-    bed = np.tile(np.eye(4), (len(nose_mm), 1, 1))
-    holder = poses[machine.chain.tool_side[0]].body2bed if machine.chain.tool_side else bed
-    work = poses[machine.chain.work_side[-1]].body2bed if machine.chain.work_side else bed
-    tip_mm = _points(holder, np.broadcast_to(tool_mm, nose_mm.shape))
+    tool_side, work_side = nominal_joints(machine, nose_mm, rotary_rad)
+    spindle = tool_side[-1].body if tool_side else BED
+    workpiece = work_side[-1].body if work_side else BED
+    tip_mm = spindle.points_to_bed(np.broadcast_to(tool_mm, nose_mm.shape))
     shift, tilt = np.zeros((2, len(nose_mm), 3))
-    for axis, pose in poses.items():
-        if axis in LINEAR_AXES:
-            frame = pose.body2bed
+    for joint in (*tool_side, *work_side):
+        if joint.turn is None:
+            frame = joint.body
             part = _linear(
-                machine, axis, nose_mm, _points(np.linalg.inv(frame), tip_mm),
+                machine, joint.axis, nose_mm, frame.points_from_bed(tip_mm),
                 reference_mm=reference_mm, reference_travel=reference_travel, direction=direction,
             )  # fmt: skip
         else:
-            frame = pose.carrier2bed
-            arm = _points(np.linalg.inv(frame), tip_mm) - machine.rotary[axis].centre_mm
-            part = _rotary(machine, axis, rotary_rad, arm, pose=pose)
-        shift += _vectors(frame, part[0])
-        tilt += _vectors(frame, part[1])
-    bed2work = np.linalg.inv(work)
-    return _vectors(bed2work, shift), _vectors(bed2work, tilt)
+            frame = joint.carrier
+            part = _rotary(machine, joint, rotary_rad, frame.points_from_bed(tip_mm))
+        shift += frame.vectors_to_bed(part[0])
+        tilt += frame.vectors_to_bed(part[1])
+    return workpiece.vectors_from_bed(shift), workpiece.vectors_from_bed(tilt)
 
 
 def _linear(
@@ -72,34 +69,40 @@ def _linear(
             value = machine.component_sign(name) * component.evaluate(nose_mm[:, j], way)
             (rotation if angular else shift)[:, kind] = value
     for i in range(3):
-        start = np.tile(reference_mm[i, j], (len(nose_mm), 1))
-        start[:, j] += reference_travel[i, j] * nose_mm[:, j]
-        shift[:, i] += np.cross(rotation, arm_mm - start)[:, i]
+        b, c = (i + 1) % 3, (i + 2) % 3
+        from_b, from_c = (
+            arm_mm[:, k]
+            - reference_mm[i, j, k]
+            - (reference_travel[i, j] * nose_mm[:, j] if k == j else 0.0)
+            for k in (b, c)
+        )
+        shift[:, i] += rotation[:, b] * from_c - rotation[:, c] * from_b
     lean = np.cross(machine.squareness_rad[j], np.eye(3)[j])
     return shift + nose_mm[:, j, None] * lean, rotation
 
 
 def _rotary(
-    machine: Machine, axis: str, rotary_rad: np.ndarray, arm_mm: np.ndarray, *, pose: BodyPose
+    machine: Machine, joint: Joint, rotary_rad: np.ndarray, tip_mm: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Shift at the tip and rotation by a rotary axis, in the frame of its carrier.
 
     A turn R about a line that is displaced by d and tilted by s differs from the turn about the
-    nominal line by the screw motion ``(I - R) d`` and ``(I - R) s``.
+    nominal line by the screw motion ``(1 - R) d`` and ``(1 - R) s``.
     """
-    rotary = machine.rotary[axis]
-    shift, rotation = rotary.motion(rotary_rad[:, ROTARY_AXES.index(axis)])
-    body_to_tool = 1.0 if machine.chain.carries_tool(axis) else -1.0
-    one_minus_turn = body_to_tool * (np.eye(3) - pose.own_rotation)
-    sign = machine.component_sign(f"EX{axis}")
+    rotary = machine.rotary[joint.axis]
+    shift, rotation = rotary.motion(rotary_rad[:, ROTARY_AXES.index(joint.axis)])
+    body_to_tool = 1.0 if machine.chain.carries_tool(joint.axis) else -1.0
+    one_minus_turn = body_to_tool * (np.eye(3) - joint.turn)
+    sign = machine.component_sign(f"EX{joint.axis}")
     shift = sign * shift + one_minus_turn @ rotary.location_mm
     rotation = sign * rotation + one_minus_turn @ rotary.location_rad
-    return shift + np.cross(rotation, arm_mm), rotation
+    return shift + _cross(rotation, tip_mm - rotary.centre_mm), rotation
 
 
-def _points(matrix: np.ndarray, points_mm: np.ndarray) -> np.ndarray:
-    return np.einsum("pij,pj->pi", matrix[:, :3, :3], points_mm) + matrix[:, :3, 3]
-
-
-def _vectors(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    return np.einsum("pij,pj->pi", matrix[:, :3, :3], vectors)
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Cross products of rows; `numpy.cross` takes four times as long."""
+    out = np.empty_like(a)
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        out[:, i] = a[:, j] * b[:, k] - a[:, k] * b[:, j]
+    return out
