@@ -16,11 +16,21 @@ __all__ = ["plain_stretch"]
 _POWERS = 10.0 ** np.arange(16)
 _DIGITS = 15
 
-_X, _Y, _Z, _F, _G, _N = 1, 2, 4, 8, 16, 32
-_AXES = _X | _Y | _Z
+_inlined = njit(inline="always", error_model="numpy")  # calls would cost a quarter of the speed
+
+#: Where the value of a word goes; then what else a character may be.
+_SLOT_G, _SLOT_F, _SLOT_N, _SPACE, _END, _COMMENT, _OTHER = 3, 4, 5, 6, 7, 8, 9
+_AXES, _G, _F = 0b111, 1 << _SLOT_G, 1 << _SLOT_F
+_REMARK = 1 << _SLOT_N  #: a line number or a comment: no N may follow
+_SLOTS = np.full(256, _OTHER, np.uint8)
+for _slot, _letter in enumerate("XYZGFN"):
+    _SLOTS[ord(_letter)] = _SLOTS[ord(_letter.lower())] = _slot
+_SLOTS[[32, 9, 13]] = _SPACE
+_SLOTS[10] = _END
+_SLOTS[[40, 59]] = _COMMENT
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _skip_comment(data, at):  # pragma: no cover - compiled
     """Return the index after a comment without a comma, or -1 where the interpreter must look."""
     if data[at] == 59:  # ;
@@ -35,7 +45,95 @@ def _skip_comment(data, at):  # pragma: no cover - compiled
     return at + 1
 
 
-@njit(cache=True)
+@_inlined
+def _read_number(data, at):  # pragma: no cover - compiled
+    """Read a number; returns the index after it, its value, and its digits after the point.
+
+    Digits after the point are -2 where this is no number that an exact division gives.
+    """
+    while data[at] == 32:
+        at += 1
+    negative = data[at] == 45
+    if negative or data[at] == 43:
+        at += 1
+    mantissa, first = 0, at
+    digit = data[at] - 48
+    while 0 <= digit <= 9:
+        mantissa = mantissa * 10 + digit
+        at += 1
+        digit = data[at] - 48
+    digits, decimals = at - first, 0
+    if data[at] == 46:
+        at += 1
+        first = at
+        digit = data[at] - 48
+        while 0 <= digit <= 9:
+            mantissa = mantissa * 10 + digit
+            at += 1
+            digit = data[at] - 48
+        decimals = at - first
+        digits += decimals
+    if digits == 0 or digits > _DIGITS:
+        return at, 0.0, -2
+    value = mantissa / _POWERS[decimals]
+    return at, -value if negative else value, decimals
+
+
+@njit(cache=True, error_model="numpy")
+def _may_stand(slot, value):  # pragma: no cover - compiled
+    """Tell whether G or F has a value that needs no interpreter."""
+    if slot == _SLOT_G:
+        return value == 0.0 or value == 1.0
+    return value > 0.0 or (value == 0.0 and not np.signbit(value))
+
+
+@_inlined
+def _read_line(data, at):  # pragma: no cover - compiled
+    """Read one line; returns where the next begins, which words stand here, and X Y Z G F.
+
+    Which words stand here is one bit each, or -1 where the interpreter must look at the line.
+    """
+    seen = 0
+    x = y = z = g = f = 0.0
+    while True:
+        slot = _SLOTS[data[at]]
+        if slot <= _SLOT_F:
+            at, value, decimals = _read_number(data, at + 1)
+            flag = 1 << slot
+            if decimals == -2 or seen & flag:
+                return at, -1, x, y, z, g, f
+            if slot >= _SLOT_G and not _may_stand(slot, value):
+                return at, -1, x, y, z, g, f
+            if slot == 0:
+                x = value
+            elif slot == 1:
+                y = value
+            elif slot == 2:
+                z = value
+            elif slot == _SLOT_G:
+                g = value
+            else:
+                f = value
+            seen |= flag
+        elif slot == _SPACE:
+            at += 1
+        elif slot == _END:
+            return at + 1, seen, x, y, z, g, f
+        elif slot == _COMMENT:
+            at = _skip_comment(data, at)
+            if at < 0:
+                return at, -1, x, y, z, g, f
+            seen |= _REMARK
+        elif slot == _SLOT_N and seen == 0 and 48 <= data[at + 1] <= 57:
+            at += 1
+            while 48 <= data[at] <= 57:
+                at += 1
+            seen = _REMARK
+        else:
+            return at, -1, x, y, z, g, f
+
+
+@njit(cache=True, error_model="numpy")
 def plain_stretch(data, at, state, rows, first_row, line):  # pragma: no cover - compiled
     """Obey plain lines from a byte offset on.
 
@@ -67,102 +165,29 @@ def plain_stretch(data, at, state, rows, first_row, line):  # pragma: no cover -
     absolute = state[6] != 0.0
     row = first_row
     while at < size and row < capacity:
-        start = at
-        seen = 0
-        new_x = new_y = new_z = 0.0
-        new_motion, new_feed = motion, feed
-        understood = True
-        while True:
-            c = data[at]
-            if c == 10:
-                break
-            if c == 32 or c == 13 or c == 9:
-                at += 1
-                continue
-            if c == 40 or c == 59:
-                at = _skip_comment(data, at)
-                if at < 0:
-                    understood = False
-                    break
-                continue
-            letter = c | 32
-            at += 1
-            while data[at] == 32:
-                at += 1
-            negative = False
-            if data[at] == 45:
-                negative = True
-                at += 1
-            elif data[at] == 43:
-                at += 1
-            mantissa, digits, decimals = 0, 0, 0
-            digit = data[at] - 48
-            while 0 <= digit <= 9:
-                mantissa = mantissa * 10 + digit
-                digits += 1
-                at += 1
-                digit = data[at] - 48
-            if data[at] == 46:
-                at += 1
-                before = digits
-                digit = data[at] - 48
-                while 0 <= digit <= 9:
-                    mantissa = mantissa * 10 + digit
-                    digits += 1
-                    at += 1
-                    digit = data[at] - 48
-                decimals = digits - before
-                if letter == 103 or letter == 110:
-                    understood = False
-                    break
-            if digits == 0 or digits > _DIGITS:
-                understood = False
-                break
-            value = mantissa / _POWERS[decimals]
-            if negative:
-                value = -value
-            if letter == 120:
-                flag, new_x = _X, value
-            elif letter == 121:
-                flag, new_y = _Y, value
-            elif letter == 122:
-                flag, new_z = _Z, value
-            elif letter == 102 and not negative:
-                flag, new_feed = _F, value
-            elif letter == 103 and not negative and mantissa <= 1:
-                flag, new_motion = _G, value
-            elif letter == 110 and not negative and seen == 0:
-                flag = _N
-            else:
-                understood = False
-                break
-            if seen & flag:
-                understood = False
-                break
-            seen |= flag
-        moves = seen & (_AXES | _G)
-        if not understood or (moves and (new_motion < 0.0 or (new_motion == 1.0 and
-                                                              new_feed == 0.0))):  # fmt: skip
-            at = start
+        end, seen, word_x, word_y, word_z, word_g, word_f = _read_line(data, at)
+        if seen < 0:
             break
-        at += 1
-        line += 1
+        new_motion = word_g if seen & _G else motion
+        new_feed = word_f if seen & _F else feed
+        moves = seen & (_AXES | _G)
+        if moves and (new_motion < 0.0 or (new_motion == 1.0 and new_feed == 0.0)):
+            break
+        at, line = end, line + 1
         motion, feed = new_motion, new_feed
         if not moves:
             continue
         if absolute:
-            x = new_x if seen & _X else x
-            y = new_y if seen & _Y else y
-            z = new_z if seen & _Z else z
+            x = word_x if seen & 1 else x
+            y = word_y if seen & 2 else y
+            z = word_z if seen & 4 else z
         else:
-            x = x + new_x
-            y = y + new_y
-            z = z + new_z
+            x = x + word_x if seen & 1 else x
+            y = y + word_y if seen & 2 else y
+            z = z + word_z if seen & 4 else z
         calls[row] = 1 if motion == 1.0 else 0
         lines[row] = line
-        points[row, 0] = x * unit
-        points[row, 1] = y * unit
-        points[row, 2] = z * unit
+        points[row, 0], points[row, 1], points[row, 2] = x * unit, y * unit, z * unit
         feeds[row] = feed * unit
         row += 1
     state[0], state[1], state[2], state[3], state[4] = x, y, z, motion, feed

@@ -1,0 +1,95 @@
+"""Speed of the G-code reader beside its peers, in one run.
+
+    python tests/benchmarks/bench_gcode.py [LINES]
+
+Peers: LinuxCNC's ``rs274`` where it is installed, and pygcode (on a share of the lines). Every
+reader gets the same file; the best of several runs counts.
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from gcode import read_program
+
+PYGCODE_LINES = 5000
+PLAIN_LINES = 100_000
+
+
+def write_program(path: Path, lines: int) -> None:
+    points = np.cumsum(np.random.default_rng(1).uniform(-2.0, 2.0, (lines, 3)), axis=0)
+    rows = "".join(f"G1 X{x:.3f} Y{y:.3f} Z{z:.3f}\n" for x, y, z in points.tolist())
+    path.write_text("G21 G90 F1000\n" + rows + "M2\n")
+
+
+def best(action: Callable[[], object], runs: int) -> float:
+    seconds = []
+    for _ in range(runs):
+        start = time.perf_counter()
+        action()
+        seconds.append(time.perf_counter() - start)
+    return min(seconds)
+
+
+def rs274_seconds(path: Path, folder: str) -> float:
+    parameters = Path(folder) / "rs274.var"
+
+    def run() -> None:
+        parameters.write_text("5220\t1.0\n")
+        command = ["rs274", "-v", str(parameters), "-n", "2", "-g", str(path)]
+        subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True)
+
+    return best(run, 2)
+
+
+def pygcode_seconds(path: Path) -> float:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        from pygcode import Line, Machine
+
+    def run() -> None:
+        machine = Machine()
+        with path.open() as file:
+            for text in file:
+                machine.process_block(Line(text).block)
+
+    return best(run, 1)
+
+
+def main() -> None:
+    lines = int(sys.argv[1]) if len(sys.argv) > 1 else 1_000_000
+    with tempfile.TemporaryDirectory() as folder:
+        path, some, few = (Path(folder) / name for name in ("all.ngc", "some.ngc", "few.ngc"))
+        write_program(path, lines)
+        write_program(some, min(lines, PLAIN_LINES))
+        write_program(few, min(lines, PYGCODE_LINES))
+        read_program(few, fast=True)  # compile before the clock runs
+        rows = [
+            ("fast lane, text to path", lines, best(lambda: read_program(path, fast=True), 7)),
+            ("fast lane, text to moves", lines,
+             best(lambda: read_program(path, fast=True).moves, 3)),
+            ("interpreter, text to path", min(lines, PLAIN_LINES),
+             best(lambda: read_program(some, fast=False), 2)),
+        ]  # fmt: skip
+        if shutil.which("rs274"):
+            rows.append(("rs274 -g (LinuxCNC)", lines, rs274_seconds(path, folder)))
+        rows.append(("pygcode Machine", min(lines, PYGCODE_LINES), pygcode_seconds(few)))
+    speeds = {name: count / seconds for name, count, seconds in rows}
+    peer = speeds.get("rs274 -g (LinuxCNC)")
+    print(f"{'reader':28}{'lines':>10}{'seconds':>10}{'M lines/s':>12}{'x rs274':>10}")
+    for name, count, seconds in rows:
+        ratio = f"{speeds[name] / peer:10.1f}" if peer else f"{'-':>10}"
+        print(f"{name:28}{count:10d}{seconds:10.3f}{speeds[name] / 1e6:12.3f}{ratio}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,101 @@
+"""Random and mutilated programs: each must give a result or one clear error, and end.
+
+    python tests/benchmarks/fuzz_gcode.py [INPUTS] [SEED]
+
+Inputs are the golden programs with bytes changed, lines shuffled, words exchanged, and random
+words of the language in random order, in all dialects.
+"""
+
+from __future__ import annotations
+
+import random
+import re
+import sys
+import time
+import traceback
+from collections import Counter
+from pathlib import Path
+
+from gcode import ProgramError, Source, ToolEntry, canon_lines, read_program
+
+GOLDEN = Path(__file__).parents[1] / "golden" / "gcode"
+TOOLS = {n: ToolEntry(10.0 * n, 2.0 * n) for n in range(1, 6)}
+DIALECTS = ("auto", "rs274", "rs274", "fanuc", "heidenhain", "sinumerik")
+PIECES = [
+    *"XYZABCIJKRPQLFSTHDE[]#<>()=*/+-%;:@^$ \t", "G0", "G1", "G2", "G3", "G41", "G42", "G41.1",
+    "G40", "G17", "G18", "G81", "G83", "G76", "G33", "G5", "G5.2", "G5.3", "G10", "G92", "G43",
+    "G93", "G95", "G54", "M6", "M98", "M99", "M2", "O1", "O<a>", " sub", " endsub", " call",
+    " while", " endwhile", " if", " else", " endif", " repeat", " endrepeat", "sqrt", "atan",
+    "1", "-2.5", "1e5", "99999999999999999999", ".0001", "#1", "##2", "#<_x>", " EQ ", " MOD ",
+    "**", "GOTO 1", "WHILE[1 EQ 1]DO1", "END1", "G65 P1 ", "L X+1 FMAX", "CC X+0", "C X+1 DR+",
+    "LBL 1", "CALL LBL 1 REP 2", "TOOL CALL 1 Z S1", "CR=5", "TURN=2", "X=1", "\xff", "\x00",
+]  # fmt: skip
+SLOW_S = 5.0
+
+
+def mutilated(texts: list[bytes], rng: random.Random) -> bytes:
+    text = bytearray(rng.choice(texts))
+    for _ in range(rng.randint(1, 5)):
+        at = rng.randrange(len(text) + 1)
+        kind = rng.randrange(5)
+        if kind == 0:
+            text[at : at + rng.randint(0, 4)] = rng.randbytes(rng.randint(0, 4))
+        elif kind == 1:
+            text[at:at] = rng.choice(PIECES).encode("latin-1")
+        elif kind == 2:
+            other = rng.choice(texts)
+            begin = rng.randrange(len(other))
+            text[at : at + rng.randint(0, 30)] = other[begin : begin + rng.randint(0, 60)]
+        elif kind == 3:
+            lines = bytes(text).split(b"\n")
+            rng.shuffle(lines)
+            text = bytearray(b"\n".join(lines))
+        else:
+            del text[at : at + rng.randint(1, 20)]
+    return bytes(text)
+
+
+def random_program(rng: random.Random) -> bytes:
+    lines = ["".join(rng.choices(PIECES, k=rng.randint(0, 8))) for _ in range(rng.randint(1, 15))]
+    return "\n".join(lines).encode("latin-1")
+
+
+def outcome(text: bytes, rng: random.Random) -> str:
+    """Read one input; returns what happened, raises for anything that should not happen."""
+    try:
+        program = read_program(Source(text), tools=TOOLS, max_blocks=2000,
+                               dialect=rng.choice(DIALECTS), fast=rng.random() < 0.5)  # fmt: skip
+        len(program.moves)
+        if rng.random() < 0.1:
+            sum(1 for _ in canon_lines(program))
+    except ProgramError as error:
+        if not re.match(r"<program>:\d+:", str(error)) or "\n" in str(error):
+            raise AssertionError(f"unclear message: {error}") from None
+        return "refused"
+    return "read"
+
+
+def main() -> int:
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
+    rng = random.Random(int(sys.argv[2]) if len(sys.argv) > 2 else 1)
+    texts = [path.read_bytes() for path in sorted(GOLDEN.glob("*.ngc"))]
+    counts: Counter[str] = Counter()
+    slowest = 0.0
+    for _ in range(count):
+        text = mutilated(texts, rng) if rng.random() < 0.7 else random_program(rng)
+        start = time.perf_counter()
+        try:
+            counts[outcome(text, rng)] += 1
+        except Exception:
+            counts["failed"] += 1
+            print(repr(text), traceback.format_exc(), sep="\n")
+        took = time.perf_counter() - start
+        if took > SLOW_S:
+            print(f"{took:.1f} s: {text!r}")
+        slowest = max(slowest, took)
+    print(f"{count} inputs: {dict(counts)}, slowest {slowest:.2f} s")
+    return int(counts["failed"] > 0 or slowest > SLOW_S)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
