@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from stock.compiled import inlined, kernel
 from stock.motion import tilt_at, tip_at
 from stock.outline import signed_distance
 
@@ -37,7 +37,7 @@ _VALLEY = 1.0 / 32.0
 _PARTS = 8
 
 
-@njit(cache=True)
+@inlined()
 def phi(work, i, s, line, h):
     """Distance of the line's point at h from the tool of sweep i standing at s.
 
@@ -71,7 +71,7 @@ def phi(work, i, s, line, h):
     return value, by_s, by_ss, by_h, curvature
 
 
-@njit(cache=True)
+@inlined()
 def _seen_from_tool(work, i, s, line, h):
     """The line's point, its first and second derivative by s, and by h, in the tool's frame."""
     p, n = line
@@ -83,7 +83,7 @@ def _seen_from_tool(work, i, s, line, h):
     return x, x1, x2, d
 
 
-@njit(cache=True)
+@inlined()
 def _untilted(motion, i, s, vectors):
     """Take the tilt off: solve x + tilt x x = y for x and its derivatives, and for d."""
     y, y1, y2, d = vectors
@@ -94,7 +94,7 @@ def _untilted(motion, i, s, vectors):
     return x, x1, x2, _solved(t, d)
 
 
-@njit(cache=True)
+@inlined()
 def _solved(t, y):
     """x with x + t x x = y, that is (y - t x y + t (t.y)) / (1 + t.t)."""
     c = _cross(t, y)
@@ -107,7 +107,7 @@ def _solved(t, y):
     )
 
 
-@njit(cache=True)
+@inlined()
 def _cross(a, b):
     return (
         a[1] * b[2] - a[2] * b[1],
@@ -116,12 +116,12 @@ def _cross(a, b):
     )
 
 
-@njit(cache=True)
+@inlined()
 def _minus(a, b, k):
     return (a[0] - k * b[0], a[1] - k * b[1], a[2] - k * b[2])
 
 
-@njit(cache=True)
+@kernel()
 def guess(work, i, span, line, h):
     """A start for the search of the nearest s: exact for level lines and arcs about +-Z."""
     p, n = line
@@ -150,7 +150,7 @@ def guess(work, i, span, line, h):
     return min(max(s, span[0]), span[1])
 
 
-@njit(cache=True)
+@kernel()
 def closest(work, i, span, line, h, s, limit):
     """psi: the least distance from the sweep's piece `span` of the line's point at h.
 
@@ -182,7 +182,7 @@ def closest(work, i, span, line, h, s, limit):
     return best
 
 
-@njit(cache=True)
+@inlined()
 def _level(motion, i):
     """Whether sweep i is a line, or an arc in a plane square to the tool axis.
 
@@ -193,7 +193,7 @@ def _level(motion, i):
     return k < 0 or (a[k, 1, 2] == 0.0 and a[k, 2, 2] == 0.0 and a[k, 3, 2] == 0.0)
 
 
-@njit(cache=True)
+@kernel()
 def _descend(work, i, span, line, h, s, limit):
     """Newton's method on the derivative by s, kept in a bracket by its sign."""
     bend = 0.5 * work.motion.bend_mm[i]
@@ -230,7 +230,7 @@ def _descend(work, i, span, line, h, s, limit):
     return best_value, best_h, best_s
 
 
-@njit(cache=True)
+@inlined()
 def _between(low, at_low, high, at_high):
     """Where the tangents at both ends of the bracket meet: at once at the tip of a kink."""
     s = (at_high[0] - at_low[0] + at_low[1] * low - at_high[1] * high) / (at_low[1] - at_high[1])
@@ -238,7 +238,7 @@ def _between(low, at_low, high, at_high):
     return s if low + margin < s < high - margin else 0.5 * (low + high)
 
 
-@njit(cache=True)
+@kernel()
 def _has_valley(work, i, span, line, h, s):
     """Whether phi is so level along s around its minimum that the displacement may ripple it."""
     width = span[1] - span[0]
@@ -256,7 +256,7 @@ def _has_valley(work, i, span, line, h, s):
     return False
 
 
-@njit(cache=True)
+@kernel()
 def _lowest_of_parts(work, i, span, line, h, best):
     """Look for a lower minimum in each part of the span that can have one."""
     width = (span[1] - span[0]) / _PARTS
@@ -269,7 +269,7 @@ def _lowest_of_parts(work, i, span, line, h, best):
     return best
 
 
-@njit(cache=True)
+@kernel()
 def entry(work, i, span, line, most):
     """First h, going outwards from 0, at which the line is in the sweep's piece or touches it.
 
@@ -312,7 +312,7 @@ def entry(work, i, span, line, most):
     return h, s
 
 
-@njit(cache=True)
+@kernel()
 def _meet_rim(work, i, span, line, near):
     """Solve for the h and s at which the line goes through a sharp rim of the moving tool.
 
@@ -344,12 +344,12 @@ def _meet_rim(work, i, span, line, near):
     return False, h, s
 
 
-@njit(cache=True)
+@kernel()
 def _touches_on(work, i, span, line, s):
     return closest(work, i, span, line, _PROBE_MM, s, TOUCH_MM)[0] <= TOUCH_MM
 
 
-@njit(cache=True)
+@kernel()
 def exit_below(work, i, span, line, h, least):
     """Where the line, followed inwards from h, leaves the sweep's piece.
 
@@ -380,7 +380,7 @@ def exit_below(work, i, span, line, h, least):
     return h, s, False
 
 
-@njit(cache=True)
+@kernel()
 def _exit_standing(work, i, s, line, h, least):
     """Where the line, from h inwards, leaves the convex tool that stands at s."""
     distance, _, _, by_h, _ = phi(work, i, s, line, h)

@@ -10,8 +10,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from stock.compiled import inlined, kernel
 from stock.errors import StockError
 from stock.sweeps import Sweeps
 
@@ -84,7 +84,7 @@ def build_motion(sweeps: Sweeps, reach_of_tool_mm: np.ndarray) -> Motion:
     return Motion(path, tilt, arc_of, arcs, ripple, bend)
 
 
-@njit(cache=True)
+@kernel()
 def _hermite(value, slope):
     """Power coefficients (M, 4, 3) of the cubic with these end values and end slopes."""
     count = len(value)
@@ -99,7 +99,7 @@ def _hermite(value, slope):
     return cubic
 
 
-@njit(cache=True)
+@kernel()
 def _largest_second_derivative(cubic):
     """Largest norm of the second derivative over s in [0, 1]: it is linear, so at an end."""
     largest = np.empty(len(cubic))
@@ -112,7 +112,7 @@ def _largest_second_derivative(cubic):
     return largest
 
 
-@njit(cache=True)
+@kernel()
 def _add_lines(path, straight, start, end):
     for i in range(len(path)):
         if straight[i]:
@@ -160,7 +160,7 @@ def _turned(vector: np.ndarray, axis: np.ndarray, angle: np.ndarray) -> np.ndarr
     return vector * np.cos(angle) + np.cross(axis, vector) * np.sin(angle)
 
 
-@njit(cache=True)
+@inlined()
 def _cubic(a, i, j, s):
     """Value and two derivatives of component j of polynomial i."""
     value = a[i, 0, j] + s * (a[i, 1, j] + s * (a[i, 2, j] + s * a[i, 3, j]))
@@ -168,7 +168,7 @@ def _cubic(a, i, j, s):
     return value, first, 2.0 * a[i, 2, j] + 6.0 * s * a[i, 3, j]
 
 
-@njit(cache=True)
+@inlined()
 def _cubics(a, i, s):
     x, x1, x2 = _cubic(a, i, 0, s)
     y, y1, y2 = _cubic(a, i, 1, s)
@@ -176,7 +176,7 @@ def _cubics(a, i, s):
     return (x, y, z), (x1, y1, z1), (x2, y2, z2)
 
 
-@njit(cache=True)
+@inlined()
 def _on_arc(a, k, along, across):
     return (
         along * a[k, 1, 0] + across * a[k, 2, 0],
@@ -185,12 +185,12 @@ def _on_arc(a, k, along, across):
     )
 
 
-@njit(cache=True)
+@inlined()
 def _sum(u, v, w):
     return (u[0] + v[0] + w[0], u[1] + v[1] + w[1], u[2] + v[2] + w[2])
 
 
-@njit(cache=True)
+@inlined()
 def tip_at(motion, i, s):
     """Position of the displaced tip of sweep `i` at `s`, and its two derivatives by s, mm."""
     place, first, second = _cubics(motion.path, i, s)
@@ -213,13 +213,13 @@ def tip_at(motion, i, s):
     )
 
 
-@njit(cache=True)
+@inlined()
 def tilt_at(motion, i, s):
     """Tilt of sweep `i` at `s` and its two derivatives by s, rad."""
     return _cubics(motion.tilt, i, s)
 
 
-@njit(cache=True)
+@kernel()
 def tip_positions(motion, sweep, s):
     """Positions (K, 3) of the displaced tip of the sweeps (K,) at s (K,), mm."""
     place = np.empty((len(sweep), 3))

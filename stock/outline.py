@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from stock.compiled import inlined
 from stock.tools import Corner, Tool
 
 __all__ = ["Outlines", "build_outlines", "lower_bound", "signed_distance"]
@@ -102,7 +102,7 @@ def _common_normal(lower: Corner, upper: Corner) -> float:
     return 0.0 if abs(angle) < 1e-15 else angle
 
 
-@njit(cache=True)
+@inlined()
 def signed_distance(outlines, tool, r, z):
     """Distance of the point (r, z) from the tool, its gradient, and the outline's curvature.
 
@@ -128,7 +128,7 @@ def signed_distance(outlines, tool, r, z):
     return best, gradient_r, gradient_z, curvature
 
 
-@njit(cache=True)
+@inlined()
 def _in_cone(corners, k, dr, dz):
     return (
         corners[k, 3] * dz - corners[k, 4] * dr >= 0.0
@@ -136,7 +136,7 @@ def _in_cone(corners, k, dr, dz):
     )
 
 
-@njit(cache=True)
+@inlined()
 def lower_bound(outlines, tool, r, z):
     """Least distance from the tool of any point at radius `r` and height in z[0] ... z[1].
 

@@ -11,8 +11,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from stock.compiled import inlined, kernel
 from stock.motion import Motion, tip_at
 from stock.outline import lower_bound
 from stock.threads import run_in_parts
@@ -109,7 +109,7 @@ def _piece_boxes(motion: Motion, sweep: np.ndarray, span: np.ndarray) -> np.ndar
     return box
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _bound_pieces(motion, sweep, span, part, box):
     """Box of the displaced tip over each piece: of both ends, widened by the curvature."""
     for k in range(part[0], part[1]):
@@ -127,7 +127,7 @@ def _largest_tilt(motion: Motion) -> float:
     return float(np.abs(motion.tilt).sum(axis=1).max(axis=0).sum())
 
 
-@njit(cache=True)
+@kernel()
 def _fill_nodes(piece_box, piece_sweep, box, last):
     """Bound the leaves, then each node from its two children."""
     leaves = len(last) // 2
@@ -144,7 +144,7 @@ def _fill_nodes(piece_box, piece_sweep, box, last):
             box[node, 3 + j] = max(box[2 * node, 3 + j], box[2 * node + 1, 3 + j])
 
 
-@njit(cache=True)
+@inlined()
 def node_bound(outlines, tool, box, k, q):
     """Least distance of point `q` from the tool with its tip anywhere in box `k`."""
     dx = max(box[k, 0] - q[0], 0.0, q[0] - box[k, 3])
@@ -164,7 +164,7 @@ def morton_order(points: np.ndarray) -> np.ndarray:
     )
 
 
-@njit(cache=True)
+@kernel()
 def _morton_codes(points, low, scale):
     codes = np.empty(len(points), dtype=np.uint64)
     for i in range(len(points)):
@@ -175,7 +175,7 @@ def _morton_codes(points, low, scale):
     return codes
 
 
-@njit(cache=True)
+@inlined()
 def _spread(bits):
     """Put two zero bits behind each of the 16 lowest bits."""
     bits = (bits | (bits << np.uint64(32))) & np.uint64(0x1F00000000FFFF)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from stock.compiled import inlined, kernel, unowned
 from stock.contact import TOUCH_MM, entry, exit_below
 from stock.motion import Motion
 from stock.outline import Outlines
@@ -63,10 +63,11 @@ def walk_lines(work, points, normals, blank, reach):
     return found
 
 
-@njit(cache=True, nogil=True)
+@kernel()
 def _walk_part(work, points, normals, order, bounds, found):
     status, edge, parameter, sweep = found
     blank, reach = bounds
+    work = unowned(work)
     for i in order:
         p = (points[i, 0], points[i, 1], points[i, 2])
         n = (normals[i, 0], normals[i, 1], normals[i, 2])
@@ -76,7 +77,7 @@ def _walk_part(work, points, normals, order, bounds, found):
             edge[i], sweep[i], parameter[i] = h, which, s
 
 
-@njit(cache=True)
+@kernel()
 def _walk(work, line, blank, reach):
     """State, h, sweep and s of one line; `blank` is the part of it in the blank."""
     if blank[0] > TOUCH_MM or blank[1] < -reach:
@@ -96,7 +97,7 @@ def _walk(work, line, blank, reach):
     return (CUT if sweep >= 0 else UNCUT), h, sweep, s
 
 
-@njit(cache=True)
+@kernel()
 def _blank_interval(blank, p, n):
     """The h between which the line is in the blank, grazing its faces included."""
     low, high = -np.inf, np.inf
@@ -112,7 +113,7 @@ def _blank_interval(blank, p, n):
     return low, high
 
 
-@njit(cache=True)
+@kernel()
 def _walk_out(work, line, most):
     """Nearest entry into any sweep going outwards; whether the start is inside one instead."""
     best, best_sweep, best_s = most, -1, 0.0
@@ -146,13 +147,13 @@ def _walk_out(work, line, most):
     return False, best, best_sweep, best_s
 
 
-@njit(cache=True)
+@inlined()
 def _useless(bound, last, best, best_sweep):
     """Nothing at this distance can be nearer, or equally near and cut later."""
     return bound > best + TOUCH_MM or (bound > best - TOUCH_MM and last <= best_sweep)
 
 
-@njit(cache=True)
+@kernel()
 def _push_children(work, tool, q, node, stack, top):
     """Put both children on the stack, the nearer one on top."""
     box, first = work.trees.box, work.trees.first_node[tool] + 2 * node
@@ -163,7 +164,7 @@ def _push_children(work, tool, q, node, stack, top):
     return top + 2
 
 
-@njit(cache=True)
+@kernel()
 def _walk_in(work, line, h, reach):
     """Follow overlapping sweeps inwards from h, in air, until material begins."""
     sweep, s = -1, 0.0
@@ -175,7 +176,7 @@ def _walk_in(work, line, h, reach):
     return h, sweep, s
 
 
-@njit(cache=True)
+@kernel()
 def _pass_in(work, line, state, reach):
     """One way through the trees that extends the air at h by every sweep met on it."""
     h, best_sweep, best_s = state
