@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tests.machine_cases import make_machine, random_components, random_squareness
 from tests.oracle.test_machine_exact import inverse, matrix, times
 from vmach.errors import InputError
-from vmach.machine import Chain, Variant, displacement, read_machine
+from vmach.machine import Chain, Variant, contributions, displacement, read_machine
 from vmach.machine.exact import exact_displacement
 from vmach.machine.machine import SignConvention
 from vmach.machine.nominal_motion import nominal_joints
@@ -140,6 +140,20 @@ def test_rotary_axes_at_zero_leave_the_three_axis_machine(seed, chain, variant):
     there = displacement(three, nose, TOOL, Variant(variant))
     assert here.shift_mm == pytest.approx(there.shift_mm, abs=1e-12)
     assert here.tilt_rad == pytest.approx(there.tilt_rad, abs=1e-15)
+
+
+@pytest.mark.parametrize("variant", [Variant.HTM, Variant.ABBE])
+@pytest.mark.parametrize("chain", CHAINS[:3])
+def test_contributions_add_up_on_five_axes(chain, variant):
+    rng = np.random.default_rng(5)
+    machine = random_machine(chain, rng)
+    nose, angles = rng.uniform(-500, 500, (30, 3)), rng.uniform(-3, 3, (30, 3))
+    whole = displacement(machine, nose, TOOL, variant, rotary_rad=angles)
+    parts = dict(contributions(machine, nose, TOOL, variant, rotary_rad=angles))
+    # 18 linear, 6 leaning lines, and for each rotary axis 6 components and 6 of location
+    assert len(parts) == 18 + 6 + 12 * len(machine.rotary)
+    assert sum(p.shift_mm for p in parts.values()) == pytest.approx(whole.shift_mm, abs=1e-13)
+    assert sum(p.tilt_rad for p in parts.values()) == pytest.approx(whole.tilt_rad, abs=1e-16)
 
 
 def rotation_about_z(angle):

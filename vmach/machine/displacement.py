@@ -20,6 +20,7 @@ from vmach.machine.component_errors import component_of
 from vmach.machine.kernel import compile_errors, displace
 from vmach.machine.machine import Machine
 from vmach.machine.rotary_displacement import rotary_displacement
+from vmach.machine.single_errors import single_errors
 
 __all__ = ["RigidDisplacement", "Variant", "contributions", "displacement"]
 
@@ -133,14 +134,25 @@ def contributions(
     variant: Variant,
     *,
     direction: np.ndarray | None = None,
+    rotary_rad: np.ndarray | None = None,
 ) -> Iterator[tuple[str, RigidDisplacement]]:
     """The share of every component error, by its ISO 230-1 symbol; they add up to the whole.
 
-    Parameters as in `displacement`; rotary axes stand at zero, where they do nothing.
+    Parameters as in `displacement`.
     """
     if variant is Variant.NONE:
         return
     reference_mm, reference_travel = _reference(machine, variant)
+    if machine.rotary:
+        common = {
+            "rotary_rad": np.zeros_like(nose_mm) if rotary_rad is None else rotary_rad,
+            "reference_mm": reference_mm,
+            "reference_travel": reference_travel,
+            "direction": _signs(machine, direction),
+        }
+        for name, one in single_errors(machine):
+            yield name, RigidDisplacement(*rotary_displacement(one, nose_mm, tool_mm, **common))
+        return
     arms_mm = tool_mm + machine.chain.arm_masks[:, None, :] * nose_mm
     signs = _signs(machine, direction)
     for name, component in machine.components.items():
