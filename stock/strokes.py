@@ -15,7 +15,7 @@ __all__ = ["Strokes", "check_tools", "strokes_of"]
 #: a joint closer than this joins two strokes
 JOINT_MM = 1e-9
 #: nodes of a straight move are dropped where the displaced path stays within this of its chord
-STRAIGHT_MM = 2e-5
+STRAIGHT_MM = 1e-4
 
 
 @dataclass(frozen=True)
