@@ -57,9 +57,7 @@ def blind_spots(
             if from_size
             else "these measurements do not show it at any size"
         )
-        found.append(
-            BlindSpot(candidate.effect.name, candidate.target, name, from_size, text)
-        )
+        found.append(BlindSpot(candidate.effect.name, candidate.target, name, from_size, text))
     return tuple(found)
 
 

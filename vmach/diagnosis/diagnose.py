@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,14 +24,22 @@ from vmach.fit.survey import Survey
 from vmach.fit.whitening import Whitening
 from vmach.units import um_from_mm
 
-__all__ = ["CandidateScore", "Diagnosis", "Finding", "diagnose"]
+__all__ = [
+    "BEND_SHARE",
+    "CandidateScore",
+    "Diagnosis",
+    "Finding",
+    "diagnose",
+    "explanation_with_slack",
+]
 
 #: share of the error between two table points that is carried as uncertainty
-_BEND_SHARE = 1.0
+BEND_SHARE = 1.0
 #: at most this share of the readings may be left out as outliers after the fit
 _MOST_OUTLIERS = 0.02
 
 Progress = Callable[[str], None]
+Gathered = tuple[list[Candidate], list[tuple[Effect, str, str]]]
 
 
 @dataclass(frozen=True)
@@ -106,21 +114,21 @@ class Diagnosis:
 
 
 def diagnose(
-    survey: Survey, *, effects: Sequence[Effect] | None = None, progress: Progress | None = None
+    survey: Survey, *, gathered: Gathered | None = None, progress: Progress | None = None
 ) -> Diagnosis:
     """Compare measurements with the model and say what is missing.
 
     Parameters
     ----------
     survey : Survey
-    effects : sequence of Effect, optional
-        Candidates; the whole catalogue where left out.
+    gathered : candidates and excluded effects, optional
+        What `gather_candidates` returns; the whole catalogue where left out.
     progress : callable, optional
         Told what is being done.
     """
     tell = progress or (lambda text: None)
     tell("signatures of all effects")
-    candidates, excluded = gather_candidates(survey, effects)
+    candidates, excluded = gathered or gather_candidates(survey)
     tell("search")
     search, explanation = _searched(survey, candidates)
     astray = _outliers(search, explanation)
@@ -161,29 +169,34 @@ def diagnose(
 
 
 def _searched(survey: Survey, candidates: list[Candidate]) -> tuple[Search, Explanation]:
-    factors = survey.factors(bend_share=_BEND_SHARE)
+    factors = survey.factors(bend_share=BEND_SHARE)
     whiten = Whitening(survey.u_mm, factors, survey.nuisance)
     search = Search(survey, candidates, whiten)
     return search, search.run()
 
 
 def _settled(search: Search, explanation: Explanation) -> Explanation:
-    """Without effects that do not help to predict readings held out, and refitted with slack."""
+    """Without effects that do not help to predict held-out readings, and refitted carefully."""
     while explanation.fit is not None:
         useful = holds_out(search.survey, explanation.fit)
         if all(useful):
             break
         terms = [t for t, good in zip(explanation.fit.terms, useful, strict=True) if good]
         explanation = search.explain(terms)
+    return explanation_with_slack(search, explanation)
+
+
+def explanation_with_slack(search: Search, explanation: Explanation) -> Explanation:
+    """Refitted with what the effects' laws leave open counted as uncertainty."""
     if explanation.fit is None:
         return explanation
     slack = search.slack_of(explanation.fit)
-    if slack.shape[1]:
-        factors = np.hstack([search.survey.factors(bend_share=_BEND_SHARE), slack])
-        careful = Whitening(search.survey.u_mm, factors, search.survey.nuisance)
-        fit = fit_terms(search.survey, explanation.fit.terms, careful)
-        explanation = search.with_fit(fit, explanation.score)
-    return explanation
+    if slack.shape[1] == 0:
+        return explanation
+    factors = np.hstack([search.survey.factors(bend_share=BEND_SHARE), slack])
+    careful = Whitening(search.survey.u_mm, factors, search.survey.nuisance)
+    fit = fit_terms(search.survey, explanation.fit.terms, careful)
+    return search.with_fit(fit, explanation.score)
 
 
 def _outliers(search: Search, explanation: Explanation) -> np.ndarray:
@@ -253,7 +266,7 @@ def _rms(survey: Survey, explanation: Explanation) -> dict[str, float]:
     if explanation.fit is not None:
         for k in range(len(explanation.fit.terms)):
             explained = explained + explanation.fit.explained_mm(k)
-    factors = _aligned(survey, survey.factors(bend_share=_BEND_SHARE))
+    factors = _aligned(survey, survey.factors(bend_share=BEND_SHARE))
     noise = np.sqrt(np.mean(survey.u_mm**2 + (factors**2).sum(axis=1)))
     values = {
         "before": _root_mean_square(_aligned(survey, survey.residual_mm)),
@@ -275,9 +288,7 @@ def _aligned(survey: Survey, columns: np.ndarray) -> np.ndarray:
     return (target - survey.nuisance @ solution).reshape(columns.shape)
 
 
-def _scores(
-    search: Search, excluded: list[tuple[Effect, str, str]]
-) -> tuple[CandidateScore, ...]:
+def _scores(search: Search, excluded: list[tuple[Effect, str, str]]) -> tuple[CandidateScore, ...]:
     survey, nothing = search.survey, search.nothing
     scores = []
     for k, candidate in enumerate(search.candidates):

@@ -35,9 +35,7 @@ def _score(survey: Survey, fit: JointFit, terms, fold: np.ndarray) -> float:
     weight = 1.0 / survey.u_mm[:, None]
     basis, _ = np.linalg.qr(survey.nuisance * weight)
     columns = [fit.signatures_mm[k] for k in terms]
-    widths = [
-        np.full(fit.signatures_mm[k].shape[1], fit.terms[k].width or 1e3) for k in terms
-    ]
+    widths = [np.full(fit.signatures_mm[k].shape[1], fit.terms[k].width or 1e3) for k in terms]
     design = np.hstack([np.zeros((len(survey), 0)), *columns]) * weight
     target = survey.residual_mm * weight[:, 0]
     design = design - basis @ (basis.T @ design)

@@ -76,8 +76,14 @@ def next_measurement(search: Search, explanation: Explanation, findings) -> Next
             if rival.split()[0] == finding.name:
                 continue
             for test in planned_tests(job):
-                power = _power(job, test, term, explanation.fit.coefficients[k],
-                               search.candidate(rival).effect, search.candidate(rival).target)
+                power = _power(
+                    job,
+                    test,
+                    term,
+                    explanation.fit.coefficients[k],
+                    search.candidate(rival).effect,
+                    search.candidate(rival).target,
+                )
                 if best is None or power > best[0]:
                     best = power, test, rival
         if best is not None and best[0] > _USEFUL:
@@ -130,12 +136,16 @@ def _ballbar(low, high, middle) -> PlannedTest:
     for feed in (1000.0, 4000.0):
         for turn in (1.0, -1.0):
             duration = 2 * np.pi * radius / feed * 60.0
-            start = middle + [radius, 0.0, 0.0]
+            start = middle + np.array([radius, 0.0, 0.0])
             record.line(start, until_s=clock)
             # a turn and a half, so that the axes have reversed before the readings begin
-            move = record.arc(start - [2 * radius, 0.0, 0.0], centre_mm=middle,
-                              axis=np.array([0.0, 0.0, 1.0]), sweep_rad=turn * 3 * np.pi,
-                              until_s=clock + 1.5 * duration)
+            move = record.arc(
+                2 * middle - start,
+                centre_mm=middle,
+                axis=np.array([0.0, 0.0, 1.0]),
+                sweep_rad=turn * 3 * np.pi,
+                until_s=clock + 1.5 * duration,
+            )
             clock += 1.5 * duration + 10.0
             moves.append(np.full(len(angle), move))
             places.append((np.pi + angle) / (3 * np.pi))
@@ -156,8 +166,11 @@ def _drift(middle) -> PlannedTest:
     time = np.arange(0.0, 9000.0, 60.0)
     rpm = np.where(time < 3600.0, 8000.0, np.where(time < 6300.0, 0.0, 4000.0))
     states = stop_and_go(
-        np.tile(middle, (len(time), 1)), time, side=np.zeros((len(time), 3)),
-        tool_length_mm=_TOOL_MM, rpm=rpm,
+        np.tile(middle, (len(time), 1)),
+        time,
+        side=np.zeros((len(time), 3)),
+        tool_length_mm=_TOOL_MM,
+        rpm=rpm,
     )
     return _in_three_directions(
         "drift",
@@ -187,8 +200,11 @@ def _tip_grid(low, high) -> PlannedTest:
 def _in_three_directions(name, text, states: PathStates, nuisance) -> PlannedTest:
     count = len(states)
     thrice = PathStates(
-        states.moves, states.tool_lengths_mm, np.repeat(states.move, 3),
-        np.repeat(states.parameter, 3), np.zeros((3 * count, 3)),
+        states.moves,
+        states.tool_lengths_mm,
+        np.repeat(states.move, 3),
+        np.repeat(states.parameter, 3),
+        np.zeros((3 * count, 3)),
     )
     return PlannedTest(name, text, thrice, np.tile(np.eye(3), (count, 1)), nuisance)
 
@@ -200,8 +216,7 @@ def _power(
     path = Circumstances(test.states, job)
     shown = _on_test(term.effect, path, test, term.target, term.inner) @ coefficients
     imitations = [
-        _on_test(rival, path, test, target, inner)
-        for inner in _few(list(rival.inner_grid(path)))
+        _on_test(rival, path, test, target, inner) for inner in _few(list(rival.inner_grid(path)))
     ]
     least = np.inf
     for imitation in imitations:

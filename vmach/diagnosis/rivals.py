@@ -13,6 +13,10 @@ __all__ = ["Rivals", "rivals_of"]
 
 #: effects whose log evidence is this close cannot be told apart
 _MARGIN = 4.0
+#: effects that are always there a little and may join in an imitation
+_NEVER_EXACT = ("tool_radius", "tool_length")
+#: effects that imitate another one when they act alike on all axes, or on all tools
+_TEAMS = ("scale", "tool_radius", "tool_length", "runout")
 
 
 @dataclass(frozen=True)
@@ -49,17 +53,18 @@ def rivals_of(search: Search, explanation: Explanation, k: int) -> Rivals:
 
 
 def _teams(search: Search, explanation: Explanation, k: int, others: Explanation) -> list[str]:
-    """Effects that do the same when they act on several targets at once: three scales ..."""
+    """Effects that do the same when they act on all their targets at once: three scales ..."""
     assert explanation.fit is not None
     absorb = search.absorber(others)
     shown = absorb(search.whiten(explanation.fit.explained_mm(k)))
     found = []
-    by_name: dict[str, list[int]] = {}
-    for i, candidate in enumerate(search.candidates):
-        if candidate.effect.amplitudes and len(candidate.grid) == 1:
-            by_name.setdefault(candidate.effect.name, []).append(i)
-    for name, members in by_name.items():
-        if len(members) < 2 or name == explanation.fit.terms[k].effect.name:
+    for name in _TEAMS:
+        members = [
+            i
+            for i, candidate in enumerate(search.candidates)
+            if candidate.effect.name in (name, *_NEVER_EXACT)
+        ]
+        if name == explanation.fit.terms[k].effect.name or not members:
             continue
         span = np.hstack([search.white[i][:, 0, :] for i in members])
         basis = orthonormal(absorb(span), tolerance=1e-6)

@@ -7,7 +7,7 @@ each other is found even where neither leads alone.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,6 +24,8 @@ __all__ = ["Explanation", "Search"]
 #: sets followed side by side, and candidates tried on each
 _BEAM, _TRIED = 3, 5
 _MOST_EFFECTS = 4
+#: log evidence that an effect costs at least, whatever it explains
+_PRICE = 3.0
 #: share of the best candidate's evidence that makes another worth following
 _WORTH_TRYING = 0.25
 _SIMULATIONS = 200
@@ -106,9 +108,9 @@ class Search:
 
     def log_prior(self, candidate: Candidate) -> float:
         """Prior odds of a candidate; a component without a table is expected to be missing."""
-        if candidate.effect.name == "component":
-            if candidate.target not in self.survey.job.machine.components:
-                return _MISSING_TABLE
+        tables = self.survey.job.machine.components
+        if candidate.effect.name == "component" and candidate.target not in tables:
+            return _MISSING_TABLE
         return -candidate.effect.rarity
 
     def candidate(self, label: str) -> Candidate:
@@ -121,14 +123,13 @@ class Search:
         for _ in range(_MOST_EFFECTS):
             grown: dict[frozenset[str], Explanation] = {}
             for explanation in beam:
-                children = self._children(explanation)
-                if not children:
-                    finished.append(explanation)
-                for child in children:
+                for child in self._children(explanation):
                     known = grown.get(child.labels)
                     if known is None or child.score > known.score:
                         grown[child.labels] = child
-            beam = sorted(grown.values(), key=lambda e: -e.score - self._next(e))[:_BEAM]
+            finished += [e for e in (*beam, *grown.values()) if self._next(e) == 0.0]
+            beam = [e for e in grown.values() if self._next(e) > 0.0 and _may_beat(e, finished)]
+            beam = sorted(beam, key=lambda e: -e.score - self._next(e))[:_BEAM]
             if not beam:
                 break
         best = max([*finished, *beam], key=lambda e: e.score)
@@ -146,12 +147,17 @@ class Search:
             for e, c in zip(explanation.evidence, self.candidates, strict=True)
         ]
 
-    def _children(self, explanation: Explanation) -> list[Explanation]:
+    def _children(self, explanation: Explanation) -> Iterator[Explanation]:
+        """The explanation with each of the leading candidates, until one leaves nothing more."""
         gains = self.gains(explanation)
         least = max(self.threshold, _WORTH_TRYING * max(gains))
         leading = [k for k in np.argsort(gains)[::-1][:_TRIED] if gains[k] > least]
         leading = [k for k in leading if self.candidates[k].label not in explanation.labels]
-        return [self.extend(explanation, k) for k in leading]
+        for k in leading:
+            child = self.extend(explanation, k)
+            yield child
+            if self._next(child) == 0.0:
+                return
 
     def extend(self, explanation: Explanation, k: int) -> Explanation:
         """The explanation with candidate k added and everything refitted."""
@@ -244,3 +250,15 @@ class Search:
         terms = [t for i, t in enumerate(explanation.fit.terms) if i != k]
         fit = fit_terms(self.survey, terms, self.whiten, refine=False) if terms else None
         return self._explain(fit, 0.0)
+
+
+def _may_beat(explanation: Explanation, finished: Sequence[Explanation]) -> bool:
+    """Whether further effects could bring an explanation above the best that needs none.
+
+    At most they win half of what its sum of squares has too much, less the price of one effect.
+    """
+    if not finished:
+        return True
+    best = max(finished, key=lambda e: e.score)
+    excess = explanation.residual @ explanation.residual - best.residual @ best.residual
+    return explanation.score + 0.5 * float(excess) - _PRICE > best.score

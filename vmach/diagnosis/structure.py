@@ -88,9 +88,7 @@ class Structure:
         found = {}
         for name, columns in self._white.items():
             pattern = columns if absorb is None else absorb(columns)
-            evidence = float(
-                log_evidence(pattern, residual[:, None], np.zeros(1)).log_factor[0]
-            )
+            evidence = float(log_evidence(pattern, residual[:, None], np.zeros(1)).log_factor[0])
             if evidence > self.threshold:
                 found[name] = evidence
         total = float(residual @ residual)

@@ -88,12 +88,11 @@ def _covariates(survey: Survey) -> Iterator[tuple[str, np.ndarray, object]]:
     paths, measurements = survey.paths, survey.measurements
 
     def gathered(one) -> np.ndarray:
-        return np.concatenate([np.asarray(one(p, m)) for p, m in zip(paths, measurements,
-                                                                     strict=True)])
+        return np.concatenate(
+            [np.asarray(one(p, m)) for p, m in zip(paths, measurements, strict=True)]
+        )
 
-    names = np.concatenate(
-        [np.char.add(f"{m.name} ", m.group.astype(str)) for m in measurements]
-    )
+    names = np.concatenate([np.char.add(f"{m.name} ", m.group.astype(str)) for m in measurements])
     yield "feature", names, lambda name: f"feature {name}"
     sensing = np.array([_sense(s) for s in survey.sensing])
     for k, axis in enumerate(LINEAR_AXES):
@@ -110,8 +109,9 @@ def _covariates(survey: Survey) -> Iterator[tuple[str, np.ndarray, object]]:
         yield (
             "direction",
             both,
-            lambda s, a=axis: f"after {a} moved {'+' if s[0] == '+' else '-'}, "
-            f"surfaces facing {s.split(' ')[1]}",
+            lambda s, a=axis: (
+                f"after {a} moved {'+' if s[0] == '+' else '-'}, surfaces facing {s.split(' ')[1]}"
+            ),
         )
     feed = gathered(lambda p, m: np.round(60 * np.linalg.norm(p.velocity_mm_per_s, axis=1)))
     yield "feed", feed, lambda f: f"at {float(f):.0f} mm/min"
@@ -120,8 +120,9 @@ def _covariates(survey: Survey) -> Iterator[tuple[str, np.ndarray, object]]:
     yield (
         "time",
         zone,
-        lambda z, lo=low, hi=high: f"{lo[int(z)] / 60:.0f} to {hi[int(z)] / 60:.0f} min after "
-        "the start",
+        lambda z, lo=low, hi=high: (
+            f"{lo[int(z)] / 60:.0f} to {hi[int(z)] / 60:.0f} min after the start"
+        ),
     )
     yield "tool", gathered(lambda p, m: p.tool), lambda t: f"tool {t}"
     yield "normal", sensing, lambda s: f"surfaces facing {s}"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from vmach.effects import Effect
-from vmach.effects.component import Component
 from vmach.effects.circumstances import Circumstances
+from vmach.effects.component import Component
 from vmach.fit.joint_fit import JointFit
 from vmach.machine.component_errors import component_of
 
@@ -41,8 +41,10 @@ def component_parameters(
     step = knots[1] - knots[0]
     used = (knots > position.min() - step) & (knots < position.max() + step)
     key = "correction_urad" if component_of(target)[2] else "correction_um"
-    rounded = {"position_mm": np.round(knots[used], 3).tolist(),
-               key: np.round(value[used], 4).tolist()}
+    rounded = {
+        "position_mm": np.round(knots[used], 3).tolist(),
+        key: np.round(value[used], 4).tolist(),
+    }
     return rounded, {key: np.round(u[used], 4).tolist()}
 
 

@@ -21,8 +21,12 @@ class AxisExpansion(Effect):
             usual=1500.0,
             spread=0.7,
         ),
-        inner("work_share", "share of the heat that follows the axis' own motion", (0.02, 1.0),
-              usual=1.0),
+        inner(
+            "work_share",
+            "share of the heat that follows the axis' own motion",
+            (0.02, 1.0),
+            usual=1.0,
+        ),
     )
     slack_share = 0.1
     slack_time_s = 1500.0
@@ -30,9 +34,7 @@ class AxisExpansion(Effect):
     confirm = "laser the same line cold, after 30 and after 60 minutes of work"
     cure = "measure with a linear scale, cool the screw, or warm up and re-datum"
 
-    def displacement(
-        self, path, target, expansion_ppm, at_home_um, time_constant_s, work_share
-    ):
+    def displacement(self, path, target, expansion_ppm, at_home_um, time_constant_s, work_share):
         axis = LINEAR_AXES.index(target)
         warmth = path.warmth_of_axis(axis, time_constant_s, work_share)
         stretch_mm = 1e-6 * expansion_ppm * path.nose_mm[:, axis] + 1e-3 * at_home_um

@@ -106,7 +106,9 @@ def load_effect_file(path: str | Path) -> Effect:
     kinds = [
         value
         for value in vars(module).values()
-        if isinstance(value, type) and issubclass(value, Effect) and value is not Effect
+        if isinstance(value, type)
+        and issubclass(value, Effect)
+        and value is not Effect
         and value.__module__ == module.__name__
     ]
     if len(kinds) != 1:
@@ -174,8 +176,11 @@ def set_up_effect(
     effect = known[name]
     targets = effect.possible_targets(job)
     if target not in targets:
-        what = f"effect '{name}' has the target '{target}'" if target else \
-            f"effect '{name}' has no target"
+        what = (
+            f"effect '{name}' has the target '{target}'"
+            if target
+            else f"effect '{name}' has no target"
+        )
         choice = ", ".join(targets) if targets != ("",) else "no target"
         raise _error(what, file, [name, target], choice)
     names = [p.name for p in effect.parameters]
@@ -196,7 +201,9 @@ def set_up_effect(
         if parameter.name not in parameters:
             raise _error(
                 f"effect '{name}': '{parameter.name}' is missing ({parameter.meaning})",
-                file, keys, f"{parameter.low:g} .. {parameter.high:g}",
+                file,
+                keys,
+                f"{parameter.low:g} .. {parameter.high:g}",
             )
         checked[parameter.name] = _in_bounds(
             parameters[parameter.name], parameter, lambda *a, k=keys: _error(a[0], file, k, a[1])

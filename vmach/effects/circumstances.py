@@ -240,4 +240,3 @@ class Circumstances:
         changed = replace(machine, components={**machine.components, component: unit})
         parts = contributions(changed, self.nose_mm, self.tool_mm, Variant.ABBE)
         return next(part for name, part in parts if name == component)
-

@@ -25,8 +25,13 @@ class Component(Effect):
     title = "error table of one component, missing or no longer true"
     parameters = (
         Parameter("position_mm", "axis positions, increasing", -1e6, 1e6, 100.0),
-        Parameter("correction_um", "to be added to a positioning or straightness table there",
-                  -1e4, 1e4, 5.0),
+        Parameter(
+            "correction_um",
+            "to be added to a positioning or straightness table there",
+            -1e4,
+            1e4,
+            5.0,
+        ),
         Parameter("correction_urad", "to be added to an angular table there", -1e5, 1e5, 15.0),
     )
     targets = COMPONENT_NAMES
@@ -40,9 +45,7 @@ class Component(Effect):
         values = 1e-6 * np.array(correction_urad) if angular else 1e-3 * np.array(correction_um)
         value = np.interp(path.nose_mm[:, axis], position_mm, values)
         lever = path.lever(target)
-        return RigidDisplacement(
-            value[:, None] * lever.shift_mm, value[:, None] * lever.tilt_rad
-        )
+        return RigidDisplacement(value[:, None] * lever.shift_mm, value[:, None] * lever.tilt_rad)
 
     # a fit works with independent unit coefficients of a smooth curve ------------------------
 
@@ -62,9 +65,7 @@ class Component(Effect):
         _, axis, angular = component_of(target)
         knots = self.knots_mm(path, target)
         position = path.nose_mm[:, axis]
-        hats = np.stack(
-            [np.interp(position, knots, unit) for unit in np.eye(len(knots))], axis=1
-        )
+        hats = np.stack([np.interp(position, knots, unit) for unit in np.eye(len(knots))], axis=1)
         size = 15e-6 if angular else 5e-3
         lever = path.lever(target).at(path.contact_mm)
         return size * lever[:, :, None] * (hats @ _root(knots, **inner_values))[:, None, :]

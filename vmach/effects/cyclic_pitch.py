@@ -41,8 +41,10 @@ class CyclicPitch(Effect):
         usual = self.parameters[0].usual
         quarters = (0.0, 0.5 * np.pi)
         return np.stack(
-            [self.displacement(path, target, usual, phase_rad=phase, **inner_values)
-             for phase in quarters],
+            [
+                self.displacement(path, target, usual, phase_rad=phase, **inner_values)
+                for phase in quarters
+            ],
             axis=2,
         )
 

@@ -71,5 +71,3 @@ class DatumShift(Effect):
         pauses = np.sort(np.argsort(np.diff(time))[::-1][:60])
         for k in pauses:
             yield {"time_s": float(0.5 * (time[k] + time[k + 1]))}
-
-

@@ -183,8 +183,9 @@ class Effect(ABC):
         self, coefficients: np.ndarray, inner_values: Mapping[str, float]
     ) -> dict[str, float]:
         """The parameters, from fitted multiples (K,) of the columns."""
-        found = {p.name: float(p.usual * c) for p, c in
-                 zip(self.amplitudes, coefficients, strict=True)}
+        found = {
+            p.name: float(p.usual * c) for p, c in zip(self.amplitudes, coefficients, strict=True)
+        }
         return {**found, **inner_values}
 
 

@@ -13,7 +13,9 @@ class GravitySag(Effect):
 
     name = "gravity_sag"
     title = "sag of a beam or ram under its weight"
-    parameters = (linear("sag_um", "drop at the ends of the travel against its middle", usual=10.0),)
+    parameters = (
+        linear("sag_um", "drop at the ends of the travel against its middle", usual=10.0),
+    )
     targets = ("X", "Y")
     rarity = 1.5
     usual_size = "10 um for 100 N at the end of a slim 250 mm arm"

@@ -23,8 +23,13 @@ class HeadTilt(Effect):
             usual=3000.0,
             spread=0.8,
         ),
-        inner("speed_exponent", "of the heat with the speed", (0.4, 0.7, 1.0, 1.5), usual=0.7,
-              spread=0.3),
+        inner(
+            "speed_exponent",
+            "of the heat with the speed",
+            (0.4, 0.7, 1.0, 1.5),
+            usual=0.7,
+            spread=0.3,
+        ),
     )
     targets = ("A", "B")
     rarity = 0.5
@@ -35,9 +40,7 @@ class HeadTilt(Effect):
     cure = "warm up before finishing; cool the head; compensate by temperature"
     source = "ISO 230-3"
 
-    def displacement(
-        self, path, target, tilt_urad, shift_um, time_constant_s, speed_exponent
-    ):
+    def displacement(self, path, target, tilt_urad, shift_um, time_constant_s, speed_exponent):
         warmth = path.warmth_of_spindle(time_constant_s, speed_exponent)[:, None]
         turned = np.zeros(3)
         turned["AB".index(target)] = 1.0

@@ -70,9 +70,7 @@ class MotionHistory:
         order = np.argsort(at, kind="stable")
         side, travel, since = np.empty((3, len(key), 3))
         for axis in range(3):
-            found = _follow(
-                corner[:, axis], corner_key, at[order], nose_mm[order, axis], width_mm
-            )
+            found = _follow(corner[:, axis], corner_key, at[order], nose_mm[order, axis], width_mm)
             side[order, axis], travel[order, axis], since[order, axis] = found
         return side, travel, since
 

@@ -21,8 +21,9 @@ class Reflector(Effect):
     name = "reflector"
     title = "documented position of a reflector"
     parameters = (
-        linear("first_mm", "first direction across the one measured (X: Y, Y: Z, Z: X)",
-               usual=100.0),
+        linear(
+            "first_mm", "first direction across the one measured (X: Y, Y: Z, Z: X)", usual=100.0
+        ),
         linear("second_mm", "second direction across (X: Z, Y: X, Z: Y)", usual=100.0),
     )
     targets = tuple(f"E{kind}{axis}" for axis in LINEAR_AXES for kind in LINEAR_AXES)

@@ -15,8 +15,12 @@ class QuadrantGlitch(Effect):
     title = "reversal spike (friction at the quadrants)"
     parameters = (
         linear("spike_um", "displacement right after the reversal", usual=5.0),
-        inner("way_mm", "way over which it fades to 37 %", (0.02, 0.05, 0.1, 0.25, 0.6, 1.5),
-              usual=0.3),
+        inner(
+            "way_mm",
+            "way over which it fades to 37 %",
+            (0.02, 0.05, 0.1, 0.25, 0.6, 1.5),
+            usual=0.3,
+        ),
     )
     rarity = 1.0
     usual_size = "2 to 10 um over 0.1 to 1 mm"

@@ -11,7 +11,9 @@ class Scale(Effect):
 
     name = "scale"
     title = "scale error (pitch of the screw or scale, or its temperature)"
-    parameters = (linear("scale_ppm", "um per metre of travel, positive: goes too far", usual=20.0),)
+    parameters = (
+        linear("scale_ppm", "um per metre of travel, positive: goes too far", usual=20.0),
+    )
     usual_size = "up to 20 ppm; 12 ppm is one kelvin of steel over the scale's reference"
     confirm = "measure the axis with a laser, the material sensor on the screw or scale"
     cure = "set the axis' linear compensation, or mend the temperature compensation"

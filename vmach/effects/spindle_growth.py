@@ -21,8 +21,13 @@ class SpindleGrowth(Effect):
             usual=1500.0,
             spread=0.7,
         ),
-        inner("speed_exponent", "of the heat with the speed", (0.4, 0.7, 1.0, 1.5), usual=0.7,
-              spread=0.3),
+        inner(
+            "speed_exponent",
+            "of the heat with the speed",
+            (0.4, 0.7, 1.0, 1.5),
+            usual=0.7,
+            spread=0.3,
+        ),
     )
     targets = ("Z",)
     slack_share = 0.2

@@ -15,7 +15,9 @@ class Squareness(Effect):
 
     name = "squareness"
     title = "squareness of two axes"
-    parameters = (linear("squareness_urad", "rotation of the axis' line, right-handed", usual=30.0),)
+    parameters = (
+        linear("squareness_urad", "rotation of the axis' line, right-handed", usual=30.0),
+    )
     targets = tuple(_PAIRS)
     usual_size = "10 to 50 urad (um per metre); more after a collision"
     confirm = "cut or measure a square, turn it by 90 degrees, measure again; or a ballbar"

@@ -27,8 +27,13 @@ class ToolDeflection(Effect):
         linear("tool_um", "bending of the tool in the reference cut", usual=3.0),
         linear("machine_um", "give of spindle and machine in the reference cut", usual=1.0),
         linear("taper_um", "bending at the tip minus bending at the top of the cut", usual=1.0),
-        inner("feed_exponent", "of the force with feed per tooth", (0.6, 0.8, 1.0), usual=0.8,
-              spread=0.3),
+        inner(
+            "feed_exponent",
+            "of the force with feed per tooth",
+            (0.6, 0.8, 1.0),
+            usual=0.8,
+            spread=0.3,
+        ),
         inner(
             "allowance_mm",
             "radial depth of walls that an earlier program roughed",

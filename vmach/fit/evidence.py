@@ -47,9 +47,7 @@ class Evidence:
     information: float
 
 
-def log_evidence(
-    columns: np.ndarray, readings: np.ndarray, log_prior: np.ndarray
-) -> Evidence:
+def log_evidence(columns: np.ndarray, readings: np.ndarray, log_prior: np.ndarray) -> Evidence:
     """Evidence for a candidate.
 
     Parameters

@@ -108,8 +108,11 @@ class JointFit:
 
 
 def fit_terms(
-    survey: Survey, terms: Sequence[Term], whiten: Whitening | Callable[[np.ndarray], np.ndarray],
-    *, refine: bool = True,
+    survey: Survey,
+    terms: Sequence[Term],
+    whiten: Whitening | Callable[[np.ndarray], np.ndarray],
+    *,
+    refine: bool = True,
 ) -> JointFit:
     """Fit terms to the readings of a survey.
 
@@ -128,8 +131,14 @@ def fit_terms(
     if refine and len(start):
         low, high = problem.bounds()
         found = least_squares(
-            problem.residual, np.clip(start, low, high), bounds=(low, high), x_scale=0.3,
-            diff_step=_STEP, max_nfev=12, xtol=1e-4, ftol=1e-5,
+            problem.residual,
+            np.clip(start, low, high),
+            bounds=(low, high),
+            x_scale=0.3,
+            diff_step=_STEP,
+            max_nfev=12,
+            xtol=1e-4,
+            ftol=1e-5,
         )
         problem = problem.at(found.x)
     return problem.solve()
@@ -237,14 +246,17 @@ class _Problem:
             by_name = {p.name: p.spread for p in term.effect.inner_parameters}
             spreads += [min(by_name[name], _LOOSE) for name in term.free_inner]
         padded = np.vstack([slope, np.zeros((len(rows) - len(slope), slope.shape[1]))])
-        prior = np.hstack([np.zeros((len(spreads), rows.shape[1])), np.diag(1.0 / np.array(spreads))
-                           if spreads else np.zeros((0, 0))])
+        prior = np.hstack(
+            [
+                np.zeros((len(spreads), rows.shape[1])),
+                np.diag(1.0 / np.array(spreads)) if spreads else np.zeros((0, 0)),
+            ]
+        )
         full = np.vstack([np.hstack([rows, padded]), prior])
         covariance = np.linalg.pinv(full.T @ full)
         parts, first, first_inner = [], 0, rows.shape[1]
         for r, t in zip(raw, tangents, strict=True):
-            own = [*range(first, first + r.shape[1]),
-                   *range(first_inner, first_inner + t.shape[1])]
+            own = [*range(first, first + r.shape[1]), *range(first_inner, first_inner + t.shape[1])]
             parts.append(covariance[np.ix_(own, own)])
             first += r.shape[1]
             first_inner += t.shape[1]

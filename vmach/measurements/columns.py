@@ -41,7 +41,9 @@ def read_columns(path: Path, *, numbers: Sequence[str], text: Sequence[str] = ()
     for name in (*text, *numbers):
         if name not in header:
             raise InputError(
-                f"column '{name}' is missing", file=path, line=1,
+                f"column '{name}' is missing",
+                file=path,
+                line=1,
                 accepted=", ".join((*text, *numbers)),
             )
     body = [(line, row) for line, row in enumerate(rows[1:], 2) if any(row)]

@@ -66,9 +66,7 @@ class _Tip(FileSection):
     u_um: Positive
 
 
-_Instrument = TypeAdapter(
-    Annotated[_Ballbar | _Laser | _Drift | _Tip, Field(discriminator="kind")]
-)
+_Instrument = TypeAdapter(Annotated[_Ballbar | _Laser | _Drift | _Tip, Field(discriminator="kind")])
 
 
 def read_instruments(
@@ -94,8 +92,9 @@ def _settings(job: Job, entry):
         return _Instrument.validate_python(dict(entry))
     except ValidationError as error:
         first = error.errors()[0]
-        keys = [str(part) for part in first["loc"] if part not in ("ballbar", "laser", "drift",
-                                                                  "tip")]
+        keys = [
+            str(part) for part in first["loc"] if part not in ("ballbar", "laser", "drift", "tip")
+        ]
         text = read_text(job.path, what="job file")
         raise InputError(
             f"[[measurements]] of {entry.get('file', 'no file')}: "
@@ -210,8 +209,15 @@ def _drift(settings: _Drift, path, model: _Model) -> Measurement:
         rpm=table.numbers["spindle_rpm"],
     )
     zero = np.tile(np.eye(3), (len(time), 1))
-    return _three_directions("drift", settings, table, states, model=model, nuisance=zero,
-                             names=("zero X", "zero Y", "zero Z"))
+    return _three_directions(
+        "drift",
+        settings,
+        table,
+        states,
+        model=model,
+        nuisance=zero,
+        names=("zero X", "zero Y", "zero Z"),
+    )
 
 
 def _tip(settings: _Tip, path, model: _Model) -> Measurement:
@@ -229,8 +235,9 @@ def _tip(settings: _Tip, path, model: _Model) -> Measurement:
         arm = np.repeat(nose - nose.mean(axis=0), 3, axis=0)
         nuisance = np.hstack([unit, np.cross(arm, unit)])
         names = (*names, "turn about X", "turn about Y", "turn about Z")
-    return _three_directions("tip", settings, table, states, model=model, nuisance=nuisance,
-                             names=names)
+    return _three_directions(
+        "tip", settings, table, states, model=model, nuisance=nuisance, names=names
+    )
 
 
 def _three_directions(

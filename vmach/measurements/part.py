@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from vmach.errors import InputError
+from vmach.machine import Variant
 from vmach.measurements.measurement import Measurement
 from vmach.points import SurfacePoints, read_points_csv
 from vmach.prediction import Effect, Prediction, predict
-from vmach.machine import Variant
 from vmach.preparation import Preparation
 
 __all__ = ["measure_part"]
@@ -81,16 +81,20 @@ def measure_part(
         uncut = points.id[~prediction.is_cut]
         part = replace(
             part,
-            notes=(*part.notes, f"{len(uncut)} points that no move cut are left out: "
-                   f"{_listed(uncut)}"),
+            notes=(
+                *part.notes,
+                f"{len(uncut)} points that no move cut are left out: {_listed(uncut)}",
+            ),
         )
     part = _without_repeats(part, points.point_mm[cut])
     if np.isnan(u_mm).any():
         part = replace(
             part,
             u_mm=np.full(len(part), _scatter_of_neighbours_mm(part)),
-            notes=(*part.notes, "no uncertainty in the file: taken from the scatter between "
-                   "neighbouring points"),
+            notes=(
+                *part.notes,
+                "no uncertainty in the file: taken from the scatter between neighbouring points",
+            ),
         )
     return _without_outliers(part), prediction
 
@@ -138,8 +142,9 @@ def _without_outliers(part: Measurement) -> Measurement:
         return part
     bad = part.id[~good]
     return part.keep(
-        good, f"{len(bad)} points stand out from their neighbours and are left out "
-        f"(a chip under the probe?): {_listed(bad)}"
+        good,
+        f"{len(bad)} points stand out from their neighbours and are left out "
+        f"(a chip under the probe?): {_listed(bad)}",
     )
 
 

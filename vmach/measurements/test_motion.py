@@ -37,7 +37,12 @@ class MotionRecord:
         return self._add(MoveKind.LINE, end_mm, until_s)
 
     def arc(
-        self, end_mm: np.ndarray, *, centre_mm: np.ndarray, axis: np.ndarray, sweep_rad: float,
+        self,
+        end_mm: np.ndarray,
+        *,
+        centre_mm: np.ndarray,
+        axis: np.ndarray,
+        sweep_rad: float,
         until_s: float,
     ) -> int:
         """Along a circle; returns the move's index."""
@@ -94,7 +99,11 @@ class MotionRecord:
 
 
 def stop_and_go(
-    nose_mm: np.ndarray, time_s: np.ndarray, *, side: np.ndarray, tool_length_mm: float,
+    nose_mm: np.ndarray,
+    time_s: np.ndarray,
+    *,
+    side: np.ndarray,
+    tool_length_mm: float,
     rpm: np.ndarray | None = None,
 ) -> PathStates:
     """States at positions that the machine drives to and stands at while the reading is taken.

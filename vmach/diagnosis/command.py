@@ -1,0 +1,156 @@
+"""Commands: diagnose, add, history, effects."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from vmach.progress import progress_bar
+
+__all__ = ["add", "diagnose", "effects_app", "history"]
+
+JobPath = Annotated[Path, typer.Argument(metavar="JOB", help="job.toml, or the folder it is in")]
+OwnEffects = Annotated[
+    list[Path] | None,
+    typer.Option("--effect-file", help="Python file with an effect of your own; repeatable"),
+]
+
+effects_app = typer.Typer(help="The physical effects that can be added.", no_args_is_help=True)
+
+
+def diagnose(
+    job: JobPath,
+    json_file: Annotated[Path | None, typer.Option("--json", help="JSON file to write")] = None,
+    next_file: Annotated[
+        Path | None, typer.Option("--next", help="where to write the next measurement's program")
+    ] = None,
+    effect_file: OwnEffects = None,
+) -> None:
+    """Compare with the measurements and say what the model lacks."""
+    from vmach.diagnosis.diagnose import diagnose as diagnose_survey
+    from vmach.diagnosis.job_survey import survey_job
+    from vmach.diagnosis.report import as_json, as_text
+
+    _load(effect_file)
+    with progress_bar() as progress:
+        progress("read", 0, 4)
+        survey = survey_job(job)
+        steps = iter(range(1, 4))
+        found = diagnose_survey(survey, progress=lambda text: progress(text, next(steps), 4))
+    program = None
+    if found.next_measurement is not None and (next_file or json_file):
+        path = next_file or json_file.with_name("next.nc")
+        path.write_text(found.next_measurement.program, encoding="utf-8")
+        program = path.name if next_file is None else str(path)
+    if json_file is not None:
+        text = json.dumps(as_json(found, program=program), indent=1)
+        json_file.write_text(text + "\n", encoding="utf-8")
+    print(as_text(found, program=program))
+
+
+def add(
+    job: JobPath,
+    effects: Annotated[list[str], typer.Argument(metavar="EFFECT...", help="NAME or NAME:TARGET")],
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="job file to write")] = None,
+    effect_file: OwnEffects = None,
+    as_json: Annotated[bool, typer.Option("--json", help="print the figures as JSON")] = False,
+) -> None:
+    """Fit effects to the measurements and put them into a new job; the old one stays."""
+    from vmach.history import add_effects
+
+    _load(effect_file)
+    with progress_bar() as progress:
+        progress("fit", 0, 1)
+        path, found = add_effects(job, effects, out=out)
+    if as_json:
+        rows = [
+            {
+                "effect": e.effect.name,
+                "target": e.target or None,
+                "parameters": e.parameters,
+                "u": e.u,
+            }
+            for e in found
+        ]
+        print(json.dumps({"job": str(path), "effects": rows}, indent=1))
+        return
+    for effect in found:
+        values = ", ".join(
+            f"{name} = {value:.4g}"
+            for name, value in effect.parameters.items()
+            if not isinstance(value, list)
+        )
+        print(f"{effect.label}: {values or 'a correction curve'}")
+    print(f"{path} holds them; {job} is as it was")
+
+
+def history(
+    job: JobPath,
+    check_program: Annotated[Path | None, typer.Option(help="program of another part")] = None,
+    check_points: Annotated[Path | None, typer.Option(help="its measured points")] = None,
+    picture: Annotated[Path | None, typer.Option(help="PNG file to draw")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="print the figures as JSON")] = False,
+    effect_file: OwnEffects = None,
+) -> None:
+    """How the error fell, model by model."""
+    from vmach.history import draw_history, history_of
+
+    _load(effect_file)
+    with progress_bar() as progress:
+        progress("evaluate", 0, 1)
+        steps = history_of(job, check_program=check_program, check_points=check_points)
+    folder = job if job.is_dir() else job.parent
+    draw_history(steps, picture or folder / "history.png")
+    if as_json:
+        rows = [
+            {
+                "job": s.job.name,
+                "added": list(s.added),
+                "rms_um": s.rms_um,
+                "check_rms_um": s.check_rms_um,
+            }
+            for s in steps
+        ]
+        print(json.dumps(rows, indent=1))
+        return
+    table = Table("job", "added", "RMS fitted, um", "RMS other part, um")
+    for s in steps:
+        other = "" if s.check_rms_um is None else f"{s.check_rms_um:.2f}"
+        table.add_row(s.job.name, ", ".join(s.added), f"{s.rms_um:.2f}", other)
+    Console().print(table)
+
+
+@effects_app.command("list")
+def list_effects() -> None:
+    """Every effect with its parameters."""
+    from vmach.effects import catalogue
+
+    table = Table("effect", "what", "parameters", "usual")
+    for effect in catalogue().values():
+        names = ", ".join(p.name for p in effect.parameters)
+        table.add_row(effect.name, effect.title, names, effect.usual_size)
+    Console().print(table)
+
+
+@effects_app.command()
+def new(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="lower_case_name")],
+    folder: Annotated[Path, typer.Option(help="where to write it")] = Path("."),
+) -> None:
+    """Write the skeleton of an effect of your own."""
+    from vmach.effects.skeleton import write_skeleton
+
+    path = write_skeleton(name, folder)
+    print(f"{path}: edit it, then  vmach diagnose JOB --effect-file {path}")
+
+
+def _load(files: list[Path] | None) -> None:
+    from vmach.effects import load_effect_file
+
+    for file in files or []:
+        load_effect_file(file)

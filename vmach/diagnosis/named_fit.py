@@ -1,0 +1,115 @@
+"""Fitting effects that a user names, whatever a diagnosis would say."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vmach.diagnosis.diagnose import BEND_SHARE, explanation_with_slack
+from vmach.diagnosis.search import Search
+from vmach.diagnosis.words import component_parameters
+from vmach.effects import Effect, catalogue
+from vmach.effects.component import Component
+from vmach.errors import InputError
+from vmach.fit.candidates import gather_candidates
+from vmach.fit.survey import Survey
+from vmach.fit.whitening import Whitening
+
+__all__ = ["NamedEffect", "fit_named"]
+
+
+@dataclass(frozen=True)
+class NamedEffect:
+    """An effect with fitted parameters.
+
+    Attributes
+    ----------
+    effect : Effect
+    target : str
+    parameters, u : dict
+        As in ``[effects.NAME]`` of a job, and their standard uncertainties.
+    explained_mm : (n,) float64
+        What it does to the readings.
+    """
+
+    effect: Effect
+    target: str
+    parameters: dict
+    u: dict
+    explained_mm: np.ndarray
+
+    @property
+    def label(self) -> str:
+        """Name and target."""
+        return f"{self.effect.name} {self.target}".strip()
+
+
+def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
+    """Fit named effects together.
+
+    Parameters
+    ----------
+    survey : Survey
+    names : sequence of str
+        ``NAME`` or ``NAME:TARGET``.
+
+    Raises
+    ------
+    InputError
+        Unknown effect or target, or one that the measurements cannot show.
+    """
+    wanted = [_parsed(name) for name in names]
+    candidates, excluded = gather_candidates(survey, {e.name: e for e, _ in wanted}.values())
+    whiten = Whitening(survey.u_mm, survey.factors(bend_share=BEND_SHARE), survey.nuisance)
+    search = Search(survey, candidates, whiten)
+    explanation = search.nothing
+    for effect, target in wanted:
+        possible = [
+            k
+            for k, c in enumerate(candidates)
+            if c.effect is effect
+            and target in (c.target, None)
+            and c.label not in explanation.labels
+        ]
+        if not possible:
+            raise _impossible(survey, effect, target, excluded)
+        gains = search.gains(explanation)
+        explanation = search.extend(explanation, max(possible, key=lambda k: gains[k]))
+    explanation = explanation_with_slack(search, explanation)
+    fit = explanation.fit
+    assert fit is not None
+    found = []
+    for k, term in enumerate(fit.terms):
+        if isinstance(term.effect, Component):
+            parameters, u = component_parameters(fit, k, survey.paths[0])
+        else:
+            parameters, u = fit.parameters(k), fit.uncertainty(k)
+        found.append(NamedEffect(term.effect, term.target, parameters, u, fit.explained_mm(k)))
+    return tuple(found)
+
+
+def _parsed(name: str) -> tuple[Effect, str | None]:
+    word, _, target = name.replace(" ", ":").partition(":")
+    known = catalogue()
+    if word not in known:
+        close = difflib.get_close_matches(word, known, n=1)
+        raise InputError(
+            f"unknown effect '{word}'",
+            accepted=", ".join(known),
+            hint=f"did you mean '{close[0]}'?" if close else None,
+        )
+    return known[word], target or None
+
+
+def _impossible(survey: Survey, effect: Effect, target: str | None, excluded) -> InputError:
+    targets = [t for t in effect.possible_targets(survey.job) if t]
+    reasons = {t: why for e, t, why in excluded if e is effect}
+    why = reasons.get(target or "", "no such target")
+    return InputError(
+        f"the measurements cannot show {effect.name} {target or ''}".rstrip() + f": {why}",
+        file=survey.job.path,
+        accepted=", ".join(f"{effect.name}:{t}" for t in targets) or effect.name,
+    )

@@ -1,0 +1,110 @@
+"""A diagnosis as JSON and as text."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from vmach.diagnosis.diagnose import Diagnosis, Finding
+from vmach.diagnosis.words import describe
+
+__all__ = ["as_json", "as_text"]
+
+_VERDICTS = {
+    "named": "The model lacks:",
+    "class": "The model lacks something that these measurements narrow down to a class:",
+    "unknown": "Something real is left that no known effect explains:",
+    "nothing": "The measurements agree with the model: nothing is missing that they could show.",
+}
+
+
+def as_json(found: Diagnosis, *, program: str | None = None) -> dict[str, Any]:
+    """The diagnosis for machines; `program` is the file of the next measurement."""
+    following = found.next_measurement
+    return {
+        "verdict": found.verdict,
+        "effects": [_finding(finding) for finding in found.findings],
+        "rms_um": {name: round(value, 4) for name, value in found.rms_um.items()},
+        "candidates": [vars(score) for score in found.candidates],
+        "where_it_fails": [
+            {"by": f.by, "p": float(f"{f.p:.3g}"), "text": f.text} for f in found.failures
+        ],
+        "next_measurement": None
+        if following is None
+        else {
+            "separates": list(following.separates),
+            "text": following.text,
+            "program": program,
+        },
+        "blind_spots": [vars(spot) for spot in found.blind_spots],
+        "left_unexplained": {name: round(value, 2) for name, value in found.left.items()},
+        "notes": list(found.notes),
+    }
+
+
+def _finding(finding: Finding) -> dict[str, Any]:
+    entry = {
+        "effect": finding.name,
+        "target": finding.target or None,
+        "parameters": {k: _rounded(v) for k, v in finding.parameters.items()},
+        "u": {k: _rounded(v) for k, v in finding.u.items()},
+        "class": list(finding.rivals.names),
+        "where": finding.where,
+    }
+    if finding.effect is not None:
+        entry |= {"rivals": list(finding.rivals.labels), **describe(finding.effect)}
+    return entry
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_rounded(v) for v in value]
+    return float(f"{value:.6g}")
+
+
+def as_text(found: Diagnosis, *, program: str | None = None) -> str:
+    """The diagnosis for people."""
+    rms = found.rms_um
+    lines = [_VERDICTS[found.verdict]]
+    for finding in found.findings:
+        lines += _finding_lines(finding)
+    lines.append(
+        f"RMS of measured minus predicted: {rms['before']:.2f} um before, {rms['after']:.2f} um "
+        f"after; noise and the tables' uncertainty make {rms['expected_noise']:.2f} um"
+    )
+    if found.failures:
+        lines.append("Where the model fails:")
+        lines += [f"  {f.by:14s} p = {f.p:.1g}  {f.text}" for f in found.failures[:6]]
+    unseen = [b for b in found.blind_spots if b.from_size is not None][:6]
+    if unseen:
+        lines.append("These measurements would not see:")
+        lines += [f"  {b.effect} {b.target}: {b.text}" for b in unseen]
+    if found.next_measurement is not None:
+        lines.append(f"Measure next: {found.next_measurement.text}")
+        if program:
+            lines.append(f"  program: {program}")
+    lines += [f"note: {note}" for note in found.notes]
+    return "\n".join(lines)
+
+
+def _finding_lines(finding: Finding) -> list[str]:
+    if finding.effect is None:
+        return [f"  where: {finding.where or 'everywhere; more scatter than the uncertainty says'}"]
+    lines = [f"  {finding.name} {finding.target}".rstrip() + f": {finding.effect.title}"]
+    if finding.where:
+        lines.append(f"    where: {finding.where}")
+    else:
+        lines += [
+            f"    {name} = {value:.4g}  (u = {finding.u.get(name, 0.0):.2g})"
+            for name, value in finding.parameters.items()
+        ]
+    if len(finding.rivals.names) > 1:
+        lines.append(f"    cannot be told from: {', '.join(finding.rivals.names[1:])}")
+    effect = finding.effect
+    for word, text in (
+        ("usual", effect.usual_size),
+        ("confirm", effect.confirm),
+        ("cure", effect.cure),
+    ):
+        if text:
+            lines.append(f"    {word}: {text}")
+    return lines
