@@ -6,6 +6,7 @@ import json
 
 import pytest
 
+from vmach.accuracy.command import accuracy
 from vmach.errors import InputError
 from vmach.iso230.command import iso230
 
@@ -61,3 +62,15 @@ def test_complaints(runs, tmp_path):
         iso230(runs, budget=budget)
     with pytest.raises(InputError, match="not found"):
         iso230(tmp_path / "none.csv")
+
+
+def test_machine_without_tables(tmp_path):
+    path = tmp_path / "machine.toml"
+    travel = "".join(f"[axes.{axis}]\ntravel_mm = [-1, 0]\n" for axis in "XYZ")
+    path.write_text(
+        "schema = 1\nname = 'bare'\nchain = 't Z Y X b w'\n[convention]\nsign = 'relative'\n"
+        "length = 'um'\nangle = 'urad'\n[motion]\nrapid_mm_min = 1\n" + travel
+    )
+    with pytest.raises(InputError, match="no error tables"):
+        iso230(path)
+    accuracy(path, grid="3", as_json=True)  # nothing wrong with it, nothing to find

@@ -76,6 +76,8 @@ def iso230(
     """Accuracy, repeatability and reversal after ISO 230-2, with their uncertainty."""
     contributors = _read_budget(budget)
     axes = tuple(_tables(data, unit))
+    if not axes:
+        raise InputError("the machine has no error tables of linear axes", file=data)
     report = {
         "data": str(data),
         "standard": "ISO 230-2:2014",
