@@ -24,6 +24,7 @@ _LOCAL = frozenset(("do", "while", "repeat", "if", "elseif", "else", "endif", "b
 #: 0-based line and byte offset of its first byte.
 Place = tuple[int, int]
 
+_CONTROL_WORD = re.compile(rb"(?i)^[ \t/]*(?:n[\d. \t]*)?(?:o|m[ \t0]*98)", re.MULTILINE)
 _OPENING = re.compile(rb"\s*%[ \t\r\f\v]*(?:\n|$)")
 
 
@@ -76,6 +77,7 @@ class _Runner:
     ) -> None:
         self.controller, self.data = controller, source.data
         self.block_delete, self.max_blocks = block_delete, max_blocks
+        self.repeats = _CONTROL_WORD.search(source.data) is not None  # keep lines for next time
         self.texts: dict[int, tuple[str, int]] = {}
         self.blocks: tuple[dict[int, Block], dict[int, Block]] = ({}, {})
         self.next: Place = (0, 0)
@@ -100,6 +102,7 @@ class _Runner:
                 self.next = self.fast.run(here)
                 if self.next != here:
                     executed += self.next[0] - here[0]
+                    self._check_count(executed, self.next[0])
                     continue
             line = here[0]
             text, end = self.texts.get(line) or self._text(here)
@@ -107,17 +110,22 @@ class _Runner:
             controller.line = record.line = line + 1
             if opened and text == "%":
                 break
+            executed += 1
+            self._check_count(executed, line + 1)
             if not text or (self.block_delete and text[0] == "/"):
                 continue
-            executed += 1
-            if executed > self.max_blocks:
-                raise ProgramError(f"program runs more than {self.max_blocks} blocks",
-                                   hint="look for a loop without end, or raise max_blocks")
             if self.skip_to is not None and not is_control(text):
                 continue
             if self._obey(here, text):
                 return
         self._finish()
+
+    def _check_count(self, executed: int, line: int) -> None:
+        """Give up where too many lines have been obeyed, `line` (1-based) the last of them."""
+        if executed > self.max_blocks:
+            self.controller.line = line - (executed - self.max_blocks) + 1
+            raise ProgramError(f"program runs more than {self.max_blocks} blocks",
+                               hint="look for a loop without end, or raise max_blocks")
 
     def _finish(self) -> None:
         if self.skip_to is not None:
@@ -140,14 +148,17 @@ class _Runner:
         end = self.data.find(b"\n", place[1]) + 1 or len(self.data)
         self.controller.line = place[0] + 1
         result = compact(self.data[place[1] : end].decode("latin-1").rstrip("\r\n")), end
-        self.texts[place[0]] = result
+        if self.repeats:
+            self.texts[place[0]] = result
         return result
 
     def _obey(self, here: Place, text: str) -> bool:
         cache = self.blocks[bool(self.frames)]
         block = cache.get(here[0])
         if block is None:
-            block = cache[here[0]] = read_block(text, in_subroutine=bool(self.frames))
+            block = read_block(text, in_subroutine=bool(self.frames))
+            if self.repeats:
+                cache[here[0]] = block
         if block.control is None:
             return self.skip_to is None and execute(self.controller, block)
         self._control(here, block, block.control)

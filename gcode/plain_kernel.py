@@ -16,18 +16,9 @@ __all__ = ["plain_stretch"]
 _POWERS = 10.0 ** np.arange(16)
 _DIGITS = 15
 
-_inlined = njit(inline="always", error_model="numpy")  # calls would cost a quarter of the speed
-
-#: Where the value of a word goes; then what else a character may be.
-_SLOT_G, _SLOT_F, _SLOT_N, _SPACE, _END, _COMMENT, _OTHER = 3, 4, 5, 6, 7, 8, 9
-_AXES, _G, _F = 0b111, 1 << _SLOT_G, 1 << _SLOT_F
-_REMARK = 1 << _SLOT_N  #: a line number or a comment: no N may follow
-_SLOTS = np.full(256, _OTHER, np.uint8)
-for _slot, _letter in enumerate("XYZGFN"):
-    _SLOTS[ord(_letter)] = _SLOTS[ord(_letter.lower())] = _slot
-_SLOTS[[32, 9, 13]] = _SPACE
-_SLOTS[10] = _END
-_SLOTS[[40, 59]] = _COMMENT
+#: Which words stand in a line, one bit each; X, Y, Z are 1, 2, 4.
+_AXES, _G, _F = 7, 8, 16
+_REMARK = 32  #: a line number or a comment: no N may follow
 
 
 @njit(cache=True, error_model="numpy")
@@ -45,49 +36,7 @@ def _skip_comment(data, at):  # pragma: no cover - compiled
     return at + 1
 
 
-@_inlined
-def _read_number(data, at):  # pragma: no cover - compiled
-    """Read a number; returns the index after it, its value, and its digits after the point.
-
-    Digits after the point are -2 where this is no number that an exact division gives.
-    """
-    while data[at] == 32:
-        at += 1
-    negative = data[at] == 45
-    if negative or data[at] == 43:
-        at += 1
-    mantissa, first = 0, at
-    digit = data[at] - 48
-    while 0 <= digit <= 9:
-        mantissa = mantissa * 10 + digit
-        at += 1
-        digit = data[at] - 48
-    digits, decimals = at - first, 0
-    if data[at] == 46:
-        at += 1
-        first = at
-        digit = data[at] - 48
-        while 0 <= digit <= 9:
-            mantissa = mantissa * 10 + digit
-            at += 1
-            digit = data[at] - 48
-        decimals = at - first
-        digits += decimals
-    if digits == 0 or digits > _DIGITS:
-        return at, 0.0, -2
-    value = mantissa / _POWERS[decimals]
-    return at, -value if negative else value, decimals
-
-
 @njit(cache=True, error_model="numpy")
-def _may_stand(slot, value):  # pragma: no cover - compiled
-    """Tell whether G or F has a value that needs no interpreter."""
-    if slot == _SLOT_G:
-        return value == 0.0 or value == 1.0
-    return value > 0.0 or (value == 0.0 and not np.signbit(value))
-
-
-@_inlined
 def _read_line(data, at):  # pragma: no cover - compiled
     """Read one line; returns where the next begins, which words stand here, and X Y Z G F.
 
@@ -96,41 +45,66 @@ def _read_line(data, at):  # pragma: no cover - compiled
     seen = 0
     x = y = z = g = f = 0.0
     while True:
-        slot = _SLOTS[data[at]]
-        if slot <= _SLOT_F:
-            at, value, decimals = _read_number(data, at + 1)
-            flag = 1 << slot
-            if decimals == -2 or seen & flag:
-                return at, -1, x, y, z, g, f
-            if slot >= _SLOT_G and not _may_stand(slot, value):
-                return at, -1, x, y, z, g, f
-            if slot == 0:
-                x = value
-            elif slot == 1:
-                y = value
-            elif slot == 2:
-                z = value
-            elif slot == _SLOT_G:
-                g = value
-            else:
-                f = value
-            seen |= flag
-        elif slot == _SPACE:
-            at += 1
-        elif slot == _END:
+        c = data[at]
+        if c == 10:
             return at + 1, seen, x, y, z, g, f
-        elif slot == _COMMENT:
+        if c == 32 or c == 13 or c == 9:
+            at += 1
+            continue
+        if c == 40 or c == 59:
             at = _skip_comment(data, at)
             if at < 0:
-                return at, -1, x, y, z, g, f
+                break
             seen |= _REMARK
-        elif slot == _SLOT_N and seen == 0 and 48 <= data[at + 1] <= 57:
-            at += 1
+            continue
+        letter = c | 32
+        at += 1
+        if letter == 110 and seen == 0 and 48 <= data[at] <= 57:
             while 48 <= data[at] <= 57:
                 at += 1
             seen = _REMARK
+            continue
+        while data[at] == 32:
+            at += 1
+        negative = data[at] == 45
+        if negative or data[at] == 43:
+            at += 1
+        mantissa, digits, decimals = 0, 0, 0
+        digit = data[at] - 48
+        while 0 <= digit <= 9:
+            mantissa = mantissa * 10 + digit
+            digits += 1
+            at += 1
+            digit = data[at] - 48
+        if data[at] == 46:
+            at += 1
+            decimals = digits
+            digit = data[at] - 48
+            while 0 <= digit <= 9:
+                mantissa = mantissa * 10 + digit
+                digits += 1
+                at += 1
+                digit = data[at] - 48
+            decimals = digits - decimals
+        if digits == 0 or digits > _DIGITS:
+            break
+        value = mantissa / _POWERS[decimals] * (-1.0 if negative else 1.0)
+        if letter == 120:
+            flag, x = 1, value
+        elif letter == 121:
+            flag, y = 2, value
+        elif letter == 122:
+            flag, z = 4, value
+        elif letter == 103 and (value == 0.0 or value == 1.0):
+            flag, g = _G, value
+        elif letter == 102 and not negative:
+            flag, f = _F, value
         else:
-            return at, -1, x, y, z, g, f
+            break
+        if seen & flag:
+            break
+        seen |= flag
+    return at, -1, x, y, z, g, f
 
 
 @njit(cache=True, error_model="numpy")

@@ -85,7 +85,10 @@ class Program:
     @cached_property
     def moves(self) -> Moves:
         """What the machine does, one row a move; `Moves.line` leads back to the text."""
-        return to_moves(self.record, limits=self.limits, home_mm=self.home_mm)
+        try:
+            return to_moves(self.record, limits=self.limits, home_mm=self.home_mm)
+        except ProgramError as error:
+            raise error.located(file=self.path, line=None) from None
 
 
 def read_program(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcode.clock import Geometry, MachineLimits, durations
+from gcode.errors import ProgramError
 from gcode.moves import MoveKind, Moves
 from gcode.record import Call, Path, Record
 
@@ -61,6 +62,11 @@ def to_moves(
     home_mm : (3,) array or None
         Nose position at the start; None where it is unknown, then the first rapid starts where
         it ends.
+
+    Raises
+    ------
+    ProgramError
+        Where a move has no speed, so that it has no end.
     """
     path = record.path()
     count = len(path.call)
@@ -82,6 +88,10 @@ def to_moves(
     duration = durations(Geometry(start, end, centre, axis, sweep, turned), feed,
                          rapid=kind == MoveKind.RAPID, path_control=path_control, limits=limits)
     _set_pauses(duration, record, path, limits)
+    if not np.isfinite(duration).all():
+        line = int(path.line[np.flatnonzero(~np.isfinite(duration))[0]])
+        raise ProgramError("move with feed zero never ends", line=line,
+                           hint="give the spindle a speed, or the move a feed")
     return Moves(
         kind=kind,
         line=path.line,

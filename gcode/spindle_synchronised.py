@@ -14,8 +14,8 @@ __all__ = ["run_threading", "synchronised"]
 
 
 def _require_spindle(controller: Controller, name: str) -> None:
-    if controller.spindle == 0 or controller.speed == 0.0:
-        raise ProgramError(f"{name} with the spindle standing", hint="S and M3 or M4 first")
+    if controller.spindle == 0:
+        raise ProgramError(f"{name} with the spindle standing", hint="start it with M3 or M4")
 
 
 def synchronised(controller: Controller, block: Values, motion: int) -> None:

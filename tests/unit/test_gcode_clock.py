@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gcode import MachineLimits, MoveKind, Source, ToolEntry, read_program
+from gcode import MachineLimits, MoveKind, ProgramError, Source, ToolEntry, read_program
 
 HOME = (0.0, 0.0, 0.0)
 
@@ -93,3 +93,9 @@ def test_acceleration_never_makes_a_program_faster():
     fast = moves(text).duration_s
     assert (slow >= fast - 1e-12).all()
     assert moves(text, acceleration_mm_per_s2=1e12).duration_s == pytest.approx(fast, abs=1e-4)
+
+
+def test_a_move_without_speed_is_refused_by_the_clock():
+    program = read_program(Source(b"M3 G0 Z5\nG33 Z-5 K1\nM2\n", "part.nc"))
+    with pytest.raises(ProgramError, match=r"part\.nc:2: move with feed zero"):
+        _ = program.moves
