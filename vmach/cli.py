@@ -15,6 +15,7 @@ from gcode import ProgramError, canon_calls, canon_lines, read_program, read_too
 from stock import StockError
 from vmach import __version__
 from vmach.accuracy.command import accuracy
+from vmach.diagnosis.command import add, diagnose, effects_app, history
 from vmach.errors import InputError, VmachError
 from vmach.iso230.command import iso230
 from vmach.kernel_cache import forget_stale_kernels
@@ -104,6 +105,9 @@ def predict(
         print(f"{out}: {figures['points']} points, {figures['status']}")
 
 
+for _command in (diagnose, add, history):
+    app.command()(_command)
+app.add_typer(effects_app, name="effects")
 app.command()(accuracy)
 app.command()(iso230)
 
