@@ -33,13 +33,11 @@ class BlindSpot:
     text: str
 
 
-def blind_spots(
-    search: Search, explanation: Explanation, excluded: list[tuple[Effect, str, str]]
-) -> tuple[BlindSpot, ...]:
+def blind_spots(search: Search, explanation: Explanation) -> tuple[BlindSpot, ...]:
     """Effects whose usual size would stay below the threshold, given what was found."""
     found = [
         BlindSpot(effect.name, target, _first(effect), None, reason)
-        for effect, target, reason in excluded
+        for effect, target, reason in search.excluded
     ]
     needed = 2.0 * (search.threshold + 2.0)
     for candidate, evidence in zip(search.candidates, explanation.evidence, strict=True):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import norm
@@ -13,12 +13,11 @@ from vmach.diagnosis.held_out import holds_out
 from vmach.diagnosis.next_measurement import NextMeasurement, next_measurement
 from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.search import Explanation, Search
-from vmach.diagnosis.structure import Structure
 from vmach.diagnosis.where_it_fails import Failure, where_it_fails
 from vmach.diagnosis.words import component_parameters, where_component
 from vmach.effects import Effect
 from vmach.effects.component import Component
-from vmach.fit.candidates import Candidate, gather_candidates
+from vmach.fit.candidates import gather_candidates
 from vmach.fit.joint_fit import fit_terms
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import Whitening
@@ -31,6 +30,7 @@ __all__ = [
     "Finding",
     "diagnose",
     "explanation_with_slack",
+    "prepare_search",
 ]
 
 #: share of the error between two table points that is carried as uncertainty
@@ -39,7 +39,6 @@ BEND_SHARE = 1.0
 _MOST_OUTLIERS = 0.02
 
 Progress = Callable[[str], None]
-Gathered = tuple[list[Candidate], list[tuple[Effect, str, str]]]
 
 
 @dataclass(frozen=True)
@@ -114,35 +113,35 @@ class Diagnosis:
 
 
 def diagnose(
-    survey: Survey, *, gathered: Gathered | None = None, progress: Progress | None = None
+    survey: Survey, *, like: Search | None = None, progress: Progress | None = None
 ) -> Diagnosis:
     """Compare measurements with the model and say what is missing.
 
     Parameters
     ----------
     survey : Survey
-    gathered : candidates and excluded effects, optional
-        What `gather_candidates` returns; the whole catalogue where left out.
+    like : Search, optional
+        Of other readings of the same design, whose signatures are used again; made by
+        `prepare_search`.
     progress : callable, optional
         Told what is being done.
     """
     tell = progress or (lambda text: None)
     tell("signatures of all effects")
-    candidates, excluded = gathered or gather_candidates(survey)
+    search = like.on(survey) if like else prepare_search(survey)
     tell("search")
-    search, explanation = _searched(survey, candidates)
+    explanation = search.run()
     astray = _outliers(search, explanation)
     outliers: list[str] = []
     if astray.any():
         outliers = [_reading_name(survey, k) for k in np.flatnonzero(astray)]
         keep = ~astray
         survey = survey.part_of(keep)
-        candidates = [replace(c, signatures_mm=c.signatures_mm[keep]) for c in candidates]
-        search, explanation = _searched(survey, candidates)
+        search = prepare_search(survey, search.effects)
+        explanation = search.run()
     explanation = _settled(search, explanation)
     tell("is what is left noise?")
-    structure = Structure(survey, search.whiten)
-    left = structure.left_in(
+    left = search.structure.left_in(
         explanation.residual, explanation.degrees, absorb=search.absorber(explanation)
     )
     failures = where_it_fails(survey, search.whiten, survey.residual_mm)
@@ -156,9 +155,9 @@ def diagnose(
         verdict=verdict,
         findings=findings,
         rms_um=_rms(survey, explanation),
-        candidates=_scores(search, excluded),
+        candidates=_scores(search),
         failures=failures,
-        blind_spots=blind_spots(search, explanation, excluded),
+        blind_spots=blind_spots(search, explanation),
         next_measurement=next_measurement(search, explanation, findings),
         left=left,
         notes=(
@@ -168,11 +167,12 @@ def diagnose(
     )
 
 
-def _searched(survey: Survey, candidates: list[Candidate]) -> tuple[Search, Explanation]:
+def prepare_search(survey: Survey, effects: Sequence[Effect] | None = None) -> Search:
+    """The search over a survey; `effects` are its candidates, the catalogue where left out."""
+    candidates, excluded = gather_candidates(survey, effects)
     factors = survey.factors(bend_share=BEND_SHARE)
     whiten = Whitening(survey.u_mm, factors, survey.nuisance)
-    search = Search(survey, candidates, whiten)
-    return search, search.run()
+    return Search(survey, candidates, whiten, excluded=excluded)
 
 
 def _settled(search: Search, explanation: Explanation) -> Explanation:
@@ -288,7 +288,7 @@ def _aligned(survey: Survey, columns: np.ndarray) -> np.ndarray:
     return (target - survey.nuisance @ solution).reshape(columns.shape)
 
 
-def _scores(search: Search, excluded: list[tuple[Effect, str, str]]) -> tuple[CandidateScore, ...]:
+def _scores(search: Search) -> tuple[CandidateScore, ...]:
     survey, nothing = search.survey, search.nothing
     scores = []
     for k, candidate in enumerate(search.candidates):
@@ -308,6 +308,6 @@ def _scores(search: Search, excluded: list[tuple[Effect, str, str]]) -> tuple[Ca
     before = _rms(survey, nothing)["before"]
     scores += [
         CandidateScore(e.name, target, 0.0, round(before, 3), f"not testable: {why}")
-        for e, target, why in excluded
+        for e, target, why in search.excluded
     ]
     return tuple(scores)

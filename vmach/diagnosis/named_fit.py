@@ -8,15 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vmach.diagnosis.diagnose import BEND_SHARE, explanation_with_slack
-from vmach.diagnosis.search import Search
+from vmach.diagnosis.diagnose import explanation_with_slack, prepare_search
 from vmach.diagnosis.words import component_parameters
 from vmach.effects import Effect, catalogue
 from vmach.effects.component import Component
 from vmach.errors import InputError
-from vmach.fit.candidates import gather_candidates
 from vmach.fit.survey import Survey
-from vmach.fit.whitening import Whitening
 
 __all__ = ["NamedEffect", "fit_named"]
 
@@ -62,9 +59,8 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
         Unknown effect or target, or one that the measurements cannot show.
     """
     wanted = [_parsed(name) for name in names]
-    candidates, excluded = gather_candidates(survey, {e.name: e for e, _ in wanted}.values())
-    whiten = Whitening(survey.u_mm, survey.factors(bend_share=BEND_SHARE), survey.nuisance)
-    search = Search(survey, candidates, whiten)
+    search = prepare_search(survey, {e.name: e for e, _ in wanted}.values())
+    candidates = search.candidates
     explanation = search.nothing
     for effect, target in wanted:
         possible = [
@@ -75,7 +71,7 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
             and c.label not in explanation.labels
         ]
         if not possible:
-            raise _impossible(survey, effect, target, excluded)
+            raise _impossible(survey, effect, target, search.excluded)
         gains = search.gains(explanation)
         explanation = search.extend(explanation, max(possible, key=lambda k: gains[k]))
     explanation = explanation_with_slack(search, explanation)

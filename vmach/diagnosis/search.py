@@ -7,12 +7,15 @@ each other is found even where neither leads alone.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from vmach.diagnosis.structure import Structure
+from vmach.effects import Effect
 from vmach.fit.candidates import Candidate
 from vmach.fit.evidence import WIDTHS, Evidence, log_evidence
 from vmach.fit.joint_fit import JointFit, Term, fit_terms
@@ -74,17 +77,44 @@ class Search:
     candidates : sequence of Candidate
     whiten : Whitening
         Of the survey.
+    excluded : sequence of (Effect, target, why)
+        What the survey cannot show.
     seed : int
         Of the simulated clean data that calibrate the threshold.
     """
 
     def __init__(
-        self, survey: Survey, candidates: Sequence[Candidate], whiten: Whitening, *, seed: int = 1
+        self,
+        survey: Survey,
+        candidates: Sequence[Candidate],
+        whiten: Whitening,
+        *,
+        excluded: Sequence[tuple[Effect, str, str]] = (),
+        seed: int = 1,
     ) -> None:
         self.survey, self.candidates, self.whiten = survey, list(candidates), whiten
+        self.excluded = tuple(excluded)
         self.white = [whiten(c.signatures_mm) for c in self.candidates]
         self._reading = whiten(survey.residual_mm)
         self._seed = seed
+
+    @property
+    def effects(self) -> list[Effect]:
+        """The effects that the search was asked about."""
+        both = [*(c.effect for c in self.candidates), *(e for e, _, _ in self.excluded)]
+        return list({effect.name: effect for effect in both}.values())
+
+    def on(self, survey: Survey) -> Search:
+        """The same search over other readings of the same design, nothing worked out twice."""
+        other = copy.copy(self)
+        other.__dict__.pop("nothing", None)
+        other.survey, other._reading = survey, self.whiten(survey.residual_mm)
+        return other
+
+    @cached_property
+    def structure(self) -> Structure:
+        """The gate that an explanation has to pass."""
+        return Structure(self.survey, self.whiten)
 
     @cached_property
     def nothing(self) -> Explanation:
