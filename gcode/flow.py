@@ -24,7 +24,9 @@ _LOCAL = frozenset(("do", "while", "repeat", "if", "elseif", "else", "endif", "b
 #: 0-based line and byte offset of its first byte.
 Place = tuple[int, int]
 
-_CONTROL_WORD = re.compile(rb"(?i)^[ \t/]*(?:n[\d. \t]*)?(?:o|m[ \t0]*98)", re.MULTILINE)
+
+#: Programs up to this size keep their read lines for the next time, bytes.
+_KEEP_UP_TO = 1_000_000
 _OPENING = re.compile(rb"\s*%[ \t\r\f\v]*(?:\n|$)")
 
 
@@ -77,7 +79,7 @@ class _Runner:
     ) -> None:
         self.controller, self.data = controller, source.data
         self.block_delete, self.max_blocks = block_delete, max_blocks
-        self.repeats = _CONTROL_WORD.search(source.data) is not None  # keep lines for next time
+        self.keep = len(source.data) <= _KEEP_UP_TO
         self.texts: dict[int, tuple[str, int]] = {}
         self.blocks: tuple[dict[int, Block], dict[int, Block]] = ({}, {})
         self.next: Place = (0, 0)
@@ -148,7 +150,7 @@ class _Runner:
         end = self.data.find(b"\n", place[1]) + 1 or len(self.data)
         self.controller.line = place[0] + 1
         result = compact(self.data[place[1] : end].decode("latin-1").rstrip("\r\n")), end
-        if self.repeats:
+        if self.keep:
             self.texts[place[0]] = result
         return result
 
@@ -157,7 +159,7 @@ class _Runner:
         block = cache.get(here[0])
         if block is None:
             block = read_block(text, in_subroutine=bool(self.frames))
-            if self.repeats:
+            if self.keep:
                 cache[here[0]] = block
         if block.control is None:
             return self.skip_to is None and execute(self.controller, block)
