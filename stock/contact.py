@@ -3,20 +3,21 @@
 The line is p + h n. With the tool standing at s, the distance of a point of the line from the
 tool is phi(h, s). The distance from the sweep is psi(h), the least phi over s. Each tool is
 convex, so phi is convex in h at every s; along a straight sweep it is convex in (h, s) but for
-the micrometres of the displacement, whose curvature is bounded by `Motion.ripple_mm`.
+the micrometres of the displacement, whose curvature is bounded by `ripple_of`.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from stock.compiled import inlined, kernel
-from stock.motion import tilt_at, tip_at
-from stock.outline import signed_distance
+from stock.compiled import inlined, kernel, unowned
+from stock.motion import Motion, arc_of, bend_of, ripple_of, tilt_at, tip_at, tool_of
+from stock.outline import Outlines, signed_distance
 
-__all__ = ["TOUCH_MM", "closest", "entry", "exit_below", "phi"]
+__all__ = ["TOUCH_MM", "Cut", "closest", "entry", "exit_below", "phi", "point_at"]
 
 #: Nearer than this a sweep touches. Workpiece coordinates up to 1000 mm carry rounding of
 #: 1e-13 mm, sums of a few of them 1e-12; 1e-9 mm keeps well clear of it and is a millionth
@@ -37,13 +38,27 @@ _VALLEY = 1.0 / 32.0
 _PARTS = 8
 
 
+class Cut(NamedTuple):
+    """What cuts: the motion of all sweeps, and the outlines of their tools."""
+
+    motion: Motion
+    outlines: Outlines
+
+
 @inlined()
-def phi(work, i, s, line, h):
+def point_at(line, h):
+    """The line's point at h."""
+    p, n = line
+    return (p[0] + h * n[0], p[1] + h * n[1], p[2] + h * n[2])
+
+
+@inlined()
+def phi(cut, i, s, line, h):
     """Distance of the line's point at h from the tool of sweep i standing at s.
 
     Parameters
     ----------
-    work : Work
+    cut : Cut
     i : int
         Sweep.
     s : float
@@ -56,9 +71,9 @@ def phi(work, i, s, line, h):
         phi, its first and second derivative by s, its derivative by h, and the curvature of
         the outline at the nearest point, 1/mm.
     """
-    x, x1, x2, d = _seen_from_tool(work, i, s, line, h)
+    x, x1, x2, d = _seen_from_tool(cut, i, s, line, h)
     rho = math.sqrt(x[0] * x[0] + x[1] * x[1])
-    value, gr, gz, curvature = signed_distance(work.outlines, work.tool[i], rho, x[2])
+    value, gr, gz, curvature = signed_distance(cut.outlines, tool_of(cut.motion, i), rho, x[2])
     scale = 1.0 / max(rho, 1e-12)
     ex, ey = x[0] * scale, x[1] * scale
     radial = ex * x1[0] + ey * x1[1]
@@ -72,14 +87,14 @@ def phi(work, i, s, line, h):
 
 
 @inlined()
-def _seen_from_tool(work, i, s, line, h):
+def _seen_from_tool(cut, i, s, line, h):
     """The line's point, its first and second derivative by s, and by h, in the tool's frame."""
     p, n = line
-    tip, tip1, tip2 = tip_at(work.motion, i, s)
+    tip, tip1, tip2 = tip_at(cut.motion, i, s)
     x = (p[0] + h * n[0] - tip[0], p[1] + h * n[1] - tip[1], p[2] + h * n[2] - tip[2])
     x1, x2, d = (-tip1[0], -tip1[1], -tip1[2]), (-tip2[0], -tip2[1], -tip2[2]), n
-    if len(work.motion.tilt) > 0:
-        x, x1, x2, d = _untilted(work.motion, i, s, (x, x1, x2, d))
+    if len(cut.motion.tilt) > 0:
+        x, x1, x2, d = _untilted(cut.motion, i, s, (x, x1, x2, d))
     return x, x1, x2, d
 
 
@@ -121,13 +136,13 @@ def _minus(a, b, k):
     return (a[0] - k * b[0], a[1] - k * b[1], a[2] - k * b[2])
 
 
-@kernel()
-def guess(work, i, span, line, h):
+@inlined()
+def guess(cut, i, span, line, h):
     """A start for the search of the nearest s: exact for level lines and arcs about +-Z."""
     p, n = line
-    motion = work.motion
+    motion = cut.motion
     x, y = p[0] + h * n[0], p[1] + h * n[1]
-    k = motion.arc_of[i]
+    k = arc_of(motion, i)
     if k >= 0:
         a = motion.arcs
         z = p[2] + h * n[2] - a[k, 0, 2]
@@ -140,23 +155,23 @@ def guess(work, i, span, line, h):
         s = (middle + turn) / a[k, 4, 2]
     else:
         c = motion.path
-        vx, vy, vz = c[i, 1, 0], c[i, 1, 1], c[i, 1, 2]
-        z = min(0.0, p[2] + h * n[2] - c[i, 0, 2] - work.outlines.height[work.tool[i]])
+        vx, vy, vz = c[i, 3], c[i, 4], c[i, 5]
+        z = min(0.0, p[2] + h * n[2] - c[i, 2] - cut.outlines.height[tool_of(motion, i)])
         if z == 0.0:
             vz = 0.0
         square = vx * vx + vy * vy + vz * vz
-        along = (x - c[i, 0, 0]) * vx + (y - c[i, 0, 1]) * vy + z * vz
+        along = (x - c[i, 0]) * vx + (y - c[i, 1]) * vy + z * vz
         s = along / square if square > 0.0 else 0.5 * (span[0] + span[1])
     return min(max(s, span[0]), span[1])
 
 
 @kernel()
-def closest(work, i, span, line, h, s, limit):
+def closest(cut, i, span, line, h, s, limit):
     """psi: the least distance from the sweep's piece `span` of the line's point at h.
 
     Parameters
     ----------
-    work, i, line, h
+    cut, i, line, h
         As in `phi`.
     span : tuple of float
         The piece of the sweep, as two values of s.
@@ -170,15 +185,16 @@ def closest(work, i, span, line, h, s, limit):
     tuple of float
         psi, its derivative by h, s; (inf, 0, s) where psi is above `limit` for sure.
     """
-    best = _descend(work, i, span, line, h, s, limit)
+    cut = unowned(cut)
+    best = _descend(cut, i, span, line, h, s, limit)
     if best[0] == np.inf:
         return best
-    if work.motion.arc_of[i] >= 0:
+    if arc_of(cut.motion, i) >= 0:
         for end in span:  # an arc can come nearest at either end
-            if phi(work, i, end, line, h)[0] < best[0]:
-                best = _descend(work, i, span, line, h, end, limit)
-    if not _level(work.motion, i) or _has_valley(work, i, span, line, h, best[2]):
-        best = _lowest_of_parts(work, i, span, line, h, best)
+            if phi(cut, i, end, line, h)[0] < best[0]:
+                best = _descend(cut, i, span, line, h, end, limit)
+    if not _level(cut.motion, i) or _has_valley(cut, i, span, line, h, best[2]):
+        best = _lowest_of_parts(cut, i, span, line, h, best)
     return best
 
 
@@ -189,20 +205,21 @@ def _level(motion, i):
     The distance from such an arc falls and rises once along it; from other arcs it may do so
     more often.
     """
-    k, a = motion.arc_of[i], motion.arcs
+    k, a = arc_of(motion, i), motion.arcs
     return k < 0 or (a[k, 1, 2] == 0.0 and a[k, 2, 2] == 0.0 and a[k, 3, 2] == 0.0)
 
 
 @kernel()
-def _descend(work, i, span, line, h, s, limit):
+def _descend(cut, i, span, line, h, s, limit):
     """Newton's method on the derivative by s, kept in a bracket by its sign."""
-    bend = 0.5 * work.motion.bend_mm[i]
-    straight = work.motion.arc_of[i] < 0
+    cut = unowned(cut)
+    bend = 0.5 * bend_of(cut.motion, i)
+    straight = arc_of(cut.motion, i) < 0
     low, high = span
     at_low, at_high = (np.nan, 0.0), (np.nan, 0.0)
     best_value, best_h, best_s = np.inf, 0.0, s
     for turn in range(80):
-        value, by_s, by_ss, by_h, _ = phi(work, i, s, line, h)
+        value, by_s, by_ss, by_h, _ = phi(cut, i, s, line, h)
         if value < best_value:
             best_value, best_h, best_s = value, by_h, s
         far = max(s - low, high - s)
@@ -238,39 +255,40 @@ def _between(low, at_low, high, at_high):
     return s if low + margin < s < high - margin else 0.5 * (low + high)
 
 
-@kernel()
-def _has_valley(work, i, span, line, h, s):
+@inlined()
+def _has_valley(cut, i, span, line, h, s):
     """Whether phi is so level along s around its minimum that the displacement may ripple it."""
     width = span[1] - span[0]
-    ripple = work.motion.ripple_mm[i]
+    ripple = ripple_of(cut.motion, i)
     if ripple * width * width < _ROOT_MM:
         return False
-    _, _, by_ss, _, curvature = phi(work, i, s, line, h)
+    _, _, by_ss, _, curvature = phi(cut, i, s, line, h)
     if by_ss > 10.0 * ripple and curvature * _NEAR_MM < 0.1:
         return False
     for step in (-_VALLEY * width, _VALLEY * width):
         if span[0] < s + step < span[1]:
-            by_s = phi(work, i, s + step, line, h)[1]
+            by_s = phi(cut, i, s + step, line, h)[1]
             if abs(by_s) <= 2.0 * ripple * width or by_s * step < 0.0:
                 return True
     return False
 
 
 @kernel()
-def _lowest_of_parts(work, i, span, line, h, best):
+def _lowest_of_parts(cut, i, span, line, h, best):
     """Look for a lower minimum in each part of the span that can have one."""
+    cut = unowned(cut)
     width = (span[1] - span[0]) / _PARTS
     for part in range(_PARTS):
         piece = (span[0] + part * width, span[0] + (part + 1) * width)
         middle = 0.5 * (piece[0] + piece[1])
-        other = _descend(work, i, piece, line, h, middle, best[0])
+        other = _descend(cut, i, piece, line, h, middle, best[0])
         if other[0] < best[0]:
             best = other
     return best
 
 
 @kernel()
-def entry(work, i, span, line, most):
+def entry(cut, i, span, line, most):
     """First h, going outwards from 0, at which the line is in the sweep's piece or touches it.
 
     Returns
@@ -279,22 +297,23 @@ def entry(work, i, span, line, most):
         h is -inf where the line's point at 0 is inside by more than `TOUCH_MM`; +inf where the
         sweep is not met up to `most`. A touch at 0 may come out as a tiny negative h.
     """
-    straight = work.motion.arc_of[i] < 0
-    h, s, outside = 0.0, guess(work, i, span, line, 0.0), 0.0
+    cut = unowned(cut)
+    straight = arc_of(cut.motion, i) < 0
+    h, s, outside = 0.0, guess(cut, i, span, line, 0.0), 0.0
     for turn in range(300):
-        distance, by_h, s = closest(work, i, span, line, h, s, most - h + TOUCH_MM)
+        distance, by_h, s = closest(cut, i, span, line, h, s, most - h + TOUCH_MM)
         if distance == np.inf:
             return np.inf, s
         if turn == 0 and distance < -TOUCH_MM:
             return -np.inf, s
         if abs(distance) <= TOUCH_MM and by_h > -_PARALLEL:
-            touches = turn > 0 or _touches_on(work, i, span, line, s)
+            touches = turn > 0 or _touches_on(cut, i, span, line, s)
             return (h if touches else np.inf), s
         if abs(distance) <= (_ROOT_MM if turn > 0 else TOUCH_MM):
             return h - distance / by_h, s
         if 0.0 < distance < _NEAR_MM:
-            on_rim, rim_h, rim_s = _meet_rim(work, i, span, line, (h, s))
-            if on_rim and closest(work, i, span, line, rim_h, rim_s, most)[0] > -_ROUNDING_MM:
+            on_rim, rim_h, rim_s = _meet_rim(cut, i, span, line, (h, s))
+            if on_rim and closest(cut, i, span, line, rim_h, rim_s, most)[0] > -_ROUNDING_MM:
                 return rim_h, rim_s
         if distance < 0.0:  # the displacement has bent the sweep: a step too far
             step = -distance / by_h if by_h < 0.0 else outside - h
@@ -313,16 +332,17 @@ def entry(work, i, span, line, most):
 
 
 @kernel()
-def _meet_rim(work, i, span, line, near):
+def _meet_rim(cut, i, span, line, near):
     """Solve for the h and s at which the line goes through a sharp rim of the moving tool.
 
     Right at a rim the gradient of the distance has no limit, so that the last steps have to be
     made on the rim's own two equations: radius and height are those of the corner.
     """
+    cut = unowned(cut)
     h, s = near
-    x, x1, _, d = _seen_from_tool(work, i, s, line, h)
+    x, x1, _, d = _seen_from_tool(cut, i, s, line, h)
     rho = math.sqrt(x[0] * x[0] + x[1] * x[1])
-    distance, gr, gz, curvature = signed_distance(work.outlines, work.tool[i], rho, x[2])
+    distance, gr, gz, curvature = signed_distance(cut.outlines, tool_of(cut.motion, i), rho, x[2])
     if distance <= 0.0 or abs(distance * curvature - 1.0) > 1e-6 or rho < _NEAR_MM:
         return False, h, s  # not opposite a sharp corner
     corner = (rho - gr * distance, x[2] - gz * distance)
@@ -339,18 +359,18 @@ def _meet_rim(work, i, span, line, near):
         s -= (r_h * off_z - d[2] * off_r) / det
         if not (span[0] <= s <= span[1] and abs(h - near[0]) < 100.0 * distance + TOUCH_MM):
             return False, h, s
-        x, x1, _, d = _seen_from_tool(work, i, s, line, h)
+        x, x1, _, d = _seen_from_tool(cut, i, s, line, h)
         rho = max(math.sqrt(x[0] * x[0] + x[1] * x[1]), 1e-12)
     return False, h, s
 
 
-@kernel()
-def _touches_on(work, i, span, line, s):
-    return closest(work, i, span, line, _PROBE_MM, s, TOUCH_MM)[0] <= TOUCH_MM
+@inlined()
+def _touches_on(cut, i, span, line, s):
+    return closest(cut, i, span, line, _PROBE_MM, s, TOUCH_MM)[0] <= TOUCH_MM
 
 
 @kernel()
-def exit_below(work, i, span, line, h, least):
+def exit_below(cut, i, span, line, h, least):
     """Where the line, followed inwards from h, leaves the sweep's piece.
 
     Returns
@@ -361,36 +381,37 @@ def exit_below(work, i, span, line, h, least):
     touch : bool
         The sweep touches the line's point at h from outside: its own boundary is there.
     """
-    s = guess(work, i, span, line, h)
-    distance, by_h, s = closest(work, i, span, line, h, s, TOUCH_MM)
+    cut = unowned(cut)
+    s = guess(cut, i, span, line, h)
+    distance, by_h, s = closest(cut, i, span, line, h, s, TOUCH_MM)
     if distance > TOUCH_MM:
         return np.inf, s, False
     if distance >= -TOUCH_MM:  # its body may begin right here
         begin = h - _PROBE_MM
-        below, _, t = closest(work, i, span, line, begin, s, -TOUCH_MM)
+        below, _, t = closest(cut, i, span, line, begin, s, -TOUCH_MM)
         if below >= -TOUCH_MM:
             return np.inf, s, by_h < -_PARALLEL
         h, s = begin, t
     for _ in range(100):
-        lower = _exit_standing(work, i, s, line, h, least)
+        lower = _exit_standing(cut, i, s, line, h, least)
         if lower <= least or h - lower < _ROOT_MM:
             return lower, s, False
         h = lower
-        s = closest(work, i, span, line, h, s, TOUCH_MM)[2]
+        s = closest(cut, i, span, line, h, s, TOUCH_MM)[2]
     return h, s, False
 
 
-@kernel()
-def _exit_standing(work, i, s, line, h, least):
+@inlined()
+def _exit_standing(cut, i, s, line, h, least):
     """Where the line, from h inwards, leaves the convex tool that stands at s."""
-    distance, _, _, by_h, _ = phi(work, i, s, line, h)
+    distance, _, _, by_h, _ = phi(cut, i, s, line, h)
     if distance >= -0.1 * _ROOT_MM:
         return h
     low = least
     if by_h < -0.1:
         low = max(least, h - distance / by_h)
     for _turn in range(100):
-        distance, _, _, by_h, _ = phi(work, i, s, line, low)
+        distance, _, _, by_h, _ = phi(cut, i, s, line, low)
         if distance <= 0.1 * _ROOT_MM:
             return low
         step = -distance / by_h

@@ -9,6 +9,7 @@ from enum import IntEnum
 
 import numpy as np
 
+from stock.contact import Cut
 from stock.errors import StockError
 from stock.motion import build_motion, tip_positions
 from stock.outline import build_outlines
@@ -104,13 +105,13 @@ def find_edges(
         raise StockError(f"reach_mm = {reach_mm!r}", accepted="a finite length above 0")
     size = np.array([math.hypot(tool.diameter_mm / 2, tool.length_mm) for tool in tools])
     motion = build_motion(sweeps, size)
-    tool = sweeps.tool.astype(np.int64)
-    work = Work(motion, tool, build_outlines(tools), build_trees(motion, tool, size))
+    cut = Cut(motion, build_outlines(tools))
+    work = Work(cut, build_trees(motion, sweeps, size))
     status, edge, parameter, sweep = walk_lines(work, points, normals, blank, float(reach_mm))
     contact = np.zeros_like(points)
-    cut = np.flatnonzero(sweep >= 0)
-    contact[cut] = points[cut] + edge[cut, None] * normals[cut]
-    contact[cut] -= tip_positions(motion, sweep[cut], parameter[cut])
+    known = np.flatnonzero(sweep >= 0)
+    contact[known] = points[known] + edge[known, None] * normals[known]
+    contact[known] -= tip_positions(motion, sweep[known], parameter[known])
     arrays = (edge, status, sweep, parameter, contact)
     for array in arrays:
         array.setflags(write=False)

@@ -15,10 +15,27 @@ from stock.compiled import inlined, kernel
 from stock.errors import StockError
 from stock.sweeps import Sweeps
 
-__all__ = ["Motion", "build_motion", "tilt_at", "tip_at", "tip_positions"]
+__all__ = [
+    "Motion",
+    "arc_of",
+    "bend_of",
+    "build_motion",
+    "ripple_of",
+    "tilt_at",
+    "tip_at",
+    "tip_positions",
+    "tool_of",
+]
 
 #: an arc has to end where its angle says within this, mm: above the rounding of any program
 _ARC_END_MM = 1e-6
+
+
+#: columns of `Motion.path`: a bound, mm, on the second derivative by s of a tool point's way
+#: that the displacement causes, so how far the sweep can be from convex; ...
+_RIPPLE = 12
+#: ... the same with the arc's own curvature; row in `Motion.arcs` or -1; index of the tool
+_BEND, _ARC, _TOOL = 13, 14, 15
 
 
 class Motion(NamedTuple):
@@ -26,28 +43,19 @@ class Motion(NamedTuple):
 
     Attributes
     ----------
-    path : (M, 4, 3) float64
-        Coefficients by power of s: line plus shift, or the shift alone on an arc.
-    tilt : (M, 4, 3) or (0, 4, 3) float64
-        Coefficients of the tilt.
-    arc_of : (M,) int64
-        Row in `arcs`, -1 for straight sweeps.
+    path : (M, 16) float64
+        What is looked up of a sweep, side by side: coefficients (4, 3) by power of s of the
+        line plus shift, or of the shift alone on an arc; then the columns RIPPLE to TOOL.
+    tilt : (M, 12) or (0, 12) float64
+        Coefficients (4, 3) of the tilt.
     arcs : (A, 5, 3) float64
         Centre; unit radius at the start; axis x that; rise along the axis; and start radius,
         its growth, angle.
-    ripple_mm : (M,) float64
-        Bound on the second derivative by s of a tool point's way that the displacement
-        causes: how far the sweep can be from convex.
-    bend_mm : (M,) float64
-        The same with the arc's own curvature included.
     """
 
     path: np.ndarray
     tilt: np.ndarray
-    arc_of: np.ndarray
     arcs: np.ndarray
-    ripple_mm: np.ndarray
-    bend_mm: np.ndarray
 
 
 def build_motion(sweeps: Sweeps, reach_of_tool_mm: np.ndarray) -> Motion:
@@ -64,39 +72,39 @@ def build_motion(sweeps: Sweeps, reach_of_tool_mm: np.ndarray) -> Motion:
     StockError
         If an arc does not end where its angle says.
     """
-    path = _hermite(sweeps.shift_mm, sweeps.shift_slope_mm)
+    path = np.empty((len(sweeps), 16))
+    _hermite(sweeps.shift_mm, sweeps.shift_slope_mm, path)
     ripple = _largest_second_derivative(path)
     straight = sweeps.sweep_rad == 0.0
     _add_lines(path, straight, sweeps.start_mm, sweeps.end_mm)
-    tilt = np.zeros((0, 4, 3))
+    tilt = np.empty((0, 12))
     if sweeps.tilt_rad.any() or sweeps.tilt_slope_rad.any():
-        tilt = _hermite(sweeps.tilt_rad, sweeps.tilt_slope_rad)
+        tilt = np.empty((len(sweeps), 12))
+        _hermite(sweeps.tilt_rad, sweeps.tilt_slope_rad, tilt)
         arm = reach_of_tool_mm[sweeps.tool]
         speed = np.linalg.norm(sweeps.end_mm - sweeps.start_mm, axis=1)
-        slope = np.linalg.norm(tilt[:, 1:], axis=2) @ np.array([1.0, 2.0, 3.0])
+        slope = np.linalg.norm(tilt.reshape(-1, 4, 3)[:, 1:], axis=2) @ np.array([1.0, 2.0, 3.0])
         ripple = ripple + arm * _largest_second_derivative(tilt) + 2.0 * slope * speed
     arcs = _arcs(sweeps, np.flatnonzero(~straight))
-    arc_of = np.full(len(sweeps), -1)
-    arc_of[~straight] = np.arange(len(arcs))
-    bend = ripple.copy()
     radius, growth, angle = arcs[:, 4].T
-    bend[~straight] += (radius + np.maximum(growth, 0.0)) * angle**2 + 2 * np.abs(growth * angle)
-    return Motion(path, tilt, arc_of, arcs, ripple, bend)
+    path[:, _RIPPLE] = path[:, _BEND] = ripple
+    own = (radius + np.maximum(growth, 0.0)) * angle**2 + 2.0 * np.abs(growth * angle)
+    path[~straight, _BEND] += own
+    path[:, _ARC], path[:, _TOOL] = -1.0, sweeps.tool
+    path[~straight, _ARC] = np.arange(len(arcs))
+    return Motion(path, tilt, arcs)
 
 
 @kernel()
-def _hermite(value, slope):
-    """Power coefficients (M, 4, 3) of the cubic with these end values and end slopes."""
-    count = len(value)
-    cubic = np.empty((count, 4, 3))
-    for i in range(count):
+def _hermite(value, slope, cubic):
+    """Write the power coefficients of the cubic with these end values and end slopes."""
+    for i in range(len(value)):
         for j in range(3):
             rise = value[i, 1, j] - value[i, 0, j]
-            cubic[i, 0, j] = value[i, 0, j]
-            cubic[i, 1, j] = slope[i, 0, j]
-            cubic[i, 2, j] = 3.0 * rise - 2.0 * slope[i, 0, j] - slope[i, 1, j]
-            cubic[i, 3, j] = slope[i, 0, j] + slope[i, 1, j] - 2.0 * rise
-    return cubic
+            cubic[i, j] = value[i, 0, j]
+            cubic[i, 3 + j] = slope[i, 0, j]
+            cubic[i, 6 + j] = 3.0 * rise - 2.0 * slope[i, 0, j] - slope[i, 1, j]
+            cubic[i, 9 + j] = slope[i, 0, j] + slope[i, 1, j] - 2.0 * rise
 
 
 @kernel()
@@ -105,9 +113,9 @@ def _largest_second_derivative(cubic):
     largest = np.empty(len(cubic))
     for i in range(len(cubic)):
         start, end = 0.0, 0.0
-        for j in range(3):
-            start += (2.0 * cubic[i, 2, j]) ** 2
-            end += (2.0 * cubic[i, 2, j] + 6.0 * cubic[i, 3, j]) ** 2
+        for j in range(6, 9):
+            start += (2.0 * cubic[i, j]) ** 2
+            end += (2.0 * cubic[i, j] + 6.0 * cubic[i, 3 + j]) ** 2
         largest[i] = math.sqrt(max(start, end))
     return largest
 
@@ -117,8 +125,8 @@ def _add_lines(path, straight, start, end):
     for i in range(len(path)):
         if straight[i]:
             for j in range(3):
-                path[i, 0, j] += start[i, j]
-                path[i, 1, j] += end[i, j] - start[i, j]
+                path[i, j] += start[i, j]
+                path[i, 3 + j] += end[i, j] - start[i, j]
 
 
 def _arcs(sweeps: Sweeps, which: np.ndarray) -> np.ndarray:
@@ -161,11 +169,35 @@ def _turned(vector: np.ndarray, axis: np.ndarray, angle: np.ndarray) -> np.ndarr
 
 
 @inlined()
+def ripple_of(motion, i):
+    """Bound on how far sweep `i` is from convex: see `Motion.path`, mm."""
+    return motion.path[i, _RIPPLE]
+
+
+@inlined()
+def bend_of(motion, i):
+    """Bound on the second derivative by s of any tool point's way on sweep `i`, mm."""
+    return motion.path[i, _BEND]
+
+
+@inlined()
+def arc_of(motion, i):
+    """Row of sweep `i` in `Motion.arcs`, -1 where it is straight."""
+    return int(motion.path[i, _ARC])
+
+
+@inlined()
+def tool_of(motion, i):
+    """Index of the tool of sweep `i`."""
+    return int(motion.path[i, _TOOL])
+
+
+@inlined()
 def _cubic(a, i, j, s):
     """Value and two derivatives of component j of polynomial i."""
-    value = a[i, 0, j] + s * (a[i, 1, j] + s * (a[i, 2, j] + s * a[i, 3, j]))
-    first = a[i, 1, j] + s * (2.0 * a[i, 2, j] + s * (3.0 * a[i, 3, j]))
-    return value, first, 2.0 * a[i, 2, j] + 6.0 * s * a[i, 3, j]
+    c1, c2, c3 = a[i, 3 + j], a[i, 6 + j], a[i, 9 + j]
+    value = a[i, j] + s * (c1 + s * (c2 + s * c3))
+    return value, c1 + s * (2.0 * c2 + s * (3.0 * c3)), 2.0 * c2 + 6.0 * s * c3
 
 
 @inlined()
@@ -194,9 +226,9 @@ def _sum(u, v, w):
 def tip_at(motion, i, s):
     """Position of the displaced tip of sweep `i` at `s`, and its two derivatives by s, mm."""
     place, first, second = _cubics(motion.path, i, s)
-    if motion.arc_of[i] < 0:
+    a, k = motion.arcs, arc_of(motion, i)
+    if k < 0:
         return place, first, second
-    a, k = motion.arcs, motion.arc_of[i]
     growth, turn = a[k, 4, 1], a[k, 4, 2]
     radius, c, d = a[k, 4, 0] + growth * s, math.cos(turn * s), math.sin(turn * s)
     # the circle's point is along * unit radius + across * (axis x unit radius)

@@ -138,19 +138,19 @@ def _in_cone(corners, k, dr, dz):
 
 @inlined()
 def lower_bound(outlines, tool, r, z):
-    """Least distance from the tool of any point at radius `r` and height in z[0] ... z[1].
+    """Bound below the distance of points at radius `r` that are no higher than `z`.
 
-    The lower half of the outline repels less the higher the point is, the upper half less the
-    lower it is; so each half is asked at its own end of the range.
+    The lower half of the outline repels a point the less the higher it is, so the highest one
+    counts; the upper half, the blunt end of the tool, is left out.
     """
     best = -np.inf
     for k in range(outlines.first_edge[tool], outlines.first_edge[tool + 1]):
-        height = z[1] if outlines.edges[k, 1] < 0.0 else z[0]
-        value = outlines.edges[k, 0] * r + outlines.edges[k, 1] * height - outlines.edges[k, 2]
-        best = max(best, value)
+        if outlines.edges[k, 1] <= 0.0:
+            best = max(
+                best, outlines.edges[k, 0] * r + outlines.edges[k, 1] * z - outlines.edges[k, 2]
+            )
     for k in range(outlines.first_corner[tool], outlines.first_corner[tool + 1]):
-        height = z[1] if outlines.corners[k, 4] < 0.0 else z[0]
-        dr, dz = r - outlines.corners[k, 0], height - outlines.corners[k, 1]
-        if _in_cone(outlines.corners, k, dr, dz):
+        dr, dz = r - outlines.corners[k, 0], z - outlines.corners[k, 1]
+        if outlines.corners[k, 4] < 0.0 and _in_cone(outlines.corners, k, dr, dz):
             best = max(best, math.sqrt(dr * dr + dz * dz) - outlines.corners[k, 2])
     return best

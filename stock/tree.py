@@ -13,17 +13,20 @@ from typing import NamedTuple
 import numpy as np
 
 from stock.compiled import inlined, kernel
-from stock.motion import Motion, tip_at
+from stock.motion import Motion, bend_of, tip_at
 from stock.outline import lower_bound
+from stock.sweeps import Sweeps
 from stock.threads import run_in_parts
 
-__all__ = ["Trees", "build_trees", "morton_order", "node_bound"]
+__all__ = ["Trees", "bound_of_box", "build_trees", "morton_order", "pieces_of_leaf"]
 
 #: pieces in a leaf
 LEAF = 4
 #: an arc is cut into pieces of at most this angle, rad: along one, the distance to a point
 #: has one minimum or falls towards the ends
 _PIECE_RAD = math.pi / 4
+#: relative rounding of single precision
+_SINGLE = 1.2e-7
 #: where the boxes of empty nodes are: far, yet finite
 _NOWHERE_MM = 1e12
 
@@ -40,7 +43,7 @@ class Trees(NamedTuple):
     first_piece, first_node, leaves : (T,) int64
         Where the pieces and the nodes of a tool begin, and its number of leaves, a power of 2.
     piece_count : (T,) int64
-    box : (N, 6) float64
+    box : (N, 6) float32
         Least and largest x, y, z of the displaced tip; node 1 of a tool is its root.
     last : (N,) int32
         Largest sweep number in the node.
@@ -60,14 +63,14 @@ class Trees(NamedTuple):
     slack_mm: np.ndarray
 
 
-def build_trees(motion: Motion, tool: np.ndarray, reach_of_tool_mm: np.ndarray) -> Trees:
+def build_trees(motion: Motion, sweeps: Sweeps, reach_of_tool_mm: np.ndarray) -> Trees:
     """Sort the pieces of all sweeps and bound them, tool by tool."""
-    sweep, span = _pieces(motion)
+    sweep, span = _pieces(motion, sweeps.sweep_rad != 0.0)
     box = _piece_boxes(motion, sweep, span)
     first_piece, piece_count, first_node, leaves = [], [], [], []
     order, done, nodes = [], 0, 0
     for t in range(len(reach_of_tool_mm)):
-        mine = np.flatnonzero(tool[sweep] == t)
+        mine = np.flatnonzero(sweeps.tool[sweep] == t)
         mine = mine[morton_order(0.5 * (box[mine, :3] + box[mine, 3:]))]
         order.append(mine)
         count = 1 << max(0, math.ceil(math.log2(max(1, math.ceil(len(mine) / LEAF)))))
@@ -79,7 +82,7 @@ def build_trees(motion: Motion, tool: np.ndarray, reach_of_tool_mm: np.ndarray) 
         nodes += 2 * count
     order = np.concatenate(order)
     sweep, span, box = sweep[order], span[order], box[order]
-    node_box = np.empty((nodes, 6))
+    node_box = np.empty((nodes, 6), dtype=np.float32)
     node_box[:, :3], node_box[:, 3:] = _NOWHERE_MM, -_NOWHERE_MM
     last = np.full(nodes, -1, dtype=np.int32)
     for t in range(len(leaves)):
@@ -92,10 +95,9 @@ def build_trees(motion: Motion, tool: np.ndarray, reach_of_tool_mm: np.ndarray) 
     return Trees(sweep, span, *heads, node_box, last, box, slack)
 
 
-def _pieces(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+def _pieces(motion: Motion, on_arc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Sweep and span of each piece: whole lines, arcs in parts of less than `_PIECE_RAD`."""
-    parts = np.ones(len(motion.arc_of), dtype=np.int64)
-    on_arc = motion.arc_of >= 0
+    parts = np.ones(len(on_arc), dtype=np.int64)
     parts[on_arc] = np.ceil(np.abs(motion.arcs[:, 4, 2]) / _PIECE_RAD)
     sweep = np.repeat(np.arange(len(parts), dtype=np.int32), parts)
     part = np.arange(len(sweep)) - np.repeat(np.cumsum(parts) - parts, parts)
@@ -104,7 +106,7 @@ def _pieces(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _piece_boxes(motion: Motion, sweep: np.ndarray, span: np.ndarray) -> np.ndarray:
-    box = np.empty((len(sweep), 6))
+    box = np.empty((len(sweep), 6), dtype=np.float32)
     run_in_parts(lambda begin, end: _bound_pieces(motion, sweep, span, (begin, end), box), len(box))
     return box
 
@@ -115,16 +117,18 @@ def _bound_pieces(motion, sweep, span, part, box):
     for k in range(part[0], part[1]):
         start = tip_at(motion, sweep[k], span[k, 0])[0]
         end = tip_at(motion, sweep[k], span[k, 1])[0]
-        sagitta = motion.bend_mm[sweep[k]] * (span[k, 1] - span[k, 0]) ** 2 / 8.0
+        # kept in single precision: half the memory to go through; widened by its rounding
+        sagitta = bend_of(motion, sweep[k]) * (span[k, 1] - span[k, 0]) ** 2 / 8.0
         for j in range(3):
-            box[k, j] = min(start[j], end[j]) - sagitta
-            box[k, 3 + j] = max(start[j], end[j]) + sagitta
+            low, high = min(start[j], end[j]) - sagitta, max(start[j], end[j]) + sagitta
+            box[k, j] = low - _SINGLE * abs(low)
+            box[k, 3 + j] = high + _SINGLE * abs(high)
 
 
 def _largest_tilt(motion: Motion) -> float:
     if len(motion.tilt) == 0:
         return 0.0
-    return float(np.abs(motion.tilt).sum(axis=1).max(axis=0).sum())
+    return float(np.abs(motion.tilt).sum(axis=1).max())
 
 
 @kernel()
@@ -145,12 +149,18 @@ def _fill_nodes(piece_box, piece_sweep, box, last):
 
 
 @inlined()
-def node_bound(outlines, tool, box, k, q):
+def bound_of_box(outlines, tool, box, k, q):
     """Least distance of point `q` from the tool with its tip anywhere in box `k`."""
     dx = max(box[k, 0] - q[0], 0.0, q[0] - box[k, 3])
     dy = max(box[k, 1] - q[1], 0.0, q[1] - box[k, 4])
-    heights = (q[2] - box[k, 5], q[2] - box[k, 2])
-    return lower_bound(outlines, tool, math.sqrt(dx * dx + dy * dy), heights)
+    return lower_bound(outlines, tool, math.sqrt(dx * dx + dy * dy), q[2] - box[k, 2])
+
+
+@inlined()
+def pieces_of_leaf(trees, tool, node):
+    """Begin and end of a leaf's pieces."""
+    begin = trees.first_piece[tool] + LEAF * (node - trees.leaves[tool])
+    return begin, min(begin + LEAF, trees.first_piece[tool] + trees.piece_count[tool])
 
 
 def morton_order(points: np.ndarray) -> np.ndarray:

@@ -7,11 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from stock.compiled import inlined, kernel, unowned
-from stock.contact import TOUCH_MM, entry, exit_below
-from stock.motion import Motion
-from stock.outline import Outlines
+from stock.contact import TOUCH_MM, Cut, entry, exit_below, point_at
 from stock.threads import run_in_parts
-from stock.tree import LEAF, Trees, morton_order, node_bound
+from stock.tree import Trees, bound_of_box, morton_order, pieces_of_leaf
 
 __all__ = ["CUT", "GOUGED", "UNCUT", "Work", "walk_lines"]
 
@@ -22,9 +20,7 @@ _STACK = 128
 class Work(NamedTuple):
     """All that the kernels know of the job."""
 
-    motion: Motion
-    tool: np.ndarray
-    outlines: Outlines
+    cut: Cut
     trees: Trees
 
 
@@ -68,18 +64,20 @@ def _walk_part(work, points, normals, order, bounds, found):
     status, edge, parameter, sweep = found
     blank, reach = bounds
     work = unowned(work)
+    todo = (np.empty(_STACK, dtype=np.int64), np.empty(_STACK))
     for i in order:
         p = (points[i, 0], points[i, 1], points[i, 2])
         n = (normals[i, 0], normals[i, 1], normals[i, 2])
-        state, h, which, s = _walk(work, (p, n), _blank_interval(blank, p, n), reach)
+        state, h, which, s = _walk(work, (p, n), _blank_interval(blank, p, n), reach, todo)
         status[i] = state
         if state == CUT:
             edge[i], sweep[i], parameter[i] = h, which, s
 
 
 @kernel()
-def _walk(work, line, blank, reach):
+def _walk(work, line, blank, reach, todo):
     """State, h, sweep and s of one line; `blank` is the part of it in the blank."""
+    work = unowned(work)
     if blank[0] > TOUCH_MM or blank[1] < -reach:
         return GOUGED, 0.0, -1, 0.0
     h, sweep, s = 0.0, -1, 0.0
@@ -87,11 +85,11 @@ def _walk(work, line, blank, reach):
     if inside:
         h = blank[1]
     else:
-        inside, h, sweep, s = _walk_out(work, line, min(reach, max(blank[1], 0.0)))
+        inside, h, sweep, s = _walk_out(work, line, min(reach, max(blank[1], 0.0)), todo)
         if not inside:
             return (CUT if sweep >= 0 else UNCUT), h, sweep, s
         h = 0.0
-    h, sweep, s = _walk_in(work, line, h, reach)
+    h, sweep, s = _walk_in(work, line, h, reach, todo)
     if h <= -reach or h < blank[0]:
         return GOUGED, 0.0, -1, 0.0
     return (CUT if sweep >= 0 else UNCUT), h, sweep, s
@@ -114,32 +112,30 @@ def _blank_interval(blank, p, n):
 
 
 @kernel()
-def _walk_out(work, line, most):
+def _walk_out(work, line, most, todo):
     """Nearest entry into any sweep going outwards; whether the start is inside one instead."""
+    work = unowned(work)
     best, best_sweep, best_s = most, -1, 0.0
-    trees, q = work.trees, line[0]
-    stack = np.empty(_STACK, dtype=np.int64)
+    cut, trees = work
+    q = line[0]
     for tool in range(len(trees.leaves)):
-        root, leaves, slack = trees.first_node[tool], trees.leaves[tool], trees.slack_mm[tool]
-        stack[0], top = 1, 1
+        root, leaves = trees.first_node[tool], trees.leaves[tool]
+        top = _begin(todo)
         while top > 0:
             top -= 1
-            node = stack[top]
-            bound = node_bound(work.outlines, tool, trees.box, root + node, q) - slack
+            node, bound = todo[0][top], todo[1][top]
             if _useless(bound, trees.last[root + node], best, best_sweep):
                 continue
             if node < leaves:
-                top = _push_children(work, tool, q, node, stack, top)
+                top = _push_children(work, tool, q, node, (todo, top, 0.0))
                 continue
-            begin = trees.first_piece[tool] + LEAF * (node - leaves)
-            end = min(begin + LEAF, trees.first_piece[tool] + trees.piece_count[tool])
+            begin, end = pieces_of_leaf(trees, tool, node)
             for k in range(begin, end):
                 sweep = trees.sweep[k]
-                bound = node_bound(work.outlines, tool, trees.piece_box, k, q) - slack
-                if _useless(bound, sweep, best, best_sweep):
+                bound = bound_of_box(cut.outlines, tool, trees.piece_box, k, q)
+                if _useless(bound - trees.slack_mm[tool], sweep, best, best_sweep):
                     continue
-                span = (trees.span[k, 0], trees.span[k, 1])
-                h, s = entry(work, sweep, span, line, best)
+                h, s = entry(cut, sweep, (trees.span[k, 0], trees.span[k, 1]), line, best)
                 if h == -np.inf:
                     return True, 0.0, -1, 0.0
                 if h < best - TOUCH_MM or (h <= best + TOUCH_MM and sweep > best_sweep):
@@ -153,60 +149,84 @@ def _useless(bound, last, best, best_sweep):
     return bound > best + TOUCH_MM or (bound > best - TOUCH_MM and last <= best_sweep)
 
 
-@kernel()
-def _push_children(work, tool, q, node, stack, top):
-    """Put both children on the stack, the nearer one on top."""
-    box, first = work.trees.box, work.trees.first_node[tool] + 2 * node
-    left = node_bound(work.outlines, tool, box, first, q)
-    right = node_bound(work.outlines, tool, box, first + 1, q)
-    nearer = 2 * node + (1 if right < left else 0)
-    stack[top], stack[top + 1] = 4 * node + 1 - nearer, nearer
+@inlined()
+def _begin(todo):
+    """Put the root on the list of nodes still to visit."""
+    todo[0][0], todo[1][0] = 1, -np.inf
+    return 1
+
+
+@inlined()
+def _push_children(work, tool, q, node, place):
+    """Put both children on the list, the nearer one on top; to their bounds add a constant."""
+    (nodes, bounds), top, constant = place
+    cut, trees = work
+    first = trees.first_node[tool] + 2 * node
+    constant -= trees.slack_mm[tool]
+    left = bound_of_box(cut.outlines, tool, trees.box, first, q) + constant
+    right = bound_of_box(cut.outlines, tool, trees.box, first + 1, q) + constant
+    if right < left:
+        nodes[top], bounds[top], nodes[top + 1], bounds[top + 1] = (
+            2 * node,
+            left,
+            2 * node + 1,
+            right,
+        )
+    else:
+        nodes[top], bounds[top], nodes[top + 1], bounds[top + 1] = (
+            2 * node + 1,
+            right,
+            2 * node,
+            left,
+        )
     return top + 2
 
 
 @kernel()
-def _walk_in(work, line, h, reach):
+def _walk_in(work, line, h, reach, todo):
     """Follow overlapping sweeps inwards from h, in air, until material begins."""
+    work = unowned(work)
     sweep, s = -1, 0.0
     while h > -reach:
         before = h
-        h, sweep, s = _pass_in(work, line, (h, sweep, s), reach)
+        h, sweep, s = _pass_in(work, line, (h, sweep, s), reach, todo)
         if h == before:
             break
     return h, sweep, s
 
 
 @kernel()
-def _pass_in(work, line, state, reach):
-    """One way through the trees that extends the air at h by every sweep met on it."""
+def _pass_in(work, line, state, reach, todo):
+    """One way through the trees that extends the air at h by every sweep met on it.
+
+    The listed bounds were taken at the h of then; going inwards since has lowered them by no
+    more than the way, so that bound - h then + h now is a bound now.
+    """
+    work = unowned(work)
     h, best_sweep, best_s = state
-    p, n = line
-    trees = work.trees
-    stack = np.empty(_STACK, dtype=np.int64)
+    cut, trees = work
     for tool in range(len(trees.leaves)):
-        root, leaves, slack = trees.first_node[tool], trees.leaves[tool], trees.slack_mm[tool]
-        stack[0], top = 1, 1
+        leaves = trees.leaves[tool]
+        top = _begin(todo)
         while top > 0:
             top -= 1
-            node = stack[top]
-            q = (p[0] + h * n[0], p[1] + h * n[1], p[2] + h * n[2])
-            if node_bound(work.outlines, tool, trees.box, root + node, q) - slack > TOUCH_MM:
+            node = todo[0][top]
+            if todo[1][top] + h > TOUCH_MM:
                 continue
             if node < leaves:
-                top = _push_children(work, tool, q, node, stack, top)
+                top = _push_children(work, tool, point_at(line, h), node, (todo, top, -h))
                 continue
-            begin = trees.first_piece[tool] + LEAF * (node - leaves)
-            end = min(begin + LEAF, trees.first_piece[tool] + trees.piece_count[tool])
+            begin, end = pieces_of_leaf(trees, tool, node)
             for k in range(begin, end):
-                q = (p[0] + h * n[0], p[1] + h * n[1], p[2] + h * n[2])
-                if node_bound(work.outlines, tool, trees.piece_box, k, q) - slack > TOUCH_MM:
+                bound = bound_of_box(cut.outlines, tool, trees.piece_box, k, point_at(line, h))
+                if bound - trees.slack_mm[tool] > TOUCH_MM:
                     continue
-                span = (trees.span[k, 0], trees.span[k, 1])
-                lower, s, touch = exit_below(work, trees.sweep[k], span, line, h, -reach)
+                sweep, span = trees.sweep[k], (trees.span[k, 0], trees.span[k, 1])
+                lower, s, touch = exit_below(cut, sweep, span, line, h, -reach)
                 if lower < h:
-                    h, best_sweep, best_s = lower, trees.sweep[k], s
+                    h, best_sweep, best_s = lower, sweep, s
                     if h <= -reach:
                         return h, best_sweep, best_s
-                elif touch and trees.sweep[k] > best_sweep:
-                    best_sweep, best_s = trees.sweep[k], s
+                elif touch and sweep > best_sweep:
+                    best_sweep, best_s = sweep, s
     return h, best_sweep, best_s
