@@ -13,6 +13,8 @@ __all__ = ["FastLane"]
 #: Stretches shorter than this are not worth the way to the compiled reader, lines.
 _SHORT = 8
 _LONGEST_PAUSE = 256
+#: Bytes from which the number of lines is estimated.
+_SAMPLE = 1 << 16
 
 
 class FastLane:
@@ -30,7 +32,8 @@ class FastLane:
         self.controller = controller
         whole_lines = data.rfind(b"\n") + 1
         self.data = np.frombuffer(data, np.uint8)[:whole_lines]
-        self.lines = max(data.count(b"\n"), 1)
+        sample = data[:_SAMPLE]
+        self.capacity = len(data) * (sample.count(b"\n") + 1) // max(len(sample), 1) * 9 // 8 + 64
         self.rows: tuple[np.ndarray, ...] = ()
         self.free = 0
         self.pause = self.longer = 0  # lines to leave to the interpreter, now and next time
@@ -68,7 +71,7 @@ class FastLane:
         return int(line), int(offset)
 
     def _allocate(self) -> None:
-        count = self.lines
+        count = self.capacity
         self.rows = (np.empty(count, np.int8), np.empty(count, np.int32), np.empty((count, 3)),
                      np.empty(count))  # fmt: skip
         self.free = 0

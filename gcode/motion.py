@@ -118,7 +118,7 @@ def straight(controller: Controller, block: Values, motion: int) -> None:
     controller.motion = motion
     end = block_end(controller, block)
     compensated = controller.side and controller.radius > 0.0
-    if motion == 10:
+    if motion == 10 and controller.feed_mode == "inverse":
         start = list(controller.position)
         if compensated and not controller.entering:
             start[:3] = controller.programmed

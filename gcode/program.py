@@ -147,7 +147,7 @@ def read_program(
     OSError
         If the file cannot be read.
     """
-    options = {k: v for k, v in locals().items() if k != "path"}
+    options = {name: value for name, value in locals().items() if name != "path"}
     source = path if isinstance(path, Source) else Source.read(path)
     controller = Controller(dict(tools or {}), arc_tolerance(arc_tolerances), machine_unit_mm,
                             preview=preview)  # fmt: skip

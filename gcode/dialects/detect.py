@@ -10,6 +10,8 @@ __all__ = ["DIALECTS", "choose_dialect", "detect_dialect"]
 
 DIALECTS = ("rs274", "fanuc", "heidenhain", "sinumerik")
 
+#: Only so much of a program is searched for the words of a dialect, bytes.
+_HEAD = 30_000
 _FLAGS = re.IGNORECASE | re.MULTILINE
 _START = r"^[ \t]*(?:N?\d+[ \t]+)?"  # line or block number
 _HEIDENHAIN = re.compile(_START + r"(?:BEGIN PGM|BLK FORM|TOOL CALL|CYCL DEF)\b", _FLAGS)
@@ -39,7 +41,7 @@ def detect_dialect(text: str) -> str:
 def choose_dialect(name: str, data: bytes) -> str:
     """Return the dialect asked for, or detect it for ``auto``; raises ProgramError."""
     if name == "auto":
-        return detect_dialect(data[:100_000].decode("latin-1"))
+        return detect_dialect(data[:_HEAD].decode("latin-1"))
     if name not in DIALECTS:
         raise ProgramError(f"unknown dialect '{name}'", accepted="auto, " + ", ".join(DIALECTS))
     return name
