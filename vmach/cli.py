@@ -105,6 +105,33 @@ def predict(
         print(f"{out}: {figures['points']} points, {figures['status']}")
 
 
+@app.command()
+def path(
+    job: JobPath,
+    model: Model = Variant.ABBE,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="CSV to write")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Error of the tool tip along the program, whatever it cuts."""
+    from vmach.report import atomic_file
+    from vmach.tip_errors import tip_errors, write_tip_errors_csv
+
+    with progress_bar() as progress:
+        progress("path", 0, 1)
+        found = tip_errors(job, model)
+    if out is not None:
+        with atomic_file(out) as temporary:
+            write_tip_errors_csv(temporary, found)
+    figures = found.summary()
+    if as_json:
+        print(json.dumps(figures, indent=1))
+        return
+    x, y, z = figures["largest_abs_xyz_um"]
+    print(f"{figures['nodes']} nodes; largest error in X {x:.2f}, Y {y:.2f}, Z {z:.2f} um")
+    worst = figures["largest_error_um"]
+    print(f"largest error vector {worst:.2f} um, line {figures['at_line']}")
+
+
 for _command in (diagnose, add, history):
     app.command()(_command)
 app.add_typer(effects_app, name="effects")

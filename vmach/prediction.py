@@ -18,7 +18,7 @@ from vmach.toolpath import PathStates
 #: a tool that passes a surface point no closer than this does not generate it
 GENERATING_MISS_MM = 0.05
 
-__all__ = ["Effect", "Prediction", "displaced_sweeps", "predict"]
+__all__ = ["Effect", "Prediction", "displaced_sweeps", "displacement_of", "predict"]
 
 
 class Effect(Protocol):
@@ -77,7 +77,7 @@ def displaced_sweeps(
     nodes = preparation.path.nodes
     return build_sweeps(
         preparation.path,
-        _rigid(preparation, nodes, variant, effects),
+        displacement_of(preparation, nodes, variant, effects),
         zero_mm=preparation.zero_mm,
         tool_index=preparation.tool_index,
     )
@@ -135,7 +135,7 @@ def predict(
     states = _contact_states(preparation, edges, normals)
     at_contact = sweeps.displacement_at(edges.sweep[cut], edges.parameter[cut])
     interpolated = RigidDisplacement(*at_contact).at(states.contact_mm)
-    exact = _rigid(preparation, states, variant, effects).at(states.contact_mm)
+    exact = displacement_of(preparation, states, variant, effects).at(states.contact_mm)
     for effect in effects:
         exact = exact + effect.at_surface(states)
     correction = exact - np.where(overcut[cut, None], 0.0, interpolated)
@@ -183,10 +183,10 @@ def _generated(
     ), overcut
 
 
-def _rigid(
+def displacement_of(
     preparation: Preparation, states: PathStates, variant: Variant, effects: Sequence[Effect]
 ) -> RigidDisplacement:
-    """Displacement at the tip of the states' tools, and tilt, by errors and effects."""
+    """Rigid displacement of the tool at P states, by the machine's errors and the effects."""
     machine = preparation.job.machine
     direction = states.direction if machine.separate_directions else None
     total = displacement(machine, states.nose_mm, states.tool_mm, variant, direction=direction)

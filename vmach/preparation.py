@@ -78,6 +78,7 @@ def prepare(
     )
     moves = program.moves
     _check_tools(job, moves, source)
+    _check_no_rotary_motion(moves, source)
     notes: tuple[str, ...] = ()
     if job.touched_off:
         moves = _with_tool_lengths(moves, job)
@@ -126,6 +127,22 @@ def _check_tools(job: Job, moves: Moves, source: Path) -> None:
                 accepted=known,
                 hint=f"add a table [tools.{number}]",
             )
+
+
+def _check_no_rotary_motion(moves: Moves, source: Path) -> None:
+    turned = np.any((moves.rotary_start_deg != 0) | (moves.rotary_end_deg != 0), axis=1)
+    if turned.any():
+        row = int(np.argmax(turned))
+        turn = np.maximum(abs(moves.rotary_start_deg[row]), abs(moves.rotary_end_deg[row]))
+        axis = int(np.argmax(turn))
+        raise InputError(
+            f"{'ABC'[axis]} turns to {moves.rotary_end_deg[row, axis]:g} degrees",
+            file=source,
+            line=int(moves.line[row]),
+            accepted="three-axis motion: A, B and C stay at 0",
+            hint="parts are cut with three axes; the errors of rotary axes are in the machine "
+            "model ('vmach accuracy')",
+        )
 
 
 def _with_tool_lengths(moves: Moves, job: Job) -> Moves:

@@ -90,6 +90,10 @@ CASES = {
         lambda f: replace(f / "job.toml", "max_mm = [60, 25, 0]", "max_mm = [60, 25, -30]"),
         ["job.toml:", "max_mm", "accepted"],
     ),
+    "rotary motion": (
+        lambda f: replace(f / "part.nc", "G0 X40 Y0", "G0 X40 Y0 A30"),
+        ["part.nc:19", "A turns to 30 degrees", "three-axis"],
+    ),
     "no stock": (
         lambda f: replace(
             f / "job.toml",

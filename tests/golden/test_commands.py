@@ -152,3 +152,17 @@ def test_coloured_part(job, tmp_path, monkeypatch, capsys):
     )
     assert (status, (tmp_path / "p").exists()) == (1, False)
     assert "part.xyz" in message and ".glb" in message
+
+
+def test_path_gives_the_error_of_the_tip_along_the_program(job, tmp_path, monkeypatch, capsys):
+    out = tmp_path / "path.csv"
+    status, text, _ = run_vmach(monkeypatch, capsys, "path", job, "-o", out, "--json")
+    assert status == 0
+    rows = list(csv.DictReader(out.read_text().splitlines()))
+    for row in rows:
+        x, y = float(row["X_mm"]), float(row["Y_mm"])
+        # EXX = 6 um over 400 mm; ECX = 20 urad on the arm from the reflector at the origin
+        expected_dx = 6.0 * x / 400.0 - 20e-3 * y
+        assert float(row["dx_um"]) == pytest.approx(expected_dx, abs=1e-3)
+    largest = max(abs(float(row["dx_um"])) for row in rows)
+    assert json.loads(text)["largest_abs_xyz_um"][0] == pytest.approx(largest, abs=1e-3)

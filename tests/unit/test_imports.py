@@ -14,7 +14,7 @@ LAYERS = [
     {"machine", "accuracy", "iso230"},
     {"job", "toolpath"},
     {"sweeping", "preparation", "effects"},
-    {"prediction", "error_budget", "collisions", "measurements"},
+    {"prediction", "error_budget", "collisions", "measurements", "tip_errors"},
     {"fit"},
     {"prediction_uncertainty"},
     {"diagnosis", "compensation", "report", "history"},
