@@ -1,0 +1,102 @@
+"""Effects of tools, cutting and probing."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .machine_maker import TrueMachine
+from .part import TOOLS
+from .state import Hidden, State
+
+__all__ = ["CUTTING"]
+
+UM = 1e-3
+FLUTES = np.array([3, 4])
+
+
+def tool_radius(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """One tool is not as thick as the table says."""
+    tool, less = int(rng.integers(2)), rng.choice([-1, 1]) * rng.uniform(4, 10)
+
+    def move(state: State) -> np.ndarray:
+        side = state.normal * [1, 1, 0]
+        return less * UM * side * (state.tool == tool)[:, None]
+
+    return Hidden(
+        "tool_radius", ("tool_radius", "runout"), {"tool": TOOLS[tool].number, "less_um": less},
+        move, {"um": less}, target=f"T{TOOLS[tool].number}",
+    )
+
+
+def probe_radius(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The CMM's ball is not as large as believed, and its pre-travel has three lobes."""
+    wrong = rng.choice([-1, 1]) * rng.uniform(4, 9)
+
+    def move(state: State) -> np.ndarray:
+        lobes = 0.3 * np.cos(3 * np.arctan2(state.normal[:, 1], state.normal[:, 0]))
+        lobes *= np.hypot(*state.normal[:, :2].T)
+        return UM * state.normal * (wrong + lobes)[:, None]
+
+    return Hidden(
+        "probe_radius", ("probe_radius", "tool_radius", "runout"), {"wrong_um": wrong}, move,
+        {"um": wrong},
+    )
+
+
+def tool_wear(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """A tool loses radius, quickly at first, then by the way that it cuts."""
+    tool, size = int(rng.integers(2)), rng.uniform(12, 22)
+
+    def move(state: State) -> np.ndarray:
+        mine = state.tool == tool
+        way = np.where(mine, state.cut_mm / max(state.cut_mm[mine].max(), 1e-9), 0.0)
+        return size * UM * (way**0.85)[:, None] * state.normal * [1, 1, 0]
+
+    return Hidden(
+        "tool_wear", ("tool_wear",), {"tool": TOOLS[tool].number, "end_um": size}, move,
+        target=f"T{TOOLS[tool].number}",
+    )
+
+
+def tool_length(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """One tool was measured wrongly."""
+    tool, long = int(rng.integers(2)), rng.choice([-1, 1]) * rng.uniform(8, 20)
+
+    def move(state: State) -> np.ndarray:
+        e = np.zeros_like(state.nose_mm)
+        e[:, 2] = -long * UM * (state.tool == tool)
+        return e
+
+    return Hidden(
+        "tool_length", ("tool_length",), {"tool": TOOLS[tool].number, "longer_um": long}, move,
+        {"um": long},
+    )
+
+
+def tool_deflection(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """A slender tool is pushed off its wall, more in down milling, most at its tip."""
+    size = rng.uniform(1.5, 3.5)
+    slender = np.array([t.length_mm**3 / t.diameter_mm**4 for t in TOOLS])
+    compliance = 0.3 + 0.7 * slender / slender[0]
+    rpm = np.array([t.rpm for t in TOOLS])
+
+    def move(state: State) -> np.ndarray:
+        speed = np.linalg.norm(state.velocity_mm_s, axis=1)
+        tooth = speed * 60 / rpm[state.tool] / FLUTES[state.tool]
+        force = (state.ap_mm / 10) * (np.minimum(state.ae_mm, 2.0) / 0.4) ** 0.9
+        force *= (tooth / 0.08) ** 0.85
+        left = np.stack([-state.velocity_mm_s[:, 1], state.velocity_mm_s[:, 0], 0 * speed], axis=1)
+        left /= speed[:, None]
+        down_milling = np.einsum("ij,ij->i", left, state.normal) > 0
+        slot = state.ae_mm > 5
+        push = np.where(slot[:, None], left, state.normal * [1, 1, 0])
+        share = np.where(slot, 0.3, np.where(down_milling, 1.0, 0.8))
+        height = state.place_mm[:, 2] - state.tip_mm[:, 2]
+        length = np.array([t.length_mm for t in TOOLS])[state.tool]
+        bent = size * force * compliance[state.tool] * share * (1 - 0.8 * height / length)
+        return UM * bent[:, None] * push
+
+    return Hidden("tool_deflection", ("tool_deflection",), {"size_um": size}, move)
+
+
+CUTTING = (tool_radius, probe_radius, tool_wear, tool_length, tool_deflection)

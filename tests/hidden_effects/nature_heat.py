@@ -1,0 +1,130 @@
+"""Effects of heat and time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .machine_maker import TrueMachine
+from .state import Hidden, State
+
+__all__ = ["HEAT"]
+
+UM = 1e-3
+
+
+def spindle_growth(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """Bearings warm quickly, the housing slowly; both cool slower than they warm."""
+    size, tau, power = rng.uniform(15, 35), rng.uniform(500, 1800), rng.uniform(0.6, 1.0)
+
+    def move(state: State) -> np.ndarray:
+        past = state.history
+        drive = (past.rpm / 8000.0) ** power
+        quick = past.response(drive, tau, 1.3 * tau)
+        slow = past.response(drive, 2.2 * tau, 2.8 * tau)
+        e = np.zeros_like(state.nose_mm)
+        e[:, 2] = -size * UM * past.at(0.8 * quick + 0.2 * slow, state.time_s)
+        return e
+
+    return Hidden(
+        "spindle_growth", ("spindle_growth",), {"size_um": size, "tau_s": tau, "power": power}, move
+    )
+
+
+def axis_expansion(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """A screw that warms where its nut works; the heat spreads along it and is lost to the air."""
+    axis, peak_ppm = int(rng.integers(2)), rng.uniform(40, 80)
+    tau, fixed_at_home = rng.uniform(900, 2400), bool(rng.random() < 0.5)
+    low, high = machine.travel_mm["XYZ"[axis]]
+
+    def move(state: State) -> np.ndarray:
+        past, zones = state.history, 24
+        zone = np.clip((past.nose_mm[:, axis] - low) / (high - low) * zones, 0, zones - 1)
+        warm, strain = np.zeros(zones), np.empty((len(zone), zones))
+        for k, speed in enumerate(past.speed_mm_s[:, axis]):
+            padded = np.pad(warm, 1, mode="edge")
+            spread = padded[2:] - 2 * warm + padded[:-2]
+            warm = warm + 0.02 * spread - warm / tau
+            warm += speed * 0.7 / zones
+            warm[int(zone[k])] += speed * 0.3
+            strain[k] = warm
+        strain *= peak_ppm * 1e-6 / strain.mean(axis=1).max()
+        row = np.clip(state.time_s.astype(int), 0, len(strain) - 1)
+        edges = np.linspace(low, high, zones + 1)
+        grown = np.concatenate(
+            [np.zeros((len(strain), 1)), np.cumsum(strain, axis=1) * (high - low) / zones], axis=1
+        )
+        if fixed_at_home:
+            grown = grown - grown[:, -1:]
+        e = np.zeros_like(state.nose_mm)
+        e[:, axis] = [
+            np.interp(q, edges, grown[r])
+            for q, r in zip(state.nose_mm[:, axis], row, strict=True)
+        ]
+        return e
+
+    return Hidden(
+        "axis_expansion", ("axis_expansion",),
+        {"axis": "XYZ"[axis], "peak_ppm": peak_ppm, "tau_s": tau}, move, target="XYZ"[axis],
+    )
+
+
+def head_tilt(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The column bends backwards while the spindle warms it."""
+    urad, tau = rng.choice([-1, 1]) * rng.uniform(70, 120), rng.uniform(1200, 3600)
+
+    def move(state: State) -> np.ndarray:
+        past = state.history
+        tilt = urad * 1e-6 * past.at(past.response((past.rpm / 8000) ** 0.8, tau, 1.4 * tau),
+                                     state.time_s)
+        e = np.zeros_like(state.nose_mm)
+        e[:, 1], e[:, 2] = -tilt * state.contact_mm[:, 2], tilt * state.contact_mm[:, 1]
+        return e
+
+    # with nearly equal tools a slow motion in Y
+    return Hidden("head_tilt", ("head_tilt", "ambient_drift"), {"urad": urad, "tau_s": tau}, move)
+
+
+def ambient_drift(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The hall's temperature: a slow wave and a quicker weak one, each axis its own."""
+    size = rng.choice([-1, 1], 3) * rng.uniform(5, 12, 3)
+    period, phase = rng.uniform(4000, 9000), rng.uniform(0, 2 * np.pi, 2)
+
+    def move(state: State) -> np.ndarray:
+        turn = 2 * np.pi * state.time_s / period
+        wave = np.sin(turn + phase[0]) + 0.25 * np.sin(2.3 * turn + phase[1])
+        return UM * wave[:, None] * size
+
+    return Hidden(
+        "ambient_drift", ("ambient_drift",), {"size_um": size.tolist(), "period_s": period}, move
+    )
+
+
+def workpiece_temperature(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """Cut warm, measured at 20 degrees: the part is smaller about its datum."""
+    ppm, datum = rng.choice([-1, 1]) * rng.uniform(12, 35), rng.uniform(0, 300, 3) * [1, 1, 0]
+
+    def move(state: State) -> np.ndarray:
+        return -ppm * 1e-6 * (state.place_mm - datum)
+
+    return Hidden(
+        "workpiece_temperature", ("workpiece_temperature",), {"ppm": ppm}, move, {"ppm": ppm}
+    )
+
+
+def datum_shift(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The part slips in its clamps at one moment."""
+    shift, share = rng.normal(size=3), rng.uniform(0.3, 0.7)
+    shift = shift / np.linalg.norm(shift) * rng.uniform(9, 16)
+
+    def move(state: State) -> np.ndarray:
+        when = share * (len(state.history.rpm) - 1)
+        return UM * (state.time_s > when)[:, None] * shift
+
+    return Hidden(
+        "datum_shift", ("datum_shift",), {"shift_um": shift.tolist(), "share_of_time": share}, move
+    )
+
+
+HEAT = (
+    spindle_growth, axis_expansion, head_tilt, ambient_drift, workpiece_temperature, datum_shift
+)

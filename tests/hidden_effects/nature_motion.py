@@ -1,0 +1,160 @@
+"""Effects of the axes: direction, position, drives. Each draws itself and says what it does."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .machine_maker import TrueMachine
+from .state import Hidden, State
+
+__all__ = ["MOTION"]
+
+UM = 1e-3
+
+
+def backlash(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The table lags by half the play; the flank is taken up over a few hundredths of a mm."""
+    axis, play = int(rng.integers(2)), rng.uniform(5, 12)
+    take_up = rng.uniform(0.01, 0.05)
+
+    def move(state: State) -> np.ndarray:
+        e = np.zeros_like(state.nose_mm)
+        ease = 1 - 2 * np.exp(-state.since_reversal_mm[:, axis] / take_up)
+        e[:, axis] = -0.5 * play * UM * state.sign[:, axis] * ease
+        return e
+
+    return Hidden(
+        "backlash", ("backlash",), {"axis": "XYZ"[axis], "play_um": play, "take_up_mm": take_up},
+        move, {"um": play}, target="XYZ"[axis],
+    )
+
+
+def scale(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """A scale that grew since the calibration."""
+    axis, ppm = int(rng.integers(2)), rng.choice([-1, 1]) * rng.uniform(12, 35)
+
+    def move(state: State) -> np.ndarray:
+        e = np.zeros_like(state.nose_mm)
+        e[:, axis] = ppm * 1e-6 * state.nose_mm[:, axis]
+        return e
+
+    # a straight ramp in the position table is the same thing
+    return Hidden(
+        "scale", ("scale", "component"), {"axis": "XYZ"[axis], "ppm": ppm}, move, {"ppm": ppm},
+        target="XYZ"[axis],
+    )
+
+
+def squareness(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """A guide that turned, by a collision say."""
+    name = str(rng.choice(["C0Y", "B0X", "A0Y"]))
+    urad = rng.choice([-1, 1]) * rng.uniform(15, 45)
+
+    def move(state: State) -> np.ndarray:
+        x, y, _ = state.nose_mm.T * urad * 1e-6
+        e = np.zeros_like(state.nose_mm)
+        out, value = {"C0Y": (0, -y), "B0X": (2, -x), "A0Y": (2, y)}[name]
+        e[:, out] = value
+        return e
+
+    return Hidden(
+        "squareness", ("squareness", "component"), {"which": name, "urad": urad}, move,
+        {"urad": urad},
+    )
+
+
+def cyclic_pitch(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """Once per turn of the screw, with a weak second harmonic."""
+    axis, size = int(rng.integers(2)), rng.uniform(3, 6)
+    pitch, phase = float(rng.choice([5, 8, 10, 12, 16, 20])), rng.uniform(0, 2 * np.pi, 2)
+
+    def move(state: State) -> np.ndarray:
+        turn = 2 * np.pi * state.nose_mm[:, axis] / pitch
+        e = np.zeros_like(state.nose_mm)
+        e[:, axis] = size * UM * (np.sin(turn + phase[0]) + 0.1 * np.sin(2 * turn + phase[1]))
+        return e
+
+    return Hidden(
+        "cyclic_pitch", ("cyclic_pitch",), {"axis": "XYZ"[axis], "size_um": size, "pitch_mm": pitch},
+        move, {"um": size, "mm": pitch}, target="XYZ"[axis],
+    )
+
+
+def hysteresis(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The guide winds up over centimetres after each reversal."""
+    axis, size, way = int(rng.integers(2)), rng.uniform(8, 16), rng.uniform(12, 40)
+
+    def move(state: State) -> np.ndarray:
+        wound = 1 - 2 * np.exp(-state.since_reversal_mm[:, axis] / way)
+        e = np.zeros_like(state.nose_mm)
+        e[:, axis] = -0.5 * size * UM * state.sign[:, axis] * wound
+        return e
+
+    return Hidden(
+        "hysteresis", ("hysteresis",), {"axis": "XYZ"[axis], "size_um": size, "way_mm": way}, move,
+        target="XYZ"[axis],
+    )
+
+
+def lateral_play(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """A carriage that leans sideways with its direction."""
+    axis, size = int(rng.integers(2)), rng.uniform(6, 12)
+    aside = int(rng.choice([k for k in range(3) if k != axis]))
+
+    def move(state: State) -> np.ndarray:
+        e = np.zeros_like(state.nose_mm)
+        ease = 1 - 2 * np.exp(-state.since_reversal_mm[:, axis] / 0.05)
+        e[:, aside] = 0.5 * size * UM * state.sign[:, axis] * ease
+        return e
+
+    return Hidden(
+        "lateral_play", ("lateral_play",),
+        {"axis": "XYZ"[axis], "aside": "XYZ"[aside], "size_um": size}, move, {"um": size},
+    )
+
+
+def servo_mismatch(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """Two position loops with different gain."""
+    slow_ms = rng.choice([-1, 1]) * rng.uniform(0.25, 0.6)
+
+    def move(state: State) -> np.ndarray:
+        e = np.zeros_like(state.nose_mm)
+        e[:, 0] = -0.5e-3 * slow_ms * state.velocity_mm_s[:, 0]
+        e[:, 1] = +0.5e-3 * slow_ms * state.velocity_mm_s[:, 1]
+        return e
+
+    return Hidden(
+        "servo_mismatch", ("servo_mismatch",), {"slow_ms": slow_ms}, move, {"ms": slow_ms}
+    )
+
+
+def servo_lag(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """Position loops of equal gain without feed-forward: circles shrink."""
+    gain = rng.uniform(25, 55)
+
+    def move(state: State) -> np.ndarray:
+        return state.acceleration_mm_s2 / (2 * gain**2)
+
+    return Hidden("servo_lag", ("servo_lag",), {"gain_per_s": gain}, move)
+
+
+def quadrant_glitch(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """Friction after a reversal: a spike that the loop pulls back within a little way."""
+    axis, size, way = int(rng.integers(2)), rng.uniform(9, 16), rng.uniform(0.4, 1.2)
+
+    def move(state: State) -> np.ndarray:
+        since = state.since_reversal_mm[:, axis] / way
+        e = np.zeros_like(state.nose_mm)
+        e[:, axis] = -size * UM * state.sign[:, axis] * np.exp(-since)
+        return e
+
+    return Hidden(
+        "quadrant_glitch", ("quadrant_glitch",),
+        {"axis": "XYZ"[axis], "size_um": size, "way_mm": way}, move, target="XYZ"[axis],
+    )
+
+
+MOTION = (
+    backlash, scale, squareness, cyclic_pitch, hysteresis, lateral_play, servo_mismatch,
+    servo_lag, quadrant_glitch,
+)

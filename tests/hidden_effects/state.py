@@ -1,0 +1,152 @@
+"""What the machine did at every moment at which a measured point was made."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .part import TOOLS, Part
+from .program_writer import Path3
+
+__all__ = ["Hidden", "History", "State", "state_of"]
+
+
+@dataclass
+class Hidden:
+    """One effect of nature, drawn and ready.
+
+    Attributes
+    ----------
+    name : as the program's file format names it, or a foreign name
+    accept : names with which the data would be explained just as well
+    parameters : what was drawn
+    comparable : parameter with its unit -> value that a right diagnosis has to find (sign free)
+    displacement_mm : state -> (M, 3) of the tool against the workpiece; None for pure tables
+    changed : component -> function of position that came on top since the calibration
+    missing : tables that were never measured
+    misplaced : reading -> what the record adds to the place of the reflector, mm
+    target : axis or component where there is one
+    """
+
+    name: str
+    accept: tuple[str, ...]
+    parameters: dict
+    displacement_mm: Callable[[State], np.ndarray] | None = None
+    comparable: dict[str, float] = field(default_factory=dict)
+    changed: dict[str, Callable] = field(default_factory=dict)
+    missing: tuple[str, ...] = ()
+    misplaced: dict[str, np.ndarray] = field(default_factory=dict)
+    target: str | None = None
+
+
+@dataclass(frozen=True)
+class History:
+    """One row a second since the cold start: spindle speed, axis speeds and nose position."""
+
+    rpm: np.ndarray
+    speed_mm_s: np.ndarray
+    nose_mm: np.ndarray
+
+    def response(self, drive: np.ndarray, rise_s: float, fall_s: float) -> np.ndarray:
+        """First-order lag of a drive, warming and cooling with their own time constants."""
+        out, value = np.empty(len(drive)), 0.0
+        for k, aim in enumerate(drive):
+            value += (aim - value) / (rise_s if aim > value else fall_s)
+            out[k] = value
+        return out
+
+    def at(self, values: np.ndarray, time_s: np.ndarray) -> np.ndarray:
+        """Read a series of this history at given times."""
+        return np.interp(time_s, np.arange(len(values)), values)
+
+
+@dataclass(frozen=True)
+class State:
+    """M moments; lengths mm, times s."""
+
+    place_mm: np.ndarray
+    normal: np.ndarray
+    nose_mm: np.ndarray
+    contact_mm: np.ndarray  #: from the nose to the point of contact
+    tip_mm: np.ndarray
+    velocity_mm_s: np.ndarray
+    acceleration_mm_s2: np.ndarray
+    sign: np.ndarray  #: (M, 3) of the last motion of each axis
+    since_reversal_mm: np.ndarray  #: (M, 3)
+    time_s: np.ndarray
+    tool: np.ndarray
+    ae_mm: np.ndarray
+    ap_mm: np.ndarray
+    cut_mm: np.ndarray  #: way that this tool has cut so far
+    feature: np.ndarray
+    history: History
+
+
+def state_of(part: Part) -> State:
+    """Gather the moments of a part."""
+    rows = part.contacts
+    tool = rows["tool"]
+    length = np.array([t.length_mm for t in TOOLS])[tool]
+    down = np.zeros_like(rows["tip_mm"])
+    down[:, 2] = length
+    place = part.place_mm[rows["point"]]
+    sign, travel = _directions(part.path, rows["node"], rows["share"])
+    node, share = rows["node"], rows["share"]
+    time = part.path.time_s
+    return State(
+        place_mm=place,
+        normal=part.normal[rows["point"]],
+        nose_mm=rows["tip_mm"] + part.offset_mm + down,
+        contact_mm=place - rows["tip_mm"] - down,
+        tip_mm=rows["tip_mm"],
+        velocity_mm_s=rows["velocity_mm_s"],
+        acceleration_mm_s2=rows["acceleration_mm_s2"],
+        sign=sign,
+        since_reversal_mm=travel,
+        time_s=time[node] + share * (time[node + 1] - time[node]),
+        tool=tool,
+        ae_mm=rows["ae_mm"],
+        ap_mm=rows["ap_mm"],
+        cut_mm=_cut_way(part.path, tool, node),
+        feature=np.unique(part.feature, return_inverse=True)[1][rows["point"]],
+        history=history_of(part.path),
+    )
+
+
+def _directions(path: Path3, node: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Sign of the last motion, and way since it last turned, per axis."""
+    step = np.diff(path.nose_mm, axis=0)
+    sign = np.zeros((len(step) + 1, 3))
+    way = np.zeros((len(step) + 1, 3))
+    for k, move in enumerate(step):
+        now = np.where(np.abs(move) > 1e-7, np.sign(move), sign[k])
+        way[k + 1] = np.where(now == sign[k], way[k], 0.0) + np.abs(move)
+        sign[k + 1] = now
+    here = sign[node + 1]
+    kept = np.where(here == sign[node], way[node], 0.0)
+    return here, kept + share[:, None] * np.abs(step[node])
+
+
+def _cut_way(path: Path3, tool: np.ndarray, node: np.ndarray) -> np.ndarray:
+    """Way cut by the tool in the spindle, up to each node."""
+    length = np.linalg.norm(np.diff(path.tip_mm, axis=0), axis=1) * path.cutting[1:]
+    out = np.zeros(len(tool))
+    for number in np.unique(tool):
+        speed = TOOLS[number].rpm
+        own = np.concatenate([[0.0], np.cumsum(length * (path.rpm[1:] == speed))])
+        out[tool == number] = own[node[tool == number]]
+    return out
+
+
+def history_of(path: Path3) -> History:
+    """Resample a path to seconds."""
+    seconds = np.arange(int(path.time_s[-1]) + 2)
+    row = np.minimum(np.searchsorted(path.time_s, seconds, side="left"), len(path.time_s) - 1)
+    total = np.concatenate(
+        [np.zeros((1, 3)), np.cumsum(np.abs(np.diff(path.nose_mm, axis=0)), axis=0)]
+    )
+    way = np.stack([np.interp(seconds, path.time_s, total[:, k]) for k in range(3)], axis=1)
+    nose = np.stack([np.interp(seconds, path.time_s, path.nose_mm[:, k]) for k in range(3)], axis=1)
+    return History(path.rpm[row], np.gradient(way, axis=0), nose)
