@@ -19,6 +19,9 @@ from vmach.units import um_from_mm
 __all__ = ["TipErrors", "tip_errors", "write_tip_errors_csv"]
 
 
+_COLUMNS = ("line", "tool", "time_s", "X_mm", "Y_mm", "Z_mm", "dx_um", "dy_um", "dz_um")
+
+
 @dataclass(frozen=True)
 class TipErrors:
     """Displacement of the tip at every node of a program.
