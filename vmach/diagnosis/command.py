@@ -38,10 +38,10 @@ def diagnose(
 
     _load(effect_file)
     with progress_bar() as progress:
-        progress("read", 0, 4)
+        progress("read", 0, 5)
         survey = survey_job(job)
-        steps = iter(range(1, 4))
-        found = diagnose_survey(survey, progress=lambda text: progress(text, next(steps), 4))
+        steps = iter(range(1, 5))
+        found = diagnose_survey(survey, progress=lambda text: progress(text, next(steps), 5))
     program = None
     if found.next_measurement is not None and (next_file or json_file):
         path = next_file or json_file.with_name("next.nc")

@@ -37,6 +37,8 @@ __all__ = [
 BEND_SHARE = 1.0
 #: at most this share of the readings may be left out as outliers after the fit
 _MOST_OUTLIERS = 0.02
+#: more effects at once than this are not named
+_MOST_AT_ONCE = 3
 
 Progress = Callable[[str], None]
 
@@ -241,11 +243,20 @@ def _findings(search: Search, explanation: Explanation) -> tuple[Finding, ...]:
 
 
 def _verdict(findings: tuple[Finding, ...], left: dict[str, float]) -> str:
-    if left:
+    if left or _is_contrived(findings):
         return "unknown"
     if not findings:
         return "nothing"
     return "class" if any(len(f.rivals.names) > 1 for f in findings) else "named"
+
+
+def _is_contrived(findings: tuple[Finding, ...]) -> bool:
+    """Whether an explanation needs more than nature is likely to bring at once.
+
+    Several flexible effects together can be bent to imitate something that is not known.
+    """
+    flexible = sum(f.effect is not None and f.effect.is_flexible for f in findings)
+    return flexible > 1 or len({f.name for f in findings}) > _MOST_AT_ONCE
 
 
 def _something(failures: tuple[Failure, ...]) -> Finding:

@@ -57,6 +57,7 @@ class DatumShift(Effect):
     targets = ("",)
     needs_surface = True
     rarity = 1.0
+    is_flexible = True
     usual_size = "any"
     confirm = "probe the datums again and compare with the start of the program"
     cure = "find the collision or the loose clamp; probe between operations"

@@ -109,6 +109,8 @@ class Effect(ABC):
     needs_surface: ClassVar[bool] = False
     #: how many times rarer than the common effects, as a logarithm; weighs in close calls only
     rarity: ClassVar[float] = 0.0
+    #: whether it can take so many shapes that two of them would explain nearly anything
+    is_flexible: ClassVar[bool] = False
     #: what the law leaves out, as a share of the effect, wandering over this time
     slack_share: ClassVar[float] = 0.0
     slack_time_s: ClassVar[float] = 60.0

@@ -27,6 +27,8 @@ Point = tuple[Finite, Finite, Finite]
 
 #: way on the circle, before the first reading, that settles the direction of the axes
 _RUN_UP_RAD = np.radians(10.0)
+#: time before the first reading in which that way is gone, however slow the feed
+_RUN_UP_S = 60.0
 #: row k, the displacements are those along X, Y and Z of the same place
 _ALONG = ("dx_um", "dy_um", "dz_um")
 
@@ -127,7 +129,9 @@ def _ballbar(settings: _Ballbar, path, model: _Model) -> Measurement:
     centre = np.array(settings.centre_mm)
     angle, time = np.radians(table.numbers["angle_deg"]), table.numbers["t_s"]
     out = np.outer(np.cos(angle), across) + np.outer(np.sin(angle), upward)
-    record = MotionRecord(centre, tool_length_mm=settings.tool_length_mm)
+    # the circle begins before the first reading
+    start_s = float(time[0]) - _RUN_UP_S
+    record = MotionRecord(centre, tool_length_mm=settings.tool_length_mm, start_s=start_s)
     group = np.char.add(
         np.char.add(table.text["run"], " "), table.numbers["feed_mm_min"].astype(str)
     )
@@ -136,6 +140,13 @@ def _ballbar(settings: _Ballbar, path, model: _Model) -> Measurement:
     for begin, end in zip(starts, [*starts[1:], len(group)], strict=True):
         turned = np.unwrap(angle[begin:end])
         sweep = turned[-1] - turned[0]
+        if end - begin < 2 or sweep == 0.0 or time[end - 1] <= time[begin]:
+            raise InputError(
+                f"run '{group[begin]}' does not turn",
+                file=path,
+                line=int(begin) + 2,
+                accepted="rows of one run one after the other, in the order of time",
+            )
         speed = sweep / (time[end - 1] - time[begin])
         run_up = np.sign(sweep) * _RUN_UP_RAD
 

@@ -17,10 +17,12 @@ _QUICKEST_S = 1e-3
 class MotionRecord:
     """Moves written down one after the other; times in s from the cold start."""
 
-    def __init__(self, start_mm: np.ndarray, *, tool_length_mm: float) -> None:
+    def __init__(
+        self, start_mm: np.ndarray, *, tool_length_mm: float, start_s: float = 0.0
+    ) -> None:
         self._rows: list[dict] = []
         self._nose = np.asarray(start_mm, dtype=float)
-        self._time = 0.0
+        self._time = start_s
         self._length = tool_length_mm
 
     @property

@@ -1,0 +1,176 @@
+"""What effects depend on, against closed forms and independent simulation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.signal import lsim
+
+from gcode import read_program
+from tests.small_job import write_job
+from vmach.effects import Circumstances, catalogue
+from vmach.job import read_job
+from vmach.measurements.test_motion import MotionRecord, stop_and_go
+from vmach.preparation import prepare
+from vmach.toolpath import PathStates
+
+
+@pytest.fixture(scope="module")
+def job(tmp_path_factory):
+    return read_job(write_job(tmp_path_factory.mktemp("job")))
+
+
+def circle(radius_mm=20.0, seconds=6.0, turns=1.0):
+    """A circle in XY from its rightmost point, readings all along it."""
+    centre = np.array([-200.0, -150.0, -100.0])
+    record = MotionRecord(centre + [radius_mm, 0, 0], tool_length_mm=100.0)
+    record.stand(until_s=1.0)
+    end = centre + radius_mm * np.array([np.cos(2 * np.pi * turns), np.sin(2 * np.pi * turns), 0])
+    arc = record.arc(
+        end,
+        centre_mm=centre,
+        axis=np.array([0.0, 0.0, 1.0]),
+        sweep_rad=2 * np.pi * turns,
+        until_s=1.0 + seconds,
+    )
+    parameter = np.linspace(0.001, 0.999, 721)
+    return record.states(np.full(721, arc), parameter), 2 * np.pi * turns * parameter
+
+
+def test_direction_on_a_circle_flips_at_the_quadrants(job):
+    states, angle = circle()
+    path = Circumstances(states, job)
+    away = np.abs(np.sin(2 * angle)) > 0.05
+    np.testing.assert_array_equal(path.direction[away, 0], -np.sign(np.sin(angle[away])))
+    np.testing.assert_array_equal(path.direction[away, 1], np.sign(np.cos(angle[away])))
+
+
+def test_travel_since_reversal_on_a_circle(job):
+    states, angle = circle(radius_mm=20.0)
+    path = Circumstances(states, job)
+    second = (angle > np.pi + 0.1) & (angle < 2 * np.pi - 0.1)
+    way = 20.0 * (1 + np.cos(angle[second]))
+    np.testing.assert_allclose(path.travel_since_reversal_mm[second, 0], way, atol=5e-3)
+
+
+def test_motion_smaller_than_the_dead_band_does_not_reverse(job):
+    nose = np.array([[0, 0, 0], [10, 0, 0], [9.9995, 0, 0], [9.99, 0, 0]], float) - 150.0
+    states = stop_and_go(nose, 10.0 * np.arange(4), side=np.zeros((4, 3)), tool_length_mm=100.0)
+    side = Circumstances(states, job).direction[:, 0]
+    assert side[1] == 1.0
+    assert side[2] > 0.0
+    assert side[3] == -1.0
+
+
+def test_play_operator_against_brute_force(job):
+    """Random way of one axis: the carriage is dragged along by the edges of the band."""
+    random = np.random.default_rng(11)
+    x = -150.0 + np.cumsum(random.uniform(-3e-3, 3e-3, 200))
+    nose = np.column_stack([x, np.full(200, -150.0), np.full(200, -100.0)])
+    states = stop_and_go(nose, np.arange(200.0), side=np.zeros((200, 3)), tool_length_mm=100.0)
+    side = Circumstances(states, job).direction[:, 0]
+    carriage, expected = x[0], []
+    for drive in x:
+        carriage = min(max(carriage, drive - 1e-3), drive + 1e-3)
+        expected.append((drive - carriage) / 1e-3)
+    np.testing.assert_allclose(side, expected, atol=1e-9)
+
+
+def test_backlash_is_half_the_reversal_value_to_each_side(job):
+    states, angle = circle()
+    path = Circumstances(states, job)
+    moved = catalogue()["backlash"].displacement(path, "X", reversal_um=6.0)
+    later = np.abs(np.sin(2 * angle)) > 0.05
+    np.testing.assert_allclose(moved[later, 0], 3e-3 * np.sign(np.sin(angle[later])))
+
+
+def test_spindle_growth_against_a_simulated_first_order_lag(job):
+    """Three speeds, with scipy's linear simulation as the independent witness."""
+    time = np.arange(0.0, 6000.0, 20.0)
+    rpm = np.where(time < 2000, 8000.0, np.where(time < 4000, 0.0, 4000.0))
+    nose = np.full((len(time), 3), -100.0)
+    states = stop_and_go(nose, time, side=np.zeros((len(time), 3)), tool_length_mm=100.0, rpm=rpm)
+    path = Circumstances(states, job)
+    moved = catalogue()["spindle_growth"].displacement(
+        path, "Z", growth_um=20.0, time_constant_s=900.0, speed_exponent=0.7
+    )
+    drive = (rpm / 8000.0) ** 0.7
+    _, output, _ = lsim(([1.0], [900.0, 1.0]), drive, time, interp=False)
+    np.testing.assert_allclose(moved[:, 2], -20e-3 * output, atol=1e-6)
+
+
+def test_servo_lag_is_the_second_order_of_a_simulated_lag(job):
+    """A first-order lag on a circle shrinks it by a tau^2 / 2, to leading order."""
+    tau, radius, seconds = 2e-3, 20.0, 2.0
+    states, angle = circle(radius, seconds)
+    path = Circumstances(states, job)
+    moved = catalogue()["servo_lag"].displacement(path, "", lag_ms2=(1e3 * tau) ** 2)
+    out = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    shrink = np.einsum("ij,ij->i", moved, out)
+    rate = 2 * np.pi / seconds
+    expected = radius * (1.0 / np.hypot(1.0, rate * tau) - 1.0)
+    np.testing.assert_allclose(shrink, expected, rtol=1e-3)
+
+
+def test_curvature_of_a_polyline_is_that_of_its_curve(tmp_path):
+    angle = np.linspace(0, np.pi / 2, 91)
+    lines = [f"G1 X{30 * np.cos(a):.5f} Y{30 * np.sin(a):.5f} F600" for a in angle]
+    program = tmp_path / "p.nc"
+    program.write_text("G21 G90 G94 G17\n" + "\n".join(lines) + "\nM30\n")
+    moves = read_program(program).moves
+    inside = np.arange(3, len(moves) - 2)
+    states = PathStates(
+        moves, np.array([0.0, 0.0]), inside, np.full(len(inside), 0.5), np.zeros((len(inside), 3))
+    )
+    path = Circumstances(states, read_job(write_job(tmp_path)))
+    speed = np.linalg.norm(path.velocity_mm_per_s, axis=1)
+    centripetal = np.linalg.norm(path.acceleration_mm_per_s2, axis=1)
+    np.testing.assert_allclose(centripetal, speed**2 / 30.0, rtol=1e-3)
+
+
+POCKET = """\
+G21 G90 G94 G17
+T1 M6
+S6000 M3
+G54 G43 H1
+G0 X0 Y0 Z5
+G1 Z-6 F300
+G1 X9.5 F600
+G3 X9.5 Y0 I-9.5 J0
+G1 X0
+G1 X10 F600
+G3 X10 Y0 I-10 J0
+G1 X0
+G0 Z5
+M30
+"""
+
+
+def test_radial_depth_is_the_allowance_of_the_roughing_pass(tmp_path):
+    """A bore roughed to 0.5 mm and finished: 0.5 mm on every side."""
+    job_path = write_job(tmp_path)
+    (tmp_path / "part.nc").write_text(POCKET)
+    job = read_job(job_path)
+    moves = prepare(job).program.moves
+    finish = int(np.flatnonzero(moves.sweep_rad)[-1])
+    parameter = np.linspace(0.1, 0.9, 33)
+    angle = 2 * np.pi * parameter
+    normal = -np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    states = PathStates(
+        moves,
+        np.array([np.nan, 100.0]),
+        np.full(33, finish),
+        parameter,
+        np.column_stack([-5 * normal[:, :2], np.full(33, 3.0)]),
+        normal,
+    )
+    path = Circumstances(states, job)
+    np.testing.assert_allclose(path.radial_depth_mm, 0.5, atol=2e-3)
+    moved = catalogue()["tool_deflection"].displacement(
+        path, "", tool_um=4.0, machine_um=0.0, taper_um=0.0, feed_exponent=1.0, allowance_mm=0.3
+    )
+    # (depth of cut / 10) (width / 1) (feed per tooth / 0.1) (L / 100)^3 (20 / d)^4
+    depth = path.axial_depth_mm
+    force = depth / 10 * 0.5 * (600 / (6000 * 2) / 0.1)
+    left = np.einsum("ij,ij->i", moved, normal)
+    np.testing.assert_allclose(left, 4e-3 * force * (20 / 10) ** 4, rtol=5e-3)

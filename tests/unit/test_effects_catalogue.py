@@ -1,0 +1,149 @@
+"""Every effect of the catalogue keeps the promises that a fit and a job rely on."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from tests.small_job import write_job
+from vmach.effects import Circumstances, catalogue, load_effect_file, read_effects, set_up_effect
+from vmach.effects.skeleton import write_skeleton
+from vmach.errors import InputError
+from vmach.job import read_job
+from vmach.machine import RigidDisplacement
+from vmach.preparation import prepare
+from vmach.toolpath import PathStates
+
+UNITS = {"um", "urad", "ppm", "mm", "s", "ms", "ms2", "rad", "m", "exponent", "share"}
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    """States with normals all over a small job whose machine has an angle on every axis."""
+    folder = tmp_path_factory.mktemp("job")
+    errors = {f"EA{axis}": (lambda x: 10 * np.sin(x / 40), None) for axis in "XYZ"} | {
+        f"E{kind}{axis}": (lambda x: 3 * np.cos(x / 60), (10.0, -20.0, 30.0))
+        for axis in "XYZ"
+        for kind in "XYZ"
+    }
+    job = read_job(write_job(folder, errors))
+    nodes = prepare(job).path.nodes
+    random = np.random.default_rng(3)
+    normal = random.standard_normal((len(nodes), 3))
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    contact = np.column_stack([-5 * normal[:, :2], random.uniform(0, 8, len(nodes))])
+    states = PathStates(
+        nodes.moves, nodes.tool_lengths_mm, nodes.move, nodes.parameter, contact, normal
+    )
+    return Circumstances(states, job)
+
+
+def at_contact(moved, path):
+    return moved.at(path.contact_mm) if isinstance(moved, RigidDisplacement) else moved
+
+
+@pytest.mark.parametrize("name", list(catalogue()))
+def test_effect_is_linear_and_vanishes_with_its_amplitudes(name, path):
+    effect = catalogue()[name]
+    random = np.random.default_rng(5)
+    for target in effect.possible_targets(path.job):
+        if effect.not_testable(path, target) is not None:
+            continue
+        inner = next(iter(effect.inner_grid(path)))
+        columns = effect.columns(path, target, inner)
+        assert columns.shape[:2] == (len(path), 3)
+        assert np.isfinite(columns).all()
+        if name == "component":
+            continue
+        coefficients = random.standard_normal(columns.shape[2])
+        settled = effect.settle(coefficients, inner)
+        moved = at_contact(effect.displacement(path, target, **settled), path)
+        np.testing.assert_allclose(columns @ coefficients, moved, atol=1e-12)
+        nothing = {**settled, **{p.name: 0.0 for p in effect.amplitudes}}
+        still = at_contact(effect.displacement(path, target, **nothing), path)
+        np.testing.assert_allclose(still, 0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize("name", list(catalogue()))
+def test_effect_declares_units_bounds_and_words(name):
+    effect = catalogue()[name]
+    assert re.fullmatch(r"[a-z]+(_[a-z]+)*", name)
+    assert effect.parameters and effect.title and effect.usual_size
+    assert effect.confirm and effect.cure
+    for parameter in effect.parameters:
+        assert parameter.name.rsplit("_", 1)[1] in UNITS, parameter.name
+        assert parameter.low < parameter.high and parameter.usual > 0 and parameter.meaning
+
+
+def test_component_correction_acts_as_its_table_would(path):
+    """A correction of one table equals the displacement of a machine with that table changed."""
+    job = path.job
+    knots = [-400.0, -250.0, -150.0, 0.0]
+    values = [0.0, 8.0, -6.0, 3.0]
+    effect = set_up_effect(
+        "component", "EAX", {"position_mm": knots, "correction_urad": values}, job=job
+    )
+    moved = effect.displacement(path.states)
+    arm = path.tool_mm + job.machine.chain.arm_masks[0] * path.nose_mm
+    angle = 1e-6 * np.interp(path.nose_mm[:, 0], knots, values)
+    reference = np.array([10.0, -20.0, 30.0])
+    turned = np.cross(np.column_stack([angle, 0 * angle, 0 * angle]), arm - reference)
+    np.testing.assert_allclose(moved.shift_mm, turned, atol=1e-12)
+
+
+def test_job_tables_become_effects(tmp_path):
+    more = "[effects.backlash.X]\nreversal_um = 6\n[effects.backlash.Y]\nreversal_um = 3\n"
+    more += '[effects.scale]\ntarget = "Z"\nscale_ppm = 12\n[effects.probe_radius]\nradius_um = 1\n'
+    job = read_job(write_job(tmp_path, more=more))
+    found = read_effects(job.effects, file=job.path)
+    assert [e.label for e in found] == ["backlash X", "backlash Y", "scale Z", "probe_radius"]
+    assert found[0].parameters == {"reversal_um": 6.0}
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ("[effects.backlsh]\nreversal_um = 6\n", "did you mean 'backlash'"),
+        ("[effects.backlash.Q]\nreversal_um = 6\n", "accepted: X, Y, Z"),
+        ("[effects.backlash.X]\nreversal_mm = 6\n", "no parameter 'reversal_mm'"),
+        ("[effects.backlash.X]\n", "'reversal_um' is missing"),
+        ("[effects.backlash.X]\nreversal_um = 1e9\n", "out of bounds"),
+        ("[effects.backlash.X]\nreversal_um = 'much'\n", "no number"),
+        ("[effects]\nbacklash = 3\n", "accepted: a table"),
+    ],
+)
+def test_wrong_tables_are_refused_with_the_line(tmp_path, more, message):
+    job = read_job(write_job(tmp_path, more=more))
+    with pytest.raises(InputError, match=re.escape(message)) as caught:
+        read_effects(job.effects, file=job.path)
+    assert caught.value.line is not None
+
+
+def test_skeleton_is_a_working_effect(tmp_path, path):
+    file = write_skeleton("bed_slope", tmp_path)
+    try:
+        effect = load_effect_file(file)
+        moved = effect.displacement(path, "", rise_um_per_m=1000.0)
+        np.testing.assert_allclose(moved[:, 2], 1e-3 * path.nose_mm[:, 0])
+        with pytest.raises(InputError, match="already"):
+            write_skeleton("bed_slope", tmp_path)
+    finally:
+        catalogue().pop("bed_slope", None)
+
+
+@pytest.mark.parametrize("name", ["Bed", "2x", "backlash", "a-b"])
+def test_skeleton_refuses_bad_names(tmp_path, name):
+    with pytest.raises(InputError):
+        write_skeleton(name, tmp_path)
+
+
+def test_broken_effect_file_is_a_user_error(tmp_path):
+    file = tmp_path / "broken.py"
+    file.write_text("raise RuntimeError('no')\n")
+    with pytest.raises(InputError, match="cannot be loaded"):
+        load_effect_file(file)
+    file.write_text("x = 1\n")
+    with pytest.raises(InputError, match="0 effects"):
+        load_effect_file(file)

@@ -1,0 +1,198 @@
+"""Reading measurements: what instruments sense, and bad input found, said and survived."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.small_job import pocket_points, write_job, write_points
+from vmach.effects import Circumstances, set_up_effect
+from vmach.errors import InputError
+from vmach.job import read_job
+from vmach.measurements import measure_part, read_instruments
+from vmach.preparation import prepare
+
+LASER = """
+[[measurements]]
+kind = "laser"
+file = "laser.csv"
+axis = "X"
+at_mm = [-100, -100, -50]
+tool_length_mm = 100
+u_um = 0.3
+"""
+BALLBAR = """
+[[measurements]]
+kind = "ballbar"
+file = "ballbar.csv"
+plane = "XY"
+centre_mm = [-200, -150, -100]
+radius_mm = 100
+tool_length_mm = 100
+u_um = 0.3
+"""
+TIP = """
+[[measurements]]
+kind = "tip"
+file = "tip.csv"
+frame = "rigid"
+tool_length_mm = 100
+u_um = 1
+"""
+DRIFT = """
+[[measurements]]
+kind = "drift"
+file = "drift.csv"
+at_mm = [-200, -150, -100]
+tool_length_mm = 100
+u_um = 0.3
+"""
+
+
+def laser_rows(readings):
+    rows = ["run,position_mm,approach,t_s,deviation_um"]
+    out = np.arange(-300.0, -50.0, 50.0)
+    ways = [(x, 1) for x in out] + [(x, -1) for x in out[::-1]]
+    for k, (x, way) in enumerate(ways):
+        rows.append(f"1,{x},{way},{5.0 * k},{readings(x, way)}")
+    return "\n".join(rows) + "\n"
+
+
+def test_laser_sees_backlash_from_both_sides(tmp_path):
+    job_path = write_job(tmp_path, more=LASER)
+    (tmp_path / "laser.csv").write_text(laser_rows(lambda x, way: -3.0 * way))
+    job = read_job(job_path)
+    backlash = set_up_effect("backlash", "X", {"reversal_um": 6.0}, job=job)
+    (laser,) = read_instruments(job, effects=[backlash])
+    np.testing.assert_allclose(laser.measured_mm, laser.predicted_mm, atol=1e-12)
+    assert laser.group[0] == "run 1" and laser.nuisance.shape == (10, 1)
+
+
+def test_ballbar_turns_both_ways(tmp_path):
+    """A scale error of X shows as s R cos^2, servo mismatch with the sign of the turn."""
+    job_path = write_job(tmp_path, more=BALLBAR)
+    angles = np.arange(0.5, 360, 5.0)
+    rows = ["run,feed_mm_min,angle_deg,t_s,radius_um"]
+    seconds = 2 * np.pi * 100 / 1000 * 60
+    for run, start, way in (("ccw", 0.0, angles), ("cw", 100.0, angles[::-1])):
+        rows += [f"{run},1000,{a},{start + seconds * k / 72},0.0" for k, a in enumerate(way)]
+    (tmp_path / "ballbar.csv").write_text("\n".join(rows))
+    job = read_job(job_path)
+    scale = set_up_effect("scale", "X", {"scale_ppm": 50.0}, job=job)
+    mismatch = set_up_effect("servo_mismatch", "XY", {"mismatch_ms": 1.0}, job=job)
+    a = np.radians(np.concatenate([angles, angles[::-1]]))
+    (bar,) = read_instruments(job, effects=[scale])
+    expected = 50e-6 * (-200 + 100 * np.cos(a)) * np.cos(a)
+    np.testing.assert_allclose(bar.predicted_mm, expected, atol=1e-9)
+    (bar,) = read_instruments(job, effects=[mismatch])
+    turn = np.repeat([1.0, -1.0], 72)
+    expected = -turn * 1e-3 * (1000 / 60) * np.sin(a) * np.cos(a)
+    np.testing.assert_allclose(bar.predicted_mm, expected, atol=1e-4)
+
+
+def test_drift_follows_the_spindle_and_tip_its_sides(tmp_path):
+    job_path = write_job(tmp_path, more=DRIFT + TIP)
+    rows = ["t_s,spindle_rpm,dx_um,dy_um,dz_um"]
+    rows += [f"{60.0 * k},{8000 if k < 30 else 0},0,0,0" for k in range(60)]
+    (tmp_path / "drift.csv").write_text("\n".join(rows))
+    random = np.random.default_rng(5)
+    rows = ["id,t_s,X,Y,Z,sx,sy,sz,dx_um,dy_um,dz_um"]
+    sides = random.choice([-1, 1], (40, 3))
+    for k, side in enumerate(sides):
+        x, y, z = random.uniform(-250, -50, 3)
+        rows.append(f"{k},{8.0 * k},{x},{y},{z},{side[0]},{side[1]},{side[2]},0,0,0")
+    (tmp_path / "tip.csv").write_text("\n".join(rows))
+    job = read_job(job_path)
+    drift, tip = read_instruments(job)
+    warmth = Circumstances(drift.states, job).warmth_of_spindle(600.0, 1.0)[::3]
+    time = 60.0 * np.arange(60)
+    heated = 1 - np.exp(-np.minimum(time, 1800) / 600)
+    np.testing.assert_allclose(
+        warmth, heated * np.exp(-np.maximum(time - 1800, 0) / 600), atol=1e-9
+    )
+    np.testing.assert_array_equal(Circumstances(tip.states, job).direction[::3], sides)
+    assert tip.nuisance.shape == (120, 6)
+
+
+@pytest.mark.parametrize(
+    ("more", "text", "message"),
+    [
+        (LASER.replace("laser.csv", "no.csv"), "", "not found"),
+        (LASER, "run,position_mm\n1,2\n", "column 'approach' is missing"),
+        (LASER, "run,position_mm,approach,t_s,deviation_um\n1,x,1,0,0\n", "position_mm is 'x'"),
+        (LASER, "run,position_mm,approach,t_s,deviation_um\n", "no rows"),
+        (LASER.replace('"laser"', '"lasr"', 1), "", "kind = ballbar, laser"),
+        (LASER.replace("u_um = 0.3", "u_um = -1"), "", "u_um"),
+        (LASER + "colour = 3\n", "", "colour"),
+    ],
+)
+def test_bad_instrument_files_are_refused(tmp_path, more, text, message):
+    job_path = write_job(tmp_path, more=more)
+    (tmp_path / "laser.csv").write_text(text)
+    with pytest.raises(InputError, match=message):
+        read_instruments(read_job(job_path))
+
+
+def measured(tmp_path, change):
+    """Measure the small part after changing its measured points (in place)."""
+    job = read_job(write_job(tmp_path))
+    _, points, _ = pocket_points()
+    moved = points.copy()
+    moved = change(moved) if change else moved
+    write_points(tmp_path / "points.csv", moved)
+    return measure_part(prepare(job), tmp_path / "points.csv")[0]
+
+
+def test_perfect_part_has_no_residual(tmp_path):
+    part = measured(tmp_path, None)
+    np.testing.assert_allclose(part.measured_mm, part.predicted_mm, atol=2e-5)
+    assert part.on_part and part.nuisance.shape[1] == 6 and part.notes == ()
+
+
+def test_chip_under_the_probe_is_left_out_and_said(tmp_path):
+    def chip(points):
+        _, _, normals = pocket_points()
+        points[50] += 0.08 * normals[50]
+        return points
+
+    part = measured(tmp_path, chip)
+    assert "51" not in part.id
+    assert any("chip" in note and "51" in note for note in part.notes)
+
+
+def test_metres_and_other_parts_are_refused(tmp_path):
+    with pytest.raises(InputError, match="metres"):
+        measured(tmp_path, lambda p: p * 1e-3)
+    with pytest.raises(InputError, match="from the nominal"):
+        measured(tmp_path, lambda p: p[::-1] + 3.0)
+
+
+def test_repeated_rows_count_once(tmp_path):
+    job = read_job(write_job(tmp_path))
+    file = tmp_path / "points.csv"
+    lines = file.read_text().splitlines()
+    file.write_text("\n".join([*lines, *lines[1:6]]) + "\n")
+    part, _ = measure_part(prepare(job), file)
+    assert len(part) == len(lines) - 1
+    assert any("repeat" in note for note in part.notes)
+
+
+def test_points_that_no_move_cut_are_left_out_and_said(tmp_path):
+    job = read_job(write_job(tmp_path))
+    file = tmp_path / "points.csv"
+    file.write_text(file.read_text() + "extra,top,55,20,0,0,0,1,55,20,0,0.5\n")
+    part, _ = measure_part(prepare(job), file)
+    assert "extra" not in part.id
+    assert any("no move cut" in note and "extra" in note for note in part.notes)
+
+
+def test_unknown_uncertainty_is_taken_from_neighbours(tmp_path):
+    job = read_job(write_job(tmp_path))
+    random = np.random.default_rng(2)
+    _, points, normals = pocket_points()
+    noisy = points + 2e-3 * random.standard_normal((len(points), 1)) * normals
+    write_points(tmp_path / "points.csv", noisy)
+    file = tmp_path / "points.csv"
+    file.write_text("\n".join(x.rsplit(",", 1)[0] for x in file.read_text().splitlines()))
+    part, _ = measure_part(prepare(job), file)
+    np.testing.assert_allclose(part.u_mm, 2e-3, rtol=0.4)
