@@ -26,7 +26,7 @@ class MachineLimits:
     rapid_deg_per_min : float
         Speed of a rapid in which only rotary axes move.
     corner_tolerance_mm : float
-        How far corners may be rounded where the program does not forbid it (G64).
+        How far corners may be rounded under G64 without P, and where no mode is given.
     """
 
     rapid_mm_per_min: float = 20000.0
@@ -103,7 +103,7 @@ class Geometry:
 
 def durations(
     geometry: Geometry, feed_mm_per_min: np.ndarray, *, rapid: np.ndarray,
-    path_control: np.ndarray, limits: MachineLimits,
+    path_control: np.ndarray, blend_mm: np.ndarray, limits: MachineLimits,
 ) -> np.ndarray:  # fmt: skip
     """Seconds that every move takes, (N,).
 
@@ -120,6 +120,8 @@ def durations(
         Which moves are rapids.
     path_control : (N,) int
         610 exact path (G61), 611 exact stop (G61.1), otherwise blending (G64).
+    blend_mm : (N,) float64
+        P of G64: how far corners may be rounded; 0 leaves it to `limits`.
     limits : MachineLimits
         Drives.
     """
@@ -130,21 +132,23 @@ def durations(
             seconds = np.where(distance > 0.0, distance / feed_mm_per_min * 60.0, 0.0)
     else:
         seconds = _trapezoids(geometry, lengths, distance, feed=feed_mm_per_min / 60.0,
-                              path_control=path_control, limits=limits)  # fmt: skip
+                              path_control=path_control, blend_mm=blend_mm,
+                              limits=limits)  # fmt: skip
     turning = geometry.turned_deg / limits.rapid_deg_per_min * 60.0
     return np.where(rapid, np.maximum(seconds, turning), seconds)
 
 
 def _trapezoids(
     geometry: Geometry, lengths: np.ndarray, distance: np.ndarray, *, feed: np.ndarray,
-    path_control: np.ndarray, limits: MachineLimits,
+    path_control: np.ndarray, blend_mm: np.ndarray, limits: MachineLimits,
 ) -> np.ndarray:  # fmt: skip
     from gcode.look_ahead import corner_speeds, travel_times  # loads the compiler
 
     acceleration = float(limits.acceleration_mm_per_s2)
     leaving = geometry.directions(geometry.end_mm)
     entering = geometry.directions(geometry.start_mm)
-    tolerance = np.where(path_control == 610, 0.0, limits.corner_tolerance_mm)
+    tolerance = np.where(blend_mm > 0.0, blend_mm, limits.corner_tolerance_mm)
+    tolerance[path_control == 610] = 0.0
     corners = corner_speeds(leaving, np.roll(entering, -1, axis=0),
                             acceleration_mm_per_s2=acceleration, tolerance_mm=tolerance)
     standing = (lengths <= 1e-7) | (feed <= 0.0)

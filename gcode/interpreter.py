@@ -212,7 +212,8 @@ def _execute_g(controller: Controller, values: Values) -> None:
     if "control" in g:
         controller.require_no_compensation("change the control mode")
         controller.path_control = g["control"]
-        record.event("path_control", g["control"])
+        tolerance = values.words.get("p", 0.0) if g["control"] == 640 else 0.0
+        record.event("path_control", g["control"], tolerance * controller.unit_mm)
     if "distance" in g:
         controller.absolute = g["distance"] == 900
     if "arc_distance" in g:

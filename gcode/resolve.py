@@ -84,9 +84,10 @@ def to_moves(
     feed = np.where(kind == MoveKind.RAPID, limits.rapid_mm_per_min, path.feed_mm_per_min)
     feed[still] = 0.0
     turned = np.sqrt(((rotary - rotary_start) ** 2).sum(axis=1))
-    path_control = modal.column("path_control")[:, 0]
+    path_control, tolerance = modal.column("path_control", 2).T
     duration = durations(Geometry(start, end, centre, axis, sweep, turned), feed,
-                         rapid=kind == MoveKind.RAPID, path_control=path_control, limits=limits)
+                         rapid=kind == MoveKind.RAPID, path_control=path_control,
+                         blend_mm=tolerance, limits=limits)  # fmt: skip
     _set_pauses(duration, record, path, limits)
     if not np.isfinite(duration).all():
         line = int(path.line[np.flatnonzero(~np.isfinite(duration))[0]])

@@ -80,6 +80,14 @@ def test_blending_costs_less_than_stopping_and_more_than_running_through():
     assert blended == pytest.approx(2.1 + slower)
 
 
+def test_p_of_g64_is_the_corner_tolerance():
+    limits = {"acceleration_mm_per_s2": 1000.0}
+    corner = "F6000\nG1 X100\nY100\nM2\n"
+    by_word = moves("G20 G64 P.002\nG21\n" + corner, **limits).duration_s
+    by_limit = moves(corner, corner_tolerance_mm=0.0508, **limits).duration_s
+    assert by_word == pytest.approx(by_limit)
+
+
 def test_centripetal_acceleration_limits_small_arcs():
     m = moves("F6000\nG2 X0 Y0 I2\nM2\n", acceleration_mm_per_s2=1000.0)
     speed = np.sqrt(1000.0 * 2.0)
