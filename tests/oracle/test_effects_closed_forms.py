@@ -23,7 +23,7 @@ def job(tmp_path_factory):
 def circle(radius_mm=20.0, seconds=6.0, turns=1.0):
     """A circle in XY from its rightmost point, readings all along it."""
     centre = np.array([-200.0, -150.0, -100.0])
-    record = MotionRecord(centre + [radius_mm, 0, 0], tool_length_mm=100.0)
+    record = MotionRecord(centre + np.array([radius_mm, 0, 0]), tool_length_mm=100.0)
     record.stand(until_s=1.0)
     end = centre + radius_mm * np.array([np.cos(2 * np.pi * turns), np.sin(2 * np.pi * turns), 0])
     arc = record.arc(

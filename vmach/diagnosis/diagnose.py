@@ -256,7 +256,8 @@ def _is_contrived(findings: tuple[Finding, ...]) -> bool:
     Several flexible effects together can be bent to imitate something that is not known.
     """
     flexible = sum(f.effect is not None and f.effect.is_flexible for f in findings)
-    return flexible > 1 or len({f.name for f in findings}) > _MOST_AT_ONCE
+    at_once = len({f.name for f in findings})
+    return flexible > 1 or at_once > _MOST_AT_ONCE or (flexible > 0 and at_once == _MOST_AT_ONCE)
 
 
 def _something(failures: tuple[Failure, ...]) -> Finding:

@@ -241,7 +241,13 @@ def write_program(test: PlannedTest, job: Job) -> str:
     """The test's motion as an NC program in the job's first work offset, without tool length."""
     offset = next(iter(job.work_offsets_mm.items()))
     moves = test.states.moves
-    lines = ["%", f"({test.text})", f"G21 G90 G94 G17 G40 G49 G80 {offset[0]}"]
+    start = moves.start_mm[0] - offset[1]
+    lines = [
+        "%",
+        f"({test.text})",
+        f"G21 G90 G94 G17 G40 G49 G80 {offset[0]}",
+        f"G0 X{start[0]:.4f} Y{start[1]:.4f} Z{start[2]:.4f}",
+    ]
     rpm = None
     for k in range(len(moves)):
         if moves.spindle_rpm[k] != rpm:

@@ -1,0 +1,183 @@
+"""Verdicts on tip measurements whose hidden cause is written here from scratch."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from tests.small_job import write_job
+from vmach.diagnosis.diagnose import diagnose, prepare_search
+from vmach.diagnosis.job_survey import survey_job
+from vmach.diagnosis.next_measurement import planned_tests, write_program
+from vmach.diagnosis.report import as_json, as_text
+from vmach.errors import InputError
+from vmach.fit.survey import Survey
+from vmach.history import add_effects, draw_history, history_of
+from vmach.job import read_job
+
+TIP = """
+[[measurements]]
+kind = "tip"
+file = "tip.csv"
+frame = "rigid"
+tool_length_mm = 100
+u_um = 0.5
+"""
+
+
+def tip_job(folder, hidden, *, seed=1, count=70):
+    """A job with tip readings: noise, a rigid motion, and what `hidden(q, side, t)` gives, um."""
+    job = write_job(folder, more=TIP).read_text()
+    job = "\n".join(line for line in job.splitlines() if not line.startswith("measured"))
+    (folder / "job.toml").write_text(job)
+    random = np.random.default_rng(seed)
+    q = random.uniform([-390, -290, -190], [-10, -10, -10], (count, 3))
+    side = random.choice([-1.0, 1.0], (count, 3))
+    time = 10.0 * np.arange(count)
+    e = hidden(q, side, time) + 0.5 * random.standard_normal((count, 3))
+    e = e + [4.0, -7.0, 2.0] + np.cross([0.02, -0.01, 0.03], q)
+    rows = ["id,t_s,X,Y,Z,sx,sy,sz,dx_um,dy_um,dz_um"]
+    for k in range(count):
+        numbers = [time[k], *q[k], *side[k], *e[k]]
+        rows.append(f"{k}," + ",".join(map(repr, map(float, numbers))))
+    (folder / "tip.csv").write_text("\n".join(rows))
+    return folder / "job.toml"
+
+
+def nothing(q, side, time):
+    return np.zeros_like(q)
+
+
+def lost_motion(q, side, time):
+    return np.column_stack([-2.0 * side[:, 0], 0 * time, 0 * time])
+
+
+def stretched_and_loose(q, side, time):
+    return np.column_stack([0.03 * q[:, 0], -1.5 * side[:, 1], 0 * time])
+
+
+def worn_guide(q, side, time):
+    dent = 6.0 * np.exp(-0.5 * ((q[:, 0] + 150) / 25.0) ** 2)
+    return np.column_stack([0 * time, 0 * time, dent])
+
+
+def foreign(q, side, time):
+    """A ripple in space that belongs to no axis."""
+    wave = 4.0 * np.sin((q[:, 0] + 1.7 * q[:, 1] + 0.6 * q[:, 2]) / 37.0)
+    return np.column_stack([wave, -0.5 * wave, 0.8 * wave])
+
+
+def test_nothing_is_said_about_a_sound_machine(tmp_path):
+    found = diagnose(survey_job(tip_job(tmp_path, nothing)))
+    assert found.verdict == "nothing" and found.findings == ()
+    assert found.rms_um["after"] == pytest.approx(0.5, rel=0.2)
+
+
+def test_backlash_is_named_with_its_size(tmp_path):
+    found = diagnose(survey_job(tip_job(tmp_path, lost_motion)))
+    assert found.verdict == "named"
+    (finding,) = found.findings
+    assert (finding.name, finding.target) == ("backlash", "X")
+    error = finding.parameters["reversal_um"] - 4.0
+    assert abs(error) < 3 * finding.u["reversal_um"] < 1.0
+    assert found.failures[0].by == "direction" and "X" in found.failures[0].text
+    table = as_json(found)
+    assert json.loads(json.dumps(table))["effects"][0]["class"] == ["backlash"]
+    assert table["candidates"][0]["effect"] == "backlash"
+    assert "lost motion" in as_text(found)
+
+
+def test_two_causes_at_once_are_both_found(tmp_path):
+    found = diagnose(survey_job(tip_job(tmp_path, stretched_and_loose, count=120)))
+    labels = {(f.name, f.target): f.parameters for f in found.findings}
+    assert set(labels) == {("scale", "X"), ("backlash", "Y")}
+    assert labels["scale", "X"]["scale_ppm"] == pytest.approx(30, rel=0.1)
+    assert labels["backlash", "Y"]["reversal_um"] == pytest.approx(3, rel=0.15)
+
+
+def test_local_damage_is_a_component_and_its_place(tmp_path):
+    found = diagnose(survey_job(tip_job(tmp_path, worn_guide, count=150)))
+    (finding,) = found.findings
+    assert (finding.name, finding.target) == ("component", "EZX")
+    peak = np.array(finding.parameters["correction_um"])
+    place = np.array(finding.parameters["position_mm"])
+    assert abs(place[np.argmax(peak)] + 150) < 30
+    assert "X -" in finding.where
+
+
+def test_what_no_effect_explains_is_called_unknown(tmp_path):
+    found = diagnose(survey_job(tip_job(tmp_path, foreign, count=120)))
+    assert found.verdict == "unknown"
+    (finding,) = found.findings
+    assert finding.name == "unknown" and finding.effect is None
+    assert found.left
+
+
+def test_clean_data_are_left_alone(tmp_path):
+    """Ten sets of readings drawn from the model's own uncertainty: no accusation."""
+    survey = survey_job(tip_job(tmp_path, nothing))
+    search = prepare_search(survey)
+    (tip,) = survey.measurements
+    random = np.random.default_rng(12)
+    verdicts = []
+    for _ in range(10):
+        noise = tip.u_mm * random.standard_normal(len(tip))
+        fresh = Survey(survey.job, (tip.with_readings(tip.predicted_mm + noise),))
+        verdicts.append(diagnose(fresh, like=search).verdict)
+    assert verdicts == ["nothing"] * 10
+
+
+def test_add_keeps_the_old_job_and_the_error_falls(tmp_path):
+    old = tip_job(tmp_path, stretched_and_loose, count=120)
+    before = old.read_bytes()
+    second, _ = add_effects(old, ["backlash"])
+    third, found = add_effects(second, ["scale:X"])
+    assert old.read_bytes() == before
+    assert found[0].parameters["scale_ppm"] == pytest.approx(30, rel=0.1)
+    steps = history_of(third)
+    assert [s.added for s in steps] == [(), ("backlash Y",), ("scale X",)]
+    assert steps[0].rms_um > steps[1].rms_um > steps[2].rms_um
+    assert steps[2].rms_um == pytest.approx(0.5, rel=0.2)
+    draw_history(steps, tmp_path / "history.png")
+    assert (tmp_path / "history.png").stat().st_size > 5000
+    with pytest.raises(InputError, match="already"):
+        add_effects(third, ["scale:X"])
+
+
+def test_added_job_in_another_folder_finds_its_files(tmp_path):
+    old = tip_job(tmp_path, lost_motion)
+    (tmp_path / "later").mkdir()
+    new, _ = add_effects(old, ["backlash:X"], out=tmp_path / "later" / "job.toml")
+    assert diagnose(survey_job(new)).verdict == "nothing"
+    assert history_of(new)[0].job.resolve() == old.resolve()
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("backlsh", "did you mean 'backlash'"),
+        ("backlash:Q", "accepted: backlash:X"),
+        ("probe_radius", "no machined surface"),
+    ],
+)
+def test_add_refuses_what_cannot_be_fitted(tmp_path, name, message):
+    with pytest.raises(InputError, match=message):
+        add_effects(tip_job(tmp_path, nothing), [name])
+
+
+def test_planned_tests_stay_within_the_travel_and_are_programs(tmp_path):
+    from gcode import read_program
+
+    job = read_job(write_job(tmp_path))
+    low, high = job.machine.travel_mm
+    for test in planned_tests(job):
+        assert (test.states.nose_mm > low - 1e-9).all()
+        assert (test.states.nose_mm < high + 1e-9).all()
+        file = tmp_path / "next.nc"
+        file.write_text(write_program(test, job))
+        moves = read_program(file, work_offsets_mm=job.work_offsets_mm).moves
+        ends = np.unique(np.round(moves.end_mm, 3), axis=0)
+        for nose in np.unique(np.round(test.states.moves.end_mm, 3), axis=0)[:5]:
+            assert np.abs(ends - nose).max(axis=1).min() < 2e-3
