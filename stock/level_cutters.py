@@ -6,7 +6,7 @@ united in two dimensions, which is fast and leaves one clean floor, and raised t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from manifold3d import CrossSection, Manifold, Mesh64, OpType
@@ -24,7 +24,9 @@ LEVEL_MM = 1e-4
 _SMALLEST_GROUP = 4
 
 
-def level_groups(strokes: Strokes, stacks: list[RingStack], index: np.ndarray) -> Iterator:
+def level_groups(
+    strokes: Strokes, stacks: Sequence[RingStack], index: np.ndarray
+) -> Iterator[np.ndarray]:
     """Groups of strokes, taken from `index`, that share a flat tool and a height.
 
     Yields
@@ -76,7 +78,7 @@ def level_solid(
     radius = stack.rings[0, 0]
     ring = np.array([[radius, 0.0, np.pi / 2, np.pi / 2]])
     outline = _outline([_plane_points(strokes, i, ring, stack.azimuths[:1]) for i in group])
-    bottom_mm = float(strokes.start_mm[group, 2].mean())
+    bottom_mm = float(strokes.start_mm[group[0], 2])
     prism = Manifold.extrude(outline, top_mm - bottom_mm).translate((0.0, 0.0, bottom_mm))
     mesh = prism.to_mesh64()
     vertices = np.array(mesh.vert_properties, order="C")  # the library wants it writable
