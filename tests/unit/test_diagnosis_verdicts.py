@@ -37,7 +37,7 @@ def tip_job(folder, hidden, *, seed=1, count=70):
     side = random.choice([-1.0, 1.0], (count, 3))
     time = 10.0 * np.arange(count)
     e = hidden(q, side, time) + 0.5 * random.standard_normal((count, 3))
-    e = e + [4.0, -7.0, 2.0] + np.cross([0.02, -0.01, 0.03], q)
+    e = e + np.array([4.0, -7.0, 2.0]) + np.cross([0.02, -0.01, 0.03], q)
     rows = ["id,t_s,X,Y,Z,sx,sy,sz,dx_um,dy_um,dz_um"]
     for k in range(count):
         numbers = [time[k], *q[k], *side[k], *e[k]]
