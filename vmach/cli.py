@@ -6,7 +6,7 @@ import json
 import shlex
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 from rich.console import Console
@@ -143,13 +143,17 @@ app.command()(iso230)
 def canon(
     program: Annotated[Path, typer.Argument(metavar="PROGRAM", help="the NC program")],
     tools: Annotated[Path | None, typer.Option(help="tool table, as LinuxCNC's tool.tbl")] = None,
+    machine_unit: Annotated[
+        Literal["mm", "inch"], typer.Option(help="unit of the tool table and of stored offsets")
+    ] = "mm",
     as_json: AsJson = False,
 ) -> None:
     """What the program says to the machine: one resolved move a line."""
     if not program.is_file():
         raise InputError("NC program not found", file=program)
-    table = read_tool_table(tools) if tools is not None else {}
-    read = read_program(program, tools=table)
+    unit_mm = {"mm": 1.0, "inch": 25.4}[machine_unit]
+    table = read_tool_table(tools, unit_mm=unit_mm) if tools is not None else {}
+    read = read_program(program, tools=table, machine_unit_mm=unit_mm)
     if as_json:
         calls = [{"line": n, "call": name, "arguments": a} for n, name, a in canon_calls(read)]
         print(json.dumps(calls, indent=1))
