@@ -214,36 +214,42 @@ def _descend(cut, i, span, line, h, s, limit):
     """Newton's method on the derivative by s, kept in a bracket by its sign."""
     cut = unowned(cut)
     bend = 0.5 * bend_of(cut.motion, i)
-    straight = arc_of(cut.motion, i) < 0
     low, high = span
     at_low, at_high = (np.nan, 0.0), (np.nan, 0.0)
     best_value, best_h, best_s = np.inf, 0.0, s
+    again, was_before = False, False
     for turn in range(80):
         value, by_s, by_ss, by_h, _ = phi(cut, i, s, line, h)
-        if value < best_value:
-            best_value, best_h, best_s = value, by_h, s
         far = max(s - low, high - s)
         bound = value - max(by_s * (s - low), by_s * (s - high)) - bend * far * far
         if turn == 0 and bound > limit:
             return np.inf, 0.0, s
-        if by_s > 0.0:
+        above = value - best_value
+        before = s > best_s  # the minimum lies before s
+        if not above > 0.0:
+            above, before = 0.0, by_s > 0.0
+            best_value, best_h, best_s = value, by_h, s
+        if before:
             high, at_high = s, (value, by_s)
             gain, step_end, fresh = by_s * (s - low), low, math.isnan(at_low[0])
         else:
             low, at_low = s, (value, by_s)
             gain, step_end, fresh = by_s * (s - high), high, math.isnan(at_high[0])
-        if (straight and gain <= _ROOT_MM) or by_s == 0.0 or high - low < 1e-13:
+        gain = max(0.0, gain) + bend * (high - low) ** 2
+        if gain - above <= _ROOT_MM or high - low < 1e-13:
             break
-        if by_ss > 0.0:
-            if by_s * by_s < 0.1 * _ROOT_MM * by_ss:
-                break
-            s = s - by_s / by_ss
-        else:
-            s = step_end
-        if not low < s < high:
-            s = step_end if fresh else _between(low, at_low, high, at_high)
-        elif turn % 4 == 3:
+        if by_ss > 0.0 and by_s * by_s < 0.1 * _ROOT_MM * by_ss:
+            break
+        step = -by_s / by_ss if by_ss > 0.0 else step_end - s
+        if not low < s + step < high:
+            step = step_end - s
+            if not fresh:
+                step = _between(low, at_low, high, at_high) - s
+                step *= 8.0 if again else 1.0  # get past the kink, to close in from both sides
+        s += step
+        if turn % 3 == 2 and not fresh or not low <= s <= high:
             s = 0.5 * (low + high)
+        again, was_before = before == was_before, before
     return best_value, best_h, best_s
 
 
@@ -251,8 +257,7 @@ def _descend(cut, i, span, line, h, s, limit):
 def _between(low, at_low, high, at_high):
     """Where the tangents at both ends of the bracket meet: at once at the tip of a kink."""
     s = (at_high[0] - at_low[0] + at_low[1] * low - at_high[1] * high) / (at_low[1] - at_high[1])
-    margin = 0.01 * (high - low)
-    return s if low + margin < s < high - margin else 0.5 * (low + high)
+    return s if low < s < high else 0.5 * (low + high)
 
 
 @inlined()
