@@ -17,7 +17,15 @@ from .nature_tables import TABLES
 from .part import TOOLS, Part, random_part
 from .state import Hidden, State, state_of
 
-__all__ = ["FOREIGN_KINDS", "SINGLE_KINDS", "Experiment", "make_experiment", "visible_um"]
+__all__ = [
+    "FOREIGN_KINDS",
+    "SINGLE_KINDS",
+    "Experiment",
+    "alignment_columns",
+    "make_experiment",
+    "share_um",
+    "visible_um",
+]
 
 KINDS = {f.__name__: f for group in (MOTION, HEAT, CUTTING, TABLES, FOREIGN) for f in group}
 FOREIGN_KINDS = tuple(f.__name__ for f in FOREIGN)
@@ -34,6 +42,7 @@ class Experiment:
     hidden: list[Hidden]
     machine: TrueMachine
     part: Part
+    check: Part
     deviation_um: np.ndarray  #: noise-free, unaligned
     share_um: list[np.ndarray]  #: of each hidden effect
 
@@ -61,10 +70,10 @@ def make_experiment(
     machine = random_machine(rng, chain)
     motion = {"rapid_mm_min": machine.rapid_mm_min, "tool_change_s": machine.tool_change_s}
     stops = bool(rng.random() < 0.5) if spindle_stops is None else spindle_stops
-    parts = {
-        role: random_part(rng, machine.travel_mm, motion=motion, spindle_stops=stops, cells=cells)
-        for role, cells in (("part", 14), ("check", 12))
-    }
+    how = {"motion": motion, "spindle_stops": stops}
+    part = random_part(rng, machine.travel_mm, **how)
+    check = random_part(rng, machine.travel_mm, **how, cells=12, offset_mm=part.offset_mm)
+    parts = {"part": part, "check": check}
     states = {role: state_of(part) for role, part in parts.items()}
     hidden = [_draw(rng, kind, machine, states["part"], parts["part"]) for kind in effects]
     missing = tuple(name for h in hidden for name in h.missing)
@@ -72,22 +81,22 @@ def make_experiment(
     write_machine(folder, machine, rng, missing=missing, misplaced=wrong, noisy=noisy_tables)
     _damage(machine, hidden)
     truth = {"effects": [_told(h) for h in hidden], "accept": [list(h.accept) for h in hidden]}
-    for role, part in parts.items():
-        total = _deviation_um(part, states[role], machine, hidden)
-        (folder / f"{role}.nc").write_text(part.text)
-        _write_measured(folder / f"{role}_measured.csv", part, total, rng=rng, noise_um=noise_um)
-        shares = [share_um(h, part, states[role], machine) for h in hidden]
+    for role, made in parts.items():
+        total = _deviation_um(made, states[role], machine, hidden)
+        (folder / f"{role}.nc").write_text(made.text)
+        _write_measured(folder / f"{role}_measured.csv", made, total, rng=rng, noise_um=noise_um)
+        shares = [share_um(h, made, states[role], machine) for h in hidden]
         truth[role] = {
             "points": len(total),
-            "duration_s": float(part.path.time_s[-1]),
-            "hidden_visible_um": [visible_um(s, part) for s in shares],
+            "duration_s": float(made.path.time_s[-1]),
+            "hidden_visible_um": [visible_um(s, made) for s in shares],
         }
         if role == "part":
             kept = (total, shares)
     _write_job(folder, parts)
     truth["noise_um"] = noise_um
     (folder / "truth.json").write_text(json.dumps(truth, indent=1))
-    return Experiment(folder, hidden, machine, parts["part"], *kept)
+    return Experiment(folder, hidden, machine, part, check, *kept)
 
 
 def _draw(rng, kind: str, machine: TrueMachine, state: State, part: Part) -> Hidden:

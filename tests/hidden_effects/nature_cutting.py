@@ -24,7 +24,7 @@ def tool_radius(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
 
     return Hidden(
         "tool_radius", ("tool_radius", "runout"), {"tool": TOOLS[tool].number, "less_um": less},
-        move, {"um": less}, target=f"T{TOOLS[tool].number}",
+        move, {"radius_um": less}, target=f"T{TOOLS[tool].number}",
     )
 
 
@@ -39,7 +39,7 @@ def probe_radius(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
 
     return Hidden(
         "probe_radius", ("probe_radius", "tool_radius", "runout"), {"wrong_um": wrong}, move,
-        {"um": wrong},
+        {"radius_um": wrong},
     )
 
 

@@ -107,7 +107,8 @@ def workpiece_temperature(rng: np.random.Generator, machine: TrueMachine) -> Hid
         return -ppm * 1e-6 * (state.place_mm - datum)
 
     return Hidden(
-        "workpiece_temperature", ("workpiece_temperature",), {"ppm": ppm}, move, {"ppm": ppm}
+        "workpiece_temperature", ("workpiece_temperature",), {"ppm": ppm}, move,
+        {"expansion_ppm": ppm}
     )
 
 

@@ -15,7 +15,7 @@ UM = 1e-3
 def backlash(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     """The table lags by half the play; the flank is taken up over a few hundredths of a mm."""
     axis, play = int(rng.integers(2)), rng.uniform(5, 12)
-    take_up = rng.uniform(0.01, 0.05)
+    take_up = rng.uniform(0.005, 0.02)
 
     def move(state: State) -> np.ndarray:
         e = np.zeros_like(state.nose_mm)
@@ -25,7 +25,7 @@ def backlash(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
 
     return Hidden(
         "backlash", ("backlash",), {"axis": "XYZ"[axis], "play_um": play, "take_up_mm": take_up},
-        move, {"um": play}, target="XYZ"[axis],
+        move, {"reversal_um": play}, target="XYZ"[axis],
     )
 
 
@@ -40,7 +40,8 @@ def scale(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
 
     # a straight ramp in the position table is the same thing
     return Hidden(
-        "scale", ("scale", "component"), {"axis": "XYZ"[axis], "ppm": ppm}, move, {"ppm": ppm},
+        "scale", ("scale", "component"), {"axis": "XYZ"[axis], "ppm": ppm}, move,
+        {"scale_ppm": ppm},
         target="XYZ"[axis],
     )
 
@@ -59,7 +60,7 @@ def squareness(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
 
     return Hidden(
         "squareness", ("squareness", "component"), {"which": name, "urad": urad}, move,
-        {"urad": urad},
+        {"squareness_urad": urad}, target=name,
     )
 
 
@@ -75,8 +76,9 @@ def cyclic_pitch(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         return e
 
     return Hidden(
-        "cyclic_pitch", ("cyclic_pitch",), {"axis": "XYZ"[axis], "size_um": size, "pitch_mm": pitch},
-        move, {"um": size, "mm": pitch}, target="XYZ"[axis],
+        "cyclic_pitch", ("cyclic_pitch",),
+        {"axis": "XYZ"[axis], "size_um": size, "pitch_mm": pitch}, move,
+        {"amplitude_um": size, "pitch_mm": pitch}, target="XYZ"[axis],
     )
 
 
@@ -109,7 +111,7 @@ def lateral_play(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
 
     return Hidden(
         "lateral_play", ("lateral_play",),
-        {"axis": "XYZ"[axis], "aside": "XYZ"[aside], "size_um": size}, move, {"um": size},
+        {"axis": "XYZ"[axis], "aside": "XYZ"[aside], "size_um": size}, move, {"play_um": size},
     )
 
 
@@ -124,7 +126,7 @@ def servo_mismatch(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         return e
 
     return Hidden(
-        "servo_mismatch", ("servo_mismatch",), {"slow_ms": slow_ms}, move, {"ms": slow_ms}
+        "servo_mismatch", ("servo_mismatch",), {"slow_ms": slow_ms}, move, {"mismatch_ms": slow_ms}
     )
 
 

@@ -206,7 +206,7 @@ class _Builder:
         self.approach(begin, depth, feed)
         for number, (hub_xy, turn) in enumerate(((hub, first_turn), (other, -first_turn))):
             hub_xy = np.round(hub_xy, 4)
-            here = self.writer._tip[-1][:2]
+            here = self.writer.tip_mm[:2]
             end = start if number == 0 else other + _turned(start - other, turn * angle)
             nodes = self.writer.arc_to(tuple(end), tuple(hub_xy), turn=turn, feed=feed)
             true_rho = np.hypot(*(here - hub_xy))
@@ -286,6 +286,7 @@ def random_part(
     motion: dict[str, float],
     spindle_stops: bool = False,
     cells: int = 14,
+    offset_mm: np.ndarray | None = None,
 ) -> Part:
     """A part that fits the travel, features in random cells in random order.
 
@@ -293,18 +294,22 @@ def random_part(
     ----------
     motion : keyword arguments of `ProgramWriter`
     spindle_stops : the spindle rests during some of the pauses
+    offset_mm : machine coordinates of the workpiece zero, where another part stood before
     """
     pitch = np.array([rng.uniform(146, 152), rng.uniform(144, 150)])
     room = np.array([-travel_mm[a][0] for a in "XY"]) - 30.0
     counts = np.floor(room / pitch).astype(int)
-    offset = np.array([-room[0] - 10, -room[1] - 10, float(rng.integers(-42, -36) * 10)])
+    height = float(rng.integers(-42, -36) * 10)
+    offset = np.array([-room[0] - 10, -room[1] - 10, height]) if offset_mm is None else offset_mm
     writer = ProgramWriter(offset, **motion)
     builder = _Builder(rng, writer)
     grid = [(i + 0.5, j + 0.5) for i in range(counts[0]) for j in range(counts[1])]
     places = [pitch * grid[k] for k in rng.permutation(len(grid))[:cells]]
-    kinds = [FEATURES[k % len(FEATURES)] for k in range(len(places))]
-    rng.shuffle(kinds)
     blocks = np.array_split(np.arange(len(places)), 4)
+    kinds = {}
+    for tool in (0, 1):  # every kind of feature by both tools
+        mine = np.concatenate([blocks[tool], blocks[tool + 2]])
+        kinds |= dict(zip(mine, rng.permutation(FEATURES), strict=False))
     for number, block in enumerate(blocks):
         writer.change(TOOLS[number % 2])
         for k in block:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["Path3", "ProgramWriter", "Tool", "WayPoint"]
+__all__ = ["Path3", "ProgramWriter", "Tool"]
 
 #: chords of an arc in the record of the path (positions at contacts are exact, not chorded)
 CHORD_RAD = np.deg2rad(1.0)
@@ -20,14 +20,6 @@ class Tool:
     diameter_mm: float
     length_mm: float
     rpm: float
-
-
-@dataclass(frozen=True)
-class WayPoint:
-    """Where on the path something happened: node before it, and the share of the way to the next."""
-
-    node: int
-    share: float
 
 
 @dataclass(frozen=True)
@@ -59,6 +51,11 @@ class ProgramWriter:
         self.tool: Tool | None = None
         self._tip, self._nose, self._time, self._cut, self._rpm = [], [], [], [], []
         self._clock, self._spindle, self._block = 0.0, 0.0, 0
+
+    @property
+    def tip_mm(self) -> np.ndarray:
+        """Where the tip is."""
+        return self._tip[-1]
 
     @property
     def node(self) -> int:
@@ -137,7 +134,7 @@ class ProgramWriter:
         radius = np.hypot(*arm)
         for k in range(1, count + 1):
             c, s = np.cos(sweep * k / count), np.sin(sweep * k / count)
-            xy = centre + [c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]]
+            xy = centre + np.array([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]])
             self._clock += radius * abs(sweep) / count / feed * 60
             self._put(np.array([*xy, here[2]]), cutting=True)
         return start, self.node

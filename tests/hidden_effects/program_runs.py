@@ -1,0 +1,71 @@
+"""The program from outside: its commands and the files that they write, nothing else."""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+import time
+from contextlib import redirect_stderr, redirect_stdout
+from pathlib import Path
+
+import numpy as np
+
+from vmach.cli import main
+
+from .experiment import alignment_columns
+from .part import Part
+
+__all__ = ["add", "aligned_rms_um", "diagnose", "predicted_um"]
+
+
+def _vmach(*words: object) -> str:
+    """The command line's own entry, in this process: starting Python costs more than asking."""
+    told = io.StringIO()
+    argv, sys.argv = sys.argv, ["vmach", *map(str, words)]
+    try:
+        with redirect_stdout(told), redirect_stderr(told):
+            main()
+    except SystemExit as end:
+        if end.code:
+            raise RuntimeError(f"vmach {words[0]}: exit {end.code}\n{told.getvalue()}") from None
+    finally:
+        sys.argv = argv
+    return told.getvalue()
+
+
+def diagnose(folder: Path) -> tuple[dict, float]:
+    """Report, and seconds that it took."""
+    start, out = time.perf_counter(), folder / "diagnosis.json"
+    _vmach("diagnose", folder / "job.toml", "--json", out)
+    return json.loads(out.read_text()), time.perf_counter() - start
+
+
+def add(folder: Path, report: dict) -> Path:
+    """Put what was named into a new job beside the old one."""
+    job = folder / "job_added.toml"
+    job.unlink(missing_ok=True)
+    effects = [
+        f"{e['effect']}:{e['target']}" if e["target"] else e["effect"] for e in report["effects"]
+    ]
+    _vmach("add", folder / "job.toml", *effects, "-o", job)
+    return job
+
+
+def predicted_um(job: Path, points: Path, *, program: Path | None = None, model: str = "abbe"):
+    """Measured minus predicted deviation of every point that the program says it cut, um."""
+    out = points.with_suffix(f".{job.stem}.{model}.csv")
+    extra = ["--program", program] if program else []
+    _vmach("predict", job, "--points", points, "--model", model, "-o", out, *extra)
+    told = np.genfromtxt(out, delimiter=",", names=True, dtype=None, encoding="utf-8")
+    rows = np.genfromtxt(points, delimiter=",", names=True, dtype=None, encoding="utf-8")
+    assert set(told["status"]) == {"cut"}
+    measured = sum((rows["m" + a] - rows[a]) * rows[b] for a, b in zip("xyz", "ijk", strict=True))
+    return measured * 1e3 - told["deviation_um"]
+
+
+def aligned_rms_um(residual_um: np.ndarray, part: Part) -> float:
+    """RMS after the six numbers of the part's alignment."""
+    columns = alignment_columns(part)
+    fit = np.linalg.lstsq(columns, residual_um, rcond=None)[0]
+    return float(np.sqrt(np.mean((residual_um - columns @ fit) ** 2)))
