@@ -247,7 +247,7 @@ def _descend(cut, i, span, line, h, s, limit):
                 step = _between(low, at_low, high, at_high) - s
                 step *= 8.0 if again else 1.0  # get past the kink, to close in from both sides
         s += step
-        if turn % 3 == 2 and not fresh or not low <= s <= high:
+        if (turn % 3 == 2 and not fresh) or not low <= s <= high:
             s = 0.5 * (low + high)
         again, was_before = before == was_before, before
     return best_value, best_h, best_s

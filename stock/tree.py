@@ -68,7 +68,7 @@ def build_trees(motion: Motion, sweeps: Sweeps, reach_of_tool_mm: np.ndarray) ->
     sweep, span = _pieces(motion, sweeps.sweep_rad != 0.0)
     box = _piece_boxes(motion, sweep, span)
     first_piece, piece_count, first_node, leaves = [], [], [], []
-    order, done, nodes = [], 0, 0
+    order, done, nodes = [np.zeros(0, dtype=np.int64)], 0, 0
     for t in range(len(reach_of_tool_mm)):
         mine = np.flatnonzero(sweeps.tool[sweep] == t)
         mine = mine[morton_order(0.5 * (box[mine, :3] + box[mine, 3:]))]

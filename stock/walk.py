@@ -90,7 +90,7 @@ def _walk(work, line, blank, reach, todo):
             return (CUT if sweep >= 0 else UNCUT), h, sweep, s
         h = 0.0
     h, sweep, s = _walk_in(work, line, h, reach, todo)
-    if h <= -reach or h < blank[0]:
+    if h <= -reach or h <= blank[0] + TOUCH_MM:
         return GOUGED, 0.0, -1, 0.0
     return (CUT if sweep >= 0 else UNCUT), h, sweep, s
 

@@ -1,0 +1,112 @@
+"""The engine against brute force over all moves: oblique lines, random sweeps of all tools."""
+
+import numpy as np
+import pytest
+
+from stock import Sweeps, find_edges, make_tool
+from tests.oracle import stock_brute_force as brute
+
+TOOLS = [
+    {"shape": "flat", "diameter_mm": 6.0, "length_mm": 20.0},
+    {"shape": "ball", "diameter_mm": 5.0, "length_mm": 20.0},
+    {"shape": "bull", "diameter_mm": 8.0, "length_mm": 20.0, "corner_radius_mm": 1.5},
+    {
+        "shape": "chamfer",
+        "diameter_mm": 6.0,
+        "length_mm": 15.0,
+        "tip_diameter_mm": 1.0,
+        "angle_deg": 90.0,
+    },
+    {"shape": "drill", "diameter_mm": 4.0, "length_mm": 20.0, "angle_deg": 118.0},
+]
+
+
+def arc_like(rng, start):
+    """Centre, axis, angle and end of a random arc, helix or spiral from `start`."""
+    axis = np.eye(3)[rng.choice([0, 1, 2, 2, 2])]
+    radial = np.cross(axis, rng.normal(size=3))
+    radial /= np.linalg.norm(radial)
+    radius, growth = rng.uniform(0.5, 20.0), rng.choice([0.0, rng.uniform(-0.1, 0.1)])
+    angle = rng.choice([-1.0, 1.0]) * min(5.0 / radius, 6.0) * rng.uniform(0.2, 1.0)
+    rise = rng.choice([0.0, rng.uniform(-1.0, 1.0)])
+    centre = start - radius * radial
+    turned = np.cos(angle) * radial + np.sin(angle) * np.cross(axis, radial)
+    return centre, axis, angle, centre + (radius + growth) * turned + rise * axis
+
+
+def random_sweeps(rng, count, *, arcs, shift, tilt):
+    start = rng.uniform(-6.0, 6.0, (count, 3)) * [1.0, 1.0, 0.3]
+    way = rng.normal(size=(count, 3))
+    end = start + way * (rng.uniform(0.5, 5.0, count) / np.linalg.norm(way, axis=1))[:, None]
+    centre, axis, angle = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
+    for i in range(0, count if arcs else 0, 2):
+        centre[i], axis[i], angle[i], end[i] = arc_like(rng, start[i])
+    return Sweeps(
+        start_mm=start,
+        end_mm=end,
+        centre_mm=centre,
+        axis=axis,
+        sweep_rad=angle,
+        tool=rng.integers(len(TOOLS), size=count),
+        move=np.arange(count),
+        shift_mm=shift * rng.normal(size=(count, 2, 3)),
+        shift_slope_mm=shift * rng.normal(size=(count, 2, 3)),
+        tilt_rad=tilt * rng.normal(size=(count, 2, 3)),
+        tilt_slope_rad=tilt * rng.normal(size=(count, 2, 3)),
+    )
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("arcs", [False, True], ids=["lines", "arcs"])
+@pytest.mark.parametrize(
+    ("shift", "tilt"),
+    [(0.0, 0.0), (0.01, 0.0), (0.1, 1e-4)],
+    ids=["perfect", "shifted", "far and tilted"],
+)
+def test_random_oblique_lines(seed, arcs, shift, tilt):
+    rng = np.random.default_rng(seed)
+    sweeps = random_sweeps(rng, 12, arcs=arcs, shift=shift, tilt=tilt)
+    points = rng.uniform(-6.0, 6.0, (25, 3)) * [1.0, 1.0, 0.5]
+    normals = rng.normal(size=(25, 3))
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    reach = 3.0
+    tools = [make_tool(**tool) for tool in TOOLS]
+    found = find_edges(points, normals, sweeps=sweeps, tools=tools, blank_mm=None, reach_mm=reach)
+    assert len(set(found.status)) == 3  # each state occurs
+    for k in range(len(points)):
+        state, h = brute.edge(sweeps, TOOLS, points[k], normals[k], reach)
+        assert found.status[k] == state
+        assert found.deviation_mm[k] == pytest.approx(h, abs=1e-9)
+
+
+@pytest.mark.parametrize("shape", range(len(TOOLS)), ids=[tool["shape"] for tool in TOOLS])
+def test_points_near_a_displaced_raster(shape):
+    """Overlapping passes of one tool, points on the level that they leave."""
+    rng = np.random.default_rng(shape)
+    rows = np.arange(12) * 0.6
+    nodes = np.stack(np.meshgrid(np.linspace(0.0, 8.0, 4), rows, [0.0], indexing="ij"), axis=-1)
+    nodes = nodes.reshape(4, 12, 3)
+    start, end = nodes[:-1].reshape(-1, 3), nodes[1:].reshape(-1, 3)
+    count = len(start)
+    sweeps = Sweeps(
+        start_mm=start,
+        end_mm=end,
+        centre_mm=np.zeros((count, 3)),
+        axis=np.zeros((count, 3)),
+        sweep_rad=np.zeros(count),
+        tool=np.full(count, shape),
+        move=np.arange(count),
+        shift_mm=0.005 * rng.normal(size=(count, 2, 3)),
+        shift_slope_mm=0.002 * rng.normal(size=(count, 2, 3)),
+        tilt_rad=np.zeros((count, 2, 3)),
+        tilt_slope_rad=np.zeros((count, 2, 3)),
+    )
+    points = rng.uniform([1.0, 1.0, -0.01], [7.0, 6.0, 0.05], (12, 3))
+    normals = rng.normal(size=(12, 3)) * 0.1 + [0.0, 0.0, 1.0]
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    tools = [make_tool(**tool) for tool in TOOLS]
+    found = find_edges(points, normals, sweeps=sweeps, tools=tools, blank_mm=None)
+    for k in range(len(points)):
+        state, h = brute.edge(sweeps, TOOLS, points[k], normals[k], 1.0)
+        assert found.status[k] == state
+        assert found.deviation_mm[k] == pytest.approx(h, abs=1e-9)
