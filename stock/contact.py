@@ -312,8 +312,10 @@ def entry(cut, i, span, line, most):
         if turn == 0 and distance < -TOUCH_MM:
             return -np.inf, s
         if abs(distance) <= TOUCH_MM and by_h > -_PARALLEL:
-            touches = turn > 0 or _touches_on(cut, i, span, line, s)
-            return (h if touches else np.inf), s
+            if turn == 0:  # a touch at the start counts if it goes on
+                begin = closest(cut, i, span, line, _PROBE_MM, s, TOUCH_MM)[0]
+                h = h if begin <= TOUCH_MM else np.inf
+            return h, s
         if abs(distance) <= (_ROOT_MM if turn > 0 else TOUCH_MM):
             return h - distance / by_h, s
         if 0.0 < distance < _NEAR_MM:
@@ -367,11 +369,6 @@ def _meet_rim(cut, i, span, line, near):
         x, x1, _, d = _seen_from_tool(cut, i, s, line, h)
         rho = max(math.sqrt(x[0] * x[0] + x[1] * x[1]), 1e-12)
     return False, h, s
-
-
-@inlined()
-def _touches_on(cut, i, span, line, s):
-    return closest(cut, i, span, line, _PROBE_MM, s, TOUCH_MM)[0] <= TOUCH_MM
 
 
 @kernel()

@@ -80,16 +80,16 @@ def _walk(work, line, blank, reach, todo):
     work = unowned(work)
     if blank[0] > TOUCH_MM or blank[1] < -reach:
         return GOUGED, 0.0, -1, 0.0
-    h, sweep, s = 0.0, -1, 0.0
-    inside = blank[1] < -TOUCH_MM
-    if inside:
-        h = blank[1]
-    else:
+    h, sweep, s = blank[1], -1, 0.0
+    if h >= -TOUCH_MM:
         inside, h, sweep, s = _walk_out(work, line, min(reach, max(blank[1], 0.0)), todo)
         if not inside:
             return (CUT if sweep >= 0 else UNCUT), h, sweep, s
         h = 0.0
-    h, sweep, s = _walk_in(work, line, h, reach, todo)
+    before = np.inf
+    while -reach < h < before:  # until a pass finds no more air
+        before = h
+        h, sweep, s = _pass_in(work, line, (h, sweep, s), reach, todo)
     if h <= -reach or h <= blank[0] + TOUCH_MM:
         return GOUGED, 0.0, -1, 0.0
     return (CUT if sweep >= 0 else UNCUT), h, sweep, s
@@ -180,19 +180,6 @@ def _push_children(work, tool, q, node, place):
             left,
         )
     return top + 2
-
-
-@kernel()
-def _walk_in(work, line, h, reach, todo):
-    """Follow overlapping sweeps inwards from h, in air, until material begins."""
-    work = unowned(work)
-    sweep, s = -1, 0.0
-    while h > -reach:
-        before = h
-        h, sweep, s = _pass_in(work, line, (h, sweep, s), reach, todo)
-        if h == before:
-            break
-    return h, sweep, s
 
 
 @kernel()
