@@ -73,7 +73,8 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
     )
     if found.failures:
         lines.append("Where the model fails:")
-        lines += [f"  {f.by:14s} p = {f.p:.1g}  {f.text}" for f in found.failures[:6]]
+        clearest = {f.by: f for f in reversed(found.failures)}
+        lines += [f"  {f.by:14s} p = {f.p:.1g}  {f.text}" for f in reversed(clearest.values())]
     unseen = [b for b in found.blind_spots if b.from_size is not None][:6]
     if unseen:
         lines.append("These measurements would not see:")
