@@ -7,12 +7,12 @@ from functools import partial
 from numba import njit, types
 from numba.extending import intrinsic
 
-__all__ = ["inlined", "kernel", "unowned"]
+__all__ = ["njit_inlined", "njit_kernel", "unowned"]
 
 #: machine code, kept between runs, that leaves the interpreter's lock alone
-kernel = partial(njit, cache=True, nogil=True, error_model="numpy")
+njit_kernel = partial(njit, cache=True, nogil=True, error_model="numpy")
 #: the same, put into its caller: the records that kernels share are costly to hand over
-inlined = partial(kernel, forceinline=True)
+njit_inlined = partial(njit_kernel, forceinline=True)
 
 
 @intrinsic

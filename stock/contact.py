@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stock.compiled import inlined, kernel, unowned
+from stock.compiled import njit_inlined, njit_kernel, unowned
 from stock.motion import Motion, arc_of, bend_of, ripple_of, tilt_at, tip_at, tool_of
 from stock.outline import Outlines, signed_distance
 
@@ -45,14 +45,14 @@ class Cut(NamedTuple):
     outlines: Outlines
 
 
-@inlined()
+@njit_inlined()
 def point_at(line, h):
     """The line's point at h."""
     p, n = line
     return (p[0] + h * n[0], p[1] + h * n[1], p[2] + h * n[2])
 
 
-@inlined()
+@njit_inlined()
 def phi(cut, i, s, line, h):
     """Distance of the line's point at h from the tool of sweep i standing at s.
 
@@ -86,7 +86,7 @@ def phi(cut, i, s, line, h):
     return value, by_s, by_ss, by_h, curvature
 
 
-@inlined()
+@njit_inlined()
 def _seen_from_tool(cut, i, s, line, h):
     """The line's point, its first and second derivative by s, and by h, in the tool's frame."""
     p, n = line
@@ -98,7 +98,7 @@ def _seen_from_tool(cut, i, s, line, h):
     return x, x1, x2, d
 
 
-@inlined()
+@njit_inlined()
 def _untilted(motion, i, s, vectors):
     """Take the tilt off: solve x + tilt x x = y for x and its derivatives, and for d."""
     y, y1, y2, d = vectors
@@ -109,7 +109,7 @@ def _untilted(motion, i, s, vectors):
     return x, x1, x2, _solved(t, d)
 
 
-@inlined()
+@njit_inlined()
 def _solved(t, y):
     """x with x + t x x = y, that is (y - t x y + t (t.y)) / (1 + t.t)."""
     c = _cross(t, y)
@@ -122,7 +122,7 @@ def _solved(t, y):
     )
 
 
-@inlined()
+@njit_inlined()
 def _cross(a, b):
     return (
         a[1] * b[2] - a[2] * b[1],
@@ -131,12 +131,12 @@ def _cross(a, b):
     )
 
 
-@inlined()
+@njit_inlined()
 def _minus(a, b, k):
     return (a[0] - k * b[0], a[1] - k * b[1], a[2] - k * b[2])
 
 
-@inlined()
+@njit_inlined()
 def guess(cut, i, span, line, h):
     """A start for the search of the nearest s: exact for level lines and arcs about +-Z."""
     p, n = line
@@ -165,7 +165,7 @@ def guess(cut, i, span, line, h):
     return min(max(s, span[0]), span[1])
 
 
-@kernel()
+@njit_kernel()
 def closest(cut, i, span, line, h, s, limit):
     """psi: the least distance from the sweep's piece `span` of the line's point at h.
 
@@ -198,7 +198,7 @@ def closest(cut, i, span, line, h, s, limit):
     return best
 
 
-@inlined()
+@njit_inlined()
 def _level(motion, i):
     """Whether sweep i is a line, or an arc in a plane square to the tool axis.
 
@@ -209,7 +209,7 @@ def _level(motion, i):
     return k < 0 or (a[k, 1, 2] == 0.0 and a[k, 2, 2] == 0.0 and a[k, 3, 2] == 0.0)
 
 
-@kernel()
+@njit_kernel()
 def _descend(cut, i, span, line, h, s, limit):
     """Newton's method on the derivative by s, kept in a bracket by its sign."""
     cut = unowned(cut)
@@ -253,14 +253,14 @@ def _descend(cut, i, span, line, h, s, limit):
     return best_value, best_h, best_s
 
 
-@inlined()
+@njit_inlined()
 def _between(low, at_low, high, at_high):
     """Where the tangents at both ends of the bracket meet: at once at the tip of a kink."""
     s = (at_high[0] - at_low[0] + at_low[1] * low - at_high[1] * high) / (at_low[1] - at_high[1])
     return s if low < s < high else 0.5 * (low + high)
 
 
-@inlined()
+@njit_inlined()
 def _has_valley(cut, i, span, line, h, s):
     """Whether phi is so level along s around its minimum that the displacement may ripple it."""
     width = span[1] - span[0]
@@ -278,7 +278,7 @@ def _has_valley(cut, i, span, line, h, s):
     return False
 
 
-@kernel()
+@njit_kernel()
 def _lowest_of_parts(cut, i, span, line, h, best):
     """Look for a lower minimum in each part of the span that can have one."""
     cut = unowned(cut)
@@ -292,7 +292,7 @@ def _lowest_of_parts(cut, i, span, line, h, best):
     return best
 
 
-@kernel()
+@njit_kernel()
 def entry(cut, i, span, line, most):
     """First h, going outwards from 0, at which the line is in the sweep's piece or touches it.
 
@@ -338,7 +338,7 @@ def entry(cut, i, span, line, most):
     return h, s
 
 
-@kernel()
+@njit_kernel()
 def _meet_rim(cut, i, span, line, near):
     """Solve for the h and s at which the line goes through a sharp rim of the moving tool.
 
@@ -371,7 +371,7 @@ def _meet_rim(cut, i, span, line, near):
     return False, h, s
 
 
-@kernel()
+@njit_kernel()
 def exit_below(cut, i, span, line, h, least):
     """Where the line, followed inwards from h, leaves the sweep's piece.
 
@@ -403,7 +403,7 @@ def exit_below(cut, i, span, line, h, least):
     return h, s, False
 
 
-@inlined()
+@njit_inlined()
 def _exit_standing(cut, i, s, line, h, least):
     """Where the line, from h inwards, leaves the convex tool that stands at s."""
     distance, _, _, by_h, _ = phi(cut, i, s, line, h)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stock.compiled import inlined, kernel
+from stock.compiled import njit_inlined, njit_kernel
 from stock.errors import StockError
 from stock.sweeps import Sweeps
 
@@ -95,7 +95,7 @@ def build_motion(sweeps: Sweeps, reach_of_tool_mm: np.ndarray) -> Motion:
     return Motion(path, tilt, arcs)
 
 
-@kernel()
+@njit_kernel()
 def _hermite(value, slope, cubic):
     """Write the power coefficients of the cubic with these end values and end slopes."""
     for i in range(len(value)):
@@ -107,7 +107,7 @@ def _hermite(value, slope, cubic):
             cubic[i, 9 + j] = slope[i, 0, j] + slope[i, 1, j] - 2.0 * rise
 
 
-@kernel()
+@njit_kernel()
 def _largest_second_derivative(cubic):
     """Largest norm of the second derivative over s in [0, 1]: it is linear, so at an end."""
     largest = np.empty(len(cubic))
@@ -120,7 +120,7 @@ def _largest_second_derivative(cubic):
     return largest
 
 
-@kernel()
+@njit_kernel()
 def _add_lines(path, straight, start, end):
     for i in range(len(path)):
         if straight[i]:
@@ -168,31 +168,31 @@ def _turned(vector: np.ndarray, axis: np.ndarray, angle: np.ndarray) -> np.ndarr
     return vector * np.cos(angle) + np.cross(axis, vector) * np.sin(angle)
 
 
-@inlined()
+@njit_inlined()
 def ripple_of(motion, i):
     """Bound on how far sweep `i` is from convex: see `Motion.path`, mm."""
     return motion.path[i, _RIPPLE]
 
 
-@inlined()
+@njit_inlined()
 def bend_of(motion, i):
     """Bound on the second derivative by s of any tool point's way on sweep `i`, mm."""
     return motion.path[i, _BEND]
 
 
-@inlined()
+@njit_inlined()
 def arc_of(motion, i):
     """Row of sweep `i` in `Motion.arcs`, -1 where it is straight."""
     return int(motion.path[i, _ARC])
 
 
-@inlined()
+@njit_inlined()
 def tool_of(motion, i):
     """Index of the tool of sweep `i`."""
     return int(motion.path[i, _TOOL])
 
 
-@inlined()
+@njit_inlined()
 def _cubic(a, i, j, s):
     """Value and two derivatives of component j of polynomial i."""
     c1, c2, c3 = a[i, 3 + j], a[i, 6 + j], a[i, 9 + j]
@@ -200,7 +200,7 @@ def _cubic(a, i, j, s):
     return value, c1 + s * (2.0 * c2 + s * (3.0 * c3)), 2.0 * c2 + 6.0 * s * c3
 
 
-@inlined()
+@njit_inlined()
 def _cubics(a, i, s):
     x, x1, x2 = _cubic(a, i, 0, s)
     y, y1, y2 = _cubic(a, i, 1, s)
@@ -208,7 +208,7 @@ def _cubics(a, i, s):
     return (x, y, z), (x1, y1, z1), (x2, y2, z2)
 
 
-@inlined()
+@njit_inlined()
 def _on_arc(a, k, along, across):
     return (
         along * a[k, 1, 0] + across * a[k, 2, 0],
@@ -217,12 +217,12 @@ def _on_arc(a, k, along, across):
     )
 
 
-@inlined()
+@njit_inlined()
 def _sum(u, v, w):
     return (u[0] + v[0] + w[0], u[1] + v[1] + w[1], u[2] + v[2] + w[2])
 
 
-@inlined()
+@njit_inlined()
 def tip_at(motion, i, s):
     """Position of the displaced tip of sweep `i` at `s`, and its two derivatives by s, mm."""
     place, first, second = _cubics(motion.path, i, s)
@@ -245,13 +245,13 @@ def tip_at(motion, i, s):
     )
 
 
-@inlined()
+@njit_inlined()
 def tilt_at(motion, i, s):
     """Tilt of sweep `i` at `s` and its two derivatives by s, rad."""
     return _cubics(motion.tilt, i, s)
 
 
-@kernel()
+@njit_kernel()
 def tip_positions(motion, sweep, s):
     """Positions (K, 3) of the displaced tip of the sweeps (K,) at s (K,), mm."""
     place = np.empty((len(sweep), 3))

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stock.compiled import inlined
+from stock.compiled import njit_inlined
 from stock.tools import Corner, Tool
 
 __all__ = ["Outlines", "build_outlines", "lower_bound", "signed_distance"]
@@ -102,7 +102,7 @@ def _common_normal(lower: Corner, upper: Corner) -> float:
     return 0.0 if abs(angle) < 1e-15 else angle
 
 
-@inlined()
+@njit_inlined()
 def signed_distance(outlines, tool, r, z):
     """Distance of the point (r, z) from the tool, its gradient, and the outline's curvature.
 
@@ -128,7 +128,7 @@ def signed_distance(outlines, tool, r, z):
     return best, gradient_r, gradient_z, curvature
 
 
-@inlined()
+@njit_inlined()
 def _in_cone(corners, k, dr, dz):
     return (
         corners[k, 3] * dz - corners[k, 4] * dr >= 0.0
@@ -136,7 +136,7 @@ def _in_cone(corners, k, dr, dz):
     )
 
 
-@inlined()
+@njit_inlined()
 def lower_bound(outlines, tool, r, z):
     """Bound below the distance of points at radius `r` that are no higher than `z`.
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stock.compiled import inlined, kernel
+from stock.compiled import njit_inlined, njit_kernel
 from stock.motion import Motion, bend_of, tip_at
 from stock.outline import lower_bound
 from stock.sweeps import Sweeps
@@ -111,7 +111,7 @@ def _piece_boxes(motion: Motion, sweep: np.ndarray, span: np.ndarray) -> np.ndar
     return box
 
 
-@kernel()
+@njit_kernel()
 def _bound_pieces(motion, sweep, span, part, box):
     """Box of the displaced tip over each piece: of both ends, widened by the curvature."""
     for k in range(part[0], part[1]):
@@ -131,7 +131,7 @@ def _largest_tilt(motion: Motion) -> float:
     return float(np.abs(motion.tilt).sum(axis=1).max())
 
 
-@kernel()
+@njit_kernel()
 def _fill_nodes(piece_box, piece_sweep, box, last):
     """Bound the leaves, then each node from its two children."""
     leaves = len(last) // 2
@@ -148,7 +148,7 @@ def _fill_nodes(piece_box, piece_sweep, box, last):
             box[node, 3 + j] = max(box[2 * node, 3 + j], box[2 * node + 1, 3 + j])
 
 
-@inlined()
+@njit_inlined()
 def bound_of_box(outlines, tool, box, k, q):
     """Least distance of point `q` from the tool with its tip anywhere in box `k`."""
     dx = max(box[k, 0] - q[0], 0.0, q[0] - box[k, 3])
@@ -156,7 +156,7 @@ def bound_of_box(outlines, tool, box, k, q):
     return lower_bound(outlines, tool, math.sqrt(dx * dx + dy * dy), q[2] - box[k, 2])
 
 
-@inlined()
+@njit_inlined()
 def pieces_of_leaf(trees, tool, node):
     """Begin and end of a leaf's pieces."""
     begin = trees.first_piece[tool] + LEAF * (node - trees.leaves[tool])
@@ -174,7 +174,7 @@ def morton_order(points: np.ndarray) -> np.ndarray:
     )
 
 
-@kernel()
+@njit_kernel()
 def _morton_codes(points, low, scale):
     codes = np.empty(len(points), dtype=np.uint64)
     for i in range(len(points)):
@@ -185,7 +185,7 @@ def _morton_codes(points, low, scale):
     return codes
 
 
-@inlined()
+@njit_inlined()
 def _spread(bits):
     """Put two zero bits behind each of the 16 lowest bits."""
     bits = (bits | (bits << np.uint64(32))) & np.uint64(0x1F00000000FFFF)

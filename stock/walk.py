@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stock.compiled import inlined, kernel, unowned
+from stock.compiled import njit_inlined, njit_kernel, unowned
 from stock.contact import TOUCH_MM, Cut, entry, exit_below, point_at
 from stock.threads import run_in_parts
 from stock.tree import Trees, bound_of_box, morton_order, pieces_of_leaf
@@ -59,7 +59,7 @@ def walk_lines(work, points, normals, blank, reach):
     return found
 
 
-@kernel()
+@njit_kernel()
 def _walk_part(work, points, normals, order, bounds, found):
     status, edge, parameter, sweep = found
     blank, reach = bounds
@@ -74,7 +74,7 @@ def _walk_part(work, points, normals, order, bounds, found):
             edge[i], sweep[i], parameter[i] = h, which, s
 
 
-@kernel()
+@njit_kernel()
 def _walk(work, line, blank, reach, todo):
     """State, h, sweep and s of one line; `blank` is the part of it in the blank."""
     work = unowned(work)
@@ -95,7 +95,7 @@ def _walk(work, line, blank, reach, todo):
     return (CUT if sweep >= 0 else UNCUT), h, sweep, s
 
 
-@kernel()
+@njit_kernel()
 def _blank_interval(blank, p, n):
     """The h between which the line is in the blank, grazing its faces included."""
     low, high = -np.inf, np.inf
@@ -111,7 +111,7 @@ def _blank_interval(blank, p, n):
     return low, high
 
 
-@kernel()
+@njit_kernel()
 def _walk_out(work, line, most, todo):
     """Nearest entry into any sweep going outwards; whether the start is inside one instead."""
     work = unowned(work)
@@ -143,20 +143,20 @@ def _walk_out(work, line, most, todo):
     return False, best, best_sweep, best_s
 
 
-@inlined()
+@njit_inlined()
 def _useless(bound, last, best, best_sweep):
     """Nothing at this distance can be nearer, or equally near and cut later."""
     return bound > best + TOUCH_MM or (bound > best - TOUCH_MM and last <= best_sweep)
 
 
-@inlined()
+@njit_inlined()
 def _begin(todo):
     """Put the root on the list of nodes still to visit."""
     todo[0][0], todo[1][0] = 1, -np.inf
     return 1
 
 
-@inlined()
+@njit_inlined()
 def _push_children(work, tool, q, node, place):
     """Put both children on the list, the nearer one on top; to their bounds add a constant."""
     (nodes, bounds), top, constant = place
@@ -182,7 +182,7 @@ def _push_children(work, tool, q, node, place):
     return top + 2
 
 
-@kernel()
+@njit_kernel()
 def _pass_in(work, line, state, reach, todo):
     """One way through the trees that extends the air at h by every sweep met on it.
 

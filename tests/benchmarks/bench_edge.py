@@ -67,10 +67,9 @@ def raster(moves, tool):
     start, end = tips[:, :-1].reshape(-1, 3), tips[:, 1:].reshape(-1, 3)
     count = len(start)
     ends = np.stack([start, end], axis=1)
-    phase = ends @ np.array([[0.11, 0.07, 0.13], [0.05, 0.12, 0.09], [0.0, 0.0, 0.0]])
-    way = np.einsum(
-        "ij,jk->ik", end - start, np.array([[0.11, 0.07, 0.13], [0.05, 0.12, 0.09], [0, 0, 0]])
-    )
+    waves = np.array([[0.11, 0.07, 0.13], [0.05, 0.12, 0.09], [0.0, 0.0, 0.0]])  # rad/mm
+    phase = ends @ waves
+    way = (end - start) @ waves
     zeros, pairs = np.zeros((count, 3)), np.zeros((count, 2, 3))
     return Sweeps(
         start_mm=start,
@@ -115,40 +114,43 @@ def nearest_lines(points, start, end):
 
 
 def measure(name, moves, points, normals):
-    """Seconds for all points, tree included."""
+    """Seconds and processor seconds for all points, tree included; lines, points cut, sweeps."""
     sweeps = raster(moves, TOOLS[name])
-    began = time.perf_counter()
+    began, worked = time.perf_counter(), time.process_time()
     edges = find_edges(points, normals, sweeps=sweeps, tools=[TOOLS[name]], blank_mm=None)
-    seconds = time.perf_counter() - began
-    cut = np.count_nonzero(edges.status == EdgeStatus.CUT)
-    return seconds, len(sweeps), cut, sweeps
+    seconds, busy = time.perf_counter() - began, time.process_time() - worked
+    return seconds, busy, np.count_nonzero(edges.status == EdgeStatus.CUT), sweeps
 
 
 def main():
     sizes = [int(a) for a in sys.argv[1:]] or [1_000, 10_000, 100_000, 1_000_000]
     points, normals = inspected(POINTS)
     for name in TOOLS:  # compile
-        measure(name, 100, points[:1000], normals[:1000])
-    nearest_lines(points[:1], points[:1], points[1:2])
+        sweeps = measure(name, 100, points[:1000], normals[:1000])[-1]
+    nearest_lines(points[:1], sweeps.start_mm, sweeps.end_mm)
     print(f"{POINTS} points, tree included; peer: brute force on 100 points, scaled up")
-    print("tool      moves   seconds  points/s      cut  exponent  brute force s  peak MB")
+    print("busy s: processor seconds of all cores; growth: exponent of busy s in the moves")
+    print("tool      moves   seconds   busy s  points/busy s  growth  brute force s  peak MB")
     for name in TOOLS:
         last = None
         for moves in sizes:
-            seconds, count, cut, sweeps = measure(name, moves, points, normals)
-            began = time.perf_counter()
+            seconds, busy, _, sweeps = measure(name, moves, points, normals)
+            count = len(sweeps)
+            began = time.process_time()
             nearest_lines(points[:100], sweeps.start_mm, sweeps.end_mm)
-            peer = (time.perf_counter() - began) * POINTS / 100
-            growth = np.log(seconds / last[0]) / np.log(count / last[1]) if last else np.nan
+            peer = (time.process_time() - began) * POINTS / 100
+            growth = np.log(busy / last[0]) / np.log(count / last[1]) if last else np.nan
             peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
             print(
-                f"{name:5} {count:9d} {seconds:9.3f} {POINTS / seconds:9.0f} {cut:8d}"
-                f" {growth:9.2f} {peer:14.1f} {peak:8.0f}",
+                f"{name:5} {count:9d} {seconds:9.3f} {busy:8.3f} {POINTS / busy:14.0f}"
+                f" {growth:7.2f} {peer:14.1f} {peak:8.0f}",
                 flush=True,
             )
-            last = seconds, count
-    few = measure("ball", sizes[-1], points[: POINTS // 10], normals[: POINTS // 10])[0]
-    print(f"ball, {sizes[-1]} moves, {POINTS // 10} points: {few:.3f} s")
+            last = busy, count
+    for share in (10, 1):
+        count = POINTS // share
+        busy = measure("ball", sizes[-1], points[:count], normals[:count])[1]
+        print(f"ball, {sizes[-1]} moves, {count} points: {busy:.3f} busy s")
 
 
 if __name__ == "__main__":
