@@ -50,6 +50,7 @@ def tip_error_um() -> np.ndarray:
 
 
 def main() -> None:
+    """Print the exercise with the paper\'s figures beside it."""
     sag, slope = sag_and_slope(np.array(LENGTH_MM))
     x, _, z = tip_error_um()
     print("                              here     printed in the paper")

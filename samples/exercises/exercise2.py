@@ -33,6 +33,7 @@ def matrix(errors: dict[str, float], a_mm: float, b_mm: float) -> np.ndarray:
 
 
 def main() -> None:
+    """Print the exercise with the paper\'s figures beside it."""
     print("frame 2 to frame 1, errors by their ISO 230-1 symbols (eq. 29):")
     for row in SYMBOLS:
         print("   " + "".join(f"{cell:>13}" for cell in row))

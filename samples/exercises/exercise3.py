@@ -26,6 +26,7 @@ def errors_at_b_um() -> np.ndarray:
 
 
 def main() -> None:
+    """Print the exercise with the paper\'s figures beside it."""
     print(" y, mm   dx, um    dy, um    dz, um    dy printed (Table 2)")
     for y, (error, printed) in enumerate(zip(errors_at_b_um(), PRINTED, strict=True)):
         dx, dy, dz = error
