@@ -114,7 +114,11 @@ class _Model:
         self._job, self._variant, self._effects = job, variant, effects
 
     def predicted_mm(self, states: PathStates, sensing: np.ndarray) -> np.ndarray:
-        moved = displacement(self._job.machine, states.nose_mm, states.tool_mm, self._variant)
+        machine = self._job.machine
+        direction = states.direction if machine.separate_directions else None
+        moved = displacement(
+            machine, states.nose_mm, states.tool_mm, self._variant, direction=direction
+        )
         for effect in self._effects:
             moved = moved + effect.displacement(states)
         return np.einsum("ij,ij->i", sensing, moved.shift_mm)
