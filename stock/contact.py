@@ -27,6 +27,8 @@ TOUCH_MM = 1e-9
 _ROOT_MM = 2e-13
 #: rounding of a distance, mm
 _ROUNDING_MM = 1e-12
+#: going inwards, so near an edge that it should have been reached, mm
+_RIM_MM = 1e-5
 #: how far ahead along the line a touch is asked whether it is more than one, mm
 _PROBE_MM = 1e-3
 #: the line counts as nearly parallel to the surface that it touches below this cosine
@@ -394,10 +396,15 @@ def exit_below(cut, i, span, line, h, least):
         if below >= -TOUCH_MM:
             return np.inf, s, by_h < -_PARALLEL
         h, s = begin, t
-    for _ in range(100):
+    for turn in range(100):
         lower = _exit_standing(cut, i, s, line, h, least)
         if lower <= least or h - lower < _ROOT_MM:
             return lower, s, False
+        if turn > 2 and h - lower < _RIM_MM:  # slow: the exit is through a rim
+            outside = closest(cut, i, span, line, lower - _RIM_MM, s, np.inf)[2]
+            on_rim, rim_h, rim_s = _meet_rim(cut, i, span, line, (lower - _RIM_MM, outside))
+            if on_rim and lower - _RIM_MM < rim_h < h:
+                return rim_h, rim_s, False
         h = lower
         s = closest(cut, i, span, line, h, s, TOUCH_MM)[2]
     return h, s, False
