@@ -2,9 +2,9 @@
 
 Usage: python tests/benchmarks/bench_diagnosis.py [JOB] [COUNT]
 
-JOB (default samples/missing_effect) gives the design: program, points, uncertainty. Its readings are
-replaced by the model's own plus noise, plus a draw of the tables' uncertainty, plus nothing, one
-or two effects, or a pattern that no effect makes. Effects are drawn from the library itself, so the
+JOB (default samples/missing_effect) gives the design: program, points, uncertainty. Its readings
+are replaced by the model's own plus noise, a draw of the tables' uncertainty, and nothing, one or
+two effects, or a pattern that no effect makes. Effects are drawn from the library itself, so the
 counts are an upper limit of what real causes give; experiments with independent causes are those
 of bench_trials.py.
 """

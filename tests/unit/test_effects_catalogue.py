@@ -99,7 +99,7 @@ def test_job_tables_become_effects(tmp_path):
     job = read_job(write_job(tmp_path, more=more))
     found = read_effects(job.effects, file=job.path)
     assert [e.label for e in found] == ["backlash X", "backlash Y", "scale Z", "probe_radius"]
-    assert found[0].parameters == {"reversal_um": 6.0}
+    assert found[0].parameters["reversal_um"] == 6.0
 
 
 @pytest.mark.parametrize(

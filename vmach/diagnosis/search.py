@@ -150,6 +150,7 @@ class Search:
     def run(self) -> Explanation:
         """The best set of effects, every one of them above the threshold given the others."""
         beam, finished = [self.nothing], []
+        seen = [self.nothing]
         for _ in range(_MOST_EFFECTS):
             grown: dict[frozenset[str], Explanation] = {}
             for explanation in beam:
@@ -157,12 +158,13 @@ class Search:
                     known = grown.get(child.labels)
                     if known is None or child.score > known.score:
                         grown[child.labels] = child
+            seen += grown.values()
             finished += [e for e in (*beam, *grown.values()) if self._next(e) == 0.0]
             beam = [e for e in grown.values() if self._next(e) > 0.0 and _may_beat(e, finished)]
             beam = sorted(beam, key=lambda e: -e.score - self._next(e))[:_BEAM]
             if not beam:
                 break
-        best = max([*finished, *beam], key=lambda e: e.score)
+        best = max(finished or seen, key=lambda e: e.score)
         return self._without_needless(best)
 
     def _next(self, explanation: Explanation) -> float:

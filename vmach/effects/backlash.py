@@ -1,6 +1,7 @@
 """Backlash: the carriage follows its drive only after the lost motion is taken up."""
 
-from vmach.effects.effect import Effect, along, linear
+from vmach.effects.effect import Effect, along, inner, linear
+from vmach.effects.reversal import TAKE_UP_MM, taken_up
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["Backlash"]
@@ -11,7 +12,17 @@ class Backlash(Effect):
 
     name = "backlash"
     title = "backlash (lost motion at reversal)"
-    parameters = (linear("reversal_um", "reversal value B of ISO 230-2", usual=10.0),)
+    parameters = (
+        linear("reversal_um", "reversal value B of ISO 230-2", usual=10.0),
+        inner(
+            "take_up_mm",
+            "way over which the lost motion is taken up to 63 %",
+            TAKE_UP_MM,
+            usual=0.005,
+            spread=1.5,
+            optional=True,
+        ),
+    )
     usual_size = "3 to 15 um on a machining centre, 30 um and more when worn"
     confirm = (
         "approach one position from both sides with a dial gauge or laser; the difference does "
@@ -20,6 +31,6 @@ class Backlash(Effect):
     cure = "preload the nut or the bearing, or set the control's backlash compensation"
     source = "ISO 230-2, reversal value"
 
-    def displacement(self, path, target, reversal_um):
-        side = path.direction[:, LINEAR_AXES.index(target)]
+    def displacement(self, path, target, reversal_um, take_up_mm):
+        side = taken_up(path, LINEAR_AXES.index(target), take_up_mm)
         return along(target, -0.5e-3 * reversal_um * side)

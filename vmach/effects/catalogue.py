@@ -198,6 +198,9 @@ def set_up_effect(
         if parameter.name not in needed and parameter.name not in parameters:
             continue
         keys = [name, target, parameter.name] if target else [name, parameter.name]
+        if parameter.name not in parameters and parameter.optional:
+            checked[parameter.name] = parameter.usual
+            continue
         if parameter.name not in parameters:
             raise _error(
                 f"effect '{name}': '{parameter.name}' is missing ({parameter.meaning})",

@@ -42,6 +42,8 @@ class Parameter:
     spread : float
         Of an inner parameter: how far from the usual value it may well be, as the standard
         deviation of its logarithm; infinite where any value is as good as another.
+    optional : bool
+        Whether a job may leave it out; it then has its usual value.
     """
 
     name: str
@@ -51,6 +53,7 @@ class Parameter:
     usual: float
     grid: tuple[float, ...] = ()
     spread: float = math.inf
+    optional: bool = False
 
     @property
     def is_linear(self) -> bool:
@@ -64,12 +67,18 @@ def linear(name: str, meaning: str, *, usual: float) -> Parameter:
 
 
 def inner(
-    name: str, meaning: str, grid: Sequence[float], *, usual: float, spread: float = math.inf
+    name: str,
+    meaning: str,
+    grid: Sequence[float],
+    *,
+    usual: float,
+    spread: float = math.inf,
+    optional: bool = False,
 ) -> Parameter:
     """A parameter inside the function: time constant, pitch, exponent."""
     values = tuple(float(value) for value in grid)
     low, high = 0.25 * min(values), 4.0 * max(values)
-    return Parameter(name, meaning, low, high, usual, values, spread)
+    return Parameter(name, meaning, low, high, usual, values, spread, optional)
 
 
 def along(axis: str, amount_mm: np.ndarray) -> np.ndarray:

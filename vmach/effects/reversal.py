@@ -2,10 +2,21 @@
 
 import numpy as np
 
+from vmach.effects.circumstances import Circumstances
 from vmach.effects.effect import Effect, along, inner, linear
 from vmach.machine import LINEAR_AXES
 
-__all__ = ["Hysteresis", "LateralPlay", "QuadrantGlitch"]
+__all__ = ["TAKE_UP_MM", "Hysteresis", "LateralPlay", "QuadrantGlitch", "taken_up"]
+
+
+#: ways over which lost motion may be taken up
+TAKE_UP_MM = (0.0025, 0.01, 0.03, 0.1)
+
+
+def taken_up(path: Circumstances, axis: int, way_mm: float) -> np.ndarray:
+    """Side of an axis, going over from -1 to +1 with the way since it reversed, (P,)."""
+    gone = np.exp(-path.travel_since_reversal_mm[:, axis] / way_mm)
+    return path.direction[:, axis] * (1.0 - 2.0 * gone)
 
 
 class QuadrantGlitch(Effect):
@@ -49,9 +60,8 @@ class Hysteresis(Effect):
     cure = "mend the guide's preload; always approach from one side with the same overrun"
 
     def displacement(self, path, target, width_um, way_mm):
-        axis = LINEAR_AXES.index(target)
-        built = 1.0 - 2.0 * np.exp(-path.travel_since_reversal_mm[:, axis] / way_mm)
-        return along(target, -0.5e-3 * width_um * path.direction[:, axis] * built)
+        side = taken_up(path, LINEAR_AXES.index(target), way_mm)
+        return along(target, -0.5e-3 * width_um * side)
 
 
 class LateralPlay(Effect):
@@ -59,13 +69,23 @@ class LateralPlay(Effect):
 
     name = "lateral_play"
     title = "lateral play of a guide"
-    parameters = (linear("play_um", "sideways difference between both directions", usual=5.0),)
+    parameters = (
+        linear("play_um", "sideways difference between both directions", usual=5.0),
+        inner(
+            "take_up_mm",
+            "way over which the carriage shifts to 63 %",
+            TAKE_UP_MM,
+            usual=0.005,
+            spread=1.5,
+            optional=True,
+        ),
+    )
     targets = ("XY", "XZ", "YX", "YZ", "ZX", "ZY")
     rarity = 1.0
     usual_size = "1 to 10 um"
     confirm = "dial gauge across the guide while the axis reverses"
     cure = "set the gibs or the guide's preload"
 
-    def displacement(self, path, target, play_um):
-        side = path.direction[:, LINEAR_AXES.index(target[0])]
+    def displacement(self, path, target, play_um, take_up_mm):
+        side = taken_up(path, LINEAR_AXES.index(target[0]), take_up_mm)
         return along(target[1], 0.5e-3 * play_um * side)
