@@ -79,7 +79,7 @@ def test_play_operator_against_brute_force(job):
 def test_backlash_is_half_the_reversal_value_to_each_side(job):
     states, angle = circle()
     path = Circumstances(states, job)
-    moved = catalogue()["backlash"].displacement(path, "X", reversal_um=6.0)
+    moved = catalogue()["backlash"].displacement(path, "X", reversal_um=6.0, take_up_mm=0.005)
     later = np.abs(np.sin(2 * angle)) > 0.05
     np.testing.assert_allclose(moved[later, 0], 3e-3 * np.sign(np.sin(angle[later])))
 
@@ -104,7 +104,9 @@ def test_servo_lag_is_the_second_order_of_a_simulated_lag(job):
     tau, radius, seconds = 2e-3, 20.0, 2.0
     states, angle = circle(radius, seconds)
     path = Circumstances(states, job)
-    moved = catalogue()["servo_lag"].displacement(path, "", lag_ms2=(1e3 * tau) ** 2)
+    moved = catalogue()["servo_lag"].displacement(
+        path, "", lag_ms2=(1e3 * tau) ** 2, polyline_share=1.0
+    )
     out = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
     shrink = np.einsum("ij,ij->i", moved, out)
     rate = 2 * np.pi / seconds

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from gcode import MoveKind
 from vmach.effects.effect import Effect, inner, linear
 from vmach.machine import LINEAR_AXES
 
@@ -13,15 +14,27 @@ class ServoLag(Effect):
 
     name = "servo_lag"
     title = "lag of the position loop (circles too small)"
-    parameters = (linear("lag_ms2", "square of the time constant 1/Kv", usual=25.0),)
+    parameters = (
+        linear("lag_ms2", "square of the time constant 1/Kv", usual=25.0),
+        inner(
+            "polyline_share",
+            "share of the curvature of short straight moves that counts, beside true arcs",
+            (0.02, 1.0),
+            usual=1.0,
+            spread=3.0,
+            optional=True,
+        ),
+    )
     targets = ("",)
     usual_size = "6 um at 4 m/min on a radius of 150 mm with Kv 50 1/s"
     confirm = "ballbar or a milled circle at two feeds: the shrinking goes with feed squared"
     cure = "raise Kv or switch feed-forward on; less feed on small radii"
     source = "second order of the lag 1/(1 + s/Kv)"
 
-    def displacement(self, path, target, lag_ms2):
-        return 0.5e-6 * lag_ms2 * path.acceleration_mm_per_s2
+    def displacement(self, path, target, lag_ms2, polyline_share):
+        on_arc = path.moves.kind[path.states.move] == MoveKind.ARC
+        share = np.where(on_arc, 1.0, polyline_share)
+        return 0.5e-6 * lag_ms2 * share[:, None] * path.acceleration_mm_per_s2
 
 
 class ServoMismatch(Effect):
