@@ -69,6 +69,8 @@ class ProgramWriter:
 
     def change(self, tool: Tool) -> None:
         """Tool change, spindle on, length offset."""
+        if self._tip:  # high enough that a longer tool hangs clear of the part
+            self.rapid_to(z=100.0)
         self.write(f"T{tool.number} M6")
         self._clock += self.tool_change_s
         self.tool = tool
