@@ -169,7 +169,15 @@ def test_radial_depth_is_the_allowance_of_the_roughing_pass(tmp_path):
     path = Circumstances(states, job)
     np.testing.assert_allclose(path.radial_depth_mm, 0.5, atol=2e-3)
     moved = catalogue()["tool_deflection"].displacement(
-        path, "", tool_um=4.0, machine_um=0.0, taper_um=0.0, feed_exponent=1.0, allowance_mm=0.3
+        path,
+        "",
+        tool_um=4.0,
+        machine_um=0.0,
+        taper_um=0.0,
+        climb_um=0.0,
+        slot_um=0.0,
+        feed_exponent=1.0,
+        allowance_mm=0.3,
     )
     # (depth of cut / 10) (width / 1) (feed per tooth / 0.1) (L / 100)^3 (20 / d)^4
     depth = path.axial_depth_mm

@@ -17,6 +17,8 @@ _MARGIN = 4.0
 _NEVER_EXACT = ("tool_radius", "tool_length")
 #: effects that imitate another one when they act alike on all axes, or on all tools
 _TEAMS = ("scale", "tool_radius", "tool_length", "runout")
+#: effects with the same signature: one never counts as a team of the other
+_SAME_AS = dict.fromkeys(("tool_radius", "runout"), ("tool_radius", "runout"))
 
 
 @dataclass(frozen=True)
@@ -57,14 +59,16 @@ def _teams(search: Search, explanation: Explanation, k: int, others: Explanation
     assert explanation.fit is not None
     absorb = search.absorber(others)
     shown = absorb(search.whiten(explanation.fit.explained_mm(k)))
+    own = explanation.fit.terms[k].effect.name
     found = []
     for name in _TEAMS:
         members = [
             i
             for i, candidate in enumerate(search.candidates)
             if candidate.effect.name in (name, *_NEVER_EXACT)
+            and candidate.effect.name not in _SAME_AS.get(own, (own,))
         ]
-        if name == explanation.fit.terms[k].effect.name or not members:
+        if own in _SAME_AS.get(name, (name,)) or not members:
             continue
         span = np.hstack([search.white[i][:, 0, :] for i in members])
         basis = orthonormal(absorb(span), tolerance=1e-6)

@@ -192,32 +192,25 @@ def set_up_effect(
             raise _error(
                 f"effect '{name}' has no parameter '{key}'", file, keys, ", ".join(names), hint
             )
-    needed = _needed(effect, target)
+    needed = effect.needed(target)
     checked = {}
     for parameter in effect.parameters:
-        if parameter.name not in needed and parameter.name not in parameters:
-            continue
         keys = [name, target, parameter.name] if target else [name, parameter.name]
-        if parameter.name not in parameters and parameter.optional:
-            checked[parameter.name] = parameter.usual
-            continue
         if parameter.name not in parameters:
-            raise _error(
-                f"effect '{name}': '{parameter.name}' is missing ({parameter.meaning})",
-                file,
-                keys,
-                f"{parameter.low:g} .. {parameter.high:g}",
-            )
+            if parameter.optional:
+                checked[parameter.name] = parameter.usual
+            elif parameter.name in needed:
+                raise _error(
+                    f"effect '{name}': '{parameter.name}' is missing ({parameter.meaning})",
+                    file,
+                    keys,
+                    f"{parameter.low:g} .. {parameter.high:g}",
+                )
+            continue
         checked[parameter.name] = _in_bounds(
             parameters[parameter.name], parameter, lambda *a, k=keys: _error(a[0], file, k, a[1])
         )
     return EffectInstance(effect, target, checked, job)
-
-
-def _needed(effect: Effect, target: str) -> list[str]:
-    if effect.name == "component":
-        return ["position_mm", "correction_urad" if target[1] in "ABC" else "correction_um"]
-    return [p.name for p in effect.parameters]
 
 
 def _in_bounds(value: Any, parameter, error) -> float | list[float]:

@@ -48,6 +48,9 @@ class Component(Effect):
         lever = path.lever(target)
         return RigidDisplacement(value[:, None] * lever.shift_mm, value[:, None] * lever.tilt_rad)
 
+    def needed(self, target):
+        return ("position_mm", "correction_urad" if component_of(target)[2] else "correction_um")
+
     # a fit works with independent unit coefficients of a smooth curve ------------------------
 
     @property

@@ -11,6 +11,10 @@ __all__ = ["CyclicPitch"]
 _PITCHES_MM = 1.0 / np.arange(0.02, 0.34, 0.0005)
 
 
+#: a wave of any length goes through fewer places than this
+_PLACES = 12
+
+
 class CyclicPitch(Effect):
     """A sine of the axis position: amplitude x sin(2 pi position / pitch + phase)."""
 
@@ -30,6 +34,14 @@ class CyclicPitch(Effect):
     def displacement(self, path, target, amplitude_um, pitch_mm, phase_rad):
         angle = 2 * np.pi * path.nose_mm[:, LINEAR_AXES.index(target)] / pitch_mm
         return along(target, 1e-3 * amplitude_um * np.sin(angle + phase_rad))
+
+    def not_testable(self, path, target):
+        axis = LINEAR_AXES.index(target)
+        seen = np.ones(len(path), dtype=bool)
+        if path.states.normal is not None:
+            seen = np.abs(path.normal[:, axis]) > 0.3
+        places = len(np.unique(np.round(path.nose_mm[seen, axis], 1)))
+        return None if places >= _PLACES else f"{target} was seen at {places} places only"
 
     # a fit works with the amplitudes of sine and cosine, which enter in proportion
 

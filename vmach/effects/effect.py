@@ -142,6 +142,10 @@ class Effect(ABC):
         """The targets that this job has; those of the class unless overridden."""
         return self.targets
 
+    def needed(self, target: str) -> tuple[str, ...]:
+        """Names of the parameters that a job has to give for a target."""
+        return tuple(p.name for p in self.parameters if not p.optional)
+
     def not_testable(self, path: Circumstances, target: str) -> str | None:
         """Why these states cannot show the effect, in words, or None."""
         return None

@@ -27,6 +27,8 @@ class ToolDeflection(Effect):
         linear("tool_um", "bending of the tool in the reference cut", usual=3.0),
         linear("machine_um", "give of spindle and machine in the reference cut", usual=1.0),
         linear("taper_um", "bending at the tip minus bending at the top of the cut", usual=1.0),
+        linear("climb_um", "half of what down milling bends more than up milling", usual=1.0),
+        linear("slot_um", "bending across the way where a slot is cut from the full", usual=1.0),
         inner(
             "feed_exponent",
             "of the force with feed per tooth",
@@ -43,20 +45,35 @@ class ToolDeflection(Effect):
     )
     targets = ("",)
     needs_surface = True
-    slack_share = 0.05
+    slack_share = 0.1
     usual_size = "5 to 30 um in finishing, up to 100 um in roughing"
     confirm = "run a spring pass: the same path again without infeed takes off what was left"
     cure = "shorter or thicker tool, smaller allowance, lower feed per tooth, or a spring pass"
     source = "cantilever L^3/(3 E I); chip thickness exponent 1 - m_c after Kienzle"
 
     def displacement(
-        self, path, target, tool_um, machine_um, taper_um, feed_exponent, allowance_mm
+        self,
+        path,
+        target,
+        tool_um,
+        machine_um,
+        taper_um,
+        climb_um,
+        slot_um,
+        feed_exponent,
+        allowance_mm,
     ):
         diameter, depth = path.of_tool("diameter_mm"), path.axial_depth_mm
         width = path.radial_depth_mm
-        width = np.where(width > _SLOTTING * diameter, allowance_mm, width)
-        force = depth / 10.0 * width * (path.feed_per_tooth_mm / 0.1) ** feed_exponent
-        bending = force * (path.of_tool("length_mm") / 100.0) ** 3 * (20.0 / diameter) ** 4
+        slotting = width > _SLOTTING * diameter
+        width = np.where(slotting, allowance_mm, width)
+        force = depth / 10.0 * (path.feed_per_tooth_mm / 0.1) ** feed_exponent
+        slender = (path.of_tool("length_mm") / 100.0) ** 3 * (20.0 / diameter) ** 4
         height = path.contact_mm[:, 2] / np.where(depth > 0, depth, 1.0)
-        left_um = machine_um * force + (tool_um + taper_um * (0.5 - height)) * bending
+        # material on the right of the way is milled down by a tool that turns clockwise
+        v = path.velocity_mm_per_s
+        climbing = np.sign(path.normal[:, 1] * v[:, 0] - path.normal[:, 0] * v[:, 1])
+        share = tool_um + taper_um * (0.5 - height) + climb_um * climbing
+        left_um = (machine_um + share * slender) * width * force
+        left_um += slot_um * slotting * climbing * slender * force
         return 1e-3 * left_um[:, None] * path.side_normal

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vmach.effects.effect import Effect, along, linear
+from vmach.effects.effect import Effect, along, inner, linear
 
 __all__ = ["Runout", "ToolLength", "ToolRadius", "ToolWear"]
 
@@ -55,14 +55,26 @@ class ToolWear(_OfOneTool):
 
     name = "tool_wear"
     title = "wear of the tool"
-    parameters = (linear("wear_um_per_m", "loss of radius per metre of cut", usual=1.0),)
+    parameters = (
+        linear("wear_um", "loss of radius after the first ten metres of cut", usual=5.0),
+        inner(
+            "exponent",
+            "of the loss with the way cut; below one where a new edge wears quickly",
+            (0.5, 0.7, 0.85, 1.0, 1.4),
+            usual=1.0,
+            spread=0.5,
+            optional=True,
+        ),
+    )
     needs_surface = True
+    slack_share = 0.05
     usual_size = "10 um per 5 to 60 minutes of cutting"
     confirm = "measure the tool before and after; cut the first feature again at the end"
     cure = "change the tool earlier, or compensate its radius by way"
 
-    def displacement(self, path, target, wear_um_per_m):
-        left_mm = 1e-6 * wear_um_per_m * path.cutting_way_mm * _by(path, target)
+    def displacement(self, path, target, wear_um, exponent):
+        way = (path.cutting_way_mm / 10e3) ** exponent
+        left_mm = 1e-3 * wear_um * way * _by(path, target)
         return left_mm[:, None] * path.side_normal
 
 

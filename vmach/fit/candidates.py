@@ -76,8 +76,9 @@ def _candidate(survey: Survey, effect: Effect, target: str) -> Candidate | None:
     if not columns:
         return None
     signatures = np.stack(columns, axis=1)
-    # a usual size that is the same for all readings is a zero or an alignment
-    if np.ptp(signatures, axis=0).max(initial=0.0) < _BLIND * survey.u_mm.min():
+    # what a zero or an alignment can take up does not show
+    flat = signatures.reshape(len(survey), -1)
+    if np.abs(flat - survey.aligned(flat)).max(initial=0.0) < _BLIND * survey.u_mm.min():
         return None
     log_prior = np.array([_log_prior(effect, inner) for inner in grid])
     return Candidate(effect, target, grid, log_prior - logsumexp(log_prior), signatures)

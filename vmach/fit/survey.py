@@ -11,6 +11,7 @@ from scipy.linalg import block_diag
 
 from vmach.effects import Circumstances, Effect
 from vmach.fit.table_uncertainty import TableUncertainty
+from vmach.fit.whitening import orthonormal
 from vmach.job import Job
 from vmach.measurements import Measurement
 
@@ -52,6 +53,16 @@ class Survey:
     def nuisance(self) -> np.ndarray:
         """What the instruments leave free, (n, p)."""
         return block_diag(*(m.nuisance for m in self.measurements))
+
+    def aligned(self, columns: np.ndarray) -> np.ndarray:
+        """What the nuisance takes up of columns (n, k), by least squares, (n, k)."""
+        basis = self._nuisance_basis
+        weight = 1.0 / self.u_mm[:, None]
+        return basis @ (basis.T @ (columns * weight)) / weight
+
+    @cached_property
+    def _nuisance_basis(self) -> np.ndarray:
+        return orthonormal(self.nuisance / self.u_mm[:, None])
 
     @cached_property
     def group(self) -> np.ndarray:
