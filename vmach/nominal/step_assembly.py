@@ -16,6 +16,15 @@ from vmach.nominal.step_units import angle_unit_rad, length_unit_mm
 __all__ = ["read_solids"]
 
 _SOLIDS = ("MANIFOLD_SOLID_BREP", "BREP_WITH_VOIDS", "SHELL_BASED_SURFACE_MODEL")
+_REPRESENTATIONS = (
+    "SHAPE_REPRESENTATION",
+    "ADVANCED_BREP_SHAPE_REPRESENTATION",
+    "MANIFOLD_SURFACE_SHAPE_REPRESENTATION",
+)
+
+#: an assembly in an assembly ... more often than this is taken for a circle
+_DEEPEST = 50
+
 _WORLD = Frame(np.zeros(3), np.eye(3))
 
 
@@ -44,76 +53,76 @@ def read_solids(step: StepFile) -> list[Solid]:
 
 
 class _Assembly:
-    """Representations (lists of items in one context of units) and how they are related."""
+    """Representations (lists of items in one context of units) and how they are related.
+
+    A plain relationship says that two representations are the same thing in the same place; one
+    with a transformation puts the first into the second.
+    """
 
     def __init__(self, step: StepFile) -> None:
         self._step = step
-        self._representations = {
-            entity.number: entity
-            for kind in (
-                "SHAPE_REPRESENTATION",
-                "ADVANCED_BREP_SHAPE_REPRESENTATION",
-                "MANIFOLD_SURFACE_SHAPE_REPRESENTATION",
-                "FACETED_BREP_SHAPE_REPRESENTATION",
-            )
-            for entity in step.of_type(kind)
-        }
-        self._children: dict[int, list[tuple[int, StepEntity | None]]] = {}
+        self._same: dict[int, set[int]] = {}
+        self._parts: dict[int, list[tuple[int, StepEntity]]] = {}
         self._placed: set[int] = set()
         for entity in step.of_type("REPRESENTATION_RELATIONSHIP"):
             self._relate(entity, entity.parts["REPRESENTATION_RELATIONSHIP"])
         for entity in step.of_type("SHAPE_REPRESENTATION_RELATIONSHIP"):
             if len(entity.parts) == 1:
                 self._relate(entity, entity.arguments)
-
-    def _relate(self, entity: StepEntity, arguments: list) -> None:
-        """Note who is placed in whom: rep_1 in rep_2 if transformed, else the shape in the name."""
-        one, other = (int(reference) for reference in arguments[2:4])
-        operator = None
-        if entity.is_a("REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION"):
-            part = entity.parts["REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION"]
-            operator = self._step.entity(part[0])
-        elif self._has_solid(one) and not self._has_solid(other):
-            one, other = other, one
-        parent, child = (other, one) if operator is not None else (one, other)
-        self._children.setdefault(parent, []).append((child, operator))
-        self._placed.add(child)
+        self._shapes = [e.number for kind in _REPRESENTATIONS for e in step.of_type(kind)]
+        # mapped items in other representations are views and notes, not parts
+        for number in self._shapes:
+            for item in self._items(number):
+                if item.is_a("MAPPED_ITEM"):
+                    self._placed.add(int(step.entity(item.arguments[1]).arguments[1]))
 
     def _items(self, number: int) -> list[StepEntity]:
         return [self._step.entity(item) for item in self._step.entity(number).arguments[1]]
 
-    def _has_solid(self, number: int) -> bool:
-        return any(item.kind in _SOLIDS for item in self._items(number))
+    def _relate(self, entity: StepEntity, arguments: list) -> None:
+        one, other = (int(reference) for reference in arguments[2:4])
+        placing = entity.parts.get("REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION")
+        if placing is None:
+            self._same.setdefault(one, {one}).add(other)
+            self._same.setdefault(other, {other}).add(one)
+        else:
+            self._parts.setdefault(other, []).append((one, self._step.entity(placing[0])))
+            self._placed.add(one)
 
-    def roots(self) -> list[int]:
-        """Representations that no other one contains."""
-        mapped = {
-            int(self._step.entity(entity.arguments[1]).arguments[1])
-            for entity in self._step.of_type("MAPPED_ITEM")
-        }
-        return [n for n in self._representations if n not in self._placed | mapped]
+    def _group(self, number: int) -> frozenset[int]:
+        """All representations that are the same thing as this one."""
+        group, waiting = {number}, [number]
+        while waiting:
+            new = self._same.get(waiting.pop(), set()) - group
+            group |= new
+            waiting += new
+        return frozenset(group)
+
+    def roots(self) -> list[frozenset[int]]:
+        """Groups of representations that no other one contains."""
+        groups = dict.fromkeys(self._group(number) for number in sorted(self._shapes))
+        return [group for group in groups if not group & self._placed]
 
     def solids(
-        self, number: int, placement: Frame, depth: int = 0
+        self, group: frozenset[int], placement: Frame, depth: int = 0
     ) -> Iterator[tuple[StepEntity, GeometryReader]]:
-        """Solids of a representation and of all that it contains, each with its geometry."""
-        if depth > 50:
-            raise self._step.error(self._step.entity(number), "an assembly that contains itself")
-        geometry = self._geometry(number, placement)
-        for item in self._items(number):
-            if any(item.is_a(kind) for kind in _SOLIDS):
-                yield item, geometry
-            elif item.is_a("MAPPED_ITEM"):
-                _, source, target = item.arguments
-                origin, inner, *_ = self._step.entity(source).arguments
-                inside = self._between(int(inner), origin, number, target)
-                yield from self.solids(int(inner), inside.after(placement), depth + 1)
-        for child, operator in self._children.get(number, ()):
-            inside = placement
-            if operator is not None:
+        """Solids of a group and of all that it contains, each with its geometry."""
+        if depth > _DEEPEST:
+            raise InputError("an assembly contains itself", file=self._step.path)
+        for number in sorted(group):
+            geometry = self._geometry(number, placement)
+            for item in self._items(number):
+                if any(item.is_a(kind) for kind in _SOLIDS):
+                    yield item, geometry
+                elif item.is_a("MAPPED_ITEM"):
+                    _, source, target = item.arguments
+                    origin, child, *_ = self._step.entity(source).arguments
+                    inside = self._between(child, origin, number, target).after(placement)
+                    yield from self.solids(self._group(int(child)), inside, depth + 1)
+            for child, operator in self._parts.get(number, ()):
                 _, _, origin, target, *_ = operator.arguments
                 inside = self._between(child, origin, number, target).after(placement)
-            yield from self.solids(child, inside, depth + 1)
+                yield from self.solids(self._group(child), inside, depth + 1)
 
     def _between(self, child: int, origin: int, parent: int, target: int) -> Frame:
         """Where the child's world frame lies in the parent when `origin` is put on `target`."""

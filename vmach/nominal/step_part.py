@@ -53,9 +53,7 @@ def read_step_part(path: Path) -> NominalPart:
 def _build(solid: Solid, first: int) -> tuple[list[SurfaceFace], Mesh]:
     """Faces of one solid, numbered on from `first`, and their mesh."""
     faces, vertices, triangles, owner, count = [], [], [], [], 0
-    for index, (raw, (trim, points, corners)) in enumerate(
-        zip(solid.faces, tessellate(solid), strict=True), first
-    ):
+    for index, (raw, trim, points, corners) in enumerate(tessellate(solid), first):
         if raw.outward < 0.0:
             corners = corners[:, ::-1]
         name = f"face {index + 1} {trim.surface.label}"

@@ -62,6 +62,11 @@ class SolidFace:
     outward: float
     edges: tuple[tuple[int, bool], ...]
 
+    def turned(self) -> SolidFace:
+        """The face on the other side of its edges, facing the other way along the normal."""
+        edges = tuple((number, not left) for number, left in self.edges)
+        return SolidFace(self.surface, -self.outward, edges)
+
 
 @dataclass(frozen=True)
 class Solid:

@@ -25,15 +25,24 @@ _PASSES = 12
 _SHAKE = 1e-8
 
 
-def tessellate(solid: Solid) -> list[tuple[Trim, np.ndarray, np.ndarray]]:
-    """Trim, vertices (V, 3) mm and triangles (T, 3) of each face.
+def tessellate(solid: Solid) -> list[tuple[SolidFace, Trim, np.ndarray, np.ndarray]]:
+    """Each face with its trim, vertices (V, 3) mm and triangles (T, 3).
 
     Triangles run counter-clockwise about dS/du x dS/dv. Vertices on an edge are the same, bit
-    by bit, for both faces that meet there.
+    by bit, for both faces that meet there. A face whose normal contradicts its edges, as some
+    CAD systems write them, is returned with the side that the edges say.
     """
-    patches = [_Patch.of(_trim(solid.edges, face, face.surface)) for face in solid.faces]
-    patches = _conforming(solid, patches)
-    return [(patch.trim, *patch.triangles()) for patch in patches]
+    faces, patches = [], []
+    for face in solid.faces:
+        trim = _trim(solid.edges, face, face.surface)
+        if trim.inside_out():
+            face, trim = face.turned(), trim.turned()
+        faces.append(face)
+        patches.append(_Patch.of(trim))
+    patches = _conforming(replace(solid, faces=tuple(faces)), patches)
+    return [
+        (face, patch.trim, *patch.triangles()) for face, patch in zip(faces, patches, strict=True)
+    ]
 
 
 def _trim(edges: dict[int, Edge], face: SolidFace, surface: Surface) -> Trim:

@@ -111,13 +111,39 @@ class Trim:
                 inside[row] = self._covers_row(uv[row, 1])
         return inside
 
+    def inside_out(self) -> bool:
+        """Whether the edges say that the face is everything around them, without end.
+
+        That can only be said where the surface neither closes nor ends in a pole.
+        """
+        surface = self.surface
+        place, begins = self._row() if surface.v_period else self._column()
+        if surface.v_period and surface.u_period or not len(place):
+            return False
+        may_be_pole = np.isfinite(surface.v_limits) & bool(surface.u_period)
+        wrong = np.array([not begins[np.argmin(place)], begins[np.argmax(place)]])
+        return not may_be_pole.all() and bool(wrong[~may_be_pole].all())
+
+    def turned(self) -> Trim:
+        """The same edges with the face on their other side."""
+        return Trim(self.surface, self.segments_mm[:, ::-1], self.segments_uv[:, ::-1])
+
     def _column(self) -> tuple[np.ndarray, np.ndarray]:
         """Crossings of one column with the edges: v, and whether the face begins there."""
+        return self._line(0, self.surface.u_period)
+
+    def _row(self) -> tuple[np.ndarray, np.ndarray]:
+        """Crossings of one row with the edges: u, and whether the face begins there."""
+        u, upward = self._line(1, self.surface.v_period)
+        return u, ~upward
+
+    def _line(self, axis: int, period: float) -> tuple[np.ndarray, np.ndarray]:
+        """Crossings with the line through the middle of the segment that leads most across it."""
         if not len(self.segments_uv):
             return np.empty(0), np.empty(0, dtype=bool)
-        step = self.segments_uv[:, 1, 0] - self.segments_uv[:, 0, 0]
-        u = self.segments_uv[np.argmax(np.abs(step)), :, 0].mean()
-        return _crossings(self.segments_uv, 0, u, self.surface.u_period)
+        step = np.abs(self.segments_uv[:, 1, axis] - self.segments_uv[:, 0, axis])
+        middle = self.segments_uv[np.argmax(step), :, axis].mean()
+        return _crossings(self.segments_uv, axis, middle, period)
 
     def _covers_row(self, v: float) -> bool:
         """Whether a row that meets no edge is inside, from the nearest crossing of a column."""

@@ -1,0 +1,114 @@
+"""Nominal CAD that cannot be used: one message that names the file and what is wrong."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from vmach.errors import InputError
+from vmach.nominal import read_nominal
+
+FEATURES = Path(__file__).parents[1] / "golden" / "cad" / "features.step"
+
+
+def spoilt(tmp_path, name, data):
+    path = tmp_path / name
+    path.write_bytes(data if isinstance(data, bytes) else data.encode())
+    return path
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.999])
+def test_truncated_step(tmp_path, share):
+    data = FEATURES.read_bytes()
+    with pytest.raises(InputError, match=r"part\.step"):
+        read_nominal(spoilt(tmp_path, "part.step", data[: int(share * len(data))]))
+
+
+@pytest.mark.parametrize(
+    ("name", "data"),
+    [
+        ("empty.step", ""),
+        ("text.step", "this is no STEP file\n"),
+        ("nosolid.step", "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n"),
+        ("empty.stl", ""),
+        ("text.stl", "this is no STL file\n"),
+        ("cut.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n"),
+        ("part.obj", "v 0 0 0\n"),
+    ],
+)
+def test_files_without_a_solid(tmp_path, name, data):
+    with pytest.raises(InputError, match=name.replace(".", r"\.")):
+        read_nominal(spoilt(tmp_path, name, data))
+
+
+def test_every_damaged_line_of_a_step_file_is_survived(tmp_path):
+    lines = FEATURES.read_text().splitlines(keepends=True)
+    rng = np.random.default_rng(7)
+    for row in rng.choice(np.arange(20, len(lines) - 3), 25, replace=False):
+        damaged = "".join(
+            [*lines[:row], lines[row].replace("(", "(#999999,", 1), *lines[row + 1 :]]
+        )
+        try:
+            read_nominal(spoilt(tmp_path, "part.step", damaged))
+        except InputError as error:
+            assert "part.step" in str(error)
+
+
+def export(mesh, tmp_path):
+    path = tmp_path / "part.stl"
+    mesh.export(path)
+    return path
+
+
+def test_open_mesh(tmp_path):
+    box = trimesh.creation.box((10, 20, 30))
+    box.update_faces(np.arange(len(box.faces)) > 0)
+    with pytest.raises(InputError, match="the mesh is open: 3 of"):
+        read_nominal(export(box, tmp_path))
+
+
+def test_twisted_mesh(tmp_path):
+    box = trimesh.creation.box((10, 20, 30))
+    box.faces[0] = box.faces[0][::-1]
+    with pytest.raises(InputError, match="disagree on what is outside"):
+        read_nominal(export(box, tmp_path))
+
+
+def test_mesh_that_cuts_through_itself(tmp_path):
+    one = trimesh.creation.box((10, 10, 10))
+    other = trimesh.creation.box((10, 10, 10))
+    other.apply_translation((3, 4, 5))
+    with pytest.raises(InputError, match="cuts through itself"):
+        read_nominal(export(trimesh.util.concatenate([one, other]), tmp_path))
+
+
+def test_mesh_inside_out_is_turned_and_said(tmp_path):
+    box = trimesh.creation.box((10, 20, 30))
+    box.invert()
+    part = read_nominal(export(box, tmp_path))
+    assert part.mesh.volume_mm3 == pytest.approx(6000)
+    assert any("inside out" in note for note in part.notes)
+
+
+def test_box_has_six_flat_regions_and_no_chord_error(tmp_path):
+    part = read_nominal(export(trimesh.creation.box((10, 20, 30)), tmp_path))
+    assert [face.kind for face in part.faces] == ["plane"] * 6
+    assert part.chord_error_mm == 0.0
+    points = part.sample(1.0, edge_margin_mm=0.5)
+    inner = np.sort(np.abs(points.point_mm) - [5, 10, 15], axis=1)
+    assert inner[:, 2] == pytest.approx(0, abs=1e-5)  # on a face, to 32 bits
+    assert inner[:, 1].max() <= -0.5 + 1e-6  # away from the edges
+
+
+@pytest.mark.parametrize("sections", [24, 64, 200])
+def test_chord_error_of_a_facetted_cylinder(tmp_path, sections):
+    part = read_nominal(export(trimesh.creation.cylinder(20, 30, sections=sections), tmp_path))
+    sagitta = 20 * (1 - np.cos(np.pi / sections))
+    assert part.chord_error_mm == pytest.approx(sagitta, rel=0.1)
+
+
+def test_too_many_points(tmp_path):
+    part = read_nominal(export(trimesh.creation.box((1000, 1000, 1000)), tmp_path))
+    with pytest.raises(InputError, match="accepted: at most"):
+        part.sample(0.01)
