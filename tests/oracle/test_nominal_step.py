@@ -130,7 +130,7 @@ def test_step_and_stl_of_the_sample_are_the_same_part():
 
 
 @pytest.mark.parametrize(
-    ("unit", "mm"), [("SI_UNIT($,.METRE.)", 1000.0), ("SI_UNIT(.CENTI.,.METRE.)", 10.0)]
+    ("unit", "mm"), [("SI_UNIT(.CENTI.,.METRE.)", 10.0), ("SI_UNIT(.MICRO.,.METRE.)", 1e-3)]
 )
 def test_units_of_length(tmp_path, unit, mm):
     text = (SAMPLE / "part.step").read_text()
