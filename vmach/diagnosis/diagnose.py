@@ -257,7 +257,9 @@ def _is_contrived(findings: tuple[Finding, ...]) -> bool:
     """
     flexible = sum(f.effect is not None and f.effect.is_flexible for f in findings)
     at_once = len({f.name for f in findings})
-    return flexible > 1 or at_once > _MOST_AT_ONCE or (flexible > 0 and at_once == _MOST_AT_ONCE)
+    if at_once >= _MOST_AT_ONCE or len(findings) > _MOST_AT_ONCE:
+        return flexible > 0 or at_once > _MOST_AT_ONCE
+    return len(findings) > 2 and flexible > 1
 
 
 def _something(failures: tuple[Failure, ...]) -> Finding:
