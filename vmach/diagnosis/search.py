@@ -17,7 +17,7 @@ import numpy as np
 from vmach.diagnosis.structure import Structure
 from vmach.effects import Effect
 from vmach.fit.candidates import Candidate
-from vmach.fit.evidence import WIDTHS, Evidence, log_evidence
+from vmach.fit.evidence import WIDTHS, Evidence, evidence_of_unit, log_evidence
 from vmach.fit.joint_fit import JointFit, Term, fit_terms
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import Whitening
@@ -198,7 +198,7 @@ class Search:
         terms = [] if explanation.fit is None else list(explanation.fit.terms)
         terms.append(self.term(k, explanation))
         fit = fit_terms(self.survey, terms, self.whiten)
-        return self._explain(fit, explanation.score + gain)
+        return self._explain(fit, explanation.score + gain + self._gain_of_slack(fit))
 
     def term(self, k: int, explanation: Explanation) -> Term:
         """Candidate k with its best inner parameters on what an explanation leaves."""
@@ -235,9 +235,9 @@ class Search:
         """What takes an explanation out of whitened readings or signatures."""
         return self._absorbing(explanation.fit) if explanation.fit else lambda white: white
 
-    def _absorbing(self, fit: JointFit) -> Whitening:
+    def _absorbing(self, fit: JointFit, *, without_slack_of: int | None = None) -> Whitening:
         """Takes the fitted effects out, what their laws leave open and their inner parameters."""
-        free, random = [], [self.slack_of(fit)]
+        free, random = [], [self.slack_of(fit, but=without_slack_of)]
         for k, term in enumerate(fit.terms):
             if term.width is None:
                 free += [fit.signatures_mm[k], fit.tangents_mm[k]]
@@ -248,12 +248,21 @@ class Search:
         random_white = self.whiten(np.hstack(random))
         return Whitening(np.ones(n), random_white, free_white)
 
-    def slack_of(self, fit: JointFit) -> np.ndarray:
+    def _gain_of_slack(self, fit: JointFit) -> float:
+        """Log evidence for what the law of the last term leaves open, all else absorbed."""
+        term, last = fit.terms[-1], len(fit.terms) - 1
+        if term.effect.slack_share == 0.0:
+            return 0.0
+        absorb = self._absorbing(fit, without_slack_of=last)
+        slack = self.survey.slack(term.effect, term.target, fit.parameters(last))
+        return evidence_of_unit(absorb(self.whiten(slack)), absorb(self._reading))
+
+    def slack_of(self, fit: JointFit, *, but: int | None = None) -> np.ndarray:
         """Unit-variance signatures of what the laws of a fit's effects leave open, (n, K) mm."""
         parts = [
             self.survey.slack(term.effect, term.target, fit.parameters(k))
             for k, term in enumerate(fit.terms)
-            if term.effect.slack_share > 0.0
+            if term.effect.slack_share > 0.0 and k != but
         ]
         return np.hstack([np.zeros((len(self.survey), 0)), *parts])
 

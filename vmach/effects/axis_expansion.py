@@ -1,9 +1,15 @@
 """Axis expansion: the screw of an axis without a scale warms up and gets longer."""
 
+import numpy as np
+
 from vmach.effects.effect import Effect, along, inner, linear
+from vmach.effects.wandering import wandering
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["AxisExpansion"]
+
+#: length of a warm part of the screw
+_UNEVEN_MM = 300.0
 
 
 class AxisExpansion(Effect):
@@ -28,7 +34,7 @@ class AxisExpansion(Effect):
             usual=1.0,
         ),
     )
-    slack_share = 0.1
+    slack_share = 0.2
     slack_time_s = 1500.0
     usual_size = "20 to 100 ppm with a time constant of 10 to 60 minutes"
     confirm = "laser the same line cold, after 30 and after 60 minutes of work"
@@ -39,3 +45,11 @@ class AxisExpansion(Effect):
         warmth = path.warmth_of_axis(axis, time_constant_s, work_share)
         stretch_mm = 1e-6 * expansion_ppm * path.nose_mm[:, axis] + 1e-3 * at_home_um
         return along(target, stretch_mm * warmth)
+
+    def slack(self, path, target, parameters):
+        # beside wandering in time: the screw warms most where the nut works
+        in_time = super().slack(path, target, parameters)
+        position = path.nose_mm[:, LINEAR_AXES.index(target)]
+        pattern = self.slack_share * self.slack_pattern(path, target, parameters)
+        along_screw = wandering(position, _UNEVEN_MM)[:, None, :]
+        return np.concatenate([in_time, pattern[:, :, None] * along_screw], axis=2)

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import logsumexp
 
-__all__ = ["WIDTHS", "Evidence", "log_evidence"]
+__all__ = ["WIDTHS", "Evidence", "evidence_of_unit", "log_evidence"]
 
 #: prior widths in multiples of the usual size
 WIDTHS = (0.1, 0.4, 1.5, 6.0)
@@ -88,3 +88,13 @@ def log_evidence(columns: np.ndarray, readings: np.ndarray, log_prior: np.ndarra
         best_width=np.argmax(by_width[:, best, np.arange(len(best))], axis=0),
         information=float(np.sqrt(squared.max(initial=0.0))),
     )
+
+
+def evidence_of_unit(columns: np.ndarray, reading: np.ndarray) -> float:
+    """Log evidence for causes of unit variance with whitened signatures (n, K)."""
+    if columns.shape[1] == 0:
+        return 0.0
+    left, size, _ = np.linalg.svd(columns, full_matrices=False)
+    ratio = size**2
+    gain = (left.T @ reading) ** 2 * ratio / (1.0 + ratio)
+    return float(0.5 * (gain.sum() - np.log1p(ratio).sum()))
