@@ -12,7 +12,7 @@ from vmach.nominal.step_solids import CHORD_MM, Edge, Solid, SolidFace
 from vmach.nominal.surface_face import sample_uv
 from vmach.nominal.surfaces import Sphere, Surface, unit_normals
 from vmach.nominal.thinning import near_segments
-from vmach.nominal.trimming import Trim
+from vmach.nominal.trimming import Trim, is_pole
 
 __all__ = ["tessellate"]
 
@@ -178,13 +178,10 @@ def _wrapped(surface: Surface, uv: np.ndarray) -> np.ndarray:
 
 def _pole(trim: Trim, v: float) -> np.ndarray:
     """Copies of the pole at the end v of the surface, if the face reaches it."""
-    surface = trim.surface
-    if surface.v_period or not surface.u_period or v not in surface.v_limits:
+    if v not in trim.surface.v_limits or not is_pole(trim.surface, v):
         return np.empty((0, 2))
-    u = np.linspace(0.0, surface.u_period, 24, endpoint=False)
-    uv = np.column_stack([u, np.full_like(u, v)])
-    around = np.linalg.norm(surface.derivatives(uv)[0], axis=1).max() * surface.u_period
-    return uv if around < 1e-6 else np.empty((0, 2))
+    u = np.linspace(0.0, trim.surface.u_period, 24, endpoint=False)
+    return np.column_stack([u, np.full_like(u, v)])
 
 
 def _bend_and_speed(trim: Trim) -> tuple[np.ndarray, np.ndarray]:

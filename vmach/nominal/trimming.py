@@ -14,7 +14,7 @@ import numpy as np
 
 from vmach.nominal.surfaces import Surface
 
-__all__ = ["Trim"]
+__all__ = ["Trim", "is_pole"]
 
 
 @dataclass(frozen=True)
@@ -118,11 +118,11 @@ class Trim:
         """
         surface = self.surface
         place, begins = self._row() if surface.v_period else self._column()
-        if surface.v_period and surface.u_period or not len(place):
+        if (surface.v_period and surface.u_period) or not len(place):
             return False
-        may_be_pole = np.isfinite(surface.v_limits) & bool(surface.u_period)
+        known = np.array([not is_pole(surface, v) for v in surface.v_limits])
         wrong = np.array([not begins[np.argmin(place)], begins[np.argmax(place)]])
-        return not may_be_pole.all() and bool(wrong[~may_be_pole].all())
+        return known.any() and bool(wrong[known].all())
 
     def turned(self) -> Trim:
         """The same edges with the face on their other side."""
@@ -156,6 +156,15 @@ class Trim:
         if above.any():
             return not begins[np.argmin(np.where(above, height, np.inf))]
         return bool(begins[np.argmax(height)])
+
+
+def is_pole(surface: Surface, v: float) -> bool:
+    """Whether all u meet in one point at v."""
+    if not np.isfinite(v) or not surface.u_period:
+        return False
+    u = np.linspace(0.0, surface.u_period, 24, endpoint=False)
+    around, _ = surface.derivatives(np.column_stack([u, np.full_like(u, v)]))
+    return np.linalg.norm(around, axis=1).max() * surface.u_period < 1e-6
 
 
 def _crossings(
