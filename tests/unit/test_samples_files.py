@@ -20,6 +20,7 @@ JOBS = [
     "freecad_pocket/job.toml",
     "spline_slot/centre.toml",
     "spline_slot/corner.toml",
+    "missing_effect/job.toml",
     "mazak_ajv25/toolpath1.toml",
     "mazak_ajv25/toolpath2.toml",
 ]
