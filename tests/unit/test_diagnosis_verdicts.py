@@ -108,7 +108,7 @@ def test_local_damage_is_a_component_and_its_place(tmp_path):
 
 
 def test_what_no_effect_explains_is_called_unknown(tmp_path):
-    found = diagnose(survey_job(tip_job(tmp_path, foreign, count=120)))
+    found = diagnose(survey_job(tip_job(tmp_path, foreign, count=80)))
     assert found.verdict == "unknown"
     (finding,) = found.findings
     assert finding.name == "unknown" and finding.effect is None

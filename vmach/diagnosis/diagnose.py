@@ -146,6 +146,8 @@ def diagnose(
     left = search.structure.left_in(
         explanation.residual, explanation.degrees, absorb=search.absorber(explanation)
     )
+    if (further := search.further(explanation)) > 0.0:
+        left["further effects"] = further
     failures = where_it_fails(survey, search.whiten, survey.residual_mm)
     findings = _findings(search, explanation)
     verdict = _verdict(findings, left)

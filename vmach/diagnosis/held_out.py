@@ -10,6 +10,8 @@ from vmach.fit.survey import Survey
 __all__ = ["holds_out"]
 
 _FOLDS = 5
+#: prior width of amplitudes, in usual sizes: what the rest does not tell is small
+_WIDTH = 3.0
 
 
 def holds_out(survey: Survey, fit: JointFit) -> list[bool]:
@@ -35,7 +37,7 @@ def _score(survey: Survey, fit: JointFit, terms, fold: np.ndarray) -> float:
     weight = 1.0 / survey.u_mm[:, None]
     basis, _ = np.linalg.qr(survey.nuisance * weight)
     columns = [fit.signatures_mm[k] for k in terms]
-    widths = [np.full(fit.signatures_mm[k].shape[1], fit.terms[k].width or 1e3) for k in terms]
+    widths = [np.full(fit.signatures_mm[k].shape[1], fit.terms[k].width or _WIDTH) for k in terms]
     design = np.hstack([np.zeros((len(survey), 0)), *columns]) * weight
     target = survey.residual_mm * weight[:, 0]
     design = design - basis @ (basis.T @ design)

@@ -26,7 +26,7 @@ __all__ = ["Explanation", "Search"]
 
 #: sets followed side by side, and candidates tried on each
 _BEAM, _TRIED = 3, 5
-_MOST_EFFECTS = 4
+_MOST_EFFECTS = 3
 #: log evidence that an effect costs at least, whatever it explains
 _PRICE = 3.0
 #: share of the best candidate's evidence that makes another worth following
@@ -159,17 +159,18 @@ class Search:
                     if known is None or child.score > known.score:
                         grown[child.labels] = child
             seen += grown.values()
-            finished += [e for e in (*beam, *grown.values()) if self._next(e) == 0.0]
-            beam = [e for e in grown.values() if self._next(e) > 0.0 and _may_beat(e, finished)]
-            beam = sorted(beam, key=lambda e: -e.score - self._next(e))[:_BEAM]
+            finished += [e for e in (*beam, *grown.values()) if self.further(e) == 0.0]
+            beam = [e for e in grown.values() if self.further(e) > 0.0 and _may_beat(e, finished)]
+            beam = sorted(beam, key=lambda e: -e.score - self.further(e))[:_BEAM]
             if not beam:
                 break
         best = max(finished or seen, key=lambda e: e.score)
         return self._without_needless(best)
 
-    def _next(self, explanation: Explanation) -> float:
+    def further(self, explanation: Explanation) -> float:
         """Evidence of the best candidate on what an explanation leaves, if above threshold."""
-        best = max(self.gains(explanation))
+        gains = zip(self.gains(explanation), self.candidates, strict=True)
+        best = max(gain for gain, c in gains if c.label not in explanation.labels)
         return best if best > self.threshold else 0.0
 
     def gains(self, explanation: Explanation) -> list[float]:
@@ -188,7 +189,7 @@ class Search:
         for k in leading:
             child = self.extend(explanation, k)
             yield child
-            if self._next(child) == 0.0:
+            if self.further(child) == 0.0:
                 return
 
     def extend(self, explanation: Explanation, k: int) -> Explanation:
