@@ -1,0 +1,71 @@
+"""Points files: what is read, what is said, what is refused."""
+
+import numpy as np
+import pytest
+
+from vmach.errors import InputError
+from vmach.points import read_points_csv
+
+HEAD = "id,feature,x,y,z,i,j,k,mx,my,mz,u_um\n"
+ROW = "1,top,10,20,-5,0,0,1,10,20,-4.998,0.8\n"
+
+
+def written(tmp_path, text):
+    path = tmp_path / "points.csv"
+    path.write_text(text)
+    return path
+
+
+def test_a_measured_point(tmp_path):
+    points = read_points_csv(written(tmp_path, HEAD + ROW))
+    assert points.measured_deviation_mm == pytest.approx([0.002], abs=1e-12)
+    assert points.u_mm == pytest.approx([0.8e-3])
+    assert points.id.tolist() == ["1"] and points.feature.tolist() == ["top"]
+    assert points.notes == ()
+
+
+def test_nominal_points_need_no_measurement(tmp_path):
+    text = "z,y,x,k,j,i,id\n# comment\n\n1,2,3,0,0,1.0005,a\n"
+    points = read_points_csv(written(tmp_path, text))
+    assert points.point_mm.tolist() == [[3, 2, 1]] and points.normal.tolist() == [[1, 0, 0]]
+    with pytest.raises(InputError, match="not measured"):
+        _ = points.measured_deviation_mm
+
+
+def test_repeated_points_are_kept_and_said(tmp_path):
+    points = read_points_csv(written(tmp_path, HEAD + ROW + ROW))
+    assert len(points) == 2
+    assert any("repeat" in note for note in points.notes)
+    assert any("more than once" in note for note in points.notes)
+
+
+def test_measured_points_in_metres_are_said(tmp_path):
+    rows = [f"{n},f,{n * 10},0,0,0,0,1,{n / 100},0,0,1\n" for n in range(5)]
+    points = read_points_csv(written(tmp_path, HEAD + "".join(rows)))
+    assert any("metres" in note for note in points.notes)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        (HEAD, None, "no points"),
+        (HEAD.replace(",z,", ",") + ROW, 1, "column z is missing"),
+        (HEAD.replace("mz,", "") + ROW, 1, "column mz is missing"),
+        (HEAD + ROW + ROW.replace("20", "twenty"), 3, "y is 'twenty'"),
+        (HEAD + ROW.replace("20", "nan"), 2, "y is 'nan'"),
+        (HEAD + ROW.replace("0,0,1", "0,0,1.01"), 2, "length 1.01"),
+        (HEAD + ROW.replace("0.8", "0"), 2, "u_um is 0"),
+        (HEAD + ROW.replace(",0.8", ""), 2, "11 values"),
+        (HEAD.replace(",", ";") + ROW, 1, "separate the columns by commas"),
+    ],
+)
+def test_bad_files_are_refused_with_their_line(tmp_path, text, line, words):
+    with pytest.raises(InputError, match=words) as error:
+        read_points_csv(written(tmp_path, text))
+    assert error.value.line == line
+
+
+def test_arrays_are_read_only(tmp_path):
+    points = read_points_csv(written(tmp_path, HEAD + ROW))
+    with pytest.raises(ValueError, match="read-only"):
+        points.point_mm[0] = np.zeros(3)
