@@ -15,6 +15,7 @@ from gcode import ProgramError, canon_calls, canon_lines, read_program, read_too
 from stock import StockError
 from vmach import __version__
 from vmach.accuracy.command import accuracy
+from vmach.compensation.command import compensate
 from vmach.diagnosis.command import add, diagnose, effects_app, history
 from vmach.errors import InputError, VmachError
 from vmach.iso230.command import iso230
@@ -135,6 +136,7 @@ def path(
 for _command in (diagnose, add, history):
     app.command()(_command)
 app.add_typer(effects_app, name="effects")
+app.command()(compensate)
 app.command()(accuracy)
 app.command()(iso230)
 
