@@ -80,7 +80,8 @@ class NominalPart:
     mesh : Mesh
         Closed triangle mesh for pictures.
     mesh_chord_mm : float
-        How far the triangles of `mesh` are from the faces at most.
+        How far the triangles of `mesh` may leave the faces: the chord that edges keep. Inside
+        doubly curved faces single triangles leave them by up to three times as much.
     chord_error_mm : float
         How far the faces are from the designer's surface: 0 for exact surfaces (STEP), the
         estimated sagitta of the facets for STL.
