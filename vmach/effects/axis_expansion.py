@@ -47,9 +47,12 @@ class AxisExpansion(Effect):
         return along(target, stretch_mm * warmth)
 
     def slack(self, path, target, parameters):
-        # beside wandering in time: the screw warms most where the nut works
+        # beside wandering in time: the screw warms most where the nut works, and was not quite
+        # at the temperature of its calibration when it started
         in_time = super().slack(path, target, parameters)
         position = path.nose_mm[:, LINEAR_AXES.index(target)]
         pattern = self.slack_share * self.slack_pattern(path, target, parameters)
         along_screw = wandering(position, _UNEVEN_MM)[:, None, :]
-        return np.concatenate([in_time, pattern[:, :, None] * along_screw], axis=2)
+        start = along(target, self.slack_share * 1e-6 * parameters["expansion_ppm"] * position)
+        parts = [in_time, pattern[:, :, None] * along_screw, start[:, :, None]]
+        return np.concatenate(parts, axis=2)
