@@ -24,7 +24,7 @@ from vmach.toolpath import PathStates
 __all__ = ["Compensation", "Residual", "compensate"]
 
 #: the iteration ends when the tool is this close, or after so many rounds
-_CLOSE_MM = 2e-5
+_CLOSE_MM = 2e-6
 _ROUNDS = 5
 #: resolution of the program that is iterated on
 _FINE_MM = 1e-7

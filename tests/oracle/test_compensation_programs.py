@@ -1,0 +1,132 @@
+"""Compensated programs, against closed forms and the machine's own model."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vmach.compensation import compensate
+from vmach.effects import read_effects
+from vmach.errors import InputError
+from vmach.job import read_job
+from vmach.machine import Variant
+
+MACHINE = """schema = 1
+name = "straight"
+chain = "t (C) Z b Y' X' w"
+[convention]
+origin = "spindle nose with every axis at home; axes as in ISO 841"
+sign = "displacement of the tool relative to the workpiece, rotations right-handed"
+length = "um"
+angle = "urad"
+[motion]
+rapid_mm_min = 24000
+tool_change_s = 6
+[axes.X]
+travel_mm = [-1000, 1000]
+[axes.Y]
+travel_mm = [-1000, 1000]
+[axes.Z]
+travel_mm = [-1000, 1000]
+"""
+
+JOB = """schema = 1
+machine = "machine.toml"
+program = "part.nc"
+[work_offsets_mm]
+G54 = [100, 50, -300]
+[tools.1]
+shape = "flat"
+diameter_mm = 10
+length_mm = 100
+"""
+
+SCALE_PPM = 200.0
+SCALE = f"[effects.scale.X]\nscale_ppm = {SCALE_PPM}\n"
+HEAD = "(Odd Spacing )\nG21 G17 G90 G94\nG54\nT1 M6\nS3000 M3\nG0 X0. Y0.\nG43 H1 Z5.\n"
+
+
+def job_with(folder: Path, body: str, effects: str = ""):
+    (folder / "machine.toml").write_text(MACHINE)
+    (folder / "job.toml").write_text(JOB + effects)
+    (folder / "part.nc").write_bytes((HEAD + body).encode("latin-1"))
+    job = read_job(folder)
+    return job, read_effects(job.effects, file=job.path, job=job)
+
+
+def numbers(text: bytes, letter: str) -> list[float]:
+    return [float(v) for v in re.findall(rf"{letter}(-?\d+\.\d*)", text.decode("latin-1"))]
+
+
+BODY = "G1 Z-1. F200\nn7 g1x30.Y10 (keep)\r\n  G2 X50. Y10. I10. J0. ;so\nG3 X40 Y0 R-10.\nM30\n"
+
+
+def test_no_error_gives_the_same_bytes(tmp_path):
+    job, effects = job_with(tmp_path, BODY)
+    found = compensate(job, effects)
+    assert found.text == (HEAD + BODY).encode("latin-1")
+    assert found.growth == 1.0
+
+
+def test_scale_error_is_divided_out(tmp_path):
+    body = "G1 Z-1. F200\nX300.\nX-200.\nM30\n"
+    job, effects = job_with(tmp_path, body, SCALE)
+    found = compensate(job, effects, resolution_mm=1e-5)
+    # q (1 + s) = q_nominal in machine coordinates, with the work offset at 100
+    wanted = [(x + 100.0) / (1.0 + SCALE_PPM * 1e-6) - 100.0 for x in (300.0, -200.0)]
+    np.testing.assert_allclose(numbers(found.text, "X")[-2:], wanted, rtol=0, atol=1.1e-5)
+    assert found.growth == 1.0, "a linear error needs no further points"
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        pytest.param("G1 Z-1. F200\nG91\nG1 X30. F500\nX30.\nY20.\nX-60.\nG90\nM30\n", id="G91"),
+        pytest.param("G1 Z-1. F200\nG20\nG1 X3. F20\nG2 X3. Y1. I0. J.5\nM30\n", id="inch"),
+        pytest.param("G1 Z-1. F200\nG90.1\nG2 X60. Y0. I30. J0. F500\nG91.1\nM30\n", id="G90.1"),
+        pytest.param("G1 Z-1. F200\nG2 X0. Y0. I30. J0. F500\nM30\n", id="full circle"),
+        pytest.param("G1 Z-1. F200\nG3 X40. Y0. R-25. F500\nG1 X0.\nM30\n", id="R"),
+        pytest.param("G18 G1 Z-1. F200\nG2 X40. Z-1. I20. K0. F500\nM30\n", id="G18"),
+        pytest.param("G92 X10. Y10.\nG1 Z-1. F200\nX50. Y40.\nG92.1\nM30\n", id="G92"),
+        pytest.param("G10 L2 P1 X100. Y50. Z-300. R30.\nG1 Z-1. F200\nX50.\nM30\n", id="turned"),
+    ],
+)
+def test_modes_are_mapped_back(tmp_path, body):
+    bent = SCALE + "[effects.scale.Y]\nscale_ppm = -150\n[effects.cyclic_pitch.X]\n"
+    bent += "amplitude_um = 4\npitch_mm = 40\nphase_rad = 0.3\n"
+    job, effects = job_with(tmp_path, body, bent)
+    found = compensate(job, effects)
+    assert found.before.largest_mm > 5e-3
+    assert found.unrounded.largest_mm < 1e-4
+    step_mm = 2.54e-3 if "G20" in body else 1e-3  # 0.0001 inch, 0.001 mm
+    # half a step in each of three axes, and a little for the centres of arcs
+    assert found.after.largest_mm < (0.5 * 3**0.5 + 0.3) * step_mm
+
+
+def test_arc_under_equal_scales_stays_one_arc(tmp_path):
+    equal = SCALE + f"[effects.scale.Y]\nscale_ppm = {SCALE_PPM}\n"
+    job, effects = job_with(tmp_path, "G1 Z-1. F200\nG2 X60. Y0. I30. J0. F500\nM30\n", equal)
+    found = compensate(job, effects, resolution_mm=1e-5)
+    assert (found.growth, found.arcs, found.arcs_kept) == (1.0, 1, 1)
+    assert abs(numbers(found.text, "I")[-1] - 30.0 / (1.0 + SCALE_PPM * 1e-6)) < 2.1e-5
+
+
+@pytest.mark.parametrize(
+    ("body", "line"),
+    [
+        ("G81 X1. Y1. Z-3. R2. F100\nG80\nM30\n", 8),
+        ("G1 Z-1. F200\nX[1+2]\nM30\n", 9),
+    ],
+)
+def test_what_cannot_be_rewritten_is_refused_by_line(tmp_path, body, line):
+    job, effects = job_with(tmp_path, body, SCALE)
+    with pytest.raises(InputError) as caught:
+        compensate(job, effects, variant=Variant.HTM)
+    assert caught.value.line == line
+
+
+def test_correction_beyond_the_limit_is_refused(tmp_path):
+    job, effects = job_with(tmp_path, "G1 Z-1. F200\nX300.\nM30\n", SCALE)
+    with pytest.raises(InputError, match="um"):
+        compensate(job, effects, limit_mm=0.05)
