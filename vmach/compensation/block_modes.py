@@ -60,6 +60,12 @@ def block_modes(program: Program) -> dict[int, BlockModes]:
         Motion comes from cycles, cutter compensation, loops, subprograms or expressions; all
         such lines are named.
     """
+    if program.dialect not in ("rs274", "fanuc"):
+        raise InputError(
+            f"{program.dialect} programs cannot be compensated",
+            file=program.path,
+            accepted="rs274, fanuc",
+        )
     rows = Counter(program.moves.line[program.moves.kind != 3].tolist())
     refused: dict[int, str] = {}
     modes: dict[int, BlockModes] = {}
