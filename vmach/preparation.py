@@ -76,18 +76,19 @@ def prepare(
         limits=_limits(job),
         dialect=job.dialect,
     )
-    moves = program.moves
+    moves, notes = _with_only_tool(program.moves, job, source)
     _check_tools(job, moves, source)
     _check_no_rotary_motion(moves, source)
-    notes: tuple[str, ...] = ()
     if job.touched_off:
         moves = _with_tool_lengths(moves, job)
     else:
-        notes = _offsets_that_differ(job, moves, source)
+        notes += _offsets_that_differ(job, moves, source)
     path = Toolpath.split(moves, _lengths(job), spacing_mm)
     if len(path.first_node) == 0:
         raise InputError(
-            "the program moves no tool", file=source, hint="a T word with M6 puts one in"
+            "the program moves no tool",
+            file=source,
+            hint="a T word with M6 puts one in, or a job with one tool only",
         )
     zero = job.work_offsets_mm[_zero_name(job, moves, source)]
     _check_travel(job, path, source)
@@ -112,6 +113,15 @@ def _lengths(job: Job) -> np.ndarray:
     for number, tool in job.tools.items():
         lengths[number] = tool.length_mm
     return lengths
+
+
+def _with_only_tool(moves: Moves, job: Job, source: Path) -> tuple[Moves, tuple[str, ...]]:
+    """A program that never changes tools uses the job's tool, if that has just one."""
+    if len(job.tools) != 1 or moves.tool.any() or len(moves) == 0:
+        return moves, ()
+    number = next(iter(job.tools))
+    note = f"{source.name} changes no tool: T{number} is taken to be in the spindle all along"
+    return replace(moves, tool=np.full(len(moves), number)), (note,)
 
 
 def _check_tools(job: Job, moves: Moves, source: Path) -> None:

@@ -1,0 +1,247 @@
+"""Any 3-axis program as a job, compensated, and its text judged by LinuxCNC's interpreter."""
+
+import re
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+
+from gcode import read_tool_table
+from tests.oracle.linuxcnc_interpreter import ARC, LINE, RAPID, judge
+from vmach.compensation import compensate
+from vmach.compensation.rewriting import Rewriter
+from vmach.effects import read_effects
+from vmach.job import read_job
+
+__all__ = ["Outcome", "compensated", "corpus_programs", "judged", "write_job"]
+
+TRAVEL_MM = 5000.0
+OFFSET_MM = (0.0, 0.0, 0.0)  #: so that axes without a word yet stand where LinuxCNC has them
+NO_PROGRAM = {".canon17", ".canon", ".reject", ".tbl", ".md", ".tsv", ".py", ".sh", ".camotics"}
+
+MACHINE = f"""schema = 1
+name = "corpus"
+chain = "t (C) Z b Y' X' w"
+[convention]
+origin = "spindle nose with every axis at home; axes as in ISO 841"
+sign = "displacement of the tool relative to the workpiece, rotations right-handed"
+length = "um"
+angle = "urad"
+[motion]
+rapid_mm_min = 24000
+tool_change_s = 6
+[axes.X]
+travel_mm = [-{TRAVEL_MM}, {TRAVEL_MM}]
+[axes.Y]
+travel_mm = [-{TRAVEL_MM}, {TRAVEL_MM}]
+[axes.Z]
+travel_mm = [-{TRAVEL_MM}, {TRAVEL_MM}]
+[errors.EYX]
+table = "EYX.csv"
+measured_at_mm = [0.0, 0.0, -200.0]
+[errors.EXY]
+table = "EXY.csv"
+measured_at_mm = [0.0, 0.0, -200.0]
+[errors.EZX]
+table = "EZX.csv"
+measured_at_mm = [0.0, 0.0, -200.0]
+[errors.EBX]
+table = "EBX.csv"
+[squareness]
+EC0Y = 18.0
+EB0X = -9.0
+EA0Y = 12.0
+"""
+
+EFFECTS = """[effects.scale.X]
+scale_ppm = 35.0
+[effects.scale.Y]
+scale_ppm = -22.0
+[effects.scale.Z]
+scale_ppm = 14.0
+[effects.cyclic_pitch.X]
+amplitude_um = 1.5
+pitch_mm = 10.0
+phase_rad = 0.4
+[effects.cyclic_pitch.Y]
+amplitude_um = 1.0
+pitch_mm = 12.0
+phase_rad = 1.1
+"""
+
+
+def corpus_programs(folder):
+    """Programs of a folder beside which LinuxCNC's calls lie, so that it accepts them."""
+    found = (p for p in sorted(Path(folder).iterdir()) if p.suffix not in NO_PROGRAM)
+    return [p for p in found if p.with_name(p.name + ".canon17").exists()]
+
+
+def _tools(path, text):
+    """Tools (number, length, diameter) of the table beside a program, or one for all of it."""
+    if not re.search(rb"[Tt]\s*\d", re.sub(rb"\([^)\n]*\)|;[^\n]*", b"", text)):
+        return [(1, 50.0, 6.0)]
+    own, common = path.with_name(path.name + ".tbl"), path.with_name("tool.tbl")
+    table = next((t for t in (own, common) if t.exists()), None)
+    rows = read_tool_table(table, unit_mm=25.4) if table else {}
+    known = {n: (n, e.length_mm or 50.0, e.diameter_mm or 0.001) for n, e in rows.items()}
+    for number in {int(n) for n in re.findall(rb"[Tt]\s*(\d+)", text)} - known.keys() - {0}:
+        known[number] = (number, 50.0, 6.0)
+    return sorted(known.values())
+
+
+def write_job(folder, path, *, effects=EFFECTS, errors=True):
+    """Write a job that machines a program with bent axes; returns its tools."""
+    folder = Path(folder)
+    text = path.read_bytes()
+    (folder / path.name).write_bytes(text)
+    machine = MACHINE if errors else MACHINE.split("[errors.EYX]")[0]
+    (folder / "machine.toml").write_text(machine)
+    at = np.arange(-TRAVEL_MM, TRAVEL_MM + 1.0, 25.0)
+    for index, name in enumerate(("EYX", "EXY", "EZX", "EBX")):
+        value = 4.0 * np.sin(at / (90.0 + 20.0 * index) + index) + 2.0 * np.sin(at / 31.0)
+        rows = "".join(f"{a:g},{v:.4f},{v:.4f}\n" for a, v in zip(at, value, strict=True))
+        (folder / f"{name}.csv").write_text("position_mm,forward,backward\n" + rows)
+    tools = _tools(path, text)
+    blocks = "".join(
+        f'[tools.{n}]\nshape = "flat"\ndiameter_mm = {d!r}\nlength_mm = {z!r}\n'
+        for n, z, d in tools
+    )
+    offsets = "".join(f'"{name}" = {list(OFFSET_MM)}\n' for name in _OFFSETS)
+    (folder / "job.toml").write_text(
+        f'schema = 1\nmachine = "machine.toml"\nprogram = "{path.name}"\nworkpiece_zero = "G54"\n'
+        f"[work_offsets_mm]\n{offsets}{blocks}{effects}"
+    )
+    return tools
+
+
+_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
+
+
+@dataclass
+class Outcome:
+    """What became of one program.
+
+    Attributes
+    ----------
+    found : Compensation or None
+    refusal : str or None
+        vmach's words where it refuses.
+    linuxcnc : str or None
+        LinuxCNC's words where it refuses the output.
+    worst_mm : float
+        Largest distance of LinuxCNC's path from the intended one, at ends and middles.
+    wrong : list of str
+        Moves that differ in more than rounding.
+    """
+
+    found: object = None
+    refusal: str | None = None
+    linuxcnc: str | None = None
+    worst_mm: float = 0.0
+    wrong: list[str] = field(default_factory=list)
+
+
+@contextmanager
+def _last_written():
+    """The rewriter, target and result of the last program that was written."""
+    last = {}
+    original = Rewriter.write
+
+    def write(self, target, resolution_mm):
+        written = original(self, target, resolution_mm)
+        last.update(rewriter=self, target=target, written=written)
+        return written
+
+    with mock.patch.object(Rewriter, "write", write):
+        yield last
+
+
+def compensated(folder, **options):
+    """Compensate the job of a folder; returns the result and what was written last."""
+    job = read_job(Path(folder))
+    effects = read_effects(job.effects, file=job.path, job=job)
+    with _last_written() as last:
+        found = compensate(job, effects, limit_mm=2.0, **options)
+    return found, last
+
+
+def judged(folder, path, **options):
+    """Compensate a program and compare LinuxCNC's path of the text with the intended one."""
+    tools = write_job(folder, path)
+    try:
+        found, last = compensated(folder, **options)
+    except ValueError as error:
+        return Outcome(refusal=str(error))
+    outcome = Outcome(found=found)
+    control = {"tools": tools, "work_offsets_mm": {name: OFFSET_MM for name in _OFFSETS}}
+    path_of = {"before": judge(path.read_bytes(), **control), "after": judge(found.text, **control)}
+    outcome.linuxcnc = path_of["after"].refusal
+    if path_of["before"].refusal:
+        outcome.wrong.append(f"original refused: {path_of['before'].refusal}")
+    elif not outcome.linuxcnc and last:
+        _compare(outcome, path_of, last)
+    return outcome
+
+
+def _moving(verdict):
+    """Rows that go anywhere."""
+    return [r for r in range(len(verdict))
+            if verdict.kind[r] == ARC or np.abs(verdict.end[r] - verdict.start[r]).max() > 1e-7]  # fmt: skip
+
+
+def _compare(outcome, path_of, last):
+    """Every row of LinuxCNC's path of the new text against the piece that it was written for.
+
+    The intended path is LinuxCNC's own path of the original program, moved by the corrections.
+    """
+    before, after = path_of["before"], path_of["after"]
+    moves, target, written = last["rewriter"].moves, last["target"], last["written"]
+    nominal_rows = [k for k in range(len(moves)) if moves.kind[k] == 2 or (
+        moves.kind[k] < 2 and np.abs(moves.end_mm[k] - moves.start_mm[k]).max() > 1e-7)]  # fmt: skip
+    rows = _moving(before)
+    if abs(len(rows) - len(nominal_rows)) > 1:  # the first may start where it ends
+        outcome.wrong.append(f"{len(rows)} moves by LinuxCNC, {len(nominal_rows)} by vmach")
+        return
+    row_of_move = dict(zip(nominal_rows[::-1], rows[::-1], strict=False))
+    rows_of_line = {}
+    for row, line in enumerate(after.line):
+        rows_of_line.setdefault(line, []).append(row)
+    for index, piece in enumerate(target.pieces):
+        line = written.line_of_piece[index]
+        if line == 0 or piece.move not in row_of_move:
+            continue
+        found = rows_of_line.get(line, [])
+        if len(found) != 1:
+            outcome.wrong.append(f"line {line}: {len(found)} moves")
+            continue
+        _compare_piece(outcome, before, after, found[0], (row_of_move[piece.move], piece, target,
+                                                          index, moves))  # fmt: skip
+
+
+def _compare_piece(outcome, before, after, row, wanted):
+    nominal, piece, target, index, moves = wanted
+    kind = after.kind[row]
+    expected = {0: RAPID, 1: LINE, 2: ARC}[int(moves.kind[piece.move])]
+    if kind != expected and not (expected == ARC and not piece.is_arc and kind == LINE):
+        if not (expected == ARC and kind == LINE):
+            outcome.wrong.append(f"line {after.line[row]}: kind {kind}, wanted {expected}")
+            return
+    places = [(piece.end, 1.0, target.ends_mm[index])]
+    if piece.is_arc and kind == ARC:
+        middle = 0.5 * (piece.start + piece.end)
+        places.append((middle, 0.5, target.middles_mm[index]))
+    for share, own_share, correction in places:
+        intended = before.at(nominal, share) + correction
+        off = after.at(row, own_share) - intended
+        if own_share == 0.5:  # across the path: where along an arc its middle is does not matter
+            along = after.at(row, 0.51) - after.at(row, 0.49)
+            along = along / max(np.linalg.norm(along), 1e-12)
+            off = off - (off @ along) * along
+        distance = float(np.linalg.norm(off))
+        outcome.worst_mm = max(outcome.worst_mm, distance)
+        if distance > 0.01:
+            outcome.wrong.append(
+                f"line {after.line[row]} share {own_share}: {np.round(off, 4).tolist()} mm off"
+            )
