@@ -8,7 +8,8 @@ from gcode.moves import MoveKind, Moves
 from gcode.program import Note, Program, read_program
 from gcode.source import Source, Word
 from gcode.tools import ToolEntry, read_tool_table
+from gcode.trace import Modes, Step
 
-__all__ = ["ARC_TOLERANCES", "ArcTolerance", "MachineLimits", "MoveKind", "Moves", "Note",
-           "Program", "ProgramError", "Source", "ToolEntry", "Word", "canon_calls", "canon_lines",
+__all__ = ["ARC_TOLERANCES", "ArcTolerance", "MachineLimits", "Modes", "MoveKind", "Moves", "Note",
+           "Program", "ProgramError", "Source", "Step", "ToolEntry", "Word", "canon_calls", "canon_lines",
            "read_program", "read_tool_table"]  # fmt: skip

@@ -110,6 +110,8 @@ class _Runner:
             text, end = self.texts.get(line) or self._text(here)
             self.next = (line + 1, end)
             controller.line = record.line = line + 1
+            if controller.trace is not None and self.skip_to is None:
+                controller.trace.begin(line + 1)
             if opened and text == "%":
                 break
             executed += 1

@@ -36,6 +36,8 @@ def execute(controller: Controller, block: Block) -> bool:
     if controller.refresh:
         standalone.after_tool_change(controller)
     values = evaluate(block, controller.parameters)
+    if controller.trace is not None:
+        controller.trace.take(block)
     if controller.diameter_mode and "x" in values.words:
         values.words["x"] /= 2.0
     choose_motion(controller, values)

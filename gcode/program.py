@@ -23,6 +23,7 @@ from gcode.run import run_program
 from gcode.source import Source
 from gcode.state import Controller, mapping_of_systems
 from gcode.tools import ToolEntry
+from gcode.trace import Step, Trace
 
 #: Smaller programs are read before the compiled reader would be loaded, bytes.
 _FAST_FROM = 50_000
@@ -83,6 +84,14 @@ class Program:
     options: Mapping[str, object] = field(repr=False)
 
     @cached_property
+    def steps(self) -> list[Step]:
+        """Lines in the order in which they are obeyed, by reading the program once more."""
+        steps: list[Step] = []
+        options = dict(self.options, dialect=self.dialect, fast=False)
+        read_program(self.source, **options, steps=steps)
+        return steps
+
+    @cached_property
     def moves(self) -> Moves:
         """What the machine does, one row a move; `Moves.line` leads back to the text."""
         try:
@@ -105,6 +114,7 @@ def read_program(
     preview: bool = False,
     max_blocks: int = 10_000_000,
     fast: bool | None = None,
+    steps: list[Step] | None = None,
 ) -> Program:
     """Read an NC program as a controller reads it.
 
@@ -139,6 +149,8 @@ def read_program(
     fast : bool, optional
         Read stretches of plain motion with compiled code; the result is the same to the bit.
         By default for programs of 50 kB and more.
+    steps : list of Step, optional
+        Every line that is obeyed is appended, with its values and modes; without `fast`.
 
     Raises
     ------
@@ -147,18 +159,22 @@ def read_program(
     OSError
         If the file cannot be read.
     """
-    options = {name: value for name, value in locals().items() if name != "path"}
+    options = {name: value for name, value in locals().items() if name not in ("path", "steps")}
     source = path if isinstance(path, Source) else Source.read(path)
     controller = Controller(dict(tools or {}), arc_tolerance(arc_tolerances), machine_unit_mm,
                             preview=preview)  # fmt: skip
     _prepare(controller, work_offsets_mm or {}, home_mm)
     fast = len(source.data) >= _FAST_FROM if fast is None else fast
+    if steps is not None:
+        controller.trace = Trace(controller, steps)
     try:
         spoken = choose_dialect(dialect, source.data)
         run_program(controller, source, dialect=spoken, block_delete=block_delete,
                     max_blocks=max_blocks, fast=fast)  # fmt: skip
     except ProgramError as error:
         raise error.located(file=source.path, line=None) from None
+    if controller.trace is not None:
+        controller.trace.end()
     notes = tuple(Note(line, word, text) for (line, word), text in controller.notes.items())
     home = None if home_mm is None else np.array(home_mm, np.float64)
     return Program(source.path, spoken, source, notes, controller.record,

@@ -12,6 +12,7 @@ from gcode.errors import ProgramError
 from gcode.parameters import Parameters
 from gcode.record import Record
 from gcode.tools import ToolEntry
+from gcode.trace import Trace
 
 __all__ = ["PLANE_AXES", "XY", "XZ", "YZ", "Controller", "mapping_of_systems", "rotate"]
 
@@ -100,6 +101,7 @@ class Controller:
     refresh: bool = False  #: a tool has been changed in the block before
     tool_table: dict[int, ToolEntry] = field(init=False)
     notes: dict[tuple[int, str], str] = field(default_factory=dict)
+    trace: Trace | None = None  #: what is obeyed, where somebody asks for it
 
     def __post_init__(self) -> None:
         self.tool_table = dict(self.tools)

@@ -43,6 +43,8 @@ class Translated:
             here = self.next
             self.next = here + 1
             controller.line = controller.record.line = here + 1
+            if controller.trace is not None:
+                controller.trace.begin(here + 1)
             executed += 1
             if executed > self.max_blocks:
                 raise ProgramError(f"program runs more than {self.max_blocks} blocks",
