@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
     from gcode.state import Controller
 
 __all__ = ["Modes", "Step", "Trace"]
+
+_SHOWN = re.compile(r"\s*(?:msg|debug|print|log)\s*,[^#]*#", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +111,7 @@ class Trace:
         step.words |= {k.upper(): value_of(v, parameters) for k, v in block.words.items()}
         step.g_codes += [value_of(v, parameters) for v in block.g_codes]
         step.m_codes += [value_of(v, parameters) for v in block.m_codes]
-        if block.comment is not None and "#" in block.comment:
+        if block.comment is not None and _SHOWN.match(block.comment):
             step.comment = expand_comment(block.comment, parameters)
 
     def end(self) -> None:

@@ -115,8 +115,8 @@ def test_arc_under_equal_scales_stays_one_arc(tmp_path):
 @pytest.mark.parametrize(
     ("body", "line"),
     [
-        ("G81 X1. Y1. Z-3. R2. F100\nG80\nM30\n", 8),
-        ("G1 Z-1. F200\nX[1+2]\nM30\n", 9),
+        ("G1 Z-1. F200\nG38.2 Z-3. F100\nM30\n", 9),
+        ("G1 Z-1. F200\nG5.1 X10. Y0. I5. J5.\nM30\n", 9),
     ],
 )
 def test_what_cannot_be_rewritten_is_refused_by_line(tmp_path, body, line):

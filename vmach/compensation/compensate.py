@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from gcode import MoveKind, Moves
 from vmach.compensation.block_modes import BlockModes, block_modes
+from vmach.compensation.expansion import Expanded, prepare_plain
 from vmach.compensation.pieces import Piece, split_arc, split_line
 from vmach.compensation.rewriting import Rewriter, Target, Written
 from vmach.errors import InputError
@@ -49,6 +50,10 @@ class Residual:
     distance_mm: np.ndarray
     line: np.ndarray
 
+    def told_in(self, expansion: Expanded) -> Residual:
+        """The same by the lines of the user's program."""
+        return Residual(self.distance_mm, expansion.user_line(self.line))
+
     @property
     def largest_mm(self) -> float:
         """Largest distance; 0 without any."""
@@ -79,6 +84,8 @@ class Compensation:
         Lines that stay because their positions are the machine's own (G53, G28, G30).
     swallowed : int
         Words that need no change because the correction is below the resolution.
+    expanded_lines : mapping of int to str
+        Lines of the program that were written out in plain blocks, and why.
     """
 
     text: bytes
@@ -91,6 +98,7 @@ class Compensation:
     arcs_kept: int
     left_lines: tuple[int, ...]
     swallowed: int
+    expanded_lines: Mapping[int, str] = field(default_factory=dict)
 
 
 def compensate(
@@ -127,17 +135,20 @@ def compensate(
         The program cannot be read or rewritten, a correction exceeds the limit, or the
         compensated program leaves the travel.
     """
-    preparation = prepare(job)
-    modes = block_modes(preparation.program)
     model = _Model(variant, tuple(effects))
+    preparation = prepare(job)
+    if not _has_errors(preparation, model):
+        return _unchanged(preparation, model)
+    preparation, expansion = prepare_plain(preparation)
+    modes = block_modes(preparation.program)
     pieces, ends, middles = _plan(preparation, modes, model, tolerance_mm)
-    rewriter = Rewriter(preparation.program, modes)
+    rewriter = Rewriter(preparation.program, modes, expansion.written)
     best: tuple[Residual, Target] | None = None
     for _ in range(_ROUNDS):
         target = Target(pieces, _within_travel(preparation, pieces, ends), middles.copy())
-        _check_limit(preparation, target, limit_mm)
+        _check_limit(preparation, target, limit_mm, expansion)
         written = rewriter.write(target, _FINE_MM)
-        run = _Run.of(preparation, written, pieces, model)
+        run = _Run.of(preparation, written, pieces, model, expansion)
         found = run.residual()
         if best is None or found.largest_mm < best[0].largest_mm:
             best = found, target
@@ -148,21 +159,46 @@ def compensate(
     assert best is not None
     unrounded, target = best
     written = rewriter.write(target, resolution_mm)
-    after = _Run.of(preparation, written, pieces, model).residual()
+    after = _Run.of(preparation, written, pieces, model, expansion).residual()
     corrections = np.linalg.norm(target.ends_mm, axis=1)
     arc_moves = {p.move for p in pieces if preparation.path.nodes.moves.kind[p.move] == 2}
     broken = {p.move for p in pieces if not p.is_arc and not p.kept and p.end > p.start}
     return Compensation(
         text=written.text,
-        before=_before(preparation, model),
-        unrounded=unrounded,
-        after=after,
+        before=_before(preparation, model).told_in(expansion),
+        unrounded=unrounded.told_in(expansion),
+        after=after.told_in(expansion),
         largest_correction_mm=float(corrections.max(initial=0.0)),
         growth=1.0 + written.inserted / max(len(modes), 1),
         arcs=len(arc_moves),
         arcs_kept=len(arc_moves - broken),
-        left_lines=tuple(line for line, mode in modes.items() if mode.left),
+        left_lines=tuple(int(expansion.user_line(k)) for k, mode in modes.items() if mode.left),
         swallowed=written.swallowed,
+        expanded_lines=expansion.reasons,
+    )
+
+
+def _has_errors(preparation: Preparation, model: _Model) -> bool:
+    nodes = preparation.path.nodes
+    error = model.error_at(preparation, nodes.move, nodes.parameter)
+    return bool((np.abs(error) > _NOTHING_MM).any())
+
+
+def _unchanged(preparation: Preparation, model: _Model) -> Compensation:
+    """The user's bytes: there is nothing to correct."""
+    before = _before(preparation, model)
+    arcs = int((preparation.path.nodes.moves.kind == MoveKind.ARC).sum())
+    return Compensation(
+        text=preparation.program.source.data,
+        before=before,
+        unrounded=before,
+        after=before,
+        largest_correction_mm=0.0,
+        growth=1.0,
+        arcs=arcs,
+        arcs_kept=arcs,
+        left_lines=(),
+        swallowed=0,
     )
 
 
@@ -199,18 +235,20 @@ class _Run:
 
     @classmethod
     def of(
-        cls, original: Preparation, written: Written, pieces: list[Piece], model: _Model
-    ) -> _Run:
+        cls, original: Preparation, written: Written, pieces: list[Piece], model: _Model,
+        expansion: Expanded,
+    ) -> _Run:  # fmt: skip
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / original.program.path.name
             path.write_bytes(written.text)
             try:
                 again = prepare(original.job, program_path=path)
             except ValueError as error:
+                line = written.original_line(getattr(error, "line", None))
                 raise InputError(
                     f"the compensated program is refused: {getattr(error, 'what', error)}",
                     file=original.program.path,
-                    line=written.original_line(getattr(error, "line", None)),
+                    line=None if line is None else int(expansion.user_line(line)),
                 ) from None
         moving = np.flatnonzero(again.program.moves.kind != MoveKind.DWELL)
         row_of_line = dict(zip(again.program.moves.line[moving].tolist(), moving, strict=True))
@@ -270,7 +308,7 @@ def _plan(
         own = correction[starts[index] : starts[index + 1]]
         if max(abs(own).max(), abs(previous).max()) < _NOTHING_MM:
             pieces.append(Piece(k, 0.0, 1.0, kept=True))
-        elif moves.kind[k] == MoveKind.RAPID or modes[int(moves.line[k])].whole or length[k] == 0:
+        elif moves.kind[k] == MoveKind.RAPID or length[k] == 0:
             pieces.append(Piece(k, 0.0, 1.0, is_arc=moves.kind[k] == MoveKind.ARC))
         else:
             if _across(moves, k, own[0] - previous) > tolerance_mm:
@@ -320,13 +358,16 @@ def _before(preparation: Preparation, model: _Model) -> Residual:
     return Residual(np.linalg.norm(error, axis=1), nodes.line[rows])
 
 
-def _check_limit(preparation: Preparation, target: Target, limit_mm: float) -> None:
+def _check_limit(
+    preparation: Preparation, target: Target, limit_mm: float, expansion: Expanded
+) -> None:
     size = np.linalg.norm(target.ends_mm, axis=1)
     beyond = np.flatnonzero(size > limit_mm)
     if not beyond.size:
         return
     of_move = preparation.path.nodes.moves.line
-    lines = sorted({int(of_move[target.pieces[k].move]) for k in beyond})
+    found = of_move[[target.pieces[k].move for k in beyond]]
+    lines = np.unique(expansion.user_line(found)).tolist()
     shown = ", ".join(map(str, lines[:10])) + (" ..." if len(lines) > 10 else "")
     raise InputError(
         f"corrections up to {1e3 * size.max():.1f} um (lines {shown})",

@@ -75,8 +75,10 @@ class Rewriter:
     modes : mapping of line to BlockModes
     """
 
-    def __init__(self, program: Program, modes: dict[int, BlockModes]) -> None:
-        self.program, self.modes, self.moves = program, modes, program.moves
+    def __init__(
+        self, program: Program, modes: dict[int, BlockModes], own: frozenset[int] = frozenset()
+    ) -> None:
+        self.program, self.modes, self.moves, self.own = program, modes, program.moves, own
         count = len(self.moves)
         angle = np.zeros(count)
         for row, _, name, *values in program.record.events:
