@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import product
 
 import numpy as np
 
 from gcode import MoveKind, Program, Word
 from vmach.compensation.block_modes import BlockModes
-from vmach.compensation.pieces import Piece, circle_through
-from vmach.path_geometry import position_at
+from vmach.compensation.block_text import block_text
+from vmach.compensation.expanded_text import number_text
+from vmach.compensation.line_edit import AS_PROGRAMMED, SAME, UNKNOWN, line_edit
+from vmach.compensation.pieces import Piece
+from vmach.compensation.targets import CONTROLS, TargetControl
+from vmach.compensation.written_arc import WantedArc, best_centre, best_radius, chord_miss
+from vmach.path_geometry import move_length_mm, position_at
 
 __all__ = ["Rewriter", "Target", "Written"]
 
-_MOTION = {0, 10, 20, 30}
+_PLANE_AXES = {1: (0, 1), 2: (1, 2), 3: (2, 0)}
+#: corrections that change no word count as swallowed above this, program units
+_NOTHING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -55,30 +61,25 @@ class Written:
         return line
 
 
-@dataclass
-class _Block:
-    """One block that is being written: its words, and the words it replaces."""
-
-    words: dict[str, Word]
-    changed: dict[str, str | None] = field(default_factory=dict)
-
-    def put(self, letter: str, number: str | None) -> None:
-        self.changed[letter] = number
-
-
 class Rewriter:
     """Writes targets into one program.
 
     Parameters
     ----------
     program : Program
+        In plain blocks.
     modes : mapping of line to BlockModes
+    own : frozenset of int
+        Lines whose numbers are not the user's and get the target's decimals.
+    control : TargetControl
     """
 
     def __init__(
-        self, program: Program, modes: dict[int, BlockModes], own: frozenset[int] = frozenset()
-    ) -> None:
+        self, program: Program, modes: dict[int, BlockModes], own: frozenset[int] = frozenset(),
+        control: TargetControl = CONTROLS["linuxcnc"],
+    ) -> None:  # fmt: skip
         self.program, self.modes, self.moves, self.own = program, modes, program.moves, own
+        self.control, self.text = control, block_text(program)
         count = len(self.moves)
         angle = np.zeros(count)
         for row, _, name, *values in program.record.events:
@@ -86,6 +87,7 @@ class Rewriter:
                 angle[row:] = np.radians(values[0])
         self.angle = angle
         self.end_mm = program.record.path().point_mm
+        self.length_mm = move_length_mm(self.moves)
 
     def write(self, target: Target, resolution_mm: float) -> Written:
         """New text with the corrections of `target` at the given resolution."""
@@ -94,24 +96,29 @@ class Rewriter:
         of_move: dict[int, list[int]] = {}
         for index, piece in enumerate(target.pieces):
             of_move.setdefault(piece.move, []).append(index)
-        carried, motion = np.zeros(3), -1
-        for move in range(len(self.moves)):
-            if self.moves.kind[move] == MoveKind.DWELL:
-                continue
+        if self.text.labels is not None:
+            del self.text.labels  # every text takes its numbers anew
+        state = _State()
+        for move in np.flatnonzero(self.moves.kind != MoveKind.DWELL).tolist():
             line = int(self.moves.line[move])
-            words = {w.letter: w for w in self.program.source.words(line) if w.letter != "G"}
             if move not in of_move:
-                still = [a not in words for a in "XYZ"]
-                carried = np.where(still if not all(still) else False, carried, 0.0)
-                motion = -1
+                self._pass(line, state)
                 continue
-            state = _Line(self, line, move, carried, motion, resolution_mm)
+            writer = _LineWriter(self, line, move, state, resolution_mm)
             for index in of_move[move]:
-                state.piece(target, index, written)
-            edits.update(state.edits())
-            carried, motion = state.carried(), state.motion
-        written.text = self.program.source.rewritten(edits)
+                writer.piece(target, index, written)
+            edits.update(writer.edit.edits())
+            writer.leave(state)
+        written.text = self.text.finish(self.program.source.rewritten(edits))
         return written
+
+    def _pass(self, line: int, state: _State) -> None:
+        """A line that stays: named axes are then where the program has them."""
+        named = {w.letter for w in self.text.words(line)} & set("XYZ")
+        still = [axis not in named for axis in "XYZ"] if named else [False] * 3
+        state.carried_mm = np.where(still, state.carried_mm, 0.0)
+        if self.text.motion_word(line) is not None:
+            state.motion = AS_PROGRAMMED
 
     def to_program(self, vector: np.ndarray, move: int) -> np.ndarray:
         """A machine vector in the axes of the program."""
@@ -123,177 +130,135 @@ class Rewriter:
         return self.end_mm[move] + self.to_program(there - self.moves.end_mm[move], move)
 
 
-class _Line:
-    """The new text of one line: its own block, then inserted ones."""
+@dataclass
+class _State:
+    """What one line leaves to the next: written minus nominal place, and the motion in force."""
+
+    carried_mm: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    motion: int = AS_PROGRAMMED
+
+
+class _LineWriter:
+    """Writes the pieces of one move into its line and into inserted blocks."""
 
     def __init__(
-        self, rewriter: Rewriter, line: int, move: int, carried: np.ndarray, motion: int,
-        resolution_mm: float,
-    ) -> None:  # fmt: skip
-        self.rewriter, self.line, self.move, self.motion = rewriter, line, move, motion
-        self.mode = rewriter.modes[line]
-        source = rewriter.program.source
-        self.words = source.words(line)
-        self.lower = any(w.text[0] in "xyz" for w in self.words)
-        self.decimals = int(np.ceil(-np.log10(resolution_mm) - 1e-9)) + (self.mode.unit_mm != 1.0)
+        self, rewriter: Rewriter, line: int, move: int, state: _State, resolution_mm: float
+    ) -> None:
+        self.rewriter, self.move, self.mode = rewriter, move, rewriter.modes[line]
+        self.unit = self.mode.unit_mm
+        self.decimals = rewriter.control.decimals(resolution_mm, self.unit)
         self.step = 10.0**-self.decimals  # in program units
-        self.now = rewriter.position(move, 0.0) + rewriter.to_program(carried, move)
-        self.first: dict[tuple[int, int], str] = {}
-        self.blocks: list[str] = []
-        self.own_done = False
-        self.last_target = self.now
+        self.edit = line_edit(rewriter.text, line, state.motion, nominal=self._nominal_code(),
+                              ending=rewriter.control.ending)  # fmt: skip
+        self.now = rewriter.position(move, 0.0) + rewriter.to_program(state.carried_mm, move)
+        self.is_own = line in rewriter.own
 
-    def carried(self) -> np.ndarray:
-        """Written minus nominal end, machine axes."""
-        off = self.now - self.rewriter.end_mm[self.move]
-        return _turned(off, self.rewriter.angle[self.move])
+    def leave(self, state: _State) -> None:
+        """Hand over to the next line."""
+        rewriter = self.rewriter
+        off = self.now - rewriter.end_mm[self.move]
+        state.carried_mm = _turned(off, rewriter.angle[self.move])
+        state.motion = UNKNOWN if self.edit.may_be_skipped else self.edit.motion
 
     def piece(self, target: Target, index: int, written: Written) -> None:
-        piece = target.pieces[index]
-        rewriter = self.rewriter
-        code = self._code(piece)
-        if piece.kept:
+        """Write one piece, or nothing where rounding leaves nothing to do."""
+        piece, rewriter, line = target.pieces[index], self.rewriter, self.edit.line
+        if piece.kept and not self.is_own:
             self.now = rewriter.end_mm[self.move].copy()
-            self.motion, self.own_done = code, True
-            written.line_of_piece[index] = self.line + written.inserted
+            self.edit.keep(self._code(piece))
+            written.line_of_piece[index] = line + written.inserted
             return
-        wanted = rewriter.position(piece.move, piece.end) + rewriter.to_program(
-            target.ends_mm[index], piece.move
+        wanted = self._place(piece, piece.end, target.ends_mm[index])
+        before = self.now.copy()
+        texts = self._axis_texts(wanted, written)
+        code = self._code(piece)
+        if code > 1:
+            code = self._arc(piece, target.middles_mm[index], before, (wanted, texts))
+        if not texts and self.edit.own_done:
+            return
+        if self.mode.inverse_time and code:
+            texts["F"] = number_text("F", self._inverse_feed(piece, before))
+        count = self.edit.write(code, texts)
+        written.inserted += count
+        written.inserted_after += [line] * count
+        written.line_of_piece[index] = line + written.inserted
+
+    def _place(self, piece: Piece, parameter: float, correction_mm: np.ndarray) -> np.ndarray:
+        rewriter = self.rewriter
+        return rewriter.position(piece.move, parameter) + rewriter.to_program(
+            correction_mm, piece.move
         )
-        before, words = self.now.copy(), {} if self.own_done else self._own_words()
-        texts = self._axis_texts(wanted, words, written)
-        if piece.is_arc:
-            middle = rewriter.position(piece.move, 0.5 * (piece.start + piece.end))
-            middle = middle + rewriter.to_program(target.middles_mm[index], piece.move)
-            centre = self._centre_texts(before, middle, wanted, words)
-            if centre is None:
-                code = 1
-            else:
-                texts |= centre
-        if not texts and self.own_done:
-            return
-        if not self.own_done:
-            self._edit_own(texts, words, code)
-        else:
-            head = f"G{code} " if code != self.motion else ""
-            block = head + " ".join(f"{k}{v}" for k, v in texts.items())
-            self.blocks.append(block.lower() if self.lower else block)
-            written.inserted += 1
-            written.inserted_after.append(self.line)
-        self.own_done, self.motion = True, code
-        written.line_of_piece[index] = self.line + written.inserted
+
+    def _nominal_code(self) -> int:
+        moves = self.rewriter.moves
+        kind = moves.kind[self.move]
+        if kind == MoveKind.ARC:
+            return 3 if moves.sweep_rad[self.move] > 0 else 2
+        return 0 if kind == MoveKind.RAPID else 1
 
     def _code(self, piece: Piece) -> int:
-        moves = self.rewriter.moves
-        kind = moves.kind[piece.move]
-        if kind == MoveKind.RAPID:
-            return 0
-        if kind == MoveKind.LINE or not (piece.is_arc or piece.kept):
-            return 1
-        return 3 if moves.sweep_rad[piece.move] > 0 else 2
+        nominal = self._nominal_code()
+        return nominal if nominal < 2 or piece.is_arc or piece.kept else 1
 
-    def _own_words(self) -> dict[str, Word]:
-        return {w.letter: w for w in self.words if w.letter in "XYZIJKRP" and w.value is not None}
-
-    def _axis_texts(
-        self, wanted: np.ndarray, words: dict[str, Word], written: Written
-    ) -> dict[str, str]:
+    def _axis_texts(self, wanted: np.ndarray, written: Written) -> dict[str, str]:
         """Words X Y Z that lead to the wanted point; moves `now` to where they really lead."""
-        texts, unit = {}, self.mode.unit_mm
+        texts: dict[str, str] = {}
         for axis, letter in enumerate("XYZ"):
-            base = self.now[axis] if self.mode.incremental else 0.0
-            value = (wanted[axis] - base) / unit
-            word = words.get(letter)
-            old = word.value if word else (self.now[axis] - base) / unit
-            if abs(value - old) < 0.5 * self.step:
-                written.swallowed += int(abs(value - old) > 1e-9)
+            word = self.edit.own_word(letter)
+            counts_on = self.mode.incremental if word is None else (
+                self.mode.incremental or self.rewriter.text.is_incremental(word))  # fmt: skip
+            base = self.now[axis] if counts_on else 0.0
+            value = (wanted[axis] - base) / self.unit
+            old = word.value if word else (self.now[axis] - base) / self.unit
+            if abs(value - old) < 0.5 * self.step and not (word and self.is_own):
+                written.swallowed += int(abs(value - old) > _NOTHING)
                 new = old
                 if word:
-                    texts[letter] = word.text[1:]
+                    texts[letter] = SAME
             else:
-                texts[letter] = _number(value, self.decimals)
+                texts[letter] = self._number(value, word)
                 new = float(texts[letter])
-            self.now[axis] = base + new * unit
+            self.now[axis] = base + new * self.unit
         return texts
 
-    def _centre_texts(
-        self, start: np.ndarray, middle: np.ndarray, end: np.ndarray, words: dict[str, Word]
-    ) -> dict[str, str] | None:
-        """Words I J K of the arc, rounded so that both radii agree best; None for no arc."""
-        axis = self.rewriter.moves.axis[self.move]
-        side = [k for k in range(3) if abs(axis[k]) < 0.5]
-        stop = self.now[side]
-        if np.linalg.norm(stop - start[side]) < 20 * self.step * self.mode.unit_mm:
-            return None
-        centre = circle_through(start[side], middle[side], end[side])
-        if centre is None:
-            return None
-        unit = self.mode.unit_mm
-        origin = np.zeros(2) if self.mode.absolute_centre else start[side]
-        ideal = (centre - origin) / unit
-        near = np.round(ideal, self.decimals)
-        tries = [near + self.step * np.array(d) for d in product((-1, 0, 1), repeat=2)]
+    def _number(self, value: float, like: Word | None) -> str:
+        return self.rewriter.text.number(value, self.decimals, self.edit.number_of(like))
 
-        def unlike(value: np.ndarray) -> float:
-            at = origin + value * unit
-            radii = np.linalg.norm(start[side] - at), np.linalg.norm(stop - at)
-            return abs(radii[0] - radii[1]) + 0.2 * np.linalg.norm(at - centre)
+    def _arc(
+        self, piece: Piece, middle_mm: np.ndarray, before: np.ndarray,
+        ends: tuple[np.ndarray, dict[str, str]],
+    ) -> int:  # fmt: skip
+        """Add the words of an arc; returns its G code, 1 where a line is nearer."""
+        wanted, texts = ends
+        side = list(_PLANE_AXES[self.mode.plane])
+        middle = self._place(piece, 0.5 * (piece.start + piece.end), middle_mm)
+        arc = WantedArc(*(p[side] / self.unit for p in (before, middle, wanted, self.now)))
+        absolute = self.mode.absolute_centre or self.rewriter.text.absolute_centres
+        origin = np.zeros(2) if absolute else arc.start
+        centre = best_centre(arc, origin, self.step, self._accepts)
+        if centre is None or chord_miss(arc) <= centre.miss:
+            return 1
+        radius = best_radius(arc, self.step) if self.edit.has_radius else None
+        if radius is not None and radius.miss <= max(centre.miss, 0.5 * self.step):
+            texts["R"] = self._number(radius.value, self.edit.own_word("R"))
+        else:
+            for axis, value in zip(side, centre.value, strict=True):
+                letter = "IJK"[axis]
+                texts[letter] = self._number(value, self.edit.own_word(letter))
+        return 3 if arc.is_counter_clockwise else 2
 
-        best = min(tries, key=unlike)
-        texts = {}
-        for letter, value in zip(("IJK"[k] for k in side), best, strict=True):
-            word = words.get(letter)
-            same = word is not None and abs(word.value - value) < 0.5 * self.step
-            texts[letter] = word.text[1:] if same else _number(value, self.decimals)
-        return texts
+    def _accepts(self, first: float, last: float) -> bool:
+        return self.rewriter.control.radii_agree(first, last, unit_mm=self.unit)
 
-    def _edit_own(self, texts: dict[str, str], words: dict[str, Word], code: int) -> None:
-        """Replace, remove and add words of the line's own block."""
-        added = {k: v for k, v in texts.items() if k not in words}
-        is_arc = self.rewriter.moves.kind[self.move] == MoveKind.ARC
-        for letter, word in words.items():
-            if letter in texts:
-                if texts[letter] != word.text[1:]:
-                    self.first[word.span] = word.text[0] + texts[letter]
-            elif letter in "IJKR" or (letter == "P" and is_arc):
-                self.first[word.span] = ""
-        motion = [w for w in self.words if w.letter == "G" and w.value is not None
-                  and round(10 * w.value) in _MOTION]  # fmt: skip
-        if motion and motion[0].value != code:
-            self.first[motion[0].span] = f"{motion[0].text[0]}{code}"
-        anchor = next(w for w in reversed(self.words) if w.letter in "XYZIJKRG")
-        tail = [f"{k}{v}" for k, v in added.items()]
-        if not motion and self.motion not in (-1, code):
-            tail.insert(0, f"G{code}")
-        if tail:
-            gap = " " if self._is_spaced() else ""
-            text = gap + gap.join(tail)
-            kept = self.first.get(anchor.span, anchor.text)
-            self.first[anchor.span] = kept + (text.lower() if self.lower else text)
-
-    def _is_spaced(self) -> bool:
-        pairs = zip(self.words, self.words[1:], strict=False)
-        return any(right.span[0] > left.span[1] for left, right in pairs) or len(self.words) == 1
-
-    def edits(self) -> dict[tuple[int, int], str]:
-        """Replacements for `gcode.Source.rewritten`."""
-        edits = dict(self.first)
-        if self.blocks:
-            source = self.rewriter.program.source
-            text = source.lines[self.line - 1]
-            at = int(source.line_starts[self.line - 1]) + len(text)
-            eol = "\r\n" if source.data[at : at + 1] == b"\r" else "\n"
-            lead = "/" if text.lstrip().startswith("/") else ""
-            edits[at, at] = "".join(eol + lead + block for block in self.blocks)
-        return edits
+    def _inverse_feed(self, piece: Piece, before: np.ndarray) -> float:
+        """F of a piece under G93: the program's feed over the length of the piece."""
+        rewriter, move = self.rewriter, piece.move
+        length = (piece.end - piece.start) * rewriter.length_mm[move]
+        length = max(length, float(np.linalg.norm(self.now - before)), self.step * self.unit)
+        return float(rewriter.moves.feed_mm_per_min[move]) / length
 
 
 def _turned(vector: np.ndarray, angle_rad: float) -> np.ndarray:
     cos, sin = np.cos(angle_rad), np.sin(angle_rad)
     x, y, z = vector
     return np.array([cos * x - sin * y, sin * x + cos * y, z])
-
-
-def _number(value: float, decimals: int) -> str:
-    text = f"{value:.{decimals}f}"
-    return text[1:] if float(text) == 0.0 and text.startswith("-") else text

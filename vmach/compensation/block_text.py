@@ -1,0 +1,294 @@
+"""How a program writes its blocks: words, numbers, labels, in the syntax of each control."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+from gcode import Program, Source, Word
+
+__all__ = ["BlockText", "block_text"]
+
+_NUMBER = re.compile(r"[+-]?[ \t]*(?:\d[\d \t]*\.?[\d \t]*|\.[ \t]*\d[\d \t]*)$")
+_HIGHEST_LABEL = 99999
+#: lines from which the style is taken
+_SAMPLE = 400
+
+
+@dataclass(frozen=True)
+class Style:
+    """Habits of a program.
+
+    Attributes
+    ----------
+    plus : bool
+        Positive numbers have a sign.
+    bare_point : bool
+        ``.5`` rather than ``0.5``.
+    gap, between : str
+        Blanks between letter and number, and between words.
+    fill : int
+        Fewest decimals.
+    lower, padded : bool
+        Lower case; ``G01`` rather than ``G1``.
+    closing : str
+        What ends every block, as the ``;`` of some controls.
+    """
+
+    plus: bool = False
+    bare_point: bool = False
+    gap: str = ""
+    between: str = " "
+    fill: int = 0
+    lower: bool = False
+    padded: bool = False
+    closing: str = ""
+
+
+class BlockText:
+    """Blocks of letters and numbers, as RS274/NGC and Fanuc write them.
+
+    Parameters
+    ----------
+    source : Source
+    """
+
+    #: the centre of an arc is said in absolute numbers whatever the modes are
+    absolute_centres = False
+    fewest_decimals = 0
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self._words: dict[int, tuple[Word, ...]] = {}
+
+    def words(self, line: int) -> tuple[Word, ...]:
+        """Words of a line."""
+        if line not in self._words:
+            self._words[line] = self._read(line)
+        return self._words[line]
+
+    def _read(self, line: int) -> tuple[Word, ...]:
+        return self.source.words(line)
+
+    def motion_word(self, line: int) -> Word | None:
+        """The word that says G0, G1, G2 or G3."""
+        found = (w for w in self.words(line)
+                 if w.letter == "G" and w.value in (0.0, 1.0, 2.0, 3.0))  # fmt: skip
+        return next(found, None)
+
+    def is_incremental(self, word: Word) -> bool:
+        """Whether the word itself says that it is a distance."""
+        return False
+
+    @cached_property
+    def style(self) -> Style:
+        """Habits of the program, as most of its words have it."""
+        words = [w for line in range(1, min(len(self.source), _SAMPLE) + 1)
+                 for w in self.words(line) if w.value is not None]  # fmt: skip
+        axes = [w for w in words if w.letter in "XYZ"]
+        numbers = [split_word(w.text)[1] for w in axes]
+        positive = [n for n, w in zip(numbers, axes, strict=True) if w.value > 0]
+        small = [n.lstrip("+-") for n, w in zip(numbers, axes, strict=True) if 0 < abs(w.value) < 1]
+        pointed = [len(n) - n.index(".") - 1 for n in numbers if "." in n]
+        codes = [w.text for w in words if w.letter == "G" and w.value in (0, 1, 2, 3)]
+        lines = self.source.lines
+        ends = [s.rstrip().endswith(";") for s in lines[:_SAMPLE] if s.strip(" \t%")]
+        return Style(
+            plus=_mostly(n.startswith("+") for n in positive),
+            bare_point=_mostly(n.startswith(".") for n in small),
+            gap=" " if _mostly(len(split_word(w.text)[0].rstrip()) < len(split_word(w.text)[0])
+                               for w in axes) else "",
+            between=" " if _mostly(self._blanks()) else "",
+            fill=max(min(pointed, default=0), self.fewest_decimals),
+            lower=_mostly(w.text[0].islower() for w in axes),
+            padded=_mostly(len(text) > 2 for text in codes),
+            closing=";" if ends and all(ends) else "",
+        )  # fmt: skip
+
+    def _blanks(self) -> list[bool]:
+        """Whether there are blanks between neighbouring words."""
+        found = []
+        for line in range(1, min(len(self.source), _SAMPLE) + 1):
+            words = self.words(line)
+            found += [b.span[0] > a.span[1] for a, b in pairwise(words)]
+        return found or [True]
+
+    def number(self, value: float, decimals: int, like: str | None = None) -> str:
+        """A number as the user writes numbers; `like` is the one that it replaces."""
+        style, shown = self.style, f"{abs(value):.{decimals}f}"
+        whole, fraction = shown.split(".")
+        fill, plus, bare = style.fill, style.plus, style.bare_point
+        if like is not None:
+            bare = like.lstrip("+-").startswith(".") or (bare and not like.startswith("0"))
+            plus = like.startswith("+") or (plus and like.startswith("-"))
+            fill = len(like) - like.index(".") - 1 if "." in like else 0
+        fill = max(min(fill, decimals), self.fewest_decimals)
+        fraction = fraction.rstrip("0").ljust(fill, "0")
+        sign = "" if float(shown) == 0.0 and not plus else "-" if value < 0 else "+" * plus
+        sign = "+" if float(shown) == 0.0 and plus else sign
+        return sign + ("" if bare and whole == "0" and fraction else whole) + "." + fraction
+
+    def word(self, letter: str, number: str, like: Word | None = None) -> str:
+        """A word with a number; the letter and what follows it as in the word it replaces."""
+        if like is not None and _NUMBER.search(like.text):
+            return split_word(like.text)[0] + number
+        text = letter + self.style.gap + number
+        return text.lower() if self.style.lower else text
+
+    def motion(self, code: int, like: Word | None = None) -> str:
+        """G0, G1, G2 or G3."""
+        padded = self.style.padded if like is None else len(like.text) > 2
+        letter = like.text[0] if like is not None else "g" if self.style.lower else "G"
+        return f"{letter}{code:02d}" if padded else f"{letter}{code}"
+
+    def block(self, code: int | None, words: list[str]) -> str:
+        """An inserted block without its label."""
+        head = [] if code is None else [self.motion(code)]
+        return self.style.between.join([*head, *words]) + self.style.closing
+
+    def label_of(self, line: int) -> Word | None:
+        """The block number of a line."""
+        return next((w for w in self.words(line) if w.letter == "N" and w.value is not None), None)
+
+    def labelled(self, block: str, label: str) -> str:
+        """A block with its number before it."""
+        letter = "n" if self.style.lower else "N"
+        return f"{letter}{label}{self.style.between}{block}"
+
+    @cached_property
+    def labels(self) -> Labels | None:
+        """Free block numbers, where the program numbers its blocks."""
+        numbered = [self.label_of(k) for k in range(1, len(self.source) + 1) if self.words(k)]
+        blocks = [w for w in numbered if w is not None]
+        if len(blocks) < 2 or len(blocks) < 0.9 * len(numbered):
+            return None
+        width = len(blocks[0].text) - 1 if blocks[0].text[1:].startswith("0") else 0
+        return Labels({int(w.value) for w in blocks}, width)
+
+    def finish(self, text: bytes) -> bytes:
+        """Last touch to the whole text."""
+        return text
+
+
+class Labels:
+    """Block numbers that are still free."""
+
+    def __init__(self, used: set[int], width: int) -> None:
+        self.used, self.width = set(used), width
+        self.next = max(used) + 1
+
+    def after(self, label: int | None) -> str | None:
+        """A number near above `label`, or above all; None where none is left."""
+        number = None if label is None else label + 1
+        if number is None or number in self.used:
+            while self.next in self.used:
+                self.next += 1
+            number = self.next
+        if number > _HIGHEST_LABEL:
+            return None
+        self.used.add(number)
+        return f"{number:0{self.width}d}"
+
+
+class SinumerikText(BlockText):
+    """Sinumerik: ``X=1.5``, ``CR=`` for the radius, ``TURN=`` for further turns."""
+
+    _TOKEN = re.compile(r"(CR|TURN|[A-Z])[ \t]*(=?)[ \t]*([+-]?(?:\d+\.?\d*|\.\d+))", re.IGNORECASE)
+
+    def _read(self, line: int) -> tuple[Word, ...]:
+        text = self.source.lines[line - 1].split(";")[0]
+        offset = int(self.source.line_starts[line - 1])
+        return tuple(
+            Word({"CR": "R", "TURN": "P"}.get(m[1].upper(), m[1].upper()), float(m[3]), m.group(),
+                 (offset + m.start(), offset + m.end()))
+            for m in self._TOKEN.finditer(text)
+        )  # fmt: skip
+
+    def word(self, letter: str, number: str, like: Word | None = None) -> str:
+        """A word with a number; CR takes an equal sign."""
+        return super().word("CR=" if letter == "R" and like is None else letter, number, like)
+
+
+class KlartextText(BlockText):
+    """Heidenhain Klartext: L, C and CR with signed numbers, circle centres in CC blocks."""
+
+    absolute_centres = True
+    fewest_decimals = 1
+    _TOKEN = re.compile(r"(?<![A-Z])(I?[XYZ]|DR|R(?![0LR](?![\d.]))|F|M)[ \t]*"
+                        r"([+-]?[ \t]*(?:\d+\.?\d*|\.\d+)|[+-](?=\s|$))", re.IGNORECASE)
+    _HEAD = re.compile(r"^([ \t]*(?:\d+[ \t]+)?)(L|CR|CC|C)(?=[ \t]|$)", re.IGNORECASE)
+    _LABEL = re.compile(rb"^([ \t]*)(\d+)(?=[ \t])", re.MULTILINE)
+
+    def _read(self, line: int) -> tuple[Word, ...]:
+        text = self.source.lines[line - 1].split(";")[0]
+        offset = int(self.source.line_starts[line - 1])
+        head = self._HEAD.match(text)
+        if head is None:
+            return ()
+        words = [Word("HEAD", None, head[2], (offset + head.start(2), offset + head.end(2)))]
+        for found in self._TOKEN.finditer(text, head.end()):
+            name, value = found[1].upper(), re.sub(r"\s", "", found[2])
+            signs_only = value in ("+", "-")
+            words.append(Word("DR" if name == "DR" else name[-1],
+                              None if signs_only else float(value), found.group(),
+                              (offset + found.start(), offset + found.end())))  # fmt: skip
+        return tuple(words)
+
+    def motion_word(self, line: int) -> Word | None:
+        """L, C or CR."""
+        return next((w for w in self.words(line) if w.letter == "HEAD"), None)
+
+    def is_incremental(self, word: Word) -> bool:
+        """IX, IY, IZ."""
+        return word.text[0] in "Ii" and word.letter in "XYZ"
+
+    @cached_property
+    def style(self) -> Style:
+        """Signs before all numbers, words apart."""
+        found = BlockText.style.func(self)
+        return Style(plus=True, fill=found.fill, lower=found.lower)
+
+    def labels_in_order(self) -> bool:
+        """Whether every line has a block number."""
+        lines = [s for s in self.source.lines if s.strip()]
+        return bool(lines) and all(re.match(r"\s*\d+\s", s) for s in lines)
+
+    @cached_property
+    def labels(self) -> Labels | None:
+        """None: all blocks are numbered anew at the end."""
+        return None
+
+    def finish(self, text: bytes) -> bytes:
+        """Number the blocks consecutively, where the program does."""
+        if not self.labels_in_order():
+            return text
+        first = int(re.match(r"\s*(\d+)", next(s for s in self.source.lines if s.strip()))[1])
+        lines, number = text.splitlines(keepends=True), first
+        for index, line in enumerate(lines):
+            if line.strip():
+                bare = self._LABEL.sub(rb"\1", line, count=1).lstrip()
+                lines[index] = b"%d " % number + bare
+                number += 1
+        return b"".join(lines)
+
+
+def block_text(program: Program) -> BlockText:
+    """The syntax of a program."""
+    kinds = {"sinumerik": SinumerikText, "heidenhain": KlartextText}
+    return kinds.get(program.dialect, BlockText)(program.source)
+
+
+def split_word(text: str) -> tuple[str, str]:
+    """Letter with what follows it, and number without blanks."""
+    found = _NUMBER.search(text)
+    if found is None:
+        return text, ""
+    return text[: found.start()], re.sub(r"\s", "", found.group())
+
+
+def _mostly(flags: object) -> bool:
+    counts = Counter(bool(flag) for flag in flags)
+    return counts[True] > counts[False]
