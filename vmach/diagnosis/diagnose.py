@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import norm
+from threadpoolctl import threadpool_limits
 
 from vmach.diagnosis.blind_spots import BlindSpot, blind_spots
 from vmach.diagnosis.held_out import holds_out
@@ -114,6 +115,7 @@ class Diagnosis:
     notes: tuple[str, ...]
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")
 def diagnose(
     survey: Survey, *, like: Search | None = None, progress: Progress | None = None
 ) -> Diagnosis:
@@ -143,11 +145,7 @@ def diagnose(
         explanation = search.run()
     explanation = _settled(search, explanation)
     tell("is what is left noise?")
-    left = search.structure.left_in(
-        explanation.residual, explanation.degrees, absorb=search.absorber(explanation)
-    )
-    if (further := search.further(explanation)) > 0.0:
-        left["further effects"] = further
+    left = search.left_in(explanation)
     failures = where_it_fails(survey, search.whiten, survey.residual_mm)
     findings = _findings(search, explanation)
     verdict = _verdict(findings, left)
@@ -171,6 +169,7 @@ def diagnose(
     )
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")
 def prepare_search(survey: Survey, effects: Sequence[Effect] | None = None) -> Search:
     """The search over a survey; `effects` are its candidates, the catalogue where left out."""
     candidates, excluded = gather_candidates(survey, effects)
@@ -306,20 +305,13 @@ def _aligned(survey: Survey, columns: np.ndarray) -> np.ndarray:
 
 def _scores(search: Search) -> tuple[CandidateScore, ...]:
     survey, nothing = search.survey, search.nothing
-    scores = []
-    for k, candidate in enumerate(search.candidates):
-        term = search.term(k, nothing)
-        fit = fit_terms(survey, [term], search.whiten, refine=False)
-        after = _aligned(survey, survey.residual_mm - fit.explained_mm(0))
-        scores.append(
-            CandidateScore(
-                candidate.effect.name,
-                candidate.target,
-                round(search.gains(nothing)[k], 2),
-                round(float(um_from_mm(_root_mean_square(after))), 3),
-                "tested",
-            )
-        )
+    explained = [search.alone_mm(k) for k in range(len(search.candidates))]
+    after = survey.residual_mm[:, None] - np.column_stack(explained)
+    after = um_from_mm(np.sqrt(np.mean((after - survey.aligned(after)) ** 2, axis=0)))
+    scores = [
+        CandidateScore(c.effect.name, c.target, round(gain, 2), round(float(rms), 3), "tested")
+        for c, gain, rms in zip(search.candidates, search.gains(nothing), after, strict=True)
+    ]
     scores.sort(key=lambda s: -s.score)
     before = _rms(survey, nothing)["before"]
     scores += [

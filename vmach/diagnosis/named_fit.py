@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from vmach.diagnosis.diagnose import explanation_with_slack, prepare_search
 from vmach.diagnosis.words import component_parameters
@@ -44,6 +45,7 @@ class NamedEffect:
         return f"{self.effect.name} {self.target}".strip()
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")
 def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
     """Fit named effects together.
 

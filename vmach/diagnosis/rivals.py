@@ -70,7 +70,7 @@ def _teams(search: Search, explanation: Explanation, k: int, others: Explanation
         ]
         if own in _SAME_AS.get(name, (name,)) or not members:
             continue
-        span = np.hstack([search.white[i][:, 0, :] for i in members])
+        span = np.hstack([search.bank.columns(i)[:, 0, :] for i in members])
         basis = orthonormal(absorb(span), tolerance=1e-6)
         left = shown - basis @ (basis.T @ shown)
         if left @ left < 2.0 * _MARGIN:

@@ -17,7 +17,7 @@ import numpy as np
 from vmach.diagnosis.structure import Structure
 from vmach.effects import Effect
 from vmach.fit.candidates import Candidate
-from vmach.fit.evidence import WIDTHS, Evidence, evidence_of_unit, log_evidence
+from vmach.fit.evidence import WIDTHS, Evidence, SignatureBank, evidence_of_unit
 from vmach.fit.joint_fit import JointFit, Term, fit_terms
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import Whitening
@@ -94,7 +94,10 @@ class Search:
     ) -> None:
         self.survey, self.candidates, self.whiten = survey, list(candidates), whiten
         self.excluded = tuple(excluded)
-        self.white = [whiten(c.signatures_mm) for c in self.candidates]
+        self.bank = SignatureBank(
+            [whiten(c.signatures_mm) for c in self.candidates],
+            [c.log_prior for c in self.candidates],
+        )
         self._reading = whiten(survey.residual_mm)
         self._seed = seed
 
@@ -130,10 +133,8 @@ class Search:
         """
         random = np.random.default_rng(self._seed)
         noise = self.whiten.projected(random.standard_normal((len(self.survey), _SIMULATIONS)))
-        largest = np.full(_SIMULATIONS, -np.inf)
-        for columns, candidate in zip(self.white, self.candidates, strict=True):
-            found = log_evidence(columns, noise, candidate.log_prior).log_factor
-            largest = np.maximum(largest, found + self.log_prior(candidate))
+        found = zip(self.bank.evidence(noise), self.candidates, strict=True)
+        largest = np.max([e.log_factor + self.log_prior(c) for e, c in found], axis=0)
         return float(np.quantile(largest, 0.9) + np.log(0.1 / _FALSE_ALARM))
 
     def log_prior(self, candidate: Candidate) -> float:
@@ -220,21 +221,24 @@ class Search:
         return self._explain(fit, score)
 
     def _explain(self, fit: JointFit | None, score: float) -> Explanation:
-        white, reading, degrees = self.white, self._reading, self.whiten.degrees
-        if fit is not None:
-            absorb = self._absorbing(fit)
-            white = [absorb(w) for w in white]
-            reading = absorb(reading)
-            degrees = absorb.degrees - (len(self.survey) - self.whiten.degrees)
-        evidence = tuple(
-            log_evidence(w, reading[:, None], c.log_prior)
-            for w, c in zip(white, self.candidates, strict=True)
-        )
-        return Explanation(fit, score, evidence, reading, degrees)
+        absorb = None if fit is None else self._absorbing(fit)
+        evidence = tuple(self.bank.evidence(self._reading[:, None], absorb))
+        if absorb is None:
+            return Explanation(fit, score, evidence, self._reading, self.whiten.degrees)
+        degrees = absorb.degrees - (len(self.survey) - self.whiten.degrees)
+        return Explanation(fit, score, evidence, absorb(self._reading), degrees)
 
     def absorber(self, explanation: Explanation) -> Callable[[np.ndarray], np.ndarray]:
         """What takes an explanation out of whitened readings or signatures."""
         return self._absorbing(explanation.fit) if explanation.fit else lambda white: white
+
+    def left_in(self, explanation: Explanation) -> dict[str, float]:
+        """What an explanation leaves beyond noise, by kind of pattern; empty where it is noise."""
+        absorb = self._absorbing(explanation.fit) if explanation.fit else None
+        left = self.structure.left_in(self._reading, explanation.degrees, absorb=absorb)
+        if (further := self.further(explanation)) > 0.0:
+            left["further effects"] = further
+        return left
 
     def _absorbing(self, fit: JointFit, *, without_slack_of: int | None = None) -> Whitening:
         """Takes the fitted effects out, what their laws leave open and their inner parameters."""
@@ -277,6 +281,15 @@ class Search:
             terms = [t for k, t in enumerate(explanation.fit.terms) if k != weakest]
             explanation = self.explain(terms, explanation.score - gains[weakest])
         return explanation
+
+    def alone_mm(self, k: int) -> np.ndarray:
+        """What candidate k does to the readings when it is fitted alone, (n,) mm."""
+        evidence = self.nothing.evidence[k]
+        place, width = int(evidence.best[0]), int(evidence.best_width[0])
+        white = self.bank.columns(k)[:, place]
+        prior = np.eye(white.shape[1]) / WIDTHS[width] ** 2
+        amount = np.linalg.solve(white.T @ white + prior, white.T @ self._reading)
+        return self.candidates[k].signatures_mm[:, place] @ amount
 
     def gain_of(self, explanation: Explanation, k: int) -> float:
         """Evidence for term k of an explanation, given its other terms."""

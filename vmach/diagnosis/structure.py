@@ -11,7 +11,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from vmach.effects.wandering import wandering
-from vmach.fit.evidence import log_evidence
+from vmach.fit.evidence import SignatureBank
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import Whitening
 
@@ -59,25 +59,27 @@ class Structure:
     """The gate of one survey."""
 
     def __init__(self, survey: Survey, whiten: Whitening, *, seed: int = 2) -> None:
-        self._white = {name: whiten(c)[:, None, :] for name, c in patterns(survey).items()}
+        blocks = {name: whiten(c)[:, None, :] for name, c in patterns(survey).items()}
+        self._names = tuple(blocks)
+        self._bank = SignatureBank(list(blocks.values()), [np.zeros(1)] * len(blocks))
         random = np.random.default_rng(seed)
         noise = whiten.projected(random.standard_normal((len(survey), _SIMULATIONS)))
-        largest = np.max(
-            [log_evidence(c, noise, np.zeros(1)).log_factor for c in self._white.values()], axis=0
-        )
+        largest = np.max([e.log_factor for e in self._bank.evidence(noise)], axis=0)
         #: log evidence of a pattern that clean data exceed with the chance of a false alarm
         self.threshold = float(np.quantile(largest, 0.9) + np.log(0.1 / _FALSE_ALARM))
 
-    def left_in(self, residual: np.ndarray, degrees: int, *, absorb=None) -> dict[str, float]:
-        """What is left in a whitened residual, by kind of pattern; empty if it is noise.
+    def left_in(
+        self, reading: np.ndarray, degrees: int, *, absorb: Whitening | None = None
+    ) -> dict[str, float]:
+        """What is left of whitened readings, by kind of pattern; empty if it is noise.
 
         Parameters
         ----------
-        residual : (n,) float64
+        reading : (n,) float64
         degrees : int
-            Its degrees of freedom.
-        absorb : callable, optional
-            What took the explanation out of the readings, to be applied to the patterns too.
+            Degrees of freedom of what is left.
+        absorb : Whitening, optional
+            Takes the explanation out of readings and patterns.
 
         Returns
         -------
@@ -85,12 +87,10 @@ class Structure:
             Log evidence of each pattern above the threshold; "scatter": the ratio of variances
             where the readings scatter more than their uncertainty allows.
         """
-        found = {}
-        for name, columns in self._white.items():
-            pattern = columns if absorb is None else absorb(columns)
-            evidence = float(log_evidence(pattern, residual[:, None], np.zeros(1)).log_factor[0])
-            if evidence > self.threshold:
-                found[name] = evidence
+        weighed = zip(self._names, self._bank.evidence(reading[:, None], absorb), strict=True)
+        gains = {name: float(evidence.log_factor[0]) for name, evidence in weighed}
+        found = {name: gain for name, gain in gains.items() if gain > self.threshold}
+        residual = reading if absorb is None else absorb(reading)
         total = float(residual @ residual)
         if chi2.sf(total, degrees) < _FALSE_ALARM:
             found["scatter"] = total / degrees

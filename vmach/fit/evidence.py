@@ -9,16 +9,22 @@ decomposition X = U s V^T and z = U^T y,
 It is averaged over several prior widths and over the grid of the inner parameters, so that
 looking in many places costs what it should. Under plain noise the chance of a factor above b is
 at most 1/b.
+
+Only inner products X^T X and X^T y enter. They are worked out for all candidates in a few large
+matrix products; what an explanation absorbs changes them by a matrix of low rank.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import logsumexp
 
-__all__ = ["WIDTHS", "Evidence", "evidence_of_unit", "log_evidence"]
+from vmach.fit.whitening import Whitening
+
+__all__ = ["WIDTHS", "Evidence", "SignatureBank", "evidence_of_unit", "log_evidence"]
 
 #: prior widths in multiples of the usual size
 WIDTHS = (0.1, 0.4, 1.5, 6.0)
@@ -47,28 +53,89 @@ class Evidence:
     information: float
 
 
-def log_evidence(columns: np.ndarray, readings: np.ndarray, log_prior: np.ndarray) -> Evidence:
-    """Evidence for a candidate.
+class SignatureBank:
+    """Signatures of many candidates, weighed together.
 
     Parameters
     ----------
-    columns : (n, G, K) float64
-        Whitened signatures of the usual sizes of K coefficients at G places on the grid.
-    readings : (n, S) float64
-        Whitened readings.
-    log_prior : (G,) float64
-        Logarithm of the weight of each place; the weights add up to one.
+    blocks : sequence of (n, G, K) float64
+        Of each candidate: whitened signatures of the usual sizes of K coefficients at G places
+        on the grid of its inner parameters.
+    log_priors : sequence of (G,) float64
+        Logarithm of the weight of each place; the weights of a candidate add up to one.
     """
-    count, places, terms = columns.shape
-    flat = columns.reshape(count, places * terms)
-    inner = (flat.T @ readings).reshape(places, terms, -1)
-    if terms == 1:
-        gram = np.einsum("ngk,ngk->g", columns, columns)[:, None]
-        projected = inner
-        squared = gram
+
+    def __init__(self, blocks: Sequence[np.ndarray], log_priors: Sequence[np.ndarray]) -> None:
+        self._shapes = [block.shape[1:] for block in blocks]
+        self._log_priors = list(log_priors)
+        # candidates with equally many coefficients lie side by side
+        order = sorted(range(len(blocks)), key=lambda c: self._shapes[c][1])
+        sizes = np.array([self._shapes[c][0] * self._shapes[c][1] for c in order])
+        starts = np.cumsum(sizes) - sizes
+        self._first = dict(zip(order, starts.tolist(), strict=True))
+        self._members: dict[int, list[int]] = {}
+        self._rows = np.empty((int(sizes.sum()), len(blocks[0]) if blocks else 0))
+        for c in order:
+            self._members.setdefault(self._shapes[c][1], []).append(c)
+            self._rows[self._slice(c)] = blocks[c].reshape(len(blocks[c]), -1).T
+        self._gram = {k: _products(self._part(self._rows, k)) for k in self._members}
+
+    def columns(self, c: int) -> np.ndarray:
+        """Whitened signatures of candidate c, (n, G, K)."""
+        places, terms = self._shapes[c]
+        return self._rows[self._slice(c)].reshape(places, terms, -1).transpose(2, 0, 1)
+
+    def evidence(self, readings: np.ndarray, absorb: Whitening | None = None) -> list[Evidence]:
+        """Evidence for every candidate.
+
+        Parameters
+        ----------
+        readings : (n, S) float64
+            Whitened readings.
+        absorb : Whitening, optional
+            Takes an explanation out of whitened readings and signatures.
+        """
+        if not self._shapes:
+            return []
+        if absorb is None:
+            inner, removed = self._rows @ readings, None
+        else:
+            basis, change = absorb.change_of_products()
+            inner = self._rows @ (readings - basis @ (change @ (basis.T @ readings)))
+            removed = self._rows @ basis
+        found: dict[int, Evidence] = {}
+        for terms, members in self._members.items():
+            gram = self._gram[terms]
+            if removed is not None:
+                part = self._part(removed, terms)
+                gram = gram - np.matmul(part @ change, part.transpose(0, 2, 1))
+            squared, by_width = _factors(gram, self._part(inner, terms))
+            place = 0
+            for c in members:
+                own = slice(place, place := place + self._shapes[c][0])
+                found[c] = _evidence(squared[own], by_width[:, own], self._log_priors[c])
+        return [found[c] for c in range(len(self._shapes))]
+
+    def _slice(self, c: int) -> slice:
+        places, terms = self._shapes[c]
+        return slice(self._first[c], self._first[c] + places * terms)
+
+    def _part(self, rows: np.ndarray, terms: int) -> np.ndarray:
+        """Rows of the candidates with so many coefficients, (places, coefficients, ...)."""
+        members = self._members[terms]
+        both = slice(self._slice(members[0]).start, self._slice(members[-1]).stop)
+        return rows[both].reshape(-1, terms, rows.shape[1])
+
+
+def _products(rows: np.ndarray) -> np.ndarray:
+    return np.matmul(rows, rows.transpose(0, 2, 1))
+
+
+def _factors(gram: np.ndarray, inner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Squared singular values (P, K) and log factors (widths, P, S) at every place."""
+    if gram.shape[1] == 1:
+        squared, projected = gram[:, 0], inner
     else:
-        by_place = np.ascontiguousarray(np.moveaxis(columns, 0, 1))
-        gram = np.matmul(by_place.transpose(0, 2, 1), by_place)
         squared, vectors = np.linalg.eigh(gram)
         projected = np.matmul(vectors.transpose(0, 2, 1), inner)
     squared = np.maximum(squared, 0.0)
@@ -76,10 +143,12 @@ def log_evidence(columns: np.ndarray, readings: np.ndarray, log_prior: np.ndarra
     factors = []
     for width in WIDTHS:
         ratio = width**2 * squared
-        weight = ratio / (1.0 + ratio)
-        gain = np.einsum("gk,gks->gs", weight, z_squared)
+        gain = np.einsum("gk,gks->gs", ratio / (1.0 + ratio), z_squared)
         factors.append(0.5 * (gain - np.log1p(ratio).sum(axis=1)[:, None]))
-    by_width = np.array(factors)
+    return squared, np.array(factors)
+
+
+def _evidence(squared: np.ndarray, by_width: np.ndarray, log_prior: np.ndarray) -> Evidence:
     total = logsumexp(by_width, axis=0) - np.log(len(WIDTHS)) + log_prior[:, None]
     best = np.argmax(total, axis=0)
     return Evidence(
@@ -88,6 +157,11 @@ def log_evidence(columns: np.ndarray, readings: np.ndarray, log_prior: np.ndarra
         best_width=np.argmax(by_width[:, best, np.arange(len(best))], axis=0),
         information=float(np.sqrt(squared.max(initial=0.0))),
     )
+
+
+def log_evidence(columns: np.ndarray, readings: np.ndarray, log_prior: np.ndarray) -> Evidence:
+    """Evidence for a single candidate, its block and weights as in a `SignatureBank`."""
+    return SignatureBank([columns], [log_prior]).evidence(readings)[0]
 
 
 def evidence_of_unit(columns: np.ndarray, reading: np.ndarray) -> float:

@@ -8,6 +8,9 @@ __all__ = ["Whitening", "orthonormal"]
 
 #: share of the largest norm below which a direction counts as zero
 _RANK = 1e-9
+#: a cause that adds less than this, in standard uncertainties, to any direction is left out: it
+#: changes the variance there by less than one per cent
+_NOTABLE = 0.1
 
 
 def orthonormal(columns: np.ndarray, *, tolerance: float = _RANK) -> np.ndarray:
@@ -38,12 +41,11 @@ class Whitening:
 
     def __init__(self, u: np.ndarray, factors: np.ndarray, nuisance: np.ndarray) -> None:
         self._u = u[:, None]
-        left, size, _ = np.linalg.svd(factors / self._u, full_matrices=False)
-        notable = size > 1e-3
-        self._left = left[:, notable]
-        self._shrink = 1.0 - 1.0 / np.sqrt(1.0 + size[notable] ** 2)
-        #: log determinant of the covariance, relative to diag(u^2)
-        self.log_determinant = float(np.log1p(size**2).sum())
+        scaled = factors / self._u
+        squared, vectors = np.linalg.eigh(scaled.T @ scaled)
+        notable = squared > _NOTABLE**2
+        self._left = scaled @ (vectors[:, notable] / np.sqrt(squared[notable]))
+        self._shrink = 1.0 - 1.0 / np.sqrt(1.0 + squared[notable])
         self._free = orthonormal(self._white(nuisance))
 
     @property
@@ -59,6 +61,17 @@ class Whitening:
     def projected(self, white: np.ndarray) -> np.ndarray:
         """White readings (n, k) without what the nuisance can explain."""
         return white - self._free @ (self._free.T @ white)
+
+    def change_of_products(self) -> tuple[np.ndarray, np.ndarray]:
+        """Orthonormal B (n, r) and symmetric N (r, r): products become X^T (I - B N B^T) Y.
+
+        Where the readings had unit uncertainty: with whitened X' and Y', X'^T Y' is the same.
+        """
+        basis = orthonormal(np.hstack([self._left, self._free]))
+        left, free = basis.T @ self._left, basis.T @ self._free
+        kept = np.eye(basis.shape[1]) - free @ free.T
+        whitened = kept @ (np.eye(basis.shape[1]) - (left * self._shrink) @ left.T)
+        return basis, np.eye(basis.shape[1]) - whitened.T @ whitened
 
     def _white(self, columns: np.ndarray) -> np.ndarray:
         scaled = columns / self._u
