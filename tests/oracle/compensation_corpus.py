@@ -18,6 +18,7 @@ from vmach.job import read_job
 __all__ = ["Outcome", "compensated", "corpus_programs", "judged", "write_job"]
 
 TRAVEL_MM = 5000.0
+_SHIFTS = re.compile(rb"(?i)G\s*92\s*[XYZ]|G\s*10\s*L\s*20")
 OFFSET_MM = (0.0, 0.0, 0.0)  #: so that axes without a word yet stand where LinuxCNC has them
 NO_PROGRAM = {".canon17", ".canon", ".reject", ".tbl", ".md", ".tsv", ".py", ".sh", ".camotics"}
 
@@ -80,7 +81,7 @@ def corpus_programs(folder):
 
 def _tools(path, text):
     """Tools (number, length, diameter) of the table beside a program, or one for all of it."""
-    if not re.search(rb"[Tt]\s*\d", re.sub(rb"\([^)\n]*\)|;[^\n]*", b"", text)):
+    if not re.search(rb"[Tt]\s*[\d#[]", re.sub(rb"\([^)\n]*\)|;[^\n]*", b"", text)):
         return [(1, 50.0, 6.0)]
     own, common = path.with_name(path.name + ".tbl"), path.with_name("tool.tbl")
     table = next((t for t in (own, common) if t.exists()), None)
@@ -181,7 +182,7 @@ def judged(folder, path, **options):
     if path_of["before"].refusal:
         outcome.wrong.append(f"original refused: {path_of['before'].refusal}")
     elif not outcome.linuxcnc and last:
-        _compare(outcome, path_of, last)
+        _compare(outcome, path_of, last, shifted=_SHIFTS.search(path.read_bytes()) is not None)
     return outcome
 
 
@@ -191,10 +192,12 @@ def _moving(verdict):
             if verdict.kind[r] == ARC or np.abs(verdict.end[r] - verdict.start[r]).max() > 1e-7]  # fmt: skip
 
 
-def _compare(outcome, path_of, last):
+def _compare(outcome, path_of, last, *, shifted):
     """Every row of LinuxCNC's path of the new text against the piece that it was written for.
 
     The intended path is LinuxCNC's own path of the original program, moved by the corrections.
+    Where a program sets its zero at the place where the tool stands (G92, G10 L20), the
+    corrections hold for the numbers in the program, so only kinds and counts are compared.
     """
     before, after = path_of["before"], path_of["after"]
     moves, target, written = last["rewriter"].moves, last["target"], last["written"]
@@ -216,8 +219,12 @@ def _compare(outcome, path_of, last):
         if len(found) != 1:
             outcome.wrong.append(f"line {line}: {len(found)} moves")
             continue
-        _compare_piece(outcome, before, after, found[0], (row_of_move[piece.move], piece, target,
-                                                          index, moves))  # fmt: skip
+        wanted = (row_of_move[piece.move], piece, target, index, moves)
+        worst, wrong = outcome.worst_mm, len(outcome.wrong)
+        _compare_piece(outcome, before, after, found[0], wanted)
+        if shifted:
+            outcome.worst_mm = worst
+            outcome.wrong[wrong:] = [w for w in outcome.wrong[wrong:] if "kind" in w]
 
 
 def _compare_piece(outcome, before, after, row, wanted):

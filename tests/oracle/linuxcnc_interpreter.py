@@ -20,6 +20,9 @@ SYSTEM_PYTHON = Path("/usr/bin/python3")
 INCH_MM = 25.4
 AXES_OF_PLANE = {1: (0, 1, 2), 2: (1, 2, 0), 3: (2, 0, 1)}
 RAPID, LINE, ARC = 0, 1, 2
+_MOVING = {"straight_feed", "straight_traverse", "straight_probe", "arc_feed", "rigid_tap"}
+_CALLS = {"set_g5x_offset", "set_g92_offset", "tool_offset", "set_xy_rotation", "set_plane",
+          "set_feed_rate", *_MOVING}
 
 
 def is_installed():
@@ -122,6 +125,8 @@ def _rows(printed):
     here = np.zeros(3)
     for text in printed.splitlines():
         number, call, *words = text.split()
+        if call not in _CALLS:
+            continue
         values = [float(w) for w in words]
         if call == "set_g5x_offset":
             g5x = np.array(values[1:4])
@@ -135,7 +140,7 @@ def _rows(printed):
             plane = int(values[0])
         elif call == "set_feed_rate":
             feed = values[0]
-        elif call in ("straight_feed", "straight_traverse", "straight_probe", "arc_feed"):
+        elif call in _MOVING:
             turn = np.array([[np.cos(angle), -np.sin(angle), 0.0],
                              [np.sin(angle), np.cos(angle), 0.0], [0.0, 0.0, 1.0]])  # fmt: skip
             arc, end = None, np.array(values[:3])
