@@ -21,8 +21,15 @@ INCH_MM = 25.4
 AXES_OF_PLANE = {1: (0, 1, 2), 2: (1, 2, 0), 3: (2, 0, 1)}
 RAPID, LINE, ARC = 0, 1, 2
 _MOVING = {"straight_feed", "straight_traverse", "straight_probe", "arc_feed", "rigid_tap"}
-_CALLS = {"set_g5x_offset", "set_g92_offset", "tool_offset", "set_xy_rotation", "set_plane",
-          "set_feed_rate", *_MOVING}
+_CALLS = {
+    "set_g5x_offset",
+    "set_g92_offset",
+    "tool_offset",
+    "set_xy_rotation",
+    "set_plane",
+    "set_feed_rate",
+    *_MOVING,
+}
 
 
 def is_installed():

@@ -89,7 +89,9 @@ def test_scale_error_is_divided_out(tmp_path):
         pytest.param("G1 Z-1. F200\nG3 X40. Y0. R-25. F500\nG1 X0.\nM30\n", id="R"),
         pytest.param("G18 G1 Z-1. F200\nG2 X40. Z-1. I20. K0. F500\nM30\n", id="G18"),
         pytest.param("G92 X10. Y10.\nG1 Z-1. F200\nX50. Y40.\nG92.1\nM30\n", id="G92"),
-        pytest.param("G10 L2 P1 X100. Y50. Z-300. R30.\nG1 Z-1. F200\nX50.\nM30\n", id="turned"),
+        pytest.param(
+            "G10 L2 P1 X100. Y50. Z-300. R30.\nG0 X0. Y0.\nG1 Z-1. F200\nX50.\nM30\n", id="turned"
+        ),
     ],
 )
 def test_modes_are_mapped_back(tmp_path, body):

@@ -217,8 +217,11 @@ class KlartextText(BlockText):
 
     absolute_centres = True
     fewest_decimals = 1
-    _TOKEN = re.compile(r"(?<![A-Z])(I?[XYZ]|DR|R(?![0LR](?![\d.]))|F|M)[ \t]*"
-                        r"([+-]?[ \t]*(?:\d+\.?\d*|\.\d+)|[+-](?=\s|$))", re.IGNORECASE)
+    _TOKEN = re.compile(
+        r"(?<![A-Z])(I?[XYZ]|DR|R(?![0LR](?![\d.]))|F|M)[ \t]*"
+        r"([+-]?[ \t]*(?:\d+\.?\d*|\.\d+)|[+-](?=\s|$))",
+        re.IGNORECASE,
+    )
     _HEAD = re.compile(r"^([ \t]*(?:\d+[ \t]+)?)(L|CR|CC|C)(?=[ \t]|$)", re.IGNORECASE)
     _LABEL = re.compile(rb"^([ \t]*)(\d+)(?=[ \t])", re.MULTILINE)
 

@@ -61,8 +61,9 @@ CONTROLS = {
         TargetControl("fanuc", ("rs274", "fanuc"), 1, _CAUTIOUS, _STOP_AND_OFF),
         TargetControl("haas", ("rs274", "fanuc"), 1, _CAUTIOUS, _STOP_AND_OFF),
         TargetControl("siemens", ("sinumerik",), 2, ARC_TOLERANCES["sinumerik"], _STOP_AND_OFF),
-        TargetControl("heidenhain", ("heidenhain",), 2, ARC_TOLERANCES["heidenhain"],
-                      _STOP_AND_OFF),
+        TargetControl(
+            "heidenhain", ("heidenhain",), 2, ARC_TOLERANCES["heidenhain"], _STOP_AND_OFF
+        ),
     )
 }
 _OF_DIALECT = {"rs274": "linuxcnc", "fanuc": "fanuc", "sinumerik": "siemens",
