@@ -80,8 +80,8 @@ class ProgramWriter:
             nose = self._nose[-1]
             self._put(nose - self.offset_mm - [0, 0, tool.length_mm], cutting=False)
             self.rapid_to(z=60.0)
-        else:  # the machine stands at home when the program begins
-            self._put(-self.offset_mm - [0, 0, tool.length_mm], cutting=False)
+        else:  # the way from where the machine stood before is nobody's knowledge
+            self._put(np.array([0.0, 0.0, 60.0]), cutting=False)
             self.rapid_to(0.0, 0.0, 60.0)
 
     def spindle(self, on: bool) -> None:

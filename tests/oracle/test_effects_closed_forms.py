@@ -184,3 +184,35 @@ def test_radial_depth_is_the_allowance_of_the_roughing_pass(tmp_path):
     force = depth / 10 * 0.5 * (600 / (6000 * 2) / 0.1)
     left = np.einsum("ij,ij->i", moved, normal)
     np.testing.assert_allclose(left, 4e-3 * force * (20 / 10) ** 4, rtol=5e-3)
+
+
+def test_locally_heated_screw_against_finite_differences(job):
+    """The heat equation with loss to the air, stepped in 0.25 s on 5 mm cells."""
+    time = np.arange(0.0, 1500.0, 2.0)
+    x = np.interp(np.mod(time, 40.0), [0.0, 20.0, 40.0], [-300.0, -180.0, -300.0])
+    x[time > 900] = np.interp(np.mod(time[time > 900], 10.0), [0.0, 5.0, 10.0], [-90, -60, -90])
+    nose = np.column_stack([x, np.full(len(x), -150.0), np.full(len(x), -100.0)])
+    states = stop_and_go(nose, time, side=np.zeros((len(x), 3)), tool_length_mm=100.0)
+    low, high = (float(end[0]) for end in job.machine.travel_mm)
+    stretch = catalogue()["axis_expansion"].displacement(
+        Circumstances(states, job), "X",
+        expansion_ppm=0.0, at_home_um=0.0, local_ppm=50.0, time_constant_s=600.0, work_share=1.0,
+    )[:, 0]  # fmt: skip
+    cells = int((high - low) / 5.0)
+    width, step = (high - low) / cells, 0.25
+    middle = low + width * (np.arange(cells) + 0.5)
+    edges = np.append(middle - 0.5 * width, high)
+    warmth, expected = np.zeros(cells), np.zeros(len(time))
+    way = np.abs(np.diff(x)).sum()
+    for k in range(1, len(time)):
+        ends = np.sort(x[k - 1 : k + 1])
+        passed = np.diff(np.clip(edges, *ends)) / width
+        heat = passed / 2.0 * (high - low) / (way / time[-1]) / 600.0
+        for _ in range(8):
+            padded = np.pad(warmth, 1, mode="edge")
+            spread = 13.0 * (padded[2:] - 2 * warmth + padded[:-2]) / width**2
+            warmth = warmth + step * (spread + heat - warmth / 600.0)
+        summed = np.append(0.0, np.cumsum(warmth) * width)
+        expected[k] = 50e-6 * (np.interp(x[k], edges, summed) - np.interp(0.0, edges, summed))
+    assert np.ptp(expected) > 5e-3
+    np.testing.assert_allclose(stretch, expected, rtol=0, atol=0.01 * np.abs(expected).max())

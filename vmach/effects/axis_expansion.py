@@ -19,6 +19,7 @@ class AxisExpansion(Effect):
     title = "expansion of the warm screw"
     parameters = (
         linear("expansion_ppm", "stretch when warm", usual=40.0),
+        linear("local_ppm", "further stretch, most where the nut works", usual=40.0),
         linear("at_home_um", "displacement at the axis' home when warm", usual=10.0),
         inner(
             "time_constant_s",
@@ -40,11 +41,17 @@ class AxisExpansion(Effect):
     confirm = "laser the same line cold, after 30 and after 60 minutes of work"
     cure = "measure with a linear scale, cool the screw, or warm up and re-datum"
 
-    def displacement(self, path, target, expansion_ppm, at_home_um, time_constant_s, work_share):
+    def displacement(
+        self, path, target, expansion_ppm, at_home_um, time_constant_s, work_share, local_ppm=0.0
+    ):
         axis = LINEAR_AXES.index(target)
         warmth = path.warmth_of_axis(axis, time_constant_s, work_share)
         stretch_mm = 1e-6 * expansion_ppm * path.nose_mm[:, axis] + 1e-3 * at_home_um
-        return along(target, stretch_mm * warmth)
+        local_mm = 1e-6 * local_ppm * path.warmth_of_screw_mm(axis, time_constant_s)
+        return along(target, stretch_mm * warmth + local_mm)
+
+    def needed(self, target):
+        return tuple(name for name in super().needed(target) if name != "local_ppm")
 
     def slack(self, path, target, parameters):
         # beside wandering in time: the screw warms most where the nut works, and was not quite

@@ -170,6 +170,18 @@ class Circumstances:
         drive = work_share * speed / (mean if mean > 0 else 1.0) + (1.0 - work_share)
         return self._response(drive, time_constant_s)
 
+    def warmth_of_screw_mm(self, axis: int, time_constant_s: float) -> np.ndarray:
+        """Warmth of an axis' screw summed from home to the nut, (P,) mm; see MotionHistory."""
+        low, high = self.job.machine.travel_mm
+        return self.history.screw_warmth_mm(
+            axis,
+            time_constant_s,
+            travel_mm=(float(low[axis]), float(high[axis])),
+            move=self.states.move,
+            time_s=self.time_s,
+            position_mm=self.nose_mm[:, axis],
+        )
+
     def _response(self, drive: np.ndarray, time_constant_s: float) -> np.ndarray:
         return self.history.response(
             drive, time_constant_s, move=self.states.move, time_s=self.time_s
