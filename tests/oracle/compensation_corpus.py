@@ -186,10 +186,14 @@ def judged(folder, path, **options):
     return outcome
 
 
+def _going(kind, start, end):
+    far = [np.abs(b - a).max() > 1e-7 for a, b in zip(start, end, strict=True)]
+    return [r for r, k in enumerate(kind) if k == ARC or (k < ARC and far[r])]
+
+
 def _moving(verdict):
     """Rows that go anywhere."""
-    return [r for r in range(len(verdict))
-            if verdict.kind[r] == ARC or np.abs(verdict.end[r] - verdict.start[r]).max() > 1e-7]  # fmt: skip
+    return _going(verdict.kind, verdict.start, verdict.end)
 
 
 def _compare(outcome, path_of, last, *, shifted):
@@ -201,8 +205,7 @@ def _compare(outcome, path_of, last, *, shifted):
     """
     before, after = path_of["before"], path_of["after"]
     moves, target, written = last["rewriter"].moves, last["target"], last["written"]
-    nominal_rows = [k for k in range(len(moves)) if moves.kind[k] == 2 or (
-        moves.kind[k] < 2 and np.abs(moves.end_mm[k] - moves.start_mm[k]).max() > 1e-7)]  # fmt: skip
+    nominal_rows = _going(moves.kind, moves.start_mm, moves.end_mm)
     rows = _moving(before)
     if abs(len(rows) - len(nominal_rows)) > 1:  # the first may start where it ends
         outcome.wrong.append(f"{len(rows)} moves by LinuxCNC, {len(nominal_rows)} by vmach")
@@ -232,10 +235,9 @@ def _compare_piece(outcome, before, after, row, wanted):
     nominal, piece, target, index, moves, text = wanted
     kind = after.kind[row]
     expected = {0: RAPID, 1: LINE, 2: ARC}[int(moves.kind[piece.move])]
-    if kind != expected and not (expected == ARC and not piece.is_arc and kind == LINE):
-        if not (expected == ARC and kind == LINE):
-            outcome.wrong.append(f"line {after.line[row]}: kind {kind}, wanted {expected}")
-            return
+    if kind != expected and (expected, kind) != (ARC, LINE):
+        outcome.wrong.append(f"line {after.line[row]}: kind {kind}, wanted {expected}")
+        return
     places = [(piece.end, 1.0, target.ends_mm[index])]
     if piece.is_arc and kind == ARC:
         middle = 0.5 * (piece.start + piece.end)

@@ -31,6 +31,10 @@ def compensate(
         float, typer.Option(help="bend of the error from which a point is inserted")
     ] = 0.08,
     limit_um: Annotated[float, typer.Option(help="largest correction accepted")] = 500.0,
+    dialect: Annotated[
+        str | None,
+        typer.Option(help="target control: linuxcnc, fanuc, haas, siemens, heidenhain"),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print the figures as JSON")] = False,
 ) -> None:
     """Move the program against the predicted error of the tool, and verify it."""
@@ -45,6 +49,7 @@ def compensate(
         resolution_mm=resolution_mm,
         tolerance_mm=1e-3 * tolerance_um,
         limit_mm=1e-3 * limit_um,
+        dialect=dialect,
     )
     with atomic_file(out) as temporary:
         temporary.write_bytes(found.text)
@@ -57,10 +62,19 @@ def compensate(
         print(f"{name.replace('_', ' '):16} largest {largest:.3f} um, mean {mean:.3f} um")
     print(f"largest correction {figures['largest_correction_um']:.2f} um")
     print(f"{figures['growth']:.2f} times the blocks; {found.arcs_kept} of {found.arcs} arcs kept")
+    for reason in sorted(set(found.expanded_lines.values())):
+        lines = [k for k, why in found.expanded_lines.items() if why == reason]
+        print(f"written out ({reason}): lines {_shown(lines)}")
     for line in found.left_lines:
         print(f"line {line} stays: machine coordinates or reference point")
     print("the tilt of the tool stays: three axes cannot correct it")
     print(f"program in {out}")
+
+
+def _shown(lines: list[int]) -> str:
+    """The first lines of many."""
+    first = ", ".join(map(str, sorted(lines)[:10]))
+    return first + (f" ... ({len(lines)} lines)" if len(lines) > 10 else "")
 
 
 def _check_numbers(resolution_mm: float, tolerance_um: float, limit_um: float) -> None:
@@ -80,6 +94,7 @@ def _figures(found: Compensation) -> dict[str, Any]:
         figures[f"{name}_mean_um"] = um_from_mm(residual.mean_mm)
     worst = int(found.after.distance_mm.argmax()) if len(found.after.distance_mm) else None
     return figures | {
+        "expanded_lines": {str(line): why for line, why in sorted(found.expanded_lines.items())},
         "worst_line_after": None if worst is None else int(found.after.line[worst]),
         "largest_correction_um": um_from_mm(found.largest_correction_mm),
         "growth": found.growth,

@@ -14,6 +14,7 @@ from vmach.compensation.block_modes import BlockModes, block_modes
 from vmach.compensation.expansion import Expanded, prepare_plain
 from vmach.compensation.pieces import Piece, split_arc, split_line
 from vmach.compensation.rewriting import Rewriter, Target, Written
+from vmach.compensation.targets import check_words, target_control
 from vmach.errors import InputError
 from vmach.job import Job
 from vmach.machine import Variant
@@ -109,6 +110,7 @@ def compensate(
     resolution_mm: float = 1e-3,
     tolerance_mm: float = 8e-5,
     limit_mm: float = 0.5,
+    dialect: str | None = None,
 ) -> Compensation:
     """Move the job's program against the predicted error of the tool tip.
 
@@ -128,6 +130,8 @@ def compensate(
         Bend of the error from which a point is inserted.
     limit_mm : float
         Largest correction accepted.
+    dialect : str, optional
+        Target control (`vmach.compensation.targets.CONTROLS`); that of the program by default.
 
     Raises
     ------
@@ -137,12 +141,14 @@ def compensate(
     """
     model = _Model(variant, tuple(effects))
     preparation = prepare(job)
+    control = target_control(preparation.program, dialect)
     if not _has_errors(preparation, model):
         return _unchanged(preparation, model)
-    preparation, expansion = prepare_plain(preparation)
+    preparation, expansion = prepare_plain(preparation, floating_tap=control.floating_tap)
+    check_words(preparation.program, control)
     modes = block_modes(preparation.program)
     pieces, ends, middles = _plan(preparation, modes, model, tolerance_mm)
-    rewriter = Rewriter(preparation.program, modes, expansion.written)
+    rewriter = Rewriter(preparation.program, modes, expansion.written, control)
     best: tuple[Residual, Target] | None = None
     for _ in range(_ROUNDS):
         target = Target(pieces, _within_travel(preparation, pieces, ends), middles.copy())

@@ -56,15 +56,17 @@ def expanded(program: Program, *, floating_tap: bool = True) -> tuple[Program, E
     return program, whole
 
 
-def prepare_plain(preparation: Preparation) -> tuple[Preparation, Expanded]:
-    """The job's program in plain blocks, prepared like any other.
+def prepare_plain(
+    preparation: Preparation, *, floating_tap: bool = True
+) -> tuple[Preparation, Expanded]:
+    """The job's program in plain blocks, prepared like any other; arguments as `expanded`.
 
     Raises
     ------
     InputError, gcode.ProgramError
         As `expanded` and `vmach.preparation.prepare`.
     """
-    program, expansion = expanded(preparation.program)
+    program, expansion = expanded(preparation.program, floating_tap=floating_tap)
     if program is preparation.program:
         return preparation, expansion
     with tempfile.TemporaryDirectory() as folder:
