@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import permutations
 
 __all__ = ["OUTCOMES", "Judgement", "judge"]
 
@@ -29,31 +30,33 @@ def judge(report: dict, truth: dict) -> Judgement:
     if verdict in ("unknown", "nothing"):
         is_right = all(verdict in accept for accept in truth["accept"])
         return Judgement("right" if is_right else verdict, [], said)
-    pairs, parameters = [], []
-    left = list(found)
-    for effect, accept in zip(truth["effects"], truth["accept"], strict=True):
-        how, match = _match(effect, accept, left)
-        if match is not None:
-            left.remove(match)
-            parameters += _parameters(effect, match)
-        pairs.append(how)
-    return Judgement(_outcome(pairs, extra=bool(left)), parameters, said)
+    best: tuple[float, list[str], list[dict | None]] = (-1.0, [], [])
+    for chosen in permutations([*found, *[None] * len(truth["effects"])], len(truth["effects"])):
+        told = zip(truth["effects"], truth["accept"], chosen, strict=True)
+        pairs = [_match(effect, accept, entry) for effect, accept, entry in told]
+        score = sum({"right": 1.01, "class": 1.0, "missed": 0.0}[how] for how in pairs)
+        if score > best[0]:
+            best = score, pairs, list(chosen)
+    _, pairs, chosen = best
+    parameters = []
+    for effect, how, entry in zip(truth["effects"], pairs, chosen, strict=True):
+        if how != "missed":
+            parameters += _parameters(effect, entry)
+    used = len(pairs) - pairs.count("missed")
+    return Judgement(_outcome(pairs, extra=len(found) > used), parameters, said)
 
 
-def _match(effect: dict, accept: list[str], found: list[dict]) -> tuple[str, dict | None]:
-    """How one hidden effect was found: right, class or missed, and by which entry."""
-    for entry in found:
-        is_name = entry["effect"] in accept
-        if entry["effect"] == effect["name"] and effect["target"]:
-            is_name = entry["target"] == effect["target"]
-        if is_name and len(entry["class"]) <= 1:
-            return "right", entry
-    for entry in found:
-        if {effect["name"], *accept} & {entry["effect"], *entry["class"]}:
-            same = entry["effect"] == effect["name"] and effect["target"]
-            if len(entry["class"]) > 1 and not (same and entry["target"] != effect["target"]):
-                return "class", entry
-    return "missed", None
+def _match(effect: dict, accept: list[str], entry: dict | None) -> str:
+    """How an entry of the report answers one hidden effect: right, class or missed."""
+    if entry is None:
+        return "missed"
+    same_name = entry["effect"] == effect["name"] and effect["target"]
+    is_wrong_target = same_name and entry["target"] != effect["target"]
+    if len(entry["class"]) <= 1:
+        is_name = entry["target"] == effect["target"] if same_name else entry["effect"] in accept
+        return "right" if is_name else "missed"
+    is_in_class = {effect["name"], *accept} & {entry["effect"], *entry["class"]}
+    return "class" if is_in_class and not is_wrong_target else "missed"
 
 
 def _outcome(pairs: list[str], *, extra: bool) -> str:
