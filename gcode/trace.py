@@ -106,6 +106,8 @@ class Trace:
 
     def take(self, block: Block) -> None:
         """Note the values of a block that is about to be obeyed."""
+        if not self.steps:  # what a control does before the first line
+            return
         step, parameters = self.steps[-1], self.controller.parameters
         step.blocks += 1
         step.words |= {k.upper(): value_of(v, parameters) for k, v in block.words.items()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_right
 from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,7 +13,7 @@ from gcode import Program, Source, Word
 
 __all__ = ["BlockText", "block_text"]
 
-_NUMBER = re.compile(r"[+-]?[ \t]*(?:\d[\d \t]*\.?[\d \t]*|\.[ \t]*\d[\d \t]*)$")
+_NUMBER = re.compile(r"(?:[+-][ \t]*)?(?:\d[\d \t]*\.?[\d \t]*|\.[ \t]*\d[\d \t]*)$")
 _HIGHEST_LABEL = 99999
 #: lines from which the style is taken
 _SAMPLE = 400
@@ -177,13 +178,13 @@ class Labels:
     """Block numbers that are still free."""
 
     def __init__(self, used: set[int], width: int) -> None:
-        self.used, self.width = set(used), width
+        self.given, self.used, self.width = sorted(used), set(used), width
         self.next = max(used) + 1
 
     def after(self, label: int | None) -> str | None:
-        """A number near above `label`, or above all; None where none is left."""
-        number = None if label is None else label + 1
-        if number is None or number in self.used:
+        """A number between `label` and the one that follows it, or above all; None for none."""
+        number = None if label is None else self._between(label)
+        if number is None:
             while self.next in self.used:
                 self.next += 1
             number = self.next
@@ -191,6 +192,11 @@ class Labels:
             return None
         self.used.add(number)
         return f"{number:0{self.width}d}"
+
+    def _between(self, label: int) -> int | None:
+        above = bisect_right(self.given, label)
+        stop = self.given[above] if above < len(self.given) else _HIGHEST_LABEL + 1
+        return next((k for k in range(label + 1, stop) if k not in self.used), None)
 
 
 class SinumerikText(BlockText):
