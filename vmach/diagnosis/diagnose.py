@@ -21,6 +21,7 @@ from vmach.effects.component import Component
 from vmach.fit.candidates import gather_candidates
 from vmach.fit.joint_fit import fit_terms
 from vmach.fit.survey import Survey
+from vmach.fit.uncertainty import parameter_uncertainty
 from vmach.fit.whitening import Whitening
 from vmach.units import um_from_mm
 
@@ -237,7 +238,7 @@ def _findings(search: Search, explanation: Explanation) -> tuple[Finding, ...]:
             where = where_component(parameters, u, term.target)
         else:
             parameters = explanation.fit.parameters(k)
-            u = explanation.fit.uncertainty(k)
+            u = parameter_uncertainty(search.survey, explanation.fit, k)
         rivals = rivals_of(search, explanation, k)
         findings.append(Finding(term.effect, term.target, parameters, u, rivals, where))
     return tuple(findings)

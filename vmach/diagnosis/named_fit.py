@@ -15,6 +15,7 @@ from vmach.effects import Effect, catalogue
 from vmach.effects.component import Component
 from vmach.errors import InputError
 from vmach.fit.survey import Survey
+from vmach.fit.uncertainty import parameter_uncertainty
 
 __all__ = ["NamedEffect", "fit_named"]
 
@@ -84,7 +85,7 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
         if isinstance(term.effect, Component):
             parameters, u = component_parameters(fit, k, survey.paths[0])
         else:
-            parameters, u = fit.parameters(k), fit.uncertainty(k)
+            parameters, u = fit.parameters(k), parameter_uncertainty(survey, fit, k)
         found.append(NamedEffect(term.effect, term.target, parameters, u, fit.explained_mm(k)))
     return tuple(found)
 

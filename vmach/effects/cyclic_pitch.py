@@ -23,7 +23,13 @@ class CyclicPitch(Effect):
     parameters = (
         linear("amplitude_um", "amplitude", usual=3.0),
         inner("pitch_mm", "period along the axis", _PITCHES_MM, usual=10.0),
-        inner("phase_rad", "phase at the axis' home", (-np.pi, np.pi), usual=1.0),
+        inner(
+            "phase_rad",
+            "phase at the axis' home",
+            (-np.pi, np.pi),
+            usual=1.0,
+            cycle=2 * np.pi,
+        ),
     )
     rarity = 0.5
     usual_size = "1 to 5 um; the period is the pitch, 5 to 20 mm, or a fraction of it"

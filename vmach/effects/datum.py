@@ -1,5 +1,7 @@
 """Datums: the workpiece does not stand where the control believes."""
 
+import math
+
 import numpy as np
 
 from vmach.effects.effect import Effect, inner, linear
@@ -52,7 +54,7 @@ class DatumShift(Effect):
         linear("shift_x_um", "shift of the tool against the part along X", usual=15.0),
         linear("shift_y_um", "along Y", usual=15.0),
         linear("shift_z_um", "along Z", usual=15.0),
-        inner("time_s", "when it happened", (0.0, 1e6), usual=1000.0),
+        inner("time_s", "when it happened", (0.0, 1e6), usual=1000.0, spread=math.inf),
     )
     targets = ("",)
     needs_surface = True

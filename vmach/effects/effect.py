@@ -44,6 +44,8 @@ class Parameter:
         deviation of its logarithm; infinite where any value is as good as another.
     optional : bool
         Whether a job may leave it out; it then has its usual value.
+    cycle : float
+        Values this far apart mean the same, as with angles.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Parameter:
     grid: tuple[float, ...] = ()
     spread: float = math.inf
     optional: bool = False
+    cycle: float = math.inf
 
     @property
     def is_linear(self) -> bool:
@@ -72,13 +75,14 @@ def inner(
     grid: Sequence[float],
     *,
     usual: float,
-    spread: float = math.inf,
+    spread: float = 3.0,
     optional: bool = False,
+    cycle: float = math.inf,
 ) -> Parameter:
     """A parameter inside the function: time constant, pitch, exponent."""
     values = tuple(float(value) for value in grid)
     low, high = 0.25 * min(values), 4.0 * max(values)
-    return Parameter(name, meaning, low, high, usual, values, spread, optional)
+    return Parameter(name, meaning, low, high, usual, values, spread, optional, cycle)
 
 
 def along(axis: str, amount_mm: np.ndarray) -> np.ndarray:

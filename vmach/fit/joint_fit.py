@@ -21,8 +21,6 @@ __all__ = ["JointFit", "Term", "fit_terms"]
 
 #: amplitudes are free within this many usual sizes; a weak prior that keeps twins apart
 _FREE = 1e3
-#: inner parameters without a usual spread are free within a factor of e^3
-_LOOSE = 3.0
 _STEP = 1e-3
 
 
@@ -66,6 +64,8 @@ class JointFit:
     signatures_mm : tuple of (n, K) float64
     tangents_mm : tuple of (n, I) float64
         Change of the fitted effect with the logarithm of each free inner parameter.
+    whiten : Whitening
+        With which the fit was made.
     """
 
     terms: tuple[Term, ...]
@@ -74,6 +74,7 @@ class JointFit:
     chi_squared: float
     signatures_mm: tuple[np.ndarray, ...]
     tangents_mm: tuple[np.ndarray, ...]
+    whiten: Whitening
 
     def parameters(self, k: int) -> dict[str, float]:
         """Parameters of term k."""
@@ -182,9 +183,7 @@ class _Problem:
             by_name = {p.name: p for p in term.effect.inner_parameters}
             for name in term.free_inner:
                 p = by_name[name]
-                spread = p.spread if np.isfinite(p.spread) else _LOOSE
-                centre = p.usual if np.isfinite(p.spread) else term.inner[name]
-                rows.append(np.log(term.inner[name] / centre) / spread)
+                rows.append(np.log(term.inner[name] / p.usual) / p.spread)
         return np.array(rows)
 
     def columns(self, term: Term) -> tuple[np.ndarray, np.ndarray]:
@@ -227,6 +226,7 @@ class _Problem:
             chi_squared=float(leftover @ leftover),
             signatures_mm=tuple(raw),
             tangents_mm=tuple(tangents),
+            whiten=self.whiten,
         )
 
     def _tangents(self, term: Term, coefficients: np.ndarray) -> np.ndarray:
@@ -244,7 +244,7 @@ class _Problem:
         spreads = []
         for term in self.terms:
             by_name = {p.name: p.spread for p in term.effect.inner_parameters}
-            spreads += [min(by_name[name], _LOOSE) for name in term.free_inner]
+            spreads += [by_name[name] for name in term.free_inner]
         padded = np.vstack([slope, np.zeros((len(rows) - len(slope), slope.shape[1]))])
         prior = np.hstack(
             [
