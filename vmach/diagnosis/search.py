@@ -182,7 +182,10 @@ class Search:
         ]
 
     def _children(self, explanation: Explanation) -> Iterator[Explanation]:
-        """The explanation with each of the leading candidates, until one leaves nothing more."""
+        """The explanation with each of the leading candidates, until one explains all the rest.
+
+        An effect whose law leaves much open ends nothing: it may only imitate stiffer ones.
+        """
         gains = self.gains(explanation)
         least = max(self.threshold, _WORTH_TRYING * max(gains))
         leading = [k for k in np.argsort(gains)[::-1][:_TRIED] if gains[k] > least]
@@ -190,7 +193,9 @@ class Search:
         for k in leading:
             child = self.extend(explanation, k)
             yield child
-            if self.further(child) == 0.0:
+            effect = self.candidates[k].effect
+            is_stiff = not effect.is_flexible and effect.slack_share == 0.0
+            if is_stiff and self.further(child) == 0.0:
                 return
 
     def extend(self, explanation: Explanation, k: int) -> Explanation:
