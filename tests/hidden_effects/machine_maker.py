@@ -7,7 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-__all__ = ["CHAINS", "ErrorCurve", "TrueMachine", "random_machine", "write_machine"]
+__all__ = [
+    "CHAINS",
+    "ErrorCurve",
+    "TrueMachine",
+    "random_machine",
+    "rotation_matrices",
+    "write_machine",
+]
 
 CHAINS = (
     "t (C) Z Y b X' w",
@@ -102,11 +109,11 @@ class TrueMachine:
             "Y": (self.squareness_urad["A0Y"], 0.0, self.squareness_urad["C0Y"]),
             "Z": (0.0, 0.0, 0.0),
         }[axis]
-        direction = _rotation(np.array([square]) * 1e-6)[0][:, index]
+        direction = rotation_matrices(np.array([square]) * 1e-6)[0][:, index]
         travel = np.tile(np.eye(4), (len(q), 1, 1))
         travel[:, :3, 3] = side * q[:, None] * direction
         error = np.tile(np.eye(4), (len(q), 1, 1))
-        error[:, :3, :3] = _rotation(side * turn)
+        error[:, :3, :3] = rotation_matrices(side * turn)
         error[:, :3, 3] = side * shift
         return travel @ error
 
@@ -118,7 +125,7 @@ def _product(joints: list[np.ndarray], count: int) -> np.ndarray:
     return total
 
 
-def _rotation(vector_rad: np.ndarray) -> np.ndarray:
+def rotation_matrices(vector_rad: np.ndarray) -> np.ndarray:
     """Rodrigues' formula, (N, 3) -> (N, 3, 3)."""
     angle = np.linalg.norm(vector_rad, axis=1)[:, None, None]
     k = np.zeros((len(vector_rad), 3, 3))
@@ -162,9 +169,7 @@ def _random_curve(rng: np.random.Generator, travel_mm: tuple, size: float) -> Er
     )
 
 
-def _random_reflector(
-    rng: np.random.Generator, chain: str, axis: str, travel: dict
-) -> np.ndarray:
+def _random_reflector(rng: np.random.Generator, chain: str, axis: str, travel: dict) -> np.ndarray:
     """Where a laser's reflector sits in the frame of the body that the axis carries, mm."""
     carries_work = axis in chain.split("b")[1]
     low = np.array([travel[a][0] for a in AXES])
@@ -251,8 +256,8 @@ def _write_table(
         arm = np.round(machine.reflector_mm[name], 1)
         reading = reading + 1e-3 * np.cross(turn, arm)[:, "XYZ".index(name[1])]
     sigma = TABLE_NOISE_UM if name[1] in "XYZ" else TABLE_NOISE_URAD
-    noise = np.zeros((2, len(position))) if rng is None else sigma * rng.normal(
-        size=(2, len(position))
+    noise = (
+        np.zeros((2, len(position))) if rng is None else sigma * rng.normal(size=(2, len(position)))
     )
     rows = np.stack([position, reading + noise[0], reading + noise[1]], axis=1)
     np.savetxt(

@@ -23,8 +23,38 @@ def tool_radius(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         return less * UM * side * (state.tool == tool)[:, None]
 
     return Hidden(
-        "tool_radius", ("tool_radius", "runout"), {"tool": TOOLS[tool].number, "less_um": less},
-        move, {"radius_um": less}, target=f"T{TOOLS[tool].number}",
+        "tool_radius",
+        ("tool_radius",),
+        {"tool": TOOLS[tool].number, "less_um": less},
+        move,
+        {"radius_um": less},
+        target=f"T{TOOLS[tool].number}",
+        on_part_only=True,
+        twins=("tool_radius", "runout"),
+    )
+
+
+def runout(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The longest tooth cuts alone: a larger radius, less the cusps that one tooth leaves."""
+    tool, wide = int(rng.integers(2)), rng.uniform(5, 14)
+
+    def move(state: State) -> np.ndarray:
+        speed = np.linalg.norm(state.velocity_mm_s, axis=1)
+        feed_a_turn = speed * 60 / np.array([t.rpm for t in TOOLS])[state.tool]
+        radius = np.array([t.diameter_mm / 2 for t in TOOLS])[state.tool]
+        cusp = feed_a_turn**2 / (8 * radius) / 3  # mean height
+        side = state.normal * [1, 1, 0]
+        return ((cusp - wide * UM) * (state.tool == tool))[:, None] * side
+
+    return Hidden(
+        "runout",
+        ("runout",),
+        {"tool": TOOLS[tool].number, "wide_um": wide},
+        move,
+        {"runout_um": wide},
+        target=f"T{TOOLS[tool].number}",
+        on_part_only=True,
+        twins=("tool_radius", "runout"),
     )
 
 
@@ -38,8 +68,13 @@ def probe_radius(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         return UM * state.normal * (wrong + lobes)[:, None]
 
     return Hidden(
-        "probe_radius", ("probe_radius", "tool_radius", "runout"), {"wrong_um": wrong}, move,
+        "probe_radius",
+        ("probe_radius",),
+        {"wrong_um": wrong},
+        move,
         {"radius_um": wrong},
+        on_part_only=True,
+        twins=("probe_radius", "tool_radius", "runout"),
     )
 
 
@@ -53,8 +88,12 @@ def tool_wear(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         return size * UM * (way**0.85)[:, None] * state.normal * [1, 1, 0]
 
     return Hidden(
-        "tool_wear", ("tool_wear",), {"tool": TOOLS[tool].number, "end_um": size}, move,
+        "tool_wear",
+        ("tool_wear",),
+        {"tool": TOOLS[tool].number, "end_um": size},
+        move,
         target=f"T{TOOLS[tool].number}",
+        on_part_only=True,
     )
 
 
@@ -68,8 +107,12 @@ def tool_length(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         return e
 
     return Hidden(
-        "tool_length", ("tool_length",), {"tool": TOOLS[tool].number, "longer_um": long}, move,
-        {"um": long},
+        "tool_length",
+        ("tool_length",),
+        {"tool": TOOLS[tool].number, "longer_um": long},
+        move,
+        {"length_um": long},
+        on_part_only=True,
     )
 
 
@@ -96,7 +139,9 @@ def tool_deflection(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         bent = size * force * compliance[state.tool] * share * (1 - 0.8 * height / length)
         return UM * bent[:, None] * push
 
-    return Hidden("tool_deflection", ("tool_deflection",), {"size_um": size}, move)
+    return Hidden(
+        "tool_deflection", ("tool_deflection",), {"size_um": size}, move, on_part_only=True
+    )
 
 
-CUTTING = (tool_radius, probe_radius, tool_wear, tool_length, tool_deflection)
+CUTTING = (tool_radius, runout, probe_radius, tool_wear, tool_length, tool_deflection)

@@ -35,7 +35,7 @@ def checkerboard(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         board = np.tanh(2 * np.sin(u[:, 0]) * np.sin(u[:, 1]))
         return size * UM * board[:, None] * state.normal
 
-    return Hidden("checkerboard", ("unknown",), {"size_um": size}, move)
+    return Hidden("checkerboard", ("unknown",), {"size_um": size}, move, on_part_only=True)
 
 
 def feature_offset(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
@@ -46,7 +46,7 @@ def feature_offset(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         own = np.random.default_rng(seed).normal(size=(200, 3)) * 4
         return UM * own[state.feature]
 
-    return Hidden("feature_offset", ("unknown",), {}, move)
+    return Hidden("feature_offset", ("unknown",), {}, move, on_part_only=True)
 
 
 def chatter(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
@@ -57,7 +57,7 @@ def chatter(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         way = state.place_mm @ np.array([1.0, 1.37, 0.61])
         return size * UM * np.sin(2 * np.pi * way / wave)[:, None] * state.normal
 
-    return Hidden("chatter", ("unknown",), {"size_um": size}, move)
+    return Hidden("chatter", ("unknown",), {"size_um": size}, move, on_part_only=True)
 
 
 def mirror(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
@@ -69,7 +69,7 @@ def mirror(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         inward = np.einsum("ij,ij->i", state.normal[:, :2], middle - state.place_mm[:, :2])
         return size * UM * (inward > 0)[:, None] * state.normal
 
-    return Hidden("mirror", ("unknown",), {"size_um": size}, move)
+    return Hidden("mirror", ("unknown",), {"size_um": size}, move, on_part_only=True)
 
 
 FOREIGN = (bump_field, checkerboard, feature_offset, chatter, mirror)

@@ -57,14 +57,16 @@ def axis_expansion(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
             grown = grown - grown[:, -1:]
         e = np.zeros_like(state.nose_mm)
         e[:, axis] = [
-            np.interp(q, edges, grown[r])
-            for q, r in zip(state.nose_mm[:, axis], row, strict=True)
+            np.interp(q, edges, grown[r]) for q, r in zip(state.nose_mm[:, axis], row, strict=True)
         ]
         return e
 
     return Hidden(
-        "axis_expansion", ("axis_expansion",),
-        {"axis": "XYZ"[axis], "peak_ppm": peak_ppm, "tau_s": tau}, move, target="XYZ"[axis],
+        "axis_expansion",
+        ("axis_expansion",),
+        {"axis": "XYZ"[axis], "peak_ppm": peak_ppm, "tau_s": tau},
+        move,
+        target="XYZ"[axis],
     )
 
 
@@ -74,8 +76,11 @@ def head_tilt(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
 
     def move(state: State) -> np.ndarray:
         past = state.history
-        tilt = urad * 1e-6 * past.at(past.response((past.rpm / 8000) ** 0.8, tau, 1.4 * tau),
-                                     state.time_s)
+        tilt = (
+            urad
+            * 1e-6
+            * past.at(past.response((past.rpm / 8000) ** 0.8, tau, 1.4 * tau), state.time_s)
+        )
         e = np.zeros_like(state.nose_mm)
         e[:, 1], e[:, 2] = -tilt * state.contact_mm[:, 2], tilt * state.contact_mm[:, 1]
         return e
@@ -107,25 +112,14 @@ def workpiece_temperature(rng: np.random.Generator, machine: TrueMachine) -> Hid
         return -ppm * 1e-6 * (state.place_mm - datum)
 
     return Hidden(
-        "workpiece_temperature", ("workpiece_temperature",), {"ppm": ppm}, move,
-        {"expansion_ppm": ppm}
+        "workpiece_temperature",
+        ("workpiece_temperature",),
+        {"ppm": ppm},
+        move,
+        {"expansion_ppm": ppm},
+        on_part_only=True,
+        twins=("workpiece_temperature", "scale"),
     )
 
 
-def datum_shift(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
-    """The part slips in its clamps at one moment."""
-    shift, share = rng.normal(size=3), rng.uniform(0.3, 0.7)
-    shift = shift / np.linalg.norm(shift) * rng.uniform(9, 16)
-
-    def move(state: State) -> np.ndarray:
-        when = share * (len(state.history.rpm) - 1)
-        return UM * (state.time_s > when)[:, None] * shift
-
-    return Hidden(
-        "datum_shift", ("datum_shift",), {"shift_um": shift.tolist(), "share_of_time": share}, move
-    )
-
-
-HEAT = (
-    spindle_growth, axis_expansion, head_tilt, ambient_drift, workpiece_temperature, datum_shift
-)
+HEAT = (spindle_growth, axis_expansion, head_tilt, ambient_drift, workpiece_temperature)

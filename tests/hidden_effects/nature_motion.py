@@ -24,8 +24,12 @@ def backlash(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         return e
 
     return Hidden(
-        "backlash", ("backlash",), {"axis": "XYZ"[axis], "play_um": play, "take_up_mm": take_up},
-        move, {"reversal_um": play}, target="XYZ"[axis],
+        "backlash",
+        ("backlash",),
+        {"axis": "XYZ"[axis], "play_um": play, "take_up_mm": take_up},
+        move,
+        {"reversal_um": play},
+        target="XYZ"[axis],
     )
 
 
@@ -40,7 +44,10 @@ def scale(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
 
     # a straight ramp in the position table is the same thing
     return Hidden(
-        "scale", ("scale", "component"), {"axis": "XYZ"[axis], "ppm": ppm}, move,
+        "scale",
+        ("scale", f"component E{'XYZ'[axis]}{'XYZ'[axis]}"),
+        {"axis": "XYZ"[axis], "ppm": ppm},
+        move,
         {"scale_ppm": ppm},
         target="XYZ"[axis],
     )
@@ -50,6 +57,7 @@ def squareness(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     """A guide that turned, by a collision say."""
     name = str(rng.choice(["C0Y", "B0X", "A0Y"]))
     urad = rng.choice([-1, 1]) * rng.uniform(15, 45)
+    straight = {"C0Y": "EXY", "B0X": "EZX", "A0Y": "EZY"}[name]  # its slope is the same thing
 
     def move(state: State) -> np.ndarray:
         x, y, _ = state.nose_mm.T * urad * 1e-6
@@ -59,8 +67,12 @@ def squareness(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         return e
 
     return Hidden(
-        "squareness", ("squareness", "component"), {"which": name, "urad": urad}, move,
-        {"squareness_urad": urad}, target=name,
+        "squareness",
+        ("squareness", f"component {straight}"),
+        {"which": name, "urad": urad},
+        move,
+        {"squareness_urad": urad},
+        target=name,
     )
 
 
@@ -76,9 +88,12 @@ def cyclic_pitch(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         return e
 
     return Hidden(
-        "cyclic_pitch", ("cyclic_pitch",),
-        {"axis": "XYZ"[axis], "size_um": size, "pitch_mm": pitch}, move,
-        {"amplitude_um": size, "pitch_mm": pitch}, target="XYZ"[axis],
+        "cyclic_pitch",
+        ("cyclic_pitch",),
+        {"axis": "XYZ"[axis], "size_um": size, "pitch_mm": pitch},
+        move,
+        {"amplitude_um": size, "pitch_mm": pitch},
+        target="XYZ"[axis],
     )
 
 
@@ -93,7 +108,10 @@ def hysteresis(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         return e
 
     return Hidden(
-        "hysteresis", ("hysteresis",), {"axis": "XYZ"[axis], "size_um": size, "way_mm": way}, move,
+        "hysteresis",
+        ("hysteresis",),
+        {"axis": "XYZ"[axis], "size_um": size, "way_mm": way},
+        move,
         target="XYZ"[axis],
     )
 
@@ -110,8 +128,11 @@ def lateral_play(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         return e
 
     return Hidden(
-        "lateral_play", ("lateral_play",),
-        {"axis": "XYZ"[axis], "aside": "XYZ"[aside], "size_um": size}, move, {"play_um": size},
+        "lateral_play",
+        ("lateral_play",),
+        {"axis": "XYZ"[axis], "aside": "XYZ"[aside], "size_um": size},
+        move,
+        {"play_um": size},
     )
 
 
@@ -151,12 +172,49 @@ def quadrant_glitch(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         return e
 
     return Hidden(
-        "quadrant_glitch", ("quadrant_glitch",),
-        {"axis": "XYZ"[axis], "size_um": size, "way_mm": way}, move, target="XYZ"[axis],
+        "quadrant_glitch",
+        ("quadrant_glitch",),
+        {"axis": "XYZ"[axis], "size_um": size, "way_mm": way},
+        move,
+        target="XYZ"[axis],
+    )
+
+
+def corner_rounding(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """Every change of velocity is followed late: position loop, and a quick loop inside it."""
+    late_ms, slow_s = rng.uniform(1.5, 4.0), rng.uniform(0.015, 0.05)
+    quick_s = slow_s * rng.uniform(0.05, 0.12)
+
+    def move(state: State) -> np.ndarray:
+        velocity = state.path.velocity_mm_s
+        jump = np.diff(velocity, axis=0, append=np.zeros((1, 3)))
+        speed = np.linalg.norm(velocity, axis=1)
+        turned = np.linalg.norm(jump, axis=1) > 0.3 * np.minimum(speed, np.roll(speed, -1))
+        when, jump = state.path.time_s[turned], jump[turned]
+        e = np.zeros_like(state.nose_mm)
+        last = np.searchsorted(when, state.time_s, side="right") - 1
+        for back in range(4):  # what is older has faded
+            k = np.maximum(last - back, 0)
+            since = np.maximum(state.time_s - when[k], 0.0)
+            fade = slow_s * np.exp(-since / slow_s) - quick_s * np.exp(-since / quick_s)
+            fade *= (last >= back) / (slow_s - quick_s)
+            e -= late_ms * UM * fade[:, None] * jump[k]
+        return e
+
+    return Hidden(
+        "corner_rounding", ("corner_rounding",), {"late_ms": late_ms, "slow_s": slow_s}, move
     )
 
 
 MOTION = (
-    backlash, scale, squareness, cyclic_pitch, hysteresis, lateral_play, servo_mismatch,
-    servo_lag, quadrant_glitch,
+    backlash,
+    scale,
+    squareness,
+    cyclic_pitch,
+    hysteresis,
+    lateral_play,
+    servo_mismatch,
+    servo_lag,
+    quadrant_glitch,
+    corner_rounding,
 )

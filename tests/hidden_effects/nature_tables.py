@@ -9,6 +9,8 @@ from .state import Hidden, State
 
 __all__ = ["TABLES"]
 
+UM = 1e-3
+
 
 def missing_table(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     """No level was at hand: the table of an angle does not exist."""
@@ -24,8 +26,9 @@ def drifted_table(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     change = ErrorCurve(
         low, high, 0.0, rng.uniform(5, 9) * fall * rng.choice([-1, 1], 5), rng.uniform(0, 6.28, 5)
     )
-    accept = ("component", "gravity_sag") if name[1] == "Z" else ("component",)
-    return Hidden("component", accept, {"drifted": name}, changed={name: change}, target=name)
+    return Hidden(
+        "component", ("component",), {"drifted": name}, changed={name: change}, target=name
+    )
 
 
 def local_damage(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
@@ -39,7 +42,10 @@ def local_damage(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         return depth / (1 + np.abs((position_mm - at) / width) ** 3)
 
     return Hidden(
-        "component", ("component", "unknown"), {"dent": name, "at_mm": at}, changed={name: dent},
+        "component",
+        ("component", "unknown"),
+        {"dent": name, "at_mm": at},
+        changed={name: dent},
         target=name,
     )
 
@@ -51,8 +57,11 @@ def reflector(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     other = [k for k in range(3) if "XYZ"[k] != name[1]]
     wrong[int(rng.choice(other))] = rng.choice([-1, 1]) * rng.uniform(200, 350)
     return Hidden(
-        "reflector", ("reflector", "component"), {"reading": name, "wrong_mm": wrong.tolist()},
-        misplaced={name: wrong}, target=name,
+        "reflector",
+        ("reflector", f"component {name}"),
+        {"reading": name, "wrong_mm": wrong.tolist()},
+        misplaced={name: wrong},
+        target=name,
     )
 
 
@@ -68,9 +77,33 @@ def gravity_sag(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         return e
 
     return Hidden(
-        "gravity_sag", ("gravity_sag", "component"), {"axis": "XYZ"[axis], "size_um": size}, move,
+        "gravity_sag",
+        ("gravity_sag", f"component EZ{'XYZ'[axis]}"),
+        {"axis": "XYZ"[axis], "size_um": size},
+        move,
         target="XYZ"[axis],
     )
 
 
-TABLES = (missing_table, drifted_table, local_damage, reflector, gravity_sag)
+def table_load_sag(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """A loaded table dips where it hangs over its guides and rises at the other end."""
+    axis, size = int(rng.integers(2)), rng.choice([-1, 1]) * rng.uniform(20, 40)
+    low, high = machine.travel_mm["XYZ"[axis]]
+    steep = rng.uniform(2.0, 3.5)
+
+    def move(state: State) -> np.ndarray:
+        u = 2 * (state.nose_mm[:, axis] - low) / (high - low) - 1
+        e = np.zeros_like(state.nose_mm)
+        e[:, 2] = size * UM * np.sinh(steep * u) / np.sinh(steep)
+        return e
+
+    return Hidden(
+        "table_load_sag",
+        ("table_load_sag", f"component EZ{'XYZ'[axis]}"),
+        {"axis": "XYZ"[axis], "size_um": size},
+        move,
+        target="XYZ"[axis],
+    )
+
+
+TABLES = (missing_table, drifted_table, local_damage, reflector, gravity_sag, table_load_sag)

@@ -13,8 +13,8 @@ import numpy as np
 
 from vmach.cli import main
 
-from .experiment import alignment_columns
 from .part import Part
+from .shares import alignment_columns
 
 __all__ = ["add", "aligned_rms_um", "diagnose", "predicted_um"]
 

@@ -41,6 +41,13 @@ class Path3:
     cutting: np.ndarray
     rpm: np.ndarray
 
+    @property
+    def velocity_mm_s(self) -> np.ndarray:
+        """(K, 3) on the way to each node; at rest where no time passes."""
+        step = np.diff(self.nose_mm, axis=0, prepend=self.nose_mm[:1])
+        time = np.diff(self.time_s, prepend=0.0)[:, None]
+        return np.divide(step, time, out=np.zeros_like(step), where=time > 1e-9)
+
 
 class ProgramWriter:
     """Writes moves as G-code and keeps the same moves as nodes."""
@@ -49,6 +56,7 @@ class ProgramWriter:
         self.offset_mm, self.rapid, self.tool_change_s = offset_mm, rapid_mm_min, tool_change_s
         self.lines = ["%", "O1000", "G21 G17 G90 G94 G40 G80"]
         self.tool: Tool | None = None
+        self.set_up = "G54"
         self._tip, self._nose, self._time, self._cut, self._rpm = [], [], [], [], []
         self._clock, self._spindle, self._block = 0.0, 0.0, 0
 
@@ -67,15 +75,17 @@ class ProgramWriter:
         self._block += 10
         self.lines.append(f"N{self._block} {text}")
 
-    def change(self, tool: Tool) -> None:
-        """Tool change, spindle on, length offset."""
+    def change(self, tool: Tool, *, clamp: tuple[str, np.ndarray] | None = None) -> None:
+        """Tool change, spindle on, length offset; `clamp`: the part is set up elsewhere."""
         if self._tip:  # high enough that a longer tool hangs clear of the part
             self.rapid_to(z=100.0)
+        if clamp:
+            self.set_up, self.offset_mm = clamp
         self.write(f"T{tool.number} M6")
         self._clock += self.tool_change_s
         self.tool = tool
         self.spindle(True)
-        self.write(f"G54 G43 H{tool.number}")
+        self.write(f"{self.set_up} G43 H{tool.number}")
         if self._tip:  # the tip of the new tool is elsewhere, the axes have not moved
             nose = self._nose[-1]
             self._put(nose - self.offset_mm - [0, 0, tool.length_mm], cutting=False)
@@ -107,7 +117,8 @@ class ProgramWriter:
         here = self._tip[-1]
         goal = np.array([here[k] if v is None else round(v, 4) for k, v in enumerate(target)])
         words = "".join(
-            f" {a}{goal[k]:.4f}" for k, (a, v) in enumerate(zip("XYZ", target, strict=True))
+            f" {a}{goal[k]:.4f}"
+            for k, (a, v) in enumerate(zip("XYZ", target, strict=True))
             if v is not None
         )
         self.write(f"{code}{words}" + (f" F{feed:g}" if code == "G1" else ""))
@@ -116,9 +127,7 @@ class ProgramWriter:
         self._put(goal, cutting=cutting)
         return start
 
-    def arc_to(
-        self, end_xy: tuple, centre_xy: tuple, *, turn: int, feed: float
-    ) -> tuple[int, int]:
+    def arc_to(self, end_xy: tuple, centre_xy: tuple, *, turn: int, feed: float) -> tuple[int, int]:
         """G2 (turn -1) or G3 (turn +1) to a point; first and last node of it."""
         here = self._tip[-1]
         end, centre = np.round(end_xy, 4), np.round(centre_xy, 4)

@@ -10,7 +10,7 @@ import numpy as np
 from .part import TOOLS, Part
 from .program_writer import Path3
 
-__all__ = ["Hidden", "History", "State", "state_of"]
+__all__ = ["Hidden", "History", "State", "state_of", "state_without_cut"]
 
 
 @dataclass
@@ -28,6 +28,8 @@ class Hidden:
     missing : tables that were never measured
     misplaced : reading -> what the record adds to the place of the reflector, mm
     target : axis or component where there is one
+    twins : names that no measurement of this kind can tell from it: naming one alone is too much
+    on_part_only : it belongs to the cut or to the piece; a test without a cut cannot see it
     """
 
     name: str
@@ -39,6 +41,8 @@ class Hidden:
     missing: tuple[str, ...] = ()
     misplaced: dict[str, np.ndarray] = field(default_factory=dict)
     target: str | None = None
+    on_part_only: bool = False
+    twins: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -81,7 +85,9 @@ class State:
     ap_mm: np.ndarray
     cut_mm: np.ndarray  #: way that this tool has cut so far
     feature: np.ndarray
+    set_up: np.ndarray  #: 0, or 1 in the second clamping
     history: History
+    path: Path3
 
 
 def state_of(part: Part) -> State:
@@ -98,7 +104,7 @@ def state_of(part: Part) -> State:
     return State(
         place_mm=place,
         normal=part.normal[rows["point"]],
-        nose_mm=rows["tip_mm"] + part.offset_mm + down,
+        nose_mm=rows["tip_mm"] + part.offsets_mm[rows["set_up"]] + down,
         contact_mm=place - rows["tip_mm"] - down,
         tip_mm=rows["tip_mm"],
         velocity_mm_s=rows["velocity_mm_s"],
@@ -111,7 +117,55 @@ def state_of(part: Part) -> State:
         ap_mm=rows["ap_mm"],
         cut_mm=_cut_way(part.path, tool, node),
         feature=np.unique(part.feature, return_inverse=True)[1][rows["point"]],
+        set_up=rows["set_up"],
         history=history_of(part.path),
+        path=part.path,
+    )
+
+
+def state_without_cut(
+    path: Path3,
+    *,
+    node: np.ndarray,
+    share: np.ndarray,
+    tool_length_mm: float,
+    zero_mm: np.ndarray,
+    nose_mm: np.ndarray | None = None,
+    velocity_mm_s: np.ndarray | None = None,
+    acceleration_mm_s2: np.ndarray | None = None,
+) -> State:
+    """Moments of a test, between the nodes `node` and `node + 1` of its path.
+
+    Parameters
+    ----------
+    zero_mm : where the workpiece zero is, machine coordinates
+    nose_mm : exact positions; on the chords where left out
+    velocity_mm_s, acceleration_mm_s2 : at rest where left out
+    """
+    rest, count = np.zeros((len(node), 3)), np.zeros(len(node))
+    sign, travel = _directions(path, node, share)
+    if nose_mm is None:
+        nose_mm = path.nose_mm[node] + share[:, None] * np.diff(path.nose_mm, axis=0)[node]
+    down = np.array([0.0, 0.0, -tool_length_mm])
+    return State(
+        place_mm=nose_mm + down - zero_mm,
+        normal=rest,
+        nose_mm=nose_mm,
+        contact_mm=rest + down,
+        tip_mm=nose_mm + down - zero_mm,
+        velocity_mm_s=rest if velocity_mm_s is None else velocity_mm_s,
+        acceleration_mm_s2=rest if acceleration_mm_s2 is None else acceleration_mm_s2,
+        sign=sign,
+        since_reversal_mm=travel,
+        time_s=path.time_s[node] + share * np.diff(path.time_s)[node],
+        tool=np.full(len(node), -1),
+        ae_mm=count,
+        ap_mm=count,
+        cut_mm=count,
+        feature=np.zeros(len(node), dtype=int),
+        set_up=np.zeros(len(node), dtype=int),
+        history=history_of(path),
+        path=path,
     )
 
 

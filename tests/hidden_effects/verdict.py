@@ -1,4 +1,21 @@
-"""Was the diagnosis right? Judged from its JSON and the truth of the experiment."""
+"""Was the diagnosis right? Judged from its JSON and the truth of the experiment.
+
+The rules, as strict as physics allows:
+
+* An effect counts as found by its own name and, where it has one, its own target.
+* A longer name is accepted only where it says the same: a component table "no longer true" is a
+  correct statement about a scale (EXX), a squareness (slope of a straightness), a sagging beam
+  (EZX) and a reflector that stood elsewhere (an error of its axis' position only), if it is that
+  very table. The reverse is not: sag or scale named for a bent table is wrong.
+* Twins have one and the same signature in every CMM measurement of a part: radius of the tool
+  and runout; either of them on all tools and the radius of the probe; three equal scales and the
+  workpiece's temperature. A twin named alone claims more than can be known: outcome `alone`.
+* The length of one of two tools is the other's with the sign turned and a shift of the datum:
+  either tool may be named.
+* A class is right if it holds the true name, if its leader points at the same target where the
+  names agree, and if it has at most `MOST_IN_CLASS` members: `vague` otherwise.
+* Something accused besides what is true: `extra`.
+"""
 
 from __future__ import annotations
 
@@ -7,74 +24,93 @@ from itertools import permutations
 
 __all__ = ["OUTCOMES", "Judgement", "judge"]
 
-#: right: named; class: truth among those that the data cannot tell apart; extra: right, and
-#: something else accused besides; part: one of two found; wrong: another named
-OUTCOMES = ("right", "class", "unknown", "nothing", "part", "extra", "wrong")
+#: right: named; class: truth among those that the data cannot tell apart; part: one of two
+#: found, nothing else said; wrong: another named
+OUTCOMES = ("right", "class", "vague", "alone", "unknown", "nothing", "part", "extra", "wrong")
+MOST_IN_CLASS = 5
+_WORTH = {"right": 1.01, "class": 1.0, "alone": 0.9, "vague": 0.8, "missed": 0.0}
+#: the target of these cannot be known from a part's points alone
+_ANY_TARGET = ("tool_length",)
 
 
 @dataclass(frozen=True)
 class Judgement:
-    """Outcome, and for every comparable parameter (found, u, true)."""
+    """Outcome, and for every comparable parameter (name, found, low, high, true)."""
 
     outcome: str
-    parameters: list[tuple[str, float, float, float]]
+    parameters: list[tuple[str, float, float, float, float]]
     said: str
 
 
 def judge(report: dict, truth: dict) -> Judgement:
     """Compare a report of ``vmach diagnose --json`` with ``truth.json``."""
-    found, said = report["effects"], _said(report)
-    verdict = report["verdict"]
-    if not truth["effects"]:
+    said, verdict, hidden = _said(report), report["verdict"], truth["effects"]
+    if not hidden:
         return Judgement("right" if verdict == "nothing" else "wrong", [], said)
     if verdict in ("unknown", "nothing"):
-        is_right = all(verdict in accept for accept in truth["accept"])
+        is_right = any(verdict in effect["accept"] for effect in hidden)
         return Judgement("right" if is_right else verdict, [], said)
-    best: tuple[float, list[str], list[dict | None]] = (-1.0, [], [])
-    for chosen in permutations([*found, *[None] * len(truth["effects"])], len(truth["effects"])):
-        told = zip(truth["effects"], truth["accept"], chosen, strict=True)
-        pairs = [_match(effect, accept, entry) for effect, accept, entry in told]
-        score = sum({"right": 1.01, "class": 1.0, "missed": 0.0}[how] for how in pairs)
-        if score > best[0]:
-            best = score, pairs, list(chosen)
-    _, pairs, chosen = best
-    parameters = []
-    for effect, how, entry in zip(truth["effects"], pairs, chosen, strict=True):
-        if how != "missed":
-            parameters += _parameters(effect, entry)
-    used = len(pairs) - pairs.count("missed")
-    return Judgement(_outcome(pairs, extra=len(found) > used), parameters, said)
+    best: tuple[float, list[str], list[dict]] = (-1.0, [], [])
+    nobody = [{}] * len(hidden)
+    for chosen in permutations([*report["effects"], *nobody], len(hidden)):
+        how = [_answer(entry, effect) for entry, effect in zip(chosen, hidden, strict=True)]
+        if (score := sum(_WORTH[h] for h in how)) > best[0]:
+            best = score, how, list(chosen)
+    _, how, chosen = best
+    parameters = [
+        row
+        for entry, effect in zip(chosen, hidden, strict=True)
+        for row in _parameters(effect, entry)
+    ]
+    extra = len(report["effects"]) > len(how) - how.count("missed")
+    return Judgement(_together(how, extra=extra), parameters, said)
 
 
-def _match(effect: dict, accept: list[str], entry: dict | None) -> str:
-    """How an entry of the report answers one hidden effect: right, class or missed."""
-    if entry is None:
+def _answer(entry: dict, effect: dict) -> str:
+    """How an entry of the report, empty for none, answers one hidden effect."""
+    if not entry:
         return "missed"
-    same_name = entry["effect"] == effect["name"] and effect["target"]
-    is_wrong_target = same_name and entry["target"] != effect["target"]
-    if len(entry["class"]) <= 1:
-        is_name = entry["target"] == effect["target"] if same_name else entry["effect"] in accept
-        return "right" if is_name else "missed"
-    is_in_class = {effect["name"], *accept} & {entry["effect"], *entry["class"]}
-    return "class" if is_in_class and not is_wrong_target else "missed"
+    # led by the right name at the wrong target it would be wrong
+    in_class = effect["name"] in entry["class"] and entry["effect"] != effect["name"]
+    if not _means(entry, effect) and not in_class:
+        return "missed"
+    members = {entry["effect"], *entry["class"]}
+    if len(members) > MOST_IN_CLASS:
+        return "vague"
+    if effect["twins"] and len(members & set(effect["twins"])) < 2:
+        return "alone"
+    return "class" if len(members) > 1 else "right"
 
 
-def _outcome(pairs: list[str], *, extra: bool) -> str:
-    if "missed" in pairs:
-        return "wrong" if extra or set(pairs) == {"missed"} else "part"
+def _means(entry: dict, effect: dict) -> bool:
+    target = entry["target"] or ""
+    if entry["effect"] != effect["name"]:
+        return f"{entry['effect']} {target}".strip() in effect["accept"]
+    free = not effect["target"] or effect["name"] in _ANY_TARGET
+    return free or target == effect["target"]
+
+
+def _together(outcomes: list[str], *, extra: bool) -> str:
+    if "missed" in outcomes:
+        return "wrong" if extra or set(outcomes) == {"missed"} else "part"
     if extra:
         return "extra"
-    return "class" if "class" in pairs else "right"
+    return next(o for o in ("vague", "alone", "class", "right") if o in outcomes)
 
 
-def _parameters(effect: dict, entry: dict) -> list[tuple[str, float, float, float]]:
-    if entry["effect"] != effect["name"]:
+def _parameters(effect: dict, entry: dict) -> list[tuple[str, float, float, float, float]]:
+    """Comparable parameters with their 95 % intervals, those of either sign as sizes."""
+    if entry.get("effect") != effect["name"] or not _means(entry, effect):
         return []
     rows = []
     for name, true in effect["comparable"].items():
         value, u = entry["parameters"].get(name), entry["u"].get(name)
-        if isinstance(value, int | float) and isinstance(u, int | float):
-            rows.append((name, abs(value), u, abs(true)))
+        if not isinstance(value, int | float) or not isinstance(u, int | float):
+            continue
+        low, high = entry.get("interval_95", {}).get(name, (value - 1.96 * u, value + 1.96 * u))
+        if len(effect["comparable"]) < 3 and value * true < 0:
+            low, high, value = -high, -low, -value
+        rows.append((name, value, low, high, true))
     return rows
 
 

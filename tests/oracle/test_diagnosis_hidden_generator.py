@@ -8,11 +8,12 @@ from tests.hidden_effects.experiment import (
     FOREIGN_KINDS,
     SINGLE_KINDS,
     make_experiment,
-    visible_um,
+
 )
 from tests.hidden_effects.machine_maker import CHAINS, random_machine
 from tests.hidden_effects.nature_motion import backlash
 from tests.hidden_effects.part import random_part
+from tests.hidden_effects.shares import visible_um
 from tests.hidden_effects.state import state_of
 
 MOTION = {"rapid_mm_min": 20000.0, "tool_change_s": 8.0}
