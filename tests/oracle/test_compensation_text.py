@@ -76,7 +76,7 @@ def test_all_but_the_numbers_stays(tmp_path):
 
 def test_inserted_blocks_are_numbered_where_the_program_numbers_all(tmp_path):
     head = "N10 G21 G90 G54\nN20 T1 M6\nN30 G0 X0. Y0. Z5.\n"
-    body = head + "N40 G1 Z-1. F200\nN50 X90.\nN60 M30\n"
+    body = head + "N40 G1 Z-1. F200\nN50 X90. Y90.\nN60 M30\n"
     job, effects = job_with(tmp_path, "", BENT)
     job.program.write_text(body)
     lines = compensate(job, effects).text.decode().splitlines()
@@ -91,14 +91,14 @@ def test_inserted_blocks_are_numbered_where_the_program_numbers_all(tmp_path):
 def test_block_numbers_end_at_99999(tmp_path):
     body = "N99990 G21 G90 G54\nN99991 T1 M6\nN99992 G0 X0. Y0. Z5.\nN99993 G1 Z-1. F200\n"
     job, effects = job_with(tmp_path, "", BENT)
-    job.program.write_text(body + "N99998 X90.\nN99999 M30\n")
+    job.program.write_text(body + "N99998 X90. Y90.\nN99999 M30\n")
     lines = compensate(job, effects).text.decode().splitlines()
     numbers = [int(m[1]) for m in (re.match(r"N(\d+)", line) for line in lines) if m]
     assert len(numbers) == 6 < len(lines)
 
 
 def test_blocks_behind_a_slash_have_one_too(tmp_path):
-    text = text_of(tmp_path, "G1 Z-1. F200\n/X90.\nX0.\nM30\n", BENT)
+    text = text_of(tmp_path, "G1 Z-1. F200\n/X90. Y90.\nX0.\nM30\n", BENT)
     lines = text.splitlines()
     first, last = lines.index(next(s for s in lines if s[0] == "/")), lines.index("M30")
     skipped = [line for line in lines if line.startswith("/")]

@@ -29,7 +29,7 @@ def compensate(
     resolution_mm: Annotated[float, typer.Option(help="of the target control")] = 1e-3,
     tolerance_um: Annotated[
         float, typer.Option(help="bend of the error from which a point is inserted")
-    ] = 0.08,
+    ] = 90e-3,
     limit_um: Annotated[float, typer.Option(help="largest correction accepted")] = 500.0,
     dialect: Annotated[
         str | None,

@@ -1,0 +1,169 @@
+"""Fixed-point iteration: programs are written, read back and run until the tool is there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from gcode import MoveKind
+from vmach.compensation.expanded_text import Expanded
+from vmach.compensation.model import TipModel
+from vmach.compensation.plan import Plan, plan_pieces
+from vmach.compensation.residual import Residual
+from vmach.compensation.rewriting import Rewriter, Target, Written
+from vmach.compensation.sampling import sample_error
+from vmach.compensation.written_run import WrittenRun
+from vmach.path_geometry import position_at
+from vmach.preparation import Preparation
+
+__all__ = ["Iteration", "Solution"]
+
+#: the iteration ends when the tool is this close to its aim, or after so many rounds
+_CLOSE_MM = 2e-6
+_ROUNDS = 6
+#: so often pieces that leave too much are cut once more
+_REFINEMENTS = 5
+#: share of the tolerance that points are planned with at first
+_ROOM = 0.97
+#: pieces are cut no shorter than this
+_SHORTEST_MM = 0.05
+#: resolution of the program that is iterated on
+_FINE_MM = 1e-7
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A plan, its corrections, and what they leave before rounding."""
+
+    plan: Plan
+    target: Target
+    run: WrittenRun
+    residual: Residual
+
+
+@dataclass
+class Iteration:
+    """Finds the q of q + e(q) = q_nominal for the pieces of a plan.
+
+    Every round writes the program, reads it back and runs it through the model, so direction
+    memory, time and feeds are those of the compensated program itself. A correction that turns
+    an axis back changes its error by the lost motion, at once: such places get a step, and
+    pieces that leave too much are halved.
+    """
+
+    preparation: Preparation
+    rewriter: Rewriter
+    model: TipModel
+    expansion: Expanded
+    check: Callable[[Target], None]
+
+    def solve(self, used: np.ndarray, tolerance_mm: float) -> Solution:
+        """Plan and corrections that leave no more than a tolerance, where that can be.
+
+        Parameters
+        ----------
+        used : (M,) int64
+            Moves that may be rewritten.
+        tolerance_mm : float
+
+        Raises
+        ------
+        InputError
+            From `check`, or the program is refused when it is read back.
+        """
+        best = self._planned(used, tolerance_mm)
+        for _ in range(_REFINEMENTS):
+            refined = self._refined(best, tolerance_mm)
+            if refined is None:
+                break
+            found = self._rounds(*refined)
+            if found.residual.largest_mm >= best.residual.largest_mm:
+                break
+            best = found
+        return best
+
+    def _planned(self, used: np.ndarray, tolerance_mm: float) -> Solution:
+        """Planned along the nominal path; moves that turn out a little worse get less room."""
+        moves = self.preparation.path.nodes.moves
+        room = np.full(len(moves), _ROOM * tolerance_mm)
+        along = sample_error(moves, used, self._nominal_error, tolerance_mm=tolerance_mm)
+        for last in (False, False, True):
+            plan = plan_pieces(moves, along, self._nominal_error, tolerance_mm=room[used])
+            found = self._rounds(plan, -self._error(plan, 1.0), -self._error(plan, 0.5))
+            left = np.zeros(len(moves))
+            np.maximum.at(left, plan.move, found.run.residual_of_pieces()[0])
+            over = (left > tolerance_mm) & (left < 2.0 * tolerance_mm)
+            if last or not over.any():
+                break
+            room[over] *= _ROOM * tolerance_mm / left[over]
+        return found
+
+    def _nominal_error(self, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
+        return self.model.error_at(self.preparation, move, parameter)
+
+    def write(self, target: Target, resolution_mm: float) -> Written:
+        """The text of a target."""
+        return self.rewriter.write(target, resolution_mm)
+
+    def run(self, plan: Plan, written: Written) -> WrittenRun:
+        """What the model makes of a text."""
+        return WrittenRun.of(
+            self.preparation, written, plan, model=self.model, expansion=self.expansion
+        )
+
+    def _error(self, plan: Plan, share: float) -> np.ndarray:
+        return self._nominal_error(plan.move, plan.parameter(share))
+
+    def _rounds(self, plan: Plan, ends: np.ndarray, middles: np.ndarray) -> Solution:
+        best: tuple[float, Target, WrittenRun] | None = None
+        ends = ends + plan.aim_mm
+        for _ in range(_ROUNDS):
+            target = Target(plan.pieces, self._within_travel(plan, ends), middles.copy())
+            self.check(target)
+            run = self.run(plan, self.write(target, _FINE_MM))
+            end = run.miss(1.0) - plan.aim_mm[run.written]
+            middle = run.miss(0.5)
+            cuts = run.cuts
+            off = float(np.linalg.norm(end[cuts], axis=1).max(initial=0.0))
+            if best is None or off < best[0]:
+                best = off, target, run
+            if off <= _CLOSE_MM:
+                break
+            ends[run.written] -= end
+            middles[run.written] -= middle
+        assert best is not None
+        return Solution(plan, best[1], best[2], best[2].residual())
+
+    def _refined(
+        self, found: Solution, tolerance_mm: float
+    ) -> tuple[Plan, np.ndarray, np.ndarray] | None:
+        """The plan with pieces that leave too much cut or stepped into; None for none."""
+        plan, run = found.plan, found.run
+        left, at_start = run.residual_of_pieces()
+        moves = self.preparation.path.nodes.moves
+        span = plan.parameter(1.0) - plan.parameter(0.0)
+        length = span * self.rewriter.length_mm[plan.move]
+        can_step = np.array([not p.is_step for p in plan.pieces])
+        can_step[1:] &= ~np.array([p.is_step for p in plan.pieces[:-1]], bool)
+        cuts = moves.kind[plan.move] != MoveKind.RAPID
+        step = cuts & can_step & (at_start > tolerance_mm)
+        split = cuts & ~step & (left > tolerance_mm) & (length > 2 * _SHORTEST_MM)
+        if not (step.any() or split.any()):
+            return None
+        refined, origin = plan.refined(split, step)
+        ends, middles = -self._error(refined, 1.0), -self._error(refined, 0.5)
+        kept = origin >= 0
+        ends[kept] = found.target.ends_mm[origin[kept]] - plan.aim_mm[origin[kept]]
+        whole = kept & ~split[np.maximum(origin, 0)]
+        middles[whole] = found.target.middles_mm[origin[whole]]
+        return refined, ends, middles
+
+    def _within_travel(self, plan: Plan, ends_mm: np.ndarray) -> np.ndarray:
+        """Corrections of rapids cut off where the travel ends; those of feed moves stay."""
+        moves = self.preparation.path.nodes.moves
+        low, high = self.preparation.job.machine.travel_mm
+        nominal = position_at(moves, plan.move, plan.parameter(1.0))
+        inside = np.clip(nominal + ends_mm, low, high) - nominal
+        return np.where((moves.kind[plan.move] == MoveKind.RAPID)[:, None], inside, ends_mm)

@@ -1,0 +1,146 @@
+"""A written program, read back and run through the model."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from gcode import MoveKind
+from vmach.compensation.expanded_text import Expanded
+from vmach.compensation.model import TipModel
+from vmach.compensation.plan import Plan, across
+from vmach.compensation.residual import Residual
+from vmach.compensation.rewriting import Written
+from vmach.errors import InputError
+from vmach.path_geometry import position_at, tangent_at
+from vmach.preparation import Preparation, prepare
+
+__all__ = ["WrittenRun"]
+
+#: distance of the places at which the tool is held against the nominal path
+_SPACING_MM = 0.5
+_MOST_INSIDE = 400
+_FEWEST_INSIDE = 4
+
+
+@dataclass(frozen=True)
+class WrittenRun:
+    """What the model makes of a written program.
+
+    Piece ``written[k]`` of the plan is row ``row[k]`` of the moves of `again`.
+    """
+
+    original: Preparation
+    again: Preparation
+    model: TipModel
+    plan: Plan
+    written: np.ndarray
+    row: np.ndarray
+
+    @classmethod
+    def of(
+        cls, original: Preparation, written: Written, plan: Plan, *, model: TipModel,
+        expansion: Expanded,
+    ) -> WrittenRun:  # fmt: skip
+        """Read a program back.
+
+        Raises
+        ------
+        InputError
+            It is refused, by the line of the user's program.
+        """
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / original.program.path.name
+            path.write_bytes(written.text)
+            try:
+                again = prepare(original.job, program_path=path)
+            except ValueError as error:
+                line = written.original_line(getattr(error, "line", None))
+                raise InputError(
+                    f"the compensated program is refused: {getattr(error, 'what', error)}",
+                    file=original.program.path,
+                    line=None if line is None else int(expansion.user_line(line)),
+                ) from None
+        moves = again.path.nodes.moves
+        moving = np.flatnonzero(moves.kind != MoveKind.DWELL)
+        lines = np.array(written.line_of_piece, np.int64)
+        order = np.argsort(moves.line[moving], kind="stable")
+        sorted_lines = moves.line[moving][order]
+        place = np.minimum(np.searchsorted(sorted_lines, lines), len(sorted_lines) - 1)
+        known = np.flatnonzero(sorted_lines[place] == lines)
+        return cls(original, again, model, plan, known, moving[order[place[known]]])
+
+    def miss(self, share: float | np.ndarray, rows: np.ndarray | None = None) -> np.ndarray:
+        """Tool minus nominal position at shares of the written pieces, (K, 3) mm.
+
+        Parameters
+        ----------
+        share : float or (K,) float64
+        rows : (K,) int64, optional
+            Indices into `written`; all of it by default.
+        """
+        if rows is None:
+            rows = np.arange(len(self.written))
+        share = np.broadcast_to(np.asarray(share, np.float64), rows.shape).copy()
+        there = position_at(self.again.path.nodes.moves, self.row[rows], share)
+        error = self.model.error_at(self.again, self.row[rows], share)
+        start, end = self._stretch
+        pieces = self.written[rows]
+        parameter = start[pieces] + share * (end - start)[pieces]
+        nominal = position_at(self.original.path.nodes.moves, self.plan.move[pieces], parameter)
+        return there + error - nominal
+
+    @cached_property
+    def _stretch(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.plan.parameter(0.0), self.plan.parameter(1.0)
+
+    @cached_property
+    def cuts(self) -> np.ndarray:
+        """Written pieces at feed, indices into `written`."""
+        kind = self.original.path.nodes.moves.kind[self.plan.move[self.written]]
+        return np.flatnonzero(kind != MoveKind.RAPID)
+
+    def residual(self) -> Residual:
+        """Distances at the ends of the pieces that cut, and across the path all along them."""
+        distance, rows = self._distances()
+        line = self.original.path.nodes.moves.line[self.plan.move[self.written[rows]]]
+        return Residual(distance, line)
+
+    def residual_of_pieces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Largest distance of every piece of the plan, and that at its very start, (K,) each."""
+        distance, rows = self._distances()
+        largest = np.zeros(len(self.plan.pieces))
+        np.maximum.at(largest, self.written[rows], distance)
+        at_start = np.zeros(len(self.plan.pieces))
+        cuts = self.cuts
+        at_start[self.written[cuts]] = self._across(0.0, cuts)
+        return largest, at_start
+
+    def _distances(self) -> tuple[np.ndarray, np.ndarray]:
+        """Distances, (P,), and the row of `written` that each belongs to.
+
+        A step has no inside: there the axes take up their play. At its end the tool must be
+        where it should be, and the piece after it sees to the start.
+        """
+        cuts, moves = self.cuts, self.again.path.nodes.moves
+        span = self._stretch[1] - self._stretch[0]
+        cutting = cuts[span[self.written[cuts]] > 0]
+        tangent = tangent_at(moves, self.row[cutting], np.zeros(len(cutting)))
+        length = np.linalg.norm(tangent, axis=1)
+        count = np.clip(np.ceil(length / _SPACING_MM), _FEWEST_INSIDE, _MOST_INSIDE).astype(int)
+        rows = np.repeat(cutting, count)
+        first = np.concatenate([[0], np.cumsum(count)[:-1]]).astype(int)
+        share = (np.arange(len(rows)) - np.repeat(first, count)) / np.repeat(count, count)
+        inside = self._across(share, rows)
+        ends = np.linalg.norm(self.miss(1.0, cuts), axis=1)
+        return np.concatenate([inside, ends]), np.concatenate([rows, cuts])
+
+    def _across(self, share: float | np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """Distances across the path, (K,)."""
+        shares = np.broadcast_to(np.asarray(share, np.float64), rows.shape).copy()
+        tangent = tangent_at(self.again.path.nodes.moves, self.row[rows], shares)
+        return np.linalg.norm(across(self.miss(shares, rows), tangent), axis=1)
