@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-__all__ = ["Verdict", "is_installed", "judge"]
+__all__ = ["Verdict", "is_installed", "judge", "rows_of"]
 
 PRINTER = Path(__file__).parents[1] / "golden" / "gcode" / "make_golden.py"
 SYSTEM_PYTHON = Path("/usr/bin/python3")
@@ -99,7 +99,7 @@ def judge(text, *, tools=(), work_offsets_mm=None):
                     "tool.tbl", "p.var")  # fmt: skip
         if told.returncode:
             return Verdict(refusal=told.stderr.strip()[-300:])
-    return _rows(told.stdout)
+    return rows_of(told.stdout)
 
 
 def _run(folder, table, parameters, *command):
@@ -125,7 +125,7 @@ def _parameters(work_offsets_mm):
     return "".join(f"{index}\t{value!r}\n" for index, value in sorted(lines))
 
 
-def _rows(printed):
+def rows_of(printed):
     """Canonical calls to moves in machine coordinates: R (point + G92) + G5x + tool offset."""
     verdict = Verdict()
     g5x, g92, tool, angle, plane, feed = np.zeros(3), np.zeros(3), np.zeros(3), 0.0, 1, 0.0

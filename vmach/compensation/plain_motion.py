@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -21,6 +20,7 @@ _REFUSED = {50: "spline", 51: "spline", 52: "spline", 53: "spline", 330: "thread
             382: "probing", 383: "probing",
             384: "probing", 385: "probing", 760: "threading", 870: "back boring",
             880: "boring with retraction by hand"}  # fmt: skip
+_DIAMETER = "diameter mode"
 _GONE = {0, 10, 20, 30, 530, 980, 990} | {400, 410, 420, 411, 421} | _CYCLES | {800}
 _GONE_WORDS = frozenset("XYZIJKRPQLD@^")
 _AXES = "XYZ"
@@ -51,7 +51,7 @@ def plain(program: Program, *, floating_tap: bool) -> Expanded | None:
     for line in range(1, len(program.source) + 1):
         step = of_line.get(line)
         why = None if step is None else _why(step, writer.rows_of(line))
-        if step is not None and why in _REFUSED.values():
+        if step is not None and why in {_DIAMETER, *_REFUSED.values()}:
             raise InputError(f"{why} cannot be compensated", file=program.path, line=line)
         if step is not None and why and step.modes.motion in _TAPPING and not floating_tap:
             raise InputError(
@@ -73,7 +73,7 @@ def _why(step: Step, rows: np.ndarray) -> str | None:
         if code in _REFUSED:
             return _REFUSED[code]
     if len(rows) and modes.diameter:
-        return "diameter mode"
+        return _DIAMETER
     if modes.motion in _CYCLES and (len(rows) or codes & _CYCLES):
         return "canned cycle: plain motion"
     if modes.side or step.before.side or switched or codes & {410, 420, 411, 421}:
@@ -100,6 +100,8 @@ class _Writer:
         order = self.path.line
         if (np.diff(order) < 0).any():
             raise InputError("moves out of the order of the lines", file=self.program.path)
+        moving = np.flatnonzero(self.moves.kind != MoveKind.DWELL)
+        self.first_row = int(moving[0]) if len(moving) else -1
         self.angle = np.zeros(len(self.moves))
         for row, _, name, *values in self.program.record.events:
             if name == "set_xy_rotation":
@@ -184,18 +186,16 @@ class _Writer:
             words.sort(key=lambda w: w.span)
         lower = any(w.text[0].islower() for w in source.words(line))
         block = block.lower() if lower else block
-        pieces, position = [], 0
         if not words and block:
             last = source.words(line)[-1].span[1] - start if source.words(line) else 0
             return f"{text[:last]} {block}{text[last:]}"
+        pieces, position = [], 0
         for word in words:
-            pieces.append(text[position : word.span[0] - start])
-            if word is words[0]:
-                pieces.append(block)
+            before = text[position : word.span[0] - start]
+            first = word is words[0] and block
+            pieces += [before, block] if first else [before.rstrip(" \t") if position else before]
             position = word.span[1] - start
-        pieces.append(text[position:])
-        squeezed = re.sub(r"(?<=\S)[ \t]{2,}(?=[^(; \t])", " ", "".join(pieces))
-        return squeezed if pieces[-1].strip() else squeezed.rstrip()
+        return "".join([*pieces, text[position:]]).rstrip(" \t")
 
     def _goes(self, word: Word, step: Step) -> bool:
         if word.letter == "G":
@@ -225,6 +225,8 @@ class _Blocks:
         for row in self.rows.tolist():
             kind = self.writer.moves.kind[row]
             if kind == MoveKind.DWELL:
+                if self.modes.motion not in _CYCLES:  # the block with G4 stays
+                    continue
                 before, after, pending = self._at_the_bottom()
                 yield from before
                 seconds = self.writer.seconds.get(row, 0.0)
@@ -252,7 +254,7 @@ class _Blocks:
         start = end - writer.motion_of(row)
         arc = writer.arcs.get(row)
         kind = writer.moves.kind[row]
-        texts = self._axis_words(start, end, arc is not None)
+        texts = self._axis_words(row, start, end)
         if arc is not None:
             code = 3 if arc[6] > 0 else 2
             texts += self._centre_words(start, arc)
@@ -265,8 +267,12 @@ class _Blocks:
             texts.append("F" + self._inverse_feed(row))
         return " ".join([f"G{code}", *texts])
 
-    def _axis_words(self, start: np.ndarray, end: np.ndarray, is_arc: bool) -> list[str]:
+    def _axis_words(self, row: int, start: np.ndarray, end: np.ndarray) -> list[str]:
+        is_arc = row in self.writer.arcs
         moved = np.abs(end - start) > _STILL_MM
+        if row == self.writer.first_row:  # nobody knows where the machine stands before it
+            moved |= [a in self.step.words for a in _AXES]
+            moved[:2] |= bool(self.step.words.keys() & {"@", "^"})
         if is_arc:
             moved[list(_AXES_OF_PLANE[self.modes.plane][:2])] = True
         values = (end if self.modes.absolute else end - start) / self.modes.unit_mm

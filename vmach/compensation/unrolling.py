@@ -112,15 +112,23 @@ def _running_text(program: Program, step: Step, *, first: bool) -> str | None:
             file=program.path,
             line=step.line,
         )
-    if not code.strip(" \t%/") or (first and _PROGRAM_NUMBER.fullmatch(code)):
+    if not code.strip(" \t%/"):
+        return _comments(text, step) if step.comment else text
+    if first and _PROGRAM_NUMBER.fullmatch(code):
         return text
     if step.blocks == 0 or "#" in code or "[" in code:
-        return _with_values(program, step, settings=False) if step.blocks else _comments(text)
+        return _with_values(program, step, settings=False) if step.blocks else _comments(text, step)
     return text
 
 
-def _comments(text: str) -> str | None:
-    return " ".join(_COMMENT.findall(text)) or None
+def _comments(text: str, step: Step) -> str | None:
+    """Comments of a line, parameters in messages as the control shows them."""
+    found = [c for c in _COMMENT.findall(text) if c.strip() != ";"]
+    return " ".join(_shown(c, step) for c in found) or None
+
+
+def _shown(comment: str, step: Step) -> str:
+    return f"({step.comment})" if "#" in comment and step.comment else comment
 
 
 def _with_values(program: Program, step: Step, *, settings: bool) -> str | None:
@@ -135,7 +143,8 @@ def _with_values(program: Program, step: Step, *, settings: bool) -> str | None:
             line=step.line,
             hint="write the block on a line of its own",
         ) from None
-    lower = re.search(r"[a-z]", _code(program, step.line)) is not None
+    letter = re.search(r"[A-Za-z]", _code(program, step.line))
+    lower = letter is not None and letter.group().islower()
     words = [w if w[0] in "(;" else (w.lower() if lower else w.upper()) for w in items]
     if not any(w[0] not in "(;/N" for w in words):
         words = [w for w in words if w[0] in "(;"]
@@ -149,7 +158,7 @@ def _items(text: str, step: Step, *, settings: bool) -> Iterator[str]:
             if settings:
                 yield value
         elif kind in "(;":
-            yield f"({step.comment})" if kind == "(" and "#" in value and step.comment else value
+            yield _shown(value, step)
         elif kind in "/N":
             yield kind + value.removeprefix("/")
         elif kind in "GM":
