@@ -81,7 +81,7 @@ def corpus_programs(folder):
 
 def _tools(path, text):
     """Tools (number, length, diameter) of the table beside a program, or one for all of it."""
-    if not re.search(rb"[Tt]\s*[\d#[]", re.sub(rb"\([^)\n]*\)|;[^\n]*", b"", text)):
+    if not re.search(rb"(?<![A-Za-z_<])[Tt]\s*[\d#[]", re.sub(rb"\([^)\n]*\)|;[^\n]*", b"", text)):
         return [(1, 50.0, 6.0)]
     own, common = path.with_name(path.name + ".tbl"), path.with_name("tool.tbl")
     table = next((t for t in (own, common) if t.exists()), None)
@@ -211,7 +211,7 @@ def _compare(outcome, path_of, last, *, shifted):
         outcome.wrong.append(f"{len(rows)} moves by LinuxCNC, {len(nominal_rows)} by vmach")
         return
     row_of_move = dict(zip(nominal_rows[::-1], rows[::-1], strict=False))
-    rows_of_line, lines = {}, written.text.decode("latin-1").split("\n")
+    rows_of_line = {}
     for row, line in enumerate(after.line):
         rows_of_line.setdefault(line, []).append(row)
     for index, piece in enumerate(target.pieces):
@@ -222,8 +222,8 @@ def _compare(outcome, path_of, last, *, shifted):
         if len(found) != 1:
             outcome.wrong.append(f"line {line}: {len(found)} moves")
             continue
-        code = re.sub(r"\([^)]*\)|;.*", "", lines[line - 1]).upper()
-        wanted = (row_of_move[piece.move], piece, target, index, moves, code)
+        may_correct = last["rewriter"].said[piece.move]
+        wanted = (row_of_move[piece.move], piece, target, index, moves, may_correct)
         worst, wrong = outcome.worst_mm, len(outcome.wrong)
         _compare_piece(outcome, before, after, found[0], wanted)
         if shifted:
@@ -232,7 +232,7 @@ def _compare(outcome, path_of, last, *, shifted):
 
 
 def _compare_piece(outcome, before, after, row, wanted):
-    nominal, piece, target, index, moves, text = wanted
+    nominal, piece, target, index, moves, may_correct = wanted
     kind = after.kind[row]
     expected = {0: RAPID, 1: LINE, 2: ARC}[int(moves.kind[piece.move])]
     if kind != expected and (expected, kind) != (ARC, LINE):
@@ -249,8 +249,7 @@ def _compare_piece(outcome, before, after, row, wanted):
             along = after.at(row, 0.51) - after.at(row, 0.49)
             along = along / max(np.linalg.norm(along), 1e-12)
             off = off - (off @ along) * along
-        if kind == RAPID:  # axes that the block does not name may not get a word
-            off = np.where([letter in text for letter in "XYZ"], off, 0.0)
+        off = np.where(may_correct, off, 0.0)
         distance = float(np.linalg.norm(off))
         outcome.worst_mm = max(outcome.worst_mm, distance)
         if distance > 0.01:

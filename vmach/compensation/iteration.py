@@ -110,7 +110,8 @@ class Iteration:
     def run(self, plan: Plan, written: Written) -> WrittenRun:
         """What the model makes of a text."""
         return WrittenRun.of(
-            self.preparation, written, plan, model=self.model, expansion=self.expansion
+            self.preparation, written, plan, model=self.model, expansion=self.expansion,
+            said=self.rewriter.said,
         )
 
     def _error(self, plan: Plan, share: float) -> np.ndarray:

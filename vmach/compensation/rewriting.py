@@ -12,6 +12,7 @@ from vmach.compensation.block_text import block_text
 from vmach.compensation.expanded_text import number_text
 from vmach.compensation.line_edit import AS_PROGRAMMED, SAME, UNKNOWN, line_edit
 from vmach.compensation.pieces import Piece
+from vmach.compensation.said_axes import said_axes
 from vmach.compensation.targets import CONTROLS, TargetControl
 from vmach.compensation.written_arc import WantedArc, best_centre, best_radius, chord_miss
 from vmach.path_geometry import move_length_mm, position_at
@@ -72,6 +73,11 @@ class Rewriter:
     own : frozenset of int
         Lines whose numbers are not the user's and get the target's decimals.
     control : TargetControl
+
+    Attributes
+    ----------
+    said : (N, 3) bool
+        Axes that every move may correct, see `said_axes`.
     """
 
     def __init__(
@@ -86,7 +92,7 @@ class Rewriter:
             if name == "set_xy_rotation":
                 angle[row:] = np.radians(values[0])
         self.angle = angle
-        self.lost = _lost_axes(program, count)
+        self.said = said_axes(program, modes, self.text)
         self.end_mm = program.record.path().point_mm
         self.length_mm = move_length_mm(self.moves)
 
@@ -102,7 +108,6 @@ class Rewriter:
         state = _State()
         for move in np.flatnonzero(self.moves.kind != MoveKind.DWELL).tolist():
             line = int(self.moves.line[move])
-            state.known &= ~self.lost[move]
             if move not in of_move:
                 self._pass(line, state)
                 continue
@@ -119,7 +124,6 @@ class Rewriter:
         named = {w.letter for w in self.text.words(line)} & set("XYZ")
         still = [axis not in named for axis in "XYZ"] if named else [False] * 3
         state.carried_mm = np.where(still, state.carried_mm, 0.0)
-        state.known &= still
         if self.text.motion_word(line) is not None:
             state.motion = AS_PROGRAMMED
 
@@ -141,16 +145,11 @@ class _State:
     ----------
     carried_mm : (3,) float64
         Written minus nominal place, machine axes.
-    known : (3,) bool
-        Axes whose place the program itself has said in the present frame. Only these may get a
-        word that the user's block lacks: the place of the others depends on offsets and tool
-        lengths in the control, which the job need not have right.
     motion : int
         G code in force.
     """
 
     carried_mm: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    known: np.ndarray = field(default_factory=lambda: np.zeros(3, bool))
     motion: int = AS_PROGRAMMED
 
 
@@ -167,14 +166,13 @@ class _LineWriter:
         self.edit = line_edit(rewriter.text, line, state.motion, nominal=self._nominal_code(),
                               ending=rewriter.control.ending)  # fmt: skip
         self.now = rewriter.position(move, 0.0) + rewriter.to_program(state.carried_mm, move)
-        self.is_own, self.known = line in rewriter.own, state.known.copy()
+        self.is_own, self.said = line in rewriter.own, rewriter.said[move]
 
     def leave(self, state: _State) -> None:
         """Hand over to the next line."""
         rewriter = self.rewriter
         off = self.now - rewriter.end_mm[self.move]
         state.carried_mm = _turned(off, rewriter.angle[self.move])
-        state.known = self.known
         state.motion = UNKNOWN if self.edit.may_be_skipped else self.edit.motion
 
     def piece(self, target: Target, index: int, written: Written) -> None:
@@ -205,7 +203,6 @@ class _LineWriter:
         end = self.rewriter.end_mm[self.move]
         named = [self.edit.own_word(letter) is not None for letter in "XYZ"]
         self.now = np.where(named, end, self.now) if not self.mode.incremental else end.copy()
-        self.known |= np.array(named) & (not self.mode.incremental)
 
     def _place(self, piece: Piece, parameter: float, correction_mm: np.ndarray) -> np.ndarray:
         rewriter = self.rewriter
@@ -234,9 +231,8 @@ class _LineWriter:
             base = self.now[axis] if counts_on else 0.0
             value = (wanted[axis] - base) / self.unit
             old = word.value if word else (self.now[axis] - base) / self.unit
-            if not counts_on and word is None and not self.known[axis]:
+            if word is None and not self.said[axis]:
                 continue
-            self.known[axis] |= not counts_on
             if abs(value - old) < 0.5 * self.step and not (word and self.is_own):
                 written.swallowed += int(abs(value - old) > _NOTHING)
                 new = old
@@ -283,19 +279,6 @@ class _LineWriter:
         length = (piece.end - piece.start) * rewriter.length_mm[move]
         length = max(length, float(np.linalg.norm(self.now - before)), self.step * self.unit)
         return float(rewriter.moves.feed_mm_per_min[move]) / length
-
-
-def _lost_axes(program: Program, count: int) -> np.ndarray:
-    """Axes whose place in the program's frame changes before a move, (N, 3) bool."""
-    lost = np.zeros((count + 1, 3), bool)
-    said: dict[str, list] = {}
-    for row, _, name, *values in program.record.events:
-        if name not in ("set_g5x_offset", "set_xy_rotation", "tool_offset"):
-            continue
-        if said.get(name, values) != values or name == "tool_offset":
-            lost[row] |= (False, False, True) if name == "tool_offset" else (True, True, True)
-        said[name] = values
-    return lost[:count]
 
 
 def _turned(vector: np.ndarray, angle_rad: float) -> np.ndarray:

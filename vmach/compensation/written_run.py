@@ -40,13 +40,14 @@ class WrittenRun:
     plan: Plan
     written: np.ndarray
     row: np.ndarray
+    said: np.ndarray
 
     @classmethod
     def of(
         cls, original: Preparation, written: Written, plan: Plan, *, model: TipModel,
-        expansion: Expanded,
+        expansion: Expanded, said: np.ndarray,
     ) -> WrittenRun:  # fmt: skip
-        """Read a program back.
+        """Read a program back; `said` are the axes that every nominal move may correct.
 
         Raises
         ------
@@ -72,10 +73,12 @@ class WrittenRun:
         sorted_lines = moves.line[moving][order]
         place = np.minimum(np.searchsorted(sorted_lines, lines), len(sorted_lines) - 1)
         known = np.flatnonzero(sorted_lines[place] == lines)
-        return cls(original, again, model, plan, known, moving[order[place[known]]])
+        return cls(original, again, model, plan, known, moving[order[place[known]]], said)
 
     def miss(self, share: float | np.ndarray, rows: np.ndarray | None = None) -> np.ndarray:
         """Tool minus nominal position at shares of the written pieces, (K, 3) mm.
+
+        Zero along axes whose place the program does not say (`said_axes`).
 
         Parameters
         ----------
@@ -92,7 +95,7 @@ class WrittenRun:
         pieces = self.written[rows]
         parameter = start[pieces] + share * (end - start)[pieces]
         nominal = position_at(self.original.path.nodes.moves, self.plan.move[pieces], parameter)
-        return there + error - nominal
+        return (there + error - nominal) * self.said[self.plan.move[pieces]]
 
     @cached_property
     def _stretch(self) -> tuple[np.ndarray, np.ndarray]:
@@ -123,8 +126,7 @@ class WrittenRun:
     def _distances(self) -> tuple[np.ndarray, np.ndarray]:
         """Distances, (P,), and the row of `written` that each belongs to.
 
-        A step has no inside: there the axes take up their play. At its end the tool must be
-        where it should be, and the piece after it sees to the start.
+        In a step the axes take up their play; the start of the piece after it tells what is left.
         """
         cuts, moves = self.cuts, self.again.path.nodes.moves
         span = self._stretch[1] - self._stretch[0]
@@ -133,11 +135,11 @@ class WrittenRun:
         length = np.linalg.norm(tangent, axis=1)
         count = np.clip(np.ceil(length / _SPACING_MM), _FEWEST_INSIDE, _MOST_INSIDE).astype(int)
         rows = np.repeat(cutting, count)
-        first = np.concatenate([[0], np.cumsum(count)[:-1]]).astype(int)
+        first = np.cumsum(count) - count
         share = (np.arange(len(rows)) - np.repeat(first, count)) / np.repeat(count, count)
         inside = self._across(share, rows)
-        ends = np.linalg.norm(self.miss(1.0, cuts), axis=1)
-        return np.concatenate([inside, ends]), np.concatenate([rows, cuts])
+        ends = np.linalg.norm(self.miss(1.0, cutting), axis=1)
+        return np.concatenate([inside, ends]), np.concatenate([rows, cutting])
 
     def _across(self, share: float | np.ndarray, rows: np.ndarray) -> np.ndarray:
         """Distances across the path, (K,)."""

@@ -1,0 +1,65 @@
+"""Axes whose place the program itself says."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from gcode import MoveKind, Program
+from vmach.compensation.block_modes import BlockModes
+from vmach.compensation.block_text import BlockText
+
+__all__ = ["said_axes"]
+
+_Z_ONLY = (False, False, True)
+_FRAMES = {"set_g5x_offset": (True, True, True), "set_xy_rotation": (True, True, False)}
+
+
+def said_axes(program: Program, modes: Mapping[int, BlockModes], text: BlockText) -> np.ndarray:
+    """Axes that have had a word in the frame that a move is made in, (N, 3) bool.
+
+    Only these may get a word that the user's block lacks. Where the others stand is a matter of
+    the control's work offsets, tool lengths and reference points, which the job need not have
+    right: a word for them could move the machine by any distance. A distance (G91) is safe.
+
+    Parameters
+    ----------
+    program : Program
+        In plain blocks.
+    modes : mapping of line to BlockModes
+    text : BlockText
+        The program's words.
+    """
+    moves = program.moves
+    lost = _lost(program)
+    known, found = np.zeros(3, bool), np.zeros((len(moves), 3), bool)
+    for move in range(len(moves)):
+        known &= ~lost[move]
+        if moves.kind[move] == MoveKind.DWELL:
+            continue
+        line = int(moves.line[move])
+        mode = modes[line]
+        words = [w for w in text.words(line) if w.letter in "XYZ"]
+        if mode.left:
+            named = [a in {w.letter for w in words} for a in "XYZ"] if words else [True] * 3
+            known &= ~np.array(named)
+        elif not mode.incremental:
+            said = {w.letter for w in words if not text.is_incremental(w)}
+            known = known | [a in said for a in "XYZ"]
+        found[move] = known | mode.incremental
+    return found
+
+
+def _lost(program: Program) -> np.ndarray:
+    """Axes whose frame changes before a move, (N + 1, 3) bool."""
+    lost = np.zeros((len(program.moves) + 1, 3), bool)
+    told: dict[str, list] = {}
+    for row, _, name, *values in program.record.events:
+        if name == "tool_offset":
+            lost[row] |= _Z_ONLY
+        elif name in _FRAMES:
+            if told.get(name, values) != values:
+                lost[row] |= _FRAMES[name]
+            told[name] = values
+    return lost
