@@ -56,6 +56,8 @@ class Finding:
     target : str
     parameters, u : dict
         In the units of their names; a component's are lists.
+    interval_95 : dict
+        Of each parameter (low, high); empty for a component.
     rivals : Rivals
     where : str or None
     """
@@ -64,6 +66,7 @@ class Finding:
     target: str
     parameters: dict
     u: dict
+    interval_95: dict
     rivals: Rivals
     where: str | None
 
@@ -231,16 +234,18 @@ def _findings(search: Search, explanation: Explanation) -> tuple[Finding, ...]:
         return ()
     findings = []
     for k, term in enumerate(explanation.fit.terms):
-        where = None
+        where, intervals = None, {}
         if isinstance(term.effect, Component):
             part = search.survey.paths[0]
             parameters, u = component_parameters(explanation.fit, k, part)
             where = where_component(parameters, u, term.target)
         else:
             parameters = explanation.fit.parameters(k)
-            u = parameter_uncertainty(search.survey, explanation.fit, k)
+            spreads = parameter_uncertainty(search.survey, explanation.fit, k)
+            u = {name: spread.u for name, spread in spreads.items()}
+            intervals = {name: (spread.low, spread.high) for name, spread in spreads.items()}
         rivals = rivals_of(search, explanation, k)
-        findings.append(Finding(term.effect, term.target, parameters, u, rivals, where))
+        findings.append(Finding(term.effect, term.target, parameters, u, intervals, rivals, where))
     return tuple(findings)
 
 
@@ -266,7 +271,7 @@ def _is_contrived(findings: tuple[Finding, ...]) -> bool:
 
 def _something(failures: tuple[Failure, ...]) -> Finding:
     where = "; ".join(f"{f.by}: {f.text}" for f in failures[:3]) or None
-    return Finding(None, "", {}, {}, Rivals((), ()), where)
+    return Finding(None, "", {}, {}, {}, Rivals((), ()), where)
 
 
 def _leftover_mm(search: Search, explanation: Explanation) -> np.ndarray:

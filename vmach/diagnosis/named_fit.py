@@ -85,7 +85,9 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
         if isinstance(term.effect, Component):
             parameters, u = component_parameters(fit, k, survey.paths[0])
         else:
-            parameters, u = fit.parameters(k), parameter_uncertainty(survey, fit, k)
+            parameters = fit.parameters(k)
+            spreads = parameter_uncertainty(survey, fit, k)
+            u = {name: spread.u for name, spread in spreads.items()}
         found.append(NamedEffect(term.effect, term.target, parameters, u, fit.explained_mm(k)))
     return tuple(found)
 

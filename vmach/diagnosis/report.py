@@ -47,6 +47,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "target": finding.target or None,
         "parameters": {k: _rounded(v) for k, v in finding.parameters.items()},
         "u": {k: _rounded(v) for k, v in finding.u.items()},
+        "interval_95": {k: _rounded(list(v)) for k, v in finding.interval_95.items()},
         "class": list(finding.rivals.names),
         "where": finding.where,
     }

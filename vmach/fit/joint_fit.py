@@ -17,10 +17,10 @@ from vmach.effects import Effect
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import Whitening
 
-__all__ = ["JointFit", "Term", "fit_terms"]
+__all__ = ["FREE", "JointFit", "Term", "fit_terms"]
 
-#: amplitudes are free within this many usual sizes; a weak prior that keeps twins apart
-_FREE = 1e3
+#: prior standard deviation of amplitudes, in usual sizes; keeps twins apart
+FREE = 30.0
 _STEP = 1e-3
 
 
@@ -197,7 +197,7 @@ class _Problem:
     def _system(self) -> tuple[np.ndarray, np.ndarray]:
         white = [self.columns(term)[1] for term in self.terms]
         widths = np.concatenate(
-            [np.full(w.shape[1], t.width or _FREE) for t, w in zip(self.terms, white, strict=True)]
+            [np.full(w.shape[1], t.width or FREE) for t, w in zip(self.terms, white, strict=True)]
         )
         rows = np.vstack([np.hstack(white), np.diag(1.0 / widths)])
         return rows, np.concatenate([self.target, np.zeros(len(widths))])

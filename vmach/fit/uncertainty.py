@@ -8,19 +8,19 @@ root of the mean square distance from the value that is stated.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
+from scipy.stats import norm
 
-from vmach.fit.joint_fit import JointFit, Term
+from vmach.fit.joint_fit import FREE, JointFit, Term
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import Whitening
 
-__all__ = ["parameter_uncertainty"]
+__all__ = ["Spread", "parameter_uncertainty"]
 
-#: prior standard deviation of amplitudes, in usual sizes
-_AMPLITUDE = 10.0
 #: nodes on each side of the best value, in standard deviations, by number of inner parameters
 _NODES = {1: np.linspace(-4.0, 4.0, 17), 2: np.linspace(-3.5, 3.5, 11)}
 #: passes at most; each sets its grid by the spread that the one before found
@@ -30,8 +30,25 @@ _RIGHT = 1.3
 _STEP = 1e-4
 
 
-def parameter_uncertainty(survey: Survey, fit: JointFit, k: int) -> dict[str, float]:
-    """Standard uncertainties of the parameters of term k.
+@dataclass(frozen=True)
+class Spread:
+    """What the readings leave open of one parameter.
+
+    Attributes
+    ----------
+    u : float
+        Root of the mean square distance from the stated value.
+    low, high : float
+        Ends of the interval that holds 95 %.
+    """
+
+    u: float
+    low: float
+    high: float
+
+
+def parameter_uncertainty(survey: Survey, fit: JointFit, k: int) -> dict[str, Spread]:
+    """Uncertainty of every parameter of term k.
 
     Parameters
     ----------
@@ -41,7 +58,7 @@ def parameter_uncertainty(survey: Survey, fit: JointFit, k: int) -> dict[str, fl
     """
     dimensions = len(fit.terms[k].free_inner)
     if dimensions not in _NODES:
-        return fit.uncertainty(k)
+        return _straight(fit, k)
     posterior = _Posterior.of(survey, fit, k)
     spread = posterior.prior_spread
     amplitudes = len(fit.coefficients[k])
@@ -59,7 +76,14 @@ def parameter_uncertainty(survey: Survey, fit: JointFit, k: int) -> dict[str, fl
             break
         covariance += np.diag((0.2 * before) ** 2)
     inner = [posterior.inner_at(step) for step in nodes]
-    return _distance(fit, k, inner, (weight, amount, amount_covariance))
+    return _spreads(fit, k, inner, (weight, amount, amount_covariance))
+
+
+def _straight(fit: JointFit, k: int) -> dict[str, Spread]:
+    """Along tangents, as for parameters that enter in proportion."""
+    stated, u = fit.parameters(k), fit.uncertainty(k)
+    wide = float(norm.ppf(0.975))
+    return {n: Spread(u[n], stated[n] - wide * u[n], stated[n] + wide * u[n]) for n in stated}
 
 
 def _grid(centre: np.ndarray, covariance: np.ndarray) -> np.ndarray:
@@ -130,7 +154,7 @@ class _Posterior:
         white = self.whiten(np.stack(raw, axis=1))
         rows = white.transpose(1, 2, 0)
         precision = rows @ rows.transpose(0, 2, 1)
-        precision = precision + np.eye(precision.shape[1]) / _AMPLITUDE**2
+        precision = precision + np.eye(precision.shape[1]) / FREE**2
         covariance = np.linalg.inv(precision)
         seen = rows @ self.reading
         mean = np.einsum("gkl,gl->gk", covariance, seen)
@@ -142,20 +166,42 @@ class _Posterior:
         return weight / weight.sum(), mean, covariance
 
 
-def _distance(fit: JointFit, k: int, inner_at: list[dict[str, float]], distribution) -> dict:
-    """Root of the mean square distance of each parameter from its stated value."""
+def _spreads(
+    fit: JointFit, k: int, inner_at: Sequence[Mapping[str, float]], distribution
+) -> dict[str, Spread]:
+    """Spread of every parameter: at each node a normal distribution, its weight the node's."""
     term, stated = fit.terms[k], fit.parameters(k)
     cycle = {p.name: p.cycle for p in term.effect.parameters}
-    total = dict.fromkeys(stated, 0.0)
-    for inner, weight, mean, covariance in zip(inner_at, *distribution, strict=True):
+    weights, means, covariances = distribution
+    away = np.empty((len(weights), len(stated)))
+    local = np.empty_like(away)
+    for g, (inner, mean, covariance) in enumerate(zip(inner_at, means, covariances, strict=True)):
         here = term.effect.settle(mean, inner)
+        away[g] = [_apart(here[name], stated[name], cycle[name]) for name in stated]
         slope = _slopes(lambda c, i=inner: term.effect.settle(c, i), mean)
-        for row, name in zip(slope.T, here, strict=True):
-            away = here[name] - stated[name]
-            if np.isfinite(cycle[name]):
-                away -= cycle[name] * round(away / cycle[name])
-            total[name] += weight * (away**2 + row @ covariance @ row)
-    return {name: float(np.sqrt(value)) for name, value in total.items()}
+        local[g] = np.einsum("kj,kl,lj->j", slope, covariance, slope)
+    found = {}
+    for j, (name, value) in enumerate(stated.items()):
+        u = np.sqrt(weights @ (away[:, j] ** 2 + local[:, j]))
+        ends = _quantiles(weights, away[:, j], np.sqrt(local[:, j]))
+        found[name] = Spread(float(u), float(value + ends[0]), float(value + ends[1]))
+    return found
+
+
+def _apart(value: float, stated: float, cycle: float) -> float:
+    away = value - stated
+    return away - cycle * round(away / cycle) if np.isfinite(cycle) else away
+
+
+def _quantiles(weight: np.ndarray, mean: np.ndarray, sigma: np.ndarray) -> tuple[float, float]:
+    """Ends of the middle 95 % of a mixture of normal distributions."""
+    sigma = np.maximum(sigma, 1e-12 + 1e-6 * np.ptp(mean))
+    low, high = np.min(mean - 6.0 * sigma), np.max(mean + 6.0 * sigma)
+
+    def excess(x: float, share: float) -> float:
+        return float(weight @ norm.cdf((x - mean) / sigma)) - share
+
+    return tuple(brentq(excess, low, high, args=(share,)) for share in (0.025, 0.975))
 
 
 def _slopes(settle: Callable[[np.ndarray], dict[str, float]], mean: np.ndarray) -> np.ndarray:
