@@ -17,7 +17,7 @@ import numpy as np
 from vmach.diagnosis.structure import Structure
 from vmach.effects import Effect
 from vmach.fit.candidates import Candidate
-from vmach.fit.evidence import WIDTHS, Evidence, SignatureBank, evidence_of_unit
+from vmach.fit.evidence import WIDTHS, Evidence, SignatureBank, evidence_of_unit, log_evidence
 from vmach.fit.joint_fit import JointFit, Term, fit_terms
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import Whitening
@@ -205,7 +205,28 @@ class Search:
         terms = [] if explanation.fit is None else list(explanation.fit.terms)
         terms.append(self.term(k, explanation))
         fit = fit_terms(self.survey, terms, self.whiten)
+        gain = max(gain, self._gain_between_places(explanation, fit, k))
         return self._explain(fit, explanation.score + gain + self._gain_of_slack(fit))
+
+    def _gain_between_places(self, explanation: Explanation, fit: JointFit, k: int) -> float:
+        """Evidence of the last term of a fit where its refined inner parameters peak.
+
+        A strong effect is narrow against the grid; the area under the peak is that of a normal
+        distribution (Laplace's approximation).
+        """
+        term, candidate = fit.terms[-1], self.candidates[k]
+        by_name = {p.name: p for p in term.effect.inner_parameters}
+        free = [by_name[name] for name in term.free_inner]
+        if not free or len(free) < len(by_name) or term.width is not None:
+            return -np.inf
+        off = np.array([np.log(term.inner[p.name] / p.usual) / p.spread for p in free])
+        spread = np.array([p.spread for p in free])
+        covariance = fit.covariance[-1][-len(free) :, -len(free) :] / np.outer(spread, spread)
+        area = 0.5 * np.linalg.slogdet(covariance)[1] - 0.5 * off @ off
+        absorb = self.absorber(explanation)
+        columns = absorb(self.whiten(fit.signatures_mm[-1]))[:, None, :]
+        peak = log_evidence(columns, explanation.residual[:, None], np.array([min(area, 0.0)]))
+        return float(peak.log_factor[0]) + self.log_prior(candidate)
 
     def term(self, k: int, explanation: Explanation) -> Term:
         """Candidate k with its best inner parameters on what an explanation leaves."""
