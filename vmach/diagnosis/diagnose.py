@@ -23,6 +23,7 @@ from vmach.fit.joint_fit import fit_terms
 from vmach.fit.survey import Survey
 from vmach.fit.uncertainty import parameter_uncertainty
 from vmach.fit.whitening import Whitening
+from vmach.measurements import apart_from_neighbours
 from vmach.units import um_from_mm
 
 __all__ = [
@@ -55,7 +56,8 @@ class Finding:
         None for something that no effect explains.
     target : str
     parameters, u : dict
-        In the units of their names; a component's are lists.
+        In the units of their names; a component's are lists. A parameter that the readings do
+        not show has no u.
     interval_95 : dict
         Of each parameter (low, high); empty for a component.
     rivals : Rivals
@@ -207,10 +209,15 @@ def explanation_with_slack(search: Search, explanation: Explanation) -> Explanat
 
 
 def _outliers(search: Search, explanation: Explanation) -> np.ndarray:
-    """Readings that a normal distribution would not hold, (n,) bool; none if there are many."""
+    """Readings that a normal distribution would not hold, (n,) bool; none if there are many.
+
+    Where neighbours agree with each other there is a cause, and no chip under the probe.
+    """
     count = len(search.survey)
     limit = norm.isf(0.5 * 0.001 / count)
     astray = np.abs(explanation.residual) > limit
+    alone = apart_from_neighbours(explanation.residual, search.survey.group) > limit
+    astray &= alone
     return astray if astray.sum() <= _MOST_OUTLIERS * count else np.zeros(count, dtype=bool)
 
 
@@ -242,8 +249,9 @@ def _findings(search: Search, explanation: Explanation) -> tuple[Finding, ...]:
         else:
             parameters = explanation.fit.parameters(k)
             spreads = parameter_uncertainty(search.survey, explanation.fit, k)
-            u = {name: spread.u for name, spread in spreads.items()}
-            intervals = {name: (spread.low, spread.high) for name, spread in spreads.items()}
+            shown = {name: spread for name, spread in spreads.items() if spread.is_shown}
+            u = {name: spread.u for name, spread in shown.items()}
+            intervals = {name: (spread.low, spread.high) for name, spread in shown.items()}
         rivals = rivals_of(search, explanation, k)
         findings.append(Finding(term.effect, term.target, parameters, u, intervals, rivals, where))
     return tuple(findings)

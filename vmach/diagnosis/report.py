@@ -46,7 +46,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "effect": finding.name,
         "target": finding.target or None,
         "parameters": {k: _rounded(v) for k, v in finding.parameters.items()},
-        "u": {k: _rounded(v) for k, v in finding.u.items()},
+        "u": {k: _rounded(finding.u[k]) if k in finding.u else None for k in finding.parameters},
         "interval_95": {k: _rounded(list(v)) for k, v in finding.interval_95.items()},
         "class": list(finding.rivals.names),
         "where": finding.where,
@@ -88,6 +88,13 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
     return "\n".join(lines)
 
 
+def _uncertainty(finding: Finding, name: str) -> str:
+    if name not in finding.u:
+        return "(these readings hardly show it)"
+    low, high = finding.interval_95[name]
+    return f"(u = {finding.u[name]:.2g}; 95 % between {low:.4g} and {high:.4g})"
+
+
 def _finding_lines(finding: Finding) -> list[str]:
     if finding.effect is None:
         return [f"  where: {finding.where or 'everywhere; more scatter than the uncertainty says'}"]
@@ -96,7 +103,7 @@ def _finding_lines(finding: Finding) -> list[str]:
         lines.append(f"    where: {finding.where}")
     else:
         lines += [
-            f"    {name} = {value:.4g}  (u = {finding.u.get(name, 0.0):.2g})"
+            f"    {name} = {value:.4g}  {_uncertainty(finding, name)}"
             for name, value in finding.parameters.items()
         ]
     if len(finding.rivals.names) > 1:

@@ -40,7 +40,7 @@ def corner_before(
     Returns
     -------
     jump_mm_per_s : (P, 3) float64
-        Velocity before the corner minus velocity after it.
+        Velocity after the corner minus velocity before it.
     elapsed_s : (P,) float64
         Time since.
     """
@@ -49,7 +49,7 @@ def corner_before(
     entering = _velocity(moves, everything, np.zeros(count))
     leaving = _velocity(moves, everything, np.ones(count))
     before = np.vstack([np.zeros(3), leaving[:-1]])
-    jump = before - entering
+    jump = entering - before
     corner = ~_is_smooth(before, entering)
     corner[0] = True
     last = np.maximum.accumulate(np.where(corner, everything, 0))[move]

@@ -8,6 +8,9 @@ from vmach.machine import LINEAR_AXES
 
 __all__ = ["CornerRounding", "ServoLag", "ServoMismatch"]
 
+#: Z component of a floor's normal, at least
+_FLOOR = 0.99
+
 
 class ServoLag(Effect):
     """Circles come out too small: e = a / (2 Kv^2) towards the centre."""
@@ -74,4 +77,8 @@ class CornerRounding(Effect):
     def displacement(self, path, target, lag_ms, time_constant_ms):
         jump, elapsed = path.corner
         fade = np.exp(-elapsed / (1e-3 * time_constant_ms))
-        return 1e-3 * lag_ms * fade[:, None] * jump
+        late = 1e-3 * lag_ms * fade[:, None] * jump
+        if path.states.normal is not None:
+            # on a floor the deepest moment counts: the tool still arrives after it was late
+            late[path.normal[:, 2] > _FLOOR, 2] = 0.0
+        return late

@@ -9,7 +9,7 @@ root of the mean square distance from the value that is stated.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import brentq
@@ -28,6 +28,8 @@ _PASSES = 4
 #: a grid is right when it finds the spread that it was made for, up to this factor
 _RIGHT = 1.3
 _STEP = 1e-4
+#: share of what was open before; a parameter that stays that open is not shown by the readings
+_HARDLY = 0.8
 
 
 @dataclass(frozen=True)
@@ -40,11 +42,14 @@ class Spread:
         Root of the mean square distance from the stated value.
     low, high : float
         Ends of the interval that holds 95 %.
+    is_shown : bool
+        False where the readings say hardly more than was known before.
     """
 
     u: float
     low: float
     high: float
+    is_shown: bool = True
 
 
 def parameter_uncertainty(survey: Survey, fit: JointFit, k: int) -> dict[str, Spread]:
@@ -76,14 +81,25 @@ def parameter_uncertainty(survey: Survey, fit: JointFit, k: int) -> dict[str, Sp
             break
         covariance += np.diag((0.2 * before) ** 2)
     inner = [posterior.inner_at(step) for step in nodes]
-    return _spreads(fit, k, inner, (weight, amount, amount_covariance))
+    found = _spreads(fit, k, inner, (weight, amount, amount_covariance))
+    for name, share in zip(fit.terms[k].free_inner, after / spread, strict=True):
+        found[name] = replace(found[name], is_shown=bool(share < _HARDLY))
+    return found
 
 
 def _straight(fit: JointFit, k: int) -> dict[str, Spread]:
     """Along tangents, as for parameters that enter in proportion."""
     stated, u = fit.parameters(k), fit.uncertainty(k)
-    wide = float(norm.ppf(0.975))
-    return {n: Spread(u[n], stated[n] - wide * u[n], stated[n] + wide * u[n]) for n in stated}
+    wide, prior = float(norm.ppf(0.975)), _prior_u(fit.terms[k])
+    return {
+        n: Spread(u[n], v - wide * u[n], v + wide * u[n], u[n] < _HARDLY * prior[n])
+        for n, v in stated.items()
+    }
+
+
+def _prior_u(term: Term) -> dict[str, float]:
+    """What is known of each parameter before; infinite for those that are no amplitudes."""
+    return {p.name: FREE * p.usual if p.is_linear else np.inf for p in term.effect.parameters}
 
 
 def _grid(centre: np.ndarray, covariance: np.ndarray) -> np.ndarray:
@@ -180,11 +196,11 @@ def _spreads(
         away[g] = [_apart(here[name], stated[name], cycle[name]) for name in stated]
         slope = _slopes(lambda c, i=inner: term.effect.settle(c, i), mean)
         local[g] = np.einsum("kj,kl,lj->j", slope, covariance, slope)
-    found = {}
+    found, prior = {}, _prior_u(term)
     for j, (name, value) in enumerate(stated.items()):
-        u = np.sqrt(weights @ (away[:, j] ** 2 + local[:, j]))
-        ends = _quantiles(weights, away[:, j], np.sqrt(local[:, j]))
-        found[name] = Spread(float(u), float(value + ends[0]), float(value + ends[1]))
+        u = float(np.sqrt(weights @ (away[:, j] ** 2 + local[:, j])))
+        low, high = _quantiles(weights, away[:, j], np.sqrt(local[:, j]))
+        found[name] = Spread(u, value + low, value + high, u < _HARDLY * prior[name])
     return found
 
 

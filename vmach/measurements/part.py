@@ -10,7 +10,7 @@ import numpy as np
 
 from vmach.errors import InputError
 from vmach.machine import Variant
-from vmach.measurements.measurement import Measurement
+from vmach.measurements.measurement import Measurement, apart_from_neighbours
 from vmach.points import SurfacePoints, read_points_csv
 from vmach.prediction import Effect, Prediction, predict
 from vmach.preparation import Preparation
@@ -126,17 +126,12 @@ def _without_repeats(part: Measurement, points_mm: np.ndarray) -> Measurement:
 def _without_outliers(part: Measurement) -> Measurement:
     """Leave out points that no neighbour on either side agrees with: a chip under the probe.
 
-    A step, such as backlash makes, has one side that agrees.
+    A step, such as backlash makes, has one side that agrees. Small ones are left to the fit:
+    near a corner the machine itself can be tens of micrometres away over a millimetre.
     """
     residual = part.measured_mm - part.predicted_mm
-    good = np.ones(len(part), dtype=bool)
-    for group in np.unique(part.group):
-        rows = np.flatnonzero(part.group == group)
-        if len(rows) < 8:
-            continue
-        apart = np.minimum(*_distance_to_sides(residual[rows]))
-        limit = _OUTLIER_U * part.u_mm[rows] + 6.0 * np.median(apart)
-        good[rows] = apart < limit
+    apart = apart_from_neighbours(residual, part.group)
+    good = (apart < _GROSS_MM) | (apart < _OUTLIER_U * part.u_mm)
     good &= np.abs(part.measured_mm) < _ASTRAY_MM
     if good.all():
         return part
@@ -148,20 +143,9 @@ def _without_outliers(part: Measurement) -> Measurement:
     )
 
 
-#: neighbours on each side that an outlier is judged by, and how many u it has to stand out
-_NEIGHBOURS = 3
+#: by how many u, and how far, a point has to stand out to be left out before any fit
 _OUTLIER_U = 12.0
-
-
-def _distance_to_sides(value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Distance of each value from the median of those before and of those after it."""
-    sides = []
-    for ordered in (value, value[::-1]):
-        apart = np.full(len(value), np.inf)
-        for k in range(2, len(value)):
-            apart[k] = abs(ordered[k] - np.median(ordered[max(k - _NEIGHBOURS, 0) : k]))
-        sides.append(apart)
-    return sides[0], sides[1][::-1]
+_GROSS_MM = 0.06
 
 
 def _scatter_of_neighbours_mm(part: Measurement) -> float:
