@@ -86,7 +86,7 @@ def _tools(path, text):
     own, common = path.with_name(path.name + ".tbl"), path.with_name("tool.tbl")
     table = next((t for t in (own, common) if t.exists()), None)
     rows = read_tool_table(table, unit_mm=25.4) if table else {}
-    known = {n: (n, e.length_mm or 50.0, e.diameter_mm or 0.001) for n, e in rows.items()}
+    known = {n: (n, e.length_mm or 50.0, abs(e.diameter_mm) or 0.001) for n, e in rows.items()}
     for number in {int(n) for n in re.findall(rb"[Tt]\s*(\d+)", text)} - known.keys() - {0}:
         known[number] = (number, 50.0, 6.0)
     return sorted(known.values())

@@ -95,6 +95,8 @@ class Rewriter:
         self.said = said_axes(program, modes, self.text)
         self.end_mm = program.record.path().point_mm
         self.length_mm = move_length_mm(self.moves)
+        moving = np.flatnonzero(self.moves.kind != MoveKind.DWELL)
+        self.first_move = int(moving[0]) if len(moving) and program.home_mm is None else -1
 
     def write(self, target: Target, resolution_mm: float) -> Written:
         """New text with the corrections of `target` at the given resolution."""
@@ -166,7 +168,18 @@ class _LineWriter:
         self.edit = line_edit(rewriter.text, line, state.motion, nominal=self._nominal_code(),
                               ending=rewriter.control.ending)  # fmt: skip
         self.now = rewriter.position(move, 0.0) + rewriter.to_program(state.carried_mm, move)
+        if move == rewriter.first_move:  # which is taken to start where it ends
+            self.now = rewriter.end_mm[move] - self._distances()
         self.is_own, self.said = line in rewriter.own, rewriter.said[move]
+
+    def _distances(self) -> np.ndarray:
+        """What the user's words add to the place before, mm."""
+        words = [self.edit.own_word(letter) for letter in "XYZ"]
+        return np.array([self.unit * w.value if w and self._counts_on(w) else 0.0 for w in words])
+
+    def _counts_on(self, word: Word | None) -> bool:
+        said = word is not None and self.rewriter.text.is_incremental(word)
+        return self.mode.incremental or said
 
     def leave(self, state: _State) -> None:
         """Hand over to the next line."""
@@ -226,9 +239,7 @@ class _LineWriter:
         texts: dict[str, str] = {}
         for axis, letter in enumerate("XYZ"):
             word = self.edit.own_word(letter)
-            counts_on = self.mode.incremental if word is None else (
-                self.mode.incremental or self.rewriter.text.is_incremental(word))  # fmt: skip
-            base = self.now[axis] if counts_on else 0.0
+            base = self.now[axis] if self._counts_on(word) else 0.0
             value = (wanted[axis] - base) / self.unit
             old = word.value if word else (self.now[axis] - base) / self.unit
             if word is None and not self.said[axis]:
@@ -245,7 +256,8 @@ class _LineWriter:
         return texts
 
     def _number(self, value: float, like: Word | None) -> str:
-        return self.rewriter.text.number(value, self.decimals, self.edit.number_of(like))
+        habit = None if self.is_own else self.edit.number_of(like)
+        return self.rewriter.text.number(value, self.decimals, habit)
 
     def _arc(
         self, piece: Piece, middle_mm: np.ndarray, before: np.ndarray,

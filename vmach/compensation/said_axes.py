@@ -32,7 +32,7 @@ def said_axes(program: Program, modes: Mapping[int, BlockModes], text: BlockText
         The program's words.
     """
     moves = program.moves
-    lost = _lost(program)
+    lost, turned = _lost(program)
     known, found = np.zeros(3, bool), np.zeros((len(moves), 3), bool)
     for move in range(len(moves)):
         known &= ~lost[move]
@@ -48,12 +48,15 @@ def said_axes(program: Program, modes: Mapping[int, BlockModes], text: BlockText
             said = {w.letter for w in words if not text.is_incremental(w)}
             known = known | [a in said for a in "XYZ"]
         found[move] = known | mode.incremental
+        if turned[move]:  # each of them moves both axes of the machine
+            found[move, :2] = found[move, :2].all()
     return found
 
 
-def _lost(program: Program) -> np.ndarray:
-    """Axes whose frame changes before a move, (N + 1, 3) bool."""
+def _lost(program: Program) -> tuple[np.ndarray, np.ndarray]:
+    """Axes whose frame changes before a move, (N + 1, 3) bool; frames that are turned, (N + 1,)."""
     lost = np.zeros((len(program.moves) + 1, 3), bool)
+    turned = np.zeros(len(lost), bool)
     told: dict[str, list] = {}
     for row, _, name, *values in program.record.events:
         if name == "tool_offset":
@@ -62,4 +65,6 @@ def _lost(program: Program) -> np.ndarray:
             if told.get(name, values) != values:
                 lost[row] |= _FRAMES[name]
             told[name] = values
-    return lost
+        if name == "set_xy_rotation":
+            turned[row:] = values[0] != 0.0
+    return lost, turned

@@ -1,0 +1,34 @@
+"""Every program of a corpus, compensated: LinuxCNC accepts it and makes the intended path.
+
+The environment variable VMACH_GCODE_CORPUS names a folder of programs with FILE.canon17 beside
+those that LinuxCNC accepts; LinuxCNC itself must be installed. ``bench_compensation.py`` prints
+the same as a table.
+"""
+
+import os
+
+import pytest
+
+from tests.oracle.compensation_corpus import corpus_programs, judged
+from tests.oracle.linuxcnc_interpreter import is_installed
+
+CORPUS = os.environ.get("VMACH_GCODE_CORPUS")
+PROGRAMS = corpus_programs(CORPUS) if CORPUS else []
+#: what the program may say of a program that it does not compensate
+NO_THREE_AXIS_CUT = ("turns to", "moves no tool")
+
+pytestmark = pytest.mark.skipif(
+    not (CORPUS and is_installed()), reason="VMACH_GCODE_CORPUS or LinuxCNC is missing"
+)
+
+
+@pytest.mark.parametrize("path", PROGRAMS, ids=lambda p: p.name)
+def test_linuxcnc_makes_the_intended_path(path, tmp_path):
+    outcome = judged(tmp_path, path)
+    if outcome.refusal:
+        assert any(words in outcome.refusal for words in NO_THREE_AXIS_CUT), outcome.refusal
+        return
+    assert outcome.linuxcnc is None
+    assert outcome.wrong == []
+    # ends and middles, at 0.001 mm: see test_residual_of_rounding_is_within_its_bound
+    assert outcome.worst_mm < 1.6e-3
