@@ -39,7 +39,7 @@ __all__ = [
 #: share of the error between two table points that is carried as uncertainty
 BEND_SHARE = 1.0
 #: at most this share of the readings may be left out as outliers after the fit
-_MOST_OUTLIERS = 0.02
+_MOST_OUTLIERS = 0.05
 #: more effects at once than this are not named
 _MOST_AT_ONCE = 3
 

@@ -14,6 +14,7 @@ from vmach.measurements.measurement import Measurement, apart_from_neighbours
 from vmach.points import SurfacePoints, read_points_csv
 from vmach.prediction import Effect, Prediction, predict
 from vmach.preparation import Preparation
+from vmach.units import um_from_mm
 
 __all__ = ["measure_part"]
 
@@ -22,6 +23,12 @@ _OTHER_PART_MM = 0.5
 #: a point further away than this is no measurement of the surface
 _ASTRAY_MM = 0.5
 _FEWEST = 12
+#: share of the points that the program has to cut; with fewer it is another part's program
+_MOST_OF_THEM = 0.5
+#: median distance from the prediction, alignment taken off, that no machine of this kind has
+_FAR_MM = 0.25
+#: no CMM is finer than this
+_FINEST_MM = 0.02e-3
 
 
 def measure_part(
@@ -53,13 +60,8 @@ def measure_part(
         known_surface=np.abs(deviation) < preparation.job.inspection.reach_mm,
     )
     cut = np.flatnonzero(prediction.is_cut)
-    if len(cut) < _FEWEST:
-        raise InputError(
-            f"the program cuts {len(cut)} of the {len(points)} measured points",
-            file=path,
-            accepted=f"at least {_FEWEST} points of surfaces that the program makes",
-            hint="are the points in workpiece coordinates, and is this the part's program?",
-        )
+    if len(cut) < max(_FEWEST, _MOST_OF_THEM * len(points)):
+        raise _not_cut(preparation, points, len(cut), path)
     normal = points.normal[cut]
     arm = points.point_mm[cut] - points.point_mm[cut].mean(axis=0)
     u_mm = np.full(len(cut), np.nan) if points.u_mm is None else points.u_mm[cut]
@@ -86,6 +88,7 @@ def measure_part(
                 f"{len(uncut)} points that no move cut are left out: {_listed(uncut)}",
             ),
         )
+    _check_near(part, path)
     part = _without_repeats(part, points.point_mm[cut])
     if np.isnan(u_mm).any():
         part = replace(
@@ -100,6 +103,13 @@ def measure_part(
 
 
 def _check_same_part(points: SurfacePoints, deviation: np.ndarray, path: Path) -> None:
+    if points.u_mm is not None and np.median(points.u_mm) < _FINEST_MM:
+        raise InputError(
+            f"u_um is {um_from_mm(np.median(points.u_mm)):.2g} um (median)",
+            file=path,
+            accepted=f"{um_from_mm(_FINEST_MM):g} um or more",
+            hint="is the column in mm? It has to be in um",
+        )
     for note in points.notes:
         if "look like" in note:
             raise InputError(note, file=path, accepted="all coordinates in mm")
@@ -113,14 +123,46 @@ def _check_same_part(points: SurfacePoints, deviation: np.ndarray, path: Path) -
         )
 
 
+def _check_near(part: Measurement, path: Path) -> None:
+    """Refuse points that fit the program's surfaces by chance only."""
+    residual = part.measured_mm - part.predicted_mm
+    pose = np.linalg.lstsq(part.nuisance, residual, rcond=None)[0]
+    away = float(np.median(np.abs(residual - part.nuisance @ pose)))
+    if away > _FAR_MM:
+        raise InputError(
+            f"the measured part is {away:.2g} mm from the predicted one (median, aligned)",
+            file=path,
+            accepted=f"within {_FAR_MM} mm",
+            hint="is this the measurement of the part that this program makes?",
+        )
+
+
+def _not_cut(preparation: Preparation, points: SurfacePoints, cut: int, path: Path) -> InputError:
+    """The error for points that the program does not cut, with the unit that would fit."""
+    hint = "are the points in workpiece coordinates, and is this the part's program?"
+    blank = preparation.job.blank
+    if blank is not None:
+        size = np.ptp(points.point_mm, axis=0).max() / np.max(blank.max_mm - blank.min_mm)
+        for factor, unit in ((1e-3, "metres"), (1 / 25.4, "inches"), (0.1, "centimetres")):
+            if 0.5 < size / factor < 1.1:
+                hint = f"by their size the coordinates are in {unit}; they have to be in mm"
+    return InputError(
+        f"the program cuts {cut} of the {len(points)} measured points",
+        file=path,
+        accepted=f"at least {_MOST_OF_THEM:.0%}, and no fewer than {_FEWEST}, of the points",
+        hint=hint,
+    )
+
+
 def _without_repeats(part: Measurement, points_mm: np.ndarray) -> Measurement:
     rows = np.column_stack([points_mm, part.sensing, part.measured_mm])
     _, first = np.unique(rows, axis=0, return_index=True)
     if len(first) == len(part):
         return part
-    return part.keep(
-        np.sort(first), f"{len(part) - len(first)} rows that repeat another row are left out"
-    )
+    told = tuple(note for note in part.notes if "repeat an earlier point" not in note)
+    count = len(part) - len(first)
+    note = f"{count} rows that repeat another row, reading and all, are left out"
+    return replace(part, notes=told).keep(np.sort(first), note)
 
 
 def _without_outliers(part: Measurement) -> Measurement:
