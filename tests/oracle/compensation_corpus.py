@@ -18,7 +18,7 @@ from vmach.job import read_job
 __all__ = ["Outcome", "compensated", "corpus_programs", "judged", "write_job"]
 
 TRAVEL_MM = 5000.0
-_SHIFTS = re.compile(rb"(?i)G\s*92\s*[XYZ]|G\s*10\s*L\s*20")
+_SHIFTS = re.compile(rb"(?i)G\s*92\s*[XYZ]|G\s*10\s*L\s*(?:10|11|20)")
 OFFSET_MM = (0.0, 0.0, 0.0)  #: so that axes without a word yet stand where LinuxCNC has them
 NO_PROGRAM = {".canon17", ".canon", ".reject", ".tbl", ".md", ".tsv", ".py", ".sh", ".camotics"}
 

@@ -184,10 +184,7 @@ class KlartextEdit(LineEdit):
     def write(self, code: int, numbers: dict[str, str]) -> int:
         """Write one motion; arcs about a centre take a CC block more."""
         centre = [numbers.pop(k) for k in "IJ" if k in numbers]
-        before = 0
-        if centre:
-            pole = "CC " + " ".join(self.text.word(a, n) for a, n in zip("XY", centre, strict=True))
-            before = self._put_pole(pole)
+        before = self._put_pole(dict(zip("XY", centre, strict=True))) if centre else 0
         self.head = "L" if code < 2 else "C" if centre else "CR"
         if code > 1:
             numbers["DR"] = "+" if code == 3 else "-"
@@ -197,12 +194,26 @@ class KlartextEdit(LineEdit):
         self.blocks.append(_Block(None, {"": " ".join([self.head, *words])}))
         return before + 1
 
-    def _put_pole(self, pole: str) -> int:
+    def _put_pole(self, centre: dict[str, str]) -> int:
+        """Say the centre, in the user's CC block where that stands right before the line."""
+        said = self._users_pole()
+        if said and not self.own_done:
+            for axis, number in centre.items():
+                self.changes[said[axis].span] = self.text.word(axis, number, said[axis])
+            return 0
+        pole = " ".join(["CC", *(self.text.word(a, number) for a, number in centre.items())])
         if self.own_done:
             self.blocks.append(_Block(None, {"": pole}))
         else:
             self.poles.append(pole)
         return 1
+
+    def _users_pole(self) -> dict[str, Word] | None:
+        words = self.text.words(self.line - 1) if self.line > 1 else ()
+        if not words or words[0].text.upper() != "CC":
+            return None
+        found = {w.letter: w for w in words[1:] if not self.text.is_incremental(w)}
+        return found if set(found) == {"X", "Y"} else None
 
     def _gone(self, numbers: dict[str, str]) -> list[str]:
         return [k for k in ("R", "DR") if k in self.position and k not in numbers]

@@ -89,11 +89,13 @@ def best_centre(
     values = np.round((centre - origin) / step) * step + step * _TRIES
     centres = origin + values
     misses = _misses(arc, centre, centres)
-    for index in np.argsort(misses, kind="stable"):
+    first, last = (np.linalg.norm(p - centres, axis=1) for p in (arc.start, arc.stop))
+    # controls differ in what they do with unlike radii: half their difference counts as well
+    badness = np.maximum(misses, 0.5 * np.abs(first - last))
+    for index in np.argsort(badness, kind="stable"):
         if not np.isfinite(misses[index]):
             return None
-        radii = [float(np.linalg.norm(p - centres[index])) for p in (arc.start, arc.stop)]
-        if accepts(*radii):
+        if accepts(float(first[index]), float(last[index])):
             return ArcFit(values[index], float(misses[index]))
     return None
 
