@@ -11,7 +11,7 @@ from gcode import Moves
 from vmach.compensation.pieces import Piece, circle_through
 from vmach.path_geometry import position_at
 
-__all__ = ["reversals_of_arc", "split_arc"]
+__all__ = ["split_arc"]
 
 #: an arc is cut into arcs of no more than this, so that start and end stay apart
 _LARGEST_SWEEP_RAD = np.radians(181.0)
@@ -84,15 +84,3 @@ def _circle_miss(points: np.ndarray, parameter: np.ndarray, axis: np.ndarray) ->
     share = (parameter - parameter[0]) / (parameter[-1] - parameter[0])
     rise = height[0] + share * (height[-1] - height[0])
     return float(np.hypot(radius - radius[0], height - rise).max())
-
-
-def reversals_of_arc(moves: Moves, move: int) -> np.ndarray:
-    """Parameters, between 0 and 1, at which an axis turns back on an arc."""
-    start = moves.start_mm[move] - moves.centre_mm[move]
-    first, second = (k for k in range(3) if abs(moves.axis[move][k]) < 0.5)
-    across = np.cross(moves.axis[move], start)
-    sweep = moves.sweep_rad[move]
-    half_turns = np.pi * np.arange(-1.0, abs(sweep) / np.pi + 1.0) * np.sign(sweep)
-    turning = np.arctan2(across[[first, second]], start[[first, second]])
-    places = np.unique((turning[:, None] + half_turns) / sweep)
-    return places[(places > 1e-6) & (places < 1.0 - 1e-6)]

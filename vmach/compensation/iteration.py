@@ -25,6 +25,8 @@ _CLOSE_MM = 2e-6
 _ROUNDS = 6
 #: so often pieces that leave too much are cut once more
 _REFINEMENTS = 5
+#: so often the whole program is planned
+_ATTEMPTS = 4
 #: share of the tolerance that points are planned with at first
 _ROOM = 0.97
 #: pieces are cut no shorter than this
@@ -59,6 +61,16 @@ class Iteration:
     expansion: Expanded
     check: Callable[[Target], None]
 
+    def __post_init__(self) -> None:
+        """Axes, for every move, that have no word in their block and may not get one."""
+        rewriter, moves = self.rewriter, self.preparation.path.nodes.moves
+        self.stuck = np.zeros((len(moves), 3), bool)
+        for move in np.flatnonzero(~rewriter.said.all(axis=1) & (moves.kind != MoveKind.DWELL)):
+            named = {word.letter for word in rewriter.text.words(int(moves.line[move]))}
+            self.stuck[move] = ~rewriter.said[move] & [axis not in named for axis in "XYZ"]
+            if rewriter.angle[move] != 0.0:
+                self.stuck[move, :2] |= self.stuck[move, :2].any()
+
     def solve(self, used: np.ndarray, tolerance_mm: float) -> Solution:
         """Plan and corrections that leave no more than a tolerance, where that can be.
 
@@ -89,19 +101,20 @@ class Iteration:
         moves = self.preparation.path.nodes.moves
         room = np.full(len(moves), _ROOM * tolerance_mm)
         along = sample_error(moves, used, self._nominal_error, tolerance_mm=tolerance_mm)
-        for last in (False, False, True):
+        for _ in range(_ATTEMPTS):
             plan = plan_pieces(moves, along, self._nominal_error, tolerance_mm=room[used])
-            found = self._rounds(plan, -self._error(plan, 1.0), -self._error(plan, 0.5))
+            found = self._rounds(plan, *self._first_guess(plan))
             left = np.zeros(len(moves))
-            np.maximum.at(left, plan.move, found.run.residual_of_pieces()[0])
+            np.maximum.at(left, plan.move, found.run.residual_of_pieces(self.stuck)[0])
             over = (left > tolerance_mm) & (left < 2.0 * tolerance_mm)
-            if last or not over.any():
+            if not over.any():
                 break
             room[over] *= _ROOM * tolerance_mm / left[over]
         return found
 
     def _nominal_error(self, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
-        return self.model.error_at(self.preparation, move, parameter)
+        error = self.model.error_at(self.preparation, move, parameter)
+        return np.where(self.stuck[move], 0.0, error)
 
     def write(self, target: Target, resolution_mm: float) -> Written:
         """The text of a target."""
@@ -110,12 +123,18 @@ class Iteration:
     def run(self, plan: Plan, written: Written) -> WrittenRun:
         """What the model makes of a text."""
         return WrittenRun.of(
-            self.preparation, written, plan, model=self.model, expansion=self.expansion,
+            self.preparation,
+            written,
+            plan,
+            model=self.model,
+            expansion=self.expansion,
             said=self.rewriter.said,
         )
 
-    def _error(self, plan: Plan, share: float) -> np.ndarray:
-        return self._nominal_error(plan.move, plan.parameter(share))
+    def _first_guess(self, plan: Plan) -> tuple[np.ndarray, np.ndarray]:
+        """Corrections at ends and middles by the error on the nominal path, (K, 3) mm each."""
+        ends = self._nominal_error(plan.move, plan.answered)
+        return -ends, -self._nominal_error(plan.move, plan.parameter(0.5))
 
     def _rounds(self, plan: Plan, ends: np.ndarray, middles: np.ndarray) -> Solution:
         best: tuple[float, Target, WrittenRun] | None = None
@@ -124,8 +143,10 @@ class Iteration:
             target = Target(plan.pieces, self._within_travel(plan, ends), middles.copy())
             self.check(target)
             run = self.run(plan, self.write(target, _FINE_MM))
-            end = run.miss(1.0) - plan.aim_mm[run.written]
+            end = self._end_miss(run) - plan.aim_mm[run.written]
             middle = run.miss(0.5)
+            stuck = self.stuck[plan.move[run.written]]
+            end[stuck] = middle[stuck] = 0.0
             cuts = run.cuts
             off = float(np.linalg.norm(end[cuts], axis=1).max(initial=0.0))
             if best is None or off < best[0]:
@@ -137,28 +158,42 @@ class Iteration:
         assert best is not None
         return Solution(plan, best[1], best[2], best[2].residual())
 
+    def _end_miss(self, run: WrittenRun) -> np.ndarray:
+        """Tool minus nominal position at the ends of the written pieces, (K, 3) mm.
+
+        A step's end answers for the piece after it, where the error is there in full.
+        """
+        miss, plan = run.miss(1.0), run.plan
+        following = np.flatnonzero(np.diff(run.written) == 1)
+        steps = following[plan.is_step[run.written[following]]]
+        miss[steps] = run.miss(plan.ready[run.written[steps + 1]], steps + 1)
+        return miss
+
     def _refined(
         self, found: Solution, tolerance_mm: float
     ) -> tuple[Plan, np.ndarray, np.ndarray] | None:
         """The plan with pieces that leave too much cut or stepped into; None for none."""
         plan, run = found.plan, found.run
-        left, at_start = run.residual_of_pieces()
+        left, at_start = run.residual_of_pieces(self.stuck)
         moves = self.preparation.path.nodes.moves
         span = plan.parameter(1.0) - plan.parameter(0.0)
         length = span * self.rewriter.length_mm[plan.move]
-        can_step = np.array([not p.is_step for p in plan.pieces])
-        can_step[1:] &= ~np.array([p.is_step for p in plan.pieces[:-1]], bool)
+        can_step = ~plan.is_step
+        can_step[1:] &= ~plan.is_step[:-1]
         cuts = moves.kind[plan.move] != MoveKind.RAPID
-        step = cuts & can_step & (at_start > tolerance_mm)
+        step = cuts & can_step & (np.linalg.norm(at_start, axis=1) > tolerance_mm)
         split = cuts & ~step & (left > tolerance_mm) & (length > 2 * _SHORTEST_MM)
         if not (step.any() or split.any()):
             return None
         refined, origin = plan.refined(split, step)
-        ends, middles = -self._error(refined, 1.0), -self._error(refined, 0.5)
+        ends, middles = self._first_guess(refined)
         kept = origin >= 0
         ends[kept] = found.target.ends_mm[origin[kept]] - plan.aim_mm[origin[kept]]
         whole = kept & ~split[np.maximum(origin, 0)]
         middles[whole] = found.target.middles_mm[origin[whole]]
+        new_steps = np.flatnonzero(refined.is_step & ~kept)
+        before = found.target.ends_mm[np.maximum(-1 - origin[new_steps] - 1, 0)]
+        ends[new_steps] = before - at_start[-1 - origin[new_steps]]
         return refined, ends, middles
 
     def _within_travel(self, plan: Plan, ends_mm: np.ndarray) -> np.ndarray:

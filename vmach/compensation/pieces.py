@@ -25,6 +25,8 @@ class Piece:
     is_arc : bool
     kept : bool
         The block stays as it is.
+    settled : float
+        Of a step: where on the move the error that it answers is there in full.
     """
 
     move: int
@@ -32,6 +34,7 @@ class Piece:
     end: float
     is_arc: bool = False
     kept: bool = False
+    settled: float = 0.0
 
     @property
     def is_step(self) -> bool:

@@ -10,8 +10,9 @@ from itertools import pairwise
 import numpy as np
 
 from gcode import MoveKind, Moves
-from vmach.compensation.arc_pieces import reversals_of_arc, split_arc
+from vmach.compensation.arc_pieces import split_arc
 from vmach.compensation.pieces import Piece
+from vmach.compensation.reversals import reversals_of_arc, settled, turned_at_start
 from vmach.compensation.sampling import ErrorAlongMoves, ErrorAt
 from vmach.compensation.tube import fewest_pieces
 from vmach.path_geometry import tangent_at
@@ -20,7 +21,7 @@ __all__ = ["Plan", "across", "plan_pieces"]
 
 #: an error smaller than this is none
 _NOTHING_MM = 1e-9
-#: distance, as parameter, of the two looks at the error before and after a reversal
+#: parameters that are nearer than this are one place
 _ASIDE = 1e-5
 #: share of the tolerance by which a corner may be off, across either of its two moves
 _AT_CORNERS = np.sqrt(0.5)
@@ -55,6 +56,27 @@ class Plan:
         """Parameters of the nominal moves at a share of the pieces, (K,)."""
         return np.array([p.start + share * (p.end - p.start) for p in self.pieces], np.float64)
 
+    @cached_property
+    def answered(self) -> np.ndarray:
+        """Parameters of the nominal moves whose error the ends of the pieces answer, (K,)."""
+        return np.where(self.is_step, [p.settled for p in self.pieces], self.parameter(1.0))
+
+    @cached_property
+    def is_step(self) -> np.ndarray:
+        """Pieces without way along the path, (K,) bool."""
+        return np.array([p.is_step for p in self.pieces], bool)
+
+    @cached_property
+    def ready(self) -> np.ndarray:
+        """Share of every piece, (K,), from which on the error is there that its step answers."""
+        share = np.zeros(len(self.pieces))
+        for k in np.flatnonzero(self.is_step[:-1]):
+            step, following = self.pieces[k], self.pieces[k + 1]
+            span = following.end - following.start
+            if span > 0:
+                share[k + 1] = min((step.settled - step.start) / span, 0.5)
+        return share
+
     def refined(self, split: np.ndarray, step: np.ndarray) -> tuple[Plan, np.ndarray]:
         """The plan with some pieces halved, and steps before others.
 
@@ -74,14 +96,14 @@ class Plan:
         for k, piece in enumerate(self.pieces):
             start = piece.start
             if step[k]:
-                pieces.append(Piece(piece.move, start, start))
+                pieces.append(Piece(piece.move, start, start, settled=start))
                 origin.append(-1 - k)
             if split[k]:
                 middle = 0.5 * (start + piece.end)
                 pieces.append(Piece(piece.move, start, middle, is_arc=piece.is_arc))
                 origin.append(-1 - k)
-                start = middle
-            pieces.append(Piece(piece.move, start, piece.end, piece.is_arc, piece.kept))
+                piece = Piece(piece.move, middle, piece.end, is_arc=piece.is_arc)
+            pieces.append(piece)
             origin.append(k)
         old = np.array(origin, np.int64)
         aim = np.where((old >= 0)[:, None], self.aim_mm[np.maximum(old, 0)], 0.0)
@@ -141,57 +163,80 @@ class _Planner:
         tangent = tangent_at(self.moves, found.move, start)
         length = np.linalg.norm(tangent, axis=1, keepdims=True)
         self.direction = tangent / np.maximum(length, _NOTHING_MM)
+        turned = turned_at_start(self.moves, found.move)
+        start = np.zeros(len(found.move))
+        self.settled, self.settled_error = self._settled(
+            found.move, start, turned, self.tolerance_mm
+        )
         self.in_tube = self.is_bent.copy()  # moves that may begin off the corrected curve
         self.in_tube[1:] |= straight[1:] & self.is_bent[:-1]
 
     def add(self, index: int) -> None:
         """Append the pieces of one move."""
         move, found = int(self.found.move[index]), self.found
-        kind, error = self.moves.kind[move], found.of(index)[1]
+        kind, (parameter, error) = self.moves.kind[move], found.of(index)
         previous = found.error_mm[found.first[index] - 1] if index else np.zeros(3)
         if max(self.size[index], np.abs(previous).max()) < _NOTHING_MM:
             self._put(Piece(move, 0.0, 1.0, kept=True))
         elif kind == MoveKind.RAPID or found.length_mm[index] == 0:
             self._put(Piece(move, 0.0, 1.0, is_arc=kind == MoveKind.ARC))
         else:
-            jump = across(error[0] - previous, self.direction[index])
-            if np.linalg.norm(jump) > self.tolerance_mm[index]:
-                self._put(Piece(move, 0.0, 0.0))
+            jump = across(self.settled_error[index] - previous, self.direction[index])
+            steps = np.linalg.norm(jump) > self.tolerance_mm[index]
+            if steps:
+                self._put(Piece(move, 0.0, 0.0, settled=float(self.settled[index])))
+                unsettled = (parameter < self.settled[index])[:, None]
+                error = np.where(unsettled, self.settled_error[index], error)
             if kind == MoveKind.ARC:
-                self._arc(index)
+                self._arc(index, error)
             elif self.in_tube[index]:
-                self._tube(index)
+                self._tube(index, error)
             else:
                 self._put(Piece(move, 0.0, 1.0))
+
+    def _settled(
+        self, move: np.ndarray, place: np.ndarray, turned: np.ndarray, tolerance_mm: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Where the error after reversals is there in full, (P,), and that error, (P, 3)."""
+        soon = settled(self.moves, move, place, np.zeros_like(turned))
+        later = settled(self.moves, move, place, turned)
+        at_once, in_full = self.error_at(move, soon), self.error_at(move, later)
+        farther = self.error_at(move, np.minimum(2.0 * later - place, 1.0))
+        growth = np.linalg.norm(in_full - at_once, axis=1)
+        grows = growth > 3.0 * tolerance_mm
+        grows &= growth > 3.0 * np.linalg.norm(farther - in_full, axis=1)
+        return np.where(grows, later, soon), np.where(grows[:, None], in_full, at_once)
 
     def _put(self, piece: Piece, aim_mm: np.ndarray | None = None) -> None:
         self.pieces.append(piece)
         self.aim_mm.append(np.zeros(3) if aim_mm is None else aim_mm)
 
-    def _arc(self, index: int) -> None:
+    def _arc(self, index: int, error: np.ndarray) -> None:
         """Arcs between the places where an axis turns back and the error jumps."""
-        move, (parameter, error) = int(self.found.move[index]), self.found.of(index)
-        places = reversals_of_arc(self.moves, move)
+        move, parameter = int(self.found.move[index]), self.found.of(index)[0]
+        places, axes = reversals_of_arc(self.moves, move)
         row = np.full(len(places), move)
-        before, after = (self.error_at(row, places + way) for way in (-_ASIDE, _ASIDE))
+        later, after = self._settled(row, places, axes, self.tolerance_mm[index])
+        before = self.error_at(row, places - _ASIDE)
         jump = across(after - before, tangent_at(self.moves, row, places))
         jumps = np.flatnonzero(np.linalg.norm(jump, axis=1) > self.tolerance_mm[index])
         cuts = [0.0, *places[jumps], 1.0]
         for number, (start, end) in enumerate(pairwise(cuts)):
-            inside = (parameter > start + _ASIDE) & (parameter < end - _ASIDE)
-            first = error[0] if number == 0 else after[jumps[number - 1]]
+            ready = later[jumps[number - 1]] if number else start
+            inside = (parameter > ready + _ASIDE) & (parameter < end - _ASIDE)
+            first = after[jumps[number - 1]] if number else error[0]
             last = error[-1] if number == len(jumps) else before[jumps[number]]
             if number:
-                self._put(Piece(move, float(start), float(start)))
+                self._put(Piece(move, float(start), float(start), settled=float(ready)))
             places_here = np.concatenate([[start], parameter[inside], [end]])
             errors_here = np.vstack([first, error[inside], last])
             for piece in split_arc(self.moves, move, places_here, -errors_here,
                                    tolerance_mm=self.tolerance_mm[index]):  # fmt: skip
                 self._put(piece)
 
-    def _tube(self, index: int) -> None:
+    def _tube(self, index: int, error: np.ndarray) -> None:
         """A line whose error bends, as a polyline inside the tolerance."""
-        parameter, error = self.found.of(index)
+        parameter = self.found.of(index)[0]
         frame, start, end = self._ends(index)
         curve = -error @ frame.T
         vertex, off = min(

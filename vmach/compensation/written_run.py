@@ -109,24 +109,34 @@ class WrittenRun:
 
     def residual(self) -> Residual:
         """Distances at the ends of the pieces that cut, and across the path all along them."""
-        distance, rows = self._distances()
+        distance, rows = self._distances(np.ones((len(self.written), 3), bool))
         line = self.original.path.nodes.moves.line[self.plan.move[self.written[rows]]]
         return Residual(distance, line)
 
-    def residual_of_pieces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Largest distance of every piece of the plan, and that at its very start, (K,) each."""
-        distance, rows = self._distances()
+    def residual_of_pieces(self, stuck: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What more pieces could mend: largest distance (K,) of every piece, and start, (K, 3).
+
+        Parameters
+        ----------
+        stuck : (N, 3) bool
+            Axes that do not count, for every nominal move.
+        """
+        free = ~stuck[self.plan.move[self.written]]
+        distance, rows = self._distances(free, unsettled=False)
         largest = np.zeros(len(self.plan.pieces))
         np.maximum.at(largest, self.written[rows], distance)
-        at_start = np.zeros(len(self.plan.pieces))
+        at_start = np.zeros((len(self.plan.pieces), 3))
         cuts = self.cuts
-        at_start[self.written[cuts]] = self._across(0.0, cuts)
+        at_start[self.written[cuts]] = self._across(np.zeros(len(cuts)), cuts, free)
         return largest, at_start
 
-    def _distances(self) -> tuple[np.ndarray, np.ndarray]:
-        """Distances, (P,), and the row of `written` that each belongs to.
+    def _distances(
+        self, counts: np.ndarray, *, unsettled: bool = True
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Distances in the axes that count, (P,), and the row of `written` of each.
 
-        In a step the axes take up their play; the start of the piece after it tells what is left.
+        In a step the axes take up their play; the piece after it tells what is left, also where
+        the error is not yet there in full, unless that is left out.
         """
         cuts, moves = self.cuts, self.again.path.nodes.moves
         span = self._stretch[1] - self._stretch[0]
@@ -137,12 +147,14 @@ class WrittenRun:
         rows = np.repeat(cutting, count)
         first = np.cumsum(count) - count
         share = (np.arange(len(rows)) - np.repeat(first, count)) / np.repeat(count, count)
-        inside = self._across(share, rows)
-        ends = np.linalg.norm(self.miss(1.0, cutting), axis=1)
+        if not unsettled:
+            settled = share >= self.plan.ready[self.written[rows]]
+            rows, share = rows[settled], share[settled]
+        inside = np.linalg.norm(self._across(share, rows, counts), axis=1)
+        ends = np.linalg.norm(self.miss(np.ones(len(cutting)), cutting) * counts[cutting], axis=1)
         return np.concatenate([inside, ends]), np.concatenate([rows, cutting])
 
-    def _across(self, share: float | np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """Distances across the path, (K,)."""
-        shares = np.broadcast_to(np.asarray(share, np.float64), rows.shape).copy()
-        tangent = tangent_at(self.again.path.nodes.moves, self.row[rows], shares)
-        return np.linalg.norm(across(self.miss(shares, rows), tangent), axis=1)
+    def _across(self, share: np.ndarray, rows: np.ndarray, counts: np.ndarray) -> np.ndarray:
+        """Tool minus nominal position across the path, (K, 3) mm."""
+        tangent = tangent_at(self.again.path.nodes.moves, self.row[rows], share)
+        return across(self.miss(share, rows) * counts[rows], tangent)
