@@ -21,6 +21,15 @@ at_mm = [-100, -100, -50]
 tool_length_mm = 100
 u_um = 0.3
 """
+DIAGONAL = """
+[[measurements]]
+kind = "diagonal"
+file = "diagonal.csv"
+from_mm = [-350, -50, -250]
+to_mm = [-50, -250, -50]
+tool_length_mm = 100
+u_um = 0.3
+"""
 BALLBAR = """
 [[measurements]]
 kind = "ballbar"
@@ -66,6 +75,40 @@ def test_laser_sees_backlash_from_both_sides(tmp_path):
     (laser,) = read_instruments(job, effects=[backlash])
     np.testing.assert_allclose(laser.measured_mm, laser.predicted_mm, atol=1e-12)
     assert laser.group[0] == "run 1" and laser.nuisance.shape == (10, 1)
+
+
+def diagonal_rows(distances, ways):
+    rows = ["run,distance_mm,approach,t_s,deviation_um"]
+    pairs = zip(distances, ways, strict=True)
+    return "\n".join([*rows, *(f"1,{d},{w},{5.0 * k},0.0" for k, (d, w) in enumerate(pairs))])
+
+
+def test_diagonal_sees_scales_and_the_side_of_each_axis(tmp_path):
+    """Scales add up by the squares of the direction's cosines; Y runs the other way."""
+    job_path = write_job(tmp_path, more=DIAGONAL)
+    distance = np.concatenate([np.arange(0.0, 401.0, 40.0), np.arange(400.0, -1.0, -40.0)])
+    way = np.repeat([1, -1], 11)
+    (tmp_path / "diagonal.csv").write_text(diagonal_rows(distance, way))
+    job = read_job(job_path)
+    along = np.array([300.0, -200.0, 200.0]) / np.sqrt(170000.0)
+    sizes = {"X": 40.0, "Y": -25.0, "Z": 10.0}
+    scales = [set_up_effect("scale", a, {"scale_ppm": v}, job=job) for a, v in sizes.items()]
+    (diagonal,) = read_instruments(job, effects=scales)
+    rate = 1e-6 * np.sum(np.array(list(sizes.values())) * along**2)
+    moved = diagonal.predicted_mm - diagonal.predicted_mm[0]
+    np.testing.assert_allclose(moved, rate * distance, atol=1e-12)
+    backlash = set_up_effect("backlash", "Y", {"reversal_um": 6.0}, job=job)
+    (diagonal,) = read_instruments(job, effects=[backlash])
+    # Y arrives from its own positive side while the diagonal runs forward
+    np.testing.assert_allclose(diagonal.predicted_mm, 3e-3 * along[1] * way, atol=1e-12)
+
+
+def test_diagonal_without_length_is_refused(tmp_path):
+    same = DIAGONAL.replace("to_mm = [-50, -250, -50]", "to_mm = [-350, -50, -250]")
+    job_path = write_job(tmp_path, more=same)
+    (tmp_path / "diagonal.csv").write_text(diagonal_rows([0, 10], [1, 1]))
+    with pytest.raises(InputError, match="same place"):
+        read_instruments(read_job(job_path))
 
 
 def test_ballbar_turns_both_ways(tmp_path):
@@ -165,6 +208,43 @@ def test_metres_and_other_parts_are_refused(tmp_path):
         measured(tmp_path, lambda p: p * 1e-3)
     with pytest.raises(InputError, match="from the nominal"):
         measured(tmp_path, lambda p: p[::-1] + 3.0)
+
+
+def test_uncertainty_in_mm_is_refused(tmp_path):
+    job = read_job(write_job(tmp_path))
+    file = tmp_path / "points.csv"
+    head, *rows = file.read_text().splitlines()
+    rows = [row.rsplit(",", 1)[0] + ",0.0005" for row in rows]
+    file.write_text("\n".join([head, *rows]))
+    with pytest.raises(InputError, match=r"u_um is 0.0005 um.*is the column in mm"):
+        measure_part(prepare(job), file)
+
+
+def test_points_that_the_program_does_not_make_are_refused(tmp_path):
+    job = read_job(write_job(tmp_path))
+    file = tmp_path / "points.csv"
+    head, *rows = file.read_text().splitlines()
+    cells = [row.split(",") for row in rows]
+    inches = [
+        [*c[:2], *(repr(float(v) / 25.4) for v in c[2:5]), *c[5:8],
+         *(repr(float(v) / 25.4) for v in c[8:11]), *c[11:]]
+        for c in cells
+    ]  # fmt: skip
+    file.write_text("\n".join([head, *(",".join(c) for c in inches)]))
+    with pytest.raises(InputError, match=r"the program cuts \d+ of"):
+        measure_part(prepare(job), file)
+
+
+def test_a_part_far_from_the_predicted_one_is_refused(tmp_path):
+    """Readings scattered by half a millimetre come from another part."""
+    random = np.random.default_rng(3)
+
+    def scattered(points):
+        _, _, normals = pocket_points()
+        return points + 0.45 * random.choice([-1.0, 1.0], (len(points), 1)) * normals
+
+    with pytest.raises(InputError, match=r"from the predicted one \(median, aligned\)"):
+        measured(tmp_path, scattered)
 
 
 def test_repeated_rows_count_once(tmp_path):

@@ -1,4 +1,4 @@
-"""Ballbar, laser, drift and tip tests: from a file to a `Measurement`."""
+"""Ballbar, laser, diagonal, drift and tip tests: from a file to a `Measurement`."""
 
 from __future__ import annotations
 
@@ -52,6 +52,15 @@ class _Laser(FileSection):
     u_um: Positive
 
 
+class _Diagonal(FileSection):
+    kind: Literal["diagonal"]
+    file: str
+    from_mm: Point
+    to_mm: Point
+    tool_length_mm: Positive
+    u_um: Positive
+
+
 class _Drift(FileSection):
     kind: Literal["drift"]
     file: str
@@ -68,7 +77,10 @@ class _Tip(FileSection):
     u_um: Positive
 
 
-_Instrument = TypeAdapter(Annotated[_Ballbar | _Laser | _Drift | _Tip, Field(discriminator="kind")])
+_Instrument = TypeAdapter(
+    Annotated[_Ballbar | _Laser | _Diagonal | _Drift | _Tip, Field(discriminator="kind")]
+)
+_KINDS = ("ballbar", "laser", "diagonal", "drift", "tip")
 
 
 def read_instruments(
@@ -94,16 +106,14 @@ def _settings(job: Job, entry):
         return _Instrument.validate_python(dict(entry))
     except ValidationError as error:
         first = error.errors()[0]
-        keys = [
-            str(part) for part in first["loc"] if part not in ("ballbar", "laser", "drift", "tip")
-        ]
+        keys = [str(part) for part in first["loc"] if part not in _KINDS]
         text = read_text(job.path, what="job file")
         raise InputError(
             f"[[measurements]] of {entry.get('file', 'no file')}: "
             f"{'.'.join(keys) or 'kind'}: {first['msg']}",
             file=job.path,
             line=line_of_key(text, ["measurements"]),
-            accepted="kind = ballbar, laser, drift or tip, with the keys of that kind",
+            accepted=f"kind = {', '.join(_KINDS)}, with the keys of that kind",
         ) from None
 
 
@@ -188,18 +198,39 @@ def _laser(settings: _Laser, path, model: _Model) -> Measurement:
         path, numbers=("position_mm", "approach", "t_s", "deviation_um"), text=("run",)
     )
     axis = LINEAR_AXES.index(settings.axis)
-    count = len(table.numbers["t_s"])
-    nose = np.tile(settings.at_mm, (count, 1))
+    nose = np.tile(settings.at_mm, (len(table.numbers["t_s"]), 1))
     nose[:, axis] = table.numbers["position_mm"]
-    side = np.zeros((count, 3))
-    side[:, axis] = np.sign(table.numbers["approach"])
+    return _along_line(settings, table, nose, direction=np.eye(3)[axis], model=model)
+
+
+def _diagonal(settings: _Diagonal, path, model: _Model) -> Measurement:
+    table = read_columns(
+        path, numbers=("distance_mm", "approach", "t_s", "deviation_um"), text=("run",)
+    )
+    start, end = np.array(settings.from_mm), np.array(settings.to_mm)
+    length = float(np.linalg.norm(end - start))
+    if length == 0.0:
+        raise InputError(
+            "from_mm and to_mm are the same place", file=path, accepted="two ends of a diagonal"
+        )
+    direction = (end - start) / length
+    nose = start + table.numbers["distance_mm"][:, None] * direction
+    return _along_line(settings, table, nose, direction=direction, model=model)
+
+
+def _along_line(
+    settings: _Laser | _Diagonal, table, nose, *, direction: np.ndarray, model: _Model
+) -> Measurement:
+    """Readings along a straight line, zero left free."""
+    count = len(nose)
+    side = np.sign(table.numbers["approach"])[:, None] * np.sign(np.round(direction, 9))
     states = stop_and_go(
         nose, table.numbers["t_s"], side=side, tool_length_mm=settings.tool_length_mm
     )
-    sensing = np.tile(np.eye(3)[axis], (count, 1))
+    sensing = np.tile(direction, (count, 1))
     return Measurement(
-        kind="laser",
-        name=path.name,
+        kind=settings.kind,
+        name=table.path.name,
         id=np.arange(1, count + 1).astype(str),
         states=states,
         sensing=sensing,
@@ -286,6 +317,7 @@ def _three_directions(
 _READERS: dict[str, Callable[..., Measurement]] = {
     "ballbar": _ballbar,
     "laser": _laser,
+    "diagonal": _diagonal,
     "drift": _drift,
     "tip": _tip,
 }
