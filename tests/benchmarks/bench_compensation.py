@@ -35,7 +35,9 @@ def main():
         found = outcome.found
         if found is None:
             refused += 1
-            print(f"{path.name:24} {seconds:6.1f} refused: {outcome.refusal.rsplit('/', 1)[-1][:150]}")
+            print(
+                f"{path.name:24} {seconds:6.1f} refused: {outcome.refusal.rsplit('/', 1)[-1][:150]}"
+            )
             continue
         growth.append(found.growth)
         accepted += outcome.linuxcnc is None and not outcome.wrong

@@ -95,6 +95,7 @@ def _tools(path, text):
 def write_job(folder, path, *, effects=EFFECTS, errors=True):
     """Write a job that machines a program with bent axes; returns its tools."""
     folder = Path(folder)
+    folder.mkdir(exist_ok=True)
     text = path.read_bytes()
     (folder / path.name).write_bytes(text)
     machine = MACHINE if errors else MACHINE.split("[errors.EYX]")[0]

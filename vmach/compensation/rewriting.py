@@ -191,7 +191,7 @@ class _LineWriter:
     def piece(self, target: Target, index: int, written: Written) -> None:
         """Write one piece, or nothing where rounding leaves nothing to do."""
         piece, line = target.pieces[index], self.edit.line
-        if piece.kept and not self.is_own:
+        if piece.kept and not self._must_be_written(piece):
             self._keep_place()
             self.edit.keep(self._code(piece))
             written.line_of_piece[index] = line + written.inserted
@@ -210,6 +210,11 @@ class _LineWriter:
         written.inserted += count
         written.inserted_after += [line] * count
         written.line_of_piece[index] = line + written.inserted
+
+    def _must_be_written(self, piece: Piece) -> bool:
+        """Blocks with numbers of ours, and arcs about a centre that another block has changed."""
+        shares_centre = self.rewriter.text.absolute_centres and self._code(piece) > 1
+        return self.is_own or shares_centre
 
     def _keep_place(self) -> None:
         """The block stays: its words lead to their nominal places."""
