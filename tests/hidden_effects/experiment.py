@@ -183,6 +183,7 @@ def _write_jobs(folder: Path, parts: dict[str, Part], instruments: list[str]) ->
             'machine = "machine.toml"',
             f'program = "{role}.nc"',
             f'measured = "{role}_measured.csv"',
+            *(['workpiece_zero = "G54"'] if len(offsets) > 1 else []),
             "",
             "[work_offsets_mm]",
             *offsets,

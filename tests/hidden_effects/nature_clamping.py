@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .machine_maker import TrueMachine, rotation_matrices
+from .part import SECOND_DATUM_MM
 from .state import Hidden, State
 
 __all__ = ["CLAMPING"]
@@ -27,6 +28,7 @@ def datum_shift(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         {"shift_um": shift.tolist(), "share_of_time": share},
         move,
         {f"shift_{a}_um": float(v) for a, v in zip("xyz", shift, strict=True)},
+        once=True,
         on_part_only=True,
     )
 
@@ -37,7 +39,7 @@ def fixture(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     turned = rotation_matrices(turn[None] * 1e-6)[0] - np.eye(3)
 
     def move(state: State) -> np.ndarray:
-        e = shift * UM + state.place_mm @ turned.T
+        e = shift * UM + (state.place_mm - SECOND_DATUM_MM) @ turned.T
         return (state.set_up == 1)[:, None] * e
 
     told = [f"shift_{a}_um" for a in "xyz"], [f"turn_{a}_urad" for a in "abc"]

@@ -80,17 +80,17 @@ def probe_radius(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
 
 def tool_wear(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     """A tool loses radius, quickly at first, then by the way that it cuts."""
-    tool, size = int(rng.integers(2)), rng.uniform(12, 22)
+    tool, size, power = int(rng.integers(2)), rng.uniform(12, 22), rng.uniform(0.7, 1.0)
 
     def move(state: State) -> np.ndarray:
         mine = state.tool == tool
-        way = np.where(mine, state.cut_mm / max(state.cut_mm[mine].max(), 1e-9), 0.0)
-        return size * UM * (way**0.85)[:, None] * state.normal * [1, 1, 0]
+        way = mine * state.cut_mm / 2200.0
+        return size * UM * (way**power)[:, None] * state.normal * [1, 1, 0]
 
     return Hidden(
         "tool_wear",
         ("tool_wear",),
-        {"tool": TOOLS[tool].number, "end_um": size},
+        {"tool": TOOLS[tool].number, "size_um": size},
         move,
         target=f"T{TOOLS[tool].number}",
         on_part_only=True,

@@ -10,6 +10,8 @@ from .state import Hidden, State
 __all__ = ["HEAT"]
 
 UM = 1e-3
+#: mean speed of an axis at which a screw stretches by what was drawn
+USUAL_SPEED_MM_S = 1.5
 
 
 def spindle_growth(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
@@ -32,22 +34,22 @@ def spindle_growth(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
 
 def axis_expansion(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     """A screw that warms where its nut works; the heat spreads along it and is lost to the air."""
-    axis, peak_ppm = int(rng.integers(2)), rng.uniform(40, 80)
+    axis, ppm = int(rng.integers(2)), rng.uniform(40, 80)
     tau, fixed_at_home = rng.uniform(900, 2400), bool(rng.random() < 0.5)
+    at_nut, spreading = rng.uniform(0.15, 0.5), rng.uniform(0.005, 0.03)
     low, high = machine.travel_mm["XYZ"[axis]]
 
     def move(state: State) -> np.ndarray:
         past, zones = state.history, 24
         zone = np.clip((past.nose_mm[:, axis] - low) / (high - low) * zones, 0, zones - 1)
         warm, strain = np.zeros(zones), np.empty((len(zone), zones))
-        for k, speed in enumerate(past.speed_mm_s[:, axis]):
+        for k, speed in enumerate(past.speed_mm_s[:, axis] / USUAL_SPEED_MM_S):
             padded = np.pad(warm, 1, mode="edge")
             spread = padded[2:] - 2 * warm + padded[:-2]
-            warm = warm + 0.02 * spread - warm / tau
-            warm += speed * 0.7 / zones
-            warm[int(zone[k])] += speed * 0.3
+            warm = warm + spreading * spread + ((1 - at_nut) * speed - warm) / tau
+            warm[int(zone[k])] += at_nut * speed * zones / tau
             strain[k] = warm
-        strain *= peak_ppm * 1e-6 / strain.mean(axis=1).max()
+        strain *= ppm * 1e-6
         row = np.clip(state.time_s.astype(int), 0, len(strain) - 1)
         edges = np.linspace(low, high, zones + 1)
         grown = np.concatenate(
@@ -64,7 +66,7 @@ def axis_expansion(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     return Hidden(
         "axis_expansion",
         ("axis_expansion",),
-        {"axis": "XYZ"[axis], "peak_ppm": peak_ppm, "tau_s": tau},
+        {"axis": "XYZ"[axis], "ppm": ppm, "tau_s": tau},
         move,
         target="XYZ"[axis],
     )

@@ -182,7 +182,7 @@ def quadrant_glitch(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
 
 def corner_rounding(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     """Every change of velocity is followed late: position loop, and a quick loop inside it."""
-    late_ms, slow_s = rng.uniform(1.5, 4.0), rng.uniform(0.015, 0.05)
+    late_ms, slow_s = rng.uniform(0.3, 1.2), rng.uniform(0.015, 0.05)
     quick_s = slow_s * rng.uniform(0.05, 0.12)
 
     def move(state: State) -> np.ndarray:
@@ -198,7 +198,7 @@ def corner_rounding(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
             since = np.maximum(state.time_s - when[k], 0.0)
             fade = slow_s * np.exp(-since / slow_s) - quick_s * np.exp(-since / quick_s)
             fade *= (last >= back) / (slow_s - quick_s)
-            e -= late_ms * UM * fade[:, None] * jump[k]
+            e += late_ms * UM * fade[:, None] * jump[k]
         return e
 
     return Hidden(

@@ -9,7 +9,7 @@ import numpy as np
 from .features import TOOLS, FeatureBuilder
 from .program_writer import Path3, ProgramWriter
 
-__all__ = ["TOOLS", "Part", "PartDesign", "random_part"]
+__all__ = ["SECOND_DATUM_MM", "TOOLS", "Part", "PartDesign", "random_part"]
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class PartDesign:
     Attributes
     ----------
     corners : square pockets take the place of some features
-    two_set_ups : the second half is made in a second clamping, with a work offset of its own
+    two_set_ups : the second half is made in a second clamping, from a datum of its own
     tool_order : index of the tool of each block between tool changes
     """
 
@@ -38,15 +38,15 @@ class Part:
     place_mm: np.ndarray
     normal: np.ndarray
     contacts: dict[str, np.ndarray]
-    offsets_mm: np.ndarray  #: (S, 3) workpiece zero of each set-up, machine coordinates
+    offsets_mm: np.ndarray  #: (S, 3) datum of each clamping, machine coordinates
     size_mm: np.ndarray
 
 
 FEATURES = ("bore", "groove", "boss", "wave", "groove", "diamond", "spline")
 #: with square pockets, whose walls begin right after a corner
-CORNERED = (*FEATURES[:4], "pocket", "diamond", "pocket")
-#: where the workpiece zero of a second set-up lies against that of the first
-NEXT_CLAMP_MM = np.array([-12.0, -9.0, 15.0])
+CORNERED = ("bore", "groove", "boss", "pocket", "groove", "diamond", "pocket")
+#: the datum of a second clamping, on the part
+SECOND_DATUM_MM = np.array([240.0, 160.0, -5.0])
 
 
 def random_part(
@@ -72,12 +72,12 @@ def random_part(
     room = np.array([-travel_mm[a][0] for a in "XY"]) - 30.0
     height = float(rng.integers(-42, -36) * 10)
     offset = np.array([-room[0] - 10, -room[1] - 10, height]) if offset_mm is None else offset_mm
-    offsets = np.array([offset, offset + NEXT_CLAMP_MM])[: 2 if design.two_set_ups else 1]
+    offsets = np.array([offset, offset + SECOND_DATUM_MM])[: 2 if design.two_set_ups else 1]
     writer = ProgramWriter(offset, **motion)
     builder = FeatureBuilder(rng, writer)
     for number, (tool, cells_of_block) in enumerate(_blocks(rng, pitch, room, cells, design)):
         second = design.two_set_ups and number == len(design.tool_order) // 2
-        writer.change(TOOLS[tool], clamp=("G55", offsets[1]) if second else None)
+        writer.change(TOOLS[tool], clamp=("G55", SECOND_DATUM_MM) if second else None)
         for k, kind, place in cells_of_block:
             feed = float(rng.choice([400.0, 800.0, 1600.0, 2400.0]))
             name = f"T{writer.tool.number}.{kind}.{k}"

@@ -16,7 +16,7 @@ from vmach.cli import main
 from .part import Part
 from .shares import alignment_columns
 
-__all__ = ["add", "aligned_rms_um", "diagnose", "predicted_um"]
+__all__ = ["add", "aligned_rms_um", "diagnose", "held_out", "predicted_um"]
 
 
 def _vmach(*words: object) -> str:
@@ -52,8 +52,15 @@ def add(folder: Path, report: dict) -> Path:
     return job
 
 
-def predicted_um(job: Path, points: Path, *, program: Path | None = None, model: str = "abbe"):
+def predicted_um(
+    job: Path, points: Path, *, program: Path | None = None, model: str = "abbe"
+) -> np.ndarray:
     """Measured minus predicted deviation of every point that the program says it cut, um."""
+    return _residual_and_u_um(job, points, program=program, model=model)[0]
+
+
+def _residual_and_u_um(job: Path, points: Path, *, program: Path | None, model: str = "abbe"):
+    """Measured minus predicted, and the standard uncertainty of that difference, um."""
     out = points.with_suffix(f".{job.stem}.{model}.csv")
     extra = ["--program", program] if program else []
     _vmach("predict", job, "--points", points, "--model", model, "-o", out, *extra)
@@ -61,11 +68,28 @@ def predicted_um(job: Path, points: Path, *, program: Path | None = None, model:
     rows = np.genfromtxt(points, delimiter=",", names=True, dtype=None, encoding="utf-8")
     assert set(told["status"]) == {"cut"}
     measured = sum((rows["m" + a] - rows[a]) * rows[b] for a, b in zip("xyz", "ijk", strict=True))
-    return measured * 1e3 - told["deviation_um"]
+    return measured * 1e3 - told["deviation_um"], np.hypot(rows["u_um"], told["u_um"])
+
+
+def held_out(job: Path, part: Part) -> tuple[float, float]:
+    """How a job foretells the check part beside it, which was not fitted.
+
+    Returns
+    -------
+    rms_um : what is left after the part's own alignment
+    share : of the points within their 95 % intervals
+    """
+    points, program = job.with_name("check_measured.csv"), job.with_name("check.nc")
+    residual, u = _residual_and_u_um(job, points, program=program)
+    left = _aligned(residual, part)
+    return float(np.sqrt(np.mean(left**2))), float(np.mean(np.abs(left) < 1.96 * u))
 
 
 def aligned_rms_um(residual_um: np.ndarray, part: Part) -> float:
     """RMS after the six numbers of the part's alignment."""
+    return float(np.sqrt(np.mean(_aligned(residual_um, part) ** 2)))
+
+
+def _aligned(residual_um: np.ndarray, part: Part) -> np.ndarray:
     columns = alignment_columns(part)
-    fit = np.linalg.lstsq(columns, residual_um, rcond=None)[0]
-    return float(np.sqrt(np.mean((residual_um - columns @ fit) ** 2)))
+    return residual_um - columns @ np.linalg.lstsq(columns, residual_um, rcond=None)[0]

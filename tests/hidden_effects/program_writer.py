@@ -56,7 +56,7 @@ class ProgramWriter:
         self.offset_mm, self.rapid, self.tool_change_s = offset_mm, rapid_mm_min, tool_change_s
         self.lines = ["%", "O1000", "G21 G17 G90 G94 G40 G80"]
         self.tool: Tool | None = None
-        self.set_up = "G54"
+        self.set_up, self.datum_mm = "G54", np.zeros(3)
         self._tip, self._nose, self._time, self._cut, self._rpm = [], [], [], [], []
         self._clock, self._spindle, self._block = 0.0, 0.0, 0
 
@@ -76,11 +76,15 @@ class ProgramWriter:
         self.lines.append(f"N{self._block} {text}")
 
     def change(self, tool: Tool, *, clamp: tuple[str, np.ndarray] | None = None) -> None:
-        """Tool change, spindle on, length offset; `clamp`: the part is set up elsewhere."""
+        """Tool change, spindle on, length offset.
+
+        clamp : the part is taken out, set again, and from now on programmed from another datum:
+            name of the work offset, place of that datum on the part
+        """
         if self._tip:  # high enough that a longer tool hangs clear of the part
             self.rapid_to(z=100.0)
         if clamp:
-            self.set_up, self.offset_mm = clamp
+            self.set_up, self.datum_mm = clamp
         self.write(f"T{tool.number} M6")
         self._clock += self.tool_change_s
         self.tool = tool
@@ -117,7 +121,7 @@ class ProgramWriter:
         here = self._tip[-1]
         goal = np.array([here[k] if v is None else round(v, 4) for k, v in enumerate(target)])
         words = "".join(
-            f" {a}{goal[k]:.4f}"
+            f" {a}{goal[k] - self.datum_mm[k]:.4f}"
             for k, (a, v) in enumerate(zip("XYZ", target, strict=True))
             if v is not None
         )
@@ -139,7 +143,8 @@ class ProgramWriter:
         code = "G3" if turn > 0 else "G2"
         offset = -arm
         self.write(
-            f"{code} X{end[0]:.4f} Y{end[1]:.4f} I{offset[0]:.4f} J{offset[1]:.4f} F{feed:g}"
+            f"{code} X{end[0] - self.datum_mm[0]:.4f} Y{end[1] - self.datum_mm[1]:.4f}"
+            f" I{offset[0]:.4f} J{offset[1]:.4f} F{feed:g}"
         )
         start, count = self.node, max(4, int(np.ceil(abs(sweep) / CHORD_RAD)))
         radius = np.hypot(*arm)

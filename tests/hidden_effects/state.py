@@ -29,6 +29,7 @@ class Hidden:
     misplaced : reading -> what the record adds to the place of the reflector, mm
     target : axis or component where there is one
     twins : names that no measurement of this kind can tell from it: naming one alone is too much
+    once : it happens one time, another part says nothing about it
     on_part_only : it belongs to the cut or to the piece; a test without a cut cannot see it
     """
 
@@ -41,6 +42,7 @@ class Hidden:
     missing: tuple[str, ...] = ()
     misplaced: dict[str, np.ndarray] = field(default_factory=dict)
     target: str | None = None
+    once: bool = False
     on_part_only: bool = False
     twins: tuple[str, ...] = ()
 
@@ -104,7 +106,7 @@ def state_of(part: Part) -> State:
     return State(
         place_mm=place,
         normal=part.normal[rows["point"]],
-        nose_mm=rows["tip_mm"] + part.offsets_mm[rows["set_up"]] + down,
+        nose_mm=rows["tip_mm"] + part.offsets_mm[0] + down,
         contact_mm=place - rows["tip_mm"] - down,
         tip_mm=rows["tip_mm"],
         velocity_mm_s=rows["velocity_mm_s"],

@@ -8,7 +8,6 @@ from tests.hidden_effects.experiment import (
     FOREIGN_KINDS,
     SINGLE_KINDS,
     make_experiment,
-
 )
 from tests.hidden_effects.machine_maker import CHAINS, random_machine
 from tests.hidden_effects.nature_motion import backlash
@@ -41,9 +40,7 @@ def test_exact_matrices_agree_with_the_first_order_form(chain):
     contact = rng.uniform(-10, 10, (300, 3)) - np.array([0, 0, 150])
     x, y, _ = nose.T
     square = {name: value * 1e-6 for name, value in machine.squareness_urad.items()}
-    expected = np.stack(
-        [-square["C0Y"] * y, 0 * x, -square["B0X"] * x + square["A0Y"] * y], axis=1
-    )
+    expected = np.stack([-square["C0Y"] * y, 0 * x, -square["B0X"] * x + square["A0Y"] * y], axis=1)
     for axis, arm in arms(chain, nose, contact).items():
         q = nose[:, "XYZ".index(axis)]
         shift = np.stack([machine.curves[f"E{c}{axis}"](q) for c in "XYZ"], axis=1)
