@@ -94,6 +94,8 @@ class Rewriter:
         self.angle = angle
         self.said = said_axes(program, modes, self.text)
         self.end_mm = program.record.path().point_mm
+        rows = np.arange(count)
+        self.start_mm = self.places(rows, np.zeros(count))
         self.length_mm = move_length_mm(self.moves)
         moving = np.flatnonzero(self.moves.kind != MoveKind.DWELL)
         self.first_move = int(moving[0]) if len(moving) and program.home_mm is None else -1
@@ -107,6 +109,7 @@ class Rewriter:
             of_move.setdefault(piece.move, []).append(index)
         if self.text.labels is not None:
             del self.text.labels  # every text takes its numbers anew
+        places = self._places_of(target)
         state = _State()
         for move in np.flatnonzero(self.moves.kind != MoveKind.DWELL).tolist():
             line = int(self.moves.line[move])
@@ -115,11 +118,19 @@ class Rewriter:
                 continue
             writer = _LineWriter(self, line, move, state, resolution_mm)
             for index in of_move[move]:
-                writer.piece(target, index, written)
+                writer.piece(target.pieces[index], index, places, written)
             edits.update(writer.edit.edits())
             writer.leave(state)
         written.text = self.text.finish(self.program.source.rewritten(edits))
         return written
+
+    def _places_of(self, target: Target) -> _Places:
+        move = np.array([p.move for p in target.pieces], np.int64)
+        first, last = np.array([(p.start, p.end) for p in target.pieces]).reshape(-1, 2).T
+        return _Places(
+            self.places(move, last, target.ends_mm),
+            self.places(move, 0.5 * (first + last), target.middles_mm),
+        )
 
     def _pass(self, line: int, state: _State) -> None:
         """A line that stays: named axes are then where the program has them."""
@@ -129,14 +140,20 @@ class Rewriter:
         if self.text.motion_word(line) is not None:
             state.motion = AS_PROGRAMMED
 
-    def to_program(self, vector: np.ndarray, move: int) -> np.ndarray:
-        """A machine vector in the axes of the program."""
-        return _turned(vector, -self.angle[move])
+    def places(
+        self, move: np.ndarray, parameter: np.ndarray, correction_mm: np.ndarray | float = 0.0
+    ) -> np.ndarray:
+        """Places on nominal moves with corrections, (K, 3), program coordinates in mm."""
+        there = position_at(self.moves, move, parameter) + correction_mm
+        return self.end_mm[move] + _turned(there - self.moves.end_mm[move], -self.angle[move])
 
-    def position(self, move: int, parameter: float) -> np.ndarray:
-        """Nominal place in program coordinates, mm."""
-        there = position_at(self.moves, np.array([move]), np.array([parameter]))[0]
-        return self.end_mm[move] + self.to_program(there - self.moves.end_mm[move], move)
+
+@dataclass(frozen=True)
+class _Places:
+    """Wanted ends and middles of the pieces, (K, 3) mm, program coordinates."""
+
+    end: np.ndarray
+    middle: np.ndarray
 
 
 @dataclass
@@ -167,7 +184,7 @@ class _LineWriter:
         self.step = 10.0**-self.decimals  # in program units
         self.edit = line_edit(rewriter.text, line, state.motion, nominal=self._nominal_code(),
                               ending=rewriter.control.ending)  # fmt: skip
-        self.now = rewriter.position(move, 0.0) + rewriter.to_program(state.carried_mm, move)
+        self.now = rewriter.start_mm[move] + _turned(state.carried_mm, -rewriter.angle[move])
         if move == rewriter.first_move:  # which is taken to start where it ends
             self.now = rewriter.end_mm[move] - self._distances()
         self.is_own, self.said = line in rewriter.own, rewriter.said[move]
@@ -188,20 +205,20 @@ class _LineWriter:
         state.carried_mm = _turned(off, rewriter.angle[self.move])
         state.motion = UNKNOWN if self.edit.may_be_skipped else self.edit.motion
 
-    def piece(self, target: Target, index: int, written: Written) -> None:
+    def piece(self, piece: Piece, index: int, places: _Places, written: Written) -> None:
         """Write one piece, or nothing where rounding leaves nothing to do."""
-        piece, line = target.pieces[index], self.edit.line
+        line = self.edit.line
         if piece.kept and not self._must_be_written(piece):
             self._keep_place()
             self.edit.keep(self._code(piece))
             written.line_of_piece[index] = line + written.inserted
             return
-        wanted = self._place(piece, piece.end, target.ends_mm[index])
+        wanted = places.end[index]
         before = self.now.copy()
         texts = self._axis_texts(wanted, written)
         code = self._code(piece)
         if code > 1:
-            code = self._arc(piece, target.middles_mm[index], before, (wanted, texts))
+            code = self._arc(places.middle[index], before, wanted, texts)
         if not texts and self.edit.own_done:
             return
         if self.mode.inverse_time and code:
@@ -221,12 +238,6 @@ class _LineWriter:
         end = self.rewriter.end_mm[self.move]
         named = [self.edit.own_word(letter) is not None for letter in "XYZ"]
         self.now = np.where(named, end, self.now) if not self.mode.incremental else end.copy()
-
-    def _place(self, piece: Piece, parameter: float, correction_mm: np.ndarray) -> np.ndarray:
-        rewriter = self.rewriter
-        return rewriter.position(piece.move, parameter) + rewriter.to_program(
-            correction_mm, piece.move
-        )
 
     def _nominal_code(self) -> int:
         moves = self.rewriter.moves
@@ -265,13 +276,10 @@ class _LineWriter:
         return self.rewriter.text.number(value, self.decimals, habit)
 
     def _arc(
-        self, piece: Piece, middle_mm: np.ndarray, before: np.ndarray,
-        ends: tuple[np.ndarray, dict[str, str]],
-    ) -> int:  # fmt: skip
+        self, middle: np.ndarray, before: np.ndarray, wanted: np.ndarray, texts: dict[str, str]
+    ) -> int:
         """Add the words of an arc; returns its G code, 1 where a line is nearer."""
-        wanted, texts = ends
         side = list(_PLANE_AXES[self.mode.plane])
-        middle = self._place(piece, 0.5 * (piece.start + piece.end), middle_mm)
         arc = WantedArc(*(p[side] / self.unit for p in (before, middle, wanted, self.now)))
         absolute = self.mode.absolute_centre or self.rewriter.text.absolute_centres
         origin = np.zeros(2) if absolute else arc.start
@@ -298,7 +306,10 @@ class _LineWriter:
         return float(rewriter.moves.feed_mm_per_min[move]) / length
 
 
-def _turned(vector: np.ndarray, angle_rad: float) -> np.ndarray:
+def _turned(vector: np.ndarray, angle_rad: np.ndarray | float) -> np.ndarray:
+    """Vectors (..., 3) turned about Z."""
+    if not np.any(angle_rad):
+        return vector
     cos, sin = np.cos(angle_rad), np.sin(angle_rad)
-    x, y, z = vector
-    return np.array([cos * x - sin * y, sin * x + cos * y, z])
+    x, y, z = np.moveaxis(vector, -1, 0)
+    return np.stack([cos * x - sin * y, sin * x + cos * y, z], axis=-1)
