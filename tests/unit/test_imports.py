@@ -17,10 +17,10 @@ LAYERS = [
     {"prediction", "error_budget", "collisions", "measurements", "tip_errors"},
     {"fit"},
     {"prediction_uncertainty"},
-    {"diagnosis", "compensation", "report", "history"},
+    {"diagnosis", "report", "history"},
     {"inspection"},
     {"pipeline"},
-    {"results"},
+    {"results", "compensation"},
     {"cli", "__main__", "__init__"},
 ]
 

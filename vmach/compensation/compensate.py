@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,7 +14,7 @@ from vmach.compensation.iteration import Iteration, Solution
 from vmach.compensation.model import TipModel
 from vmach.compensation.residual import Residual
 from vmach.compensation.rewriting import Rewriter
-from vmach.compensation.safety import check_corrections
+from vmach.compensation.safety import check_corrections, check_result
 from vmach.compensation.targets import check_words, target_control
 from vmach.job import Job
 from vmach.machine import Variant
@@ -22,6 +22,8 @@ from vmach.prediction import Effect
 from vmach.preparation import Preparation, prepare
 
 __all__ = ["Compensation", "compensate"]
+
+_TOO_FAST = "the error changes faster than the block is long, as while lost motion is taken up"
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,12 @@ class Compensation:
         Words that need no change because the correction is below the resolution.
     expanded_lines : mapping of int to str
         Lines of the program that were written out in plain blocks, and why.
+    uncorrected : mapping of int to (float, str)
+        Lines that keep more than the tolerance before rounding: how much, mm, and why.
+    steps : int
+        Inserted blocks that only take up a jump of the error, as by lost motion.
+    tilt_rad : float
+        Largest tilt of the tool while it cuts, which stays.
     """
 
     text: bytes
@@ -58,6 +66,9 @@ class Compensation:
     left_lines: tuple[int, ...]
     swallowed: int
     expanded_lines: Mapping[int, str] = field(default_factory=dict)
+    uncorrected: Mapping[int, tuple[float, str]] = field(default_factory=dict)
+    steps: int = 0
+    tilt_rad: float = 0.0
 
 
 def compensate(
@@ -68,7 +79,9 @@ def compensate(
     resolution_mm: float = 1e-3,
     tolerance_mm: float = 1e-4,
     limit_mm: float = 0.5,
+    residual_limit_mm: float = 5e-3,
     dialect: str | None = None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Compensation:
     """Move the job's program against the predicted error of the tool tip.
 
@@ -86,15 +99,19 @@ def compensate(
         Largest residual before rounding; points are inserted where it would be larger.
     limit_mm : float
         Largest correction accepted.
+    residual_limit_mm : float
+        Largest distance of the tool from its path that the written program may leave.
     dialect : str, optional
         Control that the program is written for (`CONTROLS`); by default the one whose dialect
         it is written in.
+    progress : callable, optional
+        Called with rounds done and expected.
 
     Raises
     ------
     InputError, gcode.ProgramError
-        The program cannot be read or rewritten, a correction exceeds the limit, or the
-        compensated program leaves the travel.
+        The program cannot be read or rewritten, a correction or what remains exceeds its limit,
+        or the compensated program leaves the travel.
     """
     model = TipModel(variant, tuple(effects))
     preparation = prepare(job)
@@ -110,16 +127,18 @@ def compensate(
         model,
         expansion,
         lambda target: check_corrections(preparation, target, limit_mm, expansion),
+        progress,
     )
     found = iteration.solve(_rewritable(preparation, modes), tolerance_mm)
     written = iteration.write(found.target, resolution_mm)
-    after = iteration.run(found.plan, written).residual()
+    run = iteration.run(found.plan, written)
+    check_result(preparation, run, residual_limit_mm, expansion)
     arcs, kept = _arcs(preparation, found)
     return Compensation(
         text=written.text,
         before=_before(preparation, model).told_in(expansion),
         unrounded=found.residual.told_in(expansion),
-        after=after.told_in(expansion),
+        after=run.residual().told_in(expansion),
         largest_correction_mm=float(np.linalg.norm(found.target.ends_mm, axis=1).max(initial=0.0)),
         growth=1.0 + written.inserted / max(len(modes), 1),
         arcs=arcs,
@@ -127,7 +146,32 @@ def compensate(
         left_lines=tuple(int(expansion.user_line(k)) for k, mode in modes.items() if mode.left),
         swallowed=written.swallowed,
         expanded_lines=expansion.reasons,
+        uncorrected=_uncorrected(iteration, found, tolerance_mm),
+        steps=int(found.plan.is_step.sum()),
+        tilt_rad=_largest_tilt(preparation, model),
     )
+
+
+def _uncorrected(
+    iteration: Iteration, found: Solution, tolerance_mm: float
+) -> dict[int, tuple[float, str]]:
+    """Lines that keep more than the tolerance before rounding: how much, mm, and why."""
+    moves = iteration.preparation.path.nodes.moves
+    user_line = iteration.expansion.user_line
+    reasons = {}
+    for move in np.flatnonzero(iteration.stuck.any(axis=1)).tolist():
+        axes = ", ".join(np.array(list("XYZ"))[iteration.stuck[move]])
+        reasons[int(user_line(moves.line[move]))] = f"the program has not said where {axes} is"
+    far = found.residual.told_in(iteration.expansion).lines_beyond(tolerance_mm)
+    return {line: (size, reasons.get(line, _TOO_FAST)) for line, size in far.items()}
+
+
+def _largest_tilt(preparation: Preparation, model: TipModel) -> float:
+    """Largest angle, rad, by which the tool is tilted while it cuts."""
+    nodes = preparation.path.nodes
+    rows = np.flatnonzero(nodes.moves.kind[nodes.move] != MoveKind.RAPID)
+    tilt = model.displacement_at(preparation, nodes.move[rows], nodes.parameter[rows]).tilt_rad
+    return float(np.linalg.norm(tilt, axis=1).max(initial=0.0))
 
 
 def _rewritable(preparation: Preparation, modes: Mapping[int, BlockModes]) -> np.ndarray:

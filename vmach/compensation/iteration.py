@@ -60,6 +60,8 @@ class Iteration:
     model: TipModel
     expansion: Expanded
     check: Callable[[Target], None]
+    progress: Callable[[int, int], None]
+    done: int = 0
 
     def __post_init__(self) -> None:
         """Axes, for every move, that have no word in their block and may not get one."""
@@ -142,6 +144,8 @@ class Iteration:
         for _ in range(_ROUNDS):
             target = Target(plan.pieces, self._within_travel(plan, ends), middles.copy())
             self.check(target)
+            self.done += 1
+            self.progress(self.done, max(self.done + 1, 2 * _ROUNDS))
             run = self.run(plan, self.write(target, _FINE_MM))
             end = self._end_miss(run) - plan.aim_mm[run.written]
             middle = run.miss(0.5)

@@ -8,11 +8,12 @@ import numpy as np
 
 from vmach.compensation.expanded_text import Expanded
 from vmach.compensation.rewriting import Target
+from vmach.compensation.written_run import WrittenRun
 from vmach.errors import InputError
 from vmach.preparation import Preparation
 from vmach.units import um_from_mm
 
-__all__ = ["check_corrections", "lines_text"]
+__all__ = ["check_corrections", "check_result", "lines_text"]
 
 _MOST_LINES = 10
 
@@ -40,6 +41,36 @@ def check_corrections(
         accepted=f"at most {um_from_mm(limit_mm):g} um",
         hint="--limit-um sets the limit",
     )
+
+
+def check_result(
+    preparation: Preparation, run: WrittenRun, limit_mm: float, expansion: Expanded
+) -> None:
+    """Refuse a written program that cuts where the nominal one does not, or passes there.
+
+    The tool at feed is held against its nominal path everywhere, so that its swept volume is
+    that of the nominal program within the residual. Rapids must not pass farther from their
+    nominal path than the limit, unless the user's program does so itself.
+
+    Raises
+    ------
+    InputError
+        With the lines.
+    """
+    refused = {
+        "the tool is still up to {:.2f} um off its path": run.residual(),
+        "rapids pass up to {:.2f} um off their path": run.worse_rapids(limit_mm),
+    }
+    for what, residual in refused.items():
+        far = residual.told_in(expansion).lines_beyond(limit_mm)
+        if far:
+            raise InputError(
+                f"{what.format(um_from_mm(max(far.values())))} (lines {lines_text(far)})",
+                file=preparation.program.path,
+                line=min(far),
+                accepted=f"at most {um_from_mm(limit_mm):g} um",
+                hint="--residual-limit-um sets the limit",
+            )
 
 
 def lines_text(lines: np.ndarray | list[int] | Mapping[int, float]) -> str:

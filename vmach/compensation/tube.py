@@ -101,7 +101,7 @@ def _first_lines(lines, low, high, way, bottom, top):
 @njit(cache=True)
 def _cut(lines, corners, way, bound, sign):
     """Keep the lines with ``sign * (value + way * slope) <= sign * bound``; corners left."""
-    kept = np.empty((corners + 2, 2))
+    kept = np.empty((2 * corners + 2, 2))
     count = 0
     for k in range(corners):
         one, two = lines[k], lines[(k + 1) % corners]

@@ -25,6 +25,8 @@ __all__ = ["WrittenRun"]
 _SPACING_MM = 0.5
 _MOST_INSIDE = 400
 _FEWEST_INSIDE = 4
+_ON_RAPIDS = 9
+_NOTHING_MM = 1e-6
 
 
 @dataclass(frozen=True)
@@ -112,6 +114,25 @@ class WrittenRun:
         distance, rows = self._distances(np.ones((len(self.written), 3), bool))
         line = self.original.path.nodes.moves.line[self.plan.move[self.written[rows]]]
         return Residual(distance, line)
+
+    def worse_rapids(self, limit_mm: float) -> Residual:
+        """Rapids that pass farther from their nominal path than a limit and than they did before.
+
+        Those that the travel's end holds back stay as far off as they were.
+        """
+        moves, nominal = self.again.path.nodes.moves, self.original.path.nodes.moves
+        kind = nominal.kind[self.plan.move[self.written]]
+        rapid = np.flatnonzero(kind == MoveKind.RAPID)
+        rows, share = (
+            np.repeat(rapid, _ON_RAPIDS),
+            np.tile(np.linspace(0, 1, _ON_RAPIDS), len(rapid)),
+        )
+        tangent = tangent_at(moves, self.row[rows], share)
+        now = np.linalg.norm(across(self.miss(share, rows), tangent), axis=1)
+        move = self.plan.move[self.written[rows]]
+        before = np.linalg.norm(self.model.error_at(self.original, move, share), axis=1)
+        worse = now > np.maximum(limit_mm, before + _NOTHING_MM)
+        return Residual(now[worse], nominal.line[move[worse]])
 
     def residual_of_pieces(self, stuck: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What more pieces could mend: largest distance (K,) of every piece, and start, (K, 3).

@@ -1,0 +1,176 @@
+"""The compensated program on the part's surface: what it leaves of the predicted deviations."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from stock import cut_part, write_part
+from vmach.errors import InputError
+from vmach.inspection import found_on_part, surface_points
+from vmach.job import Job
+from vmach.machine import Variant
+from vmach.nominal import Mesh, NominalPart, read_nominal
+from vmach.points import SurfacePoints
+from vmach.prediction import Effect, Prediction, displaced_sweeps, displacement_of, predict
+from vmach.preparation import Preparation, prepare
+
+__all__ = ["Surface", "SurfaceCheck", "check_surface", "read_surface"]
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Where a job's part is looked at.
+
+    Attributes
+    ----------
+    points : SurfacePoints
+    mesh : Mesh
+        To draw them on.
+    source : str
+        What the points were taken from.
+    """
+
+    points: SurfacePoints
+    mesh: Mesh
+    source: str
+
+
+@dataclass(frozen=True)
+class SurfaceCheck:
+    """Error of Q surface points, predicted minus that of the same program without any error.
+
+    Points count that every program cuts.
+
+    Attributes
+    ----------
+    surface : Surface
+    row : (Q,) int64
+        Rows of the surface's points.
+    before_mm, after_mm : (Q,) float64
+        Along the outward normal, of the user's program and of the compensated one.
+    line, tool, move : (Q,) int
+        What makes each point, in the user's program.
+    time_s : (Q,) float64
+    tilt_mm : (Q,) float64
+        Share of the tool's tilt in what the compensated program leaves.
+    at_edge_mm : dict of str to (Q,) float64
+        Shares of the effects that act at the cutting edge, by label.
+    lost : int
+        Points that the user's program cuts, and the compensated one does not.
+    """
+
+    surface: Surface
+    row: np.ndarray
+    before_mm: np.ndarray
+    after_mm: np.ndarray
+    line: np.ndarray
+    tool: np.ndarray
+    move: np.ndarray
+    time_s: np.ndarray
+    tilt_mm: np.ndarray
+    at_edge_mm: dict[str, np.ndarray]
+    lost: int
+
+    @property
+    def ratio(self) -> float:
+        """Mean error before over mean error after; infinite where nothing is left."""
+        after = float(np.abs(self.after_mm).mean()) if len(self.after_mm) else 0.0
+        return float(np.abs(self.before_mm).mean()) / after if after else np.inf
+
+
+def read_surface(job: Job) -> Surface | None:
+    """The job's inspection points; of the part that the perfect program cuts where it has none.
+
+    None for a job without CAD, measured points and blank.
+    """
+    if job.nominal is not None:
+        nominal = read_nominal(job.nominal)
+        return Surface(surface_points(job, nominal), nominal.mesh, "nominal CAD")
+    if job.blank is None:
+        return None
+    preparation = prepare(job)
+    part = cut_part(
+        displaced_sweeps(preparation, Variant.NONE), preparation.cutters, job.blank.solid
+    )
+    mesh = Mesh(part.vertices_mm, part.triangles, np.zeros(len(part.triangles), int))
+    if job.measured is not None:
+        return Surface(surface_points(job, None), mesh, "measured points")
+    return Surface(_points_on(part, job), mesh, "the part that the perfect program cuts")
+
+
+def _points_on(part, job: Job) -> SurfacePoints:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "part.stl"
+        write_part(part, path)
+        nominal: NominalPart = read_nominal(path)
+    settings = job.inspection
+    return nominal.sample(settings.spacing_mm, edge_margin_mm=settings.edge_margin_mm)
+
+
+def check_surface(
+    job: Job,
+    text: bytes,
+    surface: Surface,
+    *,
+    effects: Sequence[Effect] = (),
+    variant: Variant = Variant.ABBE,
+) -> SurfaceCheck:
+    """Predict the part before and after, from the texts of both programs.
+
+    Raises
+    ------
+    InputError
+        No point of the surface is cut.
+    """
+    before = prepare(job)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / job.program.name
+        path.write_bytes(text)
+        after = prepare(job, program_path=path)
+
+    def predicted(
+        preparation: Preparation, variant: Variant, effects: Sequence[Effect]
+    ) -> Prediction:
+        points = surface.points
+        return predict(preparation, points.point_mm, points.normal, variant=variant,
+                       effects=effects, known_surface=found_on_part(points, job))  # fmt: skip
+
+    perfect = predicted(before, Variant.NONE, ())
+    old, new = predicted(before, variant, effects), predicted(after, variant, effects)
+    was_cut = perfect.is_cut & old.is_cut
+    rows = np.flatnonzero(was_cut & new.is_cut)
+    if not len(rows):
+        raise InputError(
+            "no inspection point is cut", file=job.path, hint="is the CAD in workpiece coordinates?"
+        )
+    states, at_edge = old.states, {}
+    of_old, of_new = _places(old, rows), _places(new, rows)
+    left, normal = new.states[of_new], surface.points.normal[rows]
+    tilt = displacement_of(after, left, variant, effects).tilt_rad
+    for effect in effects:
+        share = np.einsum("ij,ij->i", effect.at_surface(left), normal)
+        if share.any():
+            at_edge[getattr(effect, "label", type(effect).__name__)] = share
+    return SurfaceCheck(
+        surface=surface,
+        row=rows,
+        before_mm=(old.deviation_mm - perfect.deviation_mm)[rows],
+        after_mm=(new.deviation_mm - perfect.deviation_mm)[rows],
+        line=states.line[of_old],
+        tool=states.tool[of_old],
+        move=states.move[of_old],
+        time_s=states.time_s[of_old],
+        tilt_mm=np.einsum("ij,ij->i", np.cross(tilt, left.contact_mm), normal),
+        at_edge_mm=at_edge,
+        lost=int((was_cut & ~new.is_cut).sum()),
+    )
+
+
+def _places(prediction: Prediction, rows: np.ndarray) -> np.ndarray:
+    """Where rows of the points are in the prediction's states."""
+    return (np.cumsum(prediction.is_cut) - 1)[rows]
