@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.signal import lsim
@@ -177,13 +179,32 @@ def test_radial_depth_is_the_allowance_of_the_roughing_pass(tmp_path):
         climb_um=0.0,
         slot_um=0.0,
         feed_exponent=1.0,
+        width_exponent=2.0,
         allowance_mm=0.3,
     )
-    # (depth of cut / 10) (width / 1) (feed per tooth / 0.1) (L / 100)^3 (20 / d)^4
+    # (depth of cut / 10) (width / 1)^2 (feed per tooth / 0.1) (L / 100)^3 (20 / d)^4
     depth = path.axial_depth_mm
-    force = depth / 10 * 0.5 * (600 / (6000 * 2) / 0.1)
+    force = depth / 10 * 0.5**2 * (600 / (6000 * 2) / 0.1)
     left = np.einsum("ij,ij->i", moved, normal)
     np.testing.assert_allclose(left, 4e-3 * force * (20 / 10) ** 4, rtol=5e-3)
+
+
+def test_marks_of_a_single_flute_are_the_mean_of_its_arcs():
+    """A wall milled by one flute: the mean height of circular arcs one turn's feed apart."""
+    radius, turn = 5.0, 2.0
+    x = np.linspace(-turn / 2, turn / 2, 20001)
+    mean_mm = np.mean(radius - np.sqrt(radius**2 - x**2))
+    path = SimpleNamespace(
+        feed_per_tooth_mm=np.full(5, turn / 4),
+        side_normal=np.tile([0.0, 1.0, 0.0], (5, 1)),
+        tool=np.array([1, 1, 1, 2, 2]),
+        of_tool=lambda name: np.full(5, {"flutes": 4.0, "diameter_mm": 2 * radius}[name]),
+    )
+    effect = catalogue()["runout"]
+    left = effect.displacement(path, "T1", runout_um=8.0, marks_share=1.0)
+    expected = np.where(path.tool == 1, mean_mm - 8e-3, 0.0)
+    np.testing.assert_allclose(left[:, 1], expected, rtol=0.02)
+    np.testing.assert_array_equal(left[:, [0, 2]], 0.0)
 
 
 def test_locally_heated_screw_against_finite_differences(job):

@@ -13,11 +13,11 @@ _SLOTTING = 0.15
 class ToolDeflection(Effect):
     """Material is left in proportion to the force across the wall and the tool's slenderness.
 
-    The force goes with axial depth x radial depth x feed per tooth to a power; a slender tool
-    gives way with length cubed over diameter to the fourth. The amplitudes are stated for a cut
-    10 mm deep and 1 mm wide at 0.1 mm per tooth, with a tool of 20 mm diameter, 100 mm long.
-    The radial depth comes from the earlier passes of the program. Where there are none, walls
-    would be made by slotting; they are taken as roughed by another program, which left
+    The force goes with the axial depth and with powers of radial depth and feed per tooth; a
+    slender tool gives way with length cubed over diameter to the fourth. The amplitudes are stated
+    for a cut 10 mm deep and 1 mm wide at 0.1 mm per tooth, with a tool of 20 mm diameter, 100 mm
+    long. The radial depth comes from the earlier passes of the program. Where there are none,
+    walls would be made by slotting; they are taken as roughed by another program, which left
     `allowance_mm`.
     """
 
@@ -37,6 +37,14 @@ class ToolDeflection(Effect):
             spread=0.3,
         ),
         inner(
+            "width_exponent",
+            "of the force with the radial depth",
+            (0.8, 1.0),
+            usual=0.9,
+            spread=0.1,
+            optional=True,
+        ),
+        inner(
             "allowance_mm",
             "radial depth of walls that an earlier program roughed",
             (0.05, 0.1, 0.2, 0.4, 0.8),
@@ -45,10 +53,12 @@ class ToolDeflection(Effect):
     )
     targets = ("",)
     needs_surface = True
-    slack_share = 0.1
+    slack_share = 0.15
     usual_size = "5 to 30 um in finishing, up to 100 um in roughing"
     confirm = "run a spring pass: the same path again without infeed takes off what was left"
     cure = "shorter or thicker tool, smaller allowance, lower feed per tooth, or a spring pass"
+    # the mean chip thickness is f_z sqrt(a_e / D) over an arc of 2 sqrt(a_e / D): with Kienzle's
+    # exponent p = 1 - m_c of the feed, the radial depth has (1 + p) / 2
     source = "cantilever L^3/(3 E I); chip thickness exponent 1 - m_c after Kienzle"
 
     def displacement(
@@ -61,6 +71,7 @@ class ToolDeflection(Effect):
         climb_um,
         slot_um,
         feed_exponent,
+        width_exponent,
         allowance_mm,
     ):
         diameter, depth = path.of_tool("diameter_mm"), path.axial_depth_mm
@@ -74,6 +85,6 @@ class ToolDeflection(Effect):
         v = path.velocity_mm_per_s
         climbing = np.sign(path.normal[:, 1] * v[:, 0] - path.normal[:, 0] * v[:, 1])
         share = tool_um + taper_um * (0.5 - height) + climb_um * climbing
-        left_um = (machine_um + share * slender) * width * force
+        left_um = (machine_um + share * slender) * width**width_exponent * force
         left_um += slot_um * slotting * climbing * slender * force
         return 1e-3 * left_um[:, None] * path.side_normal

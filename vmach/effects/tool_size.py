@@ -1,5 +1,7 @@
 """Tool size: radius and length of a tool are not what the control believes."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from vmach.effects.effect import Effect, along, inner, linear
@@ -35,19 +37,32 @@ class ToolRadius(_OfOneTool):
 
 
 class Runout(_OfOneTool):
-    """The tool turns off centre: its longest flute cuts at a larger radius."""
+    """The tool turns off centre: its longest flute cuts at a larger radius.
+
+    Where that flute cuts alone, feed marks of height f^2 / (8 R) stay, f the feed of one turn; a
+    probe sees a third of it as material left.
+    """
 
     name = "runout"
     title = "runout of the tool"
-    parameters = (linear("runout_um", "growth of the cutting radius", usual=10.0),)
+    parameters = (
+        linear("runout_um", "growth of the cutting radius", usual=10.0),
+        replace(
+            linear("marks_share", "share of the marks of a single flute that is there", usual=1.0),
+            optional=True,
+        ),
+    )
     needs_surface = True
     rarity = 1.0
     usual_size = "3 to 20 um"
     confirm = "dial gauge on the shank at two heights, spindle turned by hand"
     cure = "clean collet and taper; clamp the tool again; balance it"
 
-    def displacement(self, path, target, runout_um):
-        return -1e-3 * runout_um * _by(path, target)[:, None] * path.side_normal
+    def displacement(self, path, target, runout_um, marks_share):
+        turn_mm = path.feed_per_tooth_mm * np.nan_to_num(path.of_tool("flutes"), nan=2.0)
+        marks_mm = turn_mm**2 / (24.0 * 0.5 * path.of_tool("diameter_mm"))
+        left_mm = marks_share * marks_mm - 1e-3 * runout_um
+        return (left_mm * _by(path, target))[:, None] * path.side_normal
 
 
 class ToolWear(_OfOneTool):

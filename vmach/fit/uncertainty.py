@@ -22,7 +22,11 @@ from vmach.fit.whitening import Whitening
 __all__ = ["Spread", "parameter_uncertainty"]
 
 #: nodes on each side of the best value, in standard deviations, by number of inner parameters
-_NODES = {1: np.linspace(-4.0, 4.0, 17), 2: np.linspace(-3.5, 3.5, 11)}
+_NODES = {
+    1: np.linspace(-4.0, 4.0, 17),
+    2: np.linspace(-3.5, 3.5, 11),
+    3: np.linspace(-3.0, 3.0, 7),
+}
 #: passes at most; each sets its grid by the spread that the one before found
 _PASSES = 4
 #: a grid is right when it finds the spread that it was made for, up to this factor
