@@ -9,7 +9,7 @@ import os
 
 import pytest
 
-from tests.oracle.compensation_corpus import corpus_programs, judged
+from tests.oracle.compensation_corpus import compensated, corpus_programs, judged, write_job
 from tests.oracle.linuxcnc_interpreter import is_installed
 
 CORPUS = os.environ.get("VMACH_GCODE_CORPUS")
@@ -32,3 +32,14 @@ def test_linuxcnc_makes_the_intended_path(path, tmp_path):
     assert outcome.wrong == []
     # ends and middles, at 0.001 mm: see test_residual_of_rounding_is_within_its_bound
     assert outcome.worst_mm < 1.6e-3
+
+
+@pytest.mark.parametrize("path", PROGRAMS, ids=lambda p: p.name)
+def test_without_errors_every_byte_stays(path, tmp_path):
+    write_job(tmp_path, path, effects="", errors=False)
+    try:
+        found, _ = compensated(tmp_path)
+    except ValueError as error:
+        assert any(words in str(error) for words in NO_THREE_AXIS_CUT), str(error)
+        return
+    assert found.text == path.read_bytes()

@@ -194,6 +194,15 @@ def test_axes_never_said_get_no_word(tmp_path):
     assert "Z" in lines[4]
 
 
+def test_a_tool_change_and_a_skipped_block_say_nothing(tmp_path):
+    body = "G1 Z-1. F200\nT1 M6\nG0 X90.\nG0 Y0. Z5.\n/Y20.\nG1 X0.\nM30\n"
+    job, effects = job_with(tmp_path, body, BENT)
+    lines = compensate(job, effects).text.decode().splitlines()
+    after = lines.index("T1 M6", 5) + 1
+    assert re.fullmatch(r"G0 X\S+", lines[after])
+    assert re.search(r"Y", lines[after + 1])
+
+
 def test_program_without_tool_change_has_the_only_tool(tmp_path):
     job, effects = job_with(tmp_path, "", SCALE)
     job.program.write_text("G21 G90 G54\nG0 X0. Y0. Z5.\nG1 X30. F100\nM30\n")

@@ -80,6 +80,10 @@ class BlockText:
                  if w.letter == "G" and w.value in (0.0, 1.0, 2.0, 3.0))  # fmt: skip
         return next(found, None)
 
+    def may_be_skipped(self, line: int) -> bool:
+        """Whether the line begins with a slash."""
+        return self.source.lines[line - 1].lstrip().startswith("/")
+
     def is_incremental(self, word: Word) -> bool:
         """Whether the word itself says that it is a distance."""
         return False

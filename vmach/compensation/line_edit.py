@@ -55,7 +55,7 @@ class LineEdit:
     @property
     def may_be_skipped(self) -> bool:
         """The line begins with a slash."""
-        return self.text.source.lines[self.line - 1].lstrip().startswith("/")
+        return self.text.may_be_skipped(self.line)
 
     @property
     def has_radius(self) -> bool:

@@ -12,16 +12,18 @@ from vmach.compensation.block_text import BlockText
 
 __all__ = ["said_axes"]
 
-_Z_ONLY = (False, False, True)
+#: what makes the place of axes uncertain, where it says something new or (these) in any case
 _FRAMES = {"set_g5x_offset": (True, True, True), "set_xy_rotation": (True, True, False)}
+_ANYWAY = {"tool_offset": (False, False, True), "change_tool": (True, True, True)}
 
 
 def said_axes(program: Program, modes: Mapping[int, BlockModes], text: BlockText) -> np.ndarray:
     """Axes that have had a word in the frame that a move is made in, (N, 3) bool.
 
     Only these may get a word that the user's block lacks. Where the others stand is a matter of
-    the control's work offsets, tool lengths and reference points, which the job need not have
-    right: a word for them could move the machine by any distance. A distance (G91) is safe.
+    the control's work offsets, tool lengths, tool changer and reference points, which the job
+    need not have right: a word for them could move the machine by any distance. A distance (G91)
+    is safe. A block that may be skipped says nothing.
 
     Parameters
     ----------
@@ -44,7 +46,7 @@ def said_axes(program: Program, modes: Mapping[int, BlockModes], text: BlockText
         if mode.left:
             named = [a in {w.letter for w in words} for a in "XYZ"] if words else [True] * 3
             known &= ~np.array(named)
-        elif not mode.incremental:
+        elif not mode.incremental and not text.may_be_skipped(line):
             said = {w.letter for w in words if not text.is_incremental(w)}
             known = known | [a in said for a in "XYZ"]
         found[move] = known | mode.incremental
@@ -59,8 +61,8 @@ def _lost(program: Program) -> tuple[np.ndarray, np.ndarray]:
     turned = np.zeros(len(lost), bool)
     told: dict[str, list] = {}
     for row, _, name, *values in program.record.events:
-        if name == "tool_offset":
-            lost[row] |= _Z_ONLY
+        if name in _ANYWAY:
+            lost[row] |= _ANYWAY[name]
         elif name in _FRAMES:
             if told.get(name, values) != values:
                 lost[row] |= _FRAMES[name]
