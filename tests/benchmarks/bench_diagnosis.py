@@ -6,7 +6,7 @@ JOB (default samples/missing_effect) gives the design: program, points, uncertai
 are replaced by the model's own plus noise, a draw of the tables' uncertainty, and nothing, one or
 two effects, or a pattern that no effect makes. Effects are drawn from the library itself, so the
 counts are an upper limit of what real causes give; experiments with independent causes are those
-of bench_trials.py.
+of bench_hidden_effects.py.
 """
 
 from __future__ import annotations
@@ -52,7 +52,8 @@ class Simulation:
             c = self.search.candidates[self.random.integers(len(self.search.candidates))]
             if c.effect.name in LEFT_OUT or self.search.log_prior(c) < -1.0:
                 continue
-            place = self.random.integers(len(c.grid))
+            chance = np.exp(c.log_prior)
+            place = self.random.choice(len(c.grid), p=chance / chance.sum())
             size = self.random.uniform(0.4, 2.0) * self.random.choice([-1.0, 1.0])
             coefficients = np.zeros(c.signatures_mm.shape[2])
             coefficients[0] = size
@@ -117,16 +118,19 @@ def is_right(kind: str, wanted: list, found: Diagnosis) -> bool:
 
 
 def coverage(wanted: list, found: Diagnosis) -> tuple[int, int]:
-    """How many of the parameters that were found lie within 1.96 u of the truth."""
+    """How many of the parameters that are shown have the truth in their 95 % intervals."""
     hit, total = 0, 0
     for name, target, truth, _ in wanted:
         for f in found.findings:
             if (f.name, f.target) != (name, target):
                 continue
             for key, value in truth.items():
-                if f.u.get(key, 0.0) > 0.0:
+                if f.u.get(key) and key in f.interval_95:
+                    low, high = f.interval_95[key]
+                    if key == "phase_rad":  # the turn that is meant is the nearest
+                        value += 2 * np.pi * np.round((f.parameters[key] - value) / (2 * np.pi))
                     total += 1
-                    hit += abs(f.parameters[key] - value) < 1.96 * f.u[key]
+                    hit += low <= value <= high
     return hit, total
 
 

@@ -153,6 +153,41 @@ def _laser(axis: str):
     return measure
 
 
+def _diagonal(corner: int):
+    """One diagonal of the working space, there and back twice; corner 0 has all axes rising."""
+    toward = np.array([1.0, 1.0 - 2 * (corner & 1), 1.0 - 2 * (corner >> 1)])
+
+    def measure(rng, site: Site):
+        length, middle = 160.0, np.full(3, 0.5)
+        ends = site.share(middle - 0.42 * toward), site.share(middle + 0.42 * toward)
+        start, end = (np.round(e, 3) for e in ends)
+        way = float(np.linalg.norm(end - start))
+        unit, stops = (end - start) / way, np.linspace(0.0, way, 25)
+        journey, nodes, told = Journey(start - 5.0 * unit), [], []
+        for run in ("1", "2"):
+            for sign, targets in ((1, stops), (-1, stops[::-1])):
+                journey.go(start + (targets[0] - sign * 5.0) * unit, feed_mm_min=6000)
+                for s in targets:
+                    journey.go(start + s * unit, feed_mm_min=6000)
+                    journey.wait(4.0)
+                    nodes.append(journey.node - 1)
+                    told.append((run, s, float(sign)))
+        state = state_without_cut(
+            journey.path(),
+            node=np.array(nodes),
+            share=np.ones(len(nodes)),
+            tool_length_mm=length,
+            zero_mm=site.zero_mm,
+        )
+        seen = site.seen_um(state) @ unit + U_UM * rng.normal(size=len(nodes))
+        time = state.time_s - state.time_s[0]
+        rows = [(*t, s, d) for t, s, d in zip(told, time, seen - seen[0], strict=True)]
+        settings = {"from_mm": start, "to_mm": end, "tool_length_mm": length, "u_um": U_UM}
+        return "run,distance_mm,approach,t_s,deviation_um", rows, settings
+
+    return measure
+
+
 def _drift(rng, site: Site):
     """An hour with the spindle on, half an hour off."""
     length, at = 120.0, np.round(site.share((0.5, 0.5, 0.5)), 3)
@@ -209,6 +244,8 @@ INSTRUMENTS = {
     "laser_X": _laser("X"),
     "laser_Y": _laser("Y"),
     "laser_Z": _laser("Z"),
+    "diagonal_0": _diagonal(0),
+    "diagonal_1": _diagonal(1),
     "drift": _drift,
     "tip": _tip,
 }

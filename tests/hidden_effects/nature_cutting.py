@@ -30,7 +30,6 @@ def tool_radius(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         {"radius_um": less},
         target=f"T{TOOLS[tool].number}",
         on_part_only=True,
-        twins=("tool_radius", "runout"),
     )
 
 
@@ -54,7 +53,6 @@ def runout(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         {"runout_um": wide},
         target=f"T{TOOLS[tool].number}",
         on_part_only=True,
-        twins=("tool_radius", "runout"),
     )
 
 

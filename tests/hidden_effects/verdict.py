@@ -7,9 +7,10 @@ The rules, as strict as physics allows:
   correct statement about a scale (EXX), a squareness (slope of a straightness), a sagging beam
   (EZX) and a reflector that stood elsewhere (an error of its axis' position only), if it is that
   very table. The reverse is not: sag or scale named for a bent table is wrong.
-* Twins have one and the same signature in every CMM measurement of a part: radius of the tool
-  and runout; either of them on all tools and the radius of the probe; three equal scales and the
-  workpiece's temperature. A twin named alone claims more than can be known: outcome `alone`.
+* Twins have one and the same signature in every CMM measurement of a part: the radius of the
+  probe and that of all tools; three equal scales and the workpiece's temperature. A twin named
+  alone claims more than can be known: outcome `alone`. A tool's radius and its runout are no
+  twins: the one tooth that cuts leaves cusps that grow with the square of the feed.
 * The length of one of two tools is the other's with the sign turned and a shift of the datum:
   either tool may be named.
 * A class is right if it holds the true name, if its leader points at the same target where the

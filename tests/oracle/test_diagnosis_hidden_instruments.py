@@ -25,7 +25,7 @@ def measured(folder, name, move, *, on_part_only=False):
     assert f'file = "{name}.csv"' in lines
     return np.genfromtxt(
         folder / f"{name}.csv", delimiter=",", names=True, dtype=None, encoding="utf-8",
-        deletechars="", converters={0: str} if name[0] in "bl" else None,
+        deletechars="", converters={0: str} if name[:2] in ("ba", "la", "di") else None,
     )  # fmt: skip
 
 
@@ -65,6 +65,18 @@ def test_ballbar_turns_both_ways_with_feed(tmp_path):
             )
 
 
+def test_diagonal_shows_the_mean_of_the_scales(tmp_path):
+    """Stretch along a direction (a, b, c): scale . (a^2, b^2, c^2)."""
+    scale = np.array([30e-6, -10e-6, 20e-6])
+    rows = measured(tmp_path, "diagonal_1", lambda s: s.nose_mm * scale)
+    fit = np.polyfit(rows["distance_mm"], rows["deviation_um"], 1)
+    machine = perfect_machine()
+    room = np.array([np.ptp(machine.travel_mm[a]) for a in "XYZ"])
+    unit = room / np.linalg.norm(room)
+    assert fit[0] == pytest.approx(1e3 * scale @ unit**2, abs=2e-4)
+    assert rows["distance_mm"].max() == pytest.approx(0.84 * np.linalg.norm(room), rel=1e-5)
+
+
 def test_drift_runs_an_hour_and_stops(tmp_path):
     rows = measured(
         tmp_path, "drift",
@@ -96,5 +108,5 @@ def test_tracker_leaves_a_rigid_motion(tmp_path):
 @pytest.mark.parametrize("name", INSTRUMENTS)
 def test_what_belongs_to_the_cut_is_not_in_a_test_without_one(tmp_path, name):
     big = measured(tmp_path, name, lambda s: 1.0 + 0 * s.nose_mm, on_part_only=True)
-    column = {"b": "radius_um", "l": "deviation_um"}.get(name[0], "dx_um")
+    column = {"ba": "radius_um", "la": "deviation_um", "di": "deviation_um"}.get(name[:2], "dx_um")
     assert np.abs(big[column]).max() < 100

@@ -8,9 +8,9 @@ LAG = {
     "name": "backlash", "target": "X", "accept": ["backlash"], "twins": [],
     "comparable": {"reversal_um": 6.0},
 }  # fmt: skip
-THICK = {
-    "name": "tool_radius", "target": "T1", "accept": ["tool_radius"], "comparable": {},
-    "twins": ["tool_radius", "runout"],
+WARM = {
+    "name": "workpiece_temperature", "target": None, "accept": ["workpiece_temperature"], "comparable": {},
+    "twins": ["workpiece_temperature", "scale"],
 }  # fmt: skip
 STRETCHED = {
     "name": "scale", "target": "X", "accept": ["scale", "component EXX"], "twins": [],
@@ -45,9 +45,10 @@ def outcome(hidden, *entries, verdict="named"):
         ([LAG], [entry("hysteresis X")], "wrong"),
         ([LAG], [entry("backlash X", *"abcde")], "vague"),
         ([LAG], [entry("backlash X"), entry("scale Y")], "extra"),
-        ([THICK], [entry("tool_radius T1")], "alone"),
-        ([THICK], [entry("tool_radius T1", "runout")], "class"),
-        ([THICK], [entry("runout T1", "tool_radius")], "class"),
+        ([WARM], [entry("workpiece_temperature")], "alone"),
+        ([WARM], [entry("workpiece_temperature", "scale")], "class"),
+        ([WARM], [entry("workpiece_temperature", "tool_radius")], "alone"),
+        ([WARM], [entry("scale X", "workpiece_temperature")], "class"),
         ([STRETCHED], [entry("component EXX")], "right"),
         ([STRETCHED], [entry("component EYY")], "wrong"),
         ([LAG, STRETCHED], [entry("backlash X")], "part"),
