@@ -162,13 +162,15 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--folder", type=Path, default=Path("hidden_experiments"))
     parser.add_argument("--instruments", nargs="*", default=[], choices=list(INSTRUMENTS))
-    parser.add_argument("--rows", type=Path, default=Path("hidden_experiments.csv"))
+    parser.add_argument("--rows", type=Path, help="default: rows.csv in the folder")
     parser.add_argument("--table", type=Path, help="only print the table of this file")
     parser.add_argument("--held-out", action="store_true")
     parser.add_argument("--keep", action="store_true")
     args = parser.parse_args()
     if args.table:
         return table(read_rows(args.table))
+    args.folder.mkdir(parents=True, exist_ok=True)
+    args.rows = args.rows or args.folder / "rows.csv"
     done = {(r["kind"], int(r["seed"])) for r in read_rows(args.rows)}
     tasks = [(k, args.seed + n) for n in range(args.count) for k in args.kinds]
     tasks = [t for t in tasks if t not in done]
