@@ -14,6 +14,7 @@ from vmach.compensation.iteration import Iteration, Solution
 from vmach.compensation.model import TipModel
 from vmach.compensation.residual import Residual
 from vmach.compensation.rewriting import Rewriter
+from vmach.compensation.rounding import rounded_target
 from vmach.compensation.safety import check_corrections, check_result
 from vmach.compensation.targets import check_words, target_control
 from vmach.job import Job
@@ -130,7 +131,8 @@ def compensate(
         progress,
     )
     found = iteration.solve(_rewritable(preparation, modes), tolerance_mm)
-    written = iteration.write(found.target, resolution_mm)
+    rounded = rounded_target(iteration.rewriter, found.plan, found.target, resolution_mm)
+    written = iteration.write(rounded, resolution_mm)
     run = iteration.run(found.plan, written)
     check_result(preparation, run, residual_limit_mm, expansion)
     arcs, kept = _arcs(preparation, found)

@@ -26,7 +26,7 @@ _SPACING_MM = 0.5
 _MOST_INSIDE = 400
 _FEWEST_INSIDE = 4
 _ON_RAPIDS = 9
-_NOTHING_MM = 1e-6
+_SLACK_MM = 1e-3
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ class WrittenRun:
         return Residual(distance, line)
 
     def worse_rapids(self, limit_mm: float) -> Residual:
-        """Rapids that pass farther from their nominal path than a limit and than they did before.
+        """Rapids that pass farther from their nominal path than a limit and than ever before.
 
         Those that the travel's end holds back stay as far off as they were.
         """
@@ -131,7 +131,8 @@ class WrittenRun:
         now = np.linalg.norm(across(self.miss(share, rows), tangent), axis=1)
         move = self.plan.move[self.written[rows]]
         before = np.linalg.norm(self.model.error_at(self.original, move, share), axis=1)
-        worse = now > np.maximum(limit_mm, before + _NOTHING_MM)
+        before = np.repeat(before.reshape(-1, _ON_RAPIDS).max(axis=1), _ON_RAPIDS)
+        worse = now > np.maximum(limit_mm, before + _SLACK_MM)
         return Residual(now[worse], nominal.line[move[worse]])
 
     def residual_of_pieces(self, stuck: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
