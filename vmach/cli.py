@@ -16,6 +16,7 @@ from stock import StockError
 from vmach import __version__
 from vmach.accuracy.command import accuracy
 from vmach.compensation.command import compensate
+from vmach.controller_tables.command import tables
 from vmach.diagnosis.command import add, diagnose, effects_app, history
 from vmach.errors import InputError, VmachError
 from vmach.iso230.command import iso230
@@ -137,6 +138,7 @@ for _command in (diagnose, add, history):
     app.command()(_command)
 app.add_typer(effects_app, name="effects")
 app.command()(compensate)
+app.command()(tables)
 app.command()(accuracy)
 app.command()(iso230)
 

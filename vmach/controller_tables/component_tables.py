@@ -1,0 +1,84 @@
+"""Plain component tables: one CSV an error, in the terms of ISO 230-1 and ISO/TR 16907.
+
+This form is our own, for controls and programs that none of the other formats serves:
+
+* ``chain.json``: order of the axes from the workpiece to the tool, squareness in rad, and what the
+  signs mean;
+* ``EXX.csv`` and the like: ``position_mm, forward_um, backward_um`` (``_urad`` for angles), the
+  error approaching in positive and in negative direction; linear between positions. Lines with
+  ``#`` are comments. vmach's machine file reads the same tables.
+
+Errors are those of the tool relative to the workpiece, actual minus nominal, right-handed, stated
+at the spindle nose with every axis at home (`vmach.controller_tables.rigid_chain`).
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+
+from vmach.controller_tables.rigid_chain import RigidChain
+from vmach.errors import InputError
+from vmach.toml_file import read_text
+
+__all__ = ["read_components", "write_components"]
+
+_MEANING = {
+    "schema": 1,
+    "sign": "tool relative to workpiece, actual minus nominal, rotations right-handed",
+    "origin": "spindle nose with every axis at home",
+    "model": "tip = S1 E1 S2 E2 S3 E3 (0, 0, -tool length), axes from the workpiece to the tool",
+    "holds": "18 component errors with reversal, squareness, any tool length",
+    "does_not_hold": "the tilt of the tool is known but three axes cannot correct it",
+}
+
+
+def write_components(folder: Path, chain: RigidChain) -> list[Path]:
+    """Write ``chain.json`` and one CSV for each error."""
+    record = {"order": chain.order, "squareness_rad": chain.squareness_rad, **_MEANING}
+    head = folder / "chain.json"
+    head.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    written = [head]
+    for name, (position, *ways) in sorted(chain.tables.items()):
+        unit = "urad" if name[1] in "ABC" else "um"
+        factor = 1e6 if unit == "urad" else 1e3
+        up, down = (factor * way for way in ways)
+        lines = [f"# {name}: {_MEANING['sign']}; at the {_MEANING['origin']}",
+                 f"position_mm,forward_{unit},backward_{unit}"]  # fmt: skip
+        rows = zip(position, up, down, strict=True)
+        lines += [f"{q:.4f},{a:.4f},{b:.4f}" for q, a, b in rows]
+        path = folder / f"{name}.csv"
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        written.append(path)
+    return written
+
+
+def read_components(folder: Path) -> RigidChain:
+    """Read ``chain.json`` and the tables beside it."""
+    head = folder / "chain.json"
+    try:
+        record = json.loads(read_text(head, what="chain"))
+        found = RigidChain(record["order"], squareness_rad=dict(record["squareness_rad"]))
+    except (json.JSONDecodeError, KeyError, TypeError) as error:
+        raise InputError(f"no chain: {error}", file=head) from None
+    for path in sorted(folder.glob("E??.csv")):
+        found.tables[path.stem] = _table(path)
+    return found
+
+
+def _table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    lines = [line for line in read_text(path, what="error table").splitlines() if line[:1] != "#"]
+    rows = list(csv.DictReader(lines))
+    scale = 1e-3 if rows and "forward_um" in rows[0] else 1e-6
+    unit = "um" if scale == 1e-3 else "urad"
+    try:
+        keys = ("position_mm", f"forward_{unit}", f"backward_{unit}")
+        position, up, down = np.array([[float(row[key]) for key in keys] for row in rows]).T
+    except (KeyError, TypeError, ValueError):
+        raise InputError(
+            "no error table", file=path, accepted="position_mm, forward_um, backward_um (or _urad)"
+        ) from None
+    return position, scale * up, scale * down

@@ -1,0 +1,123 @@
+"""LinuxCNC screw compensation: one file a joint, its own position only.
+
+Source: LinuxCNC's "INI Configuration", [JOINT_n] COMP_FILE and COMP_FILE_TYPE, and its source,
+``src/emc/motion/usrmotintf.cc`` (usrmotLoadComp), ``command.c`` (EMCMOT_SET_JOINT_COMP) and
+``control.c`` (compute_screw_comp):
+
+* three numbers a line, at most 256 lines, nominal positions increasing, in machine units;
+* type 0: nominal, actual position moving up, actual position moving down; type 1: nominal and
+  the two trims, trim = nominal - actual; the trim is added to the joint's commanded position;
+* linear between nominals, the first and last trims are held beyond them;
+* reading ends at the first line that is no three numbers, so comments can only stand at the end;
+* BACKLASH is not used for a joint with a COMP_FILE.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from vmach.controller_tables.projection import AxisTable
+from vmach.errors import InputError
+from vmach.toml_file import read_text
+
+__all__ = ["MOST_ENTRIES", "ScrewCompensation", "read_linuxcnc", "write_linuxcnc"]
+
+MOST_ENTRIES = 256
+_AXES = "XYZ"
+_COMMENT = """# What stands below the numbers is not read by LinuxCNC.
+# COMP_FILE_TYPE = {type}: {meaning}; mm, machine coordinates of joint {axis}.
+# Holds the joint's own position and its reversal; no straightness, no angle, no other axis.
+"""
+_MEANING = {
+    0: "nominal, actual moving in positive direction, actual moving in negative direction",
+    1: "nominal, trim in positive direction, trim in negative direction (trim = nominal - actual)",
+}
+
+
+def write_linuxcnc(folder: Path, tables: Sequence[AxisTable], *, file_type: int) -> list[Path]:
+    """Write ``x.comp`` and the like, and ``joints.ini`` with the lines that name them.
+
+    Parameters
+    ----------
+    folder : Path
+    tables : sequence of AxisTable
+        Own-axis tables.
+    file_type : {0, 1}
+        COMP_FILE_TYPE.
+    """
+    ini = ["# lines for the INI file; joint 0 is X, 1 is Y, 2 is Z (trivkins)"]
+    written = []
+    for table in tables:
+        axis = _AXES[table.term.input_axis]
+        path = folder / f"{axis.lower()}.comp"
+        base = table.position_mm if file_type == 0 else 0.0
+        sign = -1.0 if file_type == 0 else 1.0
+        columns = (base + sign * table.forward_mm, base + sign * table.backward_mm)
+        rows = zip(table.position_mm, *columns, strict=True)
+        lines = [f"{q:.4f} {up:.6f} {down:.6f}\n" for q, up, down in rows]
+        end = _COMMENT.format(type=file_type, meaning=_MEANING[file_type], axis=axis)
+        path.write_text("".join(lines) + end, encoding="utf-8")
+        ini += [f"[JOINT_{table.term.input_axis}]", f"COMP_FILE = {path.name}",
+                f"COMP_FILE_TYPE = {file_type}"]  # fmt: skip
+        written.append(path)
+    (folder / "joints.ini").write_text("\n".join(ini) + "\n", encoding="utf-8")
+    return [*written, folder / "joints.ini"]
+
+
+@dataclass(frozen=True)
+class ScrewCompensation:
+    """What LinuxCNC keeps of its files: nominal, forward trim, reverse trim by joint, (K, 3) mm."""
+
+    joints: dict[int, np.ndarray]
+
+    def applied_correction(
+        self, nose_mm: np.ndarray, direction: np.ndarray, tool_mm: np.ndarray
+    ) -> np.ndarray:
+        """What is added to the commanded positions, (P, 3) mm; unknown directions take the mean."""
+        found = np.zeros_like(nose_mm)
+        for joint, entries in self.joints.items():
+            at, way = nose_mm[:, joint], direction[:, joint]
+            up = np.interp(at, entries[:, 0], entries[:, 1])
+            down = np.interp(at, entries[:, 0], entries[:, 2])
+            found[:, joint] = np.where(way > 0, up, np.where(way < 0, down, 0.5 * (up + down)))
+        return found
+
+
+def read_linuxcnc(folder: Path) -> ScrewCompensation:
+    """Read the files that ``joints.ini`` names, as LinuxCNC does.
+
+    Raises
+    ------
+    InputError
+        Entries that do not increase, more than 256, or none.
+    """
+    joints, joint, name = {}, None, ""
+    for line in read_text(folder / "joints.ini", what="INI file").splitlines():
+        key, _, value = (part.strip() for part in line.partition("="))
+        if key.startswith("[JOINT_"):
+            joint = int(key[7:-1])
+        elif key == "COMP_FILE":
+            name = value
+        elif key == "COMP_FILE_TYPE":
+            joints[joint] = _triplets(folder / name, int(value))
+    return ScrewCompensation(joints)
+
+
+def _triplets(path: Path, file_type: int) -> np.ndarray:
+    rows = []
+    for number, line in enumerate(read_text(path, what="compensation file").splitlines(), 1):
+        try:
+            nominal, up, down = (float(word) for word in line.split()[:3])
+        except ValueError:
+            break
+        if rows and nominal <= rows[-1][0]:
+            raise InputError(f"nominal {nominal:g} does not increase", file=path, line=number)
+        trims = (nominal - up, nominal - down) if file_type == 0 else (up, down)
+        rows.append((nominal, *trims))
+    if not 1 <= len(rows) <= MOST_ENTRIES:
+        raise InputError(f"{len(rows)} entries", file=path, accepted=f"1 .. {MOST_ENTRIES}")
+    return np.array(rows)

@@ -1,0 +1,183 @@
+"""Where the error of the tool tip is looked at: over the volume, or along a job's program."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gcode import MoveKind
+from vmach.accuracy.field import Volume
+from vmach.effects import read_effects
+from vmach.errors import InputError
+from vmach.job import Job
+from vmach.machine import Machine, Variant, contributions, displacement
+from vmach.prediction import displacement_of
+from vmach.preparation import prepare
+
+__all__ = ["ErrorSamples", "job_samples", "joined", "lattice_samples", "volume_samples"]
+
+#: points across the other two axes: a lattice of Fibonacci numbers, even in either coordinate
+_ACROSS, _ACROSS_STEP = 55, 34
+_ALONG_PER_INTERVAL = 4
+
+
+@dataclass(frozen=True)
+class ErrorSamples:
+    """States of the machine, and the error of the tool tip in each.
+
+    Attributes
+    ----------
+    nose_mm : (P, 3) float64
+        Axis positions q.
+    direction : (P, 3) float64
+        Sign of the last motion of every axis, 0 where not known.
+    tool_mm : (P, 3) float64
+        Vector from nose to tip.
+    error_mm : (P, 3) float64
+        Actual minus nominal, in machine axes.
+    weight : (P,) float64
+        Of the squared error in a fit and in a mean; adds up to 1.
+    """
+
+    nose_mm: np.ndarray
+    direction: np.ndarray
+    tool_mm: np.ndarray
+    error_mm: np.ndarray
+    weight: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.nose_mm)
+
+    def of_components(self, machine: Machine, variant: Variant) -> dict[str, np.ndarray]:
+        """Share of each component error of the machine in `error_mm`, and of the job's effects."""
+        shares = {
+            name: part.shift_mm
+            for name, part in contributions(
+                machine, self.nose_mm, self.tool_mm, variant, direction=self.direction
+            )
+        }
+        rest = self.error_mm - sum(shares.values(), np.zeros_like(self.error_mm))
+        if np.abs(rest).max(initial=0.0) > 1e-9:
+            shares["effects of the job"] = rest
+        return shares
+
+
+def volume_samples(
+    machine: Machine,
+    volume: Volume,
+    tool_mm: np.ndarray,
+    variant: Variant,
+    *,
+    intervals: tuple[int, int, int],
+) -> ErrorSamples:
+    """Samples to fit tables to: dense along each axis in turn, spread over the other two.
+
+    Parameters
+    ----------
+    machine : Machine
+    volume : Volume
+        Only its ends count.
+    tool_mm : (3,) float64
+    variant : Variant
+    intervals : (int, int, int)
+        Of the tables of X, Y, Z; every interval gets at least four places along its axis.
+    """
+    nose, direction = [], []
+    span = volume.high_mm - volume.low_mm
+    lattice = np.arange(_ACROSS)
+    across = (
+        np.column_stack([lattice + 0.5, (_ACROSS_STEP * lattice) % _ACROSS + 0.5]) / _ACROSS
+    )
+    for axis, count in enumerate(intervals):
+        along = np.linspace(0.0, 1.0, _ALONG_PER_INTERVAL * count + 1)
+        place = np.empty((len(along) * _ACROSS, 3))
+        place[:, axis] = np.repeat(along, _ACROSS)
+        others = [k for k in range(3) if k != axis]
+        place[:, others] = np.tile(across, (len(along), 1))
+        for way in (1.0, -1.0):
+            nose.append(volume.low_mm + place * span)
+            sign = np.zeros_like(place)
+            sign[:, axis] = way
+            direction.append(sign)
+    weight = np.concatenate([np.full(len(part), 1.0 / len(part)) for part in nose])
+    return _samples_of(
+        machine, np.vstack(nose), np.vstack(direction), weight, tool_mm=tool_mm, variant=variant
+    )
+
+
+def lattice_samples(
+    machine: Machine,
+    volume: Volume,
+    tool_mm: np.ndarray,
+    variant: Variant,
+    *,
+    both_ways: bool = True,
+) -> ErrorSamples:
+    """Samples on the regular grid of a volume.
+
+    With `both_ways`, and where the machine's tables keep the directions apart, every grid point
+    counts in all eight combinations of directions; else directions are not known.
+    """
+    nose = np.stack(np.meshgrid(*volume.coordinates_mm, indexing="ij"), axis=-1).reshape(-1, 3)
+    signs = np.zeros((1, 3))
+    if both_ways and machine.separate_directions:
+        signs = np.stack(np.meshgrid(*[[-1.0, 1.0]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    direction = np.repeat(signs, len(nose), axis=0)
+    nose = np.tile(nose, (len(signs), 1))
+    return _samples_of(
+        machine, nose, direction, np.ones(len(nose)), tool_mm=tool_mm, variant=variant
+    )
+
+
+def job_samples(job: Job, variant: Variant, *, spacing_mm: float) -> ErrorSamples:
+    """Samples along a job's program while it feeds, by the length of path that each stands for;
+    errors of the machine and effects of the job.
+
+    Raises
+    ------
+    InputError, gcode.ProgramError
+        The job cannot be run, or never feeds with a tool.
+    """
+    effects = read_effects(job.effects, file=job.path, job=job)
+    preparation = prepare(job, spacing_mm=spacing_mm)
+    path = preparation.path
+    first = path.first_node[path.nodes.moves.kind[path.piece_move] != MoveKind.RAPID]
+    length = np.linalg.norm(path.nodes.nose_mm[first + 1] - path.nodes.nose_mm[first], axis=1)
+    weight = np.zeros(len(path.nodes))
+    np.add.at(weight, first, 0.5 * length)
+    np.add.at(weight, first + 1, 0.5 * length)
+    used = np.flatnonzero((weight > 0) & np.isfinite(path.nodes.tool_mm).all(axis=1))
+    if len(used) == 0:
+        raise InputError("the program never feeds with a tool", file=job.program)
+    states = path.nodes[used]
+    error = displacement_of(preparation, states, variant, effects).shift_mm
+    weight = weight[used] / weight[used].sum()
+    return ErrorSamples(
+        states.nose_mm, states.direction.astype(float), states.tool_mm, error, weight
+    )
+
+
+def joined(first: ErrorSamples, second: ErrorSamples, share: float) -> ErrorSamples:
+    """Both sets, the second one with a `share` of the first one's weight."""
+    columns = {
+        name: np.concatenate([getattr(first, name), getattr(second, name)])
+        for name in ("nose_mm", "direction", "tool_mm", "error_mm")
+    }
+    weight = np.concatenate([first.weight, share * second.weight]) / (1.0 + share)
+    return ErrorSamples(**columns, weight=weight)
+
+
+def _samples_of(
+    machine: Machine,
+    nose_mm: np.ndarray,
+    direction: np.ndarray,
+    weight: np.ndarray,
+    *,
+    tool_mm: np.ndarray,
+    variant: Variant,
+) -> ErrorSamples:
+    tool = np.tile(tool_mm, (len(nose_mm), 1))
+    way = direction if machine.separate_directions else None
+    error = displacement(machine, nose_mm, tool, variant, direction=way).shift_mm
+    return ErrorSamples(nose_mm, direction, tool, error, weight / weight.sum())
