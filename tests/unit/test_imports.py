@@ -17,7 +17,7 @@ LAYERS = [
     {"prediction", "error_budget", "collisions", "measurements", "tip_errors"},
     {"fit"},
     {"prediction_uncertainty"},
-    {"diagnosis", "report", "history"},
+    {"diagnosis", "controller_tables", "report", "history"},
     {"inspection"},
     {"pipeline"},
     {"results", "compensation"},

@@ -24,8 +24,18 @@ __all__ = ["tables"]
 
 #: components that keep less than this share of all that is left are not listed
 _LISTED_SHARE = 0.02
-_HELP = "Compensation tables for controls, read back and applied as the control would.\n\n" + "\n\n".join(
-    f"{name}: {one.title}. Holds {one.holds}; not {one.lacks}." for name, one in FORMATS.items()
+_BEFORE_USE = (
+    "Before use: check the sign with one table and one move; see the page controller-tables in "
+    "vmach's documentation for what is certain of each format."
+)
+_HELP = "\n\n".join(
+    [
+        "Compensation tables for controls, read back and applied as the control would.",
+        *(
+            f"{name}: {one.title}. Holds {one.holds}; not {one.lacks}."
+            for name, one in FORMATS.items()
+        ),
+    ]
 )
 
 
@@ -34,7 +44,9 @@ def tables(
         Path | None,
         typer.Argument(metavar="[JOB]", help="job.toml: tables for its program and effects"),
     ] = None,
-    out: Annotated[Path, typer.Option("-o", "--out", help="folder for the tables")] = Path("tables"),
+    out: Annotated[Path, typer.Option("-o", "--out", help="folder for the tables")] = (
+        Path("tables")
+    ),
     machine: Annotated[
         Path | None, typer.Option(help="machine.toml: tables for its whole measured volume")
     ] = None,
@@ -206,17 +218,16 @@ def _readme(figures: dict[str, Any]) -> str:
         )
     lines += ["", *(f"* {note}" for note in figures["notes"])]
     for name, one in figures["formats"].items():
-        lines += ["", f"## {name}: {one['title']}", "", f"Holds {one['holds']}.",
-                  f"Does not hold {one['does_not_hold']}.", "", f"Files: {', '.join(one['files'])}"]  # fmt: skip
+        lines += ["", f"## {name}: {one['title']}", "", f"Holds {one['holds']}."]
+        lines += [f"Does not hold {one['does_not_hold']}.", ""]
+        lines += [f"Files: {', '.join(one['files'])}"]
         if one["left_by_component_um"]:
             left = ", ".join(
                 f"{key} {value['after_rms']:.2f} (of {value['before_rms']:.2f})"
                 for key, value in one["left_by_component_um"].items()
             )
             lines += ["", f"Left, rms in um: {left}."]
-    lines += ["", "Before use: check the sign with one table and one move; see the page "
-              "controller-tables in vmach's documentation for what is certain of each format."]  # fmt: skip
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, "", _BEFORE_USE]) + "\n"
 
 
 def _print(console: Console, figures: dict[str, Any]) -> None:

@@ -80,7 +80,8 @@ def _row_products(a: csr_matrix, b: csr_matrix) -> csr_matrix:
     values = a.data.reshape(rows, per_a, 1) * b.data.reshape(rows, 1, per_b)
     columns = left.astype(np.int64) * b.shape[1] + right
     start = np.arange(rows + 1) * per_a * per_b
-    return csr_matrix((values.ravel(), columns.ravel(), start), shape=(rows, a.shape[1] * b.shape[1]))
+    shape = (rows, a.shape[1] * b.shape[1])
+    return csr_matrix((values.ravel(), columns.ravel(), start), shape=shape)
 
 
 def write_grid(folder: Path, grid: SpatialGrid, *, tool_length_mm: float) -> list[Path]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
+from vmach.controller_tables.knots import Knots
 from vmach.controller_tables.projection import Projection
 from vmach.controller_tables.samples import ErrorSamples
 from vmach.controller_tables.table_formats import FORMATS, AppliedTables, TableFormat, projected
@@ -17,7 +18,8 @@ from vmach.controller_tables.table_task import TableTask
 
 __all__ = ["MadeTables", "Residual", "make_tables"]
 
-_FINER = (1, 2, 4, 8, 16, 32)
+#: times the entries that the machine's tables need; the last is the most there can be
+_FINER = (1, 4, 16, 1000)
 _LONGER_MM = 100.0
 
 
@@ -102,34 +104,54 @@ def make_tables(
 
 
 def _made(task: TableTask, folder: Path, *, options: Mapping[str, Any]) -> MadeTables:
-    name, table_format = folder.name, FORMATS[folder.name]
-    finer, applied, after = 0, None, None
-    while True:
-        knots = task.knots(table_format.most_entries, _FINER[finer])
-        folder.mkdir(parents=True)
-        files = table_format.write(folder, task, knots, options)
-        applied = table_format.read(folder, options)
-        last, after = after, _residual(applied, task.check)
-        gain = np.inf if last is None else last.rms_mm - after.rms_mm
-        done = gain < task.tolerance_mm or finer + 1 == len(_FINER) or not task.has_effects
-        if done or _is_full(knots, table_format):
-            break
-        shutil.rmtree(folder)
-        finer += 1
+    table_format = FORMATS[folder.name]
+    knots = _entries(task, folder, options=options)
+    files, applied = _written(task, folder, knots, options=options)
     longer = task.longer_tool(_LONGER_MM)
     return MadeTables(
-        name=name,
+        name=folder.name,
         files=tuple(files),
         entries=tuple(len(one.position_mm) for one in knots),
         before=_residual(None, task.check),
-        after=after,
+        after=_residual(applied, task.check),
         with_longer_tool=longer and (_residual(None, longer), _residual(applied, longer)),
         left=_left(task, table_format, knots),
     )
 
 
-def _is_full(knots, table_format: TableFormat) -> bool:
-    return all(one.intervals + 1 >= table_format.most_entries for one in knots)
+def _entries(
+    task: TableTask, folder: Path, *, options: Mapping[str, Any]
+) -> tuple[Knots, Knots, Knots]:
+    """Positions of the entries. The machine's tables say how many are needed; the shape of a
+    job's effects is only seen in what is left, so there as few as come within tolerance of what
+    the most that the control takes would leave."""
+    most = FORMATS[folder.name].most_entries
+    knots = task.knots(most)
+    if not task.has_effects:
+        return knots
+
+    def left_mm(tried: tuple[Knots, Knots, Knots]) -> float:
+        with TemporaryDirectory() as place:
+            trial = Path(place) / folder.name
+            applied = _written(task, trial, tried, options=options)[1]
+        return _residual(applied, task.check).rms_mm
+
+    best_mm = left_mm(task.knots(most, _FINER[-1]))
+    for finer in _FINER[:-1]:
+        knots = task.knots(most, finer)
+        if left_mm(knots) < best_mm + task.tolerance_mm:
+            return knots
+    return task.knots(most, _FINER[-1])
+
+
+def _written(
+    task: TableTask, folder: Path, knots: tuple[Knots, Knots, Knots], *, options: Mapping[str, Any]
+) -> tuple[list[Path], AppliedTables]:
+    """The files, and what the control makes of them."""
+    folder.mkdir(parents=True)
+    table_format = FORMATS[folder.name]
+    files = table_format.write(folder, task, knots, options)
+    return files, table_format.read(folder, options)
 
 
 def _residual(applied: AppliedTables | None, check: ErrorSamples) -> Residual:

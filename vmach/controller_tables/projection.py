@@ -106,9 +106,7 @@ class Projection:
         """Entries that correct `error_mm` (P, 3) best; one vector for each axis moved."""
         return [
             cho_solve(factor, -(weighted @ error_mm[:, k])) if factor is not None else np.zeros(0)
-            for k, (weighted, factor) in enumerate(
-                zip(self._weighted, self._factors, strict=True)
-            )
+            for k, (weighted, factor) in enumerate(zip(self._weighted, self._factors, strict=True))
         ]
 
     def tables(self, error_mm: np.ndarray) -> list[AxisTable]:

@@ -47,7 +47,7 @@ class RigidChain:
     def applied_correction(
         self, nose_mm: np.ndarray, direction: np.ndarray, tool_mm: np.ndarray
     ) -> np.ndarray:
-        """What is added to the commanded positions, (P, 3) mm: minus the displacement of the tip."""
+        """What is added to the commanded positions, (P, 3) mm: minus the tip's displacement."""
         tip = np.broadcast_to(tool_mm, nose_mm.shape).copy()
         for axis in reversed(self.order):
             tip = self._moved(axis, tip, nose_mm, direction)
@@ -71,9 +71,7 @@ class RigidChain:
         return nose_mm[:, j, None] * line + shift + Rotation.from_rotvec(angle).apply(tip)
 
 
-def chain_of(
-    machine: Machine, knots: tuple[Knots, Knots, Knots], variant: Variant
-) -> RigidChain:
+def chain_of(machine: Machine, knots: tuple[Knots, Knots, Knots], variant: Variant) -> RigidChain:
     """The machine's errors in the form of this module, at given positions.
 
     Measuring points and set-ups are worked into the tables:
@@ -93,7 +91,7 @@ def chain_of(
         at = knots[j].position_mm
         inside = np.clip(at, volume.low_mm[j], volume.high_mm[j])
         ways = [
-            _body_errors(machine, axis, inside, np.full(len(at), way), reference[:, j], travel[:, j])
+            _body_errors(machine, axis, inside, way, (reference[:, j], travel[:, j]))
             for way in ((1.0, -1.0) if machine.separate_directions else (0.0, 0.0))
         ]
         for k, kind in enumerate("XYZABC"):
@@ -109,17 +107,22 @@ def _body_errors(
     machine: Machine,
     axis: str,
     at_mm: np.ndarray,
-    way: np.ndarray,
-    reference_mm: np.ndarray,
-    travel: np.ndarray,
+    way: float,
+    measured: tuple[np.ndarray, np.ndarray],
 ) -> np.ndarray:
-    """The six errors of an axis at the frame's origin, (6, K), mm and rad."""
+    """The six errors of an axis at the frame's origin, (6, K), mm and rad.
+
+    `measured` holds the measuring point of each linear error, (3, 3) mm, and its travel, (3,).
+    """
+    reference_mm, travel = measured
     j = "XYZ".index(axis)
     errors = np.zeros((6, len(at_mm)))
     for name, component in machine.components.items():
         if name[2] == axis:
             kind, _, angular = component_of(name)
-            value = machine.component_sign(name) * component.evaluate(at_mm, way)
+            value = machine.component_sign(name) * component.evaluate(
+                at_mm, np.full(len(at_mm), way)
+            )
             errors[kind + 3 * angular] = value
     own = machine.chain.arm_masks[j, j]
     for i in range(3):

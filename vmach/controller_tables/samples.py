@@ -86,9 +86,7 @@ def volume_samples(
     nose, direction = [], []
     span = volume.high_mm - volume.low_mm
     lattice = np.arange(_ACROSS)
-    across = (
-        np.column_stack([lattice + 0.5, (_ACROSS_STEP * lattice) % _ACROSS + 0.5]) / _ACROSS
-    )
+    across = np.column_stack([lattice + 0.5, (_ACROSS_STEP * lattice) % _ACROSS + 0.5]) / _ACROSS
     for axis, count in enumerate(intervals):
         along = np.linspace(0.0, 1.0, _ALONG_PER_INTERVAL * count + 1)
         place = np.empty((len(along) * _ACROSS, 3))

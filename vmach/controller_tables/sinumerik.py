@@ -139,7 +139,7 @@ def _grid_settings(position_mm: np.ndarray) -> dict[str, str]:
 def _cec_tables(
     tables: Sequence[AxisTable], knots: tuple[Knots, Knots, Knots], *, sign: float
 ) -> list[_Table]:
-    """Plain tables, factor tables and products, whose sum with all their own values is asked for."""
+    """Plain tables, factor tables and products; all values add up to what is asked for."""
     plain: dict[tuple[int, int, int], _Table] = {}
     largest: dict[tuple[int, int], float] = defaultdict(float)
     for table in tables:

@@ -23,7 +23,7 @@ __all__ = ["FORMATS", "AppliedTables", "TableFormat", "projected"]
 #: tables whose largest entry is below this share of the tolerance are left out
 _NEGLIGIBLE = 0.1
 _GRID_ENTRIES = 25
-_MANY_ENTRIES = 1001
+_MANY_ENTRIES = 251
 
 
 class AppliedTables(Protocol):
@@ -129,9 +129,7 @@ def _cec_entries(options: Mapping[str, Any]) -> str:
 
 
 def _write_heidenhain(folder, task, knots, options) -> list[Path]:
-    return heidenhain.write_heidenhain(
-        folder, projected(task, _cross_own_reversal(task), knots)[1]
-    )
+    return heidenhain.write_heidenhain(folder, projected(task, _cross_own_reversal(task), knots)[1])
 
 
 def _write_isg(folder, task, knots, options) -> list[Path]:

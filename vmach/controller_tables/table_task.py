@@ -25,7 +25,7 @@ __all__ = ["TableTask", "task_of_job", "task_of_machine"]
 _VOLUME_SHARE = 1e-6
 _CHECK_COUNTS = (23, 23, 23)
 #: node spacing along a program for the fit and, another one, for the check
-_FIT_SPACING_MM, _CHECK_SPACING_MM = 2.0, 1.3
+_FIT_SPACING_MM, _CHECK_SPACING_MM = 1.0, 1.3
 
 
 @dataclass(frozen=True)
@@ -138,9 +138,7 @@ def task_of_job(job: Job, variant: Variant, *, tolerance_mm: float) -> TableTask
     )
 
 
-def _check(
-    machine: Machine, volume: Volume, tool_mm: np.ndarray, variant: Variant
-) -> ErrorSamples:
+def _check(machine: Machine, volume: Volume, tool_mm: np.ndarray, variant: Variant) -> ErrorSamples:
     return lattice_samples(machine, replace(volume, counts=_CHECK_COUNTS), tool_mm, variant)
 
 
