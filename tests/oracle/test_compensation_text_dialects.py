@@ -15,7 +15,8 @@ from vmach.compensation import compensate
 SCALE_X, SCALE_Y = 200e-6, -150e-6
 LINEAR = SCALE + "[effects.scale.Y]\nscale_ppm = -150\n"
 BENT = LINEAR + "[effects.cyclic_pitch.X]\namplitude_um = 4\npitch_mm = 40\nphase_rad = 0.3\n"
-HALF_STEP = 0.5e-3 + 1e-9
+#: the iteration ends within 2 nm
+HALF_STEP = 0.5e-3 + 2e-6
 #: ends are off by sqrt(2)/2 steps each, the centre by as much and in opposite ways
 RADII_APART = 2 * 2**0.5 * 1e-3
 

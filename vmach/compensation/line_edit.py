@@ -108,7 +108,7 @@ class LineEdit:
         in_force = self.nominal if self.motion == AS_PROGRAMMED else self.motion
         if said is not None:
             if self._differs(said, code):
-                self.changes[said.span] = self.text.motion(code, said)
+                self.changes[said.span] = self._motion(code, said)
         elif in_force != code:
             added.insert(0, self.text.motion(code))
         if added:
@@ -116,6 +116,9 @@ class LineEdit:
 
     def _differs(self, said: Word, code: int) -> bool:
         return said.value != code
+
+    def _motion(self, code: int, said: Word) -> str:
+        return self.text.motion(code, said)
 
     def _gone(self, numbers: dict[str, str]) -> list[str]:
         """Letters of the own block that the new motion does not have."""
@@ -220,6 +223,9 @@ class KlartextEdit(LineEdit):
 
     def _differs(self, said: Word, code: int) -> bool:
         return said.text.upper() != self.head
+
+    def _motion(self, code: int, said: Word) -> str:
+        return self.head
 
     def _block(self, block: _Block, tail: list[str]) -> str:
         return " ".join([block.words[""], *tail])

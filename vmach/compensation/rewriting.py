@@ -137,6 +137,7 @@ class Rewriter:
         named = {w.letter for w in self.text.words(line)} & set("XYZ")
         still = [axis not in named for axis in "XYZ"] if named else [False] * 3
         state.carried_mm = np.where(still, state.carried_mm, 0.0)
+        state.aimed_mm = np.where(still, state.aimed_mm, 0.0)
         if self.text.motion_word(line) is not None:
             state.motion = AS_PROGRAMMED
 
@@ -162,13 +163,14 @@ class _State:
 
     Attributes
     ----------
-    carried_mm : (3,) float64
-        Written minus nominal place, machine axes.
+    carried_mm, aimed_mm : (3,) float64
+        Written and wanted minus nominal place, machine axes.
     motion : int
         G code in force.
     """
 
     carried_mm: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    aimed_mm: np.ndarray = field(default_factory=lambda: np.zeros(3))
     motion: int = AS_PROGRAMMED
 
 
@@ -185,6 +187,7 @@ class _LineWriter:
         self.edit = line_edit(rewriter.text, line, state.motion, nominal=self._nominal_code(),
                               ending=rewriter.control.ending)  # fmt: skip
         self.now = rewriter.start_mm[move] + _turned(state.carried_mm, -rewriter.angle[move])
+        self.aim = rewriter.start_mm[move] + _turned(state.aimed_mm, -rewriter.angle[move])
         if move == rewriter.first_move:  # which is taken to start where it ends
             self.now = rewriter.end_mm[move] - self._distances()
         self.is_own, self.said = line in rewriter.own, rewriter.said[move]
@@ -203,6 +206,8 @@ class _LineWriter:
         rewriter = self.rewriter
         off = self.now - rewriter.end_mm[self.move]
         state.carried_mm = _turned(off, rewriter.angle[self.move])
+        aimed = self.aim - rewriter.end_mm[self.move]
+        state.aimed_mm = _turned(aimed, rewriter.angle[self.move])
         state.motion = UNKNOWN if self.edit.may_be_skipped else self.edit.motion
 
     def piece(self, piece: Piece, index: int, places: _Places, written: Written) -> None:
@@ -210,15 +215,17 @@ class _LineWriter:
         line = self.edit.line
         if piece.kept and not self._must_be_written(piece):
             self._keep_place()
+            self.aim = self.now.copy()
             self.edit.keep(self._code(piece))
             written.line_of_piece[index] = line + written.inserted
             return
-        wanted = places.end[index]
+        begin, wanted = self.aim, places.end[index]
+        self.aim = np.where(self.said, wanted, self.now)
         before = self.now.copy()
         texts = self._axis_texts(wanted, written)
         code = self._code(piece)
         if code > 1:
-            code = self._arc(places.middle[index], before, wanted, texts)
+            code = self._arc((begin, places.middle[index], wanted), before, texts)
         if not texts and self.edit.own_done:
             return
         if self.mode.inverse_time and code:
@@ -276,18 +283,18 @@ class _LineWriter:
         return self.rewriter.text.number(value, self.decimals, habit)
 
     def _arc(
-        self, middle: np.ndarray, before: np.ndarray, wanted: np.ndarray, texts: dict[str, str]
+        self, wanted: tuple[np.ndarray, ...], before: np.ndarray, texts: dict[str, str]
     ) -> int:
-        """Add the words of an arc; returns its G code, 1 where a line is nearer."""
+        """Add the words of an arc through three points; its G code, 1 where a line is nearer."""
         side = list(_PLANE_AXES[self.mode.plane])
-        arc = WantedArc(*(p[side] / self.unit for p in (before, middle, wanted, self.now)))
+        arc = WantedArc(*(p[side] / self.unit for p in (*wanted, before, self.now)))
         absolute = self.mode.absolute_centre or self.rewriter.text.absolute_centres
         origin = np.zeros(2) if absolute else arc.start
         centre = best_centre(arc, origin, self.step, self._accepts)
         if centre is None or chord_miss(arc) <= centre.miss:
             return 1
         radius = best_radius(arc, self.step) if self.edit.has_radius else None
-        if radius is not None and radius.miss <= max(centre.miss, 0.5 * self.step):
+        if radius is not None and radius.miss <= max(centre.miss, 0.3 * self.step):
             texts["R"] = self._number(radius.value, self.edit.own_word("R"))
         else:
             for axis, value in zip(side, centre.value, strict=True):

@@ -29,26 +29,27 @@ class WantedArc:
 
     Attributes
     ----------
-    start, middle, end : (2,) float64
-        `start` is where the tool really is; the others are wanted.
-    stop : (2,) float64
-        Where the written end really is.
+    begin, middle, end : (2,) float64
+        Wanted.
+    start, stop : (2,) float64
+        Where the tool really is before the arc and after it.
     """
 
-    start: np.ndarray
+    begin: np.ndarray
     middle: np.ndarray
     end: np.ndarray
+    start: np.ndarray
     stop: np.ndarray
 
     @property
     def centre(self) -> np.ndarray | None:
         """Of the circle through the three points; None where they are in line."""
-        return circle_through(self.start, self.middle, self.end)
+        return circle_through(self.begin, self.middle, self.end)
 
     @property
     def is_counter_clockwise(self) -> bool:
         """Sense from first over second axis."""
-        first, second = self.middle - self.start, self.end - self.middle
+        first, second = self.middle - self.begin, self.end - self.middle
         return bool(first[0] * second[1] - first[1] * second[0] > 0.0)
 
 
@@ -108,7 +109,7 @@ def best_radius(arc: WantedArc, step: float) -> ArcFit | None:
     sweep = _sweep(arc, centre[None], arc.end)[0]
     if sweep > _UNCERTAIN_RAD:
         return None
-    radius = float(np.linalg.norm(arc.start - centre))
+    radius = float(np.linalg.norm(arc.begin - centre))
     near = round(radius / step) * step
     fits = []
     for value in (near, near - step, near + step):
@@ -137,7 +138,7 @@ def _misses(arc: WantedArc, centre: np.ndarray, centres: np.ndarray) -> np.ndarr
     angle = np.arctan2(out[:, 1], out[:, 0])[:, None] + sense * _SHARES * sweep[:, None]
     radius = radii[0][:, None] + _SHARES * (radii[1] - radii[0])[:, None]
     points = centres[:, None] + radius[..., None] * np.stack([np.cos(angle), np.sin(angle)], -1)
-    off = np.abs(np.linalg.norm(points - centre, axis=-1) - np.linalg.norm(arc.start - centre))
+    off = np.abs(np.linalg.norm(points - centre, axis=-1) - np.linalg.norm(arc.begin - centre))
     wild = (sweep > _LARGEST_SWEEP_RAD) | (np.abs(sweep - wanted) > _SWEEP_SLACK_RAD)
     return np.where(wild, np.inf, off.max(axis=1))
 
