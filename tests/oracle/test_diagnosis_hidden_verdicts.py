@@ -44,3 +44,12 @@ def test_verdict_parameters_and_held_out_error(tmp_path, name):
     after, covered = program_runs.held_out(program_runs.add(tmp_path, report), made.check)
     assert after < 1.2 * NOISE_UM < before
     assert covered > 0.93
+
+
+def test_axes_that_never_turn_are_no_candidates(tmp_path):
+    """Programs that turn A, B or C are refused, so no experiment can hide a rotary axis' place."""
+    make_experiment(tmp_path, effects=[], seed=33)
+    report, _ = program_runs.diagnose(tmp_path)
+    status = [c["status"] for c in report["candidates"] if c["effect"] == "rotary_location"]
+    assert status
+    assert all(s.startswith("not testable") and "never turned" in s for s in status)
