@@ -132,3 +132,59 @@ def test_correction_beyond_the_limit_is_refused(tmp_path):
     job, effects = job_with(tmp_path, "G1 Z-1. F200\nX300.\nM30\n", SCALE)
     with pytest.raises(InputError, match="um"):
         compensate(job, effects, limit_mm=0.05)
+
+
+SQUARE = "G1 Z-1. F1000\nX60.\nY40.\nX0.\nY0.\nM30\n"
+
+
+def test_backlash_is_answered_where_the_axis_turns(tmp_path):
+    backlash = "[effects.backlash.X]\nreversal_um = 12\ntake_up_mm = 0.0025\n"
+    job, effects = job_with(tmp_path, SQUARE, backlash)
+    found = compensate(job, effects, resolution_mm=1e-4)
+    # the carriage stays behind by half of the reversal value, on the side that it comes from
+    assert numbers(found.text, "X")[-2:] == [60.006, -0.006]
+    assert numbers(found.text, "Y")[-2:] == [40.0, 0.0]
+    assert found.growth == 1.0, "the play of X is taken up along X, where it cuts nothing"
+
+
+def test_a_correction_that_turns_an_axis_back_does_not_chatter(tmp_path):
+    # Y stands after it has come from below; the bow of X moves it down again by micrometres
+    effects_text = (
+        "[effects.backlash.Y]\nreversal_um = 10\ntake_up_mm = 0.0025\n"
+        "[effects.scale.Y]\nscale_ppm = 100\n"
+    )
+    body = "G1 Z-1. F1000\nY20.\nX50. Y19.999\nX100. Y19.998\nM30\n"
+    job, effects = job_with(tmp_path, body, effects_text)
+    found = compensate(job, effects, resolution_mm=1e-5)
+    y = numbers(found.text, "Y")
+    # going up Y is programmed half the reversal value higher, going down that much lower
+    scale = 1.0 + 1e-4
+    assert abs(y[-3 if found.growth > 1 else -2] - ((69.999 - 0.005) / scale - 50)) < 0.2e-3
+    assert abs(y[-1] - ((69.998 - 0.005) / scale - 50)) < 0.2e-3
+    assert found.steps <= 1
+    assert found.unrounded.mean_mm < 1e-4
+
+
+def test_lag_on_circles_makes_larger_circles(tmp_path):
+    lag_ms2, feed, radius = 400.0, 3000.0, 30.0
+    body = f"G1 Z-1. F{feed}\nG2 X0. Y0. I{radius} J0.\nM30\n"
+    job, effects = job_with(tmp_path, body, f"[effects.servo_lag]\nlag_ms2 = {lag_ms2}\n")
+    found = compensate(job, effects, resolution_mm=1e-5)
+    x = numbers(found.text, "X")
+    # r' - (v^2 / r') / (2 Kv^2) = r
+    towards = 0.5e-6 * lag_ms2 * (feed / 60) ** 2 / radius
+    assert abs(min(x) + towards) < 2e-5
+    assert found.steps == 1, "the lag begins and ends with the circle"
+    assert found.unrounded.largest_mm < 1e-4
+
+
+def test_what_is_faster_than_a_block_is_named_by_line(tmp_path):
+    backlash = "[effects.backlash.X]\nreversal_um = 12\ntake_up_mm = 0.005\n"
+    body = "G1 Z-1. F1000\nX60.\nY40.\nX0. Y30.\nY0.\nM30\n"
+    job, effects = job_with(tmp_path, body, backlash)
+    found = compensate(job, effects)
+    assert set(found.uncorrected) == {11}
+    size, why = found.uncorrected[11]
+    assert 1e-4 < size < 3e-3
+    assert "lost motion" in why
+    assert found.steps == 1

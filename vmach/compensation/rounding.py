@@ -20,6 +20,9 @@ _CORNERS = np.array(list(product((0.0, 1.0), repeat=3)))
 _LARGE = 1.0
 #: weight of the whole distance of an end, beside that across the moves that meet there
 _ALONG = 0.15
+#: an axis that moves by no more stands, and keeps its place by this weight
+_STANDING_MM = 2e-7
+_TIE = 1e6
 
 
 def rounded_target(rewriter: Rewriter, plan: Plan, target: Target, resolution_mm: float) -> Target:
@@ -50,11 +53,24 @@ def rounded_target(rewriter: Rewriter, plan: Plan, target: Target, resolution_mm
     feed = (moves.kind[move] != MoveKind.RAPID) & ~plan.is_step
     length = np.where(feed, (last - first) * rewriter.length_mm[move], 0.0)
     tangents = [_unit(tangent_at(moves, move, at)) for at in (first, last)]
-    best = _best_corners(off / step[:, None], *tangents, length)
+    still = _axes_that_stand(rewriter, plan, target)
+    best = _best_corners(off / step[:, None], *tangents, length, still)
     found = target.ends_mm + off[np.arange(len(best)), best]
     kept = np.array([piece.kept for piece in plan.pieces], bool)
     found[kept] = target.ends_mm[kept]
     return Target(target.pieces, found, target.middles_mm)
+
+
+def _axes_that_stand(rewriter: Rewriter, plan: Plan, target: Target) -> np.ndarray:
+    """Axes that do not move in a piece and so get no word in it, (K, 3) bool."""
+    place = position_at(rewriter.moves, plan.move, plan.parameter(1.0)) + target.ends_mm
+    start = rewriter.moves.start_mm[plan.move[1:]]
+    inside = plan.move[1:] == plan.move[:-1]
+    before = np.where(inside[:, None], place[:-1], start + target.ends_mm[:-1])
+    still = np.zeros(place.shape, bool)
+    still[1:] = np.abs(place[1:] - before) < _STANDING_MM
+    still[rewriter.angle[plan.move] != 0.0] = False
+    return still
 
 
 def _steps(rewriter: Rewriter, plan: Plan, resolution_mm: float) -> np.ndarray:
@@ -80,7 +96,7 @@ def _unit(vectors: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True)
-def _best_corners(off, first_tangent, last_tangent, length):
+def _best_corners(off, first_tangent, last_tangent, length, still):
     """Corner of every end, (K,), so that the sum of costs along the path is smallest."""
     count = len(off)
     total = np.zeros(8)
@@ -92,6 +108,7 @@ def _best_corners(off, first_tangent, last_tangent, length):
             for a in range(8):
                 before = off[k - 1, a] if k else np.zeros(3)
                 cost = total[a] + along
+                cost += _TIE * (still[k] * (off[k, b] - before) ** 2).sum()
                 if length[k] > 0.0:
                     cost += length[k] * _cost(before, off[k, b], first_tangent[k], last_tangent[k])
                 if cost < now[b]:
