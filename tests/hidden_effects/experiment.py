@@ -42,7 +42,8 @@ class Experiment:
     machine: TrueMachine
     part: Part
     check: Part
-    deviation_um: np.ndarray  #: noise-free, unaligned
+    deviation_um: np.ndarray  #: of the part, noise-free, unaligned
+    check_deviation_um: np.ndarray  #: of the check part
     share_um: list[np.ndarray]  #: of each hidden effect
 
 
@@ -103,7 +104,14 @@ def make_experiment(
     _write_jobs(folder, parts, [write_instrument(folder, name, rng, site) for name in instruments])
     (folder / "truth.json").write_text(json.dumps(truth, indent=1))
     return Experiment(
-        folder, hidden, machine, parts["part"], parts["check"], totals["part"], shares["part"]
+        folder,
+        hidden,
+        machine,
+        parts["part"],
+        parts["check"],
+        totals["part"],
+        totals["check"],
+        shares["part"],
     )
 
 

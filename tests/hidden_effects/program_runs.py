@@ -16,7 +16,7 @@ from vmach.cli import main
 from .part import Part
 from .shares import alignment_columns
 
-__all__ = ["add", "aligned_rms_um", "diagnose", "held_out", "predicted_um"]
+__all__ = ["add", "aligned_rms_um", "diagnose", "held_out", "predicted_um", "share_foretold"]
 
 
 def _vmach(*words: object) -> str:
@@ -61,14 +61,29 @@ def predicted_um(
 
 def _residual_and_u_um(job: Path, points: Path, *, program: Path | None, model: str = "abbe"):
     """Measured minus predicted, and the standard uncertainty of that difference, um."""
+    told = _predicted(job, points, program=program, model=model)
+    rows = np.genfromtxt(points, delimiter=",", names=True, dtype=None, encoding="utf-8")
+    measured = sum((rows["m" + a] - rows[a]) * rows[b] for a, b in zip("xyz", "ijk", strict=True))
+    return measured * 1e3 - told["deviation_um"], np.hypot(rows["u_um"], told["u_um"])
+
+
+def _predicted(job: Path, points: Path, *, program: Path | None, model: str) -> np.ndarray:
     out = points.with_suffix(f".{job.stem}.{model}.csv")
     extra = ["--program", program] if program else []
     _vmach("predict", job, "--points", points, "--model", model, "-o", out, *extra)
     told = np.genfromtxt(out, delimiter=",", names=True, dtype=None, encoding="utf-8")
-    rows = np.genfromtxt(points, delimiter=",", names=True, dtype=None, encoding="utf-8")
     assert set(told["status"]) == {"cut"}
-    measured = sum((rows["m" + a] - rows[a]) * rows[b] for a, b in zip("xyz", "ijk", strict=True))
-    return measured * 1e3 - told["deviation_um"], np.hypot(rows["u_um"], told["u_um"])
+    return told
+
+
+def share_foretold(job: Path, true_um: np.ndarray) -> float:
+    """Share of the check part's points whose true deviation lies in the 95 % interval foretold.
+
+    Nothing is aligned: this asks for the whole of the tables' uncertainty.
+    """
+    points, program = job.with_name("check_measured.csv"), job.with_name("check.nc")
+    told = _predicted(job, points, program=program, model="abbe")
+    return float(np.mean(np.abs(told["deviation_um"] - true_um) < 1.96 * told["u_um"]))
 
 
 def held_out(job: Path, part: Part) -> tuple[float, float]:
