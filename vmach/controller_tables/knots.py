@@ -42,6 +42,13 @@ class Knots:
         step = math.ceil((high_mm * unit - low) / intervals - 1e-6)
         return cls(low / unit, step / unit, intervals)
 
+    def thinned(self, most_entries: int) -> Knots:
+        """The same stretch with at most so many entries."""
+        if self.intervals < most_entries:
+            return self
+        whole_mm = self.step_mm * self.intervals
+        return Knots(self.low_mm, whole_mm / (most_entries - 1), most_entries - 1)
+
     @property
     def position_mm(self) -> np.ndarray:
         """(intervals + 1,) float64."""
@@ -64,20 +71,27 @@ def hat_matrix(position_mm: np.ndarray, at_mm: np.ndarray) -> csr_matrix:
 def choose_intervals(
     machine: Machine, axis: int, ends_mm: tuple[float, float], *, limit: int, tolerance_mm: float
 ) -> int:
-    """Fewest intervals along an axis at which every curve of its errors, angles at an arm of
-    half the travel, is met within tolerance by straight lines; `limit` where none is enough.
+    """Fewest intervals along an axis at which every curve of its errors is met within tolerance
+    by straight lines; `limit` where none is enough.
+
+    Angles count with an arm of half the travel, and with the axis' own position where that is
+    part of their arm.
 
     Tried are powers of two, and those that put an entry on every position measured.
     """
     at = np.linspace(*ends_mm, _DENSE)
     curves, breaks = [], []
     arm_mm = 0.5 * float(np.ptp(machine.travel_mm, axis=0).max())
+    own_arm = machine.chain.arm_masks[axis, axis] or machine.measuring_point_travel[:, axis].any()
     for name, component in machine.components.items():
         if component_of(name)[1] != axis:
             continue
         scale = arm_mm if component.is_angle else 1.0
-        ways = (1.0, -1.0) if machine.separate_directions else (0.0,)
-        curves += [scale * component.evaluate(at, np.full(_DENSE, way)) for way in ways]
+        for way in (1.0, -1.0) if machine.separate_directions else (0.0,):
+            curve = component.evaluate(at, np.full(_DENSE, way))
+            curves.append(scale * curve)
+            if component.is_angle and own_arm:
+                curves.append(curve * at)
         breaks.append(component.position_mm)
     if not curves:
         return _FEWEST

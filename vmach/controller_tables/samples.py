@@ -8,6 +8,7 @@ import numpy as np
 
 from gcode import MoveKind
 from vmach.accuracy.field import Volume
+from vmach.controller_tables.knots import Knots
 from vmach.effects import read_effects
 from vmach.errors import InputError
 from vmach.job import Job
@@ -17,9 +18,8 @@ from vmach.preparation import prepare
 
 __all__ = ["ErrorSamples", "job_samples", "joined", "lattice_samples", "volume_samples"]
 
-#: points across the other two axes: a lattice of Fibonacci numbers, even in either coordinate
-_ACROSS, _ACROSS_STEP = 55, 34
-_ALONG_PER_INTERVAL = 4
+#: entries of the other axes that samples stand on
+_MOST_ACROSS = 32
 
 
 @dataclass(frozen=True)
@@ -69,39 +69,47 @@ def volume_samples(
     tool_mm: np.ndarray,
     variant: Variant,
     *,
-    intervals: tuple[int, int, int],
+    knots: tuple[Knots, Knots, Knots],
 ) -> ErrorSamples:
-    """Samples to fit tables to: dense along each axis in turn, spread over the other two.
+    """Samples to fit tables to: twice as dense as the entries along each axis in turn, on the
+    entries of the other two.
+
+    Weights are those of the trapezoidal rule: means over an axis are exact where its curves are
+    straight between the entries, so that no set of samples contradicts another. Of an axis with
+    many entries only some count across.
 
     Parameters
     ----------
     machine : Machine
     volume : Volume
-        Only its ends count.
+        Only its ends count; entries a rounding beyond them count there.
     tool_mm : (3,) float64
     variant : Variant
-    intervals : (int, int, int)
-        Of the tables of X, Y, Z; every interval gets at least four places along its axis.
+    knots : (Knots, Knots, Knots)
     """
-    nose, direction = [], []
-    span = volume.high_mm - volume.low_mm
-    lattice = np.arange(_ACROSS)
-    across = np.column_stack([lattice + 0.5, (_ACROSS_STEP * lattice) % _ACROSS + 0.5]) / _ACROSS
-    for axis, count in enumerate(intervals):
-        along = np.linspace(0.0, 1.0, _ALONG_PER_INTERVAL * count + 1)
-        place = np.empty((len(along) * _ACROSS, 3))
-        place[:, axis] = np.repeat(along, _ACROSS)
-        others = [k for k in range(3) if k != axis]
-        place[:, others] = np.tile(across, (len(along), 1))
-        for way in (1.0, -1.0):
-            nose.append(volume.low_mm + place * span)
-            sign = np.zeros_like(place)
-            sign[:, axis] = way
-            direction.append(sign)
-    weight = np.concatenate([np.full(len(part), 1.0 / len(part)) for part in nose])
+    across = [one.thinned(_MOST_ACROSS).position_mm for one in knots]
+    ways = (1.0, -1.0) if machine.separate_directions else (0.0,)
+    nose, direction, weight = [], [], []
+    for axis, one in enumerate(knots):
+        lines = list(across)
+        lines[axis] = np.linspace(*one.position_mm[[0, -1]], 2 * one.intervals + 1)
+        place = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 3)
+        shares = np.meshgrid(*map(_trapezoidal, lines), indexing="ij")
+        for way in ways:
+            nose.append(np.clip(place, volume.low_mm, volume.high_mm))
+            direction.append(np.where(np.arange(3) == axis, way, np.zeros_like(place)))
+            weight.append(np.prod(shares, axis=0).ravel())
     return _samples_of(
-        machine, np.vstack(nose), np.vstack(direction), weight, tool_mm=tool_mm, variant=variant
-    )
+        machine, np.vstack(nose), np.vstack(direction), np.concatenate(weight),
+        tool_mm=tool_mm, variant=variant,
+    )  # fmt: skip
+
+
+def _trapezoidal(line_mm: np.ndarray) -> np.ndarray:
+    """Weights of evenly spaced places, the ends half; they add up to 1."""
+    weight = np.ones(len(line_mm))
+    weight[[0, -1]] = 0.5
+    return weight / weight.sum()
 
 
 def lattice_samples(

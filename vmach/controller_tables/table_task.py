@@ -84,10 +84,7 @@ class TableTask:
 
     def fit_samples(self, knots: tuple[Knots, Knots, Knots]) -> ErrorSamples:
         """Samples dense enough for tables with these entries."""
-        volume = volume_samples(
-            self.machine, self.volume, self.tool_mm, self.variant,
-            intervals=tuple(one.intervals for one in knots),
-        )  # fmt: skip
+        volume = volume_samples(self.machine, self.volume, self.tool_mm, self.variant, knots=knots)
         return self._with_program(volume)
 
     def grid_samples(self, knots: tuple[Knots, Knots, Knots]) -> ErrorSamples:
