@@ -21,6 +21,8 @@ __all__ = ["Plan", "across", "plan_pieces"]
 
 #: an error smaller than this is none
 _NOTHING_MM = 1e-9
+#: lost motion is taken up by this share halfway, and does not go on after that
+_SUDDEN = 0.75
 #: parameters that are nearer than this are one place
 _ASIDE = 1e-5
 #: share of the tolerance by which a corner may be off, across either of its two moves
@@ -201,10 +203,12 @@ class _Planner:
         soon = settled(self.moves, move, place, np.zeros_like(turned))
         later = settled(self.moves, move, place, turned)
         at_once, in_full = self.error_at(move, soon), self.error_at(move, later)
+        halfway = self.error_at(move, 0.5 * (place + later))
         farther = self.error_at(move, np.minimum(2.0 * later - place, 1.0))
         growth = np.linalg.norm(in_full - at_once, axis=1)
         grows = growth > 3.0 * tolerance_mm
-        grows &= growth > 3.0 * np.linalg.norm(farther - in_full, axis=1)
+        grows &= np.linalg.norm(halfway - at_once, axis=1) > _SUDDEN * growth
+        grows &= np.linalg.norm(farther - in_full, axis=1) < (1.0 - _SUDDEN) * growth
         return np.where(grows, later, soon), np.where(grows[:, None], in_full, at_once)
 
     def _put(self, piece: Piece, aim_mm: np.ndarray | None = None) -> None:
