@@ -53,6 +53,21 @@ class Iteration:
     memory, time and feeds are those of the compensated program itself. A correction that turns
     an axis back changes its error by the lost motion, at once: such places get a step, and
     pieces that leave too much are halved.
+
+    Attributes
+    ----------
+    preparation : Preparation
+        The nominal program, in plain blocks.
+    rewriter : Rewriter
+    model : TipModel
+    expansion : Expanded
+        Where the lines of the plain blocks come from.
+    check : callable
+        Called with every target; refuses one that must not be written.
+    progress : callable
+        Called with rounds done and expected.
+    done : int
+        Rounds so far.
     """
 
     preparation: Preparation
