@@ -10,7 +10,7 @@ import pytest
 from tests.small_job import write_job
 from vmach.diagnosis.diagnose import diagnose, prepare_search
 from vmach.diagnosis.job_survey import survey_job
-from vmach.diagnosis.next_measurement import planned_tests, write_program
+from vmach.diagnosis.planned_tests import planned_tests, write_program
 from vmach.diagnosis.report import as_json, as_text
 from vmach.errors import InputError
 from vmach.fit.survey import Survey
@@ -113,6 +113,8 @@ def test_what_no_effect_explains_is_called_unknown(tmp_path):
     (finding,) = found.findings
     assert finding.name == "unknown" and finding.effect is None
     assert found.left
+    # something unknown gets a test too, as a program
+    assert found.next_measurement.program.startswith("%")
 
 
 def test_clean_data_are_left_alone(tmp_path):

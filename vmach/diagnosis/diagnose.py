@@ -56,21 +56,23 @@ class Finding:
         None for something that no effect explains.
     target : str
     parameters, u : dict
-        In the units of their names; a component's are lists. A parameter that the readings do
-        not show has no u.
-    interval_95 : dict
-        Of each parameter (low, high); empty for a component.
+        In the units of their names; a component's are lists.
     rivals : Rivals
     where : str or None
+    interval_95 : dict
+        Of each parameter (low, high); empty for a component.
+    hardly_shown : tuple of str
+        Parameters of which the readings say hardly more than was known before.
     """
 
     effect: Effect | None
     target: str
     parameters: dict
     u: dict
-    interval_95: dict
     rivals: Rivals
     where: str | None
+    interval_95: dict
+    hardly_shown: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -241,7 +243,7 @@ def _findings(search: Search, explanation: Explanation) -> tuple[Finding, ...]:
         return ()
     findings = []
     for k, term in enumerate(explanation.fit.terms):
-        where, intervals = None, {}
+        where, intervals, hardly = None, {}, ()
         if isinstance(term.effect, Component):
             part = search.survey.paths[0]
             parameters, u = component_parameters(explanation.fit, k, part)
@@ -249,11 +251,13 @@ def _findings(search: Search, explanation: Explanation) -> tuple[Finding, ...]:
         else:
             parameters = explanation.fit.parameters(k)
             spreads = parameter_uncertainty(search.survey, explanation.fit, k)
-            shown = {name: spread for name, spread in spreads.items() if spread.is_shown}
-            u = {name: spread.u for name, spread in shown.items()}
-            intervals = {name: (spread.low, spread.high) for name, spread in shown.items()}
+            u = {name: spread.u for name, spread in spreads.items()}
+            intervals = {name: (spread.low, spread.high) for name, spread in spreads.items()}
+            hardly = tuple(name for name, spread in spreads.items() if not spread.is_shown)
         rivals = rivals_of(search, explanation, k)
-        findings.append(Finding(term.effect, term.target, parameters, u, intervals, rivals, where))
+        findings.append(
+            Finding(term.effect, term.target, parameters, u, rivals, where, intervals, hardly)
+        )
     return tuple(findings)
 
 
@@ -279,7 +283,7 @@ def _is_contrived(findings: tuple[Finding, ...]) -> bool:
 
 def _something(failures: tuple[Failure, ...]) -> Finding:
     where = "; ".join(f"{f.by}: {f.text}" for f in failures[:3]) or None
-    return Finding(None, "", {}, {}, {}, Rivals((), ()), where)
+    return Finding(None, "", {}, {}, Rivals((), ()), where, {})
 
 
 def _leftover_mm(search: Search, explanation: Explanation) -> np.ndarray:

@@ -7,38 +7,26 @@ power to separate them (a T-optimal design chosen among tests that exist).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from gcode import MoveKind
+from vmach.diagnosis.planned_tests import MAP, PlannedTest, planned_tests, write_program
 from vmach.diagnosis.search import Explanation, Search
-from vmach.effects import Circumstances, Effect
+from vmach.effects import Circumstances
 from vmach.fit.joint_fit import Term
 from vmach.fit.whitening import orthonormal
 from vmach.job import Job
-from vmach.machine import LINEAR_AXES
-from vmach.measurements.test_motion import MotionRecord, stop_and_go
-from vmach.toolpath import PathStates
 
-__all__ = ["NextMeasurement", "PlannedTest", "next_measurement", "planned_tests", "write_program"]
+__all__ = ["NextMeasurement", "next_measurement"]
 
 _U_MM = 0.5e-3
-_TOOL_MM = 150.0
 #: a test that separates by less than this, in standard uncertainties, is not worth its time
 _USEFUL = 3.0
-
-
-@dataclass(frozen=True)
-class PlannedTest:
-    """A test that could be run: its motion, what it senses and leaves free."""
-
-    name: str
-    text: str
-    states: PathStates
-    sensing: np.ndarray
-    nuisance: np.ndarray
+#: candidates that a test for something unknown is to tell apart
+_LEADING = 3
 
 
 @dataclass(frozen=True)
@@ -48,13 +36,14 @@ class NextMeasurement:
     Attributes
     ----------
     separates : tuple of str
-        The two rivals, or the effect that these measurements are blind to.
+        The effect found and the rivals that the test tells it from; of something unknown the
+        candidates that came nearest.
     text : str
         What to do, in words.
     program : str
         The test as an NC program.
     power : float
-        By how many standard uncertainties the rivals differ in it.
+        By how many standard uncertainties they differ in it, at least.
     """
 
     separates: tuple[str, ...]
@@ -64,160 +53,116 @@ class NextMeasurement:
 
 
 def next_measurement(search: Search, explanation: Explanation, findings) -> NextMeasurement | None:
-    """The most powerful test for the first finding that has rivals; None where none helps."""
-    job = search.survey.job
+    """The most powerful test for the first finding that has rivals; None where none helps.
+
+    For something unknown it is the test that tells the candidates apart that came nearest to an
+    explanation, whichever of them is true.
+    """
     for k, finding in enumerate(findings):
-        if finding.effect is None or len(finding.rivals.labels) < 2:
-            continue
+        if finding.effect is None:
+            return _for_unknown(search)
         assert explanation.fit is not None
-        term = explanation.fit.terms[k]
-        best = None
-        for rival in finding.rivals.labels:
-            if rival.split()[0] == finding.name:
-                continue
-            for test in planned_tests(job):
-                power = _power(
-                    job,
-                    test,
-                    term,
-                    explanation.fit.coefficients[k],
-                    search.candidate(rival).effect,
-                    search.candidate(rival).target,
-                )
-                if best is None or power > best[0]:
-                    best = power, test, rival
-        if best is not None and best[0] > _USEFUL:
-            power, test, rival = best
-            text = (
-                f"{test.text}: {term.label} and {rival} differ there by "
-                f"{power:.0f} standard uncertainties"
-            )
-            return NextMeasurement((term.label, rival), text, write_program(test, job), power)
+        rivals = _labels(search, finding)
+        one = _Shown(explanation.fit.terms[k], explanation.fit.coefficients[k])
+        # as if the effect found were true; where no test shows it, as if the rival were
+        for is_true in (True, False):
+            best = _best_test(search, one, rivals, is_true=is_true)
+            if best is not None:
+                return best
     return None
 
 
-def planned_tests(job: Job) -> Iterator[PlannedTest]:
-    """Tests that can be run on the machine within its travel."""
-    low, high = job.machine.travel_mm
-    middle = 0.5 * (low + high)
-    for k, axis in enumerate(LINEAR_AXES):
-        yield _laser_line(k, axis, low, high, middle)
-    yield _ballbar(low, high, middle)
-    yield _drift(middle)
-    yield _tip_grid(low, high)
-
-
-def _laser_line(k: int, axis: str, low, high, middle) -> PlannedTest:
-    margin = 0.05 * (high[k] - low[k])
-    steps = np.linspace(low[k] + margin, high[k] - margin, 30)
-    fine = 0.5 * (low[k] + high[k]) + np.arange(0.0, 40.0, 1.3)
-    out = np.sort(np.concatenate([steps, fine]))
-    ways = np.concatenate([out, out[::-1]] * 3)
-    nose = np.tile(middle, (len(ways), 1))
-    nose[:, k] = ways
-    side = np.zeros_like(nose)
-    side[:, k] = np.concatenate([np.ones(len(out)), -np.ones(len(out))] * 3)
-    states = stop_and_go(nose, 5.0 * np.arange(len(ways)), side=side, tool_length_mm=_TOOL_MM)
-    return PlannedTest(
-        f"laser {axis}",
-        f"laser line along {axis}, both ways three times, with fine steps in the middle",
-        states,
-        np.tile(np.eye(3)[k], (len(ways), 1)),
-        np.ones((len(ways), 1)),
-    )
-
-
-def _ballbar(low, high, middle) -> PlannedTest:
-    radius = min(150.0, 0.4 * float((high - low)[:2].min()))
-    record = MotionRecord(middle, tool_length_mm=_TOOL_MM)
-    angle = np.radians(np.arange(0.5, 360.0, 2.0))
-    moves, places, out = [], [], []
-    clock = 10.0
-    for feed in (1000.0, 4000.0):
-        for turn in (1.0, -1.0):
-            duration = 2 * np.pi * radius / feed * 60.0
-            start = middle + np.array([radius, 0.0, 0.0])
-            record.line(start, until_s=clock)
-            # a turn and a half, so that the axes have reversed before the readings begin
-            move = record.arc(
-                2 * middle - start,
-                centre_mm=middle,
-                axis=np.array([0.0, 0.0, 1.0]),
-                sweep_rad=turn * 3 * np.pi,
-                until_s=clock + 1.5 * duration,
-            )
-            clock += 1.5 * duration + 10.0
-            moves.append(np.full(len(angle), move))
-            places.append((np.pi + angle) / (3 * np.pi))
-            facing = turn * (np.pi + angle)
-            out.append(np.column_stack([np.cos(facing), np.sin(facing), 0 * facing]))
-    sensing = np.vstack(out)
-    states = record.states(np.concatenate(moves), np.concatenate(places))
-    return PlannedTest(
-        "ballbar XY",
-        f"ballbar in XY, radius {radius:.0f} mm, both ways at 1000 and 4000 mm/min",
-        states,
-        sensing,
-        np.column_stack([np.ones(len(sensing)), sensing[:, :2]]),
-    )
-
-
-def _drift(middle) -> PlannedTest:
-    time = np.arange(0.0, 9000.0, 60.0)
-    rpm = np.where(time < 3600.0, 8000.0, np.where(time < 6300.0, 0.0, 4000.0))
-    states = stop_and_go(
-        np.tile(middle, (len(time), 1)),
-        time,
-        side=np.zeros((len(time), 3)),
-        tool_length_mm=_TOOL_MM,
-        rpm=rpm,
-    )
-    return _in_three_directions(
-        "drift",
-        "drift test: probe nest on the table, spindle 60 min at 8000 rpm, 45 min standing, "
-        "45 min at 4000 rpm, axes still",
-        states,
-        np.tile(np.eye(3), (len(time), 1)),
-    )
-
-
-def _tip_grid(low, high) -> PlannedTest:
-    random = np.random.default_rng(7)
-    nose = random.uniform(low + 0.03 * (high - low), high - 0.03 * (high - low), (120, 3))
-    side = random.choice([-1.0, 1.0], (120, 3))
-    states = stop_and_go(nose, 8.0 * np.arange(120), side=side, tool_length_mm=_TOOL_MM)
-    unit = np.tile(np.eye(3), (120, 1))
-    arm = np.repeat(nose - nose.mean(axis=0), 3, axis=0)
-    return _in_three_directions(
-        "tip grid",
-        "tracker on the tool tip at 120 places all over the work space, each approached from a "
-        "stated side",
-        states,
-        np.hstack([unit, np.cross(arm, unit)]),
-    )
-
-
-def _in_three_directions(name, text, states: PathStates, nuisance) -> PlannedTest:
-    count = len(states)
-    thrice = PathStates(
-        states.moves,
-        states.tool_lengths_mm,
-        np.repeat(states.move, 3),
-        np.repeat(states.parameter, 3),
-        np.zeros((3 * count, 3)),
-    )
-    return PlannedTest(name, text, thrice, np.tile(np.eye(3), (count, 1)), nuisance)
-
-
-def _power(
-    job: Job, test: PlannedTest, term: Term, coefficients: np.ndarray, rival: Effect, target: str
-) -> float:
-    """What the rival, fitted, cannot imitate of a term's signature, in uncertainties."""
-    path = Circumstances(test.states, job)
-    shown = _on_test(term.effect, path, test, term.target, term.inner) @ coefficients
-    imitations = [
-        _on_test(rival, path, test, target, inner) for inner in _few(list(rival.inner_grid(path)))
+def _labels(search: Search, finding) -> list[str]:
+    """The rivals of a finding; of those that rival it as a team, every member."""
+    alone = {label.split()[0] for label in finding.rivals.labels}
+    teams = set(finding.rivals.names) - alone
+    return [
+        c.label
+        for c in search.candidates
+        if c.effect.name != finding.name
+        and (c.label in finding.rivals.labels or c.effect.name in teams)
     ]
+
+
+@dataclass(frozen=True)
+class _Shown:
+    """An effect with its fitted coefficients (K,), to be simulated in a test."""
+
+    term: Term
+    coefficients: np.ndarray
+
+
+def _alone(search: Search, label: str) -> _Shown:
+    place = next(k for k, c in enumerate(search.candidates) if c.label == label)
+    return _Shown(*search.alone(place))
+
+
+def _best_test(
+    search: Search, one: _Shown, rivals: Sequence[str], *, is_true: bool
+) -> NextMeasurement | None:
+    """The test that tells an effect from most of its rivals; of equals, the more powerful one.
+
+    Its power is that against the weakest of the rivals that it tells apart.
+    """
+    job, best = search.survey.job, None
+    others = {label: _alone(search, label) for label in rivals}
+    for test in planned_tests(job):
+        told = {}
+        for label, rival in others.items():
+            power = _power(job, test, *((one, rival) if is_true else (rival, one)))
+            if power > _USEFUL:
+                told[label] = power
+        worth = len(told), min(told.values(), default=0.0)
+        if told and (best is None or worth > best[0]):
+            best = worth, test, tuple(told)
+    if best is None:
+        return None
+    (_, power), test, labels = best
+    text = (
+        f"{test.text}: {one.term.label} and {' or '.join(labels)} differ there by "
+        f"{power:.0f} standard uncertainties{' or more' if len(labels) > 1 else ''}"
+    )
+    separates = (one.term.label, *labels)
+    return NextMeasurement(separates, text, write_program(test, job), power)
+
+
+def _for_unknown(search: Search) -> NextMeasurement:
+    """The test that tells the leading candidates apart best, its weakest pair counted.
+
+    Where nothing known comes near, the tool tip is mapped without cutting: it tells the machine
+    from the cut.
+    """
+    job, nothing = search.survey.job, search.nothing
+    gains = search.gains(nothing)
+    leading = [k for k in np.argsort(gains)[::-1] if gains[k] > search.threshold][:_LEADING]
+    shown = [_alone(search, search.candidates[k].label) for k in leading]
+    pairs = list(itertools.permutations(shown, 2))
+    best = (0.0, None)
+    for test in planned_tests(job):
+        powers = [_power(job, test, a, b) for a, b in pairs]
+        best = max(best, (min(powers, default=0.0), test), key=lambda pair: pair[0])
+    power, test = best
+    if test is None or power <= _USEFUL:
+        test = next(t for t in planned_tests(job) if t.name == MAP)
+        text = (
+            f"{test.text}: what shows again without cutting belongs to the machine, the rest to "
+            "tool, cut or part"
+        )
+        return NextMeasurement(("machine", "cut"), text, write_program(test, job), 0.0)
+    labels = tuple(one.term.label for one in shown)
+    text = (
+        f"{test.text}: nothing known explains the readings; of what comes nearest "
+        f"({', '.join(labels)}) any two differ there by {power:.0f} standard uncertainties or more"
+    )
+    return NextMeasurement(labels, text, write_program(test, job), power)
+
+
+def _power(job: Job, test: PlannedTest, one: _Shown, rival: _Shown) -> float:
+    """What the rival, fitted anew, cannot imitate of an effect's signature, in uncertainties."""
+    path = Circumstances(test.states, job)
+    shown = _on_test(test, path, one.term, one.term.inner) @ one.coefficients
+    places = _few(list(rival.term.effect.inner_grid(path)))
+    imitations = [_on_test(test, path, rival.term, inner) for inner in places]
     least = np.inf
     for imitation in imitations:
         basis = orthonormal(np.hstack([test.nuisance, imitation]), tolerance=1e-7)
@@ -230,53 +175,10 @@ def _few(grid: list, most: int = 40) -> list:
     return grid[:: max(1, len(grid) // most)]
 
 
-def _on_test(effect: Effect, path, test: PlannedTest, target: str, inner) -> np.ndarray:
+def _on_test(test: PlannedTest, path: Circumstances, term: Term, inner) -> np.ndarray:
+    """What one usual size of each coefficient does to the test's readings, (n, K) mm."""
+    effect = term.effect
     if effect.needs_surface:
         return np.zeros((len(test.sensing), max(len(effect.amplitudes), 1)))
-    moved = effect.columns(path, target, inner)
+    moved = effect.columns(path, term.target, inner)
     return np.einsum("pi,pik->pk", test.sensing, moved)
-
-
-def write_program(test: PlannedTest, job: Job) -> str:
-    """The test's motion as an NC program in the job's first work offset, without tool length."""
-    offset = next(iter(job.work_offsets_mm.items()))
-    moves = test.states.moves
-    start = moves.start_mm[0] - offset[1]
-    lines = [
-        "%",
-        f"({test.text})",
-        f"G21 G90 G94 G17 G40 G49 G80 {offset[0]}",
-        f"G0 X{start[0]:.4f} Y{start[1]:.4f} Z{start[2]:.4f}",
-    ]
-    rpm = None
-    for k in range(len(moves)):
-        if moves.spindle_rpm[k] != rpm:
-            rpm = moves.spindle_rpm[k]
-            lines.append(f"S{rpm:.0f} M3" if rpm > 0 else "M5")
-        end = moves.end_mm[k] - offset[1]
-        place = f"X{end[0]:.4f} Y{end[1]:.4f} Z{end[2]:.4f}"
-        way = np.linalg.norm(moves.end_mm[k] - moves.start_mm[k])
-        if moves.kind[k] == MoveKind.DWELL:
-            lines.append(f"G4 P{moves.duration_s[k]:.1f}")
-        elif moves.kind[k] == MoveKind.ARC:
-            lines += _arc_lines(moves, k, offset[1])
-        else:
-            feed = min(max(60.0 * way / moves.duration_s[k], 100.0), 10000.0)
-            lines.append(f"G1 {place} F{feed:.0f}")
-    return "\n".join([*lines, "M5", "M30", "%", ""])
-
-
-def _arc_lines(moves, k: int, offset: np.ndarray) -> list[str]:
-    """An arc as half turns."""
-    centre, sweep = moves.centre_mm[k], moves.sweep_rad[k]
-    radius = np.linalg.norm(moves.start_mm[k] - centre)
-    feed = 60.0 * abs(sweep) * radius / moves.duration_s[k]
-    word = "G3" if sweep > 0 else "G2"
-    lines, here = [], moves.start_mm[k]
-    for _ in range(round(abs(sweep) / np.pi)):
-        there = 2 * centre - here
-        x, y, z = there - offset
-        i, j, _ = centre - here
-        lines.append(f"{word} X{x:.4f} Y{y:.4f} Z{z:.4f} I{i:.4f} J{j:.4f} F{feed:.0f}")
-        here = there
-    return lines

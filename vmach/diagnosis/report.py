@@ -46,8 +46,9 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "effect": finding.name,
         "target": finding.target or None,
         "parameters": {k: _rounded(v) for k, v in finding.parameters.items()},
-        "u": {k: _rounded(finding.u[k]) if k in finding.u else None for k in finding.parameters},
+        "u": {k: _rounded(v) for k, v in finding.u.items()},
         "interval_95": {k: _rounded(list(v)) for k, v in finding.interval_95.items()},
+        "hardly_shown": list(finding.hardly_shown),
         "class": list(finding.rivals.names),
         "where": finding.where,
     }
@@ -89,7 +90,7 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
 
 
 def _uncertainty(finding: Finding, name: str) -> str:
-    if name not in finding.u:
+    if name in finding.hardly_shown:
         return "(these readings hardly show it)"
     low, high = finding.interval_95[name]
     return f"(u = {finding.u[name]:.2g}; 95 % between {low:.4g} and {high:.4g})"

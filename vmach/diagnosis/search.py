@@ -24,13 +24,15 @@ from vmach.fit.whitening import Whitening
 
 __all__ = ["Explanation", "Search"]
 
-#: sets followed side by side, and candidates tried on each
-_BEAM, _TRIED = 3, 5
+#: sets followed side by side, and candidates tried on a set of so many effects
+_BEAM, _TRIED = 3, (5, 4, 2)
 _MOST_EFFECTS = 3
 #: log evidence that an effect costs at least, whatever it explains
 _PRICE = 3.0
 #: share of the best candidate's evidence that makes another worth following
 _WORTH_TRYING = 0.25
+#: an effect whose law leaves no more open than this share ends the search when it explains all
+_STIFF = 0.05
 _SIMULATIONS = 200
 #: log prior odds of a component that the machine file has no table of: it is there, unmeasured
 _MISSING_TABLE = 4.0
@@ -188,13 +190,14 @@ class Search:
         """
         gains = self.gains(explanation)
         least = max(self.threshold, _WORTH_TRYING * max(gains))
-        leading = [k for k in np.argsort(gains)[::-1][:_TRIED] if gains[k] > least]
+        tried = _TRIED[len(explanation.labels)]
+        leading = [k for k in np.argsort(gains)[::-1][:tried] if gains[k] > least]
         leading = [k for k in leading if self.candidates[k].label not in explanation.labels]
         for k in leading:
             child = self.extend(explanation, k)
             yield child
             effect = self.candidates[k].effect
-            is_stiff = not effect.is_flexible and effect.slack_share == 0.0
+            is_stiff = not effect.is_flexible and effect.slack_share <= _STIFF
             if is_stiff and self.further(child) == 0.0:
                 return
 
@@ -308,14 +311,19 @@ class Search:
             explanation = self.explain(terms, explanation.score - gains[weakest])
         return explanation
 
-    def alone_mm(self, k: int) -> np.ndarray:
-        """What candidate k does to the readings when it is fitted alone, (n,) mm."""
+    def alone(self, k: int) -> tuple[Term, np.ndarray]:
+        """Candidate k fitted alone, at a place of its grid: the term and its coefficients (K,)."""
         evidence = self.nothing.evidence[k]
         place, width = int(evidence.best[0]), int(evidence.best_width[0])
         white = self.bank.columns(k)[:, place]
         prior = np.eye(white.shape[1]) / WIDTHS[width] ** 2
         amount = np.linalg.solve(white.T @ white + prior, white.T @ self._reading)
-        return self.candidates[k].signatures_mm[:, place] @ amount
+        return self.term(k, self.nothing), amount
+
+    def alone_mm(self, k: int) -> np.ndarray:
+        """What candidate k does to the readings when it is fitted alone, (n,) mm."""
+        place = int(self.nothing.evidence[k].best[0])
+        return self.candidates[k].signatures_mm[:, place] @ self.alone(k)[1]
 
     def gain_of(self, explanation: Explanation, k: int) -> float:
         """Evidence for term k of an explanation, given its other terms."""

@@ -32,6 +32,7 @@ class CyclicPitch(Effect):
         ),
     )
     rarity = 0.5
+    slack_share = 0.3
     usual_size = "1 to 5 um; the period is the pitch, 5 to 20 mm, or a fraction of it"
     confirm = "laser line in steps of a tenth of the pitch over three pitches"
     cure = "mend the coupling or the encoder's mounting, or set interpolated compensation"
@@ -48,6 +49,13 @@ class CyclicPitch(Effect):
             seen = np.abs(path.normal[:, axis]) > 0.3
         places = len(np.unique(np.round(path.nose_mm[seen, axis], 1)))
         return None if places >= _PLACES else f"{target} was seen at {places} places only"
+
+    def slack(self, path, target, parameters):
+        # the wave of a real screw or encoder is no pure sine: a harmonic at half the period
+        size_mm = 1e-3 * self.slack_share * parameters["amplitude_um"]
+        angle = 4 * np.pi * path.nose_mm[:, LINEAR_AXES.index(target)] / parameters["pitch_mm"]
+        waves = [along(target, size_mm * wave(angle)) for wave in (np.sin, np.cos)]
+        return np.stack(waves, axis=2)
 
     # a fit works with the amplitudes of sine and cosine, which enter in proportion
 

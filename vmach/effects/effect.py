@@ -82,6 +82,8 @@ def inner(
     """A parameter inside the function: time constant, pitch, exponent."""
     values = tuple(float(value) for value in grid)
     low, high = 0.25 * min(values), 4.0 * max(values)
+    if math.isfinite(cycle):
+        low, high = -cycle, cycle
     return Parameter(name, meaning, low, high, usual, values, spread, optional, cycle)
 
 

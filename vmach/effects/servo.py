@@ -29,6 +29,7 @@ class ServoLag(Effect):
         ),
     )
     targets = ("",)
+    slack_share = 0.04
     usual_size = "6 um at 4 m/min on a radius of 150 mm with Kv 50 1/s"
     confirm = "ballbar or a milled circle at two feeds: the shrinking goes with feed squared"
     cure = "raise Kv or switch feed-forward on; less feed on small radii"
