@@ -216,6 +216,7 @@ def _descend(cut, i, span, line, h, s, limit):
     """Newton's method on the derivative by s, kept in a bracket by its sign."""
     cut = unowned(cut)
     bend = 0.5 * bend_of(cut.motion, i)
+    waves = bend * (span[1] - span[0]) ** 2 if arc_of(cut.motion, i) < 0 else np.inf
     low, high = span
     at_low, at_high = (np.nan, 0.0), (np.nan, 0.0)
     best_value, best_h, best_s = np.inf, 0.0, s
@@ -237,6 +238,8 @@ def _descend(cut, i, span, line, h, s, limit):
         else:
             low, at_low = s, (value, by_s)
             gain, step_end, fresh = by_s * (s - high), high, math.isnan(at_high[0])
+        if best_value + min(0.0, above - gain) - waves > limit:
+            return np.inf, 0.0, best_s  # convex but for the waves: nowhere below that
         gain = max(0.0, gain) + bend * (high - low) ** 2
         if gain - above <= _ROOT_MM or high - low < 1e-13:
             break
@@ -335,8 +338,10 @@ def entry(cut, i, span, line, most):
             h -= distance / by_h
         else:
             return np.inf, s
-        if h > most + TOUCH_MM:
-            return np.inf, s
+        if h > most + TOUCH_MM:  # a bent sweep may be met a little before that all the same
+            if outside >= most + TOUCH_MM:
+                return np.inf, s
+            h = most + TOUCH_MM
     return h, s
 
 

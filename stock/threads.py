@@ -14,15 +14,15 @@ _PARTS = 16
 _LEAST = 256
 
 
-def run_in_parts(kernel: Callable[[int, int], None], count: int) -> None:
-    """Call ``kernel(begin, end)`` for parts that cover 0 to `count`.
+def run_in_parts(kernel: Callable[[int, int], None], count: int, *, block: int = 1) -> None:
+    """Call ``kernel(begin, end)`` for parts that cover 0 to `count`, each of whole blocks.
 
     The kernel has to release the interpreter's lock (``nogil``) and to write only what belongs
     to its own part; the result then does not depend on the number of cores.
     """
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     parts = max(1, min(cores * _PARTS, count // _LEAST))
-    ends = [count * part // parts for part in range(parts + 1)]
+    ends = [count * part // parts // block * block for part in range(parts)] + [count]
     if parts == 1:
         kernel(0, count)
         return

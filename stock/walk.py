@@ -15,6 +15,8 @@ __all__ = ["CUT", "GOUGED", "UNCUT", "Work", "walk_lines"]
 
 CUT, UNCUT, GOUGED = 0, 1, 2
 _STACK = 128
+#: lines whose walks help each other: each begins with the piece that the one before ended on
+_COMPANY = 64
 
 
 class Work(NamedTuple):
@@ -55,17 +57,23 @@ def walk_lines(work, points, normals, blank, reach):
             work, points, normals, order[begin:end], (blank, reach), found
         ),
         count,
+        block=_COMPANY,
     )
     return found
 
 
 @njit_kernel()
 def _walk_part(work, points, normals, order, bounds, found):
+    """Walk along the lines `order`; `hint` is the piece to look at first."""
     status, edge, parameter, sweep = found
     blank, reach = bounds
     work = unowned(work)
-    todo = (np.empty(_STACK, dtype=np.int64), np.empty(_STACK))
-    for i in order:
+    hint = np.empty(1, dtype=np.int64)
+    todo = (np.empty(_STACK, dtype=np.int64), np.empty(_STACK), hint)
+    for place in range(len(order)):
+        if place % _COMPANY == 0:
+            hint[0] = -1
+        i = order[place]
         p = (points[i, 0], points[i, 1], points[i, 2])
         n = (normals[i, 0], normals[i, 1], normals[i, 2])
         state, h, which, s = _walk(work, (p, n), _blank_interval(blank, p, n), reach, todo)
@@ -115,9 +123,17 @@ def _blank_interval(blank, p, n):
 def _walk_out(work, line, most, todo):
     """Nearest entry into any sweep going outwards; whether the start is inside one instead."""
     work = unowned(work)
-    best, best_sweep, best_s = most, -1, 0.0
     cut, trees = work
-    q = line[0]
+    q, hint = line[0], todo[2]
+    best, best_sweep, best_s = most, -1, 0.0
+    if hint[0] >= 0:  # near the end of the search at once
+        k = hint[0]
+        sweep = trees.sweep[k]
+        h, s = entry(cut, sweep, (trees.span[k, 0], trees.span[k, 1]), line, best)
+        if h == -np.inf:
+            return True, 0.0, -1, 0.0
+        if h <= best:
+            best, best_sweep, best_s = h, sweep, s
     for tool in range(len(trees.leaves)):
         root, leaves = trees.first_node[tool], trees.leaves[tool]
         top = _begin(todo)
@@ -137,9 +153,11 @@ def _walk_out(work, line, most, todo):
                     continue
                 h, s = entry(cut, sweep, (trees.span[k, 0], trees.span[k, 1]), line, best)
                 if h == -np.inf:
+                    hint[0] = k
                     return True, 0.0, -1, 0.0
                 if h < best - TOUCH_MM or (h <= best + TOUCH_MM and sweep > best_sweep):
                     best, best_sweep, best_s = min(h, best), sweep, s
+                    hint[0] = k
     return False, best, best_sweep, best_s
 
 
@@ -159,7 +177,7 @@ def _begin(todo):
 @njit_inlined()
 def _push_children(work, tool, q, node, place):
     """Put both children on the list, the nearer one on top; to their bounds add a constant."""
-    (nodes, bounds), top, constant = place
+    (nodes, bounds, _), top, constant = place
     cut, trees = work
     first = trees.first_node[tool] + 2 * node
     constant -= trees.slack_mm[tool]
@@ -212,6 +230,7 @@ def _pass_in(work, line, state, reach, todo):
                 lower, s, touch = exit_below(cut, sweep, span, line, h, -reach)
                 if lower < h:
                     h, best_sweep, best_s = lower, sweep, s
+                    todo[2][0] = k
                     if h <= -reach:
                         return h, best_sweep, best_s
                 elif touch and sweep > best_sweep:
