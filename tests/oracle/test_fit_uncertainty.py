@@ -1,0 +1,101 @@
+"""Uncertainty of bent parameters against a dense integral, and its coverage on simulated data."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from vmach.effects import Effect, along, inner, linear
+from vmach.fit.joint_fit import Term, fit_terms
+from vmach.fit.uncertainty import parameter_uncertainty
+from vmach.fit.whitening import Whitening
+
+TIME_S = np.linspace(0.0, 1000.0, 40)
+NOISE = 0.5
+
+
+class Warming(Effect):
+    """a (1 - exp(-t / tau)) in um, over a time that shows only its beginning."""
+
+    name = "warming"
+    title = "warming"
+    parameters = (
+        linear("growth_um", "final value", usual=10.0),
+        inner("tau_s", "time constant", (300.0, 600.0, 1200.0), usual=600.0, spread=0.7),
+    )
+    targets = ("",)
+
+    def displacement(self, path, target, growth_um, tau_s):
+        return along("Z", growth_um * (1.0 - np.exp(-path / tau_s)))
+
+
+class OneSeries:
+    """The part of a survey that a fit asks for: one series of readings, nothing left free."""
+
+    def __init__(self, readings):
+        self.residual_mm = readings
+
+    def __len__(self):
+        return len(self.residual_mm)
+
+    def signature(self, effect, target, inner_values):
+        return effect.displacement(TIME_S, target, 10.0, **inner_values)[:, 2:]
+
+
+def fitted(growth, tau, random):
+    clean = growth * (1.0 - np.exp(-TIME_S / tau))
+    survey = OneSeries(clean + NOISE * random.standard_normal(len(TIME_S)))
+    count = len(TIME_S)
+    whiten = Whitening(np.full(count, NOISE), np.zeros((count, 0)), np.zeros((count, 0)))
+    fit = fit_terms(survey, [Term(Warming(), "", {"tau_s": 600.0})], whiten)
+    return survey, fit, parameter_uncertainty(survey, fit, 0)
+
+
+def dense_moments(survey, stated):
+    """Mean square distance of tau and growth, on a fine grid of tau, profile of the amplitude."""
+    tau = np.exp(np.linspace(np.log(75.0), np.log(4800.0), 4001))
+    shape = 1.0 - np.exp(-TIME_S / tau[:, None])
+    precision = (shape**2).sum(axis=1) / NOISE**2
+    growth = shape @ survey.residual_mm / NOISE**2 / precision
+    log = 0.5 * growth**2 * precision - 0.5 * (np.log(tau / 600.0) / 0.7) ** 2
+    weight = np.exp(log - log.max())
+    weight = weight / weight.sum()
+    of_tau = weight @ (tau - stated["tau_s"]) ** 2
+    of_growth = weight @ ((growth - stated["growth_um"]) ** 2 + 1.0 / precision)
+    return {"tau_s": np.sqrt(of_tau), "growth_um": np.sqrt(of_growth)}
+
+
+@pytest.mark.parametrize("tau", [250.0, 900.0])
+def test_spread_is_that_of_a_dense_integral(tau):
+    survey, fit, spread = fitted(8.0, tau, np.random.default_rng(3))
+    expected = dense_moments(survey, fit.parameters(0))
+    for name, value in expected.items():
+        assert spread[name].u == pytest.approx(value, rel=0.06), name
+        assert spread[name].low < fit.parameters(0)[name] < spread[name].high
+
+
+def test_intervals_cover_parameters_drawn_from_the_prior():
+    """200 series: between 92 and 98 % of the 95 % intervals hold the truth."""
+    random = np.random.default_rng(11)
+    inside = []
+    for _ in range(200):
+        truth = {
+            "growth_um": random.uniform(5.0, 15.0),
+            "tau_s": 600.0 * np.exp(0.7 * random.standard_normal()),
+        }
+        truth["tau_s"] = float(np.clip(truth["tau_s"], 100.0, 4000.0))
+        _, _, spread = fitted(truth["growth_um"], truth["tau_s"], random)
+        inside += [spread[n].low <= v <= spread[n].high for n, v in truth.items()]
+    assert 0.92 < np.mean(inside) < 0.98
+
+
+def test_what_the_readings_do_not_show_is_said():
+    """A ramp that has only begun: neither its end nor its time constant can be seen."""
+    random = np.random.default_rng(5)
+    count = len(TIME_S)
+    short = OneSeries(0.3 * random.standard_normal(count))
+    short.signature = lambda effect, target, inner_values: np.full((count, 1), 1e-3)
+    whiten = Whitening(np.full(count, NOISE), np.zeros((count, 0)), np.zeros((count, 0)))
+    fit = fit_terms(short, [Term(Warming(), "", {"tau_s": 600.0})], whiten)
+    spread = parameter_uncertainty(short, fit, 0)
+    assert not spread["growth_um"].is_shown and not spread["tau_s"].is_shown
