@@ -18,9 +18,6 @@ from vmach.preparation import prepare
 
 __all__ = ["ErrorSamples", "job_samples", "joined", "lattice_samples", "volume_samples"]
 
-#: entries of the other axes that samples stand on
-_MOST_ACROSS = 32
-
 
 @dataclass(frozen=True)
 class ErrorSamples:
@@ -70,6 +67,7 @@ def volume_samples(
     variant: Variant,
     *,
     knots: tuple[Knots, Knots, Knots],
+    most_across: int,
 ) -> ErrorSamples:
     """Samples to fit tables to: twice as dense as the entries along each axis in turn, on the
     entries of the other two.
@@ -86,8 +84,10 @@ def volume_samples(
     tool_mm : (3,) float64
     variant : Variant
     knots : (Knots, Knots, Knots)
+    most_across : int
+        Entries of an axis that samples stand on while another axis is looked along.
     """
-    across = [one.thinned(_MOST_ACROSS).position_mm for one in knots]
+    across = [one.thinned(most_across).position_mm for one in knots]
     ways = (1.0, -1.0) if machine.separate_directions else (0.0,)
     nose, direction, weight = [], [], []
     for axis, one in enumerate(knots):

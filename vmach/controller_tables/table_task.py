@@ -23,6 +23,8 @@ __all__ = ["TableTask", "task_of_job", "task_of_machine"]
 
 #: weight of the volume beside a program: it decides only where the program never goes
 _VOLUME_SHARE = 1e-6
+#: entries of the other axes that samples over the volume stand on
+_ACROSS, _ACROSS_BESIDE_PROGRAM = 32, 8
 _CHECK_COUNTS = (23, 23, 23)
 #: node spacing along a program for the fit and, another one, for the check
 _FIT_SPACING_MM, _CHECK_SPACING_MM = 1.0, 1.3
@@ -84,7 +86,10 @@ class TableTask:
 
     def fit_samples(self, knots: tuple[Knots, Knots, Knots]) -> ErrorSamples:
         """Samples dense enough for tables with these entries."""
-        volume = volume_samples(self.machine, self.volume, self.tool_mm, self.variant, knots=knots)
+        across = _ACROSS if self.program is None else _ACROSS_BESIDE_PROGRAM
+        volume = volume_samples(
+            self.machine, self.volume, self.tool_mm, self.variant, knots=knots, most_across=across
+        )
         return self._with_program(volume)
 
     def grid_samples(self, knots: tuple[Knots, Knots, Knots]) -> ErrorSamples:
