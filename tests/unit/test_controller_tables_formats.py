@@ -257,11 +257,14 @@ def test_two_readers_agree_on_an_isg_file(tmp_path):
 
 
 def test_component_tables_by_hand(tmp_path):
-    (tmp_path / "chain.json").write_text('{"order": "XYZ", "squareness_rad": {}}')
+    (tmp_path / "chain.json").write_text(
+        '{"order": "XYZ", "squareness_rad": {}, "tables": ["EYX", "EAZ"]}'
+    )
     (tmp_path / "EYX.csv").write_text(
         "# straightness\nposition_mm,forward_um,backward_um\n0,0,0\n100,8,2\n"
     )
     (tmp_path / "EAZ.csv").write_text("position_mm,forward_urad,backward_urad\n0,10,10\n9,10,10\n")
+    (tmp_path / "EXX.csv").write_text("left by another run")
     read = read_components(tmp_path)
     tool = [0, 0, -100]  # EAZ about X: the tip, 100 below, goes to +y by 1 um
     assert correction_um(read, [50, 0, 0], tool=tool) == pytest.approx([0, -5, 0], abs=1e-4)

@@ -231,17 +231,14 @@ def _readme(figures: dict[str, Any]) -> str:
 
 
 def _print(console: Console, figures: dict[str, Any]) -> None:
-    table = Table(title=f"error of the tool tip over the {figures['judged']}, um")
-    for heading in ("format", "rms before", "rms after", "largest before", "largest after",
-                    "entries", "most of what is left"):  # fmt: skip
-        table.add_column(heading)
+    table = Table(title=f"error of the tool tip over the {figures['judged']}, um: before -> after")
+    for heading in ("format", "rms", "largest"):
+        table.add_column(heading, no_wrap=True)
+    table.add_column("most of what is left")
     for name, one in figures["formats"].items():
         before, after = one["before_um"], one["after_um"]
-        left = list(one["left_by_component_um"] or {})[:4]
-        table.add_row(
-            name, f"{before['rms']:.2f}", f"{after['rms']:.2f}", f"{before['largest']:.2f}",
-            f"{after['largest']:.2f}", " ".join(map(str, one["entries_xyz"])), " ".join(left),
-        )  # fmt: skip
+        rows = (f"{before[key]:.2f} -> {after[key]:.2f}" for key in ("rms", "largest"))
+        table.add_row(name, *rows, " ".join(list(one["left_by_component_um"] or {})[:4]))
     console.print(table)
     for note in figures["notes"]:
         console.print(f"note: {note}", highlight=False, markup=False)

@@ -2,8 +2,8 @@
 
 This form is our own, for controls and programs that none of the other formats serves:
 
-* ``chain.json``: order of the axes from the workpiece to the tool, squareness in rad, and what the
-  signs mean;
+* ``chain.json``: order of the axes from the workpiece to the tool, squareness in rad, the names of
+  the tables, and what the signs mean;
 * ``EXX.csv`` and the like: ``position_mm, forward_um, backward_um`` (``_urad`` for angles), the
   error approaching in positive and in negative direction; linear between positions. Lines with
   ``#`` are comments. vmach's machine file reads the same tables.
@@ -38,7 +38,12 @@ _MEANING = {
 
 def write_components(folder: Path, chain: RigidChain) -> list[Path]:
     """Write ``chain.json`` and one CSV for each error."""
-    record = {"order": chain.order, "squareness_rad": chain.squareness_rad, **_MEANING}
+    record = {
+        "order": chain.order,
+        "squareness_rad": chain.squareness_rad,
+        "tables": sorted(chain.tables),
+        **_MEANING,
+    }
     head = folder / "chain.json"
     head.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
     written = [head]
@@ -57,15 +62,22 @@ def write_components(folder: Path, chain: RigidChain) -> list[Path]:
 
 
 def read_components(folder: Path) -> RigidChain:
-    """Read ``chain.json`` and the tables beside it."""
+    """Read ``chain.json`` and the tables that it names.
+
+    Raises
+    ------
+    InputError
+        A file that is missing or not of this form.
+    """
     head = folder / "chain.json"
     try:
         record = json.loads(read_text(head, what="chain"))
         found = RigidChain(record["order"], squareness_rad=dict(record["squareness_rad"]))
+        names = list(record["tables"])
     except (json.JSONDecodeError, KeyError, TypeError) as error:
         raise InputError(f"no chain: {error}", file=head) from None
-    for path in sorted(folder.glob("E??.csv")):
-        found.tables[path.stem] = _table(path)
+    for name in names:
+        found.tables[name] = _table(folder / f"{name}.csv")
     return found
 
 
