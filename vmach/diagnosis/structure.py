@@ -19,7 +19,7 @@ __all__ = ["Structure", "patterns"]
 
 _SIMULATIONS = 200
 #: chance that clean data fail the gate, for each of its two parts
-_FALSE_ALARM = 0.002
+_FALSE_ALARM = 0.0005
 #: usual size of a pattern, mm
 _SIZE_MM = 1.5e-3
 _WAVES_IN_TIME = 12.0

@@ -73,7 +73,15 @@ class Circumstances:
 
     @cached_property
     def on_part_mm(self) -> np.ndarray:
-        """The point of interest in workpiece coordinates, (P, 3)."""
+        """The point of interest from the part's one zero, whatever offset is in force, (P, 3)."""
+        # a program that cuts in one clamping only need not say which zero is the part's
+        name = self.job.workpiece_zero or WORK_OFFSETS[max(int(self.setup[0]), 1) - 1]
+        zero = self.job.work_offsets_mm.get(name, np.zeros(3))
+        return self.nose_mm + self.tool_mm + self.contact_mm - zero
+
+    @cached_property
+    def in_clamping_mm(self) -> np.ndarray:
+        """The point of interest from the zero of the work offset in force, (P, 3)."""
         offsets = np.zeros((len(WORK_OFFSETS) + 1, 3))
         for name, offset in self.job.work_offsets_mm.items():
             offsets[1 + WORK_OFFSETS.index(name)] = offset

@@ -41,7 +41,7 @@ class Fixture(Effect):
         shift = np.array([six[f"shift_{axis}_um"] for axis in "xyz"])
         turn = np.array([six[f"turn_{axis}_urad"] for axis in "abc"])
         inside = (path.setup == 1 + WORK_OFFSETS.index(target)).astype(float)
-        moved = 1e-3 * shift + np.cross(1e-6 * turn, path.on_part_mm)
+        moved = 1e-3 * shift + np.cross(1e-6 * turn, path.in_clamping_mm)
         return inside[:, None] * moved
 
 

@@ -19,7 +19,8 @@ __all__ = ["TableUncertainty"]
 #: where a table shows no difference between both directions, its noise is taken as this
 _DEFAULT_MM, _DEFAULT_RAD = 0.2e-3, 0.3e-6
 _SQUARENESS_RAD = 1e-6
-_SQUARENESSES = ((0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1))
+#: C0Y, B0X, A0Y as (axis, rotation); the other three turn the frame, which nobody measures
+_SQUARENESSES = ((1, 2), (0, 1), (1, 0))
 
 
 @dataclass(frozen=True)
