@@ -14,6 +14,7 @@ import numpy as np
 from stock.compiled import njit_inlined, njit_kernel
 from stock.errors import StockError
 from stock.sweeps import Sweeps
+from stock.threads import run_in_parts
 
 __all__ = [
     "Motion",
@@ -73,60 +74,70 @@ def build_motion(sweeps: Sweeps, reach_of_tool_mm: np.ndarray) -> Motion:
         If an arc does not end where its angle says.
     """
     path = np.empty((len(sweeps), 16))
-    _hermite(sweeps.shift_mm, sweeps.shift_slope_mm, path)
-    ripple = _largest_second_derivative(path)
     straight = sweeps.sweep_rad == 0.0
-    _add_lines(path, straight, sweeps.start_mm, sweeps.end_mm)
+    shift, ends = (sweeps.shift_mm, sweeps.shift_slope_mm), (sweeps.start_mm, sweeps.end_mm)
+    run_in_parts(
+        lambda begin, end: _fill_path(path, shift, ends, (straight, sweeps.tool), (begin, end)),
+        len(path),
+    )
     tilt = np.empty((0, 12))
     if sweeps.tilt_rad.any() or sweeps.tilt_slope_rad.any():
-        tilt = np.empty((len(sweeps), 12))
-        _hermite(sweeps.tilt_rad, sweeps.tilt_slope_rad, tilt)
+        tilt, ripple = np.empty((len(sweeps), 12)), np.empty(len(sweeps))
+        _fill_tilt(tilt, ripple, sweeps.tilt_rad, sweeps.tilt_slope_rad)
         arm = reach_of_tool_mm[sweeps.tool]
         speed = np.linalg.norm(sweeps.end_mm - sweeps.start_mm, axis=1)
         slope = np.linalg.norm(tilt.reshape(-1, 4, 3)[:, 1:], axis=2) @ np.array([1.0, 2.0, 3.0])
-        ripple = ripple + arm * _largest_second_derivative(tilt) + 2.0 * slope * speed
+        path[:, _RIPPLE] += arm * ripple + 2.0 * slope * speed
+        path[:, _BEND] = path[:, _RIPPLE]
     arcs = _arcs(sweeps, np.flatnonzero(~straight))
     radius, growth, angle = arcs[:, 4].T
-    path[:, _RIPPLE] = path[:, _BEND] = ripple
     own = (radius + np.maximum(growth, 0.0)) * angle**2 + 2.0 * np.abs(growth * angle)
     path[~straight, _BEND] += own
-    path[:, _ARC], path[:, _TOOL] = -1.0, sweeps.tool
     path[~straight, _ARC] = np.arange(len(arcs))
     return Motion(path, tilt, arcs)
 
 
 @njit_kernel()
-def _hermite(value, slope, cubic):
-    """Write the power coefficients of the cubic with these end values and end slopes."""
-    for i in range(len(value)):
-        for j in range(3):
-            rise = value[i, 1, j] - value[i, 0, j]
-            cubic[i, j] = value[i, 0, j]
-            cubic[i, 3 + j] = slope[i, 0, j]
-            cubic[i, 6 + j] = 3.0 * rise - 2.0 * slope[i, 0, j] - slope[i, 1, j]
-            cubic[i, 9 + j] = slope[i, 0, j] + slope[i, 1, j] - 2.0 * rise
-
-
-@njit_kernel()
-def _largest_second_derivative(cubic):
-    """Largest norm of the second derivative over s in [0, 1]: it is linear, so at an end."""
-    largest = np.empty(len(cubic))
-    for i in range(len(cubic)):
-        start, end = 0.0, 0.0
-        for j in range(6, 9):
-            start += (2.0 * cubic[i, j]) ** 2
-            end += (2.0 * cubic[i, j] + 6.0 * cubic[i, 3 + j]) ** 2
-        largest[i] = math.sqrt(max(start, end))
-    return largest
-
-
-@njit_kernel()
-def _add_lines(path, straight, start, end):
-    for i in range(len(path)):
+def _fill_path(path, shift, ends, kind, part):
+    """Write rows of `Motion.path`, arcs without their own curvature and number."""
+    (start, end), (straight, tool) = ends, kind
+    for i in range(part[0], part[1]):
+        _hermite(shift[0], shift[1], i, path)
+        path[i, _RIPPLE] = path[i, _BEND] = _largest_second_derivative(path, i)
+        path[i, _ARC], path[i, _TOOL] = -1.0, tool[i]
         if straight[i]:
             for j in range(3):
                 path[i, j] += start[i, j]
                 path[i, 3 + j] += end[i, j] - start[i, j]
+
+
+@njit_kernel()
+def _fill_tilt(tilt, bend, value, slope):
+    """Write the tilts' cubics and how much they bend at most."""
+    for i in range(len(tilt)):
+        _hermite(value, slope, i, tilt)
+        bend[i] = _largest_second_derivative(tilt, i)
+
+
+@njit_inlined()
+def _hermite(value, slope, i, cubic):
+    """Write the power coefficients of the cubic i with these end values and end slopes."""
+    for j in range(3):
+        rise = value[i, 1, j] - value[i, 0, j]
+        cubic[i, j] = value[i, 0, j]
+        cubic[i, 3 + j] = slope[i, 0, j]
+        cubic[i, 6 + j] = 3.0 * rise - 2.0 * slope[i, 0, j] - slope[i, 1, j]
+        cubic[i, 9 + j] = slope[i, 0, j] + slope[i, 1, j] - 2.0 * rise
+
+
+@njit_inlined()
+def _largest_second_derivative(cubic, i):
+    """Largest norm of the second derivative over s in [0, 1]: it is linear, so at an end."""
+    start, end = 0.0, 0.0
+    for j in range(6, 9):
+        start += (2.0 * cubic[i, j]) ** 2
+        end += (2.0 * cubic[i, j] + 6.0 * cubic[i, 3 + j]) ** 2
+    return math.sqrt(max(start, end))
 
 
 def _arcs(sweeps: Sweeps, which: np.ndarray) -> np.ndarray:
