@@ -18,6 +18,8 @@ __all__ = ["PROGRAM", "ErrorBudget", "error_budget", "write_budget_csv"]
 
 #: the share that a perfect machine would leave too: cusps, rounding of the program
 PROGRAM = "program"
+#: rows of a file written at a time
+_ROWS = 10_000
 
 
 @dataclass(frozen=True)
@@ -58,18 +60,20 @@ def error_budget(prediction: Prediction, effects: Sequence[Effect] = ()) -> Erro
     normals = prediction.normals[prediction.is_cut]
     machine = prediction.preparation.job.machine
     direction = states.direction if machine.separate_directions else None
-    sources, columns = [PROGRAM], [np.zeros(len(states))]
-    for name, part in contributions(
+    parts = contributions(
         machine, states.nose_mm, states.tool_mm, prediction.variant, direction=direction
-    ):
+    )
+    sources, columns = [PROGRAM], [prediction.deviation_mm[prediction.is_cut]]
+    for name, part in parts:
         sources.append(name)
         columns.append(np.einsum("ij,ij->i", part.at(states.contact_mm), normals))
     for effect in effects:
         moved = effect.displacement(states).at(states.contact_mm) + effect.at_surface(states)
         sources.append(effect.label)
         columns.append(np.einsum("ij,ij->i", moved, normals))
-    columns[0] = prediction.deviation_mm[prediction.is_cut] - np.sum(columns, axis=0)
-    return ErrorBudget(tuple(sources), np.column_stack(columns))
+    share = np.column_stack(columns)
+    share[:, 0] -= share[:, 1:].sum(axis=1)
+    return ErrorBudget(tuple(sources), share)
 
 
 def write_budget_csv(
@@ -81,7 +85,7 @@ def write_budget_csv(
     the last motion of each axis; feed; time; one column a source.
     """
     header = "id line tool X_mm Y_mm Z_mm direction_X direction_Y direction_Z feed_mm_min time_s"
-    made = zip(
+    made = (
         ids,
         states.line,
         states.tool,
@@ -89,10 +93,13 @@ def write_budget_csv(
         *states.direction.astype(int).T,
         states.feed_mm_per_min.round(3),
         states.time_s.round(3),
-        strict=True,
     )
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([*header.split(), *(f"{source}_um" for source in budget.sources)])
-        for how, shares in zip(made, um_from_mm(budget.share_mm), strict=True):
-            writer.writerow([*how, *(f"{value:.4f}" for value in shares)])
+        for begin in range(0, len(ids), _ROWS):  # as text, all rows would fill the memory
+            rows = slice(begin, begin + _ROWS)
+            columns = [values[rows].tolist() for values in made]
+            shares_um = um_from_mm(budget.share_mm[rows]).T.tolist()
+            columns += [[f"{value:.4f}" for value in share] for share in shares_um]
+            writer.writerows(zip(*columns, strict=True))

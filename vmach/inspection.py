@@ -109,10 +109,12 @@ def inspected_points(
 
 def with_causes(points: InspectedPoints, budget: ErrorBudget) -> InspectedPoints:
     """The table with the largest shares of every cut point's deviation in words."""
-    cause = np.full(len(points), "", dtype="U80")
-    for row, k in enumerate(np.flatnonzero(points.primary.is_cut)):
-        shares = budget.largest(row)
-        cause[k] = ", ".join(f"{name} {um_from_mm(share):+.2f}" for name, share in shares)
+    words = [
+        ", ".join(f"{name} {um_from_mm(share):+.2f}" for name, share in budget.largest(row))
+        for row in range(len(budget.share_mm))
+    ]
+    cause = np.full(len(points), "", dtype=f"U{max(map(len, words), default=1)}")
+    cause[points.primary.is_cut] = words
     return replace(points, cause=cause)
 
 
