@@ -106,7 +106,8 @@ def write_table(folder: Path, name: str, axis_range: tuple[float, float], curve)
     """An error table every 10 mm of a function of the position, um or urad."""
     (folder / "errors").mkdir(exist_ok=True)
     rows = [
-        f"{x!r},{float(curve(x))!r},{float(curve(x))!r}" for x in np.arange(axis_range[0], 1e-9, 10.0).tolist()
+        f"{x!r},{float(curve(x))!r},{float(curve(x))!r}"
+        for x in np.arange(axis_range[0], 1e-9, 10.0).tolist()
     ]
     text = "position_mm,forward,backward\n" + "\n".join(rows) + "\n"
     (folder / "errors" / f"{name}.csv").write_text(text)

@@ -1,9 +1,10 @@
 """Compensated programs of a folder: growth, residuals, and LinuxCNC's word on the text.
 
-    python tests/benchmarks/bench_compensation.py FOLDER [--resolution-mm 0.001]
+    python tests/benchmarks/bench_compensation.py FOLDER [--resolution-mm 0.001] [--machine FILE]
 
 FOLDER holds programs with FILE.canon17 beside those that LinuxCNC accepts. Every one becomes a
-job of its own on a machine with scale, squareness, straightness and cyclic errors.
+job of its own on a machine with scale, squareness, straightness and cyclic errors of 10 mm pitch,
+or on the machine of FILE.
 """
 
 import argparse
@@ -21,16 +22,20 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--only", default="", help="part of the names")
+    parser.add_argument("--machine", type=Path, help="machine file with measured errors")
     parser.add_argument("--resolution-mm", type=float, default=1e-3)
     arguments = parser.parse_args()
     head = f"{'program':24} {'s':>6} {'growth':>6} {'arcs':>9} {'before':>7} {'fine':>7}"
     print(f"{head} {'after':>7} {'path':>7}  LinuxCNC   (um)")
+    same = "same path" if arguments.machine is None else "accepted"
     growth, accepted, refused = [], 0, 0
     programs = [p for p in corpus_programs(arguments.folder) if arguments.only in p.name]
     for path in programs:
         begun = time.perf_counter()
         with tempfile.TemporaryDirectory() as folder:
-            outcome = judged(folder, path, resolution_mm=arguments.resolution_mm)
+            outcome = judged(
+                folder, path, machine=arguments.machine, resolution_mm=arguments.resolution_mm
+            )
         seconds = time.perf_counter() - begun
         found = outcome.found
         if found is None:
@@ -42,11 +47,11 @@ def main():
         growth.append(found.growth)
         accepted += outcome.linuxcnc is None and not outcome.wrong
         sizes = [1e3 * r.largest_mm for r in (found.before, found.unrounded, found.after)]
-        word = outcome.linuxcnc or (outcome.wrong[0] if outcome.wrong else "same path")
+        word = outcome.linuxcnc or (outcome.wrong[0] if outcome.wrong else same)
         print(f"{path.name:24} {seconds:6.1f} {found.growth:6.2f} "
               f"{found.arcs_kept:4}/{found.arcs:4} {sizes[0]:7.2f} {sizes[1]:7.3f} "
               f"{sizes[2]:7.3f} {1e3 * outcome.worst_mm:7.3f}  {word[:160]}")  # fmt: skip
-    print(f"{len(programs)} programs: {accepted} with LinuxCNC's path as intended, {refused} "
+    print(f"{len(programs)} programs: {accepted} LinuxCNC: {same}, {refused} "
           f"refused; mean growth {sum(growth) / max(len(growth), 1):.2f}")  # fmt: skip
 
 

@@ -9,7 +9,8 @@ LAG = {
     "comparable": {"reversal_um": 6.0},
 }  # fmt: skip
 WARM = {
-    "name": "workpiece_temperature", "target": None, "accept": ["workpiece_temperature"], "comparable": {},
+    "name": "workpiece_temperature", "target": None, "accept": ["workpiece_temperature"],
+    "comparable": {},
     "twins": ["workpiece_temperature", "scale"],
 }  # fmt: skip
 STRETCHED = {
