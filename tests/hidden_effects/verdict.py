@@ -106,7 +106,8 @@ def _parameters(effect: dict, entry: dict) -> list[tuple[str, float, float, floa
     rows = []
     for name, true in effect["comparable"].items():
         value, u = entry["parameters"].get(name), entry["u"].get(name)
-        if not isinstance(value, int | float) or not isinstance(u, int | float):
+        known = isinstance(value, int | float) and isinstance(u, int | float)
+        if not known or name in entry.get("hardly_shown", ()):
             continue
         low, high = entry.get("interval_95", {}).get(name, (value - 1.96 * u, value + 1.96 * u))
         if len(effect["comparable"]) < 3 and value * true < 0:
