@@ -7,9 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-__all__ = ["SPOILERS", "spoil"]
+__all__ = ["SPOILERS", "spoil", "spoil_instrument"]
 
 NUMBERS = slice(2, 12)  #: x ... u_um among the cells of a row
+#: columns of instruments that hold readings
+READINGS = ("radius_um", "deviation_um", "dx_um", "dy_um", "dz_um")
 PLACE, MEASURED, U = slice(0, 3), slice(6, 9), 9
 
 
@@ -35,6 +37,24 @@ def spoil(folder: Path, how: str, *, seed: int = 0, share: float = 0.02) -> int:
     ]
     path.write_text("\n".join([header, *changed]) + "\n")
     return len(some)
+
+
+def spoil_instrument(folder: Path, name: str, factor: float, *, add_um=None) -> None:
+    """Multiply the readings of ``NAME.csv``, as another unit does.
+
+    Parameters
+    ----------
+    add_um : function of the rows (dict of columns of text) to what is added before, optional
+    """
+    path = folder / f"{name}.csv"
+    header, *lines = path.read_text().splitlines()
+    names, cells = header.split(","), np.array([line.split(",") for line in lines], dtype=object)
+    for k in (k for k, column in enumerate(names) if column in READINGS):
+        seen = cells[:, k].astype(float)
+        if add_um is not None:
+            seen = seen + add_um(dict(zip(names, cells.T, strict=True)))
+        cells[:, k] = [f"{v:.9g}" for v in factor * seen]
+    path.write_text("\n".join([header, *(",".join(row) for row in cells)]) + "\n")
 
 
 def chips(rng, numbers: np.ndarray, names: list[str], some: np.ndarray):

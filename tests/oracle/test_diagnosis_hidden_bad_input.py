@@ -1,14 +1,19 @@
 """Measured files as they come from a workshop: the diagnosis says what is wrong, and survives."""
 
 import json
+import re
 import shutil
 
+import numpy as np
 import pytest
 
 from tests.hidden_effects import program_runs
 from tests.hidden_effects.experiment import make_experiment
-from tests.hidden_effects.spoil import spoil
+from tests.hidden_effects.spoil import spoil, spoil_instrument
 from tests.hidden_effects.verdict import judge
+from vmach.errors import InputError
+from vmach.job import read_job
+from vmach.measurements import read_instruments
 
 
 @pytest.fixture(scope="module")
@@ -67,3 +72,55 @@ def test_the_measurement_of_another_part_is_refused(folder):
     shutil.copy(folder / "check_measured.csv", folder / "part_measured.csv")
     with pytest.raises(RuntimeError, match=r"is this the measurement of this part|part.s program"):
         program_runs.diagnose(folder)
+
+
+TESTS = ("ballbar_xy", "laser_X", "diagonal_0", "drift", "tip")
+
+
+@pytest.fixture(scope="module")
+def tested(tmp_path_factory):
+    """A machine in good health with a test of every kind."""
+    folder = tmp_path_factory.mktemp("tested")
+    make_experiment(folder, effects=[], seed=62, instruments=TESTS)
+    return folder
+
+
+@pytest.mark.parametrize("name", TESTS)
+@pytest.mark.parametrize(
+    ("factor", "said"),
+    [(1e-3, "are they in mm?"), (1e-6, "are they in m?"), (1e3, "are they in nm")],
+)
+def test_a_test_in_another_unit_is_refused_by_its_name(tested, tmp_path, name, factor, said):
+    folder = shutil.copytree(tested, tmp_path / "experiment")
+    spoil_instrument(folder, name, factor)
+    with pytest.raises(InputError, match=rf"{name}\.csv: .* um .*accepted: .*{re.escape(said)}"):
+        read_instruments(read_job(folder / "job.toml"))
+
+
+def test_an_uncertainty_in_mm_is_refused(tested, tmp_path):
+    folder = shutil.copytree(tested, tmp_path / "experiment")
+    job = folder / "job.toml"
+    job.write_text(job.read_text().replace("u_um = 0.3", "u_um = 0.0003"))
+    with pytest.raises(InputError, match=r"u_um of this test is 0\.0003 um; accepted: 0\.005 um"):
+        read_instruments(read_job(job))
+
+
+def test_a_large_error_is_no_wrong_unit(tested, tmp_path):
+    """Lost motion of 100 um, and a spindle that grows by 150 um, are real on a worn machine."""
+    folder = shutil.copytree(tested, tmp_path / "experiment")
+    spoil_instrument(folder, "laser_X", 1.0, add_um=lambda c: 50.0 * c["approach"].astype(float))
+    spoil_instrument(
+        folder, "drift", 1.0, add_um=lambda c: 150.0 * (c["t_s"].astype(float) / 5400.0)
+    )
+    assert len(read_instruments(read_job(folder / "job.toml"))) == len(TESTS)
+
+
+def test_a_machine_compensated_since_its_tables_were_made_is_no_wrong_unit(tested, tmp_path):
+    """The readings scatter by their uncertainty alone, far below what the tables say."""
+    folder = shutil.copytree(tested, tmp_path / "experiment")
+    noise = np.random.default_rng(3)
+    spoil_instrument(
+        folder, "laser_X", 1.0,
+        add_um=lambda c: 0.3 * noise.normal(size=len(c["t_s"])) - c["deviation_um"].astype(float),
+    )  # fmt: skip
+    assert len(read_instruments(read_job(folder / "job.toml"))) == len(TESTS)

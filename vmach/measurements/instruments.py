@@ -3,27 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, TypeAdapter, ValidationError
 
 from vmach.errors import InputError
 from vmach.job import Job
 from vmach.machine import LINEAR_AXES, Variant, displacement
 from vmach.measurements.columns import read_columns
+from vmach.measurements.instrument_settings import (
+    Ballbar,
+    Diagonal,
+    Drift,
+    Laser,
+    Tip,
+    settings_of,
+)
 from vmach.measurements.measurement import Measurement
 from vmach.measurements.test_motion import MotionRecord, stop_and_go
+from vmach.measurements.unit_check import check_unit
 from vmach.prediction import Effect
-from vmach.toml_file import FileSection, line_of_key, read_text
 from vmach.toolpath import PathStates
 from vmach.units import mm_from_um
 
 __all__ = ["read_instruments"]
-
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Point = tuple[Finite, Finite, Finite]
 
 #: way on the circle, before the first reading, that settles the direction of the axes
 _RUN_UP_RAD = np.radians(10.0)
@@ -31,56 +33,6 @@ _RUN_UP_RAD = np.radians(10.0)
 _RUN_UP_S = 60.0
 #: row k, the displacements are those along X, Y and Z of the same place
 _ALONG = ("dx_um", "dy_um", "dz_um")
-
-
-class _Ballbar(FileSection):
-    kind: Literal["ballbar"]
-    file: str
-    plane: Literal["XY", "YZ", "ZX", "XZ", "YX", "ZY"] = "XY"
-    centre_mm: Point
-    radius_mm: Positive
-    tool_length_mm: Positive
-    u_um: Positive
-
-
-class _Laser(FileSection):
-    kind: Literal["laser"]
-    file: str
-    axis: Literal["X", "Y", "Z"]
-    at_mm: Point
-    tool_length_mm: Positive
-    u_um: Positive
-
-
-class _Diagonal(FileSection):
-    kind: Literal["diagonal"]
-    file: str
-    from_mm: Point
-    to_mm: Point
-    tool_length_mm: Positive
-    u_um: Positive
-
-
-class _Drift(FileSection):
-    kind: Literal["drift"]
-    file: str
-    at_mm: Point
-    tool_length_mm: Positive
-    u_um: Positive
-
-
-class _Tip(FileSection):
-    kind: Literal["tip"]
-    file: str
-    frame: Literal["offset", "rigid"] = "offset"
-    tool_length_mm: Positive
-    u_um: Positive
-
-
-_Instrument = TypeAdapter(
-    Annotated[_Ballbar | _Laser | _Diagonal | _Drift | _Tip, Field(discriminator="kind")]
-)
-_KINDS = ("ballbar", "laser", "diagonal", "drift", "tip")
 
 
 def read_instruments(
@@ -91,30 +43,15 @@ def read_instruments(
     Raises
     ------
     InputError
-        Unknown kind or key, missing file or column, a value that is no number.
+        Unknown kind or key, missing file or column, a value that is no number, another unit.
     """
     found = []
     for entry in job.measurements:
-        settings = _settings(job, entry)
+        settings = settings_of(job, entry)
         path = job.folder / settings.file
         found.append(_READERS[settings.kind](settings, path, _Model(job, variant, effects)))
+        check_unit(found[-1], path)
     return tuple(found)
-
-
-def _settings(job: Job, entry):
-    try:
-        return _Instrument.validate_python(dict(entry))
-    except ValidationError as error:
-        first = error.errors()[0]
-        keys = [str(part) for part in first["loc"] if part not in _KINDS]
-        text = read_text(job.path, what="job file")
-        raise InputError(
-            f"[[measurements]] of {entry.get('file', 'no file')}: "
-            f"{'.'.join(keys) or 'kind'}: {first['msg']}",
-            file=job.path,
-            line=line_of_key(text, ["measurements"]),
-            accepted=f"kind = {', '.join(_KINDS)}, with the keys of that kind",
-        ) from None
 
 
 class _Model:
@@ -134,7 +71,7 @@ class _Model:
         return np.einsum("ij,ij->i", sensing, moved.shift_mm)
 
 
-def _ballbar(settings: _Ballbar, path, model: _Model) -> Measurement:
+def _ballbar(settings: Ballbar, path, model: _Model) -> Measurement:
     table = read_columns(
         path, numbers=("feed_mm_min", "angle_deg", "t_s", "radius_um"), text=("run",)
     )
@@ -193,7 +130,7 @@ def _ballbar(settings: _Ballbar, path, model: _Model) -> Measurement:
     )
 
 
-def _laser(settings: _Laser, path, model: _Model) -> Measurement:
+def _laser(settings: Laser, path, model: _Model) -> Measurement:
     table = read_columns(
         path, numbers=("position_mm", "approach", "t_s", "deviation_um"), text=("run",)
     )
@@ -203,7 +140,7 @@ def _laser(settings: _Laser, path, model: _Model) -> Measurement:
     return _along_line(settings, table, nose, direction=np.eye(3)[axis], model=model)
 
 
-def _diagonal(settings: _Diagonal, path, model: _Model) -> Measurement:
+def _diagonal(settings: Diagonal, path, model: _Model) -> Measurement:
     table = read_columns(
         path, numbers=("distance_mm", "approach", "t_s", "deviation_um"), text=("run",)
     )
@@ -219,7 +156,7 @@ def _diagonal(settings: _Diagonal, path, model: _Model) -> Measurement:
 
 
 def _along_line(
-    settings: _Laser | _Diagonal, table, nose, *, direction: np.ndarray, model: _Model
+    settings: Laser | Diagonal, table, nose, *, direction: np.ndarray, model: _Model
 ) -> Measurement:
     """Readings along a straight line, zero left free."""
     count = len(nose)
@@ -243,7 +180,7 @@ def _along_line(
     )
 
 
-def _drift(settings: _Drift, path, model: _Model) -> Measurement:
+def _drift(settings: Drift, path, model: _Model) -> Measurement:
     table = read_columns(path, numbers=("t_s", "spindle_rpm", *_ALONG))
     time = table.numbers["t_s"]
     nose = np.tile(settings.at_mm, (len(time), 1))
@@ -266,7 +203,7 @@ def _drift(settings: _Drift, path, model: _Model) -> Measurement:
     )
 
 
-def _tip(settings: _Tip, path, model: _Model) -> Measurement:
+def _tip(settings: Tip, path, model: _Model) -> Measurement:
     table = read_columns(path, numbers=("t_s", *"XYZ", "sx", "sy", "sz", *_ALONG))
     nose = table.vectors("XYZ")
     states = stop_and_go(

@@ -1,0 +1,80 @@
+"""Are the readings of a test in micrometres? By their scatter, and by what the model predicts.
+
+Whatever a machine is like, readings scatter by their own uncertainty, and a model with measured
+tables is not wrong a hundredfold. So readings in another unit betray themselves by their size,
+after all that the instrument leaves free (zero, centre, pose) has been taken off.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from vmach.errors import InputError
+from vmach.measurements.measurement import Measurement
+from vmach.units import um_from_mm
+
+__all__ = ["check_unit"]
+
+#: no instrument is finer than this
+_FINEST_MM = 5e-6
+#: a test that varies this many times less than model and uncertainty say is in a coarser unit
+_TOO_SMALL = 50.0
+#: a test that varies by more than this, and so many times more than the model says, in a finer
+_LARGE_MM = 0.2
+_TOO_LARGE = 20.0
+#: readings beyond the number of what is free, below which nothing can be said
+_FEWEST_LEFT = 4
+
+
+def check_unit(test: Measurement, path: Path) -> None:
+    """Refuse a test whose readings, or whose uncertainty, cannot be in micrometres.
+
+    Parameters
+    ----------
+    test : Measurement
+        Of one instrument; readings that are all zero are let through.
+    path : Path
+        Its file.
+
+    Raises
+    ------
+    InputError
+        Readings that look like mm, m or nm; an uncertainty that looks like mm.
+    """
+    u_mm = float(np.median(test.u_mm))
+    if u_mm < _FINEST_MM:
+        raise InputError(
+            f"u_um of this test is {um_from_mm(u_mm):.2g} um",
+            file=path,
+            accepted=f"{um_from_mm(_FINEST_MM):g} um or more",
+            hint="is u_um in mm? It has to be in um",
+        )
+    left = len(test) - np.linalg.matrix_rank(test.nuisance)
+    if left < _FEWEST_LEFT or not test.measured_mm.any():
+        return
+    seen = _variation_mm(test, test.measured_mm, left)
+    foretold = max(_variation_mm(test, test.predicted_mm, left), u_mm)
+    if seen < min(foretold / _TOO_SMALL, u_mm):
+        unit = "mm" if seen > 3e-5 * foretold else "m"
+        raise _refused(seen, foretold, path, f"are they in {unit}? They have to be in um")
+    if seen > max(_TOO_LARGE * foretold, _LARGE_MM):
+        hint = "are they in nm, or is this a test of another machine? They have to be in um"
+        raise _refused(seen, foretold, path, hint)
+
+
+def _variation_mm(test: Measurement, value_mm: np.ndarray, left: int) -> float:
+    """Root mean square of what is free taken off, (P,) -> mm."""
+    free = np.linalg.lstsq(test.nuisance, value_mm, rcond=None)[0]
+    return float(np.sqrt(np.sum((value_mm - test.nuisance @ free) ** 2) / left))
+
+
+def _refused(seen_mm: float, foretold_mm: float, path: Path, hint: str) -> InputError:
+    return InputError(
+        f"the readings, taken as um, vary by {um_from_mm(seen_mm):.3g} um (rms) where the model "
+        f"and u_um say {um_from_mm(foretold_mm):.3g} um",
+        file=path,
+        accepted=f"readings in um, within {_TOO_SMALL:g} times of that",
+        hint=hint,
+    )
