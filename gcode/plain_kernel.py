@@ -21,7 +21,11 @@ _AXES, _G, _F = 7, 8, 16
 _REMARK = 32  #: a line number or a comment: no N may follow
 
 
-@njit(cache=True, error_model="numpy")
+#: called by kernels only: no way in from Python has to be compiled
+_part = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+
+
+@_part
 def _skip_comment(data, at):  # pragma: no cover - compiled
     """Return the index after a comment without a comma, or -1 where the interpreter must look."""
     if data[at] == 59:  # ;
@@ -36,7 +40,7 @@ def _skip_comment(data, at):  # pragma: no cover - compiled
     return at + 1
 
 
-@njit(cache=True, error_model="numpy")
+@_part
 def _read_line(data, at):  # pragma: no cover - compiled
     """Read one line; returns where the next begins, which words stand here, and X Y Z G F.
 

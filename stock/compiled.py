@@ -4,37 +4,22 @@ from __future__ import annotations
 
 from functools import partial
 
-from numba import njit, types
-from numba.extending import intrinsic
+from numba import njit
 
-__all__ = ["njit_inlined", "njit_kernel", "unowned"]
+__all__ = ["njit_inlined", "njit_kernel", "njit_part"]
 
-#: machine code, kept between runs, that leaves the interpreter's lock alone
-njit_kernel = partial(njit, cache=True, nogil=True, error_model="numpy")
+#: what Python calls: machine code, kept between runs, that leaves the interpreter's lock alone.
+#: Kernels make no arrays. So nobody counts references to those that they are handed, which would
+#: take most of their time: they look into their records millions of times, between threads
+njit_kernel = partial(njit, cache=True, nogil=True, error_model="numpy", _nrt=False)
+#: what only kernels call: without a way in from Python, which takes as long to compile as the rest
+njit_part = partial(
+    njit,
+    nogil=True,
+    error_model="numpy",
+    _nrt=False,
+    no_cpython_wrapper=True,
+    no_cfunc_wrapper=True,
+)
 #: the same, put into its caller: the records that kernels share are costly to hand over
-njit_inlined = partial(njit_kernel, forceinline=True)
-
-
-@intrinsic
-def unowned(context, record):
-    """The same record of arrays, without counting references to them.
-
-    Kernels look into their records millions of times; counting each look, safely between
-    threads, would take most of their time. The caller keeps the record alive meanwhile.
-    """
-
-    def without_owner(target, builder, kind, value):
-        if isinstance(kind, types.Array):
-            array = target.make_array(kind)(target, builder, value)
-            array.meminfo = target.get_constant_null(types.MemInfoPointer(types.voidptr))
-            return array._getvalue()
-        for place, part in enumerate(kind.types):
-            old = builder.extract_value(value, place)
-            new = without_owner(target, builder, part, old)
-            value = builder.insert_value(value, new, place)
-        return value
-
-    def generate(target, builder, signature, arguments):
-        return without_owner(target, builder, signature.args[0], arguments[0])
-
-    return record(record), generate
+njit_inlined = partial(njit_part, forceinline=True)

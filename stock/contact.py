@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stock.compiled import njit_inlined, njit_kernel, unowned
+from stock.compiled import njit_inlined, njit_part
 from stock.motion import Motion, arc_of, bend_of, ripple_of, tilt_at, tip_at, tool_of
 from stock.outline import Outlines, signed_distance
 
@@ -167,7 +167,7 @@ def guess(cut, i, span, line, h):
     return min(max(s, span[0]), span[1])
 
 
-@njit_kernel()
+@njit_part()
 def closest(cut, i, span, line, h, s, limit):
     """psi: the least distance from the sweep's piece `span` of the line's point at h.
 
@@ -187,7 +187,6 @@ def closest(cut, i, span, line, h, s, limit):
     tuple of float
         psi, its derivative by h, s; (inf, 0, s) where psi is above `limit` for sure.
     """
-    cut = unowned(cut)
     best = _descend(cut, i, span, line, h, s, limit)
     if best[0] == np.inf:
         return best
@@ -211,10 +210,9 @@ def _level(motion, i):
     return k < 0 or (a[k, 1, 2] == 0.0 and a[k, 2, 2] == 0.0 and a[k, 3, 2] == 0.0)
 
 
-@njit_kernel()
+@njit_part()
 def _descend(cut, i, span, line, h, s, limit):
     """Newton's method on the derivative by s, kept in a bracket by its sign."""
-    cut = unowned(cut)
     bend = 0.5 * bend_of(cut.motion, i)
     waves = bend * (span[1] - span[0]) ** 2 if arc_of(cut.motion, i) < 0 else np.inf
     low, high = span
@@ -283,10 +281,9 @@ def _has_valley(cut, i, span, line, h, s):
     return False
 
 
-@njit_kernel()
+@njit_part()
 def _lowest_of_parts(cut, i, span, line, h, best):
     """Look for a lower minimum in each part of the span that can have one."""
-    cut = unowned(cut)
     width = (span[1] - span[0]) / _PARTS
     for part in range(_PARTS):
         piece = (span[0] + part * width, span[0] + (part + 1) * width)
@@ -297,7 +294,7 @@ def _lowest_of_parts(cut, i, span, line, h, best):
     return best
 
 
-@njit_kernel()
+@njit_part()
 def entry(cut, i, span, line, most):
     """First h, going outwards from 0, at which the line is in the sweep's piece or touches it.
 
@@ -307,7 +304,6 @@ def entry(cut, i, span, line, most):
         h is -inf where the line's point at 0 is inside by more than `TOUCH_MM`; +inf where the
         sweep is not met up to `most`. A touch at 0 may come out as a tiny negative h.
     """
-    cut = unowned(cut)
     straight = arc_of(cut.motion, i) < 0
     h, s, outside = 0.0, guess(cut, i, span, line, 0.0), 0.0
     for turn in range(300):
@@ -345,14 +341,13 @@ def entry(cut, i, span, line, most):
     return h, s
 
 
-@njit_kernel()
+@njit_part()
 def _meet_rim(cut, i, span, line, near):
     """Solve for the h and s at which the line goes through a sharp rim of the moving tool.
 
     Right at a rim the gradient of the distance has no limit, so that the last steps have to be
     made on the rim's own two equations: radius and height are those of the corner.
     """
-    cut = unowned(cut)
     h, s = near
     x, x1, _, d = _seen_from_tool(cut, i, s, line, h)
     rho = math.sqrt(x[0] * x[0] + x[1] * x[1])
@@ -378,7 +373,7 @@ def _meet_rim(cut, i, span, line, near):
     return False, h, s
 
 
-@njit_kernel()
+@njit_part()
 def exit_below(cut, i, span, line, h, least):
     """Where the line, followed inwards from h, leaves the sweep's piece.
 
@@ -390,7 +385,6 @@ def exit_below(cut, i, span, line, h, least):
     touch : bool
         The sweep touches the line's point at h from outside: its own boundary is there.
     """
-    cut = unowned(cut)
     s = guess(cut, i, span, line, h)
     distance, by_h, s = closest(cut, i, span, line, h, s, TOUCH_MM)
     if distance > TOUCH_MM:

@@ -17,9 +17,7 @@ from stock.threemf import threemf_bytes
 __all__ = ["PART_FORMATS", "write_part"]
 
 
-def write_part(
-    part: VirtualPart, path: str | Path, *, colours: np.ndarray | None = None
-) -> None:
+def write_part(part: VirtualPart, path: str | Path, *, colours: np.ndarray | None = None) -> None:
     """Write the part in the format that the suffix asks for.
 
     The file appears under its name only once it is complete.

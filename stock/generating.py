@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from stock.compiled import njit_inlined, njit_kernel, njit_part
 from stock.sweeps import Sweeps
 from stock.tools import Tool
 
@@ -114,38 +114,54 @@ def _support(tool: Tool, normal: np.ndarray) -> np.ndarray:
     return np.array([*ends, 0.0])
 
 
-@njit(cache=True)
+@njit_kernel()
 def _closest(point, chords, supports):
     """The last chord whose tool comes closest to the point, and where on it."""
     best, chord, share = np.inf, 0, 0.0
+    p = _vector(point)
     for k in range(len(chords)):
-        distance, s = _approach(point, chords[k], supports[k])
+        distance, s = _approach(p, _vector(chords[k, 0]), _vector(chords[k, 1]), supports[k])
         if distance <= best + 1e-9:
             best, chord, share = min(best, distance), k, s
     return chord, share
 
 
-@njit(cache=True)
-def _approach(point, chord, support):
+@njit_inlined()
+def _vector(a):
+    return a[0], a[1], a[2]
+
+
+@njit_inlined()
+def _less(a, b):
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@njit_inlined()
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit_part()
+def _approach(point, start, end, support):
     """Least distance of the support on the chord from the point, and where that is."""
-    way = chord[1] - chord[0]
+    way, offset = _less(end, start), _less(point, start)
+    first, last = _vector(support), _vector(support[3:])
     if support[6] == 1.0:
-        start = point[:2] - chord[0, :2]
         length = way[0] ** 2 + way[1] ** 2
-        s = 0.0 if length == 0.0 else (start[0] * way[0] + start[1] * way[1]) / length
+        s = 0.0 if length == 0.0 else (offset[0] * way[0] + offset[1] * way[1]) / length
         s = min(max(s, 0.0), 1.0)
-        beside = math.hypot(start[0] - s * way[0], start[1] - s * way[1])
-        below = point[2] - support[2] - chord[0, 2] - s * way[2]
-        return math.hypot(max(beside - support[3], 0.0), below), s
-    return _between_segments(point - support[:3] - chord[0], support[3:6] - support[:3], way)
+        beside = math.hypot(offset[0] - s * way[0], offset[1] - s * way[1])
+        below = offset[2] - first[2] - s * way[2]
+        return math.hypot(max(beside - last[0], 0.0), below), s
+    return _between_segments(_less(offset, first), _less(last, first), way)
 
 
-@njit(cache=True)
+@njit_part()
 def _between_segments(offset, edge, way):
     """Least of abs(offset - t edge - s way) over s and t in [0, 1], and its s."""
     best, place = np.inf, 0.0
-    a, b, c = (way * way).sum(), (way * edge).sum(), (edge * edge).sum()
-    d, e = (way * offset).sum(), (edge * offset).sum()
+    a, b, c = _dot(way, way), _dot(way, edge), _dot(edge, edge)
+    d, e = _dot(way, offset), _dot(edge, offset)
     determinant = a * c - b * b
     for candidate in range(5):
         if candidate == 0:
@@ -160,11 +176,16 @@ def _between_segments(offset, edge, way):
         else:
             t = candidate - 3.0
             s = 0.0 if a == 0.0 else min(max((d - t * b) / a, 0.0), 1.0)
-        gap = offset - t * edge - s * way
-        distance = math.sqrt((gap * gap).sum())
+        gap = _less(_less(offset, _times(t, edge)), _times(s, way))
+        distance = math.sqrt(_dot(gap, gap))
         if distance < best:
             best, place = distance, s
     return best, place
+
+
+@njit_inlined()
+def _times(k, a):
+    return k * a[0], k * a[1], k * a[2]
 
 
 def _refined(

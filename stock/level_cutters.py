@@ -95,9 +95,7 @@ def level_solid(
     return _marked(vertices, triangles, strokes.move[group][stroke])
 
 
-def _plane_points(
-    strokes: Strokes, i: int, ring: np.ndarray, azimuths: np.ndarray
-) -> CrossSection:
+def _plane_points(strokes: Strokes, i: int, ring: np.ndarray, azimuths: np.ndarray) -> CrossSection:
     placement = np.zeros((4, 3))
     placement[0, :2], placement[1, :2] = strokes.start_mm[i, :2], strokes.end_mm[i, :2]
     points = swept_points(ring, azimuths, placement, strokes.before(i), strokes.ends(i))

@@ -262,10 +262,14 @@ def tilt_at(motion, i, s):
     return _cubics(motion.tilt, i, s)
 
 
-@njit_kernel()
 def tip_positions(motion, sweep, s):
     """Positions (K, 3) of the displaced tip of the sweeps (K,) at s (K,), mm."""
     place = np.empty((len(sweep), 3))
+    _fill_positions(place, motion, sweep, s)
+    return place
+
+
+@njit_kernel()
+def _fill_positions(place, motion, sweep, s):
     for k in range(len(sweep)):
         place[k, 0], place[k, 1], place[k, 2] = tip_at(motion, sweep[k], s[k])[0]
-    return place

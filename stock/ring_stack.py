@@ -78,9 +78,7 @@ def _tangent(a: Corner, b: Corner) -> float:
     return float(np.arctan2(normal[0], -normal[1]))
 
 
-def _corner_rings(
-    corner: Corner, lo: float, hi: float, tolerance_mm: float
-) -> np.ndarray:
+def _corner_rings(corner: Corner, lo: float, hi: float, tolerance_mm: float) -> np.ndarray:
     """Radius, height and interval of normals, (K, 4), of the rings on one corner."""
     if corner.radius_mm == 0.0:
         return np.array([[corner.r_mm, corner.z_mm, lo, hi]])

@@ -68,9 +68,7 @@ def join_pieces(pieces: list[PieceMesh]) -> PieceMesh:
 
 def _welded(vertices: np.ndarray, border: np.ndarray) -> np.ndarray:
     """For every vertex the one that stands for it: equal places on the border become one."""
-    _, first, group = np.unique(
-        vertices[border], axis=0, return_index=True, return_inverse=True
-    )
+    _, first, group = np.unique(vertices[border], axis=0, return_index=True, return_inverse=True)
     stands_for = np.arange(len(vertices))
     stands_for[border] = border[first[group.reshape(-1)]]
     return stands_for

@@ -100,9 +100,7 @@ def cut_part(
     move_of_id = cutters.move_of_id
     move_of_id[solid.original_id()] = BLANK
     pieces, volume_mm3 = [], 0.0
-    for piece in finished_pieces(
-        solid, cutters, block_strokes=block_strokes, progress=progress
-    ):
+    for piece in finished_pieces(solid, cutters, block_strokes=block_strokes, progress=progress):
         pieces.append(_mesh(piece, move_of_id))
         volume_mm3 += piece.volume()
     joined = join_pieces(pieces)

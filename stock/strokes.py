@@ -121,9 +121,7 @@ def _distance_from_axis(sweeps: Sweeps, point_mm: np.ndarray) -> np.ndarray:
     return np.linalg.norm(arm - along[:, None] * sweeps.axis, axis=1)
 
 
-def _placement(
-    sweeps: Sweeps, index: np.ndarray, s: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def _placement(sweeps: Sweeps, index: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Displaced tip and tilt, each (P, 3), at parameter s (P,) of the sweeps `index` (P,)."""
     shift, tilt = sweeps.displacement_at(index, s)
     return sweeps.nominal_tip_at(index, s) + shift, tilt

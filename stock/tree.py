@@ -169,20 +169,18 @@ def morton_order(points: np.ndarray) -> np.ndarray:
         return np.zeros(0, dtype=np.int64)
     low = points.min(axis=0)
     size = float((points.max(axis=0) - low).max())
-    return np.argsort(
-        _morton_codes(points, low, 0.0 if size == 0.0 else 65535.0 / size), kind="stable"
-    )
+    codes = np.empty(len(points), dtype=np.uint64)
+    _fill_morton_codes(codes, points, low, 0.0 if size == 0.0 else 65535.0 / size)
+    return np.argsort(codes, kind="stable")
 
 
 @njit_kernel()
-def _morton_codes(points, low, scale):
-    codes = np.empty(len(points), dtype=np.uint64)
+def _fill_morton_codes(codes, points, low, scale):
     for i in range(len(points)):
         code = np.uint64(0)
         for j in range(3):
             code |= _spread(np.uint64((points[i, j] - low[j]) * scale)) << np.uint64(j)
         codes[i] = code
-    return codes
 
 
 @njit_inlined()

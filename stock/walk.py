@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stock.compiled import njit_inlined, njit_kernel, unowned
+from stock.compiled import njit_inlined, njit_kernel, njit_part
 from stock.contact import TOUCH_MM, Cut, entry, exit_below, point_at
 from stock.threads import run_in_parts
 from stock.tree import Trees, bound_of_box, morton_order, pieces_of_leaf
@@ -54,7 +54,7 @@ def walk_lines(work, points, normals, blank, reach):
     order = morton_order(points)  # neighbours use the same nodes of the tree
     run_in_parts(
         lambda begin, end: _walk_part(
-            work, points, normals, order[begin:end], (blank, reach), found
+            work, (points, normals, order[begin:end]), (blank, reach), _nodes_to_visit(), found
         ),
         count,
         block=_COMPANY,
@@ -62,14 +62,18 @@ def walk_lines(work, points, normals, blank, reach):
     return found
 
 
+def _nodes_to_visit():
+    """Room for the nodes that one search still has to visit, their bounds, and its hint."""
+    return np.empty(_STACK, np.int64), np.empty(_STACK), np.empty(1, np.int64)
+
+
 @njit_kernel()
-def _walk_part(work, points, normals, order, bounds, found):
+def _walk_part(work, lines, bounds, todo, found):
     """Walk along the lines `order`; `hint` is the piece to look at first."""
+    points, normals, order = lines
     status, edge, parameter, sweep = found
     blank, reach = bounds
-    work = unowned(work)
-    hint = np.empty(1, dtype=np.int64)
-    todo = (np.empty(_STACK, dtype=np.int64), np.empty(_STACK), hint)
+    hint = todo[2]
     for place in range(len(order)):
         if place % _COMPANY == 0:
             hint[0] = -1
@@ -82,10 +86,9 @@ def _walk_part(work, points, normals, order, bounds, found):
             edge[i], sweep[i], parameter[i] = h, which, s
 
 
-@njit_kernel()
+@njit_part()
 def _walk(work, line, blank, reach, todo):
     """State, h, sweep and s of one line; `blank` is the part of it in the blank."""
-    work = unowned(work)
     if blank[0] > TOUCH_MM or blank[1] < -reach:
         return GOUGED, 0.0, -1, 0.0
     h, sweep, s = blank[1], -1, 0.0
@@ -103,7 +106,7 @@ def _walk(work, line, blank, reach, todo):
     return (CUT if sweep >= 0 else UNCUT), h, sweep, s
 
 
-@njit_kernel()
+@njit_part()
 def _blank_interval(blank, p, n):
     """The h between which the line is in the blank, grazing its faces included."""
     low, high = -np.inf, np.inf
@@ -119,10 +122,9 @@ def _blank_interval(blank, p, n):
     return low, high
 
 
-@njit_kernel()
+@njit_part()
 def _walk_out(work, line, most, todo):
     """Nearest entry into any sweep going outwards; whether the start is inside one instead."""
-    work = unowned(work)
     cut, trees = work
     q, hint = line[0], todo[2]
     best, best_sweep, best_s = most, -1, 0.0
@@ -200,14 +202,13 @@ def _push_children(work, tool, q, node, place):
     return top + 2
 
 
-@njit_kernel()
+@njit_part()
 def _pass_in(work, line, state, reach, todo):
     """One way through the trees that extends the air at h by every sweep met on it.
 
     The listed bounds were taken at the h of then; going inwards since has lowered them by no
     more than the way, so that bound - h then + h now is a bound now.
     """
-    work = unowned(work)
     h, best_sweep, best_s = state
     cut, trees = work
     for tool in range(len(trees.leaves)):

@@ -10,15 +10,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 
+from stock.threads import run_in_parts
 from vmach.machine.component_errors import component_of
 from vmach.machine.machine import Machine
 
 __all__ = ["AxisCurves", "CompiledErrors", "compile_errors", "displace"]
 
 _BUCKETS_PER_BREAK = 4
-_CHUNK = 2048  #: states that one thread works off with one scratch array
 _MEAN = 0  #: then forward, backward: the order of `ComponentError.curves`
 
 
@@ -114,11 +114,14 @@ def displace(
     shift, tilt = np.empty_like(nose_mm), np.empty_like(nose_mm)
     # arm of E_ij along k per mm of q_k; own travel of the measuring point taken off
     gains = errors.arm_masks - reference_travel[:, :, None] * np.eye(3)
-    packed = [(c.breaks, c.origins, c.coefficients, c.buckets) for c in errors.axes]
-    _loop(
-        nose_mm, tool_mm, ways, packed[0], packed[1], packed[2],
-        gains, reference_mm, errors.squareness_rad, shift, tilt,
-    )  # fmt: skip
+    packed = tuple((c.breaks, c.origins, c.coefficients, c.buckets) for c in errors.axes)
+    states, chain = (nose_mm, tool_mm, ways), (gains, reference_mm, errors.squareness_rad)
+    run_in_parts(
+        lambda begin, end: _loop(
+            states, packed, chain, (shift, tilt), part=(begin, end), values=np.empty((3, 6))
+        ),
+        len(nose_mm),
+    )
     return shift, tilt
 
 
@@ -157,22 +160,20 @@ def _way(sign):
     return 1 if sign > 0 else (2 if sign < 0 else _MEAN)
 
 
-@njit(cache=True, parallel=True)
-def _loop(
-    nose, tool, ways, curves_x, curves_y, curves_z,
-    gains, reference, sigma, shift, tilt,
-):  # fmt: skip
-    for chunk in prange((len(nose) + _CHUNK - 1) // _CHUNK):
-        values = np.empty((3, 6))
-        start = np.int64(chunk) * _CHUNK
-        for p in range(start, min(start + _CHUNK, len(nose))):
-            q = nose[p]
-            t = tool[p] if len(tool) > 1 else tool[0]
-            way = ways[p] if len(ways) > 1 else ways[0]
-            _axis(q[0], _way(way[0]), curves_x, values[0])
-            _axis(q[1], _way(way[1]), curves_y, values[1])
-            _axis(q[2], _way(way[2]), curves_z, values[2])
-            _add_up(q, t, values, gains, reference, sigma, shift[p], tilt[p])
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def _loop(states, curves, chain, found, part, values):
+    """Shift and tilt of the states from part[0] to part[1]."""
+    nose, tool, ways = states
+    gains, reference, sigma = chain
+    shift, tilt = found
+    for p in range(part[0], part[1]):
+        q = nose[p]
+        t = tool[p] if len(tool) > 1 else tool[0]
+        way = ways[p] if len(ways) > 1 else ways[0]
+        _axis(q[0], _way(way[0]), curves[0], values[0])
+        _axis(q[1], _way(way[1]), curves[1], values[1])
+        _axis(q[2], _way(way[2]), curves[2], values[2])
+        _add_up(q, t, values, gains, reference, sigma, shift[p], tilt[p])
 
 
 @njit(cache=True, inline="always")
