@@ -18,6 +18,13 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.oracle.compensation_corpus import corpus_programs, judged
 
 
+def _path(outcome):
+    """Largest distance from the intended path, and the largest over what rounding may leave."""
+    if outcome.path is None:
+        return f"{'-':>7} {'-':>8}"
+    return f"{1e3 * outcome.path.worst_mm:7.3f} {outcome.path.worst_ratio:8.2f}"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
@@ -26,7 +33,7 @@ def main():
     parser.add_argument("--resolution-mm", type=float, default=1e-3)
     arguments = parser.parse_args()
     head = f"{'program':24} {'s':>6} {'growth':>6} {'arcs':>9} {'before':>7} {'fine':>7}"
-    print(f"{head} {'after':>7} {'path':>7}  LinuxCNC   (um)")
+    print(f"{head} {'after':>7} {'path':>7} {'of bound':>8}  LinuxCNC   (um)")
     same = "same path" if arguments.machine is None else "accepted"
     growth, accepted, refused = [], 0, 0
     programs = [p for p in corpus_programs(arguments.folder) if arguments.only in p.name]
@@ -50,7 +57,7 @@ def main():
         word = outcome.linuxcnc or (outcome.wrong[0] if outcome.wrong else same)
         print(f"{path.name:24} {seconds:6.1f} {found.growth:6.2f} "
               f"{found.arcs_kept:4}/{found.arcs:4} {sizes[0]:7.2f} {sizes[1]:7.3f} "
-              f"{sizes[2]:7.3f} {1e3 * outcome.worst_mm:7.3f}  {word[:160]}")  # fmt: skip
+              f"{sizes[2]:7.3f} {_path(outcome)}  {word[:160]}")  # fmt: skip
     print(f"{len(programs)} programs: {accepted} LinuxCNC: {same}, {refused} "
           f"refused; mean growth {sum(growth) / max(len(growth), 1):.2f}")  # fmt: skip
 

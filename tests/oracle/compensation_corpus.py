@@ -1,6 +1,7 @@
 """Any 3-axis program as a job, compensated, and its text judged by LinuxCNC's interpreter."""
 
 import re
+import sys
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,7 +10,8 @@ from unittest import mock
 import numpy as np
 
 from gcode import read_tool_table
-from tests.oracle.linuxcnc_interpreter import ARC, LINE, RAPID, judge
+from tests.oracle.compensation_paths import Comparison, compared, intended_pieces
+from tests.oracle.linuxcnc_interpreter import judge
 from vmach.compensation import compensate
 from vmach.compensation.rewriting import Rewriter
 from vmach.effects import read_effects
@@ -17,8 +19,10 @@ from vmach.job import read_job
 
 __all__ = ["Outcome", "compensated", "corpus_programs", "judged", "write_job"]
 
+module = sys.modules["vmach.compensation.compensate"]
 TRAVEL_MM = 5000.0
-_SHIFTS = re.compile(rb"(?i)G\s*92\s*[XYZ]|G\s*10\s*L\s*(?:10|11|20)")
+#: the tool's length is set where it stands, with the correction that it has there
+_SHIFTS = re.compile(rb"(?i)G\s*10\s*L\s*1[01]")
 OFFSET_MM = (0.0, 0.0, 0.0)  #: so that axes without a word yet stand where LinuxCNC has them
 NO_PROGRAM = {".canon17", ".canon", ".reject", ".tbl", ".md", ".tsv", ".py", ".sh", ".camotics"}
 
@@ -155,8 +159,8 @@ class Outcome:
         vmach's words where it refuses.
     linuxcnc : str or None
         LinuxCNC's words where it refuses the output.
-    worst_mm : float
-        Largest distance of LinuxCNC's path from the intended one, at ends and middles.
+    path : Comparison or None
+        LinuxCNC's path of the output beside the intended one.
     wrong : list of str
         Moves that differ in more than rounding.
     """
@@ -164,120 +168,56 @@ class Outcome:
     found: object = None
     refusal: str | None = None
     linuxcnc: str | None = None
-    worst_mm: float = 0.0
+    path: Comparison | None = None
     wrong: list[str] = field(default_factory=list)
 
 
 @contextmanager
-def _last_written():
-    """The rewriter, target and result of the last program that was written."""
-    last = {}
-    original = Rewriter.write
+def _kept():
+    """The plan and target that are rounded at the end, and what was written of them."""
+    kept = {}
+    write, rounded = Rewriter.write, module.rounded_target
 
-    def write(self, target, resolution_mm):
-        written = original(self, target, resolution_mm)
-        last.update(rewriter=self, target=target, written=written)
-        return written
+    def keep_written(self, target, resolution_mm):
+        kept["written"] = write(self, target, resolution_mm)
+        return kept["written"]
 
-    with mock.patch.object(Rewriter, "write", write):
-        yield last
+    def keep_target(rewriter, plan, target, resolution_mm):
+        kept.update(rewriter=rewriter, plan=plan, target=target, resolution_mm=resolution_mm)
+        return rounded(rewriter, plan, target, resolution_mm)
+
+    with (
+        mock.patch.object(Rewriter, "write", keep_written),
+        mock.patch.object(module, "rounded_target", keep_target),
+    ):
+        yield kept
 
 
 def compensated(folder, **options):
-    """Compensate the job of a folder; returns the result and what was written last."""
+    """Compensate the job of a folder; returns the result and what was handed to the text."""
     job = read_job(Path(folder))
     effects = read_effects(job.effects, file=job.path, job=job)
-    with _last_written() as last:
+    with _kept() as kept:
         found = compensate(job, effects, limit_mm=2.0, **options)
-    return found, last
+    return found, kept
 
 
 def judged(folder, path, *, machine=None, **options):
     """Compensate a program and compare LinuxCNC's path of the text with the intended one."""
     tools, zero_mm = write_job(folder, path, machine=machine)
     try:
-        found, last = compensated(folder, **options)
+        found, kept = compensated(folder, **options)
     except ValueError as error:
         return Outcome(refusal=str(error))
     outcome = Outcome(found=found)
     control = {"tools": tools, "work_offsets_mm": {name: zero_mm for name in _OFFSETS}}
-    path_of = {"before": judge(path.read_bytes(), **control), "after": judge(found.text, **control)}
-    outcome.linuxcnc = path_of["after"].refusal
-    if path_of["before"].refusal:
-        outcome.wrong.append(f"original refused: {path_of['before'].refusal}")
-    elif not outcome.linuxcnc and last and machine is None:
+    before, after = judge(path.read_bytes(), **control), judge(found.text, **control)
+    outcome.linuxcnc = after.refusal
+    if before.refusal:
+        outcome.wrong.append(f"original refused: {before.refusal}")
+    elif not outcome.linuxcnc and kept and machine is None:
         # with another zero, axes without a word yet stand elsewhere in LinuxCNC
-        _compare(outcome, path_of, last, shifted=_SHIFTS.search(path.read_bytes()) is not None)
+        intended = intended_pieces(kept, numbers_only=_SHIFTS.search(path.read_bytes()) is not None)
+        outcome.path = compared(before, after, intended)
+        outcome.wrong += outcome.path.wrong
     return outcome
-
-
-def _going(kind, start, end):
-    far = [np.abs(b - a).max() > 1e-7 for a, b in zip(start, end, strict=True)]
-    return [r for r, k in enumerate(kind) if k == ARC or (k < ARC and far[r])]
-
-
-def _moving(verdict):
-    """Rows that go anywhere."""
-    return _going(verdict.kind, verdict.start, verdict.end)
-
-
-def _compare(outcome, path_of, last, *, shifted):
-    """Every row of LinuxCNC's path of the new text against the piece that it was written for.
-
-    The intended path is LinuxCNC's own path of the original program, moved by the corrections.
-    Where a program sets its zero at the place where the tool stands (G92, G10 L20), the
-    corrections hold for the numbers in the program, so only kinds and counts are compared.
-    """
-    before, after = path_of["before"], path_of["after"]
-    moves, target, written = last["rewriter"].moves, last["target"], last["written"]
-    nominal_rows = _going(moves.kind, moves.start_mm, moves.end_mm)
-    rows = _moving(before)
-    if abs(len(rows) - len(nominal_rows)) > 1:  # the first may start where it ends
-        outcome.wrong.append(f"{len(rows)} moves by LinuxCNC, {len(nominal_rows)} by vmach")
-        return
-    row_of_move = dict(zip(nominal_rows[::-1], rows[::-1], strict=False))
-    rows_of_line = {}
-    for row, line in enumerate(after.line):
-        rows_of_line.setdefault(line, []).append(row)
-    for index, piece in enumerate(target.pieces):
-        line = written.line_of_piece[index]
-        if line == 0 or piece.move not in row_of_move:
-            continue
-        found = rows_of_line.get(line, [])
-        if len(found) != 1:
-            outcome.wrong.append(f"line {line}: {len(found)} moves")
-            continue
-        may_correct = last["rewriter"].said[piece.move]
-        wanted = (row_of_move[piece.move], piece, target, index, moves, may_correct)
-        worst, wrong = outcome.worst_mm, len(outcome.wrong)
-        _compare_piece(outcome, before, after, found[0], wanted)
-        if shifted:
-            outcome.worst_mm = worst
-            outcome.wrong[wrong:] = [w for w in outcome.wrong[wrong:] if "kind" in w]
-
-
-def _compare_piece(outcome, before, after, row, wanted):
-    nominal, piece, target, index, moves, may_correct = wanted
-    kind = after.kind[row]
-    expected = {0: RAPID, 1: LINE, 2: ARC}[int(moves.kind[piece.move])]
-    if kind != expected and (expected, kind) != (ARC, LINE):
-        outcome.wrong.append(f"line {after.line[row]}: kind {kind}, wanted {expected}")
-        return
-    places = [(piece.end, 1.0, target.ends_mm[index])]
-    if piece.is_arc and kind == ARC:
-        middle = 0.5 * (piece.start + piece.end)
-        places.append((middle, 0.5, target.middles_mm[index]))
-    for share, own_share, correction in places:
-        intended = before.at(nominal, share) + correction
-        off = after.at(row, own_share) - intended
-        if own_share == 0.5:  # across the path: where along an arc its middle is does not matter
-            along = after.at(row, 0.51) - after.at(row, 0.49)
-            along = along / max(np.linalg.norm(along), 1e-12)
-            off = off - (off @ along) * along
-        off = np.where(may_correct, off, 0.0)
-        distance = float(np.linalg.norm(off))
-        outcome.worst_mm = max(outcome.worst_mm, distance)
-        if distance > 0.01:
-            outcome.wrong.append(
-                f"line {after.line[row]} share {own_share}: {np.round(off, 4).tolist()} mm off"
-            )

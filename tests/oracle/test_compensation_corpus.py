@@ -30,8 +30,7 @@ def test_linuxcnc_makes_the_intended_path(path, tmp_path):
         return
     assert outcome.linuxcnc is None
     assert outcome.wrong == []
-    # ends and middles, at 0.001 mm: see test_residual_of_rounding_is_within_its_bound
-    assert outcome.worst_mm < 1.6e-3
+    assert outcome.path.worst_ratio <= 1.0
 
 
 @pytest.mark.parametrize("path", PROGRAMS, ids=lambda p: p.name)

@@ -213,6 +213,15 @@ def test_program_without_tool_change_has_the_only_tool(tmp_path):
         compensate(read_job(job.path), effects)
 
 
+def test_a_zero_set_at_the_tool_goes_along_with_it(tmp_path):
+    """The tool stands at the rounded place when G92 calls it zero; all counts from there."""
+    text = text_of(tmp_path, "G1 Z-1. F200\nX90.\nG92 X0.\nX-30.\nG92.1\nX30.\nM30\n")
+    there, away, back = (float(x) for x in re.findall(r"^X(-?\d+\.\d+)", text, re.M))
+    assert abs(there - corrected(90.0)) <= 0.5e-3 + 2e-6
+    assert abs(away - (corrected(60.0) - there)) <= 0.5e-3 + 2e-6
+    assert abs(back - corrected(30.0)) <= 0.5e-3 + 2e-6
+
+
 @pytest.mark.parametrize(
     ("body", "dialect", "line", "said"),
     [

@@ -163,7 +163,7 @@ class Iteration:
             self.progress(self.done, max(self.done + 1, 2 * _ROUNDS))
             run = self.run(plan, self.write(target, _FINE_MM))
             end = self._end_miss(run) - plan.aim_mm[run.written]
-            middle = run.miss(0.5)
+            middle = run.miss_of_middles()
             stuck = self.stuck[plan.move[run.written]]
             end[stuck] = middle[stuck] = 0.0
             cuts = run.cuts

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,6 +11,7 @@ from gcode import MoveKind, Program, Word
 from vmach.compensation.block_modes import BlockModes
 from vmach.compensation.block_text import block_text
 from vmach.compensation.expanded_text import number_text
+from vmach.compensation.frame_shift import FrameShift, turned_about_z, zero_settings
 from vmach.compensation.line_edit import AS_PROGRAMMED, SAME, UNKNOWN, line_edit
 from vmach.compensation.pieces import Piece
 from vmach.compensation.said_axes import said_axes
@@ -93,6 +95,7 @@ class Rewriter:
                 angle[row:] = np.radians(values[0])
         self.angle = angle
         self.said = said_axes(program, modes, self.text)
+        self.zero_settings = zero_settings(program)
         self.end_mm = program.record.path().point_mm
         rows = np.arange(count)
         self.start_mm = self.places(rows, np.zeros(count))
@@ -110,9 +113,12 @@ class Rewriter:
         if self.text.labels is not None:
             del self.text.labels  # every text takes its numbers anew
         places = self._places_of(target)
-        state = _State()
+        state, settings = _State(), deque(self.zero_settings)
         for move in np.flatnonzero(self.moves.kind != MoveKind.DWELL).tolist():
             line = int(self.moves.line[move])
+            while settings and settings[0][0].line <= line:
+                step, angle = settings.popleft()
+                state.frame.obey(step, state.carried_mm, angle)
             if move not in of_move:
                 self._pass(line, state)
                 continue
@@ -145,8 +151,8 @@ class Rewriter:
         self, move: np.ndarray, parameter: np.ndarray, correction_mm: np.ndarray | float = 0.0
     ) -> np.ndarray:
         """Places on nominal moves with corrections, (K, 3), program coordinates in mm."""
-        there = position_at(self.moves, move, parameter) + correction_mm
-        return self.end_mm[move] + _turned(there - self.moves.end_mm[move], -self.angle[move])
+        there = position_at(self.moves, move, parameter) + correction_mm - self.moves.end_mm[move]
+        return self.end_mm[move] + turned_about_z(there, -self.angle[move])
 
 
 @dataclass(frozen=True)
@@ -167,11 +173,14 @@ class _State:
         Written and wanted minus nominal place, machine axes.
     motion : int
         G code in force.
+    frame : FrameShift
+        Zeros that went along with a corrected tool.
     """
 
     carried_mm: np.ndarray = field(default_factory=lambda: np.zeros(3))
     aimed_mm: np.ndarray = field(default_factory=lambda: np.zeros(3))
     motion: int = AS_PROGRAMMED
+    frame: FrameShift = field(default_factory=FrameShift)
 
 
 class _LineWriter:
@@ -186,8 +195,10 @@ class _LineWriter:
         self.step = 10.0**-self.decimals  # in program units
         self.edit = line_edit(rewriter.text, line, state.motion, nominal=self._nominal_code(),
                               ending=rewriter.control.ending)  # fmt: skip
-        self.now = rewriter.start_mm[move] + _turned(state.carried_mm, -rewriter.angle[move])
-        self.aim = rewriter.start_mm[move] + _turned(state.aimed_mm, -rewriter.angle[move])
+        self.now = rewriter.start_mm[move] + turned_about_z(state.carried_mm, -rewriter.angle[move])
+        self.aim = rewriter.start_mm[move] + turned_about_z(state.aimed_mm, -rewriter.angle[move])
+        angle = rewriter.angle[move]
+        self.zero = turned_about_z(state.frame.total_mm(angle), -angle)
         if move == rewriter.first_move:  # which is taken to start where it ends
             self.now = rewriter.end_mm[move] - self._distances()
         self.is_own, self.said = line in rewriter.own, rewriter.said[move]
@@ -205,9 +216,9 @@ class _LineWriter:
         """Hand over to the next line."""
         rewriter = self.rewriter
         off = self.now - rewriter.end_mm[self.move]
-        state.carried_mm = _turned(off, rewriter.angle[self.move])
+        state.carried_mm = turned_about_z(off, rewriter.angle[self.move])
         aimed = self.aim - rewriter.end_mm[self.move]
-        state.aimed_mm = _turned(aimed, rewriter.angle[self.move])
+        state.aimed_mm = turned_about_z(aimed, rewriter.angle[self.move])
         state.motion = UNKNOWN if self.edit.may_be_skipped else self.edit.motion
 
     def piece(self, piece: Piece, index: int, places: _Places, written: Written) -> None:
@@ -238,7 +249,7 @@ class _LineWriter:
     def _must_be_written(self, piece: Piece) -> bool:
         """Blocks with numbers of ours, and arcs about a centre that another block has changed."""
         shares_centre = self.rewriter.text.absolute_centres and self._code(piece) > 1
-        return self.is_own or shares_centre
+        return self.is_own or shares_centre or bool(self.zero.any())
 
     def _keep_place(self) -> None:
         """The block stays: its words lead to their nominal places."""
@@ -262,7 +273,7 @@ class _LineWriter:
         texts: dict[str, str] = {}
         for axis, letter in enumerate("XYZ"):
             word = self.edit.own_word(letter)
-            base = self.now[axis] if self._counts_on(word) else 0.0
+            base = self.now[axis] if self._counts_on(word) else self.zero[axis]
             value = (wanted[axis] - base) / self.unit
             old = word.value if word else (self.now[axis] - base) / self.unit
             if word is None and not self.said[axis]:
@@ -289,7 +300,7 @@ class _LineWriter:
         side = list(_PLANE_AXES[self.mode.plane])
         arc = WantedArc(*(p[side] / self.unit for p in (*wanted, before, self.now)))
         absolute = self.mode.absolute_centre or self.rewriter.text.absolute_centres
-        origin = np.zeros(2) if absolute else arc.start
+        origin = self.zero[side] / self.unit if absolute else arc.start
         centre = best_centre(arc, origin, self.step, self._accepts)
         if centre is None or chord_miss(arc) <= centre.miss:
             return 1
@@ -311,12 +322,3 @@ class _LineWriter:
         length = (piece.end - piece.start) * rewriter.length_mm[move]
         length = max(length, float(np.linalg.norm(self.now - before)), self.step * self.unit)
         return float(rewriter.moves.feed_mm_per_min[move]) / length
-
-
-def _turned(vector: np.ndarray, angle_rad: np.ndarray | float) -> np.ndarray:
-    """Vectors (..., 3) turned about Z."""
-    if not np.any(angle_rad):
-        return vector
-    cos, sin = np.cos(angle_rad), np.sin(angle_rad)
-    x, y, z = np.moveaxis(vector, -1, 0)
-    return np.stack([cos * x - sin * y, sin * x + cos * y, z], axis=-1)

@@ -99,6 +99,11 @@ class WrittenRun:
         nominal = position_at(self.original.path.nodes.moves, self.plan.move[pieces], parameter)
         return (there + error - nominal) * self.said[self.plan.move[pieces]]
 
+    def miss_of_middles(self) -> np.ndarray:
+        """Tool minus nominal path across it, in the middle of the written pieces, (K, 3) mm."""
+        rows = np.arange(len(self.written))
+        return self._across(np.full(len(rows), 0.5), rows, np.ones((len(rows), 3), bool))
+
     @cached_property
     def _stretch(self) -> tuple[np.ndarray, np.ndarray]:
         return self.plan.parameter(0.0), self.plan.parameter(1.0)

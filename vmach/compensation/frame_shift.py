@@ -1,0 +1,114 @@
+"""Zeros that a program sets where the tool stands: a corrected tool takes them along."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from gcode import Program, Step
+
+__all__ = ["FrameShift", "turned_about_z", "zero_settings"]
+
+_SYSTEMS = {540 + 10 * k: k + 1 for k in range(6)} | {591: 7, 592: 8, 593: 9}
+_G10, _G52, _G92 = 100, 520, {920, 921, 922, 923}
+_SET_HERE, _SET_PLAINLY = 20, 2
+_OF_INTEREST = _SYSTEMS.keys() | _G92 | {_G10, _G52}
+
+
+def _codes(step: Step) -> set[int]:
+    return {round(10 * code) for code in step.g_codes}
+
+
+def zero_settings(program: Program) -> list[tuple[Step, float]]:
+    """Lines that set or choose a zero, where any sets it at the tool; angle in force then, rad."""
+    if program.dialect not in ("rs274", "fanuc"):
+        return []
+    found = [s for s in program.steps if s.blocks and not _OF_INTEREST.isdisjoint(_codes(s))]
+    if not any(_sets_here(step) for step in found):
+        return []
+    turns = [(line, values[0]) for _, line, name, *values in program.record.events
+             if name == "set_xy_rotation"]  # fmt: skip
+    degrees = [next((d for line, d in turns[::-1] if line <= s.line), 0.0) for s in found]
+    return list(zip(found, np.radians(degrees).tolist(), strict=True))
+
+
+def _sets_here(step: Step) -> bool:
+    codes = _codes(step)
+    return 920 in codes or (_G10 in codes and step.words.get("L") == _SET_HERE)
+
+
+@dataclass
+class FrameShift:
+    """How far the control's zeros are from where the user's program has them, mm.
+
+    G92 and G10 L20 make the tool's present place read as their words say. A tool that stands
+    off its nominal place by a correction shifts the zero by that correction.
+
+    Attributes
+    ----------
+    system : int
+        Work system in force, 1 for G54.
+    g92_mm, stored_mm : (3,) float64
+        Of the offset by G92 in force and of the one that G92.3 calls back; axes of the program.
+    systems_mm : dict of int to (3,) float64
+        Of the work systems; axes of the machine.
+    """
+
+    system: int = 1
+    g92_mm: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    stored_mm: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    systems_mm: dict[int, np.ndarray] = field(default_factory=dict)
+
+    def total_mm(self, angle_rad: float) -> np.ndarray:
+        """Shift of the zero in force, machine axes, (3,), where the program is turned about Z."""
+        own = self.systems_mm.get(self.system, np.zeros(3))
+        return turned_about_z(self.g92_mm, angle_rad) + own
+
+    def obey(self, step: Step, carried_mm: np.ndarray, angle_rad: float) -> None:
+        """Take in a line.
+
+        Parameters
+        ----------
+        step : Step
+        carried_mm : (3,) float64
+            Where the tool stands, from its nominal place; machine axes.
+        angle_rad : float
+            By which the program is turned about Z.
+        """
+        codes = _codes(step)
+        named = np.array([axis in step.words for axis in "XYZ"])
+        for code in codes & _SYSTEMS.keys():
+            self.system = _SYSTEMS[code]
+        if _G10 in codes:
+            self._set_system(step, named, carried_mm - turned_about_z(self.g92_mm, angle_rad))
+        elif codes & (_G92 | {_G52}):
+            own = self.systems_mm.get(self.system, np.zeros(3))
+            self._offset(codes, named, turned_about_z(carried_mm - own, -angle_rad))
+
+    def _set_system(self, step: Step, named: np.ndarray, here: np.ndarray) -> None:
+        form, number = step.words.get("L"), int(step.words.get("P", 0)) or self.system
+        if form in (_SET_HERE, _SET_PLAINLY):
+            shift = here if form == _SET_HERE else np.zeros(3)
+            before = self.systems_mm.get(number, np.zeros(3))
+            self.systems_mm[number] = np.where(named, shift, before)
+
+    def _offset(self, codes: set[int], named: np.ndarray, here: np.ndarray) -> None:
+        if codes & {920, _G52}:
+            self.g92_mm = np.where(named, here if 920 in codes else 0.0, self.g92_mm)
+            self.stored_mm = self.g92_mm
+        elif 923 in codes:
+            self.g92_mm = self.stored_mm
+        else:
+            self.g92_mm = np.zeros(3)
+            if 921 in codes:
+                self.stored_mm = np.zeros(3)
+
+
+def turned_about_z(vector: np.ndarray, angle_rad: np.ndarray | float) -> np.ndarray:
+    """Vectors (..., 3) turned about Z."""
+    if not np.any(angle_rad):
+        return vector
+    cos, sin = np.cos(angle_rad), np.sin(angle_rad)
+    x, y, z = np.moveaxis(vector, -1, 0)
+    return np.stack([cos * x - sin * y, sin * x + cos * y, z], axis=-1)
