@@ -118,10 +118,12 @@ def history(
         ]
         print(json.dumps(rows, indent=1))
         return
-    table = Table("job", "added", "RMS fitted, um", "RMS other part, um")
+    table = Table("job", "added", "RMS fitted, um")
+    if check_points is not None:
+        table.add_column("RMS other part, um")
     for s in steps:
-        other = "" if s.check_rms_um is None else f"{s.check_rms_um:.2f}"
-        table.add_row(s.job.name, ", ".join(s.added), f"{s.rms_um:.2f}", other)
+        other = [] if s.check_rms_um is None else [f"{s.check_rms_um:.2f}"]
+        table.add_row(s.job.name, ", ".join(s.added), f"{s.rms_um:.2f}", *other)
     Console().print(table)
 
 

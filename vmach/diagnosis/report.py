@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from vmach.diagnosis.diagnose import Diagnosis, Finding
+from vmach.diagnosis.where_it_fails import Failure
 from vmach.diagnosis.words import describe
 
 __all__ = ["as_json", "as_text"]
@@ -75,8 +76,10 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
     )
     if found.failures:
         lines.append("Where the model fails:")
-        clearest = {f.by: f for f in reversed(found.failures)}
-        lines += [f"  {f.by:14s} p = {f.p:.1g}  {f.text}" for f in reversed(clearest.values())]
+        clearest: dict[str, Failure] = {}
+        for failure in found.failures:
+            clearest.setdefault(failure.by, failure)
+        lines += [f"  {f.by:14s} {_chance(f.p)}  {f.text}" for f in clearest.values()]
     unseen = [b for b in found.blind_spots if b.from_size is not None][:6]
     if unseen:
         lines.append("These measurements would not see:")
@@ -87,6 +90,11 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
             lines.append(f"  program: {program}")
     lines += [f"note: {note}" for note in found.notes]
     return "\n".join(lines)
+
+
+def _chance(p: float) -> str:
+    """How often chance alone would look like this."""
+    return f"p = {p:<6.1g}" if p >= 1e-9 else "p < 1e-9 "
 
 
 def _uncertainty(finding: Finding, name: str) -> str:

@@ -121,7 +121,7 @@ def _covariates(survey: Survey) -> Iterator[tuple[str, np.ndarray, object]]:
         "time",
         zone,
         lambda z, lo=low, hi=high: (
-            f"{lo[int(z)] / 60:.0f} to {hi[int(z)] / 60:.0f} min after the start"
+            f"{lo[int(z)] / 60:.1f} to {hi[int(z)] / 60:.1f} min after the start"
         ),
     )
     yield "tool", gathered(lambda p, m: p.tool), lambda t: f"tool {t}"
