@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numba import njit
 
@@ -80,12 +82,12 @@ def _chords(
     return start, end, owner, step / count
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _depths(point, direction, way, radius, chord_way_and_radius, start, end):
     depth = np.zeros(len(point))
     for k in range(len(point)):
-        nx, ny = direction[k]
-        if nx == 0.0 and ny == 0.0:
+        normal = (direction[k, 0], direction[k, 1])
+        if normal[0] == 0.0 and normal[1] == 0.0:
             continue
         nearest = 2.0 * radius[k]
         for c in range(len(start)):
@@ -94,42 +96,44 @@ def _depths(point, direction, way, radius, chord_way_and_radius, start, end):
                 break
             if min(start[c, 2], end[c, 2]) > point[k, 2]:
                 continue
+            x, y, z = end[c, 0] - start[c, 0], end[c, 1] - start[c, 1], end[c, 2] - start[c, 2]
             # of the chord that the tool is on, only what lies well behind it
-            length = np.sqrt(((end[c] - start[c]) ** 2).sum())
-            last = start[c] + min(1.0, left / max(length, left)) * (end[c] - start[c])
-            entry = _entry(point[k], nx, ny, start[c], last, chord_way_and_radius[c, 1])
-            nearest = min(nearest, entry)
+            share = min(1.0, left / max(math.sqrt(x * x + y * y + z * z), left))
+            offset = (point[k, 0] - start[c, 0], point[k, 1] - start[c, 1])
+            chord = (share * x, share * y)
+            nearest = min(nearest, _entry(offset, normal, chord, chord_way_and_radius[c, 1]))
         depth[k] = max(nearest, 0.0)
     return depth
 
 
-@njit(cache=True)
-def _entry(point, nx, ny, start, end, radius):
-    """Where the line point + s n enters the stadium about a chord, s >= 0; inf if it misses."""
+@njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+def _entry(offset, normal, chord, radius):
+    """Where the line offset + s normal enters the stadium about a chord from 0, s >= 0.
+
+    inf if it misses.
+    """
     best = np.inf
-    for which in range(2):
-        centre = start if which == 0 else end
-        dx, dy = point[0] - centre[0], point[1] - centre[1]
+    nx, ny = normal
+    for share in (0.0, 1.0):
+        dx, dy = offset[0] - share * chord[0], offset[1] - share * chord[1]
         middle = -(dx * nx + dy * ny)
         across = radius * radius - (dx * dx + dy * dy - middle * middle)
         if across > 0.0:
-            half = np.sqrt(across)
+            half = math.sqrt(across)
             if middle + half > _NOTHING_MM:
                 best = min(best, max(middle - half, 0.0))
-    tx, ty = end[0] - start[0], end[1] - start[1]
-    length = np.sqrt(tx * tx + ty * ty)
+    length = math.sqrt(chord[0] * chord[0] + chord[1] * chord[1])
     if length == 0.0:
         return best
-    tx, ty = tx / length, ty / length
+    tx, ty = chord[0] / length, chord[1] / length
     slope = nx * -ty + ny * tx
     if abs(slope) < 1e-9:
         return best
-    dx, dy = point[0] - start[0], point[1] - start[1]
-    offset = dx * -ty + dy * tx
-    low = min((-radius - offset) / slope, (radius - offset) / slope)
-    high = max((-radius - offset) / slope, (radius - offset) / slope)
+    aside = offset[0] * -ty + offset[1] * tx
+    low = min((-radius - aside) / slope, (radius - aside) / slope)
+    high = max((-radius - aside) / slope, (radius - aside) / slope)
     # the part of the line over the chord itself
-    rate, base = nx * tx + ny * ty, dx * tx + dy * ty
+    rate, base = nx * tx + ny * ty, offset[0] * tx + offset[1] * ty
     if abs(rate) < 1e-9:
         if base < 0.0 or base > length:
             return best
