@@ -199,8 +199,7 @@ def _check_travel(job: Job, path: Toolpath, source: Path) -> None:
     along = nose[path.nodes.move == path.nodes.move[node], axis]
     farthest = along.max() if nose[node, axis] > high[axis] else along.min()
     raise InputError(
-        f"{'XYZ'[axis]} goes to {farthest:.3f} mm in machine coordinates, "
-        "outside the travel",
+        f"{'XYZ'[axis]} goes to {farthest:.3f} mm in machine coordinates, outside the travel",
         file=source,
         line=int(path.nodes.line[node]),
         accepted=f"{low[axis]:g} .. {high[axis]:g} mm",

@@ -116,6 +116,30 @@ def test_servo_lag_is_the_second_order_of_a_simulated_lag(job):
     np.testing.assert_allclose(shrink, expected, rtol=1e-3)
 
 
+def test_corner_rounding_is_a_simulated_lag_behind_a_ramp_of_the_velocity(job):
+    """Round a right angle at 50 mm/s; the velocity turns evenly within 3 ms, tau is 20 ms."""
+    tau, rise, speed = 20e-3, 3e-3, 50.0
+    record = MotionRecord(np.array([-200.0, -150.0, -100.0]), tool_length_mm=100.0)
+    record.line(np.array([-100.0, -150.0, -100.0]), until_s=2.0)
+    second = record.line(np.array([-100.0, -50.0, -100.0]), until_s=4.0)
+    since = np.linspace(0.0, 0.1, 201)
+    path = Circumstances(record.states(np.full(201, second), since / 2.0), job)
+    moved = catalogue()["corner_rounding"].displacement(
+        path, "", lag_ms=1e3 * tau, time_constant_ms=1e3 * tau, rise_ms=1e3 * rise
+    )
+    time = np.arange(-0.5, 0.1, 2e-5)
+    for axis, (before, after) in enumerate([(speed, 0.0), (0.0, speed)]):
+        velocity = before + (after - before) * np.clip(time / rise, 0.0, 1.0)
+        command = np.concatenate([[0.0], np.cumsum(0.5 * (velocity[1:] + velocity[:-1]) * 2e-5)])
+        # a position loop of first order, already following when it starts
+        _, follows, _ = lsim(([1.0], [tau, 1.0]), command, time - time[0])
+        late = follows - command + tau * velocity
+        late -= tau * velocity[0] * np.exp(-(time - time[0]) / tau)
+        expected = np.interp(since, time, late)
+        np.testing.assert_allclose(moved[:, axis], expected, atol=0.002 * tau * speed)
+    assert moved[0, 0] == moved[0, 1] == 0.0
+
+
 def test_curvature_of_a_polyline_is_that_of_its_curve(tmp_path):
     angle = np.linspace(0, np.pi / 2, 91)
     lines = [f"G1 X{30 * np.cos(a):.5f} Y{30 * np.sin(a):.5f} F600" for a in angle]
@@ -207,6 +231,23 @@ def test_marks_of_a_single_flute_are_the_mean_of_its_arcs():
     np.testing.assert_array_equal(left[:, [0, 2]], 0.0)
 
 
+def test_the_stretch_of_a_screw_goes_with_the_speed_of_its_axis(job):
+    """Stated at 100 mm/min: the same expansion is foretold for programs of any speed."""
+    for speed_mm_min in (100.0, 250.0):
+        way = speed_mm_min / 60.0 * 15.0
+        time = 15.0 * np.arange(401)
+        nose = np.full((len(time), 3), -100.0)
+        nose[1::2, 0] -= way
+        states = stop_and_go(nose, time, side=np.zeros((len(time), 3)), tool_length_mm=100.0)
+        stretch = catalogue()["axis_expansion"].displacement(
+            Circumstances(states, job), "X",
+            expansion_ppm=50.0, at_home_um=0.0, time_constant_s=1000.0, work_share=1.0,
+        )[:, 0]  # fmt: skip
+        warmth = speed_mm_min / 100.0 * (1.0 - np.exp(-time / 1000.0))
+        expected = 50e-6 * warmth * nose[:, 0]
+        np.testing.assert_allclose(stretch, expected, rtol=0, atol=0.02 * np.abs(expected).max())
+
+
 def test_locally_heated_screw_against_finite_differences(job):
     """The heat equation with loss to the air, stepped in 0.25 s on 5 mm cells."""
     time = np.arange(0.0, 1500.0, 2.0)
@@ -224,11 +265,10 @@ def test_locally_heated_screw_against_finite_differences(job):
     middle = low + width * (np.arange(cells) + 0.5)
     edges = np.append(middle - 0.5 * width, high)
     warmth, expected = np.zeros(cells), np.zeros(len(time))
-    way = np.abs(np.diff(x)).sum()
     for k in range(1, len(time)):
         ends = np.sort(x[k - 1 : k + 1])
         passed = np.diff(np.clip(edges, *ends)) / width
-        heat = passed / 2.0 * (high - low) / (way / time[-1]) / 600.0
+        heat = passed / 2.0 * (high - low) / (100.0 / 60.0) / 600.0  # stated at 100 mm/min
         for _ in range(8):
             padded = np.pad(warmth, 1, mode="edge")
             spread = 13.0 * (padded[2:] - 2 * warmth + padded[:-2]) / width**2

@@ -133,6 +133,21 @@ def test_ballbar_turns_both_ways(tmp_path):
     np.testing.assert_allclose(bar.predicted_mm, expected, atol=1e-4)
 
 
+def test_the_pause_between_ballbar_runs_is_run_out_and_run_up(tmp_path):
+    """At 10 s a turn and 8 s between the runs: 0.32 of a turn each; the first run-up alike."""
+    job_path = write_job(tmp_path, more=BALLBAR)
+    angles = np.arange(0.0, 361.0, 5.0)
+    rows = ["run,feed_mm_min,angle_deg,t_s,radius_um"]
+    for run, start, way in (("ccw", 0.0, angles), ("cw", 18.0, angles[::-1])):
+        rows += [f"{run},3770,{a % 360},{start + 10 * k / 72},0" for k, a in enumerate(way)]
+    (tmp_path / "ballbar.csv").write_text("\n".join(rows))
+    (bar,) = read_instruments(read_job(job_path))
+    sweeps = bar.states.moves.sweep_rad / (2 * np.pi)
+    np.testing.assert_allclose(sweeps[sweeps != 0], [1.64, -1.32], atol=1e-9)
+    place = bar.states.nose_mm[[0, 72, 73, 145]]
+    np.testing.assert_allclose(place, np.tile([-100.0, -150.0, -100.0], (4, 1)), atol=1e-9)
+
+
 def test_drift_follows_the_spindle_and_tip_its_sides(tmp_path):
     job_path = write_job(tmp_path, more=DRIFT + TIP)
     rows = ["t_s,spindle_rpm,dx_um,dy_um,dz_um"]

@@ -18,7 +18,7 @@ class AxisExpansion(Effect):
     name = "axis_expansion"
     title = "expansion of the warm screw"
     parameters = (
-        linear("expansion_ppm", "stretch when warm", usual=40.0),
+        linear("expansion_ppm", "stretch when warm at a mean speed of 100 mm/min", usual=40.0),
         linear("local_ppm", "further stretch, most where the nut works", usual=40.0),
         linear("at_home_um", "displacement at the axis' home when warm", usual=10.0),
         inner(
@@ -35,7 +35,7 @@ class AxisExpansion(Effect):
             usual=1.0,
         ),
     )
-    slack_share = 0.2
+    slack_share = 0.05
     slack_time_s = 1500.0
     usual_size = "20 to 100 ppm with a time constant of 10 to 60 minutes"
     confirm = "laser the same line cold, after 30 and after 60 minutes of work"

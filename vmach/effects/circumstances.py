@@ -9,7 +9,7 @@ import numpy as np
 
 from gcode import Moves
 from vmach.effects.engagement import radial_depth_mm
-from vmach.effects.history_of_motion import MotionHistory
+from vmach.effects.history_of_motion import REFERENCE_AXIS_MM_PER_S, MotionHistory
 from vmach.effects.path_dynamics import corner_before, curvature_per_mm
 from vmach.job import WORK_OFFSETS, Job
 from vmach.machine import ComponentError, RigidDisplacement, Variant
@@ -167,16 +167,13 @@ class Circumstances:
         return self._response(drive, time_constant_s)
 
     def warmth_of_axis(self, axis: int, time_constant_s: float, work_share: float) -> np.ndarray:
-        """First-order response to the axis' motion, (P,); 1 when warm.
+        """First-order response to the axis' motion, (P,); 1 when warm at 100 mm/min.
 
-        The heat source is, in the share `work_share`, the speed of the axis against its mean
-        over the program, and constant in the rest.
+        The heat source is, in the share `work_share`, the speed of the axis, and constant in
+        the rest.
         """
-        speed = self.history.axis_speed_mm_per_s[:, axis]
-        duration = self.moves.duration_s
-        mean = (speed * duration).sum() / max(duration.sum(), 1e-9)
-        drive = work_share * speed / (mean if mean > 0 else 1.0) + (1.0 - work_share)
-        return self._response(drive, time_constant_s)
+        speed = self.history.axis_speed_mm_per_s[:, axis] / REFERENCE_AXIS_MM_PER_S
+        return self._response(work_share * speed + (1.0 - work_share), time_constant_s)
 
     def warmth_of_screw_mm(self, axis: int, time_constant_s: float) -> np.ndarray:
         """Warmth of an axis' screw summed from home to the nut, (P,) mm; see MotionHistory."""

@@ -15,7 +15,10 @@ from numba import njit
 from gcode import MoveKind, Moves
 from vmach.path_geometry import move_length_mm, position_at
 
-__all__ = ["MotionHistory"]
+__all__ = ["REFERENCE_AXIS_MM_PER_S", "MotionHistory"]
+
+#: mean speed of an axis that thermal amplitudes are stated at: 100 mm/min
+REFERENCE_AXIS_MM_PER_S = 100.0 / 60.0
 
 #: largest angle between neighbouring corners of the polyline on an arc
 _ARC_STEP_RAD = np.pi / 32
@@ -110,7 +113,7 @@ class MotionHistory:
         steel and is lost to the air with the time constant; no heat leaves by the ends. The
         temperature is a sum of cosines along the screw, each of which follows its share of the
         heat with a lag of its own: 1 / time constant + diffusivity (m pi / length)^2. Used all
-        the time and everywhere alike, the screw has a warmth of 1.
+        the time and everywhere alike, at the reference speed, the screw has a warmth of 1.
 
         Parameters
         ----------
@@ -129,10 +132,9 @@ class MotionHistory:
         low, high = travel_mm
         wave = np.pi * np.arange(1, _SCREW_WAVES + 1) / (high - low)
         rate = 1.0 / time_constant_s + _STEEL_DIFFUSIVITY_MM2_PER_S * wave**2
-        summed = self.axis_speed_mm_per_s[:, axis] / self._mean_speed_mm_per_s(axis)
+        summed = self.axis_speed_mm_per_s[:, axis] / REFERENCE_AXIS_MM_PER_S
         summed = self.response(summed, time_constant_s, move=move, time_s=time_s) * position_mm
-        heat = self._heat_of_waves(axis, wave, low)
-        for k, drive in enumerate(heat.T):
+        for k, drive in enumerate(self._heat_of_waves(axis, wave, low).T):
             lag = 1.0 / rate[k]
             warmth = self.response(drive * lag / time_constant_s, lag, move=move, time_s=time_s)
             sines = np.sin(wave[k] * (position_mm - low)) - np.sin(-wave[k] * low)
@@ -140,7 +142,9 @@ class MotionHistory:
         return summed
 
     def _heat_of_waves(self, axis: int, wave: np.ndarray, low: float) -> np.ndarray:
-        """Heat of every move in cosines along the screw, against the mean heat, (N, waves)."""
+        """Heat of every move in cosines along the screw, in reference speeds, (N, waves)."""
+        if axis in self._heats:  # the travel, and with it the waves, are those of the machine
+            return self._heats[axis]
         key, corner = self._corners
         owner = np.minimum(key[:-1].astype(np.int64), len(self.moves) - 1)
         sines = np.sin(np.multiply.outer(corner[:, axis] - low, wave)) / wave
@@ -149,13 +153,12 @@ class MotionHistory:
         np.add.at(way, owner, 2.0 * forwards * np.diff(sines, axis=0))
         duration = self.moves.duration_s[:, None]
         per_s = np.divide(way, duration, out=np.zeros_like(way), where=duration > 0)
-        return per_s / self._mean_speed_mm_per_s(axis)
+        self._heats[axis] = per_s / REFERENCE_AXIS_MM_PER_S
+        return self._heats[axis]
 
-    def _mean_speed_mm_per_s(self, axis: int) -> float:
-        """Mean speed of an axis over the program; 1 where it never moves."""
-        duration = self.moves.duration_s
-        mean = (self.axis_speed_mm_per_s[:, axis] * duration).sum() / max(duration.sum(), 1e-9)
-        return float(mean) if mean > 0 else 1.0
+    @cached_property
+    def _heats(self) -> dict[int, np.ndarray]:
+        return {}
 
     @cached_property
     def axis_speed_mm_per_s(self) -> np.ndarray:

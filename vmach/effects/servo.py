@@ -62,22 +62,35 @@ class ServoMismatch(Effect):
 
 
 class CornerRounding(Effect):
-    """After a corner the axes take a moment to catch up."""
+    """After a corner the axes take a moment to catch up.
+
+    The velocity does not jump: it changes evenly over a short time, and every part of the change
+    is followed late by the position loop.
+    """
 
     name = "corner_rounding"
     title = "corners rounded by lag and look-ahead"
     parameters = (
         linear("lag_ms", "lag right at the corner", usual=10.0),
         inner("time_constant_ms", "decay after the corner", (3, 6, 12, 25, 50, 100), usual=20.0),
+        inner(
+            "rise_ms",
+            "time in which the velocity changes",
+            (0.5, 2.0, 8.0),
+            usual=2.0,
+            spread=1.0,
+            optional=True,
+        ),
     )
     targets = ("",)
     usual_size = "5 to 50 um with look-ahead, 170 um at 1 m/min and Kv 50 1/s without"
     confirm = "cut the same corner at three feeds, and once with exact stop (G9)"
     cure = "exact stop or a tighter contour tolerance (G64, G61.1) at the corners that matter"
 
-    def displacement(self, path, target, lag_ms, time_constant_ms):
+    def displacement(self, path, target, lag_ms, time_constant_ms, rise_ms):
         jump, elapsed = path.corner
-        fade = np.exp(-elapsed / (1e-3 * time_constant_ms))
+        since, rise = elapsed / (1e-3 * time_constant_ms), rise_ms / time_constant_ms
+        fade = (np.exp(np.minimum(rise - since, 0.0)) - np.exp(-since)) / rise
         late = 1e-3 * lag_ms * fade[:, None] * jump
         if path.states.normal is not None:
             # on a floor the deepest moment counts: the tool still arrives after it was late

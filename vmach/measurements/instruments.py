@@ -9,6 +9,7 @@ import numpy as np
 from vmach.errors import InputError
 from vmach.job import Job
 from vmach.machine import LINEAR_AXES, Variant, displacement
+from vmach.measurements.ballbar_motion import Circle, circles
 from vmach.measurements.columns import read_columns
 from vmach.measurements.instrument_settings import (
     Ballbar,
@@ -19,7 +20,7 @@ from vmach.measurements.instrument_settings import (
     settings_of,
 )
 from vmach.measurements.measurement import Measurement
-from vmach.measurements.test_motion import MotionRecord, stop_and_go
+from vmach.measurements.test_motion import stop_and_go
 from vmach.measurements.unit_check import check_unit
 from vmach.prediction import Effect
 from vmach.toolpath import PathStates
@@ -27,10 +28,6 @@ from vmach.units import mm_from_um
 
 __all__ = ["read_instruments"]
 
-#: way on the circle, before the first reading, that settles the direction of the axes
-_RUN_UP_RAD = np.radians(10.0)
-#: time before the first reading in which that way is gone, however slow the feed
-_RUN_UP_S = 60.0
 #: row k, the displacements are those along X, Y and Z of the same place
 _ALONG = ("dx_um", "dy_um", "dz_um")
 
@@ -75,46 +72,14 @@ def _ballbar(settings: Ballbar, path, model: _Model) -> Measurement:
     table = read_columns(
         path, numbers=("feed_mm_min", "angle_deg", "t_s", "radius_um"), text=("run",)
     )
-    first, second = (LINEAR_AXES.index(axis) for axis in settings.plane)
-    across, upward = np.eye(3)[first], np.eye(3)[second]
-    centre = np.array(settings.centre_mm)
-    angle, time = np.radians(table.numbers["angle_deg"]), table.numbers["t_s"]
-    out = np.outer(np.cos(angle), across) + np.outer(np.sin(angle), upward)
-    # the circle begins before the first reading
-    start_s = float(time[0]) - _RUN_UP_S
-    record = MotionRecord(centre, tool_length_mm=settings.tool_length_mm, start_s=start_s)
-    group = np.char.add(
-        np.char.add(table.text["run"], " "), table.numbers["feed_mm_min"].astype(str)
+    across, upward = (np.eye(3)[LINEAR_AXES.index(axis)] for axis in settings.plane)
+    circle = Circle(
+        np.array(settings.centre_mm), across, upward, settings.radius_mm, settings.tool_length_mm
     )
-    move, parameter = np.empty(len(out), dtype=np.int64), np.empty(len(out))
-    starts = np.flatnonzero(np.concatenate([[True], group[1:] != group[:-1]]))
-    for begin, end in zip(starts, [*starts[1:], len(group)], strict=True):
-        turned = np.unwrap(angle[begin:end])
-        sweep = turned[-1] - turned[0]
-        if end - begin < 2 or sweep == 0.0 or time[end - 1] <= time[begin]:
-            raise InputError(
-                f"run '{group[begin]}' does not turn",
-                file=path,
-                line=int(begin) + 2,
-                accepted="rows of one run one after the other, in the order of time",
-            )
-        speed = sweep / (time[end - 1] - time[begin])
-        run_up = np.sign(sweep) * _RUN_UP_RAD
-
-        def at(a: float) -> np.ndarray:
-            return centre + settings.radius_mm * (np.cos(a) * across + np.sin(a) * upward)
-
-        record.line(at(turned[0] - run_up), until_s=time[begin] - run_up / speed)
-        arc = record.arc(
-            at(turned[-1]),
-            centre_mm=centre,
-            axis=np.cross(across, upward),
-            sweep_rad=sweep + run_up,
-            until_s=time[end - 1],
-        )
-        move[begin:end] = arc
-        parameter[begin:end] = (turned - turned[0] + run_up) / (sweep + run_up)
-    states = record.states(move, parameter)
+    angle, feed = np.radians(table.numbers["angle_deg"]), table.numbers["feed_mm_min"]
+    group = np.char.add(np.char.add(table.text["run"], " "), feed.astype(str))
+    states = circles(circle, angle, table.numbers["t_s"], group=group, path=path)
+    out = circle.outward(angle)
     return Measurement(
         kind="ballbar",
         name=path.name,
