@@ -80,7 +80,8 @@ phase_rad = 1.1
 def corpus_programs(folder):
     """Programs of a folder beside which LinuxCNC's calls lie, so that it accepts them."""
     found = (p for p in sorted(Path(folder).iterdir()) if p.suffix not in NO_PROGRAM)
-    return [p for p in found if p.with_name(p.name + ".canon17").exists()]
+    beside = ((p, p.with_name(p.name + ".canon17"), p.with_suffix(".canon")) for p in found)
+    return [p for p, *calls in beside if any(c.exists() for c in calls)]
 
 
 def _tools(path, text):

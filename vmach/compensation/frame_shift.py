@@ -107,7 +107,7 @@ class FrameShift:
 
 def turned_about_z(vector: np.ndarray, angle_rad: np.ndarray | float) -> np.ndarray:
     """Vectors (..., 3) turned about Z."""
-    if not np.any(angle_rad):
+    if not (angle_rad.any() if isinstance(angle_rad, np.ndarray) else angle_rad):
         return vector
     cos, sin = np.cos(angle_rad), np.sin(angle_rad)
     x, y, z = np.moveaxis(vector, -1, 0)

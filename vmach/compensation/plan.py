@@ -15,7 +15,7 @@ from vmach.compensation.pieces import Piece
 from vmach.compensation.reversals import reversals_of_arc, settled, turned_at_start
 from vmach.compensation.sampling import ErrorAlongMoves, ErrorAt
 from vmach.compensation.tube import fewest_pieces
-from vmach.path_geometry import tangent_at
+from vmach.path_geometry import move_length_mm, tangent_at
 
 __all__ = ["Plan", "across", "plan_pieces"]
 
@@ -159,6 +159,7 @@ class _Planner:
     def __post_init__(self) -> None:
         found, kind = self.found, self.moves.kind[self.found.move]
         straight = (kind == MoveKind.LINE) & (found.length_mm > 0)
+        self.length_mm = move_length_mm(self.moves)
         self.is_bent = straight & (found.off_chord_mm() > self.tolerance_mm)
         self.size = found.largest_mm()
         start = np.zeros(len(found.move))
@@ -200,8 +201,9 @@ class _Planner:
         self, move: np.ndarray, place: np.ndarray, turned: np.ndarray, tolerance_mm: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Where the error after reversals is there in full, (P,), and that error, (P, 3)."""
-        soon = settled(self.moves, move, place, np.zeros_like(turned))
-        later = settled(self.moves, move, place, turned)
+        length = self.length_mm[move]
+        soon = settled(self.moves, move, place, np.zeros_like(turned), length_mm=length)
+        later = settled(self.moves, move, place, turned, length_mm=length)
         at_once, in_full = self.error_at(move, soon), self.error_at(move, later)
         halfway = self.error_at(move, 0.5 * (place + later))
         farther = self.error_at(move, np.minimum(2.0 * later - place, 1.0))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcode import Moves
-from vmach.path_geometry import last_direction, move_length_mm, position_at
+from vmach.path_geometry import last_direction, position_at
 
 __all__ = ["reversals_of_arc", "settled", "turned_at_start"]
 
@@ -42,7 +42,9 @@ def reversals_of_arc(moves: Moves, move: int) -> tuple[np.ndarray, np.ndarray]:
     return place[order], axis[order]
 
 
-def settled(moves: Moves, move: np.ndarray, place: np.ndarray, turned: np.ndarray) -> np.ndarray:
+def settled(
+    moves: Moves, move: np.ndarray, place: np.ndarray, turned: np.ndarray, *, length_mm: np.ndarray
+) -> np.ndarray:
     """Parameters, (P,), from which on the play of axes that turned back is taken up.
 
     Parameters
@@ -53,6 +55,8 @@ def settled(moves: Moves, move: np.ndarray, place: np.ndarray, turned: np.ndarra
         Where they turned back.
     turned : (P, 3) bool
         Which did; just after the place where none.
+    length_mm : (P,) float64
+        Of the moves' paths.
     """
     found = np.minimum(place + _LADDER[0], 1.0)
     rows = np.flatnonzero(turned.any(axis=1))
@@ -61,8 +65,7 @@ def settled(moves: Moves, move: np.ndarray, place: np.ndarray, turned: np.ndarra
     there = position_at(moves, owner, later.ravel()).reshape(len(rows), len(_LADDER), 3)
     way = np.abs(there - position_at(moves, move[rows], place[rows])[:, None])
     ready = ((way >= _TAKE_UP_MM) | ~turned[rows, None]).all(axis=2)
-    length = move_length_mm(moves)[move[rows]]
-    ready |= _LADDER * length[:, None] > _FARTHEST_MM
+    ready |= _LADDER * length_mm[rows, None] > _FARTHEST_MM
     first = np.where(ready.any(axis=1), np.argmax(ready, axis=1), len(_LADDER) - 1)
     found[rows] = later[np.arange(len(rows)), first]
     return found

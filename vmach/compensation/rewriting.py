@@ -80,6 +80,8 @@ class Rewriter:
     ----------
     said : (N, 3) bool
         Axes that every move may correct, see `said_axes`.
+    code : list of int
+        G code of every move.
     """
 
     def __init__(
@@ -100,6 +102,9 @@ class Rewriter:
         rows = np.arange(count)
         self.start_mm = self.places(rows, np.zeros(count))
         self.length_mm = move_length_mm(self.moves)
+        turning = np.where(self.moves.sweep_rad > 0, 3, 2)
+        straight = np.where(self.moves.kind == MoveKind.RAPID, 0, 1)
+        self.code = np.where(self.moves.kind == MoveKind.ARC, turning, straight).tolist()
         moving = np.flatnonzero(self.moves.kind != MoveKind.DWELL)
         self.first_move = int(moving[0]) if len(moving) and program.home_mm is None else -1
 
@@ -193,7 +198,7 @@ class _LineWriter:
         self.unit = self.mode.unit_mm
         self.decimals = rewriter.control.decimals(resolution_mm, self.unit)
         self.step = 10.0**-self.decimals  # in program units
-        self.edit = line_edit(rewriter.text, line, state.motion, nominal=self._nominal_code(),
+        self.edit = line_edit(rewriter.text, line, state.motion, nominal=rewriter.code[move],
                               ending=rewriter.control.ending)  # fmt: skip
         self.now = rewriter.start_mm[move] + turned_about_z(state.carried_mm, -rewriter.angle[move])
         self.aim = rewriter.start_mm[move] + turned_about_z(state.aimed_mm, -rewriter.angle[move])
@@ -257,15 +262,8 @@ class _LineWriter:
         named = [self.edit.own_word(letter) is not None for letter in "XYZ"]
         self.now = np.where(named, end, self.now) if not self.mode.incremental else end.copy()
 
-    def _nominal_code(self) -> int:
-        moves = self.rewriter.moves
-        kind = moves.kind[self.move]
-        if kind == MoveKind.ARC:
-            return 3 if moves.sweep_rad[self.move] > 0 else 2
-        return 0 if kind == MoveKind.RAPID else 1
-
     def _code(self, piece: Piece) -> int:
-        nominal = self._nominal_code()
+        nominal = self.rewriter.code[self.move]
         return nominal if nominal < 2 or piece.is_arc or piece.kept else 1
 
     def _axis_texts(self, wanted: np.ndarray, written: Written) -> dict[str, str]:
