@@ -12,6 +12,9 @@ __all__ = ["Heidenhain"]
 
 _WORD = re.compile(r"(I?[XYZABC]|FMAX|F|S|M|DR|R[0LR](?![\d.])|R|LEN|PR|PA|[A-Z]+)\s*"
                    r"([+-]?\s*(?:\d+\.?\d*|\.\d+))?\s*([+-])?(?=\s|$|[A-Z])")  # fmt: skip
+_NO_SHIFT = re.compile(
+    r"CYCL DEF\s+7\.\d+(?:\s+DATUM SHIFT|(?:\s+I?[XYZABC]\s*[+-]?0*\.?0*(?=\s|$))+)"
+)
 _IGNORED = re.compile(r"BLK FORM|STOP$|\*|CC$")
 _PLAIN_M = {3: "m3", 4: "m4", 5: "m5", 7: "m7", 8: "m8", 9: "m9", 0: "m0", 1: "m1"}
 
@@ -29,7 +32,7 @@ class Heidenhain(Translated):
     def obey(self, text: str) -> None:
         """Obey one line."""
         content = re.sub(r";.*", "", text).strip().upper()
-        content = re.sub(r"^\d+\s+(?=[A-Z])", "", content)
+        content = re.sub(r"^\d+(?:\s+|$)", "", content)
         head = content.split(" ")[0] if content else ""
         if not content or content.startswith("*"):
             return
@@ -43,6 +46,8 @@ class Heidenhain(Translated):
             self._tool_call(content)
         elif content.startswith("TOOL DEF"):
             self.controller.note("TOOL DEF", "tool preselection")
+        elif content.startswith("CYCL DEF"):
+            self._cycle(content)
         elif head == "LBL":
             self._label(content)
         elif content.startswith("CALL LBL"):
@@ -55,8 +60,22 @@ class Heidenhain(Translated):
         elif head in ("L", "C", "CR"):
             self._move(head, content[len(head) :])
         else:
-            raise ProgramError(f"Klartext word '{head}' is not read",
-                               accepted="L C CR CC LBL CALL LBL TOOL CALL STOP M BLK FORM")
+            raise ProgramError(
+                f"Klartext word '{head}' is not read",
+                accepted="L C CR CC LBL CALL LBL TOOL CALL STOP M BLK FORM",
+                hint="post the program with plain lines and arcs",
+            )
+
+    def _cycle(self, content: str) -> None:
+        """CYCL DEF 32 is the control's own tolerance; a datum shift by nothing shifts nothing."""
+        if re.match(r"CYCL DEF\s+32\.", content):
+            self.controller.note("CYCL DEF 32", "tolerance of the control's path")
+        elif not _NO_SHIFT.fullmatch(content):
+            raise ProgramError(
+                f"Klartext cycle '{content}' is not read",
+                accepted="CYCL DEF 32, CYCL DEF 7 with zeros",
+                hint="post the program without cycles and datum shifts",
+            )
 
     def _m_codes(self, content: str) -> list[str]:
         return [self._m_code(int(code)) for code in re.findall(r"M(\d+)", content)]
@@ -87,15 +106,19 @@ class Heidenhain(Translated):
                 words[letter] = None
             elif value is None or letter not in ("X", "Y", "Z", "A", "B", "C", "IX", "IY", "IZ",
                                                  "IA", "IB", "IC", "F", "R", "S"):  # fmt: skip
-                raise ProgramError(f"Klartext word '{letter}' is not read in a motion line",
-                                   accepted="X Y Z IX IY IZ R DR R0 F FMAX M")
+                raise ProgramError(
+                    f"Klartext word '{letter}' is not read in a motion line",
+                    accepted="X Y Z IX IY IZ R DR R0 F FMAX M",
+                )
             elif letter in words:
                 raise ProgramError(f"two {letter} words in one line")
             else:
                 words[letter] = float(re.sub(r"\s", "", value))
         if content[position:].strip():
-            raise ProgramError(f"cannot read '{content[position:].strip()}'",
-                               accepted="X Y Z IX IY IZ R DR R0 F FMAX M")
+            raise ProgramError(
+                f"cannot read '{content[position:].strip()}'",
+                accepted="X Y Z IX IY IZ R DR R0 F FMAX M",
+            )
         return words, codes
 
     def _target(self, words: dict[str, float | str | None]) -> tuple[float, ...]:
@@ -160,7 +183,8 @@ class Heidenhain(Translated):
         return text + f"i{number(offsets[0])}j{number(offsets[1])}" + self._feed(False)
 
     def _tool_call(self, content: str) -> None:
-        match = re.fullmatch(r"TOOL CALL\s+(\d+)(?:\s+([XYZ]))?((?:\s+[SF]\s*[\d.]+)*)", content)
+        bare = re.sub(r"\s+D[LR]2?\s*[+-]?0*\.?0*(?=\s|$)", "", content)  # no wear
+        match = re.fullmatch(r"TOOL CALL\s+(\d+)(?:\s+([XYZ]))?((?:\s+[SF]\s*[\d.]+)*)", bare)
         if match is None or match[2] not in (None, "Z"):
             raise ProgramError(f"cannot read '{content}'", accepted="TOOL CALL 1 Z S3500 F500")
         for letter, value in re.findall(r"([SF])\s*([\d.]+)", match[3]):

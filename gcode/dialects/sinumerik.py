@@ -14,10 +14,18 @@ __all__ = ["Sinumerik"]
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
 _WORD = re.compile(rf"(CR|TURN|[A-Z])\s*(=?)\s*({_NUMBER})(?![\d.]*\s*=)", re.IGNORECASE)
 #: Codes of this control -> RS274/NGC, times ten; absent ones keep their meaning.
-_CODES = {70: "g20", 700: "g20", 71: "g21", 710: "g21", 60: "g61.1", 64: "g64", 601: "", 602: ""}
+_CODES = {70: "g20", 700: "g20", 71: "g21", 710: "g21", 60: "g61.1", 64: "g64", 601: "", 602: "",
+          450: "", 451: ""}  # fmt: skip
 _SAME = frozenset((0, 1, 2, 3, 17, 18, 19, 40, 53, 54, 55, 56, 57, 90, 91, 94, 95))
 _MOTION = frozenset((0, 1, 2, 3))
 _STOPS = frozenset((0, 1, 2, 30, 17))
+#: for the screen, or how the control follows the path
+_NO_MOTION = re.compile(
+    r"\b(?:(WORKPIECE|MSG|CYCLE832)\s*\((?:\"[^\"]*\"|[^)\"])*\)"
+    r"|(STOPRE|FFWON|FFWOF|SOFT|BRISK|COMPOF|COMPON|COMPCURV|COMPCAD|CFTCP|CFC|CFIN)\b)",
+    re.IGNORECASE,
+)
+_SUPPRESSED = re.compile(r"\bSUPA\b", re.IGNORECASE)  #: every frame, for one block
 
 
 class Sinumerik(Translated):
@@ -34,6 +42,7 @@ class Sinumerik(Translated):
         if not content or content.startswith("%"):
             return
         content = re.sub(r"^/?\s*(?:[N:]\d+\s*)?", "", content, flags=re.IGNORECASE)
+        content = _SUPPRESSED.sub("G53", _NO_MOTION.sub(self._noted, content))
         words = self._words(content)
         g_codes = [value for letter, value in words if letter == "G"]
         if 4.0 in g_codes:
@@ -44,6 +53,10 @@ class Sinumerik(Translated):
         stop = [v for letter, v in words if letter == "M" and v in _STOPS]
         if stop:
             self.execute("m30" if stop[0] in (2, 17, 30) else f"m{stop[0]:.0f}")
+
+    def _noted(self, found: re.Match) -> str:
+        self.controller.note((found[1] or found[2]).upper(), "screen, or following of the path")
+        return ""
 
     def _words(self, content: str) -> list[tuple[str, float]]:
         words, position = [], 0
@@ -58,8 +71,11 @@ class Sinumerik(Translated):
         rest = content[position:].strip()
         if rest:
             word = re.match(r"\w+|.", rest)[0]
-            raise ProgramError(f"Sinumerik word '{word}' is not read",
-                               accepted="G M T D F S X Y Z A B C I J K CR= TURN= with numbers")
+            raise ProgramError(
+                f"Sinumerik word '{word}' is not read",
+                accepted="G M T D F S X Y Z A B C I J K CR= TURN= with numbers",
+                hint="post the program without variables, cycles and frames",
+            )
         return words
 
     def _dwell(self, words: list[tuple[str, float]]) -> None:
@@ -106,8 +122,10 @@ class Sinumerik(Translated):
             elif letter in "XYZABCIJKFS":
                 text.append(f"{letter.lower()}{number(value)}")
             else:
-                raise ProgramError(f"Sinumerik word '{letter}{value:g}' is not read",
-                                   accepted="G M T D F S X Y Z A B C I J K CR= TURN=")
+                raise ProgramError(
+                    f"Sinumerik word '{letter}{value:g}' is not read",
+                    accepted="G M T D F S X Y Z A B C I J K CR= TURN=",
+                )
         block = "".join(text)
         if block and not read_block(block).g_codes and self.controller.motion in (None, 800):
             block = "g1" + block if any(w[0] in "XYZABC" for w in words) else block
@@ -118,6 +136,8 @@ class Sinumerik(Translated):
         if value in _CODES:
             return _CODES[value]
         if value not in _SAME:
-            raise ProgramError(f"Sinumerik G{value:g} is not read",
-                               accepted="G0-G4 G17-G19 G40 G53-G57 G60 G64 G70 G71 G90 G91 G94 G95")
+            raise ProgramError(
+                f"Sinumerik G{value:g} is not read",
+                accepted="G0-G4 G17-G19 G40 G53-G57 G60 G64 G70 G71 G90 G91 G94 G95",
+            )
         return f"g{value:.0f}"

@@ -23,6 +23,8 @@ module = sys.modules["vmach.compensation.compensate"]
 TRAVEL_MM = 5000.0
 #: the tool's length is set where it stands, with the correction that it has there
 _SHIFTS = re.compile(rb"(?i)G\s*10\s*L\s*1[01]")
+_TOOL = re.compile(rb"(?<![A-Za-z_<])(?:[Tt]|TOOL CALL)\s*[\d#[]")
+_NUMBER = re.compile(rb"(?:[Tt]|TOOL CALL)\s*(\d+)")
 OFFSET_MM = (0.0, 0.0, 0.0)  #: so that axes without a word yet stand where LinuxCNC has them
 NO_PROGRAM = {".canon17", ".canon", ".reject", ".tbl", ".md", ".tsv", ".py", ".sh", ".camotics"}
 
@@ -86,13 +88,13 @@ def corpus_programs(folder):
 
 def _tools(path, text):
     """Tools (number, length, diameter) of the table beside a program, or one for all of it."""
-    if not re.search(rb"(?<![A-Za-z_<])[Tt]\s*[\d#[]", re.sub(rb"\([^)\n]*\)|;[^\n]*", b"", text)):
+    if not _TOOL.search(re.sub(rb"\([^)\n]*\)|;[^\n]*", b"", text)):
         return [(1, 50.0, 6.0)]
     own, common = path.with_name(path.name + ".tbl"), path.with_name("tool.tbl")
     table = next((t for t in (own, common) if t.exists()), None)
     rows = read_tool_table(table, unit_mm=25.4) if table else {}
     known = {n: (n, e.length_mm or 50.0, abs(e.diameter_mm) or 0.001) for n, e in rows.items()}
-    for number in {int(n) for n in re.findall(rb"[Tt]\s*(\d+)", text)} - known.keys() - {0}:
+    for number in set(map(int, _NUMBER.findall(text))) - known.keys() - {0}:
         known[number] = (number, 50.0, 6.0)
     return sorted(known.values())
 

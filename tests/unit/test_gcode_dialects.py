@@ -155,7 +155,10 @@ def test_klartext():
         ("L X+Q1 F100", "X"),
         ("L X+1 RL F100", "RL"),
         ("FN 0: Q1 = 5", "FN"),
-        ("CYCL DEF 7.0 DATUM SHIFT", "CYCL"),
+        ("CYCL DEF 7.1 X+5", "CYCL DEF 7.1 X+5"),
+        ("CYCL DEF 7.1 X+0.0001", "CYCL"),
+        ("CYCL DEF 200 DRILLING", "CYCL"),
+        ("TOOL CALL 1 Z S100 DL+0.1", "DL"),
         ("Q1 = 5", "Q1"),
         ("L X+1", "without feed"),
         ("C X+1 Y+1 DR+", "CC first"),
@@ -170,6 +173,15 @@ def test_klartext_refusals_name_line_and_word(line, words):
     message = refusal(f"BEGIN PGM A MM\nTOOL CALL 1 Z S100\n{line}\nEND PGM A MM\n")
     assert message.startswith("part.nc:3:")
     assert words in message
+
+
+def test_klartext_lines_without_motion():
+    program = read("0 BEGIN PGM A MM\n1 ; contour\n2 * - contour\n3\n4 CYCL DEF 7.0 DATUM SHIFT\n"
+                   "5 CYCL DEF 7.1 X+0 Y-0.000\n6 CYCL DEF 32.0 TOLERANCE\n7 CYCL DEF 32.1 T0.01\n"
+                   "8 TOOL CALL 1 Z S100 F50 DL+0.0 DR+0\n9 L X+5 R0 FMAX\n"
+                   "10 END PGM A MM\n")  # fmt: skip
+    assert program.moves.end_mm[:, 0].tolist()[-1] == 5.0
+    assert {note.word for note in program.notes} >= {"CYCL DEF 32"}
 
 
 SINUMERIK = """%_N_PART_MPF
@@ -209,6 +221,8 @@ def test_sinumerik():
         ("G1 X=AC(5)", "X"),
         ("G41 X5", "G41"),
         ("G110 X0", "G110"),
+        ("CYCLE800(1)", "CYCLE800"),
+        ("SUPA TRANS X5", "TRANS"),
         ("G4 P2", "G4"),
         ("FOR I=0 TO 5", "FOR"),
     ],
@@ -217,3 +231,14 @@ def test_sinumerik_refusals_name_line_and_word(line, words):
     message = refusal(f"%_N_A_MPF\nG1 F100\n{line}\nM30\n")
     assert message.startswith("part.nc:3:")
     assert words in message
+
+
+def test_sinumerik_lines_without_motion():
+    text = ('WORKPIECE(,,,"BOX",112,0,-20,-80,-50,-50,50,50)\nMSG("X5 (a) Y6")\nN5 G71 G90 FFWON\n'
+            "N6 T1 D1 M6\nCYCLE832(0.01,1,1)\nSTOPRE\nN7 G0 X7 SOFT G451\n"
+            "N8 G0 SUPA Z0 D0\nM30\n")  # fmt: skip
+    program = read(text, dialect="auto", work_offsets_mm={"G54": [100.0, 0.0, -50.0]})
+    assert program.dialect == "sinumerik"
+    assert program.moves.end_mm[-2:, 0].tolist() == [107.0, 107.0]
+    assert program.moves.end_mm[-1, 2] == 0.0, "SUPA: machine coordinates"
+    assert {"MSG", "WORKPIECE", "CYCLE832", "SOFT"} <= {note.word for note in program.notes}
