@@ -12,6 +12,7 @@ from vmach.compensation.block_modes import BlockModes, block_modes
 from vmach.compensation.expansion import prepare_plain
 from vmach.compensation.iteration import Iteration, Solution
 from vmach.compensation.model import TipModel
+from vmach.compensation.part_aim import PartAim, aim_at_part
 from vmach.compensation.residual import Residual
 from vmach.compensation.rewriting import Rewriter
 from vmach.compensation.rounding import rounded_target
@@ -19,6 +20,7 @@ from vmach.compensation.safety import check_corrections, check_result
 from vmach.compensation.targets import check_words, target_control
 from vmach.job import Job
 from vmach.machine import Variant
+from vmach.points import SurfacePoints
 from vmach.prediction import Effect
 from vmach.preparation import Preparation, prepare
 
@@ -70,6 +72,7 @@ class Compensation:
     uncorrected: Mapping[int, tuple[float, str]] = field(default_factory=dict)
     steps: int = 0
     tilt_rad: float = 0.0
+    part_aim: PartAim | None = None
 
 
 def compensate(
@@ -82,6 +85,7 @@ def compensate(
     limit_mm: float = 0.5,
     residual_limit_mm: float = 5e-3,
     dialect: str | None = None,
+    aim_points: SurfacePoints | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Compensation:
     """Move the job's program against the predicted error of the tool tip.
@@ -117,7 +121,7 @@ def compensate(
     model = TipModel(variant, tuple(effects))
     preparation = prepare(job)
     control = target_control(preparation.program, dialect)
-    if model.is_none(preparation):
+    if model.is_none(preparation) and aim_points is None:
         return _unchanged(preparation, model)
     preparation, expansion = prepare_plain(preparation, floating_tap=control.floating_tap)
     check_words(preparation.program, control)
@@ -131,6 +135,9 @@ def compensate(
         progress,
     )
     found = iteration.solve(_rewritable(preparation, modes), tolerance_mm)
+    part_aim = None
+    if aim_points is not None:
+        found, part_aim = aim_at_part(iteration, found, aim_points, tolerance_mm=tolerance_mm)
     rounded = rounded_target(iteration.rewriter, found.plan, found.target, resolution_mm)
     written = iteration.write(rounded, resolution_mm)
     run = iteration.run(found.plan, written)
@@ -151,6 +158,7 @@ def compensate(
         uncorrected=_uncorrected(iteration, found, tolerance_mm),
         steps=int(found.plan.is_step.sum()),
         tilt_rad=_largest_tilt(preparation, model),
+        part_aim=part_aim,
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from gcode import MoveKind
 from vmach.compensation.expanded_text import Expanded
 from vmach.compensation.model import TipModel
+from vmach.compensation.path_shift import PathShift
 from vmach.compensation.plan import Plan, plan_pieces
 from vmach.compensation.residual import Residual
 from vmach.compensation.rewriting import Rewriter, Target, Written
@@ -66,6 +67,8 @@ class Iteration:
         Called with every target; refuses one that must not be written.
     progress : callable
         Called with rounds done and expected.
+    shift : PathShift, optional
+        Where the tool shall be beside the nominal path; on it without.
     done : int
         Rounds so far.
     """
@@ -76,6 +79,7 @@ class Iteration:
     expansion: Expanded
     check: Callable[[Target], None]
     progress: Callable[[int, int], None]
+    shift: PathShift | None = None
     done: int = 0
 
     def __post_init__(self) -> None:
@@ -102,7 +106,23 @@ class Iteration:
         InputError
             From `check`, or the program is refused when it is read back.
         """
-        best = self._planned(used, tolerance_mm)
+        return self._best_refined(self._planned(used, tolerance_mm), tolerance_mm)
+
+    def solve_again(self, plan: Plan, target: Target, tolerance_mm: float) -> Solution:
+        """A plan solved once more, for another `shift`.
+
+        Parameters
+        ----------
+        plan : Plan
+        target : Target
+            Corrections to begin with.
+        tolerance_mm : float
+        """
+        found = self._rounds(plan, target.ends_mm - plan.aim_mm, target.middles_mm)
+        return self._best_refined(found, tolerance_mm)
+
+    def _best_refined(self, best: Solution, tolerance_mm: float) -> Solution:
+        """Pieces that leave too much cut once more, as long as that helps."""
         for _ in range(_REFINEMENTS):
             refined = self._refined(best, tolerance_mm)
             if refined is None:
@@ -130,7 +150,10 @@ class Iteration:
         return found
 
     def _nominal_error(self, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
+        """Tool minus the place where it shall be, on the nominal path."""
         error = self.model.error_at(self.preparation, move, parameter)
+        if self.shift is not None:
+            error = error - self.shift.at(move, parameter)
         return np.where(self.stuck[move], 0.0, error)
 
     def write(self, target: Target, resolution_mm: float) -> Written:
@@ -146,6 +169,7 @@ class Iteration:
             model=self.model,
             expansion=self.expansion,
             said=self.rewriter.said,
+            shift=self.shift,
         )
 
     def _first_guess(self, plan: Plan) -> tuple[np.ndarray, np.ndarray]:

@@ -38,6 +38,7 @@ class Surface:
     points: SurfacePoints
     mesh: Mesh
     source: str
+    aim: SurfacePoints | None = None
 
 
 @dataclass(frozen=True)

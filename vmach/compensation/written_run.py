@@ -12,6 +12,7 @@ import numpy as np
 from gcode import MoveKind
 from vmach.compensation.expanded_text import Expanded
 from vmach.compensation.model import TipModel
+from vmach.compensation.path_shift import PathShift
 from vmach.compensation.plan import Plan, across
 from vmach.compensation.residual import Residual
 from vmach.compensation.rewriting import Written
@@ -43,13 +44,16 @@ class WrittenRun:
     written: np.ndarray
     row: np.ndarray
     said: np.ndarray
+    shift: PathShift | None = None
 
     @classmethod
     def of(
         cls, original: Preparation, written: Written, plan: Plan, *, model: TipModel,
-        expansion: Expanded, said: np.ndarray,
+        expansion: Expanded, said: np.ndarray, shift: PathShift | None = None,
     ) -> WrittenRun:  # fmt: skip
         """Read a program back; `said` are the axes that every nominal move may correct.
+
+        The tool shall be where `shift` asks for, beside its nominal path.
 
         Raises
         ------
@@ -75,10 +79,11 @@ class WrittenRun:
         sorted_lines = moves.line[moving][order]
         place = np.minimum(np.searchsorted(sorted_lines, lines), len(sorted_lines) - 1)
         known = np.flatnonzero(sorted_lines[place] == lines)
-        return cls(original, again, model, plan, known, moving[order[place[known]]], said)
+        return cls(original, again, model, plan, known, moving[order[place[known]]], said,
+                   shift)  # fmt: skip
 
     def miss(self, share: float | np.ndarray, rows: np.ndarray | None = None) -> np.ndarray:
-        """Tool minus nominal position at shares of the written pieces, (K, 3) mm.
+        """Tool minus the place where it shall be at shares of the written pieces, (K, 3) mm.
 
         Zero along axes whose place the program does not say (`said_axes`).
 
@@ -96,8 +101,11 @@ class WrittenRun:
         start, end = self._stretch
         pieces = self.written[rows]
         parameter = start[pieces] + share * (end - start)[pieces]
-        nominal = position_at(self.original.path.nodes.moves, self.plan.move[pieces], parameter)
-        return (there + error - nominal) * self.said[self.plan.move[pieces]]
+        move = self.plan.move[pieces]
+        wanted = position_at(self.original.path.nodes.moves, move, parameter)
+        if self.shift is not None:
+            wanted = wanted + self.shift.at(move, parameter)
+        return (there + error - wanted) * self.said[move]
 
     def miss_of_middles(self) -> np.ndarray:
         """Tool minus nominal path across it, in the middle of the written pieces, (K, 3) mm."""
