@@ -21,7 +21,7 @@ from vmach.prediction import Prediction, predict
 __all__ = ["PartAim", "PartDeviation", "aim_at_part"]
 
 #: so often the part is predicted and the path shifted
-_ROUNDS = 3
+_ROUNDS = 4
 #: norm of the deviations by which rounds are compared
 _NORM = 6
 #: deviations smaller than this are none
@@ -111,13 +111,14 @@ def aim_at_part(
     moves = iteration.preparation.path.nodes.moves
     shift = no_shift(moves, found.plan, iteration.rewriter.said & ~iteration.stuck)
     before = now = best = look(found.run)
-    kept, rounds = (found, shift), 0
+    kept, rounds, demand = (found, shift), 0, None
     for number in range(1, _ROUNDS + 1):
         if now.largest_mm < _NOTHING_MM:
             break
-        shift = _next_shift(shift, now, points)
+        demand = _demand(shift, now, points).beside(demand)
+        old, shift = shift, centred(shift, demand)
         iteration.shift = shift
-        found = iteration.solve_again(*_shifted(found, kept[1], shift), tolerance_mm)
+        found = iteration.solve_again(*_shifted(found, old, shift), tolerance_mm)
         now = look(found.run)
         if now.norm_mm < best.norm_mm:
             best, kept, rounds = now, (found, shift), number
@@ -156,12 +157,11 @@ def _part_looker(
     return look
 
 
-def _next_shift(shift: PathShift, now: PartDeviation, points: SurfacePoints) -> PathShift:
-    """The shift that the deviations under the present one ask for."""
+def _demand(shift: PathShift, now: PartDeviation, points: SurfacePoints) -> SurfaceDemand:
+    """What the deviations under the present shift ask for."""
     normal = points.normal[now.row]
     present = np.einsum("ij,ij->i", shift.at(now.move, now.parameter), normal)
-    wanted = SurfaceDemand(now.move, now.parameter, normal, present - now.error_mm)
-    return centred(shift, wanted)
+    return SurfaceDemand(now.row, now.move, now.parameter, normal, present - now.error_mm)
 
 
 def _shifted(found: Solution, old: PathShift, new: PathShift) -> tuple[Plan, Target]:

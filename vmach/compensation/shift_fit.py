@@ -11,7 +11,7 @@ from scipy.sparse.linalg import splu
 
 from gcode import MoveKind
 from vmach.compensation.path_shift import PathShift
-from vmach.path_geometry import move_length_mm, tangent_at
+from vmach.path_geometry import move_length_mm, position_at, tangent_at
 
 __all__ = ["SurfaceDemand", "centred"]
 
@@ -25,6 +25,9 @@ _ALONG = 0.02
 _NOTHING_ASKS = 1e-6
 #: rounds from least squares towards the least largest deviation
 _ROUNDS = 16
+#: places that are nearer than this are one, and the weight by which they are shifted alike
+_SAME_PLACE_MM = 1e-3
+_AGAIN_MM = 0.3
 #: no point loses more of its weight
 _LEAST_WEIGHT = 1e-3
 #: a move whose direction has no more beside the tool's axis goes along it
@@ -38,6 +41,8 @@ class SurfaceDemand:
 
     Attributes
     ----------
+    point : (P,) int64
+        Numbers of the points; one that several moves make may ask each of them.
     move : (P,) int64
     parameter : (P,) float64
         Where on the nominal path each was made.
@@ -47,10 +52,26 @@ class SurfaceDemand:
         Shift along the normal that would leave no deviation.
     """
 
+    point: np.ndarray
     move: np.ndarray
     parameter: np.ndarray
     normal: np.ndarray
     shift_mm: np.ndarray
+
+    def beside(self, earlier: SurfaceDemand | None) -> SurfaceDemand:
+        """These, and earlier ones of the same points to other moves.
+
+        A move that no longer makes a point, because another one now goes deeper there, would
+        take the point back if it were let go.
+        """
+        if earlier is None:
+            return self
+        key, old = (np.column_stack([d.point, d.move]) for d in (self, earlier))
+        kept = ~np.isin(old @ [1 << 32, 1], key @ [1 << 32, 1])
+        names = self.__dataclass_fields__
+        return SurfaceDemand(
+            *(np.concatenate([getattr(self, n), getattr(earlier, n)[kept]]) for n in names)
+        )
 
 
 def centred(shift: PathShift, demand: SurfaceDemand) -> PathShift:
@@ -106,7 +127,8 @@ def _surface_rows(shift: PathShift, demand: SurfaceDemand) -> tuple[np.ndarray, 
 
 def _path_rows(shift: PathShift) -> csr_array:
     """What holds the shift of the path back, beside the surface: one row, one square."""
-    return vstack([_across_lines(shift), *_across_arcs(shift), _along(shift)], format="csr")
+    parts = [_across_lines(shift), *_across_arcs(shift), _along(shift), _at_same_places(shift)]
+    return vstack(parts, format="csr")
 
 
 def _across_lines(shift: PathShift) -> csr_array:
@@ -145,6 +167,24 @@ def _along(shift: PathShift) -> csr_array:
     stiff = straight * np.sqrt(0.5 * _ALONG * (length[first] + length[first + 1]))
     factor = stiff[:, None] * 0.5 * (before + after)
     return _rows(shift, shift.knot[first, 2][:, None], factor[:, None])
+
+
+def _at_same_places(shift: PathShift) -> csr_array:
+    """Differences of the shifts where one tool passes a place again, as in a spring pass."""
+    knot = np.concatenate([shift.knot[:, 0], shift.knot[:, 2]])
+    stretch = np.tile(np.arange(len(shift.move)), 2)
+    cuts = _cuts(shift)[stretch]
+    knot, first = np.unique(knot[cuts], return_index=True)
+    stretch, at_end = stretch[cuts][first], first >= cuts[: len(shift.move)].sum()
+    move = shift.move[stretch]
+    parameter = np.where(at_end, shift.end[stretch], shift.start[stretch])
+    place = np.round(position_at(shift.moves, move, parameter) / _SAME_PLACE_MM)
+    key = np.column_stack([shift.moves.tool[move], place])
+    order = np.lexsort(key.T)
+    same = np.flatnonzero((key[order[1:]] == key[order[:-1]]).all(axis=1))
+    pairs = np.stack([knot[order[same]], knot[order[same + 1]]], axis=1)
+    factor = np.sqrt(_AGAIN_MM) * np.stack([-np.eye(3), np.eye(3)], axis=1)
+    return _rows(shift, np.repeat(pairs, 3, axis=0), np.tile(factor, (len(pairs), 1, 1)))
 
 
 def _rows(shift: PathShift, knot: np.ndarray, factor: np.ndarray) -> csr_array:
