@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from stock import cut_part, write_part
+from stock import VirtualPart, cut_part, write_part
 from vmach.errors import InputError
 from vmach.inspection import found_on_part, surface_points
-from vmach.job import Job
+from vmach.job import Blank, Job
 from vmach.machine import Variant
 from vmach.nominal import Mesh, NominalPart, read_nominal
 from vmach.points import SurfacePoints
@@ -20,6 +21,11 @@ from vmach.prediction import Effect, Prediction, displaced_sweeps, displacement_
 from vmach.preparation import Preparation, prepare
 
 __all__ = ["Surface", "SurfaceCheck", "check_surface", "read_surface"]
+
+#: spacing of the points that are aimed at over that of the inspection points
+_FINER = 0.618
+#: points that are nearer than this are one
+_SAME_MM = 1e-3
 
 
 @dataclass(frozen=True)
@@ -45,7 +51,7 @@ class Surface:
 class SurfaceCheck:
     """Error of Q surface points, predicted minus that of the same program without any error.
 
-    Points count that every program cuts.
+    Points count that every program cuts, or none leaves alone (`Prediction.overcut`).
 
     Attributes
     ----------
@@ -84,33 +90,75 @@ class SurfaceCheck:
         return float(np.abs(self.before_mm).mean()) / after if after else np.inf
 
 
-def read_surface(job: Job) -> Surface | None:
+def read_surface(job: Job, *, with_aim: bool = False) -> Surface | None:
     """The job's inspection points; of the part that the perfect program cuts where it has none.
 
-    None for a job without CAD, measured points and blank.
+    None for a job without CAD and blank.
+
+    Parameters
+    ----------
+    job : Job
+    with_aim : bool
+        Take a second sample to aim a program at, so that the first one tells what came of it.
     """
     if job.nominal is not None:
         nominal = read_nominal(job.nominal)
-        return Surface(surface_points(job, nominal), nominal.mesh, "nominal CAD")
+        surface = Surface(surface_points(job, nominal), nominal.mesh, "nominal CAD")
+        return _with_aim(surface, nominal, job) if with_aim else surface
     if job.blank is None:
         return None
-    preparation = prepare(job)
-    part = cut_part(
-        displaced_sweeps(preparation, Variant.NONE), preparation.cutters, job.blank.solid
-    )
-    mesh = Mesh(part.vertices_mm, part.triangles, np.zeros(len(part.triangles), int))
+    solid = _perfect_part(job)
+    mesh = Mesh(solid.vertices_mm, solid.triangles, np.zeros(len(solid.triangles), int))
     if job.measured is not None:
-        return Surface(surface_points(job, None), mesh, "measured points")
-    return Surface(_points_on(part, job), mesh, "the part that the perfect program cuts")
+        surface = Surface(surface_points(job, None), mesh, "measured points")
+        if not with_aim:
+            return surface
+        part = _with_faces(solid)
+    else:
+        part = _with_faces(solid)
+        surface = Surface(_sampled(part, job), mesh, "the part that the perfect program cuts")
+    return _with_aim(surface, _without_stock(part, job.blank), job) if with_aim else surface
 
 
-def _points_on(part, job: Job) -> SurfacePoints:
+def _perfect_part(job: Job) -> VirtualPart:
+    """The part that the program cuts without any error."""
+    preparation = prepare(job)
+    sweeps = displaced_sweeps(preparation, Variant.NONE)
+    return cut_part(sweeps, preparation.cutters, job.blank.solid)
+
+
+def _with_faces(solid: VirtualPart) -> NominalPart:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "part.stl"
-        write_part(part, path)
-        nominal: NominalPart = read_nominal(path)
+        write_part(solid, path)
+        return read_nominal(path)
+
+
+def _without_stock(part: NominalPart, blank: Blank) -> NominalPart:
+    """The part without the faces that lie on the blank's box, where no tool has cut."""
+
+    def is_stock(corners: np.ndarray) -> bool:
+        sides = np.stack([corners - blank.min_mm, corners - blank.max_mm])
+        return bool((np.abs(sides) < _SAME_MM).all(axis=1).any())
+
+    corners, owner = part.mesh.corners_mm, part.mesh.face
+    cut = [face for k, face in enumerate(part.faces) if not is_stock(corners[owner == k].reshape(-1, 3))]
+    return replace(part, faces=tuple(cut) or part.faces)
+
+
+def _sampled(part: NominalPart, job: Job, finer: float = 1.0) -> SurfacePoints:
     settings = job.inspection
-    return nominal.sample(settings.spacing_mm, edge_margin_mm=settings.edge_margin_mm)
+    return part.sample(finer * settings.spacing_mm, edge_margin_mm=settings.edge_margin_mm)
+
+
+def _with_aim(surface: Surface, part: NominalPart, job: Job) -> Surface:
+    """The surface with points to aim at, none of which is an inspection point."""
+    points = _sampled(part, job, _FINER)
+    distance, _ = cKDTree(surface.points.point_mm).query(points.point_mm)
+    own = distance > _SAME_MM
+    return replace(surface, aim=SurfacePoints(
+        points.id[own], points.feature[own], points.point_mm[own], points.normal[own]
+    ))  # fmt: skip
 
 
 def check_surface(
@@ -143,8 +191,8 @@ def check_surface(
 
     perfect = predicted(before, Variant.NONE, ())
     old, new = predicted(before, variant, effects), predicted(after, variant, effects)
-    was_cut = perfect.is_cut & old.is_cut
-    rows = np.flatnonzero(was_cut & new.is_cut)
+    was_cut = perfect.is_cut & old.is_cut & (perfect.overcut == old.overcut)
+    rows = np.flatnonzero(was_cut & new.is_cut & (new.overcut == old.overcut))
     if not len(rows):
         raise InputError(
             "no inspection point is cut", file=job.path, hint="is the CAD in workpiece coordinates?"
