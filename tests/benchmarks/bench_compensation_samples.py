@@ -3,7 +3,8 @@
     python tests/benchmarks/bench_compensation_samples.py [JOB ...] [--resolution-mm 0.001]
 
 Without JOB all samples; a JOB is a job file, or a folder that holds jobs in its folders. Every
-job is done with both arms of the angular errors. "least" is a growth that no polyline undercuts:
+job is done with both arms of the angular errors, with the tool on its nominal path and (--aim part)
+aimed at the part; "aimed" is what that leaves on the part. "least" is a growth that no polyline undercuts:
 the pieces that one component of the error across each line asks for alone with both ends free,
 and the half circles of the arcs.
 """
@@ -30,7 +31,8 @@ SAMPLES = Path(__file__).parents[2] / "samples"
 TOLERANCE_MM = 1e-4
 COLUMNS = (
     f"{'job':34} {'arms':4} {'tool: before':>13} {'fine':>6} {'after':>12} {'part: before':>13} "
-    f"{'after':>12} {'ratio':>6} {'tilt':>5} {'growth':>6} {'least':>6} {'arcs':>7} {'s':>5}"
+    f"{'after':>12} {'ratio':>6} {'tilt':>5} {'aimed':>12} {'ratio':>6} {'shift':>5} {'growth':>6} {'aimed':>6} "
+    f"{'least':>6} {'arcs':>7} {'s':>5} {'aimed':>5}"
     "   (um: largest/mean)"
 )
 
@@ -73,6 +75,16 @@ def _pieces(parameter, curve):
     return len(fewest_pieces(parameter, curve[:, None], width, start=ends, end=ends)[0]) - 1
 
 
+def compensated(job, effects, variant, surface, aim_points, resolution_mm):
+    """The compensated program, what it leaves on the part, and the seconds that it took."""
+    begun = time.perf_counter()
+    found = compensate(job, effects, variant=variant, resolution_mm=resolution_mm,
+                       aim_points=aim_points)  # fmt: skip
+    seconds = time.perf_counter() - begun
+    part = check_surface(job, found.text, surface, effects=effects, variant=variant)
+    return found, part, seconds
+
+
 def pair(values_mm):
     """Largest and mean size, um."""
     size = 1e3 * np.abs(values_mm)
@@ -89,20 +101,23 @@ def main():
     for path in jobs_of(arguments.jobs):
         job = read_job(path)
         effects = read_effects(job.effects, file=job.path, job=job)
-        surface = read_surface(job)
+        surface = read_surface(job, with_aim=True)
         for variant in (Variant.ABBE, Variant.HTM):
-            begun = time.perf_counter()
-            found = compensate(job, effects, variant=variant, resolution_mm=arguments.resolution_mm)
-            seconds = time.perf_counter() - begun
-            part = check_surface(job, found.text, surface, effects=effects, variant=variant)
+            (found, part, seconds), (aimed, on_part, longer) = (
+                compensated(job, effects, variant, surface, points, arguments.resolution_mm)
+                for points in (None, surface.aim)
+            )
             growths.append(found.growth)
             leasts.append(least_growth(job, TipModel(variant, tuple(effects))))
             name = f"{path.parent.name}/{path.name}"
             print(f"{name[-34:]:34} {variant:4} {pair(found.before.distance_mm):>13} "
                   f"{1e3 * found.unrounded.largest_mm:6.3f} {pair(found.after.distance_mm):>12} "
                   f"{pair(part.before_mm):>13} {pair(part.after_mm):>12} {part.ratio:6.1f} "
-                  f"{1e3 * np.abs(part.tilt_mm).max():5.2f} {growths[-1]:6.2f} {leasts[-1]:6.2f} "
-                  f"{found.arcs_kept}/{found.arcs:3} {seconds:5.1f}", flush=True)  # fmt: skip
+                  f"{1e3 * np.abs(part.tilt_mm).max():5.2f} {pair(on_part.after_mm):>12} "
+                  f"{on_part.ratio:6.1f} {1e3 * aimed.part_aim.largest_shift_mm:5.2f} "
+                  f"{found.growth:6.2f} {aimed.growth:6.2f} {leasts[-1]:6.2f} "
+                  f"{found.arcs_kept}/{found.arcs:3} {seconds:5.1f} {longer:5.1f}",
+                  flush=True)  # fmt: skip
     print(f"mean growth {np.mean(growths):.2f}, least {np.mean(leasts):.2f}")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 import sys
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -22,7 +23,15 @@ from vmach.progress import progress_bar
 from vmach.report import atomic_file
 from vmach.stage_clock import StageClock
 
-__all__ = ["compensate"]
+__all__ = ["Aim", "compensate"]
+
+
+class Aim(StrEnum):
+    """What shall be in its nominal place."""
+
+    TOOL = "tool"
+    PART = "part"
+
 
 
 def compensate(
@@ -31,6 +40,13 @@ def compensate(
     model: Annotated[Variant, typer.Option(help="arms of the machine's angular errors")] = (
         Variant.ABBE
     ),
+    aim: Annotated[
+        Aim,
+        typer.Option(
+            help="the tool's tip on its nominal path, or the part: the path is shifted so that "
+            "what tilt and effects at the cutting edge leave is centred"
+        ),
+    ] = Aim.TOOL,
     resolution_mm: Annotated[float, typer.Option(help="of the target control")] = 1e-3,
     tolerance_um: Annotated[
         float, typer.Option(help="largest residual before rounding; points are inserted for it")
@@ -55,8 +71,8 @@ def compensate(
     with progress_bar() as progress:
         clock = StageClock(progress)
         with clock.stage("surface"):
-            surface = read_surface(read)
-            _check_report(report, surface, read)
+            surface = read_surface(read, with_aim=aim is Aim.PART)
+            _check_surface(surface, read, {"report on": report, "aim at": aim is Aim.PART})
         with clock.stage("move") as step:
             found = compensate_job(
                 read,
@@ -67,6 +83,7 @@ def compensate(
                 limit_mm=1e-3 * limit_um,
                 residual_limit_mm=1e-3 * residual_limit_um,
                 dialect=dialect,
+                aim_points=None if surface is None else surface.aim,
                 progress=step,
             )
         with clock.stage("verify"):
@@ -106,10 +123,11 @@ def _check_outputs(job: Job, paths: list[Path]) -> None:
         taken.add(path.resolve())
 
 
-def _check_report(report: Path | None, surface: Surface | None, job: Job) -> None:
-    if report is not None and surface is None:
-        raise InputError(
-            "there is no surface to report on",
-            file=job.path,
-            accepted="nominal = an STL or STEP file, or [stock]",
-        )
+def _check_surface(surface: Surface | None, job: Job, wanted: dict[str, object]) -> None:
+    for purpose, is_wanted in wanted.items():
+        if is_wanted and surface is None:
+            raise InputError(
+                f"there is no surface to {purpose}",
+                file=job.path,
+                accepted="nominal = an STL or STEP file, or [stock]",
+            )

@@ -13,10 +13,11 @@ from vmach.compensation.expansion import prepare_plain
 from vmach.compensation.iteration import Iteration, Solution
 from vmach.compensation.model import TipModel
 from vmach.compensation.part_aim import PartAim, aim_at_part
+from vmach.compensation.part_view import PartView
 from vmach.compensation.residual import Residual
 from vmach.compensation.rewriting import Rewriter
 from vmach.compensation.rounding import rounded_target
-from vmach.compensation.safety import check_corrections, check_result
+from vmach.compensation.safety import check_corrections, check_part, check_result
 from vmach.compensation.targets import check_words, target_control
 from vmach.job import Job
 from vmach.machine import Variant
@@ -56,6 +57,8 @@ class Compensation:
         Inserted blocks that only take up a jump of the error, as by lost motion.
     tilt_rad : float
         Largest tilt of the tool while it cuts, which stays.
+    part_aim : PartAim, optional
+        Of a program that is aimed at the part.
     """
 
     text: bytes
@@ -88,10 +91,12 @@ def compensate(
     aim_points: SurfacePoints | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Compensation:
-    """Move the job's program against the predicted error of the tool tip.
+    """Move the job's program against the predicted error of the tool.
 
-    The position to program is the q of q + e(q) = q_nominal, see `Iteration`. The tilt of the
-    tool remains; three axes cannot correct it.
+    The position to program is the q of q + e(q) = q_nominal for the tip, see `Iteration`. The
+    tilt of the tool remains; three axes cannot correct it. Aimed at the part, the tip is asked
+    beside its nominal path instead, where what tilt and effects at the cutting edge leave on the
+    surface is least, see `aim_at_part`.
 
     Parameters
     ----------
@@ -109,6 +114,8 @@ def compensate(
     dialect : str, optional
         Control that the program is written for (`CONTROLS`); by default the one whose dialect
         it is written in.
+    aim_points : SurfacePoints, optional
+        Surface to aim at; without it the tool is kept on its nominal path.
     progress : callable, optional
         Called with rounds done and expected.
 
@@ -137,11 +144,14 @@ def compensate(
     found = iteration.solve(_rewritable(preparation, modes), tolerance_mm)
     part_aim = None
     if aim_points is not None:
-        found, part_aim = aim_at_part(iteration, found, aim_points, tolerance_mm=tolerance_mm)
+        view = PartView(preparation, model, aim_points)
+        found, part_aim = aim_at_part(iteration, found, view, tolerance_mm=tolerance_mm)
     rounded = rounded_target(iteration.rewriter, found.plan, found.target, resolution_mm)
     written = iteration.write(rounded, resolution_mm)
     run = iteration.run(found.plan, written)
     check_result(preparation, run, residual_limit_mm, expansion)
+    if part_aim is not None:
+        check_part(preparation, part_aim, view.deviation(run), residual_limit_mm, expansion)
     arcs, kept = _arcs(preparation, found)
     return Compensation(
         text=written.text,

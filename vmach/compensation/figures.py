@@ -8,12 +8,14 @@ from typing import Any
 import numpy as np
 
 from vmach.compensation.compensate import Compensation
+from vmach.compensation.part_aim import PartAim
 from vmach.compensation.safety import lines_text
 from vmach.compensation.surface import SurfaceCheck
 from vmach.units import um_from_mm
 
 __all__ = ["as_json", "as_text", "remarks", "rows"]
 
+_CENTRED = "what a shift of the path cannot mend where a move makes several places"
 _STAYS = "machine coordinates or reference point"
 
 
@@ -28,6 +30,7 @@ def as_json(found: Compensation, surface: SurfaceCheck | None) -> dict[str, Any]
     return figures | {
         "worst_line_after": None if worst is None else int(found.after.line[worst]),
         "surface": None if surface is None else _surface(surface),
+        "aimed_at": None if found.part_aim is None else _aimed_at(found.part_aim),
         "largest_correction_um": um_from_mm(found.largest_correction_mm),
         "growth": found.growth,
         "steps": found.steps,
@@ -56,14 +59,29 @@ def _surface(surface: SurfaceCheck) -> dict[str, Any]:
     }
 
 
+def _aimed_at(aim: PartAim) -> dict[str, Any]:
+    """The points that the program was aimed at, before rounding."""
+    figures: dict[str, Any] = {"points": len(aim.part.row)}
+    for name, deviation in {"tool": aim.tool, "part": aim.part}.items():
+        figures[f"{name}_largest_um"] = um_from_mm(deviation.largest_mm)
+        figures[f"{name}_mean_um"] = um_from_mm(deviation.mean_mm)
+    return figures | {
+        "largest_shift_um": um_from_mm(aim.largest_shift_mm),
+        "rounds": aim.rounds,
+    }
+
+
 def _uncorrected(found: Compensation, surface: SurfaceCheck | None) -> list[dict[str, Any]]:
     """What a path cannot correct, with its size."""
     named: list[dict[str, Any]] = []
     if found.tilt_rad:
         tilt: dict[str, Any] = {"what": "tilt of the tool", "urad": 1e6 * found.tilt_rad}
-        if surface is not None:
+        if surface is not None and found.part_aim is None:
             tilt["surface_um"] = float(um_from_mm(np.abs(surface.tilt_mm).max()))
         named.append(tilt)
+    if found.part_aim is not None:
+        named.append({"what": _CENTRED, "surface_um": um_from_mm(found.part_aim.part.largest_mm)})
+        return named
     for label, share in ({} if surface is None else surface.at_edge_mm).items():
         named.append({"what": f"{label} (acts at the cutting edge)",
                       "surface_um": float(um_from_mm(np.abs(share).max()))})  # fmt: skip
@@ -85,6 +103,13 @@ def rows(found: Compensation, surface: SurfaceCheck | None) -> dict[str, str]:
             table["part, points cut no longer"] = str(surface.lost)
         if on_part["mean_before_over_after"]:
             table["part, mean error"] = f"{on_part['mean_before_over_after']:.1f} times smaller"
+    if found.part_aim is not None:
+        aimed = figures["aimed_at"]
+        table |= {
+            f"aimed at, {aim} in place": _largest_and_mean(aimed, aim) for aim in ("tool", "part")
+        }
+        table["aimed at, points"] = str(aimed["points"])
+        table["largest shift of the path"] = f"{aimed['largest_shift_um']:.2f} um"
     return table | {
         "largest correction": f"{figures['largest_correction_um']:.2f} um",
         "blocks": f"{found.growth:.2f} times as many; {found.steps} take up jumps of the error",

@@ -7,15 +7,19 @@ from collections.abc import Mapping
 import numpy as np
 
 from vmach.compensation.expanded_text import Expanded
+from vmach.compensation.part_aim import PartAim
+from vmach.compensation.part_view import PartDeviation
 from vmach.compensation.rewriting import Target
 from vmach.compensation.written_run import WrittenRun
 from vmach.errors import InputError
 from vmach.preparation import Preparation
 from vmach.units import um_from_mm
 
-__all__ = ["check_corrections", "check_result", "lines_text"]
+__all__ = ["check_corrections", "check_part", "check_result", "lines_text"]
 
 _MOST_LINES = 10
+#: a shift of the path is no larger than this many times the deviations that it answers
+_MOST_SHIFT = 3.0
 
 
 def check_corrections(
@@ -48,8 +52,9 @@ def check_result(
 ) -> None:
     """Refuse a written program that cuts where the nominal one does not, or passes there.
 
-    The tool at feed is held against its nominal path everywhere, so that its swept volume is
-    that of the nominal program within the residual. Rapids must not pass farther from their
+    The tool at feed is held everywhere against the path that it is asked to take, so that its
+    swept volume is that of the nominal program within the residual, and the shift if it is asked
+    beside its nominal path (`check_part`). Rapids must not pass farther from their
     nominal path than the limit, unless the user's program does so itself.
 
     Raises
@@ -70,6 +75,58 @@ def check_result(
                 line=min(far),
                 accepted=f"at most {um_from_mm(limit_mm):g} um",
                 hint="--residual-limit-um sets the limit",
+            )
+
+
+def check_part(
+    preparation: Preparation, aim: PartAim, written: PartDeviation, limit_mm: float,
+    expansion: Expanded,
+) -> None:  # fmt: skip
+    """Refuse a shift of the path that spoils the part, or has nothing to answer.
+
+    Where a move makes several points, it may well spoil one for the sake of another, but leaves
+    none farther off than the worst of them was with the tool on its nominal path, beyond a limit.
+    No point is cut away.
+
+    Parameters
+    ----------
+    preparation : Preparation
+    aim : PartAim
+    written : PartDeviation
+        Of the program as it is written.
+    limit_mm : float
+    expansion : Expanded
+
+    Raises
+    ------
+    InputError
+        With the lines.
+    """
+    tool, line = aim.tool, preparation.path.nodes.moves.line
+    count = int(max(tool.row.max(initial=0), written.row.max(initial=0))) + 1
+    worst, maker = np.zeros(len(line) + 1), np.full(count, len(line))
+    np.maximum.at(worst, tool.move, np.abs(tool.error_mm))
+    maker[tool.row] = tool.move
+    allowed = np.maximum(worst[written.move], worst[maker[written.row]]) + limit_mm
+    size = np.abs(written.error_mm)
+    shift, most = aim.shift_of_moves(), _MOST_SHIFT * np.abs(tool.tip_right_mm).max(initial=0.0)
+    gouged = np.isin(tool.row, np.setdiff1d(written.gouged, tool.gouged))
+    refused = {
+        "aimed at the part, {:.2f} um are left on it": (size > allowed, size, written.move),
+        "aimed at the part, the path is shifted by {:.2f} um": (
+            shift > most + limit_mm, shift, np.arange(len(line))),
+        "aimed at the part, surface is cut away": (gouged, np.abs(tool.error_mm), tool.move),
+    }  # fmt: skip
+    for what, (wrong, size, move) in refused.items():
+        if wrong.any():
+            lines = expansion.user_line(line[move[wrong]])
+            raise InputError(
+                f"{what.format(um_from_mm(size[wrong].max()))} (lines {lines_text(lines)})",
+                file=preparation.program.path,
+                line=int(lines.min()),
+                accepted="no worse than with the tool on its nominal path, by "
+                f"{um_from_mm(limit_mm):g} um",
+                hint="--aim tool keeps it there; --residual-limit-um sets the limit",
             )
 
 
