@@ -4,9 +4,9 @@
 
 Without JOB all samples; a JOB is a job file, or a folder that holds jobs in its folders. Every
 job is done with both arms of the angular errors, with the tool on its nominal path and (--aim part)
-aimed at the part; "aimed" is what that leaves on the part. "least" is a growth that no polyline undercuts:
-the pieces that one component of the error across each line asks for alone with both ends free,
-and the half circles of the arcs.
+aimed at the part: "aimed" is what that leaves on the part. "least" is a growth that no polyline
+undercuts: the pieces that one component of the error across each line asks for alone with both
+ends free, and the half circles of the arcs.
 """
 
 import argparse
@@ -31,8 +31,8 @@ SAMPLES = Path(__file__).parents[2] / "samples"
 TOLERANCE_MM = 1e-4
 COLUMNS = (
     f"{'job':34} {'arms':4} {'tool: before':>13} {'fine':>6} {'after':>12} {'part: before':>13} "
-    f"{'after':>12} {'ratio':>6} {'tilt':>5} {'aimed':>12} {'ratio':>6} {'shift':>5} {'growth':>6} {'aimed':>6} "
-    f"{'least':>6} {'arcs':>7} {'s':>5} {'aimed':>5}"
+    f"{'after':>12} {'ratio':>6} {'tilt':>5} {'aimed':>12} {'ratio':>6} {'shift':>5} "
+    f"{'growth':>6} {'aimed':>6} {'least':>6} {'arcs':>7} {'s':>5} {'aimed':>5}"
     "   (um: largest/mean)"
 )
 

@@ -33,7 +33,6 @@ class Aim(StrEnum):
     PART = "part"
 
 
-
 def compensate(
     job: Annotated[Path, typer.Argument(metavar="JOB", help="job.toml, or the folder it is in")],
     out: Annotated[Path, typer.Option("-o", "--out", help="NC program to write")],

@@ -137,12 +137,13 @@ def _with_faces(solid: VirtualPart) -> NominalPart:
 def _without_stock(part: NominalPart, blank: Blank) -> NominalPart:
     """The part without the faces that lie on the blank's box, where no tool has cut."""
 
-    def is_stock(corners: np.ndarray) -> bool:
+    def is_stock(triangles: np.ndarray) -> bool:
+        corners = triangles.reshape(-1, 3)
         sides = np.stack([corners - blank.min_mm, corners - blank.max_mm])
         return bool((np.abs(sides) < _SAME_MM).all(axis=1).any())
 
     corners, owner = part.mesh.corners_mm, part.mesh.face
-    cut = [face for k, face in enumerate(part.faces) if not is_stock(corners[owner == k].reshape(-1, 3))]
+    cut = [face for k, face in enumerate(part.faces) if not is_stock(corners[owner == k])]
     return replace(part, faces=tuple(cut) or part.faces)
 
 
