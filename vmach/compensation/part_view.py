@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcode import MoveKind
-from stock import EdgeStatus
 from vmach.compensation.model import TipModel
 from vmach.compensation.written_run import WrittenRun
 from vmach.machine import Variant
@@ -39,8 +38,6 @@ class PartDeviation:
         Nominal moves.
     parameter : (Q,) float64
         Places on them.
-    gouged : (R,) int64
-        Rows of points that the perfect program makes and this one cuts away altogether.
     """
 
     row: np.ndarray
@@ -48,7 +45,6 @@ class PartDeviation:
     tip_right_mm: np.ndarray
     move: np.ndarray
     parameter: np.ndarray
-    gouged: np.ndarray
 
     @property
     def largest_mm(self) -> float:
@@ -104,7 +100,6 @@ class PartView:
             tip_right_mm=beside[known],
             move=run.plan.move[piece][known],
             parameter=(start + found.states.parameter * (end - start))[known],
-            gouged=self.made[found.edges.status == EdgeStatus.GOUGED],
         )
 
     def _with_tip_right(self, preparation: Preparation, found: Prediction) -> np.ndarray:

@@ -115,7 +115,8 @@ def no_shift(moves: Moves, plan: Plan, may_shift: np.ndarray) -> PathShift:
     """Knots at all ends of the plan's pieces, without shifts.
 
     Moves that meet share a knot, so that the tool's path stays in one piece. The start of the
-    first piece, and of one after a move that is not rewritten, cannot be shifted.
+    first piece, and of one after a move that is not rewritten, cannot be shifted; a program whose
+    first move is taken to start where it ends has one knot for it.
 
     Parameters
     ----------
@@ -155,17 +156,19 @@ class _Knots:
 
     def add(self, move: int, start: float, end: float, is_arc: bool) -> None:
         """One piece; an arc in stretches that three knots can hold."""
+        way = self.moves.end_mm[move] - self.moves.start_mm[move]
+        stands = not self.stretches and not is_arc and np.abs(way).max() < _SAME_MM
         sweep = abs(self.moves.sweep_rad[move]) * (end - start) if is_arc else 0.0
         count = max(int(np.ceil(sweep / _LARGEST_SWEEP_RAD)), 1)
         places = np.linspace(start, end, count + 1)
-        first = self._start(move, start)
+        first = self._start(move, start, stands)
         for begin, stop in zip(places[:-1].tolist(), places[1:].tolist(), strict=True):
             middle = self._new(self.may_shift[move]) if is_arc else _NO_KNOT
-            last = self._new(self.may_shift[move])
+            last = first if stands else self._new(self.may_shift[move])
             self.stretches.append((move, begin, stop, is_arc, first, middle, last))
             first = last
 
-    def _start(self, move: int, start: float) -> int:
+    def _start(self, move: int, start: float, stands: bool) -> int:
         """The knot that the last stretch ends in, where it leads there."""
         if self.stretches:
             last, _, end, *_, knot = self.stretches[-1]
@@ -175,7 +178,7 @@ class _Knots:
             gap = self.moves.start_mm[move] - self.moves.end_mm[last]
             if meets and np.abs(gap).max() < _SAME_MM:
                 return knot
-        return self._new(np.zeros(3, bool))
+        return self._new(self.may_shift[move] & stands)
 
     def _new(self, free: np.ndarray) -> int:
         self.free.append(free)

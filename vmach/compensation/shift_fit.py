@@ -17,17 +17,21 @@ __all__ = ["SurfaceDemand", "centred"]
 
 #: surface that is made within this way of the path is centred together
 _WINDOW_MM = 5.0
+#: way for which one point is enough
+_SEEN_MM = 2.0
 #: changes of the shift on a shorter way are smoothed
 _SMOOTH_MM = 3.0
-#: weight, beside that of the surface, against shifts along a path that goes straight on
-_ALONG = 0.02
+#: weights, beside that of the surface, against shifts along a path that goes straight on, and
+#: along any path
+_STRAIGHT_ON = 0.02
+_FACETS = 1e-3
 #: weight against shifts that nothing asks for
 _NOTHING_ASKS = 1e-6
 #: rounds from least squares towards the least largest deviation
 _ROUNDS = 16
 #: places that are nearer than this are one, and the weight by which they are shifted alike
 _SAME_PLACE_MM = 1e-3
-_AGAIN_MM = 0.3
+_AGAIN_MM = 3.0
 #: no point loses more of its weight
 _LEAST_WEIGHT = 1e-3
 #: a move whose direction has no more beside the tool's axis goes along it
@@ -97,9 +101,8 @@ def centred(shift: PathShift, demand: SurfaceDemand) -> PathShift:
     path = _path_rows(shift)
     surface, path = surface[:, free], path[:, free]
     held = path.T @ path + _NOTHING_ASKS * eye_array(len(free))
-    window = _windows(shift)
-    way = np.bincount(window, weights=_lengths_mm(shift))
-    window = window[stretch]
+    window = _windows(shift)[stretch]
+    way = _way_seen(shift, demand, stretch, window)
     weight, found = np.ones(len(stretch)), np.zeros(len(free))
     for _ in range(_ROUNDS):
         weight = weight / np.bincount(window, weight, len(way))[window]
@@ -127,8 +130,16 @@ def _surface_rows(shift: PathShift, demand: SurfaceDemand) -> tuple[np.ndarray, 
 
 def _path_rows(shift: PathShift) -> csr_array:
     """What holds the shift of the path back, beside the surface: one row, one square."""
-    parts = [_across_lines(shift), *_across_arcs(shift), _along(shift), _at_same_places(shift)]
-    return vstack(parts, format="csr")
+    return vstack(
+        [
+            _across_lines(shift),
+            *_across_arcs(shift),
+            _along_straight(shift),
+            *_along_any(shift),
+            _at_same_places(shift),
+        ],
+        format="csr",
+    )
 
 
 def _across_lines(shift: PathShift) -> csr_array:
@@ -157,16 +168,25 @@ def _across_arcs(shift: PathShift) -> Iterator[csr_array]:
         yield _rows(shift, shift.knot[arc][:, [one, two]], factor)
 
 
-def _along(shift: PathShift) -> csr_array:
-    """Shifts along the path where it goes straight on."""
+def _along_straight(shift: PathShift) -> csr_array:
+    """Shifts along the path where it goes straight on, which change nothing."""
     first = np.flatnonzero(shift.knot[:-1, 2] == shift.knot[1:, 0])
     first = first[_cuts(shift)[first] & _cuts(shift)[first + 1]]
     before, after = _tangents(shift, shift.end)[first], _tangents(shift, shift.start)[first + 1]
     straight = np.maximum(np.einsum("ij,ij->i", before, after), 0.0)
     length = _lengths_mm(shift)
-    stiff = straight * np.sqrt(0.5 * _ALONG * (length[first] + length[first + 1]))
+    stiff = straight * np.sqrt(0.5 * _STRAIGHT_ON * (length[first] + length[first + 1]))
     factor = stiff[:, None] * 0.5 * (before + after)
     return _rows(shift, shift.knot[first, 2][:, None], factor[:, None])
+
+
+def _along_any(shift: PathShift) -> Iterator[csr_array]:
+    """Shifts along the path anywhere: normals taken from facets seem to ask for them."""
+    cuts = np.flatnonzero(_cuts(shift))
+    stiff = np.sqrt(_FACETS * np.minimum(_lengths_mm(shift), _WINDOW_MM))[cuts, None]
+    for knot, parameter in ((0, shift.start), (2, shift.end)):
+        factor = stiff * _tangents(shift, parameter)[cuts]
+        yield _rows(shift, shift.knot[cuts, knot][:, None], factor[:, None])
 
 
 def _at_same_places(shift: PathShift) -> csr_array:
@@ -206,6 +226,17 @@ def _windows(shift: PathShift) -> np.ndarray:
         way += here
         window.append(number)
     return np.array(window, np.int64)
+
+
+def _way_seen(
+    shift: PathShift, demand: SurfaceDemand, stretch: np.ndarray, window: np.ndarray
+) -> np.ndarray:
+    """Way in every window on which points were made, mm: where they are few, they weigh less."""
+    length = _lengths_mm(shift)
+    share = (demand.parameter - shift.start[stretch]) / (shift.end - shift.start)[stretch]
+    place = (np.cumsum(length) - length)[stretch] + share * length[stretch]
+    bins = np.unique(np.column_stack([window, place // _SEEN_MM]), axis=0)
+    return _SEEN_MM * np.bincount(bins[:, 0].astype(np.int64), minlength=window.max() + 1)
 
 
 def _cuts(shift: PathShift) -> np.ndarray:
