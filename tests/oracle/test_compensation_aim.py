@@ -107,7 +107,7 @@ def test_a_long_tool_is_lifted(tmp_path):
 
 
 def test_a_ball_that_is_thin_stays_on_its_slope(tmp_path):
-    # passes along Y through the whole blank, 0.8 mm apart up a slope of 30 degrees, with a ball of 10 mm
+    # passes along Y through the blank, 0.8 mm apart up a slope of 30 degrees, ball of 10 mm
     normal = np.array([-0.5, 0.0, 0.75**0.5])
     rows = []
     for number in range(12):
@@ -120,7 +120,7 @@ def test_a_ball_that_is_thin_stays_on_its_slope(tmp_path):
     text = job.path.read_text().replace('"flat"', '"ball"')
     job.path.write_text(text + "[inspection]\nspacing_mm = 1\n")
     job = read_job(tmp_path)
-    found, checked = aimed(job, effects, resolution_mm=1e-4)
+    _, checked = aimed(job, effects, resolution_mm=1e-4)
     # the bottoms of the grooves; the first pass cuts a wall on its other side
     x = checked.surface.points.point_mm[checked.row, 0]
     bottom = (normals(checked) @ normal > 0.9995) & (x > 21.5)
