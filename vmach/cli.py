@@ -20,7 +20,7 @@ from vmach.controller_tables.command import tables
 from vmach.diagnosis.command import add, diagnose, effects_app, history
 from vmach.errors import InputError, VmachError
 from vmach.iso230.command import iso230
-from vmach.kernel_cache import forget_stale_kernels
+from vmach.kernel_cache import compile_without_collection, forget_stale_kernels
 from vmach.machine import Variant
 from vmach.progress import progress_bar
 
@@ -212,6 +212,7 @@ def _command_line() -> str:
 def main() -> None:
     """Run the command line; user errors become one message and exit status 1."""
     forget_stale_kernels()
+    compile_without_collection()
     try:
         app()
     except BrokenPipeError:  # the reader of a pipe has seen enough
