@@ -13,6 +13,8 @@ import tempfile
 import time
 from pathlib import Path
 
+import numpy as np
+
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from tests.oracle.compensation_corpus import corpus_programs, judged
@@ -35,7 +37,7 @@ def main():
     head = f"{'program':24} {'s':>6} {'growth':>6} {'arcs':>9} {'before':>7} {'fine':>7}"
     print(f"{head} {'after':>7} {'path':>7} {'of bound':>8}  LinuxCNC   (um)")
     same = "same path" if arguments.machine is None else "accepted"
-    growth, accepted, refused = [], 0, 0
+    growth, blocks, accepted, refused = [], [], 0, 0
     programs = [p for p in corpus_programs(arguments.folder) if arguments.only in p.name]
     for path in programs:
         begun = time.perf_counter()
@@ -52,14 +54,18 @@ def main():
             )
             continue
         growth.append(found.growth)
+        blocks.append(outcome.blocks)
         accepted += outcome.linuxcnc is None and not outcome.wrong
         sizes = [1e3 * r.largest_mm for r in (found.before, found.unrounded, found.after)]
         word = outcome.linuxcnc or (outcome.wrong[0] if outcome.wrong else same)
         print(f"{path.name:24} {seconds:6.1f} {found.growth:6.2f} "
               f"{found.arcs_kept:4}/{found.arcs:4} {sizes[0]:7.2f} {sizes[1]:7.3f} "
               f"{sizes[2]:7.3f} {_path(outcome)}  {word[:160]}")  # fmt: skip
-    print(f"{len(programs)} programs: {accepted} LinuxCNC: {same}, {refused} "
-          f"refused; mean growth {sum(growth) / max(len(growth), 1):.2f}")  # fmt: skip
+    print(f"{len(programs)} programs: {accepted} LinuxCNC: {same}, {refused} refused")
+    together = np.average(growth, weights=np.maximum(blocks, 1))
+    print(f"growth: mean {np.mean(growth):.2f}, without the largest "
+          f"{np.mean(sorted(growth)[:-1]):.2f}, half below {np.median(growth):.2f}, "
+          f"all blocks together {together:.3f}")  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -158,6 +158,8 @@ class Outcome:
     Attributes
     ----------
     found : Compensation or None
+    blocks : int
+        Blocks of the program, written out, that move the axes.
     refusal : str or None
         vmach's words where it refuses.
     linuxcnc : str or None
@@ -169,6 +171,7 @@ class Outcome:
     """
 
     found: object = None
+    blocks: int = 0
     refusal: str | None = None
     linuxcnc: str | None = None
     path: Comparison | None = None
@@ -212,13 +215,13 @@ def judged(folder, path, *, machine=None, **options):
         found, kept = compensated(folder, **options)
     except ValueError as error:
         return Outcome(refusal=str(error))
-    outcome = Outcome(found=found)
+    outcome = Outcome(found=found, blocks=len(kept["rewriter"].modes) if kept else 0)
     control = {"tools": tools, "work_offsets_mm": {name: zero_mm for name in _OFFSETS}}
     before, after = judge(path.read_bytes(), **control), judge(found.text, **control)
     outcome.linuxcnc = after.refusal
     if before.refusal:
         outcome.wrong.append(f"original refused: {before.refusal}")
-    elif not outcome.linuxcnc and kept and machine is None:
+    elif not outcome.linuxcnc and kept:
         # with another zero, axes without a word yet stand elsewhere in LinuxCNC
         intended = intended_pieces(kept, numbers_only=_SHIFTS.search(path.read_bytes()) is not None)
         outcome.path = compared(before, after, intended)
