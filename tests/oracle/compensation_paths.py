@@ -103,7 +103,7 @@ def intended_pieces(kept, *, numbers_only):
         pieces.append(
             Intended(
                 kept["written"].line_of_piece[index], piece.move, piece.start, piece.end,
-                piece.is_arc, target.ends_mm[index], target.middles_mm[index],
+                piece.is_arc, target.ends_mm[index] * (not piece.kept), target.middles_mm[index],
                 rewriter.said[piece.move], float(rewriter.angle[piece.move]),
                 moves.axis[piece.move], unit * 10.0 ** -(decimals + more),
             )
@@ -121,11 +121,7 @@ def _going(kind, start, end):
 def compared(before, after, intention):
     """LinuxCNC's paths of the original and of the text against what was intended."""
     found = Comparison()
-    rows = _going(before.kind, before.start, before.end)
-    if abs(len(rows) - len(intention.going)) > 1:  # the first may start where it ends
-        found.wrong.append(f"{len(rows)} moves by LinuxCNC, {len(intention.going)} by vmach")
-        return found
-    row_of_move = dict(zip(intention.going[::-1], rows[::-1], strict=False))
+    row_of_move = _row_of_move(found, before, intention)
     rows_of_line = {}
     for row, line in enumerate(after.line):
         rows_of_line.setdefault(line, []).append(row)
@@ -150,6 +146,17 @@ def compared(before, after, intention):
     if len(others) > len(left) + 1:
         found.wrong.append(f"{len(others)} moves that nobody asked for, {len(left)} were to stay")
     return found
+
+
+def _row_of_move(found, before, intention):
+    """LinuxCNC's row of every nominal move."""
+    moving = np.flatnonzero(intention.kind <= ARC).tolist()
+    if len(moving) == len(before):
+        return dict(zip(moving, range(len(before)), strict=True))
+    rows = _going(before.kind, before.start, before.end)
+    if abs(len(rows) - len(intention.going)) > 1:  # the first may start where it ends
+        found.wrong.append(f"{len(rows)} moves by LinuxCNC, {len(intention.going)} by vmach")
+    return dict(zip(intention.going[::-1], rows[::-1], strict=False))
 
 
 def _wanted(before, row_of_move, piece):

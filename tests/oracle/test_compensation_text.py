@@ -194,6 +194,31 @@ def test_axes_never_said_get_no_word(tmp_path):
     assert "Z" in lines[4]
 
 
+def test_a_move_from_an_unknown_place_gets_no_points(tmp_path):
+    """The tool is wherever it was left: a point on the way would send it anywhere."""
+    job, effects = job_with(tmp_path, "", BENT)
+    job.program.write_text("G21 G90 G54\nT1 M6\nG0 Z5.\nG0 Y0.\nG1 X90. Y90. F100\nX0. Y0.\nM30\n")
+    found = compensate(job, effects)
+    lines = found.text.decode().splitlines()
+    assert re.fullmatch(r"G1 X89\.\d+ Y\S+ F100", lines[4])
+    assert re.match(r"X\S+", lines[5])
+    assert 5 in found.uncorrected
+    assert "where it begins" in found.uncorrected[5][1]
+    assert len(lines) > 7, "the way back gets points"
+
+
+def test_a_full_turn_from_an_unknown_height_stays(tmp_path):
+    head = "G21 G90 G54\nT1 M6\nG0 X40. Y10.\n"
+    job, effects = job_with(tmp_path, "", BENT)
+    job.program.write_text(head + "G3 X40. Y10. Z-1. I20. F100\nX80. I20.\nM30\n")
+    text = compensate(job, effects).text.decode()
+    assert "\nG3 X40. Y10. Z-1. I20. F100\n" in text
+    job.program.write_text(head + "#1=40.\nG3 X#1 Y10. Z-1. I20. F100\nX80. I20.\nM30\n")
+    with pytest.raises(InputError, match="begins where the program has not said") as caught:
+        compensate(job, effects)
+    assert caught.value.line == 5
+
+
 def test_a_tool_change_and_a_skipped_block_say_nothing(tmp_path):
     body = "G1 Z-1. F200\nT1 M6\nG0 X90.\nG0 Y0. Z5.\n/Y20.\nG1 X0.\nM30\n"
     job, effects = job_with(tmp_path, body, BENT)

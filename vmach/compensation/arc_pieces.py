@@ -11,10 +11,10 @@ from gcode import Moves
 from vmach.compensation.pieces import Piece, circle_through
 from vmach.path_geometry import position_at
 
-__all__ = ["split_arc"]
+__all__ = ["LARGEST_SWEEP_RAD", "split_arc"]
 
 #: an arc is cut into arcs of no more than this, so that start and end stay apart
-_LARGEST_SWEEP_RAD = np.radians(181.0)
+LARGEST_SWEEP_RAD = np.radians(181.0)
 
 
 def split_arc(
@@ -45,10 +45,10 @@ def split_arc(
     sweep = abs(moves.sweep_rad[move]) * (parameter - parameter[0])
     last, here = len(parameter) - 1, 0
     while here < last:
-        most = int(np.searchsorted(sweep, sweep[here] + _LARGEST_SWEEP_RAD, side="right")) - 1
+        most = int(np.searchsorted(sweep, sweep[here] + LARGEST_SWEEP_RAD, side="right")) - 1
         fits = partial(_fits, points, parameter, axis, tolerance_mm, here)
         stop = here + 2 * _farthest(fits, 1, (most - here) // 2)
-        stop = last if stop + 1 >= last and sweep[last] - sweep[here] <= _LARGEST_SWEEP_RAD else (
+        stop = last if stop + 1 >= last and sweep[last] - sweep[here] <= LARGEST_SWEEP_RAD else (
             min(stop, last))  # fmt: skip
         yield Piece(move, float(parameter[here]), float(parameter[stop]), is_arc=True)
         here = stop

@@ -27,6 +27,9 @@ from vmach.preparation import Preparation, prepare
 
 __all__ = ["Compensation", "compensate"]
 
+_UNKNOWN_START = "the program has not said where it begins, so that only its end is corrected"
+#: places along such a line
+_PLACES = 33
 _TOO_FAST = "the error changes faster than the block is long, as while lost motion is taken up"
 
 
@@ -183,7 +186,21 @@ def _uncorrected(
         axes = ", ".join(np.array(list("XYZ"))[iteration.stuck[move]])
         reasons[int(user_line(moves.line[move]))] = f"the program has not said where {axes} is"
     far = found.residual.told_in(iteration.expansion).lines_beyond(tolerance_mm)
-    return {line: (size, reasons.get(line, _TOO_FAST)) for line, size in far.items()}
+    left = {line: (size, reasons.get(line, _TOO_FAST)) for line, size in far.items()}
+    return left | _of_unknown_start(iteration)
+
+
+def _of_unknown_start(iteration: Iteration) -> dict[int, tuple[float, str]]:
+    """Lines that are corrected at their end alone, with the error along them."""
+    preparation, moves = iteration.preparation, iteration.preparation.path.nodes.moves
+    blind = iteration.rewriter.unknown_start & (moves.kind != MoveKind.RAPID)
+    found = {}
+    for move in np.flatnonzero(blind & (moves.kind != MoveKind.DWELL)).tolist():
+        share = np.linspace(0.0, 1.0, _PLACES)
+        error = iteration.model.error_at(preparation, np.full(_PLACES, move), share)
+        line = int(iteration.expansion.user_line(moves.line[move]))
+        found[line] = float(np.linalg.norm(error, axis=1).max()), _UNKNOWN_START
+    return found
 
 
 def _largest_tilt(preparation: Preparation, model: TipModel) -> float:

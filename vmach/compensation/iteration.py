@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcode import MoveKind
+from vmach.compensation.arc_pieces import LARGEST_SWEEP_RAD
 from vmach.compensation.expanded_text import Expanded
 from vmach.compensation.model import TipModel
 from vmach.compensation.path_shift import PathShift
@@ -16,6 +17,7 @@ from vmach.compensation.residual import Residual
 from vmach.compensation.rewriting import Rewriter, Target, Written
 from vmach.compensation.sampling import sample_error
 from vmach.compensation.written_run import WrittenRun
+from vmach.errors import InputError
 from vmach.path_geometry import position_at
 from vmach.preparation import Preparation
 
@@ -85,6 +87,15 @@ class Iteration:
     def __post_init__(self) -> None:
         """Axes, for every move, that have no word in their block and may not get one."""
         rewriter, moves = self.rewriter, self.preparation.path.nodes.moves
+        far = np.abs(moves.sweep_rad) > LARGEST_SWEEP_RAD
+        for move in np.flatnonzero(rewriter.unknown_start & (moves.kind == MoveKind.ARC) & far):
+            if rewriter.rewritten[move]:
+                raise InputError(
+                    "an arc begins where the program has not said, and its block cannot stay",
+                    file=self.preparation.program.path,
+                    line=int(self.expansion.user_line(moves.line[move])),
+                    hint="name X, Y and Z in blocks before it",
+                )
         self.stuck = np.zeros((len(moves), 3), bool)
         for move in np.flatnonzero(~rewriter.said.all(axis=1) & (moves.kind != MoveKind.DWELL)):
             named = {word.letter for word in rewriter.text.words(int(moves.line[move]))}
@@ -135,11 +146,13 @@ class Iteration:
 
     def _planned(self, used: np.ndarray, tolerance_mm: float) -> Solution:
         """Planned along the nominal path; moves that turn out a little worse get less room."""
-        moves = self.preparation.path.nodes.moves
+        moves, rewriter = self.preparation.path.nodes.moves, self.rewriter
         room = np.full(len(moves), _ROOM * tolerance_mm)
         along = sample_error(moves, used, self._nominal_error, tolerance_mm=tolerance_mm)
         for _ in range(_ATTEMPTS):
-            plan = plan_pieces(moves, along, self._nominal_error, tolerance_mm=room[used])
+            plan = plan_pieces(moves, along, self._nominal_error, tolerance_mm=room[used],
+                               rewritten=rewriter.rewritten[used],
+                               unknown_start=rewriter.unknown_start[used])  # fmt: skip
             found = self._rounds(plan, *self._first_guess(plan))
             left = np.zeros(len(moves))
             np.maximum.at(left, plan.move, found.run.residual_of_pieces(self.stuck)[0])
@@ -169,12 +182,13 @@ class Iteration:
             model=self.model,
             expansion=self.expansion,
             said=self.rewriter.said,
+            unknown_start=self.rewriter.unknown_start,
             shift=self.shift,
         )
 
     def _first_guess(self, plan: Plan) -> tuple[np.ndarray, np.ndarray]:
         """Corrections at ends and middles by the error on the nominal path, (K, 3) mm each."""
-        ends = self._nominal_error(plan.move, plan.answered)
+        ends = np.where(plan.is_kept[:, None], 0.0, self._nominal_error(plan.move, plan.answered))
         return -ends, -self._nominal_error(plan.move, plan.parameter(0.5))
 
     def _rounds(self, plan: Plan, ends: np.ndarray, middles: np.ndarray) -> Solution:
@@ -189,7 +203,7 @@ class Iteration:
             end = self._end_miss(run) - plan.aim_mm[run.written]
             middle = run.miss_of_middles()
             stuck = self.stuck[plan.move[run.written]]
-            end[stuck] = middle[stuck] = 0.0
+            end[stuck] = middle[stuck] = end[plan.is_kept[run.written]] = 0.0
             cuts = run.cuts
             off = float(np.linalg.norm(end[cuts], axis=1).max(initial=0.0))
             if best is None or off < best[0]:

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from gcode import MoveKind, Moves
-from vmach.compensation.arc_pieces import split_arc
+from vmach.compensation.arc_pieces import LARGEST_SWEEP_RAD, split_arc
 from vmach.compensation.pieces import Piece
 from vmach.compensation.reversals import reversals_of_arc, settled, turned_at_start
 from vmach.compensation.sampling import ErrorAlongMoves, ErrorAt
@@ -64,6 +64,11 @@ class Plan:
         return np.where(self.is_step, [p.settled for p in self.pieces], self.parameter(1.0))
 
     @cached_property
+    def is_kept(self) -> np.ndarray:
+        """Pieces whose blocks stay, (K,) bool."""
+        return np.array([p.kept for p in self.pieces], bool)
+
+    @cached_property
     def is_step(self) -> np.ndarray:
         """Pieces without way along the path, (K,) bool."""
         return np.array([p.is_step for p in self.pieces], bool)
@@ -113,8 +118,9 @@ class Plan:
 
 
 def plan_pieces(
-    moves: Moves, found: ErrorAlongMoves, error_at: ErrorAt, *, tolerance_mm: np.ndarray
-) -> Plan:
+    moves: Moves, found: ErrorAlongMoves, error_at: ErrorAt, *, tolerance_mm: np.ndarray,
+    rewritten: np.ndarray, unknown_start: np.ndarray,
+) -> Plan:  # fmt: skip
     """Cut every move into the pieces that its error asks for.
 
     What counts is the distance across the path: a shift along it between two programmed points
@@ -131,8 +137,12 @@ def plan_pieces(
         Error of the tool, (P, 3) mm, at moves (P,) and parameters (P,).
     tolerance_mm : (M,) float64
         For every move.
+    rewritten : (M,) bool
+        Moves whose blocks cannot stay, see `Rewriter`.
+    unknown_start : (M,) bool
+        Moves that begin where the program does not say: they get no points.
     """
-    planner = _Planner(moves, found, error_at, tolerance_mm)
+    planner = _Planner(moves, found, error_at, tolerance_mm, rewritten, unknown_start)
     for index in range(len(found.move)):
         planner.add(index)
     return Plan(planner.pieces, np.array(planner.aim_mm).reshape(-1, 3))
@@ -153,12 +163,14 @@ class _Planner:
     found: ErrorAlongMoves
     error_at: ErrorAt
     tolerance_mm: np.ndarray
+    rewritten: np.ndarray
+    unknown_start: np.ndarray
     pieces: list[Piece] = field(default_factory=list)
     aim_mm: list[np.ndarray] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         found, kind = self.found, self.moves.kind[self.found.move]
-        straight = (kind == MoveKind.LINE) & (found.length_mm > 0)
+        straight = (kind == MoveKind.LINE) & (found.length_mm > 0) & ~self.unknown_start
         self.length_mm = move_length_mm(self.moves)
         self.is_bent = straight & (found.off_chord_mm() > self.tolerance_mm)
         self.size = found.largest_mm()
@@ -179,8 +191,13 @@ class _Planner:
         move, found = int(self.found.move[index]), self.found
         kind, (parameter, error) = self.moves.kind[move], found.of(index)
         previous = found.error_mm[found.first[index] - 1] if index else np.zeros(3)
-        if max(self.size[index], np.abs(previous).max()) < _NOTHING_MM:
+        nothing = max(self.size[index], np.abs(previous).max()) < _NOTHING_MM
+        if nothing and not self.rewritten[index]:
             self._put(Piece(move, 0.0, 1.0, kept=True))
+        elif self.unknown_start[index]:
+            is_arc = kind == MoveKind.ARC
+            turns_far = abs(self.moves.sweep_rad[move]) > LARGEST_SWEEP_RAD
+            self._put(Piece(move, 0.0, 1.0, is_arc=is_arc, kept=is_arc and turns_far))
         elif kind == MoveKind.RAPID or found.length_mm[index] == 0:
             self._put(Piece(move, 0.0, 1.0, is_arc=kind == MoveKind.ARC))
         else:

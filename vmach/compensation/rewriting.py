@@ -80,8 +80,14 @@ class Rewriter:
     ----------
     said : (N, 3) bool
         Axes that every move may correct, see `said_axes`.
+    unknown_start : (N,) bool
+        Moves that begin where the program does not say.
     code : list of int
         G code of every move.
+    rewritten : (N,) bool
+        Moves whose blocks are written anew though nothing is corrected: their numbers are not
+        the user's, count from a zero that a corrected tool has set, or from a centre that
+        another block has changed.
     """
 
     def __init__(
@@ -96,7 +102,7 @@ class Rewriter:
             if name == "set_xy_rotation":
                 angle[row:] = np.radians(values[0])
         self.angle = angle
-        self.said = said_axes(program, modes, self.text)
+        self.said, self.unknown_start = said_axes(program, modes, self.text)
         self.zero_settings = zero_settings(program)
         self.end_mm = program.record.path().point_mm
         rows = np.arange(count)
@@ -106,6 +112,10 @@ class Rewriter:
         straight = np.where(self.moves.kind == MoveKind.RAPID, 0, 1)
         self.code = np.where(self.moves.kind == MoveKind.ARC, turning, straight).tolist()
         moving = np.flatnonzero(self.moves.kind != MoveKind.DWELL)
+        lines = self.moves.line.tolist()
+        self.rewritten = np.array([line in own for line in lines], bool) | bool(self.zero_settings)
+        if self.text.absolute_centres:
+            self.rewritten |= self.moves.kind == MoveKind.ARC
         self.first_move = int(moving[0]) if len(moving) and program.home_mm is None else -1
 
     def write(self, target: Target, resolution_mm: float) -> Written:
@@ -229,7 +239,7 @@ class _LineWriter:
     def piece(self, piece: Piece, index: int, places: _Places, written: Written) -> None:
         """Write one piece, or nothing where rounding leaves nothing to do."""
         line = self.edit.line
-        if piece.kept and not self._must_be_written(piece):
+        if piece.kept:
             self._keep_place()
             self.aim = self.now.copy()
             self.edit.keep(self._code(piece))
@@ -250,11 +260,6 @@ class _LineWriter:
         written.inserted += count
         written.inserted_after += [line] * count
         written.line_of_piece[index] = line + written.inserted
-
-    def _must_be_written(self, piece: Piece) -> bool:
-        """Blocks with numbers of ours, and arcs about a centre that another block has changed."""
-        shares_centre = self.rewriter.text.absolute_centres and self._code(piece) > 1
-        return self.is_own or shares_centre or bool(self.zero.any())
 
     def _keep_place(self) -> None:
         """The block stays: its words lead to their nominal places."""

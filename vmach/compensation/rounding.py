@@ -56,8 +56,7 @@ def rounded_target(rewriter: Rewriter, plan: Plan, target: Target, resolution_mm
     still = _axes_that_stand(rewriter, plan, target)
     best = _best_corners(off / step[:, None], *tangents, length, still)
     found = target.ends_mm + off[np.arange(len(best)), best]
-    kept = np.array([piece.kept for piece in plan.pieces], bool)
-    found[kept] = target.ends_mm[kept]
+    found[plan.is_kept] = target.ends_mm[plan.is_kept]
     return Target(target.pieces, found, target.middles_mm)
 
 

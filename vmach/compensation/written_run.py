@@ -44,14 +44,16 @@ class WrittenRun:
     written: np.ndarray
     row: np.ndarray
     said: np.ndarray
+    unknown_start: np.ndarray
     shift: PathShift | None = None
 
     @classmethod
     def of(
         cls, original: Preparation, written: Written, plan: Plan, *, model: TipModel,
-        expansion: Expanded, said: np.ndarray, shift: PathShift | None = None,
+        expansion: Expanded, said: np.ndarray, unknown_start: np.ndarray,
+        shift: PathShift | None = None,
     ) -> WrittenRun:  # fmt: skip
-        """Read a program back; `said` are the axes that every nominal move may correct.
+        """Read a program back; `said` and `unknown_start` as `said_axes` finds them.
 
         The tool shall be where `shift` asks for, beside its nominal path.
 
@@ -80,7 +82,7 @@ class WrittenRun:
         place = np.minimum(np.searchsorted(sorted_lines, lines), len(sorted_lines) - 1)
         known = np.flatnonzero(sorted_lines[place] == lines)
         return cls(original, again, model, plan, known, moving[order[place[known]]], said,
-                   shift)  # fmt: skip
+                   unknown_start, shift)  # fmt: skip
 
     def miss(self, share: float | np.ndarray, rows: np.ndarray | None = None) -> np.ndarray:
         """Tool minus the place where it shall be at shares of the written pieces, (K, 3) mm.
@@ -118,9 +120,10 @@ class WrittenRun:
 
     @cached_property
     def cuts(self) -> np.ndarray:
-        """Written pieces at feed, indices into `written`."""
-        kind = self.original.path.nodes.moves.kind[self.plan.move[self.written]]
-        return np.flatnonzero(kind != MoveKind.RAPID)
+        """Written pieces at feed from a known place, indices into `written`."""
+        move = self.plan.move[self.written]
+        kind = self.original.path.nodes.moves.kind[move]
+        return np.flatnonzero((kind != MoveKind.RAPID) & ~self.unknown_start[move])
 
     def residual(self) -> Residual:
         """Distances at the ends of the pieces that cut, and across the path all along them."""
