@@ -72,4 +72,68 @@ def mirror(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     return Hidden("mirror", ("unknown",), {"size_um": size}, move, on_part_only=True)
 
 
-FOREIGN = (bump_field, checkerboard, feature_offset, chatter, mirror)
+def loose_collet(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """One tool is pulled out of its holder bit by bit, in jerks, while it cuts."""
+    tool, jerks = int(rng.integers(2)), np.sort(rng.uniform(0.1, 0.9, 3))
+    size = rng.choice([-1, 1], 3) * rng.uniform(6, 14, 3)
+
+    def move(state: State) -> np.ndarray:
+        own = state.tool == tool
+        way = state.cut_mm / max(state.cut_mm[own].max(initial=0.0), 1.0)
+        out = (way[:, None] > jerks) @ size
+        return UM * (out * own)[:, None] * np.array([0.0, 0.0, 1.0])
+
+    return Hidden("loose_collet", ("unknown",), {"tool": tool + 1}, move, on_part_only=True)
+
+
+def hot_spot(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """Chips lie in a corner of the part, it bulges there and is cut flat while it is warm."""
+    share, size = rng.uniform(0.25, 0.75, 2), rng.uniform(15, 25)
+
+    def move(state: State) -> np.ndarray:
+        place = state.place_mm[:, :2]
+        low, high = place.min(axis=0), place.max(axis=0)
+        away = place - (low + share * (high - low))
+        spot = np.exp(-0.5 * np.sum(away**2, axis=1) / 45.0**2)
+        return -size * UM * spot[:, None] * state.normal
+
+    return Hidden("hot_spot", ("unknown",), {"size_um": size}, move, on_part_only=True)
+
+
+def waves_along_the_feed(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """Waves on all surfaces, a few millimetres long along the way that the tool cuts."""
+    size, wave = rng.uniform(2.5, 4), rng.uniform(6.0, 25.0)
+
+    def move(state: State) -> np.ndarray:
+        return size * UM * np.sin(2 * np.pi * state.cut_mm / wave)[:, None] * state.normal
+
+    return Hidden("waves_along_the_feed", ("unknown",), {"wave_mm": wave}, move, on_part_only=True)
+
+
+def springback(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The part was clamped bent; released, it is a parabola across a diagonal, walls and all."""
+    size, turn = rng.choice([-1, 1]) * rng.uniform(25, 45), rng.uniform(0.5, 1.1)
+
+    def move(state: State) -> np.ndarray:
+        across = np.array([np.cos(turn), np.sin(turn), 0.0])
+        middle = 0.5 * (state.place_mm.min(axis=0) + state.place_mm.max(axis=0))
+        u = (state.place_mm - middle) @ across / 200.0
+        height = state.place_mm[:, 2] - middle[2]
+        e = -(height * 2 * u / 200.0)[:, None] * across
+        e[:, 2] += u**2
+        return size * UM * e
+
+    return Hidden("springback", ("unknown",), {"size_um": size}, move, on_part_only=True)
+
+
+FOREIGN = (
+    bump_field,
+    checkerboard,
+    feature_offset,
+    chatter,
+    mirror,
+    loose_collet,
+    hot_spot,
+    waves_along_the_feed,
+    springback,
+)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vmach.diagnosis.search import Explanation, Search
+from vmach.diagnosis.words import with_unit
 from vmach.effects import Effect
 
 __all__ = ["BlindSpot", "blind_spots"]
@@ -51,7 +52,8 @@ def blind_spots(search: Search, explanation: Explanation) -> tuple[BlindSpot, ..
         name = _first(candidate.effect)
         from_size = float(f"{size:.2g}") if size < 1000 * usual else None
         text = (
-            f"would be seen from {name} = {from_size:g} on; usual is {usual:g}"
+            f"would be seen from {with_unit(name, from_size)} on; "
+            f"usual are {with_unit(name, usual)}"
             if from_size
             else "these measurements do not show it at any size"
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import norm
@@ -14,6 +14,7 @@ from vmach.diagnosis.held_out import holds_out
 from vmach.diagnosis.next_measurement import NextMeasurement, next_measurement
 from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.search import Explanation, Search
+from vmach.diagnosis.single_features import gain_over_offsets
 from vmach.diagnosis.where_it_fails import Failure, where_it_fails
 from vmach.diagnosis.words import component_parameters, where_component
 from vmach.effects import Effect
@@ -42,6 +43,8 @@ BEND_SHARE = 1.0
 _MOST_OUTLIERS = 0.05
 #: more effects at once than this are not named
 _MOST_AT_ONCE = 3
+#: what is left where single features explain as much as an effect
+_OFFSETS = "offsets of single features"
 
 Progress = Callable[[str], None]
 
@@ -147,18 +150,18 @@ def diagnose(
     outliers: list[str] = []
     if astray.any():
         outliers = [_reading_name(survey, k) for k in np.flatnonzero(astray)]
-        keep = ~astray
-        survey = survey.part_of(keep)
-        search = prepare_search(survey, search.effects)
-        explanation = search.run()
+        search = _search_without(search, astray)
+        survey, explanation = search.survey, search.run()
     explanation = _settled(search, explanation)
     tell("is what is left noise?")
-    left = search.left_in(explanation)
+    left = search.left_in(explanation) or _laws_not_shown(search, explanation)
     failures = where_it_fails(survey, search.whiten, survey.residual_mm)
     findings = _findings(search, explanation)
     verdict = _verdict(findings, left)
     if verdict == "unknown":
-        remaining = where_it_fails(survey, search.whiten, _leftover_mm(search, explanation))
+        remaining = ()
+        if _OFFSETS not in left:
+            remaining = where_it_fails(survey, search.whiten, _leftover_mm(search, explanation))
         findings = (_something(remaining or failures),)
     tell("what to measure next")
     return Diagnosis(
@@ -186,6 +189,14 @@ def prepare_search(survey: Survey, effects: Sequence[Effect] | None = None) -> S
     return Search(survey, candidates, whiten, excluded=excluded)
 
 
+def _search_without(search: Search, rows: np.ndarray) -> Search:
+    """The search without some readings, (n,) bool; the signatures of the others stay."""
+    survey = search.survey.part_of(~rows)
+    candidates = [replace(c, signatures_mm=c.signatures_mm[~rows]) for c in search.candidates]
+    whiten = Whitening(survey.u_mm, survey.factors(bend_share=BEND_SHARE), survey.nuisance)
+    return Search(survey, candidates, whiten, excluded=search.excluded)
+
+
 def _settled(search: Search, explanation: Explanation) -> Explanation:
     """Without effects that do not help to predict held-out readings, and refitted carefully."""
     while explanation.fit is not None:
@@ -208,6 +219,14 @@ def explanation_with_slack(search: Search, explanation: Explanation) -> Explanat
     careful = Whitening(search.survey.u_mm, factors, search.survey.nuisance)
     fit = fit_terms(search.survey, explanation.fit.terms, careful)
     return search.with_fit(fit, explanation.score)
+
+
+def _laws_not_shown(search: Search, explanation: Explanation) -> dict[str, float]:
+    """By how much offsets of single features explain more than an effect's law; or empty."""
+    if explanation.fit is None:
+        return {}
+    gains = [gain_over_offsets(search, explanation, k) for k in range(len(explanation.fit.terms))]
+    return {_OFFSETS: -min(gains)} if min(gains) < 0.0 else {}
 
 
 def _outliers(search: Search, explanation: Explanation) -> np.ndarray:
@@ -282,7 +301,7 @@ def _is_contrived(findings: tuple[Finding, ...]) -> bool:
 
 
 def _something(failures: tuple[Failure, ...]) -> Finding:
-    where = "; ".join(f"{f.by}: {f.text}" for f in failures[:3]) or None
+    where = "; ".join(f.text for f in failures[:3]) or None
     return Finding(None, "", {}, {}, Rivals((), ()), where, {})
 
 

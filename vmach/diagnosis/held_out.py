@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from vmach.fit.joint_fit import JointFit
@@ -10,6 +12,9 @@ from vmach.fit.survey import Survey
 __all__ = ["holds_out"]
 
 _FOLDS = 5
+#: tests without runs, and into how many stretches each is cut
+_IN_STRETCHES = ("drift", "tip")
+_STRETCHES = 10
 #: prior width of amplitudes, in usual sizes: what the rest does not tell is small
 _WIDTH = 3.0
 
@@ -17,23 +22,44 @@ _WIDTH = 3.0
 def holds_out(survey: Survey, fit: JointFit) -> list[bool]:
     """For every term: whether the held-out groups are predicted better with it than without.
 
-    Whole groups (features, runs) are held out, every fifth in turn; the amplitudes are fitted on
-    the rest, alignment and zeros on all readings.
+    Whole features and runs, or stretches of a drift or tip test, are held out, every fifth in
+    turn; the amplitudes are fitted on the rest, alignment and zeros on all readings.
     """
-    groups, number = np.unique(survey.group, return_inverse=True)
+    groups, number = np.unique(_blocks(survey), return_inverse=True)
     if len(groups) < _FOLDS:
         return [True] * len(fit.terms)
-    order = np.random.default_rng(0).permutation(len(groups))
-    fold = order[number] % _FOLDS
-    everything = _score(survey, fit, range(len(fit.terms)), fold)
-    return [
-        everything < _score(survey, fit, [i for i in range(len(fit.terms)) if i != k], fold)
-        for k in range(len(fit.terms))
-    ]
+
+    def misfit(terms: Sequence[int]) -> float:
+        """Summed over the groups; the logarithm keeps one that stands alone from deciding."""
+        squares = np.bincount(number, _held_out_squares(survey, fit, terms, number))
+        count = np.bincount(number)
+        return float(np.sum(count * np.log1p(squares / count)))
+
+    everything = range(len(fit.terms))
+    whole = misfit(everything)
+    return [whole < misfit([i for i in everything if i != k]) for k in everything]
 
 
-def _score(survey: Survey, fit: JointFit, terms, fold: np.ndarray) -> float:
-    """Weighted sum of squares of the held-out readings, all folds together."""
+def _blocks(survey: Survey) -> np.ndarray:
+    """What is held out together, (n,) str.
+
+    A test of three directions at once is cut across them: without any reading along X nothing
+    could be foretold of it.
+    """
+    blocks, first = survey.group.astype(object), 0
+    for k, m in enumerate(survey.measurements):
+        if m.kind in _IN_STRETCHES:
+            stretch = np.arange(len(m)) * _STRETCHES // len(m)
+            blocks[first : first + len(m)] = [f"{k}:stretch {s}" for s in stretch]
+        first += len(m)
+    return blocks.astype(str)
+
+
+def _held_out_squares(
+    survey: Survey, fit: JointFit, terms: Sequence[int], number: np.ndarray
+) -> np.ndarray:
+    """Weighted square of every reading, (n,), foretold from the groups of the other folds."""
+    fold = np.random.default_rng(0).permutation(number.max() + 1)[number] % _FOLDS
     weight = 1.0 / survey.u_mm[:, None]
     basis, _ = np.linalg.qr(survey.nuisance * weight)
     columns = [fit.signatures_mm[k] for k in terms]
@@ -43,11 +69,11 @@ def _score(survey: Survey, fit: JointFit, terms, fold: np.ndarray) -> float:
     design = design - basis @ (basis.T @ design)
     target = target - basis @ (basis.T @ target)
     prior = np.diag(1.0 / np.concatenate([np.zeros(0), *widths]))
-    total = 0.0
+    squares = np.empty(len(survey))
     for k in range(_FOLDS):
         train, test = fold != k, fold == k
         rows = np.vstack([design[train], prior])
         aim = np.concatenate([target[train], np.zeros(len(prior))])
         solution = np.linalg.lstsq(rows, aim, rcond=None)[0] if len(prior) else np.zeros(0)
-        total += float(np.sum((target[test] - design[test] @ solution) ** 2))
-    return total
+        squares[test] = (target[test] - design[test] @ solution) ** 2
+    return squares

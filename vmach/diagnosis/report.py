@@ -6,7 +6,7 @@ from typing import Any
 
 from vmach.diagnosis.diagnose import Diagnosis, Finding
 from vmach.diagnosis.where_it_fails import Failure
-from vmach.diagnosis.words import describe
+from vmach.diagnosis.words import describe, what_is_left
 
 __all__ = ["as_json", "as_text"]
 
@@ -70,12 +70,14 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
     lines = [_VERDICTS[found.verdict]]
     for finding in found.findings:
         lines += _finding_lines(finding)
+    if found.verdict == "unknown":
+        lines.append(f"  why: {what_is_left(found.left)}")
     lines.append(
         f"RMS of measured minus predicted: {rms['before']:.2f} um before, {rms['after']:.2f} um "
         f"after; noise and the tables' uncertainty make {rms['expected_noise']:.2f} um"
     )
     if found.failures:
-        lines.append("Where the model fails:")
+        lines.append("Where the model fails (p: how often chance alone would look like this):")
         clearest: dict[str, Failure] = {}
         for failure in found.failures:
             clearest.setdefault(failure.by, failure)
@@ -83,7 +85,7 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
     unseen = [b for b in found.blind_spots if b.from_size is not None][:6]
     if unseen:
         lines.append("These measurements would not see:")
-        lines += [f"  {b.effect} {b.target}: {b.text}" for b in unseen]
+        lines += [f"  {f'{b.effect} {b.target}'.rstrip()}: {b.text}" for b in unseen]
     if found.next_measurement is not None:
         lines.append(f"Measure next: {found.next_measurement.text}")
         if program:
@@ -111,8 +113,9 @@ def _finding_lines(finding: Finding) -> list[str]:
     if finding.where:
         lines.append(f"    where: {finding.where}")
     else:
+        meaning = {p.name: p.meaning for p in finding.effect.parameters}
         lines += [
-            f"    {name} = {value:.4g}  {_uncertainty(finding, name)}"
+            f"    {name} = {value:.4g}  {_uncertainty(finding, name)}: {meaning[name]}"
             for name, value in finding.parameters.items()
         ]
     if len(finding.rivals.names) > 1:

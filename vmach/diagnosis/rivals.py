@@ -6,13 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vmach.diagnosis.search import Explanation, Search
+from vmach.diagnosis.search import MARGIN, Explanation, Search
 from vmach.fit.whitening import orthonormal
 
 __all__ = ["Rivals", "rivals_of"]
 
-#: effects whose log evidence is this close cannot be told apart
-_MARGIN = 4.0
 #: effects that are always there a little and may join in an imitation
 _NEVER_EXACT = ("tool_radius", "tool_length")
 #: effects that imitate another one when they act alike on all axes, or on all tools
@@ -44,7 +42,7 @@ def rivals_of(search: Search, explanation: Explanation, k: int) -> Rivals:
     others = search.without(explanation, k)
     gains = search.gains(others)
     best = max(gains)
-    near = [i for i in np.argsort(gains)[::-1] if gains[i] > best - _MARGIN]
+    near = [i for i in np.argsort(gains)[::-1] if gains[i] > best - MARGIN]
     labels = [search.candidates[i].label for i in near]
     if own.label not in labels:
         labels.insert(0, own.label)
@@ -73,6 +71,6 @@ def _teams(search: Search, explanation: Explanation, k: int, others: Explanation
         span = np.hstack([search.bank.columns(i)[:, 0, :] for i in members])
         basis = orthonormal(absorb(span), tolerance=1e-6)
         left = shown - basis @ (basis.T @ shown)
-        if left @ left < 2.0 * _MARGIN:
+        if left @ left < 2.0 * MARGIN:
             found.append(name)
     return found

@@ -22,7 +22,10 @@ from vmach.fit.joint_fit import JointFit, Term, fit_terms
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import Whitening
 
-__all__ = ["Explanation", "Search"]
+__all__ = ["MARGIN", "Explanation", "Search"]
+
+#: explanations whose log evidence is this close cannot be told apart
+MARGIN = 4.0
 
 #: sets followed side by side, and candidates tried on a set of so many effects
 _BEAM, _TRIED = 3, (5, 4, 2)
@@ -167,8 +170,7 @@ class Search:
             beam = sorted(beam, key=lambda e: -e.score - self.further(e))[:_BEAM]
             if not beam:
                 break
-        best = max(finished or seen, key=lambda e: e.score)
-        return self._without_needless(best)
+        return self._without_needless(_simplest_of_the_best(finished or seen))
 
     def further(self, explanation: Explanation) -> float:
         """Evidence of the best candidate on what an explanation leaves, if above threshold."""
@@ -339,6 +341,13 @@ class Search:
         terms = [t for i, t in enumerate(explanation.fit.terms) if i != k]
         fit = fit_terms(self.survey, terms, self.whiten, refine=False) if terms else None
         return self._explain(fit, 0.0)
+
+
+def _simplest_of_the_best(explanations: Sequence[Explanation]) -> Explanation:
+    """Of the sets that the readings cannot tell apart, one with the fewest effects."""
+    best = max(e.score for e in explanations)
+    near = [e for e in explanations if e.score > best - MARGIN]
+    return min(near, key=lambda e: (len(e.labels), -e.score))
 
 
 def _may_beat(explanation: Explanation, finished: Sequence[Explanation]) -> bool:

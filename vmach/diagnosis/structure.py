@@ -62,11 +62,17 @@ class Structure:
         blocks = {name: whiten(c)[:, None, :] for name, c in patterns(survey).items()}
         self._names = tuple(blocks)
         self._bank = SignatureBank(list(blocks.values()), [np.zeros(1)] * len(blocks))
-        random = np.random.default_rng(seed)
-        noise = whiten.projected(random.standard_normal((len(survey), _SIMULATIONS)))
-        largest = np.max([e.log_factor for e in self._bank.evidence(noise)], axis=0)
-        #: log evidence of a pattern that clean data exceed with the chance of a false alarm
-        self.threshold = float(np.quantile(largest, 0.9) + np.log(0.1 / _FALSE_ALARM))
+        self._size, self._seed, self._projected = len(survey), seed, whiten.projected
+
+    def threshold(self, absorb: Whitening | None = None) -> float:
+        """Log evidence of a pattern that clean data exceed with the chance of a false alarm.
+
+        Of what is left after an explanation: patterns that it takes up cost no evidence.
+        """
+        random = np.random.default_rng(self._seed)
+        noise = self._projected(random.standard_normal((self._size, _SIMULATIONS)))
+        largest = np.max([e.log_factor for e in self._bank.evidence(noise, absorb)], axis=0)
+        return float(np.quantile(largest, 0.9) + np.log(0.1 / _FALSE_ALARM))
 
     def left_in(
         self, reading: np.ndarray, degrees: int, *, absorb: Whitening | None = None
@@ -89,7 +95,8 @@ class Structure:
         """
         weighed = zip(self._names, self._bank.evidence(reading[:, None], absorb), strict=True)
         gains = {name: float(evidence.log_factor[0]) for name, evidence in weighed}
-        found = {name: gain for name, gain in gains.items() if gain > self.threshold}
+        threshold = self.threshold(absorb)
+        found = {name: gain for name, gain in gains.items() if gain > threshold}
         residual = reading if absorb is None else absorb(reading)
         total = float(residual @ residual)
         if chi2.sf(total, degrees) < _FALSE_ALARM:

@@ -92,7 +92,10 @@ def _covariates(survey: Survey) -> Iterator[tuple[str, np.ndarray, object]]:
             [np.asarray(one(p, m)) for p, m in zip(paths, measurements, strict=True)]
         )
 
-    names = np.concatenate([np.char.add(f"{m.name} ", m.group.astype(str)) for m in measurements])
+    several = len(measurements) > 1
+    names = np.concatenate(
+        [np.char.add(m.group.astype(str), f" of {m.name}" if several else "") for m in measurements]
+    )
     yield "feature", names, lambda name: f"feature {name}"
     sensing = np.array([_sense(s) for s in survey.sensing])
     for k, axis in enumerate(LINEAR_AXES):

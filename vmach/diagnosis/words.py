@@ -10,8 +10,17 @@ from vmach.effects.component import Component
 from vmach.fit.joint_fit import JointFit
 from vmach.machine.component_errors import component_of
 
-__all__ = ["component_parameters", "describe", "where_component"]
+__all__ = ["component_parameters", "describe", "what_is_left", "where_component", "with_unit"]
 
+_UNITS = ("um", "mm", "ppm", "urad", "rad", "s", "ms", "ms2")
+#: what the gate says of the rest that an explanation leaves
+_LEFT = {
+    "feature": "features keep a place or shape of their own",
+    "time": "the rest wanders with time",
+    "scatter": "the rest scatters more than the uncertainty allows",
+    "further effects": "further effects would be needed",
+    "offsets of single features": "a few features sit elsewhere, which no law ties together",
+}
 #: a correction counts as there where it exceeds this many standard uncertainties
 _CLEAR = 3.0
 
@@ -24,6 +33,19 @@ def describe(effect: Effect) -> dict[str, str]:
         "confirm": effect.confirm,
         "cure": effect.cure,
     }
+
+
+def with_unit(parameter: str, value: float) -> str:
+    """A value of a parameter with the unit that stands at the end of its name."""
+    unit = parameter.rsplit("_", 1)[-1]
+    return f"{value:g} {unit}" if unit in _UNITS else f"{parameter} = {value:g}"
+
+
+def what_is_left(left: dict[str, float]) -> str:
+    """Why an explanation does not do: what it leaves, by kind of pattern."""
+    if not left:
+        return "more effects at once than is likely would be needed"
+    return "; ".join(_LEFT[kind] for kind in left)
 
 
 def component_parameters(

@@ -12,7 +12,8 @@ from vmach.effects.engagement import radial_depth_mm
 from vmach.effects.history_of_motion import REFERENCE_AXIS_MM_PER_S, MotionHistory
 from vmach.effects.path_dynamics import corner_before, curvature_per_mm
 from vmach.job import WORK_OFFSETS, Job
-from vmach.machine import ComponentError, RigidDisplacement, Variant
+from vmach.machine import COMPONENT_NAMES, ComponentError, RigidDisplacement, Variant
+from vmach.machine.component_errors import component_of
 from vmach.machine.displacement import contributions
 from vmach.toolpath import PathStates
 
@@ -178,14 +179,22 @@ class Circumstances:
     def warmth_of_screw_mm(self, axis: int, time_constant_s: float) -> np.ndarray:
         """Warmth of an axis' screw summed from home to the nut, (P,) mm; see MotionHistory."""
         low, high = self.job.machine.travel_mm
-        return self.history.screw_warmth_mm(
-            axis,
-            time_constant_s,
-            travel_mm=(float(low[axis]), float(high[axis])),
-            move=self.states.move,
-            time_s=self.time_s,
-            position_mm=self.nose_mm[:, axis],
-        )
+        key = axis, time_constant_s
+        if key not in self._screws:
+            self._screws.clear()  # the last one is asked for again, once for each amplitude
+            self._screws[key] = self.history.screw_warmth_mm(
+                axis,
+                time_constant_s,
+                travel_mm=(float(low[axis]), float(high[axis])),
+                move=self.states.move,
+                time_s=self.time_s,
+                position_mm=self.nose_mm[:, axis],
+            )
+        return self._screws[key]
+
+    @cached_property
+    def _screws(self) -> dict[tuple[int, float], np.ndarray]:
+        return {}
 
     def _response(self, drive: np.ndarray, time_constant_s: float) -> np.ndarray:
         return self.history.response(
@@ -249,11 +258,25 @@ class Circumstances:
 
     def lever(self, component: str) -> RigidDisplacement:
         """Displacement of the tool by one unit (mm or rad) of a component error everywhere."""
-        machine = self.job.machine
-        unit = ComponentError(component, _EVERYWHERE_MM, np.ones(2), np.ones(2))
-        if component in machine.components:
-            at = machine.components[component].measured_at_mm
-            unit = replace(unit, measured_at_mm=at)
-        changed = replace(machine, components={**machine.components, component: unit})
-        parts = contributions(changed, self.nose_mm, self.tool_mm, Variant.ABBE)
-        return next(part for name, part in parts if name == component)
+        return self._levers[component]
+
+    @cached_property
+    def _levers(self) -> dict[str, RigidDisplacement]:
+        known = self.job.machine.components
+        units = {}
+        for name in COMPONENT_NAMES:
+            unit = ComponentError(name, _EVERYWHERE_MM, np.ones(2), np.ones(2))
+            # a table that is not there was read nowhere: its point is the frame's origin
+            at = known[name].measured_at_mm if name in known else np.zeros(3)
+            units[name] = replace(unit, measured_at_mm=at)
+        changed = replace(self.job.machine, components=units)
+        return dict(contributions(changed, self.nose_mm, self.tool_mm, Variant.ABBE))
+
+    @cached_property
+    def axis_tilt_rad(self) -> np.ndarray:
+        """Rotation of the tool by the angular tables of each axis, (3 axes, P, 3) rad."""
+        tilt = np.zeros((3, len(self), 3))
+        for name, part in contributions(self.job.machine, self.nose_mm, self.tool_mm, Variant.ABBE):
+            if name in COMPONENT_NAMES:
+                tilt[component_of(name)[1]] += part.tilt_rad
+        return tilt

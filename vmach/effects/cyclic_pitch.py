@@ -7,10 +7,9 @@ from vmach.machine import LINEAR_AXES
 
 __all__ = ["CyclicPitch"]
 
-#: equal steps of spatial frequency, fine enough for a metre of travel
-_PITCHES_MM = 1.0 / np.arange(0.02, 0.34, 0.0005)
-
-
+#: ends of the range of pitches, and the coarsest steps between them
+_SHORTEST_MM, _LONGEST_MM = 3.0, 50.0
+_FEWEST_STEPS = 40
 #: a wave of any length goes through fewer places than this
 _PLACES = 12
 
@@ -22,7 +21,7 @@ class CyclicPitch(Effect):
     title = "cyclic error of the screw's pitch or of the encoder"
     parameters = (
         linear("amplitude_um", "amplitude", usual=3.0),
-        inner("pitch_mm", "period along the axis", _PITCHES_MM, usual=10.0),
+        inner("pitch_mm", "period along the axis", (_SHORTEST_MM, _LONGEST_MM), usual=10.0),
         inner(
             "phase_rad",
             "phase at the axis' home",
@@ -62,6 +61,14 @@ class CyclicPitch(Effect):
     @property
     def inner_parameters(self):
         return (self.parameters[1],)
+
+    def inner_grid(self, path):
+        # waves that differ by half a turn over the range seen look different
+        longest_mm = float(np.ptp(path.nose_mm, axis=0).max())
+        low, high = 1.0 / _LONGEST_MM, 1.0 / _SHORTEST_MM
+        steps = max(int(np.ceil(2.0 * longest_mm * (high - low))), _FEWEST_STEPS)
+        for frequency in np.linspace(low, high, steps + 1):
+            yield {"pitch_mm": float(1.0 / frequency)}
 
     def columns(self, path, target, inner_values):
         usual = self.parameters[0].usual

@@ -1,11 +1,9 @@
 """Reflector: a measuring point of the error tables is documented wrongly."""
 
-from dataclasses import replace
-
 import numpy as np
 
-from vmach.effects.effect import Effect, linear
-from vmach.machine import LINEAR_AXES, Variant, displacement
+from vmach.effects.effect import Effect, along, linear
+from vmach.machine import LINEAR_AXES
 from vmach.machine.component_errors import component_of
 
 __all__ = ["Reflector"]
@@ -34,15 +32,12 @@ class Reflector(Effect):
     cure = "correct measured_at_mm in the machine file"
 
     def displacement(self, path, target, first_mm, second_mm):
-        machine = path.job.machine
-        direction, _, _ = component_of(target)
+        direction, axis, _ = component_of(target)
         offset = np.zeros(3)
         offset[(direction + 1) % 3], offset[(direction + 2) % 3] = first_mm, second_mm
-        table = machine.components[target]
-        moved = replace(table, measured_at_mm=table.measured_at_mm + offset)
-        corrected = replace(machine, components={**machine.components, target: moved})
-        states = path.nose_mm, path.tool_mm, Variant.ABBE
-        return displacement(corrected, *states).shift_mm - displacement(machine, *states).shift_mm
+        # the arm of the axis' angles in this direction begins at the reflector
+        read = np.cross(path.axis_tilt_rad[axis], offset)[:, direction]
+        return along(LINEAR_AXES[direction], -read)
 
     def not_testable(self, path, target):
         components = path.job.machine.components

@@ -130,11 +130,13 @@ class Survey:
         return None if any(reason is None for reason in reasons) else reasons[0]
 
     def inner_grid(self, effect: Effect) -> list[dict[str, float]]:
-        """Starting values of the inner parameters, on the measurements that show the effect."""
-        for path, m in zip(self.paths, self.measurements, strict=True):
-            if m.on_part or not effect.needs_surface:
-                return list(effect.inner_grid(path))
-        return []
+        """Starting values of the inner parameters, of the measurement that needs the most."""
+        grids = [
+            list(effect.inner_grid(path))
+            for path, m in zip(self.paths, self.measurements, strict=True)
+            if m.on_part or not effect.needs_surface
+        ]
+        return max(grids, key=len, default=[])
 
     def part_of(self, rows: Sequence[bool] | np.ndarray) -> Survey:
         """The survey with some of its readings, (n,) bool."""

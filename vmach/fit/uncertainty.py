@@ -204,7 +204,9 @@ def _spreads(
     for j, (name, value) in enumerate(stated.items()):
         u = float(np.sqrt(weights @ (away[:, j] ** 2 + local[:, j])))
         low, high = _quantiles(weights, away[:, j], np.sqrt(local[:, j]))
-        found[name] = Spread(u, value + low, value + high, u < _HARDLY * prior[name])
+        # a value that lies at its bound lies at the interval's end
+        low, high = value + min(low, 0.0), value + max(high, 0.0)
+        found[name] = Spread(u, low, high, u < _HARDLY * prior[name])
     return found
 
 
