@@ -21,6 +21,8 @@ CASES = {
     "wave of the screw": (["cyclic_pitch"], 31, (), {"right"}),  # once ended in a traceback
     "second clamping": (["fixture"], 52, (), {"right"}),
     "two at once": (["servo_mismatch", "backlash"], 31, (), {"right"}),
+    "corners cut late": (["corner_rounding"], 701, (), {"right"}),
+    "screw without a scale": (["axis_expansion"], 701, (), {"right"}),
     "foreign": (["bump_field"], 31, (), {"right"}),
     "healthy, every instrument": ([], 32, tuple(INSTRUMENTS), {"right"}),
     "ballbar and laser": (["servo_mismatch"], 32, ("ballbar_xy", "laser_X"), {"right"}),
@@ -44,6 +46,21 @@ def test_verdict_parameters_and_held_out_error(tmp_path, name):
     after, covered = program_runs.held_out(program_runs.add(tmp_path, report), made.check)
     assert after < 1.2 * NOISE_UM < before
     assert covered > 0.93
+
+
+@pytest.mark.parametrize(
+    ("effects", "seed", "instruments"),
+    [
+        (["tool_deflection"], 9002, ()),  # one bore that only itself can foretell
+        (["head_tilt", "ambient_drift"], 42, ("ballbar_xy", "laser_X", "drift", "tip")),
+        (["loose_collet"], 3001, ()),  # four heights, which a slow wave fits just as well
+    ],
+)
+def test_what_held_out_features_and_single_features_can_say(tmp_path, effects, seed, instruments):
+    make_experiment(tmp_path, effects=effects, seed=seed, instruments=instruments)
+    report, _ = program_runs.diagnose(tmp_path)
+    found = judge(report, json.loads((tmp_path / "truth.json").read_text()))
+    assert found.outcome == "right", found.said
 
 
 def test_axes_that_never_turn_are_no_candidates(tmp_path):

@@ -12,8 +12,11 @@ from vmach.diagnosis.diagnose import diagnose, prepare_search
 from vmach.diagnosis.job_survey import survey_job
 from vmach.diagnosis.planned_tests import planned_tests, write_program
 from vmach.diagnosis.report import as_json, as_text
+from vmach.diagnosis.structure import patterns
+from vmach.diagnosis.words import what_is_left, with_unit
 from vmach.errors import InputError
 from vmach.fit.survey import Survey
+from vmach.fit.whitening import Whitening
 from vmach.history import add_effects, draw_history, history_of
 from vmach.job import read_job
 
@@ -129,6 +132,28 @@ def test_clean_data_are_left_alone(tmp_path):
         fresh = Survey(survey.job, (tip.with_readings(tip.predicted_mm + noise),))
         verdicts.append(diagnose(fresh, like=search).verdict)
     assert verdicts == ["nothing"] * 10
+
+
+def test_patterns_that_an_explanation_took_up_are_no_structure(tmp_path):
+    """Noise stays noise when much of the wandering in time has been absorbed."""
+    survey = survey_job(tip_job(tmp_path, nothing))
+    search = prepare_search(survey)
+    time = search.whiten(patterns(survey)["time"])
+    none = np.zeros((len(survey), 0))
+    absorb = Whitening(np.ones(len(survey)), 3.0 * time, none)
+    random = np.random.default_rng(4)
+    for _ in range(20):
+        noise = search.whiten.projected(random.standard_normal(len(survey))[:, None])[:, 0]
+        assert search.structure.left_in(noise, search.whiten.degrees, absorb=absorb) == {}
+    wave = 6.0 * search.whiten.projected(np.sin(0.1 * np.arange(len(survey)))[:, None])[:, 0]
+    assert search.structure.left_in(wave, search.whiten.degrees)
+
+
+def test_units_stand_behind_their_numbers():
+    assert with_unit("growth_um", 26.0) == "26 um"
+    assert with_unit("speed_exponent", 0.7) == "speed_exponent = 0.7"
+    assert "offsets" not in what_is_left({"offsets of single features": 3.0, "time": 8.0})
+    assert "more effects" in what_is_left({})
 
 
 def test_add_keeps_the_old_job_and_the_error_falls(tmp_path):
