@@ -18,7 +18,8 @@ from pathlib import Path
 
 import numpy as np
 
-from vmach.diagnosis.diagnose import Diagnosis, diagnose, prepare_search
+from vmach.diagnosis.diagnose import diagnose, prepare_search
+from vmach.diagnosis.findings import Diagnosis
 from vmach.diagnosis.job_survey import survey_job
 from vmach.diagnosis.search import Search
 from vmach.fit.survey import Survey

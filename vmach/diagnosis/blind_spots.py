@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vmach.diagnosis.search import Explanation, Search
+from vmach.diagnosis.explanation import Explanation
+from vmach.diagnosis.search import Search
 from vmach.diagnosis.words import with_unit
 from vmach.effects import Effect
 

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-from scipy.stats import norm
 from threadpoolctl import threadpool_limits
 
-from vmach.diagnosis.blind_spots import BlindSpot, blind_spots
+from vmach.diagnosis.blind_spots import blind_spots
+from vmach.diagnosis.explanation import Explanation
+from vmach.diagnosis.findings import CandidateScore, Diagnosis, Finding
 from vmach.diagnosis.held_out import holds_out
-from vmach.diagnosis.next_measurement import NextMeasurement, next_measurement
+from vmach.diagnosis.next_measurement import next_measurement
+from vmach.diagnosis.outliers import outlier_notes, outliers
 from vmach.diagnosis.rivals import Rivals, rivals_of
-from vmach.diagnosis.search import Explanation, Search
+from vmach.diagnosis.search import Search
 from vmach.diagnosis.single_features import gain_over_offsets
 from vmach.diagnosis.where_it_fails import Failure, where_it_fails
 from vmach.diagnosis.words import component_parameters, where_component
@@ -24,106 +26,18 @@ from vmach.fit.joint_fit import fit_terms
 from vmach.fit.survey import Survey
 from vmach.fit.uncertainty import parameter_uncertainty
 from vmach.fit.whitening import Whitening
-from vmach.measurements import apart_from_neighbours
 from vmach.units import um_from_mm
 
-__all__ = [
-    "BEND_SHARE",
-    "CandidateScore",
-    "Diagnosis",
-    "Finding",
-    "diagnose",
-    "explanation_with_slack",
-    "prepare_search",
-]
+__all__ = ["BEND_SHARE", "diagnose", "explanation_with_slack", "prepare_search"]
 
 #: share of the error between two table points that is carried as uncertainty
 BEND_SHARE = 1.0
-#: at most this share of the readings may be left out as outliers after the fit
-_MOST_OUTLIERS = 0.05
 #: more effects at once than this are not named
 _MOST_AT_ONCE = 3
 #: what is left where single features explain as much as an effect
 _OFFSETS = "offsets of single features"
 
 Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class Finding:
-    """One effect found.
-
-    Attributes
-    ----------
-    effect : Effect or None
-        None for something that no effect explains.
-    target : str
-    parameters, u : dict
-        In the units of their names; a component's are lists.
-    rivals : Rivals
-    where : str or None
-    interval_95 : dict
-        Of each parameter (low, high); empty for a component.
-    hardly_shown : tuple of str
-        Parameters of which the readings say hardly more than was known before.
-    """
-
-    effect: Effect | None
-    target: str
-    parameters: dict
-    u: dict
-    rivals: Rivals
-    where: str | None
-    interval_95: dict
-    hardly_shown: tuple[str, ...] = ()
-
-    @property
-    def name(self) -> str:
-        """Name of the effect, or "unknown"."""
-        return self.effect.name if self.effect else "unknown"
-
-
-@dataclass(frozen=True)
-class CandidateScore:
-    """How a single effect does on its own."""
-
-    effect: str
-    target: str
-    score: float
-    rms_after_um: float
-    status: str
-
-
-@dataclass(frozen=True)
-class Diagnosis:
-    """What the measurements say about the model.
-
-    Attributes
-    ----------
-    verdict : str
-        "named", "class", "unknown" or "nothing".
-    findings : tuple of Finding
-    rms_um : dict
-        "before", "after", "expected_noise": over all readings, alignment taken off.
-    candidates : tuple of CandidateScore
-    failures : tuple of Failure
-        Where the model fails, before anything is added.
-    blind_spots : tuple of BlindSpot
-    next_measurement : NextMeasurement or None
-    left : dict
-        What is left beyond noise by kind of pattern; empty where the rest is noise.
-    notes : tuple of str
-    """
-
-    verdict: str
-    findings: tuple[Finding, ...]
-    rms_um: dict[str, float]
-    candidates: tuple[CandidateScore, ...]
-    failures: tuple[Failure, ...]
-    blind_spots: tuple[BlindSpot, ...]
-    next_measurement: NextMeasurement | None
-    left: dict[str, float]
-    notes: tuple[str, ...]
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")
@@ -146,10 +60,9 @@ def diagnose(
     search = like.on(survey) if like else prepare_search(survey)
     tell("search")
     explanation = search.run()
-    astray = _outliers(search, explanation)
-    outliers: list[str] = []
+    astray = outliers(search, explanation)
+    left_out = outlier_notes(survey, astray)
     if astray.any():
-        outliers = [_reading_name(survey, k) for k in np.flatnonzero(astray)]
         search = _search_without(search, astray)
         survey, explanation = search.survey, search.run()
     explanation = _settled(search, explanation)
@@ -175,7 +88,7 @@ def diagnose(
         left=left,
         notes=(
             *(note for m in survey.measurements for note in m.notes if note),
-            *_outlier_notes(outliers),
+            *left_out,
         ),
     )
 
@@ -227,34 +140,6 @@ def _laws_not_shown(search: Search, explanation: Explanation) -> dict[str, float
         return {}
     gains = [gain_over_offsets(search, explanation, k) for k in range(len(explanation.fit.terms))]
     return {_OFFSETS: -min(gains)} if min(gains) < 0.0 else {}
-
-
-def _outliers(search: Search, explanation: Explanation) -> np.ndarray:
-    """Readings that a normal distribution would not hold, (n,) bool; none if there are many.
-
-    Where neighbours agree with each other there is a cause, and no chip under the probe.
-    """
-    count = len(search.survey)
-    limit = norm.isf(0.5 * 0.001 / count)
-    astray = np.abs(explanation.residual) > limit
-    alone = apart_from_neighbours(explanation.residual, search.survey.group) > limit
-    astray &= alone
-    return astray if astray.sum() <= _MOST_OUTLIERS * count else np.zeros(count, dtype=bool)
-
-
-def _outlier_notes(names: list[str]) -> tuple[str, ...]:
-    if not names:
-        return ()
-    shown = ", ".join(names[:6]) + (f" and {len(names) - 6} more" if len(names) > 6 else "")
-    return (f"{len(names)} readings are out of all proportion and were left out: {shown}",)
-
-
-def _reading_name(survey: Survey, k: int) -> str:
-    for m in survey.measurements:
-        if k < len(m):
-            return f"{m.name} {m.id[k]}"
-        k -= len(m)
-    raise IndexError(k)
 
 
 def _findings(search: Search, explanation: Explanation) -> tuple[Finding, ...]:

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.planned_tests import MAP, PlannedTest, planned_tests, write_program
-from vmach.diagnosis.search import Explanation, Search
+from vmach.diagnosis.search import Search
 from vmach.effects import Circumstances
 from vmach.fit.joint_fit import Term
 from vmach.fit.whitening import orthonormal

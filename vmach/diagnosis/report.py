@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from vmach.diagnosis.diagnose import Diagnosis, Finding
+from vmach.diagnosis.findings import Diagnosis, Finding
 from vmach.diagnosis.where_it_fails import Failure
 from vmach.diagnosis.words import describe, what_is_left
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vmach.diagnosis.search import MARGIN, Explanation, Search
+from vmach.diagnosis.explanation import MARGIN, Explanation
+from vmach.diagnosis.search import Search
 from vmach.fit.whitening import orthonormal
 
 __all__ = ["Rivals", "rivals_of"]

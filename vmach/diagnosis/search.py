@@ -9,29 +9,24 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from vmach.diagnosis.explanation import Explanation, may_beat, simplest_of_the_best
 from vmach.diagnosis.structure import Structure
 from vmach.effects import Effect
 from vmach.fit.candidates import Candidate
-from vmach.fit.evidence import WIDTHS, Evidence, SignatureBank, evidence_of_unit, log_evidence
+from vmach.fit.evidence import WIDTHS, SignatureBank, evidence_of_unit, log_evidence
 from vmach.fit.joint_fit import JointFit, Term, fit_terms
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import Whitening
 
-__all__ = ["MARGIN", "Explanation", "Search"]
-
-#: explanations whose log evidence is this close cannot be told apart
-MARGIN = 4.0
+__all__ = ["Search"]
 
 #: sets followed side by side, and candidates tried on a set of so many effects
 _BEAM, _TRIED = 3, (5, 4, 2)
 _MOST_EFFECTS = 3
-#: log evidence that an effect costs at least, whatever it explains
-_PRICE = 3.0
 #: share of the best candidate's evidence that makes another worth following
 _WORTH_TRYING = 0.25
 #: an effect whose law leaves no more open than this share ends the search when it explains all
@@ -41,36 +36,6 @@ _SIMULATIONS = 200
 _MISSING_TABLE = 4.0
 #: chance of naming something on clean data
 _FALSE_ALARM = 0.002
-
-
-@dataclass(frozen=True)
-class Explanation:
-    """A set of effects, fitted, and what the candidates say about the rest.
-
-    Attributes
-    ----------
-    fit : JointFit or None
-        None for the empty set.
-    score : float
-        Log evidence of the set against nothing, prior odds included.
-    evidence : tuple of Evidence
-        Of every candidate on what the set leaves.
-    residual : (n,) float64
-        Whitened, what the set leaves.
-    degrees : int
-        Its degrees of freedom.
-    """
-
-    fit: JointFit | None
-    score: float
-    evidence: tuple[Evidence, ...]
-    residual: np.ndarray
-    degrees: int
-
-    @property
-    def labels(self) -> frozenset[str]:
-        """Names and targets of the effects in the set."""
-        return frozenset(t.label for t in self.fit.terms) if self.fit else frozenset()
 
 
 class Search:
@@ -166,11 +131,11 @@ class Search:
                         grown[child.labels] = child
             seen += grown.values()
             finished += [e for e in (*beam, *grown.values()) if self.further(e) == 0.0]
-            beam = [e for e in grown.values() if self.further(e) > 0.0 and _may_beat(e, finished)]
+            beam = [e for e in grown.values() if self.further(e) > 0.0 and may_beat(e, finished)]
             beam = sorted(beam, key=lambda e: -e.score - self.further(e))[:_BEAM]
             if not beam:
                 break
-        return self._without_needless(_simplest_of_the_best(finished or seen))
+        return self._without_needless(simplest_of_the_best(finished or seen))
 
     def further(self, explanation: Explanation) -> float:
         """Evidence of the best candidate on what an explanation leaves, if above threshold."""
@@ -341,22 +306,3 @@ class Search:
         terms = [t for i, t in enumerate(explanation.fit.terms) if i != k]
         fit = fit_terms(self.survey, terms, self.whiten, refine=False) if terms else None
         return self._explain(fit, 0.0)
-
-
-def _simplest_of_the_best(explanations: Sequence[Explanation]) -> Explanation:
-    """Of the sets that the readings cannot tell apart, one with the fewest effects."""
-    best = max(e.score for e in explanations)
-    near = [e for e in explanations if e.score > best - MARGIN]
-    return min(near, key=lambda e: (len(e.labels), -e.score))
-
-
-def _may_beat(explanation: Explanation, finished: Sequence[Explanation]) -> bool:
-    """Whether further effects could bring an explanation above the best that needs none.
-
-    At most they win half of what its sum of squares has too much, less the price of one effect.
-    """
-    if not finished:
-        return True
-    best = max(finished, key=lambda e: e.score)
-    excess = explanation.residual @ explanation.residual - best.residual @ best.residual
-    return explanation.score + 0.5 * float(excess) - _PRICE > best.score

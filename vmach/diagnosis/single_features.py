@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vmach.diagnosis.search import Explanation, Search
+from vmach.diagnosis.explanation import Explanation
+from vmach.diagnosis.search import Search
 from vmach.fit.evidence import WIDTHS, SignatureBank
 
 __all__ = ["gain_over_offsets"]

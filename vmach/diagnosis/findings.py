@@ -1,0 +1,90 @@
+"""What a diagnosis says: the effects found, how the candidates did, what is left."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vmach.diagnosis.blind_spots import BlindSpot
+from vmach.diagnosis.next_measurement import NextMeasurement
+from vmach.diagnosis.rivals import Rivals
+from vmach.diagnosis.where_it_fails import Failure
+from vmach.effects import Effect
+
+__all__ = ["CandidateScore", "Diagnosis", "Finding"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One effect found.
+
+    Attributes
+    ----------
+    effect : Effect or None
+        None for something that no effect explains.
+    target : str
+    parameters, u : dict
+        In the units of their names; a component's are lists.
+    rivals : Rivals
+    where : str or None
+    interval_95 : dict
+        Of each parameter (low, high); empty for a component.
+    hardly_shown : tuple of str
+        Parameters of which the readings say hardly more than was known before.
+    """
+
+    effect: Effect | None
+    target: str
+    parameters: dict
+    u: dict
+    rivals: Rivals
+    where: str | None
+    interval_95: dict
+    hardly_shown: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """Name of the effect, or "unknown"."""
+        return self.effect.name if self.effect else "unknown"
+
+
+@dataclass(frozen=True)
+class CandidateScore:
+    """How a single effect does on its own."""
+
+    effect: str
+    target: str
+    score: float
+    rms_after_um: float
+    status: str
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What the measurements say about the model.
+
+    Attributes
+    ----------
+    verdict : str
+        "named", "class", "unknown" or "nothing".
+    findings : tuple of Finding
+    rms_um : dict
+        "before", "after", "expected_noise": over all readings, alignment taken off.
+    candidates : tuple of CandidateScore
+    failures : tuple of Failure
+        Where the model fails, before anything is added.
+    blind_spots : tuple of BlindSpot
+    next_measurement : NextMeasurement or None
+    left : dict
+        What is left beyond noise by kind of pattern; empty where the rest is noise.
+    notes : tuple of str
+    """
+
+    verdict: str
+    findings: tuple[Finding, ...]
+    rms_um: dict[str, float]
+    candidates: tuple[CandidateScore, ...]
+    failures: tuple[Failure, ...]
+    blind_spots: tuple[BlindSpot, ...]
+    next_measurement: NextMeasurement | None
+    left: dict[str, float]
+    notes: tuple[str, ...]
