@@ -1,6 +1,6 @@
 """Programs in other people's habits, compensated and judged by LinuxCNC.
 
-    python tests/benchmarks/fuzz_compensation.py FOLDER [--rounds 50] [--seed 0]
+    python tests/benchmarks/fuzz_compensation.py FOLDER [--rounds 50] [--seed 0] [--machine FILE]
 
 Takes programs of FOLDER that LinuxCNC accepts, changes case, blanks, signs, zeros, block numbers,
 slashes, comments, line endings and modal words at random, without changing the path, and
@@ -89,6 +89,7 @@ def main():
     parser.add_argument("folder", type=Path)
     parser.add_argument("--rounds", type=int, default=50)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--machine", type=Path, help="machine file with measured errors")
     parser.add_argument("--largest-kb", type=float, default=4.0)
     arguments = parser.parse_args()
     rng = random.Random(arguments.seed)
@@ -104,7 +105,7 @@ def main():
             for table in (source.name + ".tbl", "tool.tbl"):
                 if source.with_name(table).exists():
                     (Path(folder) / table).write_bytes(source.with_name(table).read_bytes())
-            outcome = judged(Path(folder) / "job", path)
+            outcome = judged(Path(folder) / "job", path, machine=arguments.machine)
         if outcome.refusal is not None:
             refused += 1
             print(f"{number} refused: {outcome.refusal.rsplit('/', 1)[-1][:150]}")

@@ -207,16 +207,24 @@ def test_a_move_from_an_unknown_place_gets_no_points(tmp_path):
     assert len(lines) > 7, "the way back gets points"
 
 
-def test_a_full_turn_from_an_unknown_height_stays(tmp_path):
+def test_a_full_turn_from_an_unknown_height_is_refused(tmp_path):
     head = "G21 G90 G54\nT1 M6\nG0 X40. Y10.\n"
     job, effects = job_with(tmp_path, "", BENT)
+    job.program.write_text(head + "G3 X80. Z-1. I20. F100\nX80. I20.\nM30\n")
+    assert "\nG3 X" in compensate(job, effects).text.decode()
     job.program.write_text(head + "G3 X40. Y10. Z-1. I20. F100\nX80. I20.\nM30\n")
-    text = compensate(job, effects).text.decode()
-    assert "\nG3 X40. Y10. Z-1. I20. F100\n" in text
-    job.program.write_text(head + "#1=40.\nG3 X#1 Y10. Z-1. I20. F100\nX80. I20.\nM30\n")
     with pytest.raises(InputError, match="begins where the program has not said") as caught:
         compensate(job, effects)
-    assert caught.value.line == 5
+    assert caught.value.line == 4
+
+
+def test_an_arc_behind_a_block_that_may_be_skipped_stays_an_arc(tmp_path):
+    text = text_of(tmp_path, "T1 M6\n/G0 X40. Y30. Z1.\nG2 X60. Y30. I10. J0. F100\nM30\n", BENT)
+    line = text.splitlines()[-2]
+    x, i = (float(re.search(rf"{letter}(-?[\d.]+)", line)[1]) for letter in "XI")
+    assert line.startswith("G2 ")
+    assert abs(x - 60.0) < 0.05
+    assert abs(i - 10.0) < 0.01
 
 
 def test_a_tool_change_and_a_skipped_block_say_nothing(tmp_path):

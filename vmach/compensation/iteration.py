@@ -88,14 +88,14 @@ class Iteration:
         """Axes, for every move, that have no word in their block and may not get one."""
         rewriter, moves = self.rewriter, self.preparation.path.nodes.moves
         far = np.abs(moves.sweep_rad) > LARGEST_SWEEP_RAD
-        for move in np.flatnonzero(rewriter.unknown_start & (moves.kind == MoveKind.ARC) & far):
-            if rewriter.rewritten[move]:
-                raise InputError(
-                    "an arc begins where the program has not said, and its block cannot stay",
-                    file=self.preparation.program.path,
-                    line=int(self.expansion.user_line(moves.line[move])),
-                    hint="name X, Y and Z in blocks before it",
-                )
+        for move in np.flatnonzero(rewriter.unknown_start & far)[:1]:
+            raise InputError(
+                "an arc begins where the program has not said",
+                file=self.preparation.program.path,
+                line=int(self.expansion.user_line(moves.line[move])),
+                accepted="arcs of at most 181 degrees, which need not be divided",
+                hint="name X, Y and Z in blocks before it",
+            )
         self.stuck = np.zeros((len(moves), 3), bool)
         for move in np.flatnonzero(~rewriter.said.all(axis=1) & (moves.kind != MoveKind.DWELL)):
             named = {word.letter for word in rewriter.text.words(int(moves.line[move]))}

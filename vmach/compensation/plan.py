@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from gcode import MoveKind, Moves
-from vmach.compensation.arc_pieces import LARGEST_SWEEP_RAD, split_arc
+from vmach.compensation.arc_pieces import split_arc
 from vmach.compensation.pieces import Piece
 from vmach.compensation.reversals import reversals_of_arc, settled, turned_at_start
 from vmach.compensation.sampling import ErrorAlongMoves, ErrorAt
@@ -171,6 +171,7 @@ class _Planner:
     def __post_init__(self) -> None:
         found, kind = self.found, self.moves.kind[self.found.move]
         straight = (kind == MoveKind.LINE) & (found.length_mm > 0) & ~self.unknown_start
+        self.is_whole = self.unknown_start | (kind == MoveKind.RAPID) | (found.length_mm == 0)
         self.length_mm = move_length_mm(self.moves)
         self.is_bent = straight & (found.off_chord_mm() > self.tolerance_mm)
         self.size = found.largest_mm()
@@ -194,11 +195,7 @@ class _Planner:
         nothing = max(self.size[index], np.abs(previous).max()) < _NOTHING_MM
         if nothing and not self.rewritten[index]:
             self._put(Piece(move, 0.0, 1.0, kept=True))
-        elif self.unknown_start[index]:
-            is_arc = kind == MoveKind.ARC
-            turns_far = abs(self.moves.sweep_rad[move]) > LARGEST_SWEEP_RAD
-            self._put(Piece(move, 0.0, 1.0, is_arc=is_arc, kept=is_arc and turns_far))
-        elif kind == MoveKind.RAPID or found.length_mm[index] == 0:
+        elif self.is_whole[index]:
             self._put(Piece(move, 0.0, 1.0, is_arc=kind == MoveKind.ARC))
         else:
             jump = across(self.settled_error[index] - previous, self.direction[index])

@@ -245,9 +245,9 @@ class _LineWriter:
             self.edit.keep(self._code(piece))
             written.line_of_piece[index] = line + written.inserted
             return
-        begin, wanted = self.aim, places.end[index]
-        self.aim = np.where(self.said, wanted, self.now)
-        before = self.now.copy()
+        begin, wanted, before = self.aim, places.end[index], self.now.copy()
+        named = [self.edit.own_word(letter) is not None for letter in "XYZ"]
+        self.aim = np.where(self.said | named, wanted, self.now)
         texts = self._axis_texts(wanted, written)
         code = self._code(piece)
         if code > 1:

@@ -54,8 +54,9 @@ def check_result(
 
     The tool at feed is held everywhere against the path that it is asked to take, so that its
     swept volume is that of the nominal program within the residual, and the shift if it is asked
-    beside its nominal path (`check_part`). Rapids must not pass farther from their
-    nominal path than the limit, unless the user's program does so itself.
+    beside its nominal path (`check_part`). Rapids, and moves that begin where the
+    program has not said, must not pass farther from their nominal path than the limit, unless
+    the user's program does so itself.
 
     Raises
     ------
@@ -64,7 +65,7 @@ def check_result(
     """
     refused = {
         "the tool is still up to {:.2f} um off its path": run.residual(),
-        "rapids pass up to {:.2f} um off their path": run.worse_rapids(limit_mm),
+        "moves without points pass up to {:.2f} um off their path": run.worse_moves(limit_mm),
     }
     for what, residual in refused.items():
         far = residual.told_in(expansion).lines_beyond(limit_mm)

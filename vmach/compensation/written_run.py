@@ -131,18 +131,15 @@ class WrittenRun:
         line = self.original.path.nodes.moves.line[self.plan.move[self.written[rows]]]
         return Residual(distance, line)
 
-    def worse_rapids(self, limit_mm: float) -> Residual:
-        """Rapids that pass farther from their nominal path than a limit and than ever before.
+    def worse_moves(self, limit_mm: float) -> Residual:
+        """Moves without points that are farther off their path than a limit and than before.
 
         Those that the travel's end holds back stay as far off as they were.
         """
         moves, nominal = self.again.path.nodes.moves, self.original.path.nodes.moves
-        kind = nominal.kind[self.plan.move[self.written]]
-        rapid = np.flatnonzero(kind == MoveKind.RAPID)
-        rows, share = (
-            np.repeat(rapid, _ON_RAPIDS),
-            np.tile(np.linspace(0, 1, _ON_RAPIDS), len(rapid)),
-        )
+        others = np.setdiff1d(np.arange(len(self.written)), self.cuts)
+        rows = np.repeat(others, _ON_RAPIDS)
+        share = np.tile(np.linspace(0, 1, _ON_RAPIDS), len(others))
         tangent = tangent_at(moves, self.row[rows], share)
         now = np.linalg.norm(across(self.miss(share, rows), tangent), axis=1)
         move = self.plan.move[self.written[rows]]
