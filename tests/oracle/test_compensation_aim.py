@@ -3,6 +3,7 @@
 import json
 import re
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +17,9 @@ from vmach.compensation.surface import check_surface, read_surface
 from vmach.effects import read_effects
 from vmach.errors import InputError
 from vmach.job import read_job
-from vmach.machine import RigidDisplacement
+from vmach.machine import RigidDisplacement, Variant
+
+SAMPLES = Path(__file__).parents[2] / "samples"
 
 #: the tool of 10 mm is thinner than that by 20 um
 THIN = "[effects.tool_radius.T1]\nradius_um = -10\n"
@@ -132,6 +135,16 @@ def test_a_ball_that_is_thin_stays_on_its_slope(tmp_path):
     assert np.abs(checked.after_mm[bottom]).max() < 1e-3
 
 
+def test_the_bottom_of_a_drilled_hole_is_lifted(tmp_path):
+    body = "G81 X30. Y20. Z-5. R2. F100\nX40. Y30.\nG80\nM30\n"
+    job, effects = job_in_stock(tmp_path, body, "[effects.tool_length.T1]\nlength_um = 12\n")
+    found, checked = aimed(job, effects)
+    assert set(numbers(found.text, "Z")[-4:]) >= {-4.988}
+    bottom = normals(checked)[:, 2] > 0.99
+    assert bottom.sum() > 10
+    assert np.abs(checked.after_mm[bottom]).max() < 1e-6
+
+
 def test_a_spring_pass_follows_the_pass_that_it_repeats(tmp_path):
     body = AROUND.replace("Y5.\nG0", "Y5.\nX75.\nY55.\nX5.\nY5.\nG0")
     job, effects = job_in_stock(tmp_path, body, THIN)
@@ -191,6 +204,7 @@ def test_a_path_shifted_the_wrong_way_is_refused(tmp_path, monkeypatch):
     found, _ = aimed(job, effects)
     assert found.part_aim.rounds == 0, "it is worse than none"
     monkeypatch.setattr(part_aim, "_BETTER", np.inf)
+    monkeypatch.setattr(part_aim, "_WORSE", np.inf)
     with pytest.raises(InputError, match="are left on it") as caught:
         aimed(job, effects)
     assert caught.value.line in range(10, 16)
@@ -215,3 +229,19 @@ def test_command_line(tmp_path):
     result = CliRunner().invoke(app, command)
     assert isinstance(result.exception, InputError)
     assert "no surface to aim at" in str(result.exception)
+
+
+def test_sample_part_keeps_less_of_the_tilt():
+    job = read_job(SAMPLES / "spline_slot" / "centre.toml")
+    effects = read_effects(job.effects, file=job.path, job=job)
+    surface = read_surface(job, with_aim=True)
+    found = compensate(job, effects, variant=Variant.HTM, aim_points=surface.aim)
+    aim = found.part_aim
+    assert aim.part.largest_mm < 0.85 * aim.tool.largest_mm
+    assert aim.part.mean_mm < 0.7 * aim.tool.mean_mm
+    assert found.unrounded.largest_mm < 0.11e-3
+    assert found.growth < 1.01
+    checked = check_surface(job, found.text, surface, effects=effects, variant=Variant.HTM)
+    # largest 0.99 um, mean 0.31 um with the tool on its nominal path
+    assert np.abs(checked.after_mm).max() < 0.9e-3
+    assert np.abs(checked.after_mm).mean() < 0.28e-3

@@ -20,6 +20,8 @@ __all__ = ["PartAim", "aim_at_part"]
 _ROUNDS = 4
 #: a round that leaves more than this share of what the best one left is the last
 _BETTER = 0.99
+#: nor is one kept that leaves a largest deviation of more than this times that without a shift
+_WORSE = 1.2
 #: what asks for smaller shifts asks for none
 _NOTHING_MM = 1e-9
 #: pieces that are shifted by less stay as they are
@@ -93,7 +95,8 @@ def aim_at_part(
         now = view.deviation(found.run)
         if now.norm_mm > _BETTER * best.norm_mm:
             break
-        best, kept, rounds = now, (found, shift), number
+        if now.largest_mm <= _WORSE * before.largest_mm:
+            best, kept, rounds = now, (found, shift), number
     found, iteration.shift = kept
     return found, PartAim(kept[1], before, best, rounds)
 

@@ -28,7 +28,7 @@ class PartDeviation:
     Attributes
     ----------
     row : (Q,) int64
-        Rows of the points that are cut at feed.
+        Rows of the points that are cut at feed, or where a rapid begins or ends.
     error_mm : (Q,) float64
         Along the outward normal, beyond that of the perfect program.
     tip_right_mm : (Q,) float64
@@ -92,7 +92,8 @@ class PartView:
         piece = piece[found.states.move]
         start, end = run.plan.parameter(0.0)[piece], run.plan.parameter(1.0)[piece]
         kind = run.original.path.nodes.moves.kind[run.plan.move[piece]]
-        known = (piece >= 0) & (kind != MoveKind.RAPID)
+        at_end = (found.states.parameter == 0.0) | (found.states.parameter == 1.0)
+        known = (piece >= 0) & ((kind != MoveKind.RAPID) | at_end)
         beside = self._with_tip_right(run.again, found)
         return PartDeviation(
             row=self.made[cut][known],
