@@ -12,7 +12,8 @@ from vmach.compensation.path_shift import PathShift, no_shift
 from vmach.compensation.pieces import Piece
 from vmach.compensation.plan import Plan
 from vmach.compensation.rewriting import Target
-from vmach.compensation.shift_fit import SurfaceDemand, centred
+from vmach.compensation.shift_fit import centred
+from vmach.compensation.surface_demand import SurfaceDemand
 
 __all__ = ["PartAim", "aim_at_part"]
 

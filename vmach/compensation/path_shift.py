@@ -9,7 +9,7 @@ import numpy as np
 
 from gcode import MoveKind, Moves
 from vmach.compensation.plan import Plan
-from vmach.path_geometry import position_at
+from vmach.path_geometry import move_length_mm, position_at, tangent_at
 
 __all__ = ["PathShift", "no_shift"]
 
@@ -18,6 +18,7 @@ _LARGEST_SWEEP_RAD = np.radians(181.0)
 #: nominal ends and starts that are nearer than this are one place
 _SAME_MM = 1e-6
 _NO_KNOT = -1
+_NO_WAY_MM = 1e-9
 
 
 @dataclass(frozen=True)
@@ -86,6 +87,21 @@ class PathShift:
         if len(arc):
             matrix[arc] = self._on_arcs(stretch[arc], parameter[arc], share[arc])
         return stretch, matrix
+
+    @cached_property
+    def length_mm(self) -> np.ndarray:
+        """Length of every stretch, (S,)."""
+        return (self.end - self.start) * move_length_mm(self.moves)[self.move]
+
+    @cached_property
+    def cuts(self) -> np.ndarray:
+        """Stretches at feed, (S,) bool."""
+        return self.moves.kind[self.move] != MoveKind.RAPID
+
+    def tangents(self, parameter: np.ndarray) -> np.ndarray:
+        """Unit tangents of the stretches' moves at parameters (S,), (S, 3); zero for no way."""
+        tangent = tangent_at(self.moves, self.move, parameter)
+        return tangent / np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), _NO_WAY_MM)
 
     @cached_property
     def frames(self) -> np.ndarray:

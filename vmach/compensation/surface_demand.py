@@ -1,0 +1,51 @@
+"""What the points of a surface ask of the path that makes them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+__all__ = ["SurfaceDemand"]
+
+#: numbers of moves are smaller
+_MOVES = 1 << 32
+
+
+@dataclass(frozen=True)
+class SurfaceDemand:
+    """What P surface points ask of the path.
+
+    Attributes
+    ----------
+    point : (P,) int64
+        Numbers of the points; one that several moves make may ask each of them.
+    move : (P,) int64
+    parameter : (P,) float64
+        Where on the nominal path each was made.
+    normal : (P, 3) float64
+        Outward.
+    shift_mm : (P,) float64
+        Shift along the normal that would leave no deviation.
+    """
+
+    point: np.ndarray
+    move: np.ndarray
+    parameter: np.ndarray
+    normal: np.ndarray
+    shift_mm: np.ndarray
+
+    def beside(self, earlier: SurfaceDemand | None) -> SurfaceDemand:
+        """These, and earlier ones of the same points to other moves.
+
+        A move that no longer makes a point, because another one now goes deeper there, would
+        take the point back if it were let go.
+        """
+        if earlier is None:
+            return self
+        now, before = (d.point * _MOVES + d.move for d in (self, earlier))
+        kept = ~np.isin(before, now)
+        names = self.__dataclass_fields__
+        return SurfaceDemand(
+            *(np.concatenate([getattr(self, n), getattr(earlier, n)[kept]]) for n in names)
+        )
