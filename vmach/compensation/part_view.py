@@ -14,6 +14,7 @@ from vmach.machine import Variant
 from vmach.points import SurfacePoints
 from vmach.prediction import Effect, Prediction, displacement_of, predict
 from vmach.preparation import Preparation
+from vmach.toolpath import PathStates
 
 __all__ = ["PartDeviation", "PartView"]
 
@@ -28,7 +29,7 @@ class PartDeviation:
     Attributes
     ----------
     row : (Q,) int64
-        Rows of the points that are cut at feed, or where a rapid begins or ends.
+        Rows of the points that are cut at feed, or where a rapid takes the tool away from a cut.
     error_mm : (Q,) float64
         Along the outward normal, beyond that of the perfect program.
     tip_right_mm : (Q,) float64
@@ -91,9 +92,7 @@ class PartView:
         piece[run.row] = run.written
         piece = piece[found.states.move]
         start, end = run.plan.parameter(0.0)[piece], run.plan.parameter(1.0)[piece]
-        kind = run.original.path.nodes.moves.kind[run.plan.move[piece]]
-        at_end = (found.states.parameter == 0.0) | (found.states.parameter == 1.0)
-        known = (piece >= 0) & ((kind != MoveKind.RAPID) | at_end)
+        known = (piece >= 0) & _made_at_feed(found.states)
         beside = self._with_tip_right(run.again, found)
         return PartDeviation(
             row=self.made[cut][known],
@@ -118,3 +117,12 @@ class PartView:
     ) -> Prediction:  # fmt: skip
         return predict(preparation, self.points.point_mm[rows], self.points.normal[rows],
                        variant=variant, effects=effects)  # fmt: skip
+
+
+def _made_at_feed(states: PathStates) -> np.ndarray:
+    """States at feed, and at the start of rapids that follow a cut by the same tool, (P,) bool."""
+    moves, move = states.moves, states.move
+    feed = (moves.kind == MoveKind.LINE) | (moves.kind == MoveKind.ARC)
+    before = np.maximum(move - 1, 0)
+    leaves = (states.parameter == 0.0) & feed[before] & (moves.tool[before] == moves.tool[move])
+    return feed[move] | leaves
