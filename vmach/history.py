@@ -140,18 +140,24 @@ def draw_history(steps: Sequence[Step], path: Path) -> None:
     """Draw the fall of the error, model by model, into a PNG file."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(7.0, 4.0), layout="constrained")
+    figure = Figure(figsize=(max(5.0, 1.6 + 1.7 * len(steps)), 4.0), layout="constrained")
     axes = figure.add_subplot()
     place = np.arange(len(steps))
-    axes.plot(place, [s.rms_um for s in steps], "o-", label="points that were fitted")
+    rows = {"points that were fitted": [s.rms_um for s in steps]}
     if all(s.check_rms_um is not None for s in steps):
-        axes.plot(place, [s.check_rms_um for s in steps], "s--", label="another part")
-    names = ["+ " + ", ".join(s.added) if s.added else s.job.name for s in steps]
-    axes.set_xticks(place, names, rotation=15)
-    axes.set_ylim(bottom=0.0)
+        rows["another part"] = [s.check_rms_um for s in steps]
+    wide = 0.8 / len(rows)
+    for k, (label, values) in enumerate(rows.items()):
+        bars = axes.bar(
+            place + (k - 0.5 * (len(rows) - 1)) * wide, values, 0.92 * wide, label=label
+        )
+        axes.bar_label(bars, fmt="%.2f", fontsize=8)
+    names = ["+ " + "\n+ ".join(s.added) if s.added else s.job.name for s in steps]
+    axes.set_xticks(place, names)
+    axes.set_axisbelow(True)
     axes.set_ylabel("RMS of measured minus predicted in um")
     axes.legend()
-    axes.grid(alpha=0.3)
+    axes.grid(alpha=0.3, axis="y")
     figure.savefig(path, dpi=130)
 
 
