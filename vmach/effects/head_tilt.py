@@ -2,13 +2,14 @@
 
 import numpy as np
 
-from vmach.effects.effect import Effect, inner, linear
+from vmach.effects.effect import inner, linear
+from vmach.effects.warm_spindle import SPEED_EXPONENT, OfWarmSpindle
 from vmach.machine import RigidDisplacement
 
 __all__ = ["HeadTilt"]
 
 
-class HeadTilt(Effect):
+class HeadTilt(OfWarmSpindle):
     """The tool turns with the spindle's warmth: longer tools move further."""
 
     name = "head_tilt"
@@ -23,18 +24,11 @@ class HeadTilt(Effect):
             usual=3000.0,
             spread=0.8,
         ),
-        inner(
-            "speed_exponent",
-            "of the heat with the speed",
-            (0.4, 0.7, 1.0, 1.5),
-            usual=0.7,
-            spread=0.3,
-        ),
+        SPEED_EXPONENT,
     )
     targets = ("A", "B")
     rarity = 0.5
     slack_share = 0.15
-    slack_time_s = 1500.0
     usual_size = "50 urad above 5000 rpm, time constant 0.5 to 4 hours"
     confirm = "drift test with two tool lengths, or with a nest of five probes"
     cure = "warm up before finishing; cool the head; compensate by temperature"
@@ -49,6 +43,3 @@ class HeadTilt(Effect):
         return RigidDisplacement(
             np.cross(tilt, path.tool_mm) + 1e-3 * shift_um * warmth * sideways, tilt
         )
-
-    def not_testable(self, path, target):
-        return None if (path.moves.spindle_rpm != 0).any() else "the spindle never turned"

@@ -2,12 +2,13 @@
 
 import numpy as np
 
-from vmach.effects.effect import Effect, along, inner, linear
+from vmach.effects.effect import along, inner, linear
+from vmach.effects.warm_spindle import SPEED_EXPONENT, OfWarmSpindle
 
 __all__ = ["SpindleGrowth"]
 
 
-class SpindleGrowth(Effect):
+class SpindleGrowth(OfWarmSpindle):
     """The tip sinks with the spindle's warmth, and rises again when it stands."""
 
     name = "spindle_growth"
@@ -21,17 +22,10 @@ class SpindleGrowth(Effect):
             usual=1500.0,
             spread=0.7,
         ),
-        inner(
-            "speed_exponent",
-            "of the heat with the speed",
-            (0.4, 0.7, 1.0, 1.5),
-            usual=0.7,
-            spread=0.3,
-        ),
+        SPEED_EXPONENT,
     )
     targets = ("Z",)
     slack_share = 0.2
-    slack_time_s = 1500.0
     usual_size = "10 to 100 um with a time constant of 5 to 60 minutes"
     confirm = "drift test: run the spindle for an hour, then let it stand, with a probe on the tool"
     cure = "warm up before finishing, touch off the tool again, or compensate by temperature"
@@ -43,6 +37,3 @@ class SpindleGrowth(Effect):
 
     def slack_pattern(self, path, target, parameters):
         return along(target, np.full(len(path), 1e-3 * parameters["growth_um"]))
-
-    def not_testable(self, path, target):
-        return None if (path.moves.spindle_rpm != 0).any() else "the spindle never turned"
