@@ -6,6 +6,7 @@ another file, does. After an update a stale kernel would go on giving the old nu
 
 from __future__ import annotations
 
+import atexit
 import gc
 import hashlib
 from importlib.util import find_spec
@@ -55,6 +56,7 @@ def compile_without_collection() -> None:
     would take a fifth of the first run. They are never freed, about 100 MB in that one run.
     """
     event.register("numba:compile", _CollectionOff())
+    atexit.register(gc.unfreeze)  # libraries look for what was not freed at the end
 
 
 class _CollectionOff(event.Listener):
