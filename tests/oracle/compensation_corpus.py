@@ -13,9 +13,9 @@ from gcode import read_tool_table
 from tests.oracle.compensation_paths import Comparison, compared, intended_pieces
 from tests.oracle.linuxcnc_interpreter import judge
 from vmach.compensation import compensate
-from vmach.compensation.rewriting import Rewriter
 from vmach.effects import read_effects
 from vmach.job import read_job
+from vmach.program_text.rewriter import Rewriter
 
 __all__ = ["Outcome", "compensated", "corpus_programs", "judged", "write_job"]
 

@@ -14,7 +14,7 @@ LAYERS = [
     {"machine", "accuracy", "iso230"},
     {"job", "toolpath"},
     {"sweeping", "preparation", "effects"},
-    {"prediction", "error_budget", "collisions", "measurements", "tip_errors"},
+    {"prediction", "error_budget", "collisions", "measurements", "tip_errors", "program_text"},
     {"fit"},
     {"prediction_uncertainty"},
     {"diagnosis", "controller_tables", "report", "history"},

@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 
 from gcode import Moves
-from vmach.compensation.pieces import Piece, circle_through
 from vmach.path_geometry import position_at
+from vmach.program_text import Piece, circle_through
 
 __all__ = ["LARGEST_SWEEP_RAD", "split_arc"]
 

@@ -8,22 +8,26 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from gcode import MoveKind
-from vmach.compensation.block_modes import BlockModes, block_modes
-from vmach.compensation.expansion import prepare_plain
 from vmach.compensation.iteration import Iteration, Solution
 from vmach.compensation.model import TipModel
 from vmach.compensation.part_aim import PartAim, aim_at_part
 from vmach.compensation.part_view import PartView
 from vmach.compensation.residual import Residual
-from vmach.compensation.rewriting import Rewriter
 from vmach.compensation.rounding import rounded_target
 from vmach.compensation.safety import check_corrections, check_part, check_result
-from vmach.compensation.targets import check_words, target_control
 from vmach.job import Job
 from vmach.machine import Variant
 from vmach.points import SurfacePoints
 from vmach.prediction import Effect
 from vmach.preparation import Preparation, prepare
+from vmach.program_text import (
+    BlockModes,
+    Rewriter,
+    block_modes,
+    check_words,
+    prepare_plain,
+    target_control,
+)
 
 __all__ = ["Compensation", "compensate"]
 

@@ -9,17 +9,16 @@ import numpy as np
 
 from gcode import MoveKind
 from vmach.compensation.arc_pieces import LARGEST_SWEEP_RAD
-from vmach.compensation.expanded_text import Expanded
 from vmach.compensation.model import TipModel
 from vmach.compensation.path_shift import PathShift
 from vmach.compensation.plan import Plan, plan_pieces
 from vmach.compensation.residual import Residual
-from vmach.compensation.rewriting import Rewriter, Target, Written
 from vmach.compensation.sampling import sample_error
 from vmach.compensation.written_run import WrittenRun
 from vmach.errors import InputError
 from vmach.path_geometry import position_at
 from vmach.preparation import Preparation
+from vmach.program_text import Expanded, Rewriter, Target, Written
 
 __all__ = ["Iteration", "Solution"]
 

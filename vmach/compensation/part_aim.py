@@ -9,11 +9,10 @@ import numpy as np
 from vmach.compensation.iteration import Iteration, Solution
 from vmach.compensation.part_view import PartDeviation, PartView
 from vmach.compensation.path_shift import PathShift, no_shift
-from vmach.compensation.pieces import Piece
 from vmach.compensation.plan import Plan
-from vmach.compensation.rewriting import Target
 from vmach.compensation.shift_fit import centred
 from vmach.compensation.surface_demand import SurfaceDemand
+from vmach.program_text import Piece, Target
 
 __all__ = ["PartAim", "aim_at_part"]
 

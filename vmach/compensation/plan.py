@@ -11,11 +11,11 @@ import numpy as np
 
 from gcode import MoveKind, Moves
 from vmach.compensation.arc_pieces import split_arc
-from vmach.compensation.pieces import Piece
 from vmach.compensation.reversals import reversals_of_arc, settled, turned_at_start
 from vmach.compensation.sampling import ErrorAlongMoves, ErrorAt
 from vmach.compensation.tube import fewest_pieces
 from vmach.path_geometry import move_length_mm, tangent_at
+from vmach.program_text import Piece
 
 __all__ = ["Plan", "across", "plan_pieces"]
 

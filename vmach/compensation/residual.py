@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vmach.compensation.expanded_text import Expanded
+from vmach.program_text import Expanded
 
 __all__ = ["Residual"]
 

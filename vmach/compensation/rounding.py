@@ -9,8 +9,8 @@ from numba import njit
 
 from gcode import MoveKind
 from vmach.compensation.plan import Plan
-from vmach.compensation.rewriting import Rewriter, Target
 from vmach.path_geometry import position_at, tangent_at
+from vmach.program_text import Rewriter, Target
 
 __all__ = ["rounded_target"]
 

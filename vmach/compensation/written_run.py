@@ -10,15 +10,14 @@ from pathlib import Path
 import numpy as np
 
 from gcode import MoveKind
-from vmach.compensation.expanded_text import Expanded
 from vmach.compensation.model import TipModel
 from vmach.compensation.path_shift import PathShift
 from vmach.compensation.plan import Plan, across
 from vmach.compensation.residual import Residual
-from vmach.compensation.rewriting import Written
 from vmach.errors import InputError
 from vmach.path_geometry import position_at, tangent_at
 from vmach.preparation import Preparation, prepare
+from vmach.program_text import Expanded, Written
 
 __all__ = ["WrittenRun"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from gcode import Word
-from vmach.compensation.block_text import BlockText, KlartextText, split_word
+from vmach.program_text.block_text import BlockText, KlartextText, split_word
 
 __all__ = ["AS_PROGRAMMED", "SAME", "UNKNOWN", "LineEdit", "line_edit"]
 

@@ -8,7 +8,7 @@ from itertools import product
 
 import numpy as np
 
-from vmach.compensation.pieces import circle_through
+from vmach.program_text.pieces import circle_through
 
 __all__ = ["ArcFit", "WantedArc", "best_centre", "best_radius", "chord_miss"]
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from gcode import Program, ProgramError, Step, block_items
-from vmach.compensation.expanded_text import Expanded, LineBuilder, number_text
 from vmach.errors import InputError
+from vmach.program_text.expanded_text import Expanded, LineBuilder, number_text
 
 __all__ = ["unrolled"]
 

@@ -51,7 +51,7 @@ def block_modes(program: Program) -> dict[int, BlockModes]:
     Parameters
     ----------
     program : Program
-        In plain blocks (`vmach.compensation.expansion.expanded`).
+        In plain blocks (`vmach.program_text.expansion.expanded`).
 
     Raises
     ------

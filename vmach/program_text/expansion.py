@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from gcode import MoveKind, Moves, Program, ProgramError, Source, read_program
-from vmach.compensation.expanded_text import Expanded
-from vmach.compensation.plain_motion import plain
-from vmach.compensation.unrolling import unrolled
 from vmach.errors import InputError
 from vmach.path_geometry import position_at
 from vmach.preparation import Preparation, prepare
+from vmach.program_text.expanded_text import Expanded
+from vmach.program_text.plain_motion import plain
+from vmach.program_text.unrolling import unrolled
 
 __all__ = ["Expanded", "expanded", "prepare_plain"]
 
@@ -32,7 +32,7 @@ def expanded(program: Program, *, floating_tap: bool = True) -> tuple[Program, E
     ----------
     program : Program
     floating_tap : bool
-        See `vmach.compensation.plain_motion.plain`.
+        See `vmach.program_text.plain_motion.plain`.
 
     Returns
     -------

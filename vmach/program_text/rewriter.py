@@ -8,16 +8,16 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from gcode import MoveKind, Program, Word
-from vmach.compensation.block_modes import BlockModes
-from vmach.compensation.block_text import block_text
-from vmach.compensation.expanded_text import number_text
-from vmach.compensation.frame_shift import FrameShift, turned_about_z, zero_settings
-from vmach.compensation.line_edit import AS_PROGRAMMED, SAME, UNKNOWN, line_edit
-from vmach.compensation.pieces import Piece
-from vmach.compensation.said_axes import said_axes
-from vmach.compensation.targets import CONTROLS, TargetControl
-from vmach.compensation.written_arc import WantedArc, best_centre, best_radius, chord_miss
 from vmach.path_geometry import move_length_mm, position_at
+from vmach.program_text.block_modes import BlockModes
+from vmach.program_text.block_text import block_text
+from vmach.program_text.control import CONTROLS, TargetControl
+from vmach.program_text.expanded_text import number_text
+from vmach.program_text.frame_shift import FrameShift, turned_about_z, zero_settings
+from vmach.program_text.line_edit import AS_PROGRAMMED, SAME, UNKNOWN, line_edit
+from vmach.program_text.pieces import Piece
+from vmach.program_text.said_axes import said_axes
+from vmach.program_text.written_arc import WantedArc, best_centre, best_radius, chord_miss
 
 __all__ = ["Rewriter", "Target", "Written"]
 

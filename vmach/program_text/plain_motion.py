@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcode import Modes, MoveKind, Program, Step, Word
-from vmach.compensation.expanded_text import Expanded, LineBuilder, number_text
 from vmach.errors import InputError
+from vmach.program_text.expanded_text import Expanded, LineBuilder, number_text
 
 __all__ = ["plain"]
 
