@@ -16,7 +16,7 @@ from vmach.diagnosis.job_survey import survey_job, survey_part
 from vmach.diagnosis.named_fit import NamedEffect, fit_named
 from vmach.errors import InputError
 from vmach.fit.survey import Survey
-from vmach.job import read_job
+from vmach.job import Job, read_job
 from vmach.toml_file import read_text
 from vmach.units import um_from_mm
 
@@ -93,16 +93,14 @@ def add_effects(
     return target, found
 
 
-def history_of(
-    job_path: str | Path, *, check_program: Path | None = None, check_points: Path | None = None
-) -> list[Step]:
+def history_of(job_path: str | Path, *, check: Job | None = None) -> list[Step]:
     """The models that led to a job, the first one first, each evaluated anew.
 
     Parameters
     ----------
     job_path : path
-    check_program, check_points : Path, optional
-        Another part of the same machine: its program and its measured points.
+    check : Job, optional
+        Another part of the same machine, with its measured points; its own effects do not count.
 
     Raises
     ------
@@ -117,11 +115,9 @@ def history_of(
             raise InputError("the history goes round in a circle", file=job.path)
         seen.add(job.path.resolve())
         last = job.history[-1] if job.history else {}
-        check = None
-        if check_program is not None and check_points is not None:
-            check = rms_um(survey_part(job, check_program, check_points))
+        on_other = None if check is None else rms_um(survey_part(check, job))
         steps.append(
-            Step(job.path, tuple(last.get("added", ())), rms_um(survey_job(job.path)), check)
+            Step(job.path, tuple(last.get("added", ())), rms_um(survey_job(job.path)), on_other)
         )
         if "previous" not in last:
             return steps[::-1]

@@ -13,11 +13,13 @@ import json
 import sys
 import tempfile
 import time
+from dataclasses import replace
 from pathlib import Path
 
 from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.job_survey import survey_job
 from vmach.history import add_effects, history_of
+from vmach.job import read_job
 
 
 def main(folder: Path) -> None:
@@ -56,9 +58,9 @@ def _on_other_part(trial: Path, found) -> list[float]:
         job = trial / "job.toml"
         if labels:
             job, _ = add_effects(job, labels, out=Path(folder) / "added.toml")
-        steps = history_of(
-            job, check_program=trial / "check.nc", check_points=trial / "check_measured.csv"
-        )
+        other = read_job(trial / "job.toml")
+        check = replace(other, program=trial / "check.nc", measured=trial / "check_measured.csv")
+        steps = history_of(job, check=check)
     return [s.check_rms_um for s in steps]
 
 

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 from rich.table import Table
 
 from vmach.progress import progress_bar
+
+if TYPE_CHECKING:
+    from vmach.job import Job
 
 __all__ = ["add", "diagnose", "effects_app", "history"]
 
@@ -91,8 +95,13 @@ def add(
 
 def history(
     job: JobPath,
-    check_program: Annotated[Path | None, typer.Option(help="program of another part")] = None,
-    check_points: Annotated[Path | None, typer.Option(help="its measured points")] = None,
+    check_job: Annotated[
+        Path | None, typer.Option(help="job of another part, measured; nothing is fitted to it")
+    ] = None,
+    check_program: Annotated[
+        Path | None, typer.Option(help="or its program, where all else is as in JOB")
+    ] = None,
+    check_points: Annotated[Path | None, typer.Option(help="and its measured points")] = None,
     picture: Annotated[Path | None, typer.Option(help="PNG file to draw")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print the figures as JSON")] = False,
     effect_file: OwnEffects = None,
@@ -101,9 +110,10 @@ def history(
     from vmach.history import draw_history, history_of
 
     _load(effect_file)
+    check = _other_part(job, check_job, check_program, check_points)
     with progress_bar() as progress:
         progress("evaluate", 0, 1)
-        steps = history_of(job, check_program=check_program, check_points=check_points)
+        steps = history_of(job, check=check)
     folder = job if job.is_dir() else job.parent
     draw_history(steps, picture or folder / "history.png")
     if as_json:
@@ -119,12 +129,29 @@ def history(
         print(json.dumps(rows, indent=1))
         return
     table = Table("job", "added", "RMS fitted, um")
-    if check_points is not None:
+    if check is not None:
         table.add_column("RMS other part, um")
     for s in steps:
         other = [] if s.check_rms_um is None else [f"{s.check_rms_um:.2f}"]
         table.add_row(s.job.name, ", ".join(s.added), f"{s.rms_um:.2f}", *other)
     Console().print(table)
+
+
+def _other_part(
+    job: Path, other: Path | None, program: Path | None, points: Path | None
+) -> Job | None:
+    """The job of the part to check on, from its own file or as another program of `job`."""
+    from vmach.job import read_job
+
+    if other is not None and (program is not None or points is not None):
+        raise typer.BadParameter("--check-job brings its own program and points")
+    if (program is None) != (points is None):
+        raise typer.BadParameter("--check-program and --check-points go together")
+    if other is not None:
+        return read_job(other)
+    if program is None:
+        return None
+    return replace(read_job(job), program=program, measured=points)
 
 
 @effects_app.command("list")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from vmach.effects import read_effects
@@ -37,8 +38,18 @@ def survey_job(job_path: str | Path) -> Survey:
     return Survey(job, tuple(found))
 
 
-def survey_part(job: Job, program: Path, points: Path) -> Survey:
-    """Another part that the job's machine made, by another program and its measured points."""
-    effects = read_effects(job.effects, file=job.path, job=job)
-    part, _ = measure_part(prepare(job, program_path=program), points, effects=effects)
-    return Survey(job, (part,))
+def survey_part(other: Job, model: Job) -> Survey:
+    """The measured part of another job, with the machine and the effects of `model`.
+
+    Raises
+    ------
+    InputError, gcode.ProgramError
+        Anything wrong with the files; or the other job has no measured points.
+    """
+    if other.measured is None:
+        raise InputError(
+            "no part was measured", file=other.path, accepted="measured = a CSV of CMM points"
+        )
+    job = replace(other, machine=model.machine, effects=model.effects)
+    effects = read_effects(model.effects, file=model.path, job=job)
+    return Survey(job, (measure_part(prepare(job), other.measured, effects=effects)[0],))

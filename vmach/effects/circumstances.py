@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from gcode import Moves
+from vmach.effects.blank_depth import blank_depth_mm
 from vmach.effects.engagement import radial_depth_mm
 from vmach.effects.history_of_motion import REFERENCE_AXIS_MM_PER_S, MotionHistory
 from vmach.effects.path_dynamics import corner_before, curvature_per_mm
@@ -230,12 +231,15 @@ class Circumstances:
 
     @cached_property
     def radial_depth_mm(self) -> np.ndarray:
-        """Material along the normal that the last cut took away, (P,)."""
+        """Material along the normal that the last cut took away, (P,).
+
+        Up to what earlier passes of the program left, or the blank where none went.
+        """
         lengths = self.states.tool_lengths_mm
         radii = np.full(len(lengths), np.nan)
         for number, tool in self.job.tools.items():
             radii[number] = 0.5 * tool.diameter_mm
-        return radial_depth_mm(
+        depth = radial_depth_mm(
             self.moves,
             self.states.move,
             parameter=self.states.parameter,
@@ -245,6 +249,11 @@ class Circumstances:
             contact_mm=self.contact_mm,
             normal=self.normal,
         )
+        if self.job.blank is None:
+            return depth
+        across = np.linalg.norm(self.side_normal, axis=1, keepdims=True)
+        outwards = self.side_normal / np.where(across > 0.0, across, np.inf)
+        return blank_depth_mm(self.job.blank, self.on_part_mm, outwards, depth)
 
     @cached_property
     def axial_depth_mm(self) -> np.ndarray:

@@ -1,0 +1,63 @@
+"""The error on a part that was not fitted, against an alignment of the tests' own."""
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from tests.hidden_effects import program_runs
+from tests.hidden_effects.experiment import make_experiment
+from vmach.cli import app
+
+
+def run(*words):
+    return CliRunner().invoke(app, ["history", *map(str, words)])
+
+
+@pytest.fixture(scope="module")
+def fixed(tmp_path_factory):
+    """A job to which the missing effect was added, the part to check on, and its own job file."""
+    folder = tmp_path_factory.mktemp("history")
+    made = make_experiment(folder, effects=["backlash"], seed=31)
+    job = program_runs.add(folder, program_runs.diagnose(folder)[0])
+    text = (folder / "job.toml").read_text()
+    (folder / "check.toml").write_text(
+        text.replace("part.nc", "check.nc").replace("part_measured", "check_measured")
+    )
+    return job, made.check
+
+
+def test_both_ways_to_say_which_part_agree_with_the_tests_own_alignment(fixed):
+    job, check = fixed
+    points, program = job.with_name("check_measured.csv"), job.with_name("check.nc")
+    wanted = [
+        program_runs.aligned_rms_um(
+            program_runs.predicted_um(step, points, program=program), check
+        )
+        for step in (job.with_name("job.toml"), job)
+    ]
+    assert wanted[1] < 1.0 < wanted[0]
+    for way in (
+        ("--check-job", job.with_name("check.toml")),
+        ("--check-program", program, "--check-points", points),
+    ):
+        steps = json.loads(run(job, "--json", *way).stdout)
+        assert [s["check_rms_um"] for s in steps] == pytest.approx(wanted, abs=2e-3)
+
+
+def test_half_of_another_part_is_refused(fixed):
+    job, _ = fixed
+    found = run(job, "--check-program", job.with_name("check.nc"))
+    assert found.exit_code == 2
+    assert "go together" in found.output
+    other = job.with_name("check.toml")
+    assert run(job, "--check-job", other, "--check-program", other).exit_code == 2
+
+
+def test_another_part_has_to_be_measured(fixed):
+    job, _ = fixed
+    bare = job.with_name("bare.toml")
+    bare.write_text(job.with_name("check.toml").read_text().replace("measured =", "#"))
+    found = run(job, "--check-job", bare)
+    assert found.exit_code != 0
+    assert "no part was measured" in str(found.exception)
