@@ -31,9 +31,7 @@ def test_both_ways_to_say_which_part_agree_with_the_tests_own_alignment(fixed):
     job, check = fixed
     points, program = job.with_name("check_measured.csv"), job.with_name("check.nc")
     wanted = [
-        program_runs.aligned_rms_um(
-            program_runs.predicted_um(step, points, program=program), check
-        )
+        program_runs.aligned_rms_um(program_runs.predicted_um(step, points, program=program), check)
         for step in (job.with_name("job.toml"), job)
     ]
     assert wanted[1] < 1.0 < wanted[0]
