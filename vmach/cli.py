@@ -15,11 +15,13 @@ from gcode import ProgramError, canon_calls, canon_lines, read_program, read_too
 from stock import StockError
 from vmach import __version__
 from vmach.accuracy.command import accuracy
+from vmach.atomic import atomic_file, check_outputs
 from vmach.compensation.command import compensate
 from vmach.controller_tables.command import tables
 from vmach.diagnosis.command import add, diagnose, effects_app, history
 from vmach.errors import InputError, VmachError
 from vmach.iso230.command import iso230
+from vmach.job import read_job
 from vmach.kernel_cache import compile_without_collection, forget_stale_kernels
 from vmach.machine import Variant
 from vmach.progress import progress_bar
@@ -89,8 +91,10 @@ def predict(
 ) -> None:
     """Predicted deviation at given surface points, with the NC line that made each."""
     from vmach.pipeline import predict_points
-    from vmach.results import prediction_rows, prediction_summary, write_prediction_csv
+    from vmach.results import prediction_summary, write_prediction, write_prediction_csv
 
+    inputs = [file for _, file in read_job(job).files()]
+    check_outputs([out], inputs=[*inputs, points, *([program] if program else [])])
     with progress_bar() as progress:
         found, prediction = predict_points(
             job, points, program_path=program, variant=model, progress=progress
@@ -100,8 +104,7 @@ def predict(
     if as_json:
         print(json.dumps(prediction_summary(found, prediction), indent=1))
     elif out is None:
-        for row in prediction_rows(found, prediction):
-            print(",".join(map(str, row)))
+        write_prediction(sys.stdout, found, prediction)
     else:
         figures = prediction_summary(found, prediction)
         print(f"{out}: {figures['points']} points, {figures['status']}")
@@ -115,9 +118,9 @@ def path(
     as_json: AsJson = False,
 ) -> None:
     """Error of the tool tip along the program, whatever it cuts."""
-    from vmach.report import atomic_file
     from vmach.tip_errors import tip_errors, write_tip_errors_csv
 
+    check_outputs([out], inputs=[file for _, file in read_job(job).files()])
     with progress_bar() as progress:
         progress("path", 0, 1)
         found = tip_errors(job, model)
@@ -185,9 +188,19 @@ def _machine(
 ) -> None:
     from vmach.pipeline import machine_part
     from vmach.report import variants_table
-    from vmach.results import default_folder, run_record, write_coloured_part, write_results
+    from vmach.results import (
+        RESULT_FILES,
+        default_folder,
+        run_record,
+        write_coloured_part,
+        write_results,
+    )
 
     out = out or default_folder(job)
+    inputs = [file for _, file in read_job(job).files()]
+    check_outputs([part_file], inputs=inputs)
+    if out.is_dir():
+        check_outputs([part_file, *(out / name for name in RESULT_FILES)], inputs=inputs)
     with progress_bar() as progress:
         made = machine_part(
             job, model=model, variants=variants, prefer_measured=prefer_measured, progress=progress
@@ -202,7 +215,7 @@ def _machine(
     console.print(variants_table(made.points, run_record(made, _command_line())))
     for note in figures["run"]["warnings"]:
         console.print(f"note: {note}", highlight=False, markup=False)
-    console.print(f"results in {out}: report.html, heatmap.png, part.stl, deviations.csv")
+    console.print(f"results in {out}: {', '.join(RESULT_FILES)}", highlight=False, markup=False)
 
 
 def _command_line() -> str:

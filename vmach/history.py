@@ -12,17 +12,22 @@ from typing import Any
 
 import numpy as np
 
+from vmach.atomic import atomic_file
 from vmach.diagnosis.job_survey import survey_job, survey_part
 from vmach.diagnosis.named_fit import NamedEffect, fit_named
 from vmach.errors import InputError
 from vmach.fit.survey import Survey
 from vmach.job import Job, read_job
-from vmach.toml_file import read_text
+from vmach.text_file import read_text
 from vmach.units import um_from_mm
 
 __all__ = ["Step", "add_effects", "draw_history", "history_of"]
 
-_PATHS = re.compile(r'^(\s*(?:machine|program|nominal|measured|file)\s*=\s*")([^"]+)(")', re.M)
+_PATHS = re.compile(
+    r"""^(?P<key>\s*(?:machine|program|nominal|measured|file)\s*=\s*)"""
+    r"""(?P<quote>["'])(?P<path>(?:(?!(?P=quote)).)+)(?P=quote)""",
+    re.MULTILINE,
+)
 
 
 @dataclass(frozen=True)
@@ -87,9 +92,8 @@ def add_effects(
     after = rms_um(survey, sum(effect.explained_mm for effect in found))
     text = text.rstrip() + "\n\n" + "\n".join(effect_toml(e) for e in found)
     text += _history_toml(job.path, target.parent, found, before=before, after=after)
-    partial = target.with_name(target.name + ".part")
-    partial.write_text(text, encoding="utf-8")
-    os.replace(partial, target)
+    with atomic_file(target) as temporary:
+        temporary.write_text(text, encoding="utf-8")
     return target, found
 
 
@@ -154,7 +158,8 @@ def draw_history(steps: Sequence[Step], path: Path) -> None:
     axes.set_ylabel("RMS of measured minus predicted in um")
     axes.legend()
     axes.grid(alpha=0.3, axis="y")
-    figure.savefig(path, dpi=130)
+    with atomic_file(path) as temporary:
+        figure.savefig(temporary, format="png", dpi=130)
 
 
 def effect_toml(effect: NamedEffect) -> str:
@@ -204,9 +209,9 @@ def _moved(text: str, old: Path, new: Path) -> str:
         return text
 
     def rebased(match: re.Match) -> str:
-        path = Path(match.group(2))
+        path = Path(match["path"])
         if not path.is_absolute():
             path = Path(os.path.relpath((old / path).resolve(), new.resolve()))
-        return f"{match.group(1)}{path.as_posix()}{match.group(3)}"
+        return f"{match['key']}{match['quote']}{path.as_posix()}{match['quote']}"
 
     return _PATHS.sub(rebased, text)

@@ -14,14 +14,19 @@ from pydantic import AfterValidator, Field
 from stock import StockError, Tool, make_tool
 from vmach.errors import InputError
 from vmach.machine import Machine, read_machine
-from vmach.toml_file import FileSection, line_of_key, read_text, read_toml
+from vmach.text_file import read_text
+from vmach.toml_file import (
+    FileSection,
+    Finite,
+    NonNegative,
+    Point,
+    Positive,
+    Whole,
+    line_of_key,
+    read_toml,
+)
 
 __all__ = ["WORK_OFFSETS", "Blank", "Inspection", "Job", "JobTool", "read_job"]
-
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Point = tuple[Finite, Finite, Finite]
 
 #: names of the work offsets in the order of their numbers, 1 = G54
 WORK_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
@@ -30,7 +35,7 @@ WORK_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59
 def _known_offsets(offsets: dict[str, Point]) -> dict[str, Point]:
     for name in offsets:
         if name not in WORK_OFFSETS:
-            raise ValueError(f"'{name}' is no work offset; accepted: {', '.join(WORK_OFFSETS)}")
+            raise ValueError(f"accepted: {', '.join(WORK_OFFSETS)}")
     return offsets
 
 
@@ -62,7 +67,7 @@ class _Tool(FileSection):
     shank_diameter_mm: Finite | None = None
     holder_mm: list[tuple[Finite, Finite]] | None = None
     profile_mm: list[tuple[Finite, Finite]] | None = None
-    flutes: Annotated[int, Field(ge=1)] | None = None
+    flutes: Whole | None = None
 
 
 class _Inspection(FileSection):
@@ -72,6 +77,15 @@ class _Inspection(FileSection):
     tolerance_um: Positive = 10.0
     alignment: Literal["none", "best-fit", "datum"] = "none"
     datums: list[list[str]] = []
+
+
+class _Step(FileSection):
+    """What ``vmach add`` notes of the job before."""
+
+    previous: str
+    added: list[str] = []
+    rms_before_um: NonNegative | None = None
+    rms_after_um: NonNegative | None = None
 
 
 class _JobFile(FileSection):
@@ -89,7 +103,7 @@ class _JobFile(FileSection):
     inspection: _Inspection = _Inspection()
     effects: dict[str, Any] = {}
     measurements: list[dict[str, Any]] = []
-    history: list[dict[str, Any]] = []
+    history: list[_Step] = []
 
 
 @dataclass(frozen=True)
@@ -240,7 +254,8 @@ def read_job(path: str | Path) -> Job:
             return None
         target = path.parent / name
         if not target.is_file():
-            raise InputError(f"{key} = '{name}': no such file", **at(key))
+            why = "is a folder, not a file" if target.is_dir() else "no such file"
+            raise InputError(f"{key} = '{name}': {why}", **at(key))
         return target
 
     if data.workpiece_zero is not None and data.workpiece_zero not in data.work_offsets_mm:
@@ -268,7 +283,7 @@ def read_job(path: str | Path) -> Job:
         inspection=_inspection(data.inspection),
         effects=data.effects,
         measurements=data.measurements,
-        history=data.history,
+        history=[step.model_dump(exclude_none=True) for step in data.history],
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,12 +11,16 @@ from pathlib import Path
 import numpy as np
 
 from vmach.errors import InputError
+from vmach.text_file import column_hint, read_text
 from vmach.units import mm_from_um
 
 __all__ = ["SurfacePoints", "read_points_csv"]
 
 #: how far the length of a normal in a file may be from 1
 UNIT_TOLERANCE = 1e-3
+
+#: beyond this, mm or um, a number in a file is a slip
+_LARGEST = 1e6
 
 _NOMINAL = ("x", "y", "z", "i", "j", "k")
 _MEASURED = ("mx", "my", "mz")
@@ -143,26 +148,21 @@ def _read_uncertainty(table: _Table) -> np.ndarray | None:
 
 def _read_rows(path: Path) -> tuple[list[str], list[list[str]], np.ndarray]:
     """Names of the columns, the rows' cells and the line that each row ends on."""
+    text = read_text(path, what="points file")
     try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file, strict=True)
-            numbered = [
-                (reader.line_num, row)
-                for row in reader
-                if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
-            ]
-    except OSError as error:
-        raise InputError(
-            f"cannot read the points: {error.strerror}", file=path, accepted="a CSV file"
-        ) from None
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"not a CSV text in UTF-8: {error}", file=path) from None
+        reader = csv.reader(io.StringIO(text), strict=True)
+        numbered = [
+            (reader.line_num, row)
+            for row in reader
+            if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
+        ]
+    except csv.Error as error:
+        raise InputError(f"no CSV text: {error}", file=path, line=reader.line_num) from None
     if len(numbered) < 2:
         raise InputError(
             "no points in the file", file=path, accepted=f"a heading {', '.join(_KNOWN)} and rows"
         )
     header = [cell.strip().lower() for cell in numbered[0][1]]
-    hint = "separate the columns by commas, with a decimal point" if ";" in header[0] else None
     missing = [name for name in ("id", *_NOMINAL) if name not in header]
     missing += [n for n in _MEASURED if n not in header and set(_MEASURED) & set(header)]
     if missing:
@@ -171,7 +171,7 @@ def _read_rows(path: Path) -> tuple[list[str], list[list[str]], np.ndarray]:
             file=path,
             line=numbered[0][0],
             accepted=", ".join(_KNOWN),
-            hint=hint,
+            hint=column_hint(header),
         )
     repeated = [name for name, times in Counter(header).items() if times > 1 and name in _KNOWN]
     if repeated:
@@ -224,9 +224,9 @@ class _Table:
         except ValueError:
             values = np.array([_number_or_nan(cell) for cell in cells])
         self.check(
-            np.isfinite(values),
+            np.abs(values) <= _LARGEST,
             lambda row: f"{name} is {cells[row].strip()!r}",
-            accepted="a finite number",
+            accepted=f"a finite number, {_LARGEST:g} at most",
         )
         return values
 

@@ -9,10 +9,12 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
 from stock import write_part
+from vmach.atomic import atomic_file, atomic_folder
 from vmach.error_budget import write_budget_csv
 from vmach.inspection import remainder_rms_mm
 from vmach.pipeline import MachinedPart
@@ -23,8 +25,6 @@ from vmach.report import (
     STATUSES,
     InputFile,
     RunRecord,
-    atomic_file,
-    atomic_folder,
     build_display_mesh,
     draw_heatmap,
     part_colours,
@@ -37,14 +37,26 @@ from vmach.stage_clock import Progress, StageClock, silent
 from vmach.units import um_from_mm
 
 __all__ = [
+    "RESULT_FILES",
     "default_folder",
     "prediction_rows",
     "prediction_summary",
     "run_record",
     "write_coloured_part",
+    "write_prediction",
     "write_prediction_csv",
     "write_results",
 ]
+
+#: what a run leaves in its folder
+RESULT_FILES = (
+    "report.html",
+    "heatmap.png",
+    "summary.json",
+    "deviations.csv",
+    "budget.csv",
+    "part.stl",
+)
 
 _PACKAGES = ("vmach", "numpy", "scipy", "numba", "manifold3d", "trimesh", "pyvista")
 
@@ -171,9 +183,14 @@ def prediction_rows(points: SurfacePoints, prediction: Prediction) -> Iterator[l
 def write_prediction_csv(path: Path, points: SurfacePoints, prediction: Prediction) -> None:
     """Write `prediction_rows` under their heading, the whole file or nothing."""
     with atomic_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(PREDICTION_COLUMNS)
-        writer.writerows(prediction_rows(points, prediction))
+        write_prediction(file, points, prediction)
+
+
+def write_prediction(file: TextIO, points: SurfacePoints, prediction: Prediction) -> None:
+    """Write `prediction_rows` under their heading to an open file."""
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(PREDICTION_COLUMNS)
+    writer.writerows(prediction_rows(points, prediction))
 
 
 def prediction_summary(points: SurfacePoints, prediction: Prediction) -> dict:

@@ -18,7 +18,6 @@ from vmach.units import um_from_mm
 
 __all__ = ["TipErrors", "tip_errors", "write_tip_errors_csv"]
 
-
 _COLUMNS = ("line", "tool", "time_s", "X_mm", "Y_mm", "Z_mm", "dx_um", "dy_um", "dz_um")
 
 
@@ -74,7 +73,5 @@ def write_tip_errors_csv(path: Path, found: TipErrors) -> None:
     )
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(
-            ["line", "tool", "time_s", "X_mm", "Y_mm", "Z_mm", "dx_um", "dy_um", "dz_um"]
-        )
+        writer.writerow(_COLUMNS)
         writer.writerows(rows)

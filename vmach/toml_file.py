@@ -5,14 +5,51 @@ from __future__ import annotations
 import difflib
 import re
 import tomllib
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TypeVar
+from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationError
 
 from vmach.errors import InputError
+from vmach.text_file import read_text
 
-__all__ = ["FileSection", "line_of_key", "read_text", "read_toml"]
+__all__ = [
+    "FileSection",
+    "Finite",
+    "NonNegative",
+    "Point",
+    "Positive",
+    "Whole",
+    "check_section",
+    "line_of_key",
+    "read_toml",
+]
+
+#: beyond this a number in a file is a slip, whatever its unit: a kilometre, a radian in urad
+_LARGEST = 1e6
+
+_Number = Annotated[float, Strict()]  # "10" and true are no numbers
+Finite = Annotated[_Number, Field(ge=-_LARGEST, le=_LARGEST, allow_inf_nan=False)]
+Positive = Annotated[_Number, Field(gt=0, le=_LARGEST, allow_inf_nan=False)]
+NonNegative = Annotated[_Number, Field(ge=0, le=_LARGEST, allow_inf_nan=False)]
+Whole = Annotated[int, Strict(), Field(ge=1)]
+Point = tuple[Finite, Finite, Finite]
+
+#: what pydantic asks for, by its type of complaint, in the words of this program
+_ACCEPTED = {
+    "bool_type": "true or false",
+    "dict_type": "a table",
+    "finite_number": "a finite number",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "int_parsing": "a whole number",
+    "list_type": "a list in brackets",
+    "model_type": "a table",
+    "string_type": "text in quotes",
+    "tuple_type": "a list in brackets",
+}
 
 
 class FileSection(BaseModel):
@@ -22,18 +59,6 @@ class FileSection(BaseModel):
 
 
 Section = TypeVar("Section", bound=FileSection)
-
-
-def read_text(path: Path, *, what: str) -> str:
-    """Text of a file, or an `InputError` that says which file is missing or unreadable."""
-    try:
-        return path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise InputError(f"{what} not found", file=path) from None
-    except IsADirectoryError:
-        raise InputError(f"{what} is a folder, not a file", file=path) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{what} cannot be read: {error}", file=path) from None
 
 
 def read_toml(path: Path, schema: type[Section], *, what: str) -> Section:
@@ -57,34 +82,77 @@ def read_toml(path: Path, schema: type[Section], *, what: str) -> Section:
     except tomllib.TOMLDecodeError as error:
         found = re.search(r"at line (\d+)", str(error))
         line = int(found.group(1)) if found else None
-        raise InputError(f"{what} is not valid TOML: {error}", file=path, line=line) from None
+        written = text.splitlines()[line - 1].strip() if line else "the end of the file"
+        raise InputError(
+            f"{what} is not valid TOML at '{written}': {error}",
+            file=path,
+            line=line,
+            hint="text stands in quotes, numbers have a decimal point",
+        ) from None
+    return check_section(data, schema, file=path, text=text)
+
+
+def check_section(
+    data: Mapping[str, Any],
+    schema: type[Section],
+    *,
+    file: Path,
+    text: str,
+    within: Sequence[str] = (),
+) -> Section:
+    """Check a table of a TOML file against a schema.
+
+    Parameters
+    ----------
+    data : mapping
+        The table.
+    schema : subclass of FileSection
+    file, text : Path, str
+        Where the table stands, for messages.
+    within : sequence of str
+        Keys that lead to the table.
+
+    Raises
+    ------
+    InputError
+        Unknown key, wrong type or value; with line and key.
+    """
     try:
         return schema.model_validate(data)
     except ValidationError as error:
-        raise _first_complaint(error, path, text, schema) from None
+        # a misspelt key is also a missing one: say what was written first
+        first = min(error.errors(), key=lambda c: c["type"] != "extra_forbidden")
+        keys = [str(part) for part in first["loc"]]
+        line = line_of_key(text, [*within, *keys])
+        raise _complaint(first, keys, schema, file=file, line=line) from None
 
 
-def _first_complaint(
-    error: ValidationError, path: Path, text: str, schema: type[FileSection]
+def _complaint(
+    first: Mapping[str, Any],
+    keys: list[str],
+    schema: type[FileSection],
+    *,
+    file: Path,
+    line: int | None,
 ) -> InputError:
-    complaints = error.errors()
-    # a misspelt key is also a missing one: say what was written first
-    first = min(complaints, key=lambda c: c["type"] != "extra_forbidden")
-    keys = [str(part) for part in first["loc"]]
-    dotted = ".".join(keys)
-    line = line_of_key(text, keys)
+    where, dotted = {"file": file, "line": line}, ".".join(keys)
+    known = _known_keys(schema, keys[:-1])
     if first["type"] == "extra_forbidden":
-        known = _known_keys(schema, keys[:-1])
         close = difflib.get_close_matches(keys[-1], known, n=1)
         hint = f"did you mean '{close[0]}'?" if close else None
-        return InputError(
-            f"unknown key '{dotted}'", file=path, line=line, accepted=", ".join(known), hint=hint
-        )
+        what = f"unknown key '{dotted}'"
+        return InputError(what, **where, accepted=", ".join(known), hint=hint)
+    if first["type"] == "missing" and keys[-1].isdigit():
+        what = f"'{'.'.join(keys[:-1])}' = {first['input']!r}"
+        return InputError(what, **where, accepted="a longer list")
     if first["type"] == "missing":
-        parent = line_of_key(text, keys[:-1])
-        return InputError(f"key '{dotted}' is missing", file=path, line=parent)
-    message = first["msg"].removeprefix("Value error, ")
-    return InputError(f"'{dotted}' = {first['input']!r}: {message}", file=path, line=line)
+        return InputError(f"key '{dotted}' is missing", **where, accepted=", ".join(known))
+    return InputError(f"'{dotted}' = {first['input']!r}", **where, accepted=_accepted(first))
+
+
+def _accepted(complaint: Mapping[str, Any]) -> str:
+    message = complaint["msg"].removeprefix("Value error, ").removeprefix("accepted: ")
+    return _ACCEPTED.get(complaint["type"], message.removeprefix("Input should be "))
 
 
 def _known_keys(schema: type[FileSection], keys: list[str]) -> list[str]:
@@ -110,15 +178,21 @@ def _section_in(annotation: object) -> type[FileSection] | None:
 
 
 def line_of_key(text: str, keys: list[str]) -> int | None:
-    """1-based line where a dotted key, or the closest table above it, is written."""
-    lines = text.splitlines()
+    """1-based line where a dotted key, or the closest table above it, is written.
+
+    Tables in an array are counted from 0: ``["measurements", "1", "kind"]``.
+    """
     table: list[str] = []
     best, depth = None, 0
-    for number, line in enumerate(lines, 1):
-        header = re.match(r"\s*\[+\s*([^\]]+?)\s*\]+", line)
+    seen: Counter[str] = Counter()
+    for number, line in enumerate(text.splitlines(), 1):
+        header = re.match(r"\s*(\[+)\s*([^\]]+?)\s*\]+", line)
         assignment = re.match(r"\s*([A-Za-z0-9_.\"'-]+)\s*=", line)
         if header:
-            table = _split_key(header.group(1))
+            table = _split_key(header.group(2))
+            if header.group(1) == "[[":
+                seen[header.group(2)] += 1
+                table = [*table, str(seen[header.group(2)] - 1)]
             here = table
         elif assignment:
             here = table + _split_key(assignment.group(1))

@@ -54,6 +54,33 @@ CASES = {
         lambda f: replace(f / "job.toml", "length_mm = 100", 'length_mm = "long"'),
         ["job.toml:", "tools.1.length_mm", "'long'"],
     ),
+    "number in quotes": (
+        lambda f: replace(f / "job.toml", "length_mm = 100", 'length_mm = "100"'),
+        ["job.toml:", "tools.1.length_mm", "accepted: a number"],
+    ),
+    "decimal comma": (
+        lambda f: replace(f / "job.toml", "diameter_mm = 10", "diameter_mm = 10,5"),
+        ["job.toml:12", "'diameter_mm = 10,5'", "decimal point"],
+    ),
+    "job in another encoding": (
+        lambda f: (f / "job.toml").write_bytes("schema = 1\n# Fräser".encode("latin-1")),
+        ["job.toml:2", "0xe4", "accepted: UTF-8"],
+    ),
+    "table with semicolons": (
+        lambda f: (
+            (f / "EXX.csv").write_text("position_mm;forward;backward\n0;1,5;2\n"),
+            replace(f / "machine.toml", "[axes.X]", '[errors.EXX]\ntable = "EXX.csv"\n[axes.X]'),
+        ),
+        ["EXX.csv:1", "position_mm;forward;backward", "separate the columns by commas"],
+    ),
+    "folder for a file": (
+        lambda f: ((f / "part.nc").unlink(), (f / "part.nc").mkdir()),
+        ["job.toml:3", "part.nc", "is a folder"],
+    ),
+    "tool as large as a hall": (
+        lambda f: replace(f / "job.toml", "diameter_mm = 10", "diameter_mm = 1e300"),
+        ["job.toml:", "tools.1.diameter_mm", "accepted: less than"],
+    ),
     "tool of zero diameter": (
         lambda f: replace(f / "job.toml", "diameter_mm = 10", "diameter_mm = 0"),
         ["job.toml:", "tools.1.diameter_mm", "greater than 0"],
@@ -165,3 +192,28 @@ def test_wrong_usage(monkeypatch, capsys):
     assert run_vmach(monkeypatch, capsys, "run")[0] == 2
     assert run_vmach(monkeypatch, capsys, "run", "x", "--model", "none-such")[0] == 2
     assert run_vmach(monkeypatch, capsys, "frobnicate")[0] == 2
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["predict", "--points", "points.csv", "-o", "points.csv"],
+        ["predict", "--points", "points.csv", "-o", "job.toml"],
+        ["path", "-o", "part.nc"],
+        ["run", "--part", "part.stl", "--out", "."],
+        ["run", "--out", "."],
+        ["compensate", "-o", "part.nc"],
+        ["diagnose", "--json", "machine.toml"],
+        ["history", "--picture", "points.csv"],
+    ],
+)
+def test_no_result_replaces_a_file_that_is_read(arguments, job, monkeypatch, capsys):
+    write_nominal_stl(job.parent / "part.stl")
+    replace(job, "measured =", 'nominal = "part.stl"\nmeasured =')
+    monkeypatch.chdir(job.parent)
+    before = {path: path.read_bytes() for path in job.parent.iterdir()}
+    command, *rest = arguments
+    status, _, message = run_vmach(monkeypatch, capsys, command, job.name, *rest)
+    assert status == 1
+    assert "is read by this command" in message
+    assert {path: path.read_bytes() for path in job.parent.iterdir()} == before

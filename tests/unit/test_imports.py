@@ -9,8 +9,8 @@ ROOT = Path(__file__).parents[2]
 
 #: layer of every part of vmach; a part may import its own layer and lower ones
 LAYERS = [
-    {"units", "errors", "stage_clock", "progress", "kernel_cache"},
-    {"toml_file", "points", "path_geometry", "alignment", "nominal"},
+    {"units", "errors", "atomic", "stage_clock", "progress", "kernel_cache"},
+    {"text_file", "toml_file", "points", "path_geometry", "alignment", "nominal"},
     {"machine", "accuracy", "iso230"},
     {"job", "toolpath"},
     {"sweeping", "preparation", "effects"},

@@ -3,11 +3,12 @@
 import pytest
 
 from vmach.errors import InputError
-from vmach.toml_file import FileSection, line_of_key, read_toml
+from vmach.toml_file import FileSection, Finite, Point, line_of_key, read_toml
 
 
 class Inner(FileSection):
-    length_mm: float = 1.0
+    length_mm: Finite = 1.0
+    corner_mm: Point = (0.0, 0.0, 0.0)
     names: list[str] = []
 
 
@@ -33,13 +34,48 @@ def test_unknown_key_in_a_nested_table(tmp_path):
         read(tmp_path, 'machine = "m"\n\n[tools.2]\nlenght_mm = 3\n')
     message = str(caught.value)
     assert "file.toml:4: unknown key 'tools.2.lenght_mm'" in message
-    assert "accepted: length_mm, names" in message
+    assert "accepted: length_mm, corner_mm, names" in message
     assert "did you mean 'length_mm'?" in message
 
 
 def test_wrong_type(tmp_path):
     with pytest.raises(InputError, match=r"file.toml:3: 'inner.length_mm' = 'long'"):
         read(tmp_path, 'machine = "m"\n[inner]\nlength_mm = "long"\n')
+
+
+@pytest.mark.parametrize(
+    ("value", "accepted"),
+    [
+        ('"3"', "a number"),
+        ("true", "a number"),
+        ("nan", "a finite number"),
+        ("1e7", "less than or equal to 1000000"),
+        ("[3]", "a number"),
+    ],
+)
+def test_no_number(tmp_path, value, accepted):
+    with pytest.raises(
+        InputError, match=rf"file.toml:3: 'inner.length_mm' = .*accepted: {accepted}"
+    ):
+        read(tmp_path, f'machine = "m"\n[inner]\nlength_mm = {value}\n')
+
+
+def test_a_whole_number_is_a_number(tmp_path):
+    assert read(tmp_path, 'machine = "m"\n[inner]\nlength_mm = 3\n').inner.length_mm == 3.0
+
+
+@pytest.mark.parametrize(
+    ("value", "accepted"), [("[1, 2]", "a longer list"), ('"1 2 3"', "a list in brackets")]
+)
+def test_no_point(tmp_path, value, accepted):
+    with pytest.raises(InputError, match=rf"file.toml:3: 'inner.corner_mm' = .*{accepted}"):
+        read(tmp_path, f'machine = "m"\n[inner]\ncorner_mm = {value}\n')
+
+
+def test_a_byte_order_mark_and_windows_line_ends(tmp_path):
+    path = tmp_path / "file.toml"
+    path.write_bytes(b'\xef\xbb\xbfmachine = "m"\r\n[inner]\r\nlength_mm = 2\r\n')
+    assert read_toml(path, Outer, what="test file").inner.length_mm == 2.0
 
 
 def test_missing_key(tmp_path):
@@ -58,7 +94,7 @@ def test_no_toml(tmp_path):
 def test_unreadable_file(tmp_path, make):
     path = tmp_path / "file.toml"
     make(path)
-    with pytest.raises(InputError, match=r"file\.toml: test file"):
+    with pytest.raises(InputError, match=r"file\.toml(:1)?: test file"):
         read_toml(path, Outer, what="test file")
 
 
@@ -68,3 +104,9 @@ def test_line_of_a_key_inside_an_array_of_tables():
     assert line_of_key(text, ["b", "c", "d"]) == 6
     assert line_of_key(text, ["b", "c", "missing"]) == 5
     assert line_of_key(text, ["nowhere"]) is None
+
+
+def test_tables_of_an_array_are_told_apart():
+    text = '[[measurements]]\nkind = "laser"\n[[measurements]]\nfile = "a"\nkind = "tip"\n'
+    assert line_of_key(text, ["measurements", "1", "kind"]) == 5
+    assert line_of_key(text, ["measurements", "1", "missing"]) == 3

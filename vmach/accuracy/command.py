@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,6 +19,7 @@ from vmach.accuracy.grouping import group_vectors
 from vmach.accuracy.histogram import difference_histogram
 from vmach.accuracy.profile import ProfileErrors, read_profile
 from vmach.accuracy.volumetric import VolumetricAccuracy, assess, contributions_between
+from vmach.atomic import atomic_folder
 from vmach.errors import InputError
 from vmach.machine import Machine, Variant, read_machine
 from vmach.machine.audit import audit
@@ -28,6 +30,7 @@ __all__ = ["accuracy"]
 
 _GROUPING_TOLERANCES = (0.05, 0.1, 0.2)
 _GROUPING_POINTS = 30_000
+_MOST_POINTS = 5_000_000
 _CONE_GRID = (12, 8, 6)
 _PROFILE_SPACING_MM = 5.0
 
@@ -35,7 +38,7 @@ _PROFILE_SPACING_MM = 5.0
 def accuracy(
     machine: Annotated[Path, typer.Argument(metavar="MACHINE", help="machine.toml")],
     tool_length: Annotated[
-        float, typer.Option(min=0.0, help="from spindle nose to tip along Z, mm")
+        float, typer.Option(min=0.0, max=1e4, help="from spindle nose to tip along Z, mm")
     ] = 0.0,
     model: Annotated[Variant, typer.Option(help="arms of the machine's angular errors")] = (
         Variant.ABBE
@@ -89,9 +92,14 @@ def accuracy(
 def _counts(text: str) -> tuple[int, int, int]:
     parts = text.split(",")
     parts = parts * 3 if len(parts) == 1 else parts
-    if len(parts) != 3 or not all(part.strip().isdigit() and int(part) > 0 for part in parts):
+    if len(parts) != 3 or not all(part.strip().isdigit() and int(part) > 1 for part in parts):
         raise InputError(f"--grid {text}", accepted="a number of points, or three: 21,11,11")
-    return tuple(int(part) for part in parts)
+    counts = tuple(int(part) for part in parts)
+    if math.prod(counts) > _MOST_POINTS:
+        raise InputError(
+            f"--grid {text} has {math.prod(counts)} points", accepted=f"{_MOST_POINTS} at most"
+        )
+    return counts
 
 
 def _volume(machine: Machine, text: str | None, counts: tuple[int, int, int]) -> Volume:
@@ -247,13 +255,10 @@ def _profile_picture(moved: ProfileErrors | None) -> dict[str, bytes]:
 
 
 def _write(out: Path, report: dict[str, Any], pictures: dict[str, bytes]) -> None:
-    try:
-        out.mkdir(parents=True, exist_ok=True)
+    with atomic_folder(out) as folder:
         for name, picture in pictures.items():
-            (out / name).write_bytes(picture)
-        (out / "accuracy.json").write_text(json.dumps(report, indent=1) + "\n")
-    except OSError as error:
-        raise InputError(f"cannot write results: {error}", file=out) from None
+            (folder / name).write_bytes(picture)
+        (folder / "accuracy.json").write_text(json.dumps(report, indent=1) + "\n")
 
 
 def _print(console: Console, report: dict[str, Any]) -> None:

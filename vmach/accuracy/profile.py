@@ -13,7 +13,7 @@ import numpy as np
 from vmach.accuracy.farthest_pair import farthest_pair
 from vmach.errors import InputError
 from vmach.machine import Machine, Variant, displacement
-from vmach.toml_file import read_text
+from vmach.text_file import column_hint, read_text
 
 __all__ = ["Profile", "ProfileErrors", "read_profile"]
 
@@ -89,7 +89,13 @@ def read_profile(path: Path) -> Profile:
     rows = csv.reader(read_text(path, what="profile").splitlines())
     header = [cell.strip().lower() for cell in next(rows, [])]
     if not {"x", "y", "z"} <= set(header):
-        raise InputError(f"header '{','.join(header)}'", file=path, line=1, accepted="x, y, z")
+        raise InputError(
+            f"header '{','.join(header)}'",
+            file=path,
+            line=1,
+            accepted="x, y, z",
+            hint=column_hint(header),
+        )
     columns = [header.index(name) for name in "xyz"]
     points = []
     for line, row in enumerate(rows, 2):

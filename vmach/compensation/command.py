@@ -11,6 +11,7 @@ from typing import Annotated
 
 import typer
 
+from vmach.atomic import atomic_file, check_outputs
 from vmach.compensation.compensate import compensate as compensate_job
 from vmach.compensation.figures import as_json, as_text
 from vmach.compensation.report import write_compensation_report
@@ -20,7 +21,6 @@ from vmach.errors import InputError
 from vmach.job import Job, read_job
 from vmach.machine import Variant
 from vmach.progress import progress_bar
-from vmach.report import atomic_file
 from vmach.stage_clock import StageClock
 
 __all__ = ["Aim", "compensate"]
@@ -65,7 +65,7 @@ def compensate(
     _check_numbers(resolution_mm, {"--tolerance-um": tolerance_um, "--limit-um": limit_um,
                                    "--residual-limit-um": residual_limit_um})  # fmt: skip
     read = read_job(job)
-    _check_outputs(read, [out] if report is None else [out, report])
+    check_outputs([out, report], inputs=[path for _, path in read.files()])
     effects = read_effects(read.effects, file=read.path, job=read)
     with progress_bar() as progress:
         clock = StageClock(progress)
@@ -112,14 +112,6 @@ def _check_numbers(resolution_mm: float, above_zero: dict[str, float]) -> None:
     for name, value in above_zero.items():
         if not value > 0:
             raise InputError(f"{name} {value:g}", accepted="above 0")
-
-
-def _check_outputs(job: Job, paths: list[Path]) -> None:
-    taken = {path.resolve() for _, path in job.files()}
-    for path in paths:
-        if path.resolve() in taken:
-            raise InputError(f"{path} is a file of the job", accepted="another name for the result")
-        taken.add(path.resolve())
 
 
 def _check_surface(surface: Surface | None, job: Job, wanted: dict[str, object]) -> None:

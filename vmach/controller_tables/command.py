@@ -11,13 +11,13 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from vmach.atomic import atomic_folder
 from vmach.controller_tables.make_tables import MadeTables, Residual, make_tables
 from vmach.controller_tables.table_formats import FORMATS
 from vmach.controller_tables.table_task import TableTask, task_of_job, task_of_machine
 from vmach.errors import InputError
 from vmach.job import read_job
 from vmach.machine import Machine, Variant, read_machine
-from vmach.report import atomic_folder
 from vmach.units import um_from_mm
 
 __all__ = ["tables"]
@@ -57,7 +57,7 @@ def tables(
         Variant.ABBE
     ),
     tool_length: Annotated[
-        float | None, typer.Option(min=0.0, help="with --machine: nose to tip along Z, mm")
+        float | None, typer.Option(min=0.0, max=1e4, help="with --machine: nose to tip along Z, mm")
     ] = None,
     tolerance_um: Annotated[
         float, typer.Option(help="of straight lines between entries; sets their number")

@@ -21,7 +21,7 @@ from scipy.sparse.linalg import splu
 from vmach.controller_tables.knots import Knots, hat_matrix
 from vmach.controller_tables.samples import ErrorSamples
 from vmach.errors import InputError
-from vmach.toml_file import read_text
+from vmach.text_file import read_text
 
 __all__ = ["SpatialGrid", "fit_grid", "read_grid", "write_grid"]
 

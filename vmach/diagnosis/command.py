@@ -11,6 +11,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from vmach.atomic import atomic_file, check_outputs
 from vmach.progress import progress_bar
 
 if TYPE_CHECKING:
@@ -41,20 +42,32 @@ def diagnose(
     from vmach.diagnosis.report import as_json, as_text
 
     _load(effect_file)
+    next_path = next_file or (json_file.with_name("next.nc") if json_file else None)
+    check_outputs([json_file, next_path], inputs=_inputs(job))
     with progress_bar() as progress:
         progress("read", 0, 5)
         survey = survey_job(job)
         steps = iter(range(1, 5))
         found = diagnose_survey(survey, progress=lambda text: progress(text, next(steps), 5))
     program = None
-    if found.next_measurement is not None and (next_file or json_file):
-        path = next_file or json_file.with_name("next.nc")
-        path.write_text(found.next_measurement.program, encoding="utf-8")
-        program = path.name if next_file is None else str(path)
+    if found.next_measurement is not None and next_path is not None:
+        program = next_path.name if next_file is None else str(next_path)
+        with atomic_file(next_path) as temporary:
+            temporary.write_text(found.next_measurement.program, encoding="utf-8")
     if json_file is not None:
         text = json.dumps(as_json(found, program=program), indent=1)
-        json_file.write_text(text + "\n", encoding="utf-8")
+        with atomic_file(json_file) as temporary:
+            temporary.write_text(text + "\n", encoding="utf-8")
     print(as_text(found, program=program))
+    if next_file is not None and program is None:
+        print(f"no next measurement is called for; {next_file} was not written")
+
+
+def _inputs(job: Path) -> list[Path]:
+    """The files of a job, which no result may replace."""
+    from vmach.job import read_job
+
+    return [path for _, path in read_job(job).files()]
 
 
 def add(
@@ -68,6 +81,7 @@ def add(
     from vmach.history import add_effects
 
     _load(effect_file)
+    check_outputs([out])
     with progress_bar() as progress:
         progress("fit", 0, 1)
         path, found = add_effects(job, effects, out=out)
@@ -111,11 +125,12 @@ def history(
 
     _load(effect_file)
     check = _other_part(job, check_job, check_program, check_points)
+    picture = picture or (job if job.is_dir() else job.parent) / "history.png"
+    check_outputs([picture], inputs=_inputs(job))
     with progress_bar() as progress:
         progress("evaluate", 0, 1)
         steps = history_of(job, check=check)
-    folder = job if job.is_dir() else job.parent
-    draw_history(steps, picture or folder / "history.png")
+    draw_history(steps, picture)
     if as_json:
         rows = [
             {

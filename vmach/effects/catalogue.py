@@ -36,7 +36,8 @@ from vmach.effects import (
 from vmach.effects.effect import Effect, EffectInstance
 from vmach.errors import InputError
 from vmach.job import Job, read_job
-from vmach.toml_file import line_of_key, read_text
+from vmach.text_file import read_text
+from vmach.toml_file import line_of_key
 
 __all__ = ["ENTRY_POINT", "catalogue", "load_effect_file", "read_effects", "set_up_effect"]
 

@@ -9,34 +9,32 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from pydantic import Field
 from rich.console import Console
 from rich.table import Table
 
+from vmach.atomic import atomic_folder
 from vmach.errors import InputError
 from vmach.iso230.evaluation import Evaluation, evaluate
 from vmach.iso230.uncertainty import Budget, expanded, parameter_uncertainties
 from vmach.machine.error_table import MM_PER, RAD_PER, read_error_table
 from vmach.machine.machine_file import read_machine
 from vmach.machine.runs import Runs
-from vmach.toml_file import FileSection, read_toml
+from vmach.toml_file import FileSection, NonNegative, read_toml
 
 __all__ = ["iso230"]
-
-_BOUND = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
 class _BudgetFile(FileSection):
     """Keys of a budget file; what is left out is as in Table 8 of the KTH thesis."""
 
-    wavelength_um: _BOUND = 0.06
-    air_um: _BOUND = 0.9
-    dead_path_um: _BOUND = 0.0
-    resolution_um: _BOUND = 0.002
-    misalignment_mrad: _BOUND = 5.0
-    abbe_offset_mm: _BOUND = 25.0
-    angle_urad: _BOUND = 60.0
-    eve_um: _BOUND = 1.5
+    wavelength_um: NonNegative = 0.06
+    air_um: NonNegative = 0.9
+    dead_path_um: NonNegative = 0.0
+    resolution_um: NonNegative = 0.002
+    misalignment_mrad: NonNegative = 5.0
+    abbe_offset_mm: NonNegative = 25.0
+    angle_urad: NonNegative = 60.0
+    eve_um: NonNegative = 1.5
 
 
 @dataclass(frozen=True)
@@ -167,7 +165,7 @@ def _notes(axis: _Axis, runs: int) -> Iterator[str]:
 
 
 def _write(out: Path, report: dict[str, Any], axes: tuple[_Axis, ...]) -> None:
-    """Diagrams first in memory, so that a failure leaves nothing behind."""
+    """The figures and one diagram a table, all files or none."""
     from vmach.iso230.diagram import draw_evaluation
 
     pictures = {
@@ -176,13 +174,10 @@ def _write(out: Path, report: dict[str, Any], axes: tuple[_Axis, ...]) -> None:
         )
         for axis in axes
     }
-    try:
-        out.mkdir(parents=True, exist_ok=True)
+    with atomic_folder(out) as folder:
         for name, picture in pictures.items():
-            (out / f"{name}.png").write_bytes(picture)
-        (out / "iso230.json").write_text(json.dumps(report, indent=1) + "\n")
-    except OSError as error:
-        raise InputError(f"cannot write results: {error}", file=out) from None
+            (folder / f"{name}.png").write_bytes(picture)
+        (folder / "iso230.json").write_text(json.dumps(report, indent=1) + "\n")
 
 
 def _print(console: Console, report: dict[str, Any]) -> None:

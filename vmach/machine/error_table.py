@@ -25,7 +25,7 @@ import numpy as np
 
 from vmach.errors import InputError
 from vmach.machine.runs import Runs
-from vmach.toml_file import read_text
+from vmach.text_file import column_hint, read_text
 
 __all__ = ["MM_PER", "RAD_PER", "ErrorTable", "read_error_table"]
 
@@ -161,7 +161,11 @@ class _Header:
 
     def _wrong(self) -> InputError:
         return InputError(
-            f"header '{', '.join(self.names)}'", file=self.path, line=self.line, accepted=_ACCEPTED
+            f"header '{', '.join(self.names)}'",
+            file=self.path,
+            line=self.line,
+            accepted=_ACCEPTED,
+            hint=column_hint(self.names),
         )
 
 

@@ -19,7 +19,8 @@ from vmach.machine.rotary_file import is_rotary_error, read_rotary_axes
 from vmach.machine.sign_convention import SignConvention
 from vmach.machine.squareness import agreed_value, squareness_vectors
 from vmach.machine.volumetric_file import VolumetricFile, read_volumetric_file
-from vmach.toml_file import line_of_key, read_text, read_toml
+from vmach.text_file import read_text
+from vmach.toml_file import line_of_key, read_toml
 
 __all__ = ["read_machine"]
 

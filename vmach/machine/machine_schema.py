@@ -10,7 +10,7 @@ from pydantic import AfterValidator, Field
 from vmach.machine.component_errors import SetUp
 from vmach.machine.interpolation import Extrapolation, Method
 from vmach.machine.sign_convention import SignConvention
-from vmach.toml_file import FileSection
+from vmach.toml_file import FileSection, Finite, NonNegative, Point, Positive, Whole
 
 __all__ = ["CROSS_VALIDATION", "MachineSchema", "TableEntry"]
 
@@ -22,10 +22,6 @@ _SIGN_IN_WORDS = {
 }
 _ORIGIN = "spindle nose with every axis at home; axes as in ISO 841"
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Point = tuple[Finite, Finite, Finite]
 Provenance = Literal["measured", "reconstructed", "assumed"]
 
 
@@ -69,7 +65,7 @@ class _Curve(FileSection):
     """Keys that hold for all tables in [tables], or for one in [errors.NAME]."""
 
     interpolation: Method | Literal["cross-validation"] | None = None
-    order: Annotated[int, Field(ge=1)] | None = None
+    order: Whole | None = None
     period_mm: Positive | None = None
     extrapolation: Extrapolation | None = None
 

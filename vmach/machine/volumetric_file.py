@@ -21,7 +21,7 @@ import numpy as np
 
 from vmach.errors import InputError
 from vmach.machine.component_errors import COMPONENT_NAMES
-from vmach.toml_file import read_text
+from vmach.text_file import read_text
 
 __all__ = ["FORMATS", "VolumetricFile", "read_volumetric_file"]
 

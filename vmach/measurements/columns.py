@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from vmach.errors import InputError
-from vmach.toml_file import read_text
+from vmach.text_file import column_hint, read_text
 
 __all__ = ["Columns", "read_columns"]
 
@@ -45,6 +45,7 @@ def read_columns(path: Path, *, numbers: Sequence[str], text: Sequence[str] = ()
                 file=path,
                 line=1,
                 accepted=", ".join((*text, *numbers)),
+                hint=column_hint(header),
             )
     body = [(line, row) for line, row in enumerate(rows[1:], 2) if any(row)]
     if not body:

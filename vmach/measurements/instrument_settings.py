@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal
-
-from pydantic import Field, TypeAdapter, ValidationError
+from typing import Literal
 
 from vmach.errors import InputError
 from vmach.job import Job
-from vmach.toml_file import FileSection, line_of_key, read_text
+from vmach.text_file import read_text
+from vmach.toml_file import FileSection, Point, Positive, check_section, line_of_key
 
 __all__ = [
     "Ballbar",
@@ -20,10 +18,6 @@ __all__ = [
     "Tip",
     "settings_of",
 ]
-
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Point = tuple[Finite, Finite, Finite]
 
 
 class InstrumentSettings(FileSection):
@@ -73,30 +67,31 @@ class Tip(InstrumentSettings):
     frame: Literal["offset", "rigid"] = "offset"
 
 
-_KINDS = ("ballbar", "laser", "diagonal", "drift", "tip")
-_INSTRUMENT: TypeAdapter[InstrumentSettings] = TypeAdapter(
-    Annotated[Ballbar | Laser | Diagonal | Drift | Tip, Field(discriminator="kind")]
-)
+_KINDS: dict[str, type[InstrumentSettings]] = {
+    "ballbar": Ballbar,
+    "laser": Laser,
+    "diagonal": Diagonal,
+    "drift": Drift,
+    "tip": Tip,
+}
 
 
-def settings_of(job: Job, entry: Mapping[str, Any]) -> InstrumentSettings:
-    """One ``[[measurements]]`` of a job, checked.
+def settings_of(job: Job, number: int) -> InstrumentSettings:
+    """One ``[[measurements]]`` of a job, counted from 0, checked.
 
     Raises
     ------
     InputError
         Unknown kind or key, a key missing, a value that is not accepted.
     """
-    try:
-        return _INSTRUMENT.validate_python(dict(entry))
-    except ValidationError as error:
-        first = error.errors()[0]
-        keys = [str(part) for part in first["loc"] if part not in _KINDS]
-        text = read_text(job.path, what="job file")
+    entry, within = job.measurements[number], ("measurements", str(number))
+    text = read_text(job.path, what="job file")
+    kind = entry.get("kind")
+    if not isinstance(kind, str) or kind not in _KINDS:
         raise InputError(
-            f"[[measurements]] of {entry.get('file', 'no file')}: "
-            f"{'.'.join(keys) or 'kind'}: {first['msg']}",
+            "a measurement needs its kind" if kind is None else f"kind = {kind!r}",
             file=job.path,
-            line=line_of_key(text, ["measurements"]),
-            accepted=f"kind = {', '.join(_KINDS)}, with the keys of that kind",
-        ) from None
+            line=line_of_key(text, [*within, "kind"]),
+            accepted=f"kind = {', '.join(_KINDS)}",
+        )
+    return check_section(entry, _KINDS[kind], file=job.path, text=text, within=within)

@@ -43,8 +43,8 @@ def read_instruments(
         Unknown kind or key, missing file or column, a value that is no number, another unit.
     """
     found = []
-    for entry in job.measurements:
-        settings = settings_of(job, entry)
+    for number in range(len(job.measurements)):
+        settings = settings_of(job, number)
         path = job.folder / settings.file
         found.append(_READERS[settings.kind](settings, path, _Model(job, variant, effects)))
         check_unit(found[-1], path)

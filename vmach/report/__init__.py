@@ -1,10 +1,9 @@
 """What a run leaves to read and look at; docs/report.md describes the files.
 
 The pipeline fills `InspectedPoints` and `RunRecord`, gets a `DisplayMesh` from
-`build_display_mesh` and calls the writers inside `atomic_folder`.
+`build_display_mesh` and calls the writers inside `vmach.atomic.atomic_folder`.
 """
 
-from vmach.report.atomic import atomic_file, atomic_folder
 from vmach.report.coloured_part import part_colours
 from vmach.report.deviations_csv import read_deviations_csv, write_deviations_csv
 from vmach.report.display_mesh import build_display_mesh, interpolate_to_mesh
@@ -34,8 +33,6 @@ __all__ = [
     "RunRecord",
     "Statistics",
     "Variant",
-    "atomic_file",
-    "atomic_folder",
     "build_display_mesh",
     "draw_heatmap",
     "interpolate_to_mesh",

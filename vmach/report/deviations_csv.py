@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from vmach.atomic import atomic_file
 from vmach.errors import InputError
-from vmach.report.atomic import atomic_file
 from vmach.report.result import InspectedPoints, Variant
 from vmach.units import mm_from_um, um_from_mm
 

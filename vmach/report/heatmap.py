@@ -12,7 +12,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 
-from vmach.report.atomic import atomic_file
+from vmach.atomic import atomic_file
 from vmach.report.camera import isometric_camera, shading
 from vmach.report.colours import COLOUR_STOPS, colour_range, colours_of
 from vmach.report.display_mesh import vertex_normals

@@ -14,7 +14,7 @@ import numpy as np
 from markupsafe import Markup
 from PIL import Image
 
-from vmach.report.atomic import atomic_file
+from vmach.atomic import atomic_file
 from vmach.report.colours import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.report.heatmap import common_range_mm
 from vmach.report.histogram import histograms

@@ -7,7 +7,7 @@ import math
 from dataclasses import asdict
 from pathlib import Path
 
-from vmach.report.atomic import atomic_file
+from vmach.atomic import atomic_file
 from vmach.report.result import InspectedPoints, RunRecord, Variant
 from vmach.report.statistics import (
     Statistics,

@@ -5,13 +5,42 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from vmach.errors import InputError
 
-__all__ = ["atomic_file", "atomic_folder"]
+__all__ = ["atomic_file", "atomic_folder", "check_outputs"]
+
+
+def check_outputs(outputs: Iterable[Path | None], *, inputs: Iterable[Path] = ()) -> None:
+    """Refuse files that could not be written, or would replace each other or an input.
+
+    Asked before the work begins, so that nobody waits for a result that has no place to go.
+
+    Parameters
+    ----------
+    outputs : iterable of Path or None
+        Files to write; None for one that was not asked for.
+    inputs : iterable of Path
+        Files that the work reads.
+
+    Raises
+    ------
+    InputError
+    """
+    taken = {path.resolve() for path in inputs}
+    written: set[Path] = set()
+    for path in filter(None, outputs):
+        target = path.resolve()
+        if target in taken:
+            what, accepted = "is read by this command", "another name for the result"
+            raise InputError(what, file=path, accepted=accepted)
+        if target in written:
+            raise InputError("two results have this name", file=path, accepted="a name for each")
+        _check_file(target)
+        written.add(target)
 
 
 @contextmanager
@@ -37,10 +66,13 @@ def atomic_folder(out_dir: str | Path) -> Iterator[Path]:
     InputError
         `out_dir` is a file, or cannot be written to.
     """
-    out_dir = Path(out_dir).absolute()
+    out_dir = Path(out_dir).resolve()
     home = _nearest_existing(out_dir.parent)
     _check_writable_folder(home if not out_dir.exists() else out_dir)
-    temporary = Path(tempfile.mkdtemp(prefix=f".{out_dir.name}-", dir=home))
+    try:
+        temporary = Path(tempfile.mkdtemp(prefix=f".{out_dir.name}-", dir=home))
+    except OSError as error:
+        raise InputError(f"cannot be written to: {error.strerror}", file=home) from None
     try:
         content = temporary / "content"
         content.mkdir()
@@ -57,16 +89,23 @@ def atomic_file(path: str | Path) -> Iterator[Path]:
     Raises
     ------
     InputError
-        The folder of `path` is missing or cannot be written to.
+        The folder of `path` is missing or cannot be written to; `path` is a folder or a device.
     """
-    path = Path(path).absolute()
-    _check_writable_folder(path.parent)
+    path = Path(path).resolve()  # a link stays, the file that it points to is replaced
+    _check_file(path)
     temporary = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
     try:
         yield temporary
         os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def _check_file(path: Path) -> None:
+    _check_writable_folder(path.parent)
+    if path.exists() and not path.is_file():
+        what = "is a folder" if path.is_dir() else "is a device, not a file"
+        raise InputError(what, file=path, accepted="the name of a file for the result")
 
 
 def _nearest_existing(folder: Path) -> Path:
@@ -80,7 +119,7 @@ def _check_writable_folder(folder: Path) -> None:
         what = "is a file" if folder.exists() else "does not exist"
         raise InputError(what, file=folder, accepted="a folder for the results")
     if not os.access(folder, os.W_OK | os.X_OK):
-        raise InputError("cannot be written to", file=folder, hint="choose another --out folder")
+        raise InputError("cannot be written to", file=folder, hint="choose another folder")
 
 
 def _move_in(content: Path, out_dir: Path) -> None:

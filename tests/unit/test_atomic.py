@@ -3,8 +3,9 @@
 import pytest
 
 from tests.report_case import points, run
+from vmach.atomic import atomic_file, atomic_folder, check_outputs
 from vmach.errors import InputError
-from vmach.report import atomic_file, atomic_folder, write_summary
+from vmach.report import write_summary
 
 
 def test_new_folder_appears_whole_with_its_parents(tmp_path):
@@ -68,3 +69,34 @@ def test_a_file_in_the_place_of_the_folder_is_refused(tmp_path):
         pass
     with pytest.raises(InputError, match="does not exist"), atomic_file(tmp_path / "no" / "x"):
         pass
+
+
+def test_a_link_stays_and_its_target_is_replaced(tmp_path):
+    (tmp_path / "real.csv").write_text("before")
+    (tmp_path / "link.csv").symlink_to("real.csv")
+    with atomic_file(tmp_path / "link.csv") as temporary:
+        temporary.write_text("after")
+    assert (tmp_path / "link.csv").is_symlink()
+    assert (tmp_path / "real.csv").read_text() == "after"
+
+
+def test_a_device_or_a_folder_is_never_replaced(tmp_path):
+    with pytest.raises(InputError, match="is a device"), atomic_file("/dev/null"):
+        pass
+    with pytest.raises(InputError, match="is a folder"), atomic_file(tmp_path):
+        pass
+
+
+def test_outputs_replace_neither_an_input_nor_each_other(tmp_path):
+    (tmp_path / "job.toml").write_text("")
+    (tmp_path / "link").symlink_to("job.toml")
+    inputs = [tmp_path / "job.toml"]
+    check_outputs([tmp_path / "a", None, tmp_path / "b"], inputs=inputs)
+    for outputs, message in (
+        ([tmp_path / "job.toml"], "is read by this command"),
+        ([tmp_path / "link"], "is read by this command"),
+        ([tmp_path / "a", tmp_path / "." / "a"], "two results have this name"),
+        ([tmp_path / "no" / "a"], "does not exist"),
+    ):
+        with pytest.raises(InputError, match=message):
+            check_outputs(outputs, inputs=inputs)
