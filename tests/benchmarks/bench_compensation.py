@@ -4,7 +4,7 @@
 
 FOLDER holds programs with FILE.canon17 beside those that LinuxCNC accepts. Every one becomes a
 job of its own on a machine with scale, squareness, straightness and cyclic errors of 10 mm pitch,
-or on the machine of FILE.
+or on the machine of FILE, in the middle of its travel.
 """
 
 import argparse
@@ -64,7 +64,7 @@ def main():
     print(f"{len(programs)} programs: {accepted} LinuxCNC: {same}, {refused} refused")
     together = np.average(growth, weights=np.maximum(blocks, 1))
     print(f"growth: mean {np.mean(growth):.2f}, without the largest "
-          f"{np.mean(sorted(growth)[:-1]):.2f}, half below {np.median(growth):.2f}, "
+          f"{np.mean(sorted(growth)[:-1] or growth):.2f}, half below {np.median(growth):.2f}, "
           f"all blocks together {together:.3f}")  # fmt: skip
 
 

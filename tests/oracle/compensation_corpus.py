@@ -9,12 +9,13 @@ from unittest import mock
 
 import numpy as np
 
-from gcode import read_tool_table
+from gcode import ToolEntry, read_program, read_tool_table
 from tests.oracle.compensation_paths import Comparison, compared, intended_pieces
 from tests.oracle.linuxcnc_interpreter import judge
 from vmach.compensation import compensate
 from vmach.effects import read_effects
 from vmach.job import read_job
+from vmach.path_geometry import position_at
 from vmach.program_text.rewriter import Rewriter
 
 __all__ = ["Outcome", "compensated", "corpus_programs", "judged", "write_job"]
@@ -100,19 +101,26 @@ def _tools(path, text):
 
 
 def measured_machine(folder, machine):
-    """Write a measured machine with long travel, its tables held beyond their ends.
-
-    Returns the middle of the travel that it has.
-    """
+    """Copy a measured machine; returns the middle of its travel."""
     text = machine.read_text(encoding="utf-8")
-    travel = re.findall(r"travel_mm = \[(.*)\]", text)[:3]
-    wide = re.sub(r"travel_mm = .*", f"travel_mm = [-{TRAVEL_MM}, {TRAVEL_MM}]", text)
-    held = re.sub(r"(?m)^(table = .*)", r"\1" + '\nextrapolation = "hold"', wide)
-    (folder / "machine.toml").write_text(held, encoding="utf-8")
+    (folder / "machine.toml").write_text(text, encoding="utf-8")
     for name in re.findall(r'(?m)^table = "(.*)"', text):
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_bytes((machine.parent / name).read_bytes())
-    return tuple(float(np.mean([float(end) for end in ends.split(",")])) for ends in travel)
+    travel = re.findall(r"travel_mm = \[(.*)\]", text)[:3]
+    return np.array([np.mean([float(end) for end in ends.split(",")]) for ends in travel])
+
+
+def _centred(path, tools, middle_mm):
+    """The zero that brings the middle of a program's path to the middle of the travel."""
+    entries = {n: ToolEntry(length, diameter) for n, length, diameter in tools}
+    moves = read_program(path, tools=entries).moves
+    if not len(moves):
+        return OFFSET_MM
+    rows = np.repeat(np.arange(len(moves)), 13)
+    places = position_at(moves, rows, np.tile(np.linspace(0.0, 1.0, 13), len(moves)))
+    box_middle = 0.5 * (places.min(axis=0) + places.max(axis=0))
+    return tuple((middle_mm - box_middle).round(3).tolist())
 
 
 def write_job(folder, path, *, effects=EFFECTS, errors=True, machine=None):
@@ -122,7 +130,8 @@ def write_job(folder, path, *, effects=EFFECTS, errors=True, machine=None):
     text = path.read_bytes()
     (folder / path.name).write_bytes(text)
     if machine is not None:
-        return _write_program(folder, path, measured_machine(folder, machine), "")
+        zero_mm = _centred(path, _tools(path, text), measured_machine(folder, machine))
+        return _write_program(folder, path, zero_mm, "")
     bent = MACHINE if errors else MACHINE.split("[errors.EYX]")[0]
     (folder / "machine.toml").write_text(bent)
     at = np.arange(-TRAVEL_MM, TRAVEL_MM + 1.0, 25.0)
