@@ -161,6 +161,31 @@ def servo_lag(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     return Hidden("servo_lag", ("servo_lag",), {"gain_per_s": gain}, move)
 
 
+def inertia(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """A slide on its springs: it runs wide on curves; the rest of the machine gives a little."""
+    axis, hertz = int(rng.integers(2)), rng.uniform(16, 26)
+    softness_s2 = 1 / (2 * np.pi * hertz) ** 2
+
+    def move(state: State) -> np.ndarray:
+        share = np.full(3, 0.03)
+        share[axis] = 1.0
+        # near its resonance the structure gives more than by its weight alone
+        turning_per_s = np.linalg.norm(state.acceleration_mm_s2, axis=1) / np.maximum(
+            np.linalg.norm(state.velocity_mm_s, axis=1), 1e-9
+        )
+        raised = 1 / (1 - softness_s2 * np.minimum(turning_per_s, 20) ** 2)
+        return -softness_s2 * share * state.acceleration_mm_s2 * raised[:, None]
+
+    return Hidden(
+        "inertia",
+        ("inertia",),
+        {"axis": "XYZ"[axis], "hertz": hertz},
+        move,
+        {"sway_ms2": 1e6 * softness_s2},
+        target="XYZ"[axis],
+    )
+
+
 def quadrant_glitch(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     """Friction after a reversal: a spike that the loop pulls back within a little way."""
     axis, size, way = int(rng.integers(2)), rng.uniform(9, 16), rng.uniform(0.4, 1.2)
@@ -215,6 +240,7 @@ MOTION = (
     lateral_play,
     servo_mismatch,
     servo_lag,
+    inertia,
     quadrant_glitch,
     corner_rounding,
 )

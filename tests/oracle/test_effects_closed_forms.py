@@ -116,6 +116,23 @@ def test_servo_lag_is_the_second_order_of_a_simulated_lag(job):
     np.testing.assert_allclose(shrink, expected, rtol=1e-3)
 
 
+def test_inertia_is_a_simulated_mass_on_a_spring(job):
+    """A mass dragged round a circle by a spring runs wide by m a / k, to leading order."""
+    hertz, radius, seconds = 40.0, 20.0, 2.0
+    states, angle = circle(radius, seconds)
+    softness_s2 = 1.0 / (2 * np.pi * hertz) ** 2
+    moved = catalogue()["inertia"].displacement(
+        Circumstances(states, job), "Y", sway_ms2=1e6 * softness_s2
+    )
+    drive = 2 * np.pi / seconds
+    time = np.linspace(0.0, 40 * seconds, 160001)
+    damped = ([1.0], [softness_s2, 2 * 0.05 * np.sqrt(softness_s2), 1.0])
+    _, answer, _ = lsim(damped, radius * np.sin(drive * time), time)
+    size = np.ptp(answer[-4001:]) / 2.0 - radius
+    np.testing.assert_allclose(moved[:, 1], size * np.sin(angle), rtol=0.02, atol=1e-3 * size)
+    assert not moved[:, [0, 2]].any()
+
+
 def test_corner_rounding_is_a_simulated_lag_behind_a_ramp_of_the_velocity(job):
     """Round a right angle at 50 mm/s; the velocity turns evenly within 3 ms, tau is 20 ms."""
     tau, rise, speed = 20e-3, 3e-3, 50.0
