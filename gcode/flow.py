@@ -82,7 +82,7 @@ class _Runner:
         self.keep = len(source.data) <= _KEEP_UP_TO
         self.texts: dict[int, tuple[str, int]] = {}
         self.blocks: tuple[dict[int, Block], dict[int, Block]] = ({}, {})
-        self.next: Place = (0, 0)
+        self.next: Place = (0, source.mark)
         self.fast = None
         self.frames: list[_Frame] = []
         self.labels: dict[str, _Label] = {}
@@ -141,7 +141,7 @@ class _Runner:
 
     def _skip_percent(self) -> bool:
         """Step over a first line that is only %; tells whether there is one."""
-        match = _OPENING.match(self.data)
+        match = _OPENING.match(self.data, self.next[1])
         if match is None:
             return False
         self.next = (match.group().count(b"\n"), match.end())

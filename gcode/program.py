@@ -168,7 +168,7 @@ def read_program(
     if steps is not None:
         controller.trace = Trace(controller, steps)
     try:
-        spoken = choose_dialect(dialect, source.data)
+        spoken = choose_dialect(dialect, source.data[source.mark :])
         run_program(controller, source, dialect=spoken, block_delete=block_delete,
                     max_blocks=max_blocks, fast=fast)  # fmt: skip
     except ProgramError as error:

@@ -10,7 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
+from gcode.errors import ProgramError
+
 __all__ = ["Source", "Word"]
+
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 _NUMBER = r"[+-]?[ \t]*(?:\d[\d \t]*\.?[\d \t]*|\.[ \t]*\d[\d \t]*)"
 _TOKEN = re.compile(
@@ -65,17 +69,28 @@ class Source:
     def __init__(self, data: bytes, path: str | Path = "<program>") -> None:
         self.data = bytes(data)
         self.path = Path(path)
+        #: bytes before the first line: a byte order mark that an editor left
+        self.mark = len(_BYTE_ORDER_MARK) if self.data.startswith(_BYTE_ORDER_MARK) else 0
 
     @classmethod
     def read(cls, path: str | Path) -> Source:
-        """Read a file from disk."""
-        return cls(Path(path).read_bytes(), path)
+        """Read a file from disk; raises ProgramError if it is no text."""
+        data = Path(path).read_bytes()
+        if b"\0" in data:
+            line = data[: data.index(b"\0")].count(b"\n") + 1
+            raise ProgramError(
+                "the program is no text: it holds zero bytes",
+                file=path,
+                line=line,
+                accepted="a text in ASCII, Latin-1 or UTF-8",
+            )
+        return cls(data, path)
 
     @cached_property
     def line_starts(self) -> np.ndarray:
         """(lines + 1,) int64: byte offset of every line's first byte, then the file's length."""
         ends = np.flatnonzero(np.frombuffer(self.data, np.uint8) == 10) + 1
-        starts = np.concatenate(([0], ends))
+        starts = np.concatenate(([self.mark], ends))
         last = [] if len(self.data) == starts[-1] else [len(self.data)]
         return np.concatenate((starts, last)).astype(np.int64)
 
@@ -86,7 +101,7 @@ class Source:
     @cached_property
     def lines(self) -> list[str]:
         """Text of every line without its line ending."""
-        lines = self.data.decode("latin-1").split("\n")
+        lines = self.data[self.mark :].decode("latin-1").split("\n")
         if lines and lines[-1] == "":
             lines.pop()
         return [line[:-1] if line.endswith("\r") else line for line in lines]

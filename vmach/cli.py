@@ -44,12 +44,20 @@ Model = Annotated[Variant, typer.Option(help="arms of the machine's angular erro
 
 
 @app.callback(invoke_without_command=True)
-def _version(
+def _before_any_command(
     version: Annotated[bool, typer.Option("--version", help="print the version")] = False,
+    effect_file: Annotated[
+        list[Path] | None,
+        typer.Option(help="Python file with an effect of your own, for any command; repeatable"),
+    ] = None,
 ) -> None:
     if version:
         print(__version__)
         raise typer.Exit
+    for file in effect_file or []:
+        from vmach.effects import load_effect_file
+
+        load_effect_file(file)
 
 
 @app.command()
@@ -160,7 +168,9 @@ def canon(
         raise InputError("NC program not found", file=program)
     unit_mm = {"mm": 1.0, "inch": 25.4}[machine_unit]
     table = read_tool_table(tools, unit_mm=unit_mm) if tools is not None else {}
-    read = read_program(program, tools=table, machine_unit_mm=unit_mm)
+    with progress_bar() as progress:
+        progress("read", 0, 1)
+        read = read_program(program, tools=table, machine_unit_mm=unit_mm)
     if as_json:
         calls = [{"line": n, "call": name, "arguments": a} for n, name, a in canon_calls(read)]
         print(json.dumps(calls, indent=1))

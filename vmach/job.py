@@ -11,6 +11,7 @@ import numpy as np
 import trimesh
 from pydantic import AfterValidator, Field
 
+from gcode.dialects import DIALECTS
 from stock import StockError, Tool, make_tool
 from vmach.errors import InputError
 from vmach.machine import Machine, read_machine
@@ -37,6 +38,12 @@ def _known_offsets(offsets: dict[str, Point]) -> dict[str, Point]:
         if name not in WORK_OFFSETS:
             raise ValueError(f"accepted: {', '.join(WORK_OFFSETS)}")
     return offsets
+
+
+def _known_dialect(name: str) -> str:
+    if name not in ("auto", *DIALECTS):
+        raise ValueError(f"accepted: auto, {', '.join(DIALECTS)}")
+    return name
 
 
 class _Stock(FileSection):
@@ -92,7 +99,7 @@ class _JobFile(FileSection):
     schema_: Literal[1] = Field(alias="schema")
     machine: str
     program: str
-    dialect: str = "auto"
+    dialect: Annotated[str, AfterValidator(_known_dialect)] = "auto"
     nominal: str | None = None
     measured: str | None = None
     workpiece_zero: str | None = None
@@ -280,7 +287,7 @@ def read_job(path: str | Path) -> Job:
         work_offsets_mm={k: np.array(v) for k, v in data.work_offsets_mm.items()},
         blank=_blank(data, path, at),
         tools={k: _tool(k, tool, at("tools", str(k))) for k, tool in data.tools.items()},
-        inspection=_inspection(data.inspection),
+        inspection=_inspection(data.inspection, at("inspection", "alignment")),
         effects=data.effects,
         measurements=data.measurements,
         history=[step.model_dump(exclude_none=True) for step in data.history],
@@ -339,7 +346,13 @@ def _tool(number: int, tool: _Tool, where: dict[str, Any]) -> JobTool:
     )
 
 
-def _inspection(data: _Inspection) -> Inspection:
+def _inspection(data: _Inspection, where: dict[str, Any]) -> Inspection:
+    if data.alignment == "datum" and not data.datums:
+        raise InputError(
+            'alignment = "datum" needs datums',
+            **where,
+            accepted='lists of feature names: datums = [["top"], ["side *"], ["bore 1"]]',
+        )
     return Inspection(
         spacing_mm=data.spacing_mm,
         edge_margin_mm=data.edge_margin_mm,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import time
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -28,16 +28,18 @@ def progress_bar() -> Iterator[Report]:
     columns = TextColumn("{task.description:>9}"), BarColumn(), TimeElapsedColumn()
     bar = Progress(*columns, console=console, transient=True)
     tasks: dict[str, int] = {}
-    start = time.monotonic()
 
     def report(stage: str, done: int, total: int) -> None:
         if stage not in tasks:
             tasks[stage] = bar.add_task(stage, total=total)
         bar.update(tasks[stage], completed=done, total=total)
-        if not bar.live.is_started and time.monotonic() - start > _PATIENCE_S:
-            bar.start()
 
+    # a clock of its own: a long first stage reports nothing for a while
+    patience = threading.Timer(_PATIENCE_S, bar.start)
+    patience.start()
     try:
         yield report
     finally:
+        patience.cancel()
+        patience.join()
         bar.stop()

@@ -178,7 +178,7 @@ def _section_in(annotation: object) -> type[FileSection] | None:
 
 
 def line_of_key(text: str, keys: list[str]) -> int | None:
-    """1-based line where a dotted key, or the closest table above it, is written.
+    """1-based line where a dotted key, or the table closest to it, is written.
 
     Tables in an array are counted from 0: ``["measurements", "1", "kind"]``.
     """
@@ -199,8 +199,9 @@ def line_of_key(text: str, keys: list[str]) -> int | None:
         else:
             continue
         path = [key for key in keys if not key.isdigit() or key in here]
-        if here == path[: len(here)] and len(here) > depth:
-            best, depth = number, len(here)
+        shared = min(len(here), len(path))
+        if here[:shared] == path[:shared] and shared > depth:
+            best, depth = number, shared
     return best
 
 

@@ -147,3 +147,31 @@ def test_broken_effect_file_is_a_user_error(tmp_path):
     file.write_text("x = 1\n")
     with pytest.raises(InputError, match="0 effects"):
         load_effect_file(file)
+
+
+@pytest.mark.parametrize(
+    ("law", "line", "message"),
+    [
+        ("return path.nothing", 8, "AttributeError"),
+        ("return path.nose_mm[0]", None, "an array of (3,)"),
+    ],
+)
+def test_a_law_that_fails_is_told_by_file_and_line(tmp_path, path, law, line, message):
+    file = tmp_path / "mine.py"
+    file.write_text(
+        "from vmach.effects import Effect, linear\n"
+        "class Mine(Effect):\n"
+        "    name = title = 'mine'\n"
+        "    parameters = (linear('size_um', 'size', usual=1.0),)\n"
+        "    targets = ('',)\n"
+        "    usual_size = confirm = cure = ''\n"
+        "    def displacement(self, path, target, size_um):\n"
+        f"        {law}\n"
+    )
+    try:
+        effect = load_effect_file(file)
+        with pytest.raises(InputError, match=re.escape(message)) as caught:
+            effect.displacement(path, "", size_um=1.0)
+        assert (caught.value.file, caught.value.line) == (file, line)
+    finally:
+        catalogue().pop("mine", None)

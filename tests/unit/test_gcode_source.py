@@ -2,7 +2,7 @@
 
 import pytest
 
-from gcode import Source
+from gcode import ProgramError, Source, canon_lines, read_program
 
 TEXT = (
     b"%\r\nN10 G1 X 1.5Y-.25 (X9) F#<feed>\n"
@@ -55,3 +55,24 @@ def test_lines_are_counted_with_and_without_final_newline():
     assert len(Source(b"a\nb")) == 2
     assert len(Source(b"a\nb\n")) == 2
     assert len(Source(b"")) == 0
+
+
+@pytest.mark.parametrize("text", [b"%\nG21\nT1 M6\nG0 X1\nM30\n%\n", b"G21\nT1 M6\nG0 X1\nM30\n"])
+def test_a_byte_order_mark_is_stepped_over_and_kept(tmp_path, text):
+    marked = b"\xef\xbb\xbf" + text
+    plain, path = tmp_path / "plain.nc", tmp_path / "marked.nc"
+    plain.write_bytes(text)
+    path.write_bytes(marked)
+    assert list(canon_lines(read_program(path))) == list(canon_lines(read_program(plain)))
+    source = Source.read(path)
+    line = source.lines.index("G0 X1") + 1
+    start, stop = source.words(line)[1].span
+    assert marked[start:stop] == b"X1"
+    assert source.rewritten({(start, stop): "X2"}) == marked.replace(b"X1", b"X2")
+
+
+def test_what_is_no_text_is_refused(tmp_path):
+    path = tmp_path / "part.nc"
+    path.write_bytes(b"G0 X1\nG1 \0\0")
+    with pytest.raises(ProgramError, match=r"part\.nc:2: .* no text"):
+        Source.read(path)

@@ -1,11 +1,13 @@
 """Meshes for display: refined without changing the shape, coloured without bleeding over edges."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
 
 from tests.report_case import block, field_mm, points
-from vmach.report import DisplayMesh, build_display_mesh, interpolate_to_mesh
+from vmach.report import DisplayMesh, Variant, build_display_mesh, interpolate_to_mesh
 from vmach.report.display_mesh import sharp_edges, vertex_normals
 
 
@@ -75,3 +77,22 @@ def test_no_points_colour_nothing():
     empty = points(0)
     assert not interpolate_to_mesh(empty, np.zeros(0), mesh).known.any()
     assert not build_display_mesh(*block(), empty).colourings["abbe"].known.any()
+
+
+def test_a_parallel_step_without_points_stays_unknown():
+    upper = trimesh.creation.box(bounds=[(-10, -10, 0), (10, 10, 5)])
+    lower = trimesh.creation.box(bounds=[(-20, -20, -5), (20, 20, 0)])
+    part = trimesh.boolean.union([upper, lower], engine="manifold")
+    place = [(x, y, 5.0) for x in np.linspace(-9, 9, 10) for y in np.linspace(-9, 9, 10)]
+    top = replace(
+        points(100),
+        point_mm=np.array(place),
+        normal=np.tile([0.0, 0.0, 1.0], (100, 1)),
+        variants=(Variant("abbe", "Abbe", np.full(100, 1e-3), np.full(100, "cut")),),
+    )
+    mesh = build_display_mesh(part.vertices, part.faces, top)
+    known = mesh.colourings["abbe"].known
+    faces_up = vertex_normals(mesh)[:, 2] > 0.9
+    height = mesh.vertices_mm[:, 2]
+    assert known[faces_up & (height > 4.9)].all()
+    assert not known[faces_up & (height < 0.1)].any()

@@ -24,6 +24,7 @@ from vmach.errors import InputError
 from vmach.machine import Machine, Variant, read_machine
 from vmach.machine.audit import audit
 from vmach.machine.double_counting import double_counting
+from vmach.progress import progress_bar
 from vmach.units import um_from_mm
 
 __all__ = ["accuracy"]
@@ -58,31 +59,33 @@ def accuracy(
     known = read_machine(machine)
     tool_mm = np.array([0.0, 0.0, -tool_length])
     space = _volume(known, volume, _counts(grid))
-    field = error_field(known, space, tool_mm, model)
-    result = assess(field)
-    comparison = _comparison(known, tool_mm, {model: field})
-    path = None
-    if profile is not None:
-        path = read_profile(profile).divided(_PROFILE_SPACING_MM).errors(known, tool_mm, model)
-    report = {
-        "machine": known.name,
-        "chain": str(known.chain),
-        "model": str(model),
-        "tool_length_mm": tool_length,
-        "volume": _volume_dict(space),
-        "volumetric": _volumetric_dict(result),
-        "contributions_percent": _shares(known, result, tool_mm, model),
-        "grouping": _grouping(field),
-        "diagonals": [_diagonal_dict(d) for d in diagonals(known, space, tool_mm, model)],
-        "variants": _variants_dict(comparison),
-        "double_counting": _double_counting(known),
-        "findings": [str(finding) for finding in audit(known)],
-    }
-    if path is not None:
-        report["profile"] = _profile_dict(profile, path)
-    if out is not None:
-        pictures = _pictures(known, field, comparison, tool_mm, model=model)
-        _write(out, report, pictures | _profile_picture(path))
+    with progress_bar() as progress:
+        progress("evaluate", 0, 1)
+        field = error_field(known, space, tool_mm, model)
+        result = assess(field)
+        comparison = _comparison(known, tool_mm, {model: field})
+        path = None
+        if profile is not None:
+            path = read_profile(profile).divided(_PROFILE_SPACING_MM).errors(known, tool_mm, model)
+        report = {
+            "machine": known.name,
+            "chain": str(known.chain),
+            "model": str(model),
+            "tool_length_mm": tool_length,
+            "volume": _volume_dict(space),
+            "volumetric": _volumetric_dict(result),
+            "contributions_percent": _shares(known, result, tool_mm, model),
+            "grouping": _grouping(field),
+            "diagonals": [_diagonal_dict(d) for d in diagonals(known, space, tool_mm, model)],
+            "variants": _variants_dict(comparison),
+            "double_counting": _double_counting(known),
+            "findings": [str(finding) for finding in audit(known)],
+        }
+        if path is not None:
+            report["profile"] = _profile_dict(profile, path)
+        if out is not None:
+            pictures = _pictures(known, field, comparison, tool_mm, model=model)
+            _write(out, report, pictures | _profile_picture(path))
     if as_json:
         print(json.dumps(report, indent=1))
     else:

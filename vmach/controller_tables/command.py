@@ -18,6 +18,7 @@ from vmach.controller_tables.table_task import TableTask, task_of_job, task_of_m
 from vmach.errors import InputError
 from vmach.job import read_job
 from vmach.machine import Machine, Variant, read_machine
+from vmach.progress import progress_bar
 from vmach.units import um_from_mm
 
 __all__ = ["tables"]
@@ -73,8 +74,8 @@ def tables(
     names = _format_names(formats)
     task = _task(job, machine, model, tool_length=tool_length, tolerance_mm=1e-3 * tolerance_um)
     options = {"comp_type": comp_type, "cec_entries": cec_entries}
-    with atomic_folder(out) as folder:
-        made = make_tables(task, folder, formats=names, options=options)
+    with progress_bar() as progress, atomic_folder(out) as folder:
+        made = make_tables(task, folder, formats=names, options=options, progress=progress)
         made = [replace(one, files=_relative(one, folder)) for one in made]
         figures = _figures(task, made)
         (folder / "tables.json").write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
@@ -83,7 +84,7 @@ def tables(
         print(json.dumps(figures, indent=1))
         return
     _print(Console(), figures)
-    print(f"tables in {out}, with README.md and tables.json")
+    print(f"results in {out}: a folder for each format, README.md, tables.json")
 
 
 tables.__doc__ = _HELP

@@ -15,6 +15,7 @@ from vmach.controller_tables.projection import Projection
 from vmach.controller_tables.samples import ErrorSamples
 from vmach.controller_tables.table_formats import FORMATS, AppliedTables, TableFormat, projected
 from vmach.controller_tables.table_task import TableTask
+from vmach.stage_clock import Progress, silent
 
 __all__ = ["MadeTables", "Residual", "make_tables"]
 
@@ -87,6 +88,7 @@ def make_tables(
     *,
     formats: Sequence[str] = tuple(FORMATS),
     options: Mapping[str, Any] | None = None,
+    progress: Progress = silent,
 ) -> list[MadeTables]:
     """Write tables of the given formats into folders of their names.
 
@@ -99,8 +101,14 @@ def make_tables(
         Keys of `FORMATS`.
     options : mapping, optional
         ``comp_type`` (0 or 1) for LinuxCNC, ``cec_entries`` (correction or error) for CEC.
+    progress : Progress
+        Told how many formats are done.
     """
-    return [_made(task, folder / name, options=options or {}) for name in formats]
+    made: list[MadeTables] = []
+    for name in formats:
+        progress("tables", len(made), len(formats))
+        made.append(_made(task, folder / name, options=options or {}))
+    return made
 
 
 def _made(task: TableTask, folder: Path, *, options: Mapping[str, Any]) -> MadeTables:

@@ -13,10 +13,10 @@ from vmach.effects.effect import (
 
 from vmach.effects.catalogue import (  # isort: skip  (the effects import the names above)
     catalogue,
-    load_effect_file,
     read_effects,
     set_up_effect,
 )
+from vmach.effects.effect_file import load_effect_file  # isort: skip
 
 __all__ = [
     "Circumstances",

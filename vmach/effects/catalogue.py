@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import importlib.util
 from collections.abc import Mapping
 from functools import lru_cache
 from importlib.metadata import entry_points
@@ -40,7 +39,7 @@ from vmach.job import Job, read_job
 from vmach.text_file import read_text
 from vmach.toml_file import line_of_key
 
-__all__ = ["ENTRY_POINT", "catalogue", "load_effect_file", "read_effects", "set_up_effect"]
+__all__ = ["ENTRY_POINT", "catalogue", "read_effects", "set_up_effect"]
 
 #: group of entry points under which a package offers its own effects
 ENTRY_POINT = "vmach.effects"
@@ -87,40 +86,6 @@ def catalogue() -> dict[str, Effect]:
         kind = entry.load()
         effects[kind.name] = kind()
     return effects
-
-
-def load_effect_file(path: str | Path) -> Effect:
-    """Load a user's own effect from a Python file and put it into the catalogue.
-
-    Raises
-    ------
-    InputError
-        No such file, an error inside it, or not exactly one subclass of `Effect`.
-    """
-    path = Path(path)
-    read_text(path, what="effect file")
-    spec = importlib.util.spec_from_file_location(f"vmach_user_effect_{path.stem}", path)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    try:
-        spec.loader.exec_module(module)
-    except Exception as error:
-        raise InputError(f"effect file cannot be loaded: {error!r}", file=path) from error
-    kinds = [
-        value
-        for value in vars(module).values()
-        if isinstance(value, type)
-        and issubclass(value, Effect)
-        and value is not Effect
-        and value.__module__ == module.__name__
-    ]
-    if len(kinds) != 1:
-        raise InputError(
-            f"{len(kinds)} effects in the file", file=path, accepted="one subclass of Effect"
-        )
-    effect = kinds[0]()
-    catalogue()[effect.name] = effect
-    return effect
 
 
 def read_effects(

@@ -19,6 +19,8 @@ from vmach.iso230.uncertainty import Budget, expanded, parameter_uncertainties
 from vmach.machine.error_table import MM_PER, RAD_PER, read_error_table
 from vmach.machine.machine_file import read_machine
 from vmach.machine.runs import Runs
+from vmach.progress import progress_bar
+from vmach.stage_clock import Progress
 from vmach.toml_file import FileSection, NonNegative, read_toml
 
 __all__ = ["iso230"]
@@ -89,7 +91,8 @@ def iso230(
         "tables": {axis.name: _as_dict(axis, contributors) for axis in axes},
     }
     if out is not None:
-        _write(out, report, axes)
+        with progress_bar() as progress:
+            _write(out, report, axes, progress)
     if as_json:
         print(json.dumps(report, indent=1))
     else:
@@ -164,19 +167,17 @@ def _notes(axis: _Axis, runs: int) -> Iterator[str]:
         yield "no uncertainty: the budget is one of positioning"
 
 
-def _write(out: Path, report: dict[str, Any], axes: tuple[_Axis, ...]) -> None:
+def _write(out: Path, report: dict[str, Any], axes: tuple[_Axis, ...], progress: Progress) -> None:
     """The figures and one diagram a table, all files or none."""
     from vmach.iso230.diagram import draw_evaluation
 
-    pictures = {
-        axis.name: draw_evaluation(
-            axis.result, title=f"{axis.name}, ISO 230-2", unit=axis.unit, factor=axis.factor
-        )
-        for axis in axes
-    }
     with atomic_folder(out) as folder:
-        for name, picture in pictures.items():
-            (folder / f"{name}.png").write_bytes(picture)
+        for count, axis in enumerate(axes):
+            progress("draw", count, len(axes))
+            picture = draw_evaluation(
+                axis.result, title=f"{axis.name}, ISO 230-2", unit=axis.unit, factor=axis.factor
+            )
+            (folder / f"{axis.name}.png").write_bytes(picture)
         (folder / "iso230.json").write_text(json.dumps(report, indent=1) + "\n")
 
 

@@ -13,6 +13,7 @@ __all__ = ["build_display_mesh", "interpolate_to_mesh", "sharp_edges", "vertex_n
 
 _SHARP_EDGE_RAD = 0.6  # above: an edge of the part; below: a chord of a curved face
 _NEIGHBOURS = 6
+_SLOPE, _CHORD_MM = 0.02, 0.05  # of a chord against its face: curvature, facets
 
 
 def build_display_mesh(
@@ -56,9 +57,10 @@ def interpolate_to_mesh(
 ) -> Colouring:
     """Interpolate values of the points to the vertices of a mesh; for display only.
 
-    The value of a vertex is the mean of its nearest points with weights 1/distance^2. Points
-    on faces of another direction count as far away: the neighbours are found in the space of
-    position and normal, the normal stretched so that 90 degrees are as far as the reach.
+    The value of a vertex is the mean of its nearest points with weights 1/distance^2. Points of
+    a parallel face do not count, those on faces of another direction count as far away: the
+    neighbours are found in the space of position and normal, the normal stretched so that 90
+    degrees are as far as the reach.
 
     Parameters
     ----------
@@ -76,15 +78,32 @@ def interpolate_to_mesh(
     reach_mm = 6 * _spacing(mesh, len(points))
     stretch_mm = reach_mm / np.sqrt(2)
     tree = cKDTree(np.hstack([points.point_mm, stretch_mm * points.normal]))
-    query = np.hstack([mesh.vertices_mm, stretch_mm * vertex_normals(mesh)])
+    normals = vertex_normals(mesh)
+    query = np.hstack([mesh.vertices_mm, stretch_mm * normals])
     count = min(_NEIGHBOURS, len(points))
     distance_mm, index = tree.query(query, k=count)
     distance_mm, index = distance_mm.reshape(-1, count), index.reshape(-1, count)
-    value = np.asarray(values_mm, float)[index]
-    known = np.isfinite(value[:, 0]) & (distance_mm[:, 0] < reach_mm)
+    same_face = _on_same_face(
+        points.point_mm[index] - mesh.vertices_mm[:, None], points.normal[index] + normals[:, None]
+    )
+    value = np.where(same_face, np.asarray(values_mm, float)[index], np.nan)
+    nearest = same_face.argmax(axis=1)[:, None]
+    known = np.isfinite(np.take_along_axis(value, nearest, 1))[:, 0]
+    known &= np.take_along_axis(distance_mm, nearest, 1)[:, 0] < reach_mm
     weight = np.where(np.isfinite(value), 1 / (distance_mm**2 + (1e-3 * reach_mm) ** 2), 0.0)
     mean = (weight * np.nan_to_num(value)).sum(1) / np.maximum(weight.sum(1), 1e-300)
     return Colouring(np.where(known, mean, 0.0), known)
+
+
+def _on_same_face(chord_mm: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Whether chords (..., 3) lie in a smooth face, `normals` the sum of those at both ends.
+
+    In a plane, on a cylinder and on a sphere a chord is at right angles to that sum; from a step
+    to the next it is not.
+    """
+    offset_mm = np.abs(np.sum(chord_mm * normals, axis=-1))
+    length_mm = np.linalg.norm(chord_mm, axis=-1)
+    return offset_mm <= np.linalg.norm(normals, axis=-1) * (_SLOPE * length_mm + _CHORD_MM)
 
 
 def vertex_normals(mesh: DisplayMesh) -> np.ndarray:

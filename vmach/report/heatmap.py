@@ -26,6 +26,7 @@ __all__ = ["common_range_mm", "draw_heatmap"]
 
 _PANEL_WIDTH_INCH, _DPI = 7.2, 140
 _CAPTION_INCH, _HEADING_INCH, _BAR_INCH, _MARGIN_INCH = 0.6, 0.5, 1.3, 0.1
+_ARROW_INCH = 0.15  # at both ends of the colour bar
 _INK, _GREY = "#1d2125", "#5c646c"
 
 
@@ -160,7 +161,7 @@ def _add_colour_bar(figure: Figure, range_mm: float) -> None:
         ScalarMappable(Normalize(-range_um, range_um), colour_map),
         cax=figure.add_axes(box),
         extend="both",
-        extendfrac=0.03,
+        extendfrac=_ARROW_INCH / (box[3] * height),
         ticks=np.linspace(-range_um, range_um, 9),
         format=lambda value, _: f"{value:+.3g}" if abs(value) > 1e-9 * range_um else "0",
     )

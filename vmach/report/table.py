@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 
 from rich.table import Table
 from rich.text import Text
@@ -13,14 +14,19 @@ from vmach.units import um_from_mm
 
 __all__ = ["variants_table"]
 
+#: characters of a column's heading, where there are up to three and where there are more
+_WIDE, _NARROW = 16, 12
+
 
 def variants_table(points: InspectedPoints, run: RunRecord) -> Table:
     """Return a rich table, one column a variant, lengths in um; fits 80 columns up to four."""
     table = Table(title=Text(run.title), title_justify="left", caption_justify="left")
     table.caption = "positive: material left, negative: too much removed"
     table.add_column("µm", no_wrap=True)
+    width = _WIDE if len(points.variants) <= 3 else _NARROW
     for variant in points.variants:
-        table.add_column(Text(variant.label), justify="right", min_width=9, overflow="fold")
+        heading = textwrap.fill(variant.label, width, break_long_words=False)
+        table.add_column(Text(heading), justify="right", no_wrap=True)
     for label, cells in _rows(points, run):
         table.add_row(label, *cells)
     return table
@@ -48,5 +54,4 @@ def _um(length_mm: float | None, sign: str = "-") -> str:
     if length_mm is None or not math.isfinite(length_mm):
         return "–"
     length_um = um_from_mm(length_mm)
-    tiny = 0 < abs(length_um) < 1e-3
-    return f"{length_um:{sign}.1e}" if tiny else f"{length_um:{sign}.3f}"
+    return f"{length_um:{sign}.3f}" if abs(length_um) >= 5e-4 else "0.000"
