@@ -203,6 +203,7 @@ def _variants_dict(comparison: Comparison | None) -> dict[str, Any] | None:
         "mean_htm_um": _um(comparison.mean_htm_mm),
         "mean_abbe_um": _um(comparison.mean_abbe_mm),
         "abbe_smaller_percent": round(comparison.smaller_percent, 2),
+        "in_words": comparison.in_words,
         "note": "depends on where the reflectors stood: a figure of this machine and set-up",
     }
 
@@ -241,7 +242,7 @@ def _pictures(
     pictures = {
         "histogram.png": draw_histogram(field.magnitude_mm, edges, counts, largest_mm=largest),
         "cones.png": draw_cones(
-            error_field(machine, coarse, tool_mm, model), title=f"{machine.name}, {model}"
+            error_field(machine, coarse, tool_mm, model), title=f"{machine.name}, arms: {model}"
         ),
     }
     if comparison is not None:
@@ -288,7 +289,7 @@ def _print(console: Console, report: dict[str, Any]) -> None:
     if report["variants"]:
         variants = report["variants"]
         say(f"mean error with conventional arms {variants['mean_htm_um']:.1f} um, Abbe-consistent "
-            f"{variants['mean_abbe_um']:.1f} um: {variants['abbe_smaller_percent']:.1f} % smaller "
+            f"{variants['mean_abbe_um']:.1f} um: {variants['in_words']} "
             f"({variants['note']})")  # fmt: skip
     if "profile" in report:
         profile = report["profile"]

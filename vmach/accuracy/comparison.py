@@ -36,6 +36,12 @@ class Comparison:
     mean_abbe_mm: float
     smaller_percent: float
 
+    @property
+    def in_words(self) -> str:
+        """``3.9 % smaller``."""
+        way = "larger" if self.smaller_percent < 0 else "smaller"
+        return f"{abs(self.smaller_percent):.1f} % {way}"
+
 
 def compare_variants(
     machine: Machine,

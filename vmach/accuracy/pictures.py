@@ -18,6 +18,8 @@ from vmach.accuracy.field import ErrorField
 __all__ = ["draw_cones", "draw_histogram", "draw_maps", "draw_profile"]
 
 _COLOURS = "viridis"
+#: told apart by every common kind of colour vision
+_AXES = {"X": "#0072b2", "Y": "#d55e00", "Z": "#009e73"}
 _CONE_SIDES = 8
 _CONE_LENGTH = 0.9  #: of the grid's step, for the longest error
 
@@ -46,10 +48,9 @@ def draw_cones(field: ErrorField, *, title: str) -> bytes:
     colours = np.repeat(colormaps[_COLOURS](scale(magnitude_um)), _CONE_SIDES, axis=0)
     axes.add_collection3d(Poly3DCollection(triangles, facecolors=colours, linewidths=0))
     low, high = field.volume.low_mm - 0.5 * step, field.volume.high_mm + 0.5 * step
-    axes.set(
-        xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]),
-        xlabel="X, mm", ylabel="Y, mm", zlabel="Z, mm",
-    )  # fmt: skip
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    for name in "xyz":
+        getattr(axes, f"set_{name}label")(f"{name.upper()}, mm", labelpad=10)
     axes.set_box_aspect(high - low)
     figure.colorbar(
         ScalarMappable(scale, _COLOURS), ax=axes, shrink=0.7, label="error of the tool tip, um"
@@ -120,7 +121,7 @@ def draw_maps(comparison: Comparison, *, title: str) -> bytes:
     figure.supylabel("Y, mm")
     figure.suptitle(
         f"{title}: mean {1e3 * comparison.mean_htm_mm:.1f} um against "
-        f"{1e3 * comparison.mean_abbe_mm:.1f} um, {comparison.smaller_percent:.1f} % smaller\n"
+        f"{1e3 * comparison.mean_abbe_mm:.1f} um, {comparison.in_words}\n"
         "(this machine with these set-ups; the size is no constant of the method)",
         fontsize=10,
     )
@@ -134,7 +135,7 @@ def draw_profile(distance_mm: np.ndarray, error_mm: np.ndarray, *, title: str) -
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     for column, name in enumerate("XYZ"):
-        axes.plot(distance_mm, 1e3 * error_mm[:, column], lw=1.2, label=name)
+        axes.plot(distance_mm, 1e3 * error_mm[:, column], lw=1.2, color=_AXES[name], label=name)
     length = np.linalg.norm(error_mm, axis=1)
     axes.plot(distance_mm, 1e3 * length, "k--", lw=1.0, label="length")
     axes.set(title=title, xlabel="distance along the path, mm", ylabel="error of the tool tip, um")

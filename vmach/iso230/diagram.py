@@ -58,7 +58,7 @@ def draw_evaluation(result: Evaluation, *, title: str, unit: str, factor: float)
         family="monospace", fontsize=9,
     )  # fmt: skip
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=8, ncols=3, loc="best")
+    figure.legend(fontsize=8, ncols=5, loc="outside lower center")
     stream = BytesIO()
     figure.savefig(stream, format="png", metadata={"Software": None})
     return stream.getvalue()
@@ -79,7 +79,7 @@ def _mark_ranges(axes: Axes, result: Evaluation, factor: float) -> None:
 def _figures_text(result: Evaluation, unit: str, factor: float) -> str:
     values = result.figures()
     rows = [
-        f"{name:<10} {'-' if value is None else format(factor * value, '8.2f')}"
+        f"{name:<10} {'-' if value is None else format(round(factor * value, 4), '8.2f')}"
         for name, value in values.items()
     ]
     return "\n".join([f"ISO 230-2, {unit}", *rows, "", "-.-  range A", "...  range E"])
