@@ -157,7 +157,9 @@ app.command()(iso230)
 @app.command()
 def canon(
     program: Annotated[Path, typer.Argument(metavar="PROGRAM", help="the NC program")],
-    tools: Annotated[Path | None, typer.Option(help="tool table, as LinuxCNC's tool.tbl")] = None,
+    tools: Annotated[
+        Path | None, typer.Option(help="tool table, as LinuxCNC's tool.tbl; for G43 and G41")
+    ] = None,
     machine_unit: Annotated[
         Literal["mm", "inch"], typer.Option(help="unit of the tool table and of stored offsets")
     ] = "mm",
@@ -247,10 +249,3 @@ def main() -> None:
     except OSError as error:
         print(f"vmach: {error.filename or 'file'}: {error.strerror}", file=sys.stderr)
         sys.exit(1)
-    except KeyboardInterrupt:
-        print("vmach: interrupted; nothing was written", file=sys.stderr)
-        sys.exit(130)
-
-
-if __name__ == "__main__":
-    main()

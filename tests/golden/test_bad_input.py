@@ -6,6 +6,7 @@ import pytest
 
 from tests.small_job import write_job, write_nominal_stl
 from vmach import cli
+from vmach.__main__ import main
 
 
 @pytest.fixture
@@ -217,3 +218,15 @@ def test_no_result_replaces_a_file_that_is_read(arguments, job, monkeypatch, cap
     assert status == 1
     assert "is read by this command" in message
     assert {path: path.read_bytes() for path in job.parent.iterdir()} == before
+
+
+@pytest.mark.parametrize("raised", [KeyboardInterrupt, SystemExit(130)])
+def test_an_interrupt_ends_with_one_line(raised, monkeypatch, capsys):
+    def interrupted():
+        raise raised
+
+    monkeypatch.setattr(cli, "main", interrupted)
+    with pytest.raises(SystemExit) as stopped:
+        main()
+    assert stopped.value.code == 130
+    assert capsys.readouterr().err == "vmach: interrupted; no file is half-written\n"
