@@ -145,15 +145,22 @@ def _in_three_directions(name, text, states: PathStates, nuisance) -> PlannedTes
 
 
 def write_program(test: PlannedTest, job: Job) -> str:
-    """The test's motion as an NC program in the job's first work offset, without tool length."""
+    """The test's motion as an NC program in the job's first work offset, without tool length.
+
+    It comes to its first place from above, Z first drawn back to the end of its travel.
+    """
     offset = next(iter(job.work_offsets_mm.items()))
     moves = test.states.moves
     start = moves.start_mm[0] - offset[1]
     lines = [
         "%",
         f"({test.text})",
+        "(part and fixtures off the table: the places are all over the work space)",
+        f"(places of the spindle nose in {offset[0]} of the job, tool length off)",
         f"G21 G90 G94 G17 G40 G49 G80 {offset[0]}",
-        f"G0 X{start[0]:.4f} Y{start[1]:.4f} Z{start[2]:.4f}",
+        f"G53 G0 Z{job.machine.travel_mm[1][2]:.4f}",
+        f"G0 X{start[0]:.4f} Y{start[1]:.4f}",
+        f"G0 Z{start[2]:.4f}",
     ]
     rpm = None
     for k in range(len(moves)):
