@@ -171,14 +171,14 @@ def _other_part(
 
 @effects_app.command("list")
 def list_effects() -> None:
-    """Every effect with its parameters."""
+    """Every effect with its targets and parameters."""
     from vmach.effects import catalogue
 
-    table = Table("effect", "what", "parameters", "usual")
     for effect in catalogue().values():
-        names = ", ".join(p.name for p in effect.parameters)
-        table.add_row(effect.name, effect.title, names, effect.usual_size)
-    Console().print(table)
+        targets = " ".join(filter(None, effect.targets))
+        print(f"{effect.name}  {targets}".rstrip())
+        print(f"    {effect.title}; usual: {effect.usual_size}")
+        print(f"    {', '.join(p.name for p in effect.parameters)}")
 
 
 @effects_app.command()
