@@ -29,7 +29,7 @@ def main() -> int:
     if len(sys.argv) < 2 or sys.argv[1] not in tasks:
         print(__doc__.strip(), file=sys.stderr)
         return 2
-    if sys.version_info < (3, 11):
+    if sys.version_info < (3, 11):  # noqa: UP036  (any python3 may start this file)
         print(f"vmach needs Python 3.11 or newer; this is {sys.version.split()[0]}")
         return 1
     set_up()

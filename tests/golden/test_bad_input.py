@@ -74,6 +74,19 @@ CASES = {
         ),
         ["EXX.csv:1", "position_mm;forward;backward", "separate the columns by commas"],
     ),
+    "table in another unit": (
+        lambda f: (
+            (f / "EXX.csv").write_text("position_mm,forward,backward\n-400,1,1e6\n0,1,1\n"),
+            replace(f / "machine.toml", "[axes.X]", '[errors.EXX]\ntable = "EXX.csv"\n[axes.X]'),
+        ),
+        ["EXX.csv:2", "an error of 1000 mm", "accepted: 10 mm at most", "unit"],
+    ),
+    "effect's parameter in quotes": (
+        lambda f: (f / "job.toml").write_text(
+            (f / "job.toml").read_text() + '[effects.backlash.X]\nreversal_um = "6"\n'
+        ),
+        ["job.toml:15", "reversal_um = '6' is no number", "accepted: -10000 .. 10000"],
+    ),
     "folder for a file": (
         lambda f: ((f / "part.nc").unlink(), (f / "part.nc").mkdir()),
         ["job.toml:3", "part.nc", "is a folder"],

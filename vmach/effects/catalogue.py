@@ -183,10 +183,10 @@ def set_up_effect(
 
 def _in_bounds(value: Any, parameter, error) -> float | list[float]:
     accepted = f"{parameter.low:g} .. {parameter.high:g}"
-    try:
-        numbers = np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        raise error(f"{parameter.name} = {value!r} is no number", accepted) from None
+    values = value if isinstance(value, list) else [value]
+    if not all(type(one) in (int, float) for one in values):
+        raise error(f"{parameter.name} = {value!r} is no number", accepted)
+    numbers = np.array(value, dtype=float)
     good = np.isfinite(numbers) & (numbers >= parameter.low) & (numbers <= parameter.high)
     if not good.all():
         raise error(f"{parameter.name} = {value!r} is out of bounds", accepted)

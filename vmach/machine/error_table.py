@@ -126,6 +126,7 @@ class _Header:
         positions: Mapping[str, float],
     ) -> None:
         self.path, self.line, self.names = path, line, names
+        self.largest, self.size_unit = (10.0, "mm") if "mm" in units else (0.1, "rad")
         self.position, self.position_scale = self._find_position(positions)
         self.approach = names.index("approach") if "approach" in names else None
         self.forward: list[int] = []
@@ -186,7 +187,15 @@ def _numbers(cells: list[str], header: _Header, path: Path, line: int) -> np.nda
         raise InputError(f"row '{', '.join(cells)}' has no position", file=path, line=line)
     if header.approach is not None and numbers[header.approach] == 0:
         raise InputError("approach 0", file=path, line=line, accepted="1 or -1")
-    return numbers * header.scale
+    values = numbers * header.scale
+    sizes = np.abs(values[[*header.forward, *header.backward]])
+    if (sizes > header.largest).any():
+        raise InputError(
+            f"row '{', '.join(cells)}' holds an error of {np.nanmax(sizes):g} {header.size_unit}",
+            file=path, line=line, accepted=f"{header.largest:g} {header.size_unit} at most",
+            hint="the unit of the column, or [convention] in the machine file, may be another",
+        )  # fmt: skip
+    return values
 
 
 def _wide_runs(values: np.ndarray, header: _Header) -> Runs:
