@@ -5,52 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
 import numpy as np
 import trimesh
-from pydantic import AfterValidator, Field
 
-from gcode.dialects import DIALECTS
 from stock import StockError, Tool, make_tool
 from vmach.errors import InputError
+from vmach.job_schema import WORK_OFFSETS, InspectionEntry, JobSchema, ToolEntry
 from vmach.machine import Machine, read_machine
 from vmach.text_file import read_text
-from vmach.toml_file import (
-    FileSection,
-    Finite,
-    NonNegative,
-    Point,
-    Positive,
-    Whole,
-    line_of_key,
-    read_toml,
-)
+from vmach.toml_file import line_of_key, read_toml
 
 __all__ = ["WORK_OFFSETS", "Blank", "Inspection", "Job", "JobTool", "read_job"]
-
-#: names of the work offsets in the order of their numbers, 1 = G54
-WORK_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
-
-
-def _known_offsets(offsets: dict[str, Point]) -> dict[str, Point]:
-    for name in offsets:
-        if name not in WORK_OFFSETS:
-            raise ValueError(f"accepted: {', '.join(WORK_OFFSETS)}")
-    return offsets
-
-
-def _known_dialect(name: str) -> str:
-    if name not in ("auto", *DIALECTS):
-        raise ValueError(f"accepted: auto, {', '.join(DIALECTS)}")
-    return name
-
-
-class _Stock(FileSection):
-    min_mm: Point | None = None
-    max_mm: Point | None = None
-    file: str | None = None
-
 
 #: keys of a tool that its cutting part is made from
 _CUTTER_DIMENSIONS = {
@@ -61,56 +28,6 @@ _CUTTER_DIMENSIONS = {
     "angle_deg",
     "flute_length_mm",
 }
-
-
-class _Tool(FileSection):
-    shape: Literal["flat", "ball", "bull", "chamfer", "drill", "profile"]
-    diameter_mm: Positive
-    length_mm: Positive
-    corner_radius_mm: Finite | None = None
-    tip_diameter_mm: Finite | None = None
-    angle_deg: Finite | None = None
-    flute_length_mm: Finite | None = None
-    shank_diameter_mm: Finite | None = None
-    holder_mm: list[tuple[Finite, Finite]] | None = None
-    profile_mm: list[tuple[Finite, Finite]] | None = None
-    flutes: Whole | None = None
-
-
-class _Inspection(FileSection):
-    spacing_mm: Positive = 2.0
-    edge_margin_mm: NonNegative = 0.1
-    reach_mm: Positive = 1.0
-    tolerance_um: Positive = 10.0
-    alignment: Literal["none", "best-fit", "datum"] = "none"
-    datums: list[list[str]] = []
-
-
-class _Step(FileSection):
-    """What ``vmach add`` notes of the job before."""
-
-    previous: str
-    added: list[str] = []
-    rms_before_um: NonNegative | None = None
-    rms_after_um: NonNegative | None = None
-
-
-class _JobFile(FileSection):
-    schema_: Literal[1] = Field(alias="schema")
-    machine: str
-    program: str
-    dialect: Annotated[str, AfterValidator(_known_dialect)] = "auto"
-    nominal: str | None = None
-    measured: str | None = None
-    workpiece_zero: str | None = None
-    tool_offsets: Literal["program", "touched off"] = "program"
-    work_offsets_mm: Annotated[dict[str, Point], AfterValidator(_known_offsets)]
-    stock: _Stock | None = None
-    tools: dict[Annotated[int, Field(ge=1)], _Tool]
-    inspection: _Inspection = _Inspection()
-    effects: dict[str, Any] = {}
-    measurements: list[dict[str, Any]] = []
-    history: list[_Step] = []
 
 
 @dataclass(frozen=True)
@@ -250,7 +167,7 @@ def read_job(path: str | Path) -> Job:
     """
     path = Path(path)
     path = path / "job.toml" if path.is_dir() else path
-    data = read_toml(path, _JobFile, what="job file")
+    data = read_toml(path, JobSchema, what="job file")
     text = read_text(path, what="job file")
 
     def at(*keys: str) -> dict[str, Any]:
@@ -294,7 +211,7 @@ def read_job(path: str | Path) -> Job:
     )
 
 
-def _blank(data: _JobFile, path: Path, at: Any) -> Blank | None:
+def _blank(data: JobSchema, path: Path, at: Any) -> Blank | None:
     stock = data.stock
     if stock is None:
         return None
@@ -327,7 +244,7 @@ def _blank_from_file(file: Path, where: dict[str, Any]) -> Blank:
     return Blank(low, high, file, mesh)
 
 
-def _tool(number: int, tool: _Tool, where: dict[str, Any]) -> JobTool:
+def _tool(number: int, tool: ToolEntry, where: dict[str, Any]) -> JobTool:
     given = tool.model_dump(exclude_none=True, include=_CUTTER_DIMENSIONS)
     if tool.shape == "profile":
         given = {"points_mm": tool.profile_mm or []}
@@ -346,7 +263,7 @@ def _tool(number: int, tool: _Tool, where: dict[str, Any]) -> JobTool:
     )
 
 
-def _inspection(data: _Inspection, where: dict[str, Any]) -> Inspection:
+def _inspection(data: InspectionEntry, where: dict[str, Any]) -> Inspection:
     if data.alignment == "datum" and not data.datums:
         raise InputError(
             'alignment = "datum" needs datums',

@@ -10,6 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+import trimesh
+
 from stock import VirtualPart, cut_part
 from vmach.collisions import collision_notes, job_collisions
 from vmach.effects import read_effects
@@ -94,6 +97,7 @@ def machine_part(
     clock = StageClock(progress)
     with clock.stage("read"):
         job = read_job(job_path)
+        blank = _blank_of(job)
         effects = read_effects(job.effects, file=job.path, job=job)
         preparation = prepare(job)
         nominal = read_nominal(job.nominal) if job.nominal else None
@@ -116,7 +120,7 @@ def machine_part(
             )
             step(len(predictions), len(variants))
     with clock.stage("cut") as step:
-        part = cut_part(sweeps[model], preparation.cutters, blank_of(job), progress=step)
+        part = cut_part(sweeps[model], preparation.cutters, blank, progress=step)
     with clock.stage("collide") as step:
         collisions = job_collisions(preparation, sweeps[model], progress=step)
     inspected, notes = inspected_points(job, points, predictions)
@@ -140,14 +144,8 @@ def machine_part(
     )
 
 
-def blank_of(job: Job):
-    """The blank that the virtual part is cut from, two corners or a mesh.
-
-    Raises
-    ------
-    InputError
-        The job has no [stock].
-    """
+def _blank_of(job: Job) -> tuple[np.ndarray, np.ndarray] | trimesh.Trimesh:
+    """The blank that the virtual part is cut from, two corners or a mesh."""
     if job.blank is None:
         raise InputError(
             "the virtual part needs a blank",

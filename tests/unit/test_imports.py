@@ -12,7 +12,7 @@ LAYERS = [
     {"units", "errors", "atomic", "stage_clock", "progress", "kernel_cache"},
     {"text_file", "toml_file", "points", "path_geometry", "alignment", "nominal"},
     {"machine", "accuracy", "iso230"},
-    {"job", "toolpath"},
+    {"job_schema", "job", "toolpath"},
     {"sweeping", "preparation", "effects"},
     {"prediction", "error_budget", "collisions", "measurements", "tip_errors", "program_text"},
     {"fit"},
