@@ -75,6 +75,9 @@ def add_effects(
         Unknown effect or target, an effect that the job has already, a file that is there already.
     """
     job = read_job(job_path)
+    twice = [name for name in effects if list(effects).count(name) > 1]
+    if twice:
+        raise InputError(f"{twice[0]} is named twice", accepted="every effect once")
     survey = survey_job(job.path)
     found = fit_named(survey, effects)
     for effect in found:

@@ -62,25 +62,11 @@ def accuracy(
     with progress_bar() as progress:
         progress("evaluate", 0, 1)
         field = error_field(known, space, tool_mm, model)
-        result = assess(field)
         comparison = _comparison(known, tool_mm, {model: field})
         path = None
         if profile is not None:
             path = read_profile(profile).divided(_PROFILE_SPACING_MM).errors(known, tool_mm, model)
-        report = {
-            "machine": known.name,
-            "chain": str(known.chain),
-            "model": str(model),
-            "tool_length_mm": tool_length,
-            "volume": _volume_dict(space),
-            "volumetric": _volumetric_dict(result),
-            "contributions_percent": _shares(known, result, tool_mm, model),
-            "grouping": _grouping(field),
-            "diagonals": [_diagonal_dict(d) for d in diagonals(known, space, tool_mm, model)],
-            "variants": _variants_dict(comparison),
-            "double_counting": _double_counting(known),
-            "findings": [str(finding) for finding in audit(known)],
-        }
+        report = _report(known, field, comparison, tool_mm, model=model)
         if path is not None:
             report["profile"] = _profile_dict(profile, path)
         if out is not None:
@@ -90,6 +76,29 @@ def accuracy(
         print(json.dumps(report, indent=1))
     else:
         _print(Console(), report)
+
+
+def _report(
+    machine: Machine, field: ErrorField, comparison: Comparison | None,
+    tool_mm: np.ndarray, *, model: Variant,
+) -> dict[str, Any]:  # fmt: skip
+    """All figures, as they stand in ``accuracy.json``."""
+    result = assess(field)
+    found = diagonals(machine, field.volume, tool_mm, model)
+    return {
+        "machine": machine.name,
+        "chain": str(machine.chain),
+        "model": str(model),
+        "tool_length_mm": -float(tool_mm[2]),
+        "volume": _volume_dict(field.volume),
+        "volumetric": _volumetric_dict(result),
+        "contributions_percent": _shares(machine, result, tool_mm, model),
+        "grouping": _grouping(field),
+        "diagonals": [_diagonal_dict(one) for one in found],
+        "variants": _variants_dict(comparison),
+        "double_counting": _double_counting(machine),
+        "findings": [str(finding) for finding in audit(machine)],
+    }
 
 
 def _counts(text: str) -> tuple[int, int, int]:
