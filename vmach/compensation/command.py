@@ -70,8 +70,9 @@ def compensate(
     with progress_bar() as progress:
         clock = StageClock(progress)
         with clock.stage("surface"):
-            surface = read_surface(read, with_aim=aim is Aim.PART)
+            surface = read_surface(read, with_aim=True)
             _check_surface(surface, read, {"report on": report, "aim at": aim is Aim.PART})
+            points = None if surface is None else surface.aim
         with clock.stage("move") as step:
             found = compensate_job(
                 read,
@@ -82,7 +83,8 @@ def compensate(
                 limit_mm=1e-3 * limit_um,
                 residual_limit_mm=1e-3 * residual_limit_um,
                 dialect=dialect,
-                aim_points=None if surface is None else surface.aim,
+                aim_points=points if aim is Aim.PART else None,
+                round_points=points,
                 progress=step,
             )
         with clock.stage("verify"):

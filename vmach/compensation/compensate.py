@@ -11,9 +11,9 @@ from gcode import MoveKind
 from vmach.compensation.iteration import Iteration, Solution
 from vmach.compensation.model import TipModel
 from vmach.compensation.part_aim import PartAim, aim_at_part
+from vmach.compensation.part_rounding import round_program
 from vmach.compensation.part_view import PartView
 from vmach.compensation.residual import Residual
-from vmach.compensation.rounding import rounded_target
 from vmach.compensation.safety import check_corrections, check_part, check_result
 from vmach.job import Job
 from vmach.machine import Variant
@@ -29,7 +29,7 @@ from vmach.program_text import (
     target_control,
 )
 
-__all__ = ["Compensation", "compensate"]
+__all__ = ["Compensation", "Solved", "compensate", "finish", "solve"]
 
 _UNKNOWN_START = "the program has not said where it begins, so that only its end is corrected"
 #: places along such a line
@@ -85,6 +85,26 @@ class Compensation:
     part_aim: PartAim | None = None
 
 
+@dataclass(frozen=True)
+class Solved:
+    """A compensated program before rounding.
+
+    Attributes
+    ----------
+    iteration : Iteration
+        With the shift of the path that is aimed at.
+    solution : Solution
+    view : PartView, optional
+        Of the surface to round for.
+    part_aim : PartAim, optional
+    """
+
+    iteration: Iteration
+    solution: Solution
+    view: PartView | None
+    part_aim: PartAim | None
+
+
 def compensate(
     job: Job,
     effects: Sequence[Effect] = (),
@@ -96,6 +116,7 @@ def compensate(
     residual_limit_mm: float = 5e-3,
     dialect: str | None = None,
     aim_points: SurfacePoints | None = None,
+    round_points: SurfacePoints | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Compensation:
     """Move the job's program against the predicted error of the tool.
@@ -123,6 +144,9 @@ def compensate(
         it is written in.
     aim_points : SurfacePoints, optional
         Surface to aim at; without it the tool is kept on its nominal path.
+    round_points : SurfacePoints, optional
+        Surface that decides between points of the control's grid; by default the one that is
+        aimed at, without either the path does.
     progress : callable, optional
         Called with rounds done and expected.
 
@@ -132,11 +156,60 @@ def compensate(
         The program cannot be read or rewritten, a correction or what remains exceeds its limit,
         or the compensated program leaves the travel.
     """
+    solved = solve(job, effects, variant=variant, tolerance_mm=tolerance_mm, limit_mm=limit_mm,
+                   dialect=dialect, aim_points=aim_points, round_points=round_points,
+                   progress=progress)  # fmt: skip
+    if solved is None:
+        return _unchanged(prepare(job), TipModel(variant, tuple(effects)))
+    return finish(solved, resolution_mm=resolution_mm, tolerance_mm=tolerance_mm,
+                  residual_limit_mm=residual_limit_mm)  # fmt: skip
+
+
+def finish(
+    solved: Solved, *, resolution_mm: float = 1e-3, tolerance_mm: float = 1e-4,
+    residual_limit_mm: float = 5e-3,
+) -> Compensation:  # fmt: skip
+    """The second part of `compensate`, with its parameters: rounds, reads back and checks."""
+    iteration, found, part_aim = solved.iteration, solved.solution, solved.part_aim
+    preparation, expansion = iteration.preparation, iteration.expansion
+    rounded = round_program(iteration, found, resolution_mm, solved.view)
+    written, run = rounded.written, rounded.run
+    check_result(preparation, run, residual_limit_mm, expansion)
+    if part_aim is not None and rounded.part is not None:
+        check_part(preparation, part_aim, rounded.part, residual_limit_mm, expansion)
+    arcs, kept = _arcs(preparation, found)
+    modes = iteration.rewriter.modes
+    return Compensation(
+        text=written.text,
+        before=_before(preparation, iteration.model).told_in(expansion),
+        unrounded=found.residual.told_in(expansion),
+        after=run.residual().told_in(expansion),
+        largest_correction_mm=float(np.linalg.norm(found.target.ends_mm, axis=1).max(initial=0.0)),
+        growth=1.0 + written.inserted / max(len(modes), 1),
+        arcs=arcs,
+        arcs_kept=kept,
+        left_lines=tuple(int(expansion.user_line(k)) for k, mode in modes.items() if mode.left),
+        swallowed=written.swallowed,
+        expanded_lines=expansion.reasons,
+        uncorrected=_uncorrected(iteration, found, tolerance_mm),
+        steps=int(found.plan.is_step.sum()),
+        tilt_rad=_largest_tilt(preparation, iteration.model),
+        part_aim=part_aim,
+    )
+
+
+def solve(
+    job: Job, effects: Sequence[Effect] = (), *, variant: Variant = Variant.ABBE,
+    tolerance_mm: float = 1e-4, limit_mm: float = 0.5, dialect: str | None = None,
+    aim_points: SurfacePoints | None = None, round_points: SurfacePoints | None = None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> Solved | None:  # fmt: skip
+    """The first part of `compensate`, with its parameters; None where there is nothing to do."""
     model = TipModel(variant, tuple(effects))
     preparation = prepare(job)
     control = target_control(preparation.program, dialect)
     if model.is_none(preparation) and aim_points is None:
-        return _unchanged(preparation, model)
+        return None
     preparation, expansion = prepare_plain(preparation, floating_tap=control.floating_tap)
     check_words(preparation.program, control)
     modes = block_modes(preparation.program)
@@ -149,34 +222,12 @@ def compensate(
         progress,
     )
     found = iteration.solve(_rewritable(preparation, modes), tolerance_mm)
+    points = round_points if aim_points is None else aim_points
+    view = None if points is None else PartView(preparation, model, points)
     part_aim = None
     if aim_points is not None:
-        view = PartView(preparation, model, aim_points)
         found, part_aim = aim_at_part(iteration, found, view, tolerance_mm=tolerance_mm)
-    rounded = rounded_target(iteration.rewriter, found.plan, found.target, resolution_mm)
-    written = iteration.write(rounded, resolution_mm)
-    run = iteration.run(found.plan, written)
-    check_result(preparation, run, residual_limit_mm, expansion)
-    if part_aim is not None:
-        check_part(preparation, part_aim, view.deviation(run), residual_limit_mm, expansion)
-    arcs, kept = _arcs(preparation, found)
-    return Compensation(
-        text=written.text,
-        before=_before(preparation, model).told_in(expansion),
-        unrounded=found.residual.told_in(expansion),
-        after=run.residual().told_in(expansion),
-        largest_correction_mm=float(np.linalg.norm(found.target.ends_mm, axis=1).max(initial=0.0)),
-        growth=1.0 + written.inserted / max(len(modes), 1),
-        arcs=arcs,
-        arcs_kept=kept,
-        left_lines=tuple(int(expansion.user_line(k)) for k, mode in modes.items() if mode.left),
-        swallowed=written.swallowed,
-        expanded_lines=expansion.reasons,
-        uncorrected=_uncorrected(iteration, found, tolerance_mm),
-        steps=int(found.plan.is_step.sum()),
-        tilt_rad=_largest_tilt(preparation, model),
-        part_aim=part_aim,
-    )
+    return Solved(iteration, found, view, part_aim)
 
 
 def _uncorrected(

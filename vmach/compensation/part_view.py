@@ -47,6 +47,10 @@ class PartDeviation:
     move: np.ndarray
     parameter: np.ndarray
 
+    def taken(self, rows: np.ndarray) -> PartDeviation:
+        """Some of the points."""
+        return PartDeviation(*(getattr(self, name)[rows] for name in self.__dataclass_fields__))
+
     @property
     def largest_mm(self) -> float:
         """Largest size; 0 without points."""

@@ -11,7 +11,7 @@ from gcode import MoveKind, Moves
 from vmach.compensation.plan import Plan
 from vmach.path_geometry import move_length_mm, position_at, tangent_at
 
-__all__ = ["PathShift", "no_shift"]
+__all__ = ["PathShift", "arc_frames", "no_shift"]
 
 #: an arc has three knots on every stretch of no more than this
 _LARGEST_SWEEP_RAD = np.radians(181.0)
@@ -113,7 +113,7 @@ class PathShift:
         arc = np.flatnonzero(self.is_arc)
         for k, share in enumerate((0.0, 0.5, 1.0)):
             parameter = self.start[arc] + share * (self.end - self.start)[arc]
-            found[arc, k] = _frames(self.moves, self.move[arc], parameter)
+            found[arc, k] = arc_frames(self.moves, self.move[arc], parameter)
         return found
 
     def _on_arcs(self, stretch: np.ndarray, parameter: np.ndarray, share: np.ndarray) -> np.ndarray:
@@ -123,7 +123,7 @@ class PathShift:
         linear = np.stack([1.0 - share, np.zeros_like(share), share], axis=1)
         radial = np.stack([0.5 * (even - odd), 1.0 - even, 0.5 * (even + odd)], axis=1)
         weight = np.stack([radial, linear, linear], axis=2)
-        here = _frames(self.moves, self.move[stretch], parameter)
+        here = arc_frames(self.moves, self.move[stretch], parameter)
         return np.einsum("pkv,pvi,pkvj->pkij", weight, here, self.frames[stretch])
 
 
@@ -201,7 +201,7 @@ class _Knots:
         return len(self.free) - 1
 
 
-def _frames(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
+def arc_frames(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
     """Radial, tangential and axial unit vectors on arcs, (P, 3 vectors, 3)."""
     axis = moves.axis[move]
     out = position_at(moves, move, parameter) - moves.centre_mm[move]

@@ -1,37 +1,48 @@
-"""Ends rounded together: of the grid points around every end, those that serve the path best."""
+"""Ends rounded together: of the grid points around every end, those that leave least."""
 
 from __future__ import annotations
 
-from itertools import product
+from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
 from gcode import MoveKind
+from vmach.compensation.grid_choice import Course, Points, best_points, best_sequence
+from vmach.compensation.grid_places import Grid, GridPlaces
+from vmach.compensation.path_shift import arc_frames
 from vmach.compensation.plan import Plan
-from vmach.path_geometry import position_at, tangent_at
+from vmach.compensation.probes import Probes
+from vmach.path_geometry import position_at
 from vmach.program_text import Rewriter, Target
 
-__all__ = ["rounded_target"]
+__all__ = ["Rounding"]
 
-#: corners of the cell of the grid that an end lies in
-_CORNERS = np.array(list(product((0.0, 1.0), repeat=3)))
-#: weight of the fourth power of the distance beside the second, in steps: keeps the largest small
-_LARGE = 1.0
-#: weight of the whole distance of an end, beside that across the moves that meet there
-_ALONG = 0.15
-#: an axis that moves by no more stands, and keeps its place by this weight
+#: grid points of every end that the best sequence is taken from
+_POINTS = 24
+#: ends whose points are compared at once
+_AT_ONCE = 4096
+#: weight of the eighth power beside the second, in steps: keeps the largest small
+_LARGE = 16.0
+#: weight of the whole distance of an end, and the way that a piece has at least for it
+_STAYS, _LEAST_WAY_MM = 0.02, 0.1
+#: weight of a step of an axis that stands in the user's program, and of one that is to stand
+_A_STEP, _NO_STEP = 0.05, 1e4
+#: an axis that moves by no more stands
 _STANDING_MM = 2e-7
-_TIE = 1e6
+_NO_SPAN = 1e-12
 
 
-def rounded_target(rewriter: Rewriter, plan: Plan, target: Target, resolution_mm: float) -> Target:
-    """The target with ends on the grid of the words X Y Z.
+class Rounding:
+    """Chooses the grid points of a target's ends.
 
-    Rounding an end to the nearest point moves the tool across the path by up to 0.7 steps. Of
-    the eight points around it another may be better, because what counts is the distance across
-    the two moves that meet there, all along them: the error of a straight move goes linearly
-    from one end's to the other's. The best sequence is found by dynamic programming.
+    Rounding an end to the nearest point moves the tool by up to 0.9 steps. What counts is less:
+    along the path next to nothing, and across it what is left at the probes, all along the
+    pieces, as the error of a straight move goes linearly from one end's to the other's, and
+    that of an arc likewise in radius, tangent and axis. Ends that are not the user's may stand
+    for other places of their move, where the grid comes nearer to the path.
+
+    Of the points around every end those are kept that leave least between exact neighbours; the
+    best sequence of these is found by dynamic programming.
 
     Parameters
     ----------
@@ -40,36 +51,130 @@ def rounded_target(rewriter: Rewriter, plan: Plan, target: Target, resolution_mm
     target : Target
         With ends anywhere.
     resolution_mm : float
+        Of the words X Y Z; in inch programs one decimal more.
     """
-    moves, move, angle = rewriter.moves, plan.move, rewriter.angle[plan.move]
-    nominal = position_at(moves, move, plan.parameter(1.0))
-    nominal = rewriter.end_mm[move] + _turned(nominal - moves.end_mm[move], -angle)
-    step = _steps(rewriter, plan, resolution_mm)[:, None]
-    wanted = (nominal + _turned(target.ends_mm, -angle)) / step
-    corner = np.floor(wanted)[:, None] + _CORNERS
-    off = _turned(((corner - wanted[:, None]) * step[:, None]).reshape(-1, 3), np.repeat(angle, 8))
-    off = off.reshape(-1, 8, 3)
-    first, last = plan.parameter(0.0), plan.parameter(1.0)
-    feed = (moves.kind[move] != MoveKind.RAPID) & ~plan.is_step
-    length = np.where(feed, (last - first) * rewriter.length_mm[move], 0.0)
-    tangents = [_unit(tangent_at(moves, move, at)) for at in (first, last)]
-    still = _axes_that_stand(rewriter, plan, target)
-    best = _best_corners(off / step[:, None], *tangents, length, still)
-    found = target.ends_mm + off[np.arange(len(best)), best]
-    found[plan.is_kept] = target.ends_mm[plan.is_kept]
-    return Target(target.pieces, found, target.middles_mm)
 
+    def __init__(
+        self, rewriter: Rewriter, plan: Plan, target: Target, resolution_mm: float
+    ) -> None:
+        self.rewriter, self.plan, self.target = rewriter, plan, target
+        self.step_mm = _steps(rewriter, plan, resolution_mm)
+        self.grid = Grid(rewriter, plan, target, self.step_mm)
+        self.is_arc = np.array([p.is_arc for p in plan.pieces], bool)
+        self.first, self.last = plan.parameter(0.0), plan.parameter(1.0)
+        feed = rewriter.moves.kind[plan.move] != MoveKind.RAPID
+        self.way_mm = np.maximum(np.where(feed, self.grid.length_mm, 0.0), _LEAST_WAY_MM)
 
-def _axes_that_stand(rewriter: Rewriter, plan: Plan, target: Target) -> np.ndarray:
-    """Axes that do not move in a piece and so get no word in it, (K, 3) bool."""
-    place = position_at(rewriter.moves, plan.move, plan.parameter(1.0)) + target.ends_mm
-    start = rewriter.moves.start_mm[plan.move[1:]]
-    inside = plan.move[1:] == plan.move[:-1]
-    before = np.where(inside[:, None], place[:-1], start + target.ends_mm[:-1])
-    still = np.zeros(place.shape, bool)
-    still[1:] = np.abs(place[1:] - before) < _STANDING_MM
-    still[rewriter.angle[plan.move] != 0.0] = False
-    return still
+    def rounded(self, probes: Probes) -> tuple[Plan, Target]:
+        """Plan and target with ends on the grid, that leave least at some probes.
+
+        Parameters
+        ----------
+        probes : Probes
+        """
+        probes = probes.in_order()
+        course, places = self.candidates(probes)
+        points = self.points(probes, places, np.arange(len(self.first)))
+        choice = best_sequence(course, self.exact(probes), points)
+        return self._taken(places.taken(choice[:, None]))
+
+    def candidates(self, probes: Probes) -> tuple[Course, GridPlaces]:
+        """Costs, and the points of every end that leave least between exact neighbours."""
+        course, exact = self._course(probes), self.exact(probes)
+        found = GridPlaces.empty(len(self.first), _POINTS)
+        inserted = self.grid.inserted
+        for mask, near in (inserted, self.grid.of_inserted), (~inserted, self.grid.of_programmed):
+            rows = np.flatnonzero(mask)
+            for first in range(0, len(rows), _AT_ONCE):
+                ends = rows[first : first + _AT_ONCE]
+                places = near(ends)
+                best = best_points(course, exact, self.points(probes, places, ends), ends, _POINTS)
+                found.put(ends, places.taken(best))
+        found.off_mm[self.plan.is_kept] = 0.0
+        return course, found
+
+    def _taken(self, chosen: GridPlaces) -> tuple[Plan, Target]:
+        pieces = list(self.plan.pieces)
+        for k in np.flatnonzero(self.grid.inserted).tolist():
+            place = float(chosen.parameter[k, 0])
+            pieces[k] = replace(pieces[k], end=place)
+            pieces[k + 1] = replace(pieces[k + 1], start=place)
+        ends_mm = (chosen.wanted_mm + chosen.off_mm)[:, 0]
+        return Plan(pieces, self.plan.aim_mm), Target(pieces, ends_mm, self.target.middles_mm)
+
+    def _course(self, probes: Probes) -> Course:
+        """Probes in steps: what is left there by the corrections at both ends of their piece.
+
+        On arcs only what the ends are off counts, in the frame of the place.
+        """
+        plan, first, last = self.plan, self.first, self.last
+        inside = np.concatenate([[False], plan.move[1:] == plan.move[:-1]])
+        piece = np.searchsorted(plan.move + first, probes.key, side="right") - 1
+        piece = np.maximum(piece, 0)
+        share = (probes.parameter - first[piece]) / np.maximum(last - first, _NO_SPAN)[piece]
+        end = self.target.ends_mm
+        start = np.vstack([np.zeros(3), end[:-1]])[piece]
+        wanted = start + share[:, None] * (end[piece] - start)
+        wanted[self.is_arc[piece]] = 0.0
+        normal, arc = probes.normal.copy(), self.is_arc[piece]
+        frames = arc_frames(self.rewriter.moves, probes.move[arc], probes.parameter[arc])
+        normal[arc] = np.einsum("pvi,pi->pv", frames, probes.normal[arc])
+        return Course(
+            normal=normal / self.step_mm[piece][:, None],
+            base=(probes.left_mm - np.einsum("pi,pi->p", probes.normal, wanted))
+            / self.step_mm[piece],
+            weight=probes.way_mm,
+            parameter=probes.parameter,
+            only_below=probes.only_below,
+            begin=np.where(inside, -1, np.searchsorted(probes.key, plan.move + first)),
+            start=first,
+            stays=_STAYS * self.way_mm / self.step_mm**2,
+            still=self._still(),
+            large=_LARGE,
+        )
+
+    def _still(self) -> np.ndarray:
+        """Weight against motion of axes that stand in a piece, and so need no word, (K, 3)."""
+        moves, move, step = self.rewriter.moves, self.plan.move, self.step_mm[:, None]
+        way = position_at(moves, move, self.last) - position_at(moves, move, self.first)
+        stands = (np.abs(way) < _STANDING_MM) & (self.rewriter.angle[move] == 0.0)[:, None]
+        asked = np.abs(np.diff(self.target.ends_mm, axis=0, prepend=np.inf))
+        weight = np.where(asked < 0.5 * step, _A_STEP * self.way_mm[:, None], 0.0)
+        weight = np.where(asked < _STANDING_MM, _NO_STEP, weight)
+        return np.where(stands, weight / step**2, 0.0)
+
+    def exact(self, probes: Probes) -> Points:
+        """Ends without rounding, and a start in front of them."""
+        count = len(self.first)
+        here = GridPlaces(self.last[:, None], self.target.ends_mm[:, None], np.zeros((count, 1, 3)))
+        points = self.points(probes, here, np.arange(count))
+        return Points(*(np.concatenate([np.zeros_like(a[:1]), a]) for a in points))
+
+    def points(self, probes: Probes, places: GridPlaces, ends: np.ndarray) -> Points:
+        """What places of some ends do to the pieces on both sides of them."""
+        following = np.minimum(ends + 1, len(self.first) - 1)
+        same = self.plan.move[following] == self.plan.move[ends]
+        there = np.where(same[:, None], places.parameter, self.first[following][:, None])
+        return Points(
+            parameter=places.parameter,
+            bound=np.searchsorted(probes.key, self.plan.move[ends][:, None] + places.parameter),
+            at_end=self._in_frames(places, ends, places.parameter),
+            at_start=self._in_frames(places, following, there),
+            off=places.off_mm,
+            corrected=places.wanted_mm + places.off_mm,
+        )
+
+    def _in_frames(
+        self, places: GridPlaces, piece: np.ndarray, parameter: np.ndarray
+    ) -> np.ndarray:
+        """Corrections of lines; what is off on arcs, along radius, tangent and axis."""
+        value = places.wanted_mm + places.off_mm
+        arc = np.flatnonzero(self.is_arc[piece])
+        move = np.repeat(self.plan.move[piece[arc]], parameter.shape[1])
+        frames = arc_frames(self.rewriter.moves, move, parameter[arc].ravel())
+        off = places.off_mm[arc]
+        value[arc] = np.einsum("pvi,pi->pv", frames, off.reshape(-1, 3)).reshape(off.shape)
+        return value
 
 
 def _steps(rewriter: Rewriter, plan: Plan, resolution_mm: float) -> np.ndarray:
@@ -80,54 +185,3 @@ def _steps(rewriter: Rewriter, plan: Plan, resolution_mm: float) -> np.ndarray:
     return np.array(
         [units[k] * 10.0 ** -rewriter.control.decimals(resolution_mm, units[k]) for k in plan.move]
     )
-
-
-def _turned(vectors: np.ndarray, angle_rad: np.ndarray) -> np.ndarray:
-    """Vectors (K, 3) turned about Z."""
-    cos, sin = np.cos(angle_rad), np.sin(angle_rad)
-    x, y, z = vectors.T
-    return np.column_stack([cos * x - sin * y, sin * x + cos * y, z])
-
-
-def _unit(vectors: np.ndarray) -> np.ndarray:
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
-
-
-@njit(cache=True)
-def _best_corners(off, first_tangent, last_tangent, length, still):
-    """Corner of every end, (K,), so that the sum of costs along the path is smallest."""
-    count = len(off)
-    total = np.zeros(8)
-    came_from = np.zeros((count, 8), np.int64)
-    for k in range(count):
-        now = np.full(8, np.inf)
-        for b in range(8):
-            along = _ALONG * (0.1 + length[k]) * (off[k, b] ** 2).sum() ** 2
-            for a in range(8):
-                before = off[k - 1, a] if k else np.zeros(3)
-                cost = total[a] + along
-                cost += _TIE * (still[k] * (off[k, b] - before) ** 2).sum()
-                if length[k] > 0.0:
-                    cost += length[k] * _cost(before, off[k, b], first_tangent[k], last_tangent[k])
-                if cost < now[b]:
-                    now[b], came_from[k, b] = cost, a
-        total = now - now.min()
-    best = np.zeros(count, np.int64)
-    corner = np.argmin(total)
-    for k in range(count - 1, -1, -1):
-        best[k] = corner
-        corner = came_from[k, corner]
-    return best
-
-
-@njit(cache=True)
-def _cost(before, after, first_tangent, last_tangent):
-    """Mean cost of the distance across a move whose ends are off by this much, in steps."""
-    one = before - (before * first_tangent).sum() * first_tangent
-    two = after - (after * last_tangent).sum() * last_tangent
-    cost = 0.0
-    for share in (0.0, 0.25, 0.5, 0.75, 1.0):
-        square = (((1.0 - share) * one + share * two) ** 2).sum()
-        cost += 0.2 * (square + _LARGE * square**2)
-    return cost

@@ -27,6 +27,8 @@ _MOST_INSIDE = 400
 _FEWEST_INSIDE = 4
 _ON_RAPIDS = 9
 _SLACK_MM = 1e-3
+_INSIDE = 1.0 - 1e-9
+_NO_SPAN = 1e-12
 
 
 @dataclass(frozen=True)
@@ -107,6 +109,23 @@ class WrittenRun:
         if self.shift is not None:
             wanted = wanted + self.shift.at(move, parameter)
         return (there + error - wanted) * self.said[move]
+
+    def miss_at(self, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
+        """Tool minus the place where it shall be at places of the nominal moves, (P, 3) mm.
+
+        Zero where rounding has swallowed the block.
+        """
+        start, end = self._stretch
+        place = move + np.minimum(parameter, _INSIDE)
+        piece = np.searchsorted(self.plan.move + start, place, side="right") - 1
+        rows = np.searchsorted(self.written, piece)
+        rows = np.minimum(rows, len(self.written) - 1)
+        there = np.flatnonzero(self.written[rows] == piece)
+        piece = piece[there]
+        span = np.maximum(end - start, _NO_SPAN)[piece]
+        found = np.zeros((len(move), 3))
+        found[there] = self.miss((parameter[there] - start[piece]) / span, rows[there])
+        return found
 
     def miss_of_middles(self) -> np.ndarray:
         """Tool minus nominal path across it, in the middle of the written pieces, (K, 3) mm."""

@@ -1,0 +1,136 @@
+"""The sequence of grid points that leaves least at the probes, by dynamic programming."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+__all__ = ["Course", "Points", "best_points", "best_sequence"]
+
+
+class Course(NamedTuple):
+    """K pieces and their P probes in order of the path. Lengths are in steps of the grid.
+
+    ``base + normal . place`` is left at a probe, where the place goes linearly from that of the
+    piece's start to that of its end.
+
+    Attributes
+    ----------
+    normal : (P, 3) float64
+        In the frame of the piece.
+    base, weight, parameter : (P,) float64
+    only_below : (P,) bool
+        Positive deviations do not count.
+    begin : (K,) int64
+        First probe of every piece that begins where its move does; -1 for other pieces.
+    start : (K,) float64
+        Parameter there.
+    stays : (K,) float64
+        Weight of the whole distance of every end.
+    still : (K, 3) float64
+        Weight against motion of the axes in every piece.
+    large : float
+        How much large deviations count: x ** 2 + large * x ** 8.
+    """
+
+    normal: np.ndarray
+    base: np.ndarray
+    weight: np.ndarray
+    parameter: np.ndarray
+    only_below: np.ndarray
+    begin: np.ndarray
+    start: np.ndarray
+    stays: np.ndarray
+    still: np.ndarray
+    large: float
+
+
+class Points(NamedTuple):
+    """C points for each of E ends.
+
+    Attributes
+    ----------
+    parameter : (E, C) float64
+    bound : (E, C) int64
+        First probe beyond the end.
+    at_end, at_start : (E, C, 3) float64
+        Place in the frame of the piece that ends there, and of the next one.
+    off, corrected : (E, C, 3) float64
+        Distance from the wanted path and from the nominal one, machine axes.
+    """
+
+    parameter: np.ndarray
+    bound: np.ndarray
+    at_end: np.ndarray
+    at_start: np.ndarray
+    off: np.ndarray
+    corrected: np.ndarray
+
+
+@njit(cache=True)
+def _left(course, k, one, a, i, two, b, j):
+    """Cost of piece k from point i of end a of `one` to point j of end b of `two`."""
+    first, p0 = course.begin[k], course.start[k]
+    if first < 0:
+        first, p0 = one.bound[a, i], one.parameter[a, i]
+    last, p1 = two.bound[b, j], two.parameter[b, j]
+    start, end = one.at_start[a, i], two.at_end[b, j]
+    per_span = 1.0 / (p1 - p0) if p1 > p0 else 0.0
+    cost = 0.0
+    for probe in range(first, last):
+        share = (course.parameter[probe] - p0) * per_span
+        x = course.base[probe]
+        for axis in range(3):
+            there = start[axis] + share * (end[axis] - start[axis])
+            x += course.normal[probe, axis] * there
+        if x > 0.0 and course.only_below[probe]:
+            continue
+        square = x * x
+        cost += course.weight[probe] * (square + course.large * square**4)
+    for axis in range(3):
+        moved = two.corrected[b, j, axis] - one.corrected[a, i, axis]
+        cost += course.still[k, axis] * moved**2
+        cost += course.stays[k] * two.off[b, j, axis] ** 2
+    return cost
+
+
+@njit(cache=True)
+def best_points(course, exact, points, ends, count):
+    """Points of some ends that leave least if their neighbours were not rounded, (E, count).
+
+    `exact` has one point for each of all ends, and one more for the start of the path, in front.
+    """
+    found = np.zeros((len(ends), count), np.int64)
+    for e, k in enumerate(ends):
+        tries = points.parameter.shape[1]
+        cost = np.empty(tries)
+        for j in range(tries):
+            cost[j] = _left(course, k, exact, k, 0, points, e, j)
+            if k + 1 < len(course.begin):
+                cost[j] += _left(course, k + 1, points, e, j, exact, k + 2, 0)
+        found[e] = np.argsort(cost)[:count]
+    return found
+
+
+@njit(cache=True)
+def best_sequence(course, exact, points):
+    """Point of every end, (K,), so that the sum of costs along the path is smallest."""
+    ends, tries = points.parameter.shape
+    came_from = np.zeros((ends, tries), np.int64)
+    total = np.array([_left(course, 0, exact, 0, 0, points, 0, j) for j in range(tries)])
+    for k in range(1, ends):
+        now = np.full(tries, np.inf)
+        for j in range(tries):
+            for i in range(tries):
+                cost = total[i] + _left(course, k, points, k - 1, i, points, k, j)
+                if cost < now[j]:
+                    now[j], came_from[k, j] = cost, i
+        total = now - now.min()
+    best = np.zeros(ends, np.int64)
+    point = np.argmin(total)
+    for k in range(ends - 1, -1, -1):
+        best[k] = point
+        point = came_from[k, point]
+    return best
