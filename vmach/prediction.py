@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -92,6 +92,7 @@ def predict(
     effects: Sequence[Effect] = (),
     known_surface: np.ndarray | None = None,
     sweeps: Sweeps | None = None,
+    is_compensated: bool = False,
 ) -> Prediction:
     """Signed deviation of nominal surface points.
 
@@ -109,6 +110,9 @@ def predict(
         program as read would have cut them away, the move that generates the surface counts.
     sweeps : Sweeps, optional
         `displaced_sweeps` of the same variant and effects, where they are there already.
+    is_compensated : bool
+        The program was moved against these errors: not its own path, but the displaced one shows
+        which move generates a known surface.
 
     Notes
     -----
@@ -130,7 +134,11 @@ def predict(
     )
     overcut = np.zeros(len(points_mm), dtype=bool)
     if known_surface is not None:
-        edges, overcut = _generated(edges, known_surface, points_mm, normals, preparation, sweeps)
+        meant = _path_displaced(sweeps) if is_compensated else sweeps
+        edges, overcut = _generated(
+            edges, known_surface, points_mm, normals,
+            preparation=preparation, sweeps=sweeps, meant=meant,
+        )  # fmt: skip
     cut = np.flatnonzero(edges.status == EdgeStatus.CUT)
     states = _contact_states(preparation, edges, normals)
     at_contact = sweeps.displacement_at(edges.sweep[cut], edges.parameter[cut])
@@ -149,10 +157,14 @@ def _generated(
     known_surface: np.ndarray,
     points_mm: np.ndarray,
     normals: np.ndarray,
+    *,
     preparation: Preparation,
     sweeps: Sweeps,
+    meant: Sweeps,
 ) -> tuple[Edges, np.ndarray]:
     """Give known surface points that were gouged away the place on the path that makes them.
+
+    The place is looked for on the path that was meant.
 
     Returns the edges, with deviations of the perfect path there, and which points these are.
     """
@@ -161,7 +173,7 @@ def _generated(
     if lost.size == 0:
         return edges, overcut
     found = find_generating(
-        points_mm[lost], normals[lost], sweeps=sweeps, tools=preparation.cutters
+        points_mm[lost], normals[lost], sweeps=meant, tools=preparation.cutters
     )
     near = found.miss_mm < GENERATING_MISS_MM
     rows = lost[near]
@@ -181,6 +193,17 @@ def _generated(
         parameter=filled(edges.parameter, found.parameter[near]),
         contact_mm=filled(edges.contact_mm, found.contact_mm[near]),
     ), overcut
+
+
+def _path_displaced(sweeps: Sweeps) -> Sweeps:
+    """The sweeps with their ends where the displacement takes them; arcs go along on average."""
+    first, last = sweeps.shift_mm[:, 0], sweeps.shift_mm[:, 1]
+    return replace(
+        sweeps,
+        start_mm=sweeps.start_mm + first,
+        end_mm=sweeps.end_mm + last,
+        centre_mm=sweeps.centre_mm + 0.5 * (first + last),
+    )
 
 
 def displacement_of(

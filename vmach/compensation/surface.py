@@ -184,14 +184,16 @@ def check_surface(
         after = prepare(job, program_path=path)
 
     def predicted(
-        preparation: Preparation, variant: Variant, effects: Sequence[Effect]
-    ) -> Prediction:
+        preparation: Preparation, variant: Variant, effects: Sequence[Effect],
+        is_compensated: bool = False,
+    ) -> Prediction:  # fmt: skip
         points = surface.points
         return predict(preparation, points.point_mm, points.normal, variant=variant,
-                       effects=effects, known_surface=found_on_part(points, job))  # fmt: skip
+                       effects=effects, known_surface=found_on_part(points, job),
+                       is_compensated=is_compensated)  # fmt: skip
 
     perfect = predicted(before, Variant.NONE, ())
-    old, new = predicted(before, variant, effects), predicted(after, variant, effects)
+    old, new = predicted(before, variant, effects), predicted(after, variant, effects, True)
     was_cut = perfect.is_cut & old.is_cut & (perfect.overcut == old.overcut)
     rows = np.flatnonzero(was_cut & new.is_cut & (new.overcut == old.overcut))
     if not len(rows):
