@@ -16,7 +16,7 @@ from vmach.compensation import compensate
 from vmach.effects import read_effects
 from vmach.job import read_job
 from vmach.path_geometry import position_at
-from vmach.program_text.rewriter import Rewriter
+from vmach.program_text import Target
 
 __all__ = ["Outcome", "compensated", "corpus_programs", "judged", "write_job"]
 
@@ -189,23 +189,36 @@ class Outcome:
 
 @contextmanager
 def _kept():
-    """The plan and target that are rounded at the end, and what was written of them."""
+    """What is rounded at the end: the target before, the plan after, and what was written."""
     kept = {}
-    write, rounded = Rewriter.write, module.rounded_target
+    round_program = module.round_program
 
-    def keep_written(self, target, resolution_mm):
-        kept["written"] = write(self, target, resolution_mm)
-        return kept["written"]
+    def keep(iteration, found, resolution_mm, view):
+        rounded = round_program(iteration, found, resolution_mm, view)
+        kept.update(
+            rewriter=iteration.rewriter,
+            plan=rounded.run.plan,
+            target=_wanted_at(found.plan, found.target, rounded.run.plan),
+            chosen_mm=rounded.target.ends_mm,
+            resolution_mm=resolution_mm,
+            written=rounded.written,
+        )
+        return rounded
 
-    def keep_target(rewriter, plan, target, resolution_mm):
-        kept.update(rewriter=rewriter, plan=plan, target=target, resolution_mm=resolution_mm)
-        return rounded(rewriter, plan, target, resolution_mm)
-
-    with (
-        mock.patch.object(Rewriter, "write", keep_written),
-        mock.patch.object(module, "rounded_target", keep_target),
-    ):
+    with mock.patch.object(module, "round_program", keep):
         yield kept
+
+
+def _wanted_at(plan, target, rounded_plan):
+    """The target before rounding where the ends of the rounded plan are."""
+    ends = target.ends_mm.copy()
+    for k, (old, new) in enumerate(zip(plan.pieces, rounded_plan.pieces, strict=True)):
+        if new.end != old.end:  # an inserted one, which went along its move
+            places = [old.start, old.end, plan.pieces[k + 1].end]
+            before = target.ends_mm[k - 1] if k else np.zeros(3)
+            around = np.array([before, target.ends_mm[k], target.ends_mm[k + 1]])
+            ends[k] = [np.interp(new.end, places, column) for column in around.T]
+    return Target(plan.pieces, ends, target.middles_mm)
 
 
 def compensated(folder, **options):

@@ -4,8 +4,10 @@ The intended path is LinuxCNC's own path of the original program, moved by the c
 they were found, before any of them is rounded. What the text may be off by comes from the
 resolution alone:
 
-* The end of a piece is one of the eight grid points around it: less than a step in each axis.
-  Half a step more is left where the user's own word stays, or counts on from where he stands.
+* The end of a piece is one of the four grid points around a place of the path, across its main
+  axis, that is at most one and a half steps ahead or behind: 2.5 steps in each axis. Half a step
+  more is left where the user's own word stays, or counts on from where he stands. From the grid
+  point that was chosen the text is off by no more than that, and by half a step beside it.
 * An arc is about a centre that is no worse than the nearest one on the grid. That is off by d,
   sqrt(2)/2 steps at most, and leaves d (1 - cos(t/2)) at its middle, t the angle it turns, or
   half a difference of radii of d sin(t/2), beside what its ends are off.
@@ -22,7 +24,8 @@ __all__ = ["Comparison", "compared", "intended_pieces"]
 INCH_MM = 25.4
 #: decimals of an inch beyond those of a mm in a text for LinuxCNC
 INCH_DECIMALS = 2
-END_STEPS = 1.5
+END_STEPS = 3.0
+CHOSEN_STEPS = 1.0
 #: how far LinuxCNC and the reader may differ over the nominal path
 SLACK_MM = 2e-6
 KINDS = {0: RAPID, 1: LINE, 2: ARC}
@@ -67,6 +70,7 @@ class Intended:
     end: float
     is_arc: bool
     correction_mm: np.ndarray
+    chosen_mm: np.ndarray
     middle_mm: np.ndarray
     may_correct: np.ndarray
     angle_rad: float
@@ -103,7 +107,8 @@ def intended_pieces(kept, *, numbers_only):
         pieces.append(
             Intended(
                 kept["written"].line_of_piece[index], piece.move, piece.start, piece.end,
-                piece.is_arc, target.ends_mm[index] * (not piece.kept), target.middles_mm[index],
+                piece.is_arc, target.ends_mm[index] * (not piece.kept),
+                kept["chosen_mm"][index] * (not piece.kept), target.middles_mm[index],
                 rewriter.said[piece.move], float(rewriter.angle[piece.move]),
                 moves.axis[piece.move], unit * 10.0 ** -(decimals + more),
             )
@@ -180,15 +185,24 @@ def _compare_piece(found, nominal, written, piece, intention):
 
 
 def _compare_end(found, piece, off, name):
-    """The end of a piece by its axes in the program."""
-    cos, sin = np.cos(piece.angle_rad), np.sin(piece.angle_rad)
-    turned = np.array([cos * off[0] + sin * off[1], cos * off[1] - sin * off[0], off[2]])
-    turned = np.where(piece.may_correct, turned, 0.0)
-    ratio = (np.abs(turned).max() - SLACK_MM) / (END_STEPS * piece.step_mm)
+    """The end of a piece by its axes in the program: off the path, and off the chosen point."""
+    turned = _in_program(piece, off)
+    chosen = _in_program(piece, off + piece.correction_mm - piece.chosen_mm)
+    ratio = max(
+        (np.abs(distance).max() - SLACK_MM) / (steps * piece.step_mm)
+        for distance, steps in ((turned, END_STEPS), (chosen, CHOSEN_STEPS))
+    )
     found.ends_mm.append(float(np.linalg.norm(turned)))
     found.end_ratios.append(float(ratio))
     if ratio > 1.0:
         found.wrong.append(f"{name}: end {np.round(1e3 * turned, 3).tolist()} um off")
+
+
+def _in_program(piece, off):
+    """A distance in the program's axes, of those that may be corrected."""
+    cos, sin = np.cos(piece.angle_rad), np.sin(piece.angle_rad)
+    turned = np.array([cos * off[0] + sin * off[1], cos * off[1] - sin * off[0], off[2]])
+    return np.where(piece.may_correct, turned, 0.0)
 
 
 def _compare_middle(found, written, piece, wanted, end):

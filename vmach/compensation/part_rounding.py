@@ -12,7 +12,7 @@ from vmach.compensation.probes import Probes, near_surface, path_probes, surface
 from vmach.compensation.rounding import Rounding
 from vmach.compensation.written_run import WrittenRun
 from vmach.path_geometry import move_length_mm
-from vmach.program_text import Written
+from vmach.program_text import Target, Written
 
 __all__ = ["RoundedProgram", "round_program"]
 
@@ -28,12 +28,15 @@ class RoundedProgram:
 
     Attributes
     ----------
+    target : Target
+        Ends on the grid.
     written : Written
     run : WrittenRun
     part : PartDeviation, optional
         What it leaves on the surface that it was rounded for.
     """
 
+    target: Target
     written: Written
     run: WrittenRun
     part: PartDeviation | None = None
@@ -62,7 +65,8 @@ def round_program(
         plan, target = rounding.rounded(probes)
         written = iteration.write(target, resolution_mm)
         run = iteration.run(plan, written)
-        return RoundedProgram(written, run, None if view is None else view.deviation(run))
+        part = None if view is None else view.deviation(run)
+        return RoundedProgram(target, written, run, part)
 
     if view is None:
         return program(path_probes(found.run))
