@@ -107,6 +107,8 @@ def predict(
         found, prediction = predict_points(
             job, points, program_path=program, variant=model, progress=progress
         )
+    for note in (*prediction.preparation.notes, *found.notes):
+        print(f"note: {note}", file=sys.stderr)
     if out is not None:
         write_prediction_csv(out, found, prediction)
     if as_json:
@@ -135,6 +137,8 @@ def path(
     if out is not None:
         with atomic_file(out) as temporary:
             write_tip_errors_csv(temporary, found)
+    for note in found.notes:
+        print(f"note: {note}", file=sys.stderr)
     figures = found.summary()
     if as_json:
         print(json.dumps(figures, indent=1))

@@ -21,6 +21,7 @@ from vmach.errors import InputError
 from vmach.inspection import found_on_part, inspected_points, surface_points, with_causes
 from vmach.job import Job, read_job
 from vmach.machine import Variant
+from vmach.machine.audit import audit
 from vmach.nominal import NominalPart, read_nominal
 from vmach.points import SurfacePoints, read_points_csv
 from vmach.prediction import Prediction, displaced_sweeps, predict
@@ -137,11 +138,18 @@ def machine_part(
         stages_s=clock.seconds,
         notes=(
             *collision_notes(preparation, collisions),
+            *_machine_notes(job),
             *preparation.notes,
             *points.notes,
             *notes,
         ),
     )
+
+
+def _machine_notes(job: Job) -> list[str]:
+    """What in the machine file does not add up, or was assumed, one sentence each."""
+    name = job.machine_path.name
+    return [f"{name}: {str(one).removeprefix('note: ')}" for one in audit(job.machine)]
 
 
 def _blank_of(job: Job) -> tuple[np.ndarray, np.ndarray] | trimesh.Trimesh:

@@ -31,10 +31,13 @@ class TipErrors:
         K nodes, at most 5 mm apart, in the order of the program.
     error_mm : (K, 3) float64
         Actual minus nominal, machine axes.
+    notes : tuple of str
+        What the user should know of the program before trusting the numbers.
     """
 
     states: PathStates
     error_mm: np.ndarray
+    notes: tuple[str, ...] = ()
 
     def summary(self) -> dict:
         """Figures for people and programs, um."""
@@ -61,7 +64,8 @@ def tip_errors(job_path: Path, variant: Variant) -> TipErrors:
     effects = read_effects(job.effects, file=job.path, job=job)
     preparation = prepare(job)
     nodes = preparation.path.nodes
-    return TipErrors(nodes, displacement_of(preparation, nodes, variant, effects).shift_mm)
+    moved = displacement_of(preparation, nodes, variant, effects)
+    return TipErrors(nodes, moved.shift_mm, preparation.notes)
 
 
 def write_tip_errors_csv(path: Path, found: TipErrors) -> None:

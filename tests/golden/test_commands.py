@@ -166,3 +166,21 @@ def test_path_gives_the_error_of_the_tip_along_the_program(job, tmp_path, monkey
         assert float(row["dx_um"]) == pytest.approx(expected_dx, abs=1e-3)
     largest = max(abs(float(row["dx_um"])) for row in rows)
     assert json.loads(text)["largest_abs_xyz_um"][0] == pytest.approx(largest, abs=1e-3)
+
+
+def test_what_the_machine_file_leaves_open_is_said(job, tmp_path, monkeypatch, capsys):
+    _, text, _ = run_vmach(monkeypatch, capsys, "run", job, "--out", tmp_path / "o", "--json")
+    (note,) = [n for n in json.loads(text)["run"]["warnings"] if "taken as zero" in n]
+    assert note.startswith("machine.toml: EYX EZX EAX EBX EXY")
+
+
+def test_points_on_the_terminal_have_their_heading_and_notes_beside_them(job, monkeypatch, capsys):
+    replace(job, "length_mm = 100", "length_mm = 99")
+    replace(job.parent / "part.nc", "G43 H1", "G43.1 Z100")
+    points = job.parent / "points.csv"
+    status, text, beside = run_vmach(monkeypatch, capsys, "predict", job, "--points", points)
+    assert status == 0
+    rows = text.splitlines()
+    assert rows[0] == "id,deviation_um,u_um,line,tool,time_s,status"
+    assert len(rows) == 1 + len(pocket_points()[0])
+    assert "note: part.nc:7: tool 1 is 99 mm long but cuts with a length offset" in beside
