@@ -117,7 +117,8 @@ def predict(
         write_prediction(sys.stdout, found, prediction)
     else:
         figures = prediction_summary(found, prediction)
-        print(f"{out}: {figures['points']} points, {figures['status']}")
+        states = ", ".join(f"{count} {state}" for state, count in figures["status"].items())
+        print(f"{out}: {states}")
 
 
 @app.command()
