@@ -99,7 +99,12 @@ def inspected_points(
     for every variant the RMS of measured minus predicted after its own best fit is given.
     """
     notes: list[str] = []
-    columns = [_column(points, p, job.inspection, notes) for p in predictions]
+    try:
+        columns = [_column(points, p, job.inspection, notes) for p in predictions]
+    except InputError as error:  # of the alignment, which does not know the job's file
+        raise InputError(
+            error.what, file=job.path, accepted=error.accepted, hint=error.hint
+        ) from None
     primary = predictions[-1]
     if points.measured_mm is not None:
         columns.append(_measured_column(points, primary))

@@ -87,6 +87,12 @@ CASES = {
         ),
         ["job.toml:15", "reversal_um = '6' is no number", "accepted: -10000 .. 10000"],
     ),
+    "datum that the part lacks": (
+        lambda f: (f / "job.toml").write_text(
+            (f / "job.toml").read_text() + '[inspection]\nalignment = "datum"\ndatums = [["lid"]]\n'
+        ),
+        ["job.toml: no point lies on the datum feature 'lid'", "accepted: 'bore', 'floor'"],
+    ),
     "folder for a file": (
         lambda f: ((f / "part.nc").unlink(), (f / "part.nc").mkdir()),
         ["job.toml:3", "part.nc", "is a folder"],
