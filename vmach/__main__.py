@@ -1,33 +1,53 @@
-"""``vmach`` and ``python -m vmach``: the way in, ready for Ctrl-C before anything is loaded."""
+"""``vmach`` and ``python -m vmach``: the way in, and out of it whatever happens."""
 
 from __future__ import annotations
 
+import os
 import sys
+import traceback
+from pathlib import Path
 
 __all__ = ["main"]
 
 
 def main() -> None:
-    """Run the command line; Ctrl-C ends it with one line and exit status 130."""
+    """Run the command line; Ctrl-C and faults of the program end it with one line.
+
+    Exit status 130 after Ctrl-C, 70 after a fault of the program itself; with
+    ``VMACH_TRACEBACK=1`` in the environment such a fault shows where it comes from.
+    """
     try:
-        from vmach.cli import main as command_line
+        from vmach.cli import main as command_line  # so that Ctrl-C while it loads counts too
 
         command_line()
     except KeyboardInterrupt:
-        _say_interrupted()
-    except SystemError as error:  # a signal inside compiled code
-        if not isinstance(error.__cause__, KeyboardInterrupt):
-            raise
-        _say_interrupted()
+        _interrupted()
     except SystemExit as stop:
         if stop.code == 130:  # typer has seen the signal
-            _say_interrupted()
+            _interrupted()
         raise
+    except MemoryError as error:
+        _end(1, f"not enough memory: {error}")
+    except Exception as error:
+        if isinstance(error.__cause__, KeyboardInterrupt):  # the signal came in compiled code
+            _interrupted()
+        if os.environ.get("VMACH_TRACEBACK"):
+            raise
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        _end(
+            70,
+            f"a fault of the program itself: {type(error).__name__}: {' '.join(str(error).split())} "
+            f"({Path(place.filename).name}:{place.lineno}; VMACH_TRACEBACK=1 shows more)",
+        )
 
 
-def _say_interrupted() -> None:
-    print("vmach: interrupted; no file is half-written", file=sys.stderr)
-    sys.exit(130)
+def _interrupted() -> None:
+    _end(130, "interrupted; no file is half-written")
+
+
+def _end(status: int, text: str) -> None:
+    print(f"vmach: {text}", file=sys.stderr)
+    sys.exit(status)
 
 
 if __name__ == "__main__":

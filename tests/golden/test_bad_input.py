@@ -249,3 +249,19 @@ def test_an_interrupt_ends_with_one_line(raised, monkeypatch, capsys):
         main()
     assert stopped.value.code == 130
     assert capsys.readouterr().err == "vmach: interrupted; no file is half-written\n"
+
+
+def test_a_fault_of_the_program_is_told_as_one(monkeypatch, capsys):
+    def faulty():
+        raise IndexError("list index out of range")
+
+    monkeypatch.setattr(cli, "main", faulty)
+    with pytest.raises(SystemExit) as stopped:
+        main()
+    assert stopped.value.code == 70
+    told = capsys.readouterr().err
+    assert told.startswith("vmach: a fault of the program itself: IndexError: list index")
+    assert told.count("\n") == 1
+    monkeypatch.setenv("VMACH_TRACEBACK", "1")
+    with pytest.raises(IndexError):
+        main()
