@@ -34,9 +34,10 @@ def main() -> None:
         if os.environ.get("VMACH_TRACEBACK"):
             raise
         place = traceback.extract_tb(error.__traceback__)[-1]
+        what = f"{type(error).__name__}: {' '.join(str(error).split())}"
         _end(
             70,
-            f"a fault of the program itself: {type(error).__name__}: {' '.join(str(error).split())} "
+            f"a fault of the program itself: {what} "
             f"({Path(place.filename).name}:{place.lineno}; VMACH_TRACEBACK=1 shows more)",
         )
 
