@@ -41,16 +41,17 @@ def axis_expansion(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
 
     def move(state: State) -> np.ndarray:
         past, zones = state.history, 24
-        zone = np.clip((past.nose_mm[:, axis] - low) / (high - low) * zones, 0, zones - 1)
-        warm, strain = np.zeros(zones), np.empty((len(zone), zones))
+        nut = past.nose_mm[:, axis]
+        passed = np.linspace(np.append(nut[0], nut[:-1]), nut, 8, axis=1)  # within each second
+        passed = np.clip((passed - low) / (high - low) * zones, 0, zones - 1).astype(int)
+        warm, strain = np.zeros(zones), np.empty((len(nut), zones))
         for k, speed in enumerate(past.speed_mm_s[:, axis] / USUAL_SPEED_MM_S):
             padded = np.pad(warm, 1, mode="edge")
             spread = padded[2:] - 2 * warm + padded[:-2]
             warm = warm + spreading * spread + ((1 - at_nut) * speed - warm) / tau
-            warm[int(zone[k])] += at_nut * speed * zones / tau
+            np.add.at(warm, passed[k], at_nut * speed * zones / tau / 8)
             strain[k] = warm
         strain *= ppm * 1e-6
-        row = np.clip(state.time_s.astype(int), 0, len(strain) - 1)
         edges = np.linspace(low, high, zones + 1)
         grown = np.concatenate(
             [np.zeros((len(strain), 1)), np.cumsum(strain, axis=1) * (high - low) / zones], axis=1
@@ -58,9 +59,11 @@ def axis_expansion(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         if fixed_at_home:
             grown = grown - grown[:, -1:]
         e = np.zeros_like(state.nose_mm)
-        e[:, axis] = [
-            np.interp(q, edges, grown[r]) for q, r in zip(state.nose_mm[:, axis], row, strict=True)
-        ]
+        when = np.clip(state.time_s, 0, len(grown) - 1.001)
+        for q, t, moved in zip(state.nose_mm[:, axis], when, e, strict=True):
+            row, since = int(t), t % 1
+            now = (1 - since) * grown[row] + since * grown[row + 1]
+            moved[axis] = np.interp(q, edges, now)
         return e
 
     return Hidden(

@@ -3,6 +3,7 @@
 import numpy as np
 
 from vmach.effects.effect import Effect, along, inner, linear
+from vmach.effects.history_of_heat import REFERENCE_AXIS_MM_PER_S
 from vmach.effects.wandering import wandering
 from vmach.machine import LINEAR_AXES
 
@@ -10,6 +11,8 @@ __all__ = ["AxisExpansion"]
 
 #: length of a warm part of the screw
 _UNEVEN_MM = 300.0
+#: how soon heat from the nut has gone elsewhere
+_QUICKLY_S = 150.0
 
 
 class AxisExpansion(Effect):
@@ -62,4 +65,16 @@ class AxisExpansion(Effect):
         along_screw = wandering(position, _UNEVEN_MM)[:, None, :]
         start = along(target, self.slack_share * 1e-6 * parameters["expansion_ppm"] * position)
         parts = [in_time, pattern[:, :, None] * along_screw, start[:, :, None]]
+        if path.states.normal is None:
+            # a test at rapid speed heats the nut in minutes as a part does in hours
+            parts.append(pattern[:, :, None] * wandering(path.time_s, _QUICKLY_S)[:, None, :])
+            parts.append(self._way_to_the_test(path, target, parameters)[:, :, None])
         return np.concatenate(parts, axis=2)
+
+    def _way_to_the_test(self, path, target, parameters):
+        """What the way to a test's first reading warmed, which no file tells: about one stroke."""
+        position = path.nose_mm[:, LINEAR_AXES.index(target)]
+        since = path.time_s / parameters["time_constant_s"]
+        strokes = np.ptp(position) / REFERENCE_AXIS_MM_PER_S / parameters["time_constant_s"]
+        stretch = 1e-6 * (parameters["expansion_ppm"] + parameters.get("local_ppm", 0.0)) * position
+        return along(target, strokes * stretch * np.exp(-since))

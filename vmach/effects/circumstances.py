@@ -10,7 +10,7 @@ import numpy as np
 from gcode import Moves
 from vmach.effects.blank_depth import blank_depth_mm
 from vmach.effects.engagement import radial_depth_mm
-from vmach.effects.history_of_motion import REFERENCE_AXIS_MM_PER_S, MotionHistory
+from vmach.effects.history_of_motion import MotionHistory
 from vmach.effects.path_dynamics import corner_before, curvature_per_mm
 from vmach.job import WORK_OFFSETS, Job
 from vmach.machine import COMPONENT_NAMES, ComponentError, RigidDisplacement, Variant
@@ -166,7 +166,7 @@ class Circumstances:
         The heat source is (rpm / 8000) ** exponent.
         """
         drive = (np.abs(self.moves.spindle_rpm) / REFERENCE_RPM) ** exponent
-        return self._response(drive, time_constant_s)
+        return self.history.spindle_warmth(drive, time_constant_s, self.time_s)
 
     def warmth_of_axis(self, axis: int, time_constant_s: float, work_share: float) -> np.ndarray:
         """First-order response to the axis' motion, (P,); 1 when warm at 100 mm/min.
@@ -174,20 +174,21 @@ class Circumstances:
         The heat source is, in the share `work_share`, the speed of the axis, and constant in
         the rest.
         """
-        speed = self.history.axis_speed_mm_per_s[:, axis] / REFERENCE_AXIS_MM_PER_S
-        return self._response(work_share * speed + (1.0 - work_share), time_constant_s)
+        heat = self.history.heat
+        by_work = heat.axis_warmth(axis, time_constant_s, self.time_s)
+        by_time = -np.expm1((heat.start_s[0] - self.time_s) / time_constant_s)
+        return work_share * by_work + (1.0 - work_share) * by_time
 
     def warmth_of_screw_mm(self, axis: int, time_constant_s: float) -> np.ndarray:
-        """Warmth of an axis' screw summed from home to the nut, (P,) mm; see MotionHistory."""
+        """Warmth of an axis' screw summed from home to the nut, (P,) mm; see HeatHistory."""
         low, high = self.job.machine.travel_mm
         key = axis, time_constant_s
         if key not in self._screws:
             self._screws.clear()  # the last one is asked for again, once for each amplitude
-            self._screws[key] = self.history.screw_warmth_mm(
+            self._screws[key] = self.history.heat.screw_warmth_mm(
                 axis,
                 time_constant_s,
                 travel_mm=(float(low[axis]), float(high[axis])),
-                move=self.states.move,
                 time_s=self.time_s,
                 position_mm=self.nose_mm[:, axis],
             )
@@ -196,11 +197,6 @@ class Circumstances:
     @cached_property
     def _screws(self) -> dict[tuple[int, float], np.ndarray]:
         return {}
-
-    def _response(self, drive: np.ndarray, time_constant_s: float) -> np.ndarray:
-        return self.history.response(
-            drive, time_constant_s, move=self.states.move, time_s=self.time_s
-        )
 
     # tool and cut -------------------------------------------------------------------------
 

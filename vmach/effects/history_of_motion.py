@@ -13,19 +13,13 @@ import numpy as np
 from numba import njit
 
 from gcode import MoveKind, Moves
+from vmach.effects.history_of_heat import HeatHistory, response
 from vmach.path_geometry import move_length_mm, position_at
 
-__all__ = ["REFERENCE_AXIS_MM_PER_S", "MotionHistory"]
-
-#: mean speed of an axis that thermal amplitudes are stated at: 100 mm/min
-REFERENCE_AXIS_MM_PER_S = 100.0 / 60.0
+__all__ = ["MotionHistory"]
 
 #: largest angle between neighbouring corners of the polyline on an arc
 _ARC_STEP_RAD = np.pi / 32
-#: cosines that the temperature along a screw is made of
-_SCREW_WAVES = 12
-#: of carbon steel near room temperature
-_STEEL_DIFFUSIVITY_MM2_PER_S = 13.0
 
 
 @dataclass(frozen=True)
@@ -81,96 +75,23 @@ class MotionHistory:
             side[order, axis], travel[order, axis], since[order, axis] = found
         return side, travel, since
 
-    def response(
-        self, drive: np.ndarray, time_constant_s: float, *, move: np.ndarray, time_s: np.ndarray
+    def spindle_warmth(
+        self, drive: np.ndarray, time_constant_s: float, time_s: np.ndarray
     ) -> np.ndarray:
-        """First-order response, from cold, to a drive that is constant during every move.
-
-        Parameters
-        ----------
-        drive : (N,) float64
-            What the response tends to during each move.
-        time_constant_s : float
-        move, time_s : (P,)
-            Where it is asked for.
-
-        Returns
-        -------
-        (P,) float64
-        """
-        moves = self.moves
-        start = _states_at_starts(drive, moves.duration_s, time_constant_s)
-        faded = np.exp(-(time_s - moves.start_s[move]) / time_constant_s)
-        return drive[move] + (start[move] - drive[move]) * faded
-
-    def screw_warmth_mm(
-        self, axis: int, time_constant_s: float, *, travel_mm: tuple[float, float],
-        move: np.ndarray, time_s: np.ndarray, position_mm: np.ndarray,
-    ) -> np.ndarray:  # fmt: skip
-        """Warmth of a screw that is heated where its nut runs, summed from home to the nut.
-
-        Heat enters the places that the nut passes, by the way it makes there, spreads along the
-        steel and is lost to the air with the time constant; no heat leaves by the ends. The
-        temperature is a sum of cosines along the screw, each of which follows its share of the
-        heat with a lag of its own: 1 / time constant + diffusivity (m pi / length)^2. Used all
-        the time and everywhere alike, at the reference speed, the screw has a warmth of 1.
-
-        Parameters
-        ----------
-        axis : int
-        time_constant_s : float
-        travel_mm : (float, float)
-            Where the screw begins and ends.
-        move, time_s, position_mm : (P,)
-            Where it is asked for; positions of the axis.
-
-        Returns
-        -------
-        (P,) float64
-            Integral of the warmth over the screw from 0 to `position_mm`, mm.
-        """
-        low, high = travel_mm
-        wave = np.pi * np.arange(1, _SCREW_WAVES + 1) / (high - low)
-        rate = 1.0 / time_constant_s + _STEEL_DIFFUSIVITY_MM2_PER_S * wave**2
-        summed = self.axis_speed_mm_per_s[:, axis] / REFERENCE_AXIS_MM_PER_S
-        summed = self.response(summed, time_constant_s, move=move, time_s=time_s) * position_mm
-        for k, drive in enumerate(self._heat_of_waves(axis, wave, low).T):
-            lag = 1.0 / rate[k]
-            warmth = self.response(drive * lag / time_constant_s, lag, move=move, time_s=time_s)
-            sines = np.sin(wave[k] * (position_mm - low)) - np.sin(-wave[k] * low)
-            summed += warmth * sines / wave[k]
-        return summed
-
-    def _heat_of_waves(self, axis: int, wave: np.ndarray, low: float) -> np.ndarray:
-        """Heat of every move in cosines along the screw, in reference speeds, (N, waves)."""
-        if axis in self._heats:  # the travel, and with it the waves, are those of the machine
-            return self._heats[axis]
-        key, corner = self._corners
-        owner = np.minimum(key[:-1].astype(np.int64), len(self.moves) - 1)
-        sines = np.sin(np.multiply.outer(corner[:, axis] - low, wave)) / wave
-        forwards = np.sign(np.diff(corner[:, axis]))[:, None]
-        way = np.zeros((len(self.moves), len(wave)))
-        np.add.at(way, owner, 2.0 * forwards * np.diff(sines, axis=0))
-        duration = self.moves.duration_s[:, None]
-        per_s = np.divide(way, duration, out=np.zeros_like(way), where=duration > 0)
-        self._heats[axis] = per_s / REFERENCE_AXIS_MM_PER_S
-        return self._heats[axis]
+        """First-order response to a drive (N,) that is constant during every move, (P,)."""
+        start_s, duration_s = self.moves.start_s, self.moves.duration_s
+        return response(
+            drive, time_constant_s, start_s=start_s, duration_s=duration_s, time_s=time_s
+        )
 
     @cached_property
-    def _heats(self) -> dict[int, np.ndarray]:
-        return {}
-
-    @cached_property
-    def axis_speed_mm_per_s(self) -> np.ndarray:
-        """Mean speed of each axis during every move, (N, 3)."""
-        way = np.abs(self.moves.end_mm - self.moves.start_mm)
+    def heat(self) -> HeatHistory:
+        """What the axes have warmed by moving."""
         key, corner = self._corners
-        steps = np.abs(np.diff(corner, axis=0))
-        owner = np.minimum(key[:-1].astype(np.int64), len(self.moves) - 1)
-        for axis in range(3):
-            way[:, axis] = np.bincount(owner, steps[:, axis], len(self.moves))
-        duration = self.moves.duration_s[:, None]
-        return np.divide(way, duration, out=np.zeros_like(way), where=duration > 0)
+        move = np.minimum(key[:-1].astype(np.int64), len(self.moves) - 1)
+        duration = self.moves.duration_s[move]
+        start_s = self.moves.start_s[move] + (key[:-1] - move) * duration
+        return HeatHistory(corner, start_s, np.diff(key) * duration)
 
     def cutting_way_mm(self, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
         """Way that the tool in the spindle has gone at feed since the program's start, (P,)."""
@@ -226,13 +147,3 @@ def _follow(corner, corner_key, at, position, width):
         if asked == count:
             break
     return side, travel, since
-
-
-@njit(cache=True)
-def _states_at_starts(drive, duration, time_constant):
-    """State of a first-order lag at the start of every move, from zero."""
-    start = np.zeros(len(drive))
-    for k in range(len(drive) - 1):
-        faded = np.exp(-duration[k] / time_constant)
-        start[k + 1] = drive[k] + (start[k] - drive[k]) * faded
-    return start
