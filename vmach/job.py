@@ -252,6 +252,13 @@ def _tool(number: int, tool: ToolEntry, where: dict[str, Any]) -> JobTool:
         cutter = make_tool(tool.shape, **given)
     except StockError as error:
         raise InputError(f"tool {number}: {error}", **where) from None
+    holder = tool.holder_mm
+    if holder is not None and (len(holder) < 2 or max(r for r, _ in holder) == 0.0):
+        raise InputError(
+            f"tool {number}: holder_mm = {[list(point) for point in holder]}",
+            **where,
+            accepted="two or more pairs of radius and height above the tip, from the lowest up",
+        )
     return JobTool(
         number=number,
         cutter=cutter,

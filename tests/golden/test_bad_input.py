@@ -93,6 +93,12 @@ CASES = {
         ),
         ["job.toml: no point lies on the datum feature 'lid'", "accepted: 'bore', 'floor'"],
     ),
+    "holder without a volume": (
+        lambda f: replace(
+            f / "job.toml", "diameter_mm = 10", "diameter_mm = 10\nholder_mm = [[0, 100]]"
+        ),
+        ["job.toml:", "tool 1: holder_mm = [[0.0, 100.0]]", "accepted: two or more pairs"],
+    ),
     "folder for a file": (
         lambda f: ((f / "part.nc").unlink(), (f / "part.nc").mkdir()),
         ["job.toml:3", "part.nc", "is a folder"],

@@ -29,6 +29,9 @@ _MOST_OF_THEM = 0.5
 _FAR_MM = 0.25
 #: no CMM is finer than this
 _FINEST_MM = 0.02e-3
+#: by how many u, and how far, a point has to stand out to be left out before any fit
+_OUTLIER_U = 12.0
+_GROSS_MM = 0.06
 
 
 def measure_part(
@@ -62,44 +65,39 @@ def measure_part(
     cut = np.flatnonzero(prediction.is_cut)
     if len(cut) < max(_FEWEST, _MOST_OF_THEM * len(points)):
         raise _not_cut(preparation, points, len(cut), path)
+    part = _where_cut(points, prediction, path.name)
+    _check_near(part, path)
+    part = _without_repeats(part, points.point_mm[cut])
+    if points.u_mm is None:
+        note = "no uncertainty in the file: taken from the scatter between neighbouring points"
+        u_mm = np.full(len(part), _scatter_of_neighbours_mm(part))
+        part = replace(part, u_mm=u_mm, notes=(*part.notes, note))
+    return _without_outliers(part), prediction
+
+
+def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Measurement:
+    """The points that a move cut, beside their prediction; without u_um they weigh the same."""
+    cut = np.flatnonzero(prediction.is_cut)
+    notes = points.notes
+    if len(cut) < len(points):
+        uncut = points.id[~prediction.is_cut]
+        notes = (*notes, f"{len(uncut)} points that no move cut are left out: {_listed(uncut)}")
     normal = points.normal[cut]
     arm = points.point_mm[cut] - points.point_mm[cut].mean(axis=0)
-    u_mm = np.full(len(cut), np.nan) if points.u_mm is None else points.u_mm[cut]
-    part = Measurement(
+    return Measurement(
         kind="part",
-        name=path.name,
+        name=name,
         id=points.id[cut],
         states=prediction.states,
         sensing=normal,
-        measured_mm=deviation[cut],
+        measured_mm=points.measured_deviation_mm[cut],
         predicted_mm=prediction.deviation_mm[cut],
-        u_mm=np.nan_to_num(u_mm, nan=1.0),
+        u_mm=np.ones(len(cut)) if points.u_mm is None else points.u_mm[cut],
         group=points.feature[cut],
         nuisance=np.hstack([normal, np.cross(arm, normal)]),
         nuisance_names=("shift X", "shift Y", "shift Z", "turn X", "turn Y", "turn Z"),
-        notes=points.notes,
+        notes=notes,
     )
-    if len(cut) < len(points):
-        uncut = points.id[~prediction.is_cut]
-        part = replace(
-            part,
-            notes=(
-                *part.notes,
-                f"{len(uncut)} points that no move cut are left out: {_listed(uncut)}",
-            ),
-        )
-    _check_near(part, path)
-    part = _without_repeats(part, points.point_mm[cut])
-    if np.isnan(u_mm).any():
-        part = replace(
-            part,
-            u_mm=np.full(len(part), _scatter_of_neighbours_mm(part)),
-            notes=(
-                *part.notes,
-                "no uncertainty in the file: taken from the scatter between neighbouring points",
-            ),
-        )
-    return _without_outliers(part), prediction
 
 
 def _check_same_part(points: SurfacePoints, deviation: np.ndarray, path: Path) -> None:
@@ -183,11 +181,6 @@ def _without_outliers(part: Measurement) -> Measurement:
         f"{len(bad)} points stand out from their neighbours and are left out "
         f"(a chip under the probe?): {_listed(bad)}",
     )
-
-
-#: by how many u, and how far, a point has to stand out to be left out before any fit
-_OUTLIER_U = 12.0
-_GROSS_MM = 0.06
 
 
 def _scatter_of_neighbours_mm(part: Measurement) -> float:
