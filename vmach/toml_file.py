@@ -122,9 +122,23 @@ def check_section(
     except ValidationError as error:
         # a misspelt key is also a missing one: say what was written first
         first = min(error.errors(), key=lambda c: c["type"] != "extra_forbidden")
-        keys = [str(part) for part in first["loc"]]
+        keys = _keys_of(first, data)
         line = line_of_key(text, [*within, *keys])
         raise _complaint(first, keys, schema, file=file, line=line) from None
+
+
+def _keys_of(complaint: Mapping[str, Any], data: Mapping[str, Any]) -> list[str]:
+    """Keys that lead to what is wrong, without pydantic's own words for kinds of values."""
+    keys: list[str] = []
+    here: Any = data
+    for part in complaint["loc"]:
+        try:
+            here = here[part]
+        except (KeyError, IndexError, TypeError):  # not in the file
+            if complaint["type"] != "missing":
+                continue
+        keys.append(str(part))
+    return keys
 
 
 def _complaint(

@@ -1,5 +1,7 @@
 """Complaints about TOML files name file, line, key, value and what is accepted."""
 
+import re
+
 import pytest
 
 from vmach.errors import InputError
@@ -16,6 +18,7 @@ class Outer(FileSection):
     machine: str
     inner: Inner = Inner()
     tools: dict[int, Inner] = {}
+    either: dict[str, Finite | Inner] = {}
 
 
 def read(tmp_path, text):
@@ -58,6 +61,18 @@ def test_no_number(tmp_path, value, accepted):
         InputError, match=rf"file.toml:3: 'inner.length_mm' = .*accepted: {accepted}"
     ):
         read(tmp_path, f'machine = "m"\n[inner]\nlength_mm = {value}\n')
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[tools.abc]", "file.toml:2: 'tools.abc' = 'abc'; accepted: a whole number"),
+        ('either.one = "3"', "file.toml:2: 'either.one' = '3'; accepted: a number"),
+    ],
+)
+def test_keys_are_those_of_the_file(tmp_path, text, message):
+    with pytest.raises(InputError, match=re.escape(message)):
+        read(tmp_path, f'machine = "m"\n{text}\n')
 
 
 def test_a_whole_number_is_a_number(tmp_path):
