@@ -9,6 +9,9 @@ from vmach.job import WORK_OFFSETS
 
 __all__ = ["DatumShift", "Fixture"]
 
+#: pauses between points in which a search begins
+_LONGEST = 60
+
 
 class Fixture(Effect):
     """Between two set-ups the part was shifted and turned; target: number of the work offset."""
@@ -69,8 +72,28 @@ class DatumShift(Effect):
         return 1e-3 * after[:, None] * np.array([shift_x_um, shift_y_um, shift_z_um])
 
     def inner_grid(self, path):
-        """Moments in the longest pauses between points, sixty at most."""
-        time = np.unique(path.time_s)
-        pauses = np.sort(np.argsort(np.diff(time))[::-1][:60])
-        for k in pauses:
-            yield {"time_s": float(0.5 * (time[k] + time[k + 1]))}
+        """Moments in the longest pauses between points."""
+        middle, _, longest = _pauses(path)
+        for moment in middle[longest]:
+            yield {"time_s": float(moment)}
+
+    def places(self, path, inner_values):
+        """The longest pauses, and every one between the two beside a moment.
+
+        It may have happened at any time, so that a pause is as likely as it is long.
+        """
+        middle, length, longest = _pauses(path)
+        tried = np.append(middle[longest], (-np.inf, np.inf))
+        here = inner_values["time_s"]
+        low, high = tried[tried < here].max(), tried[tried > here].min()
+        chosen = ((middle > low) & (middle < high)) | np.isin(middle, tried)
+        pairs = zip(middle[chosen].tolist(), length[chosen].tolist(), strict=True)
+        return [({"time_s": moment}, seconds) for moment, seconds in pairs]
+
+
+def _pauses(path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Middle and length of every pause between points, and the indices of the longest."""
+    time = np.unique(path.time_s)
+    length = np.diff(time)
+    longest = np.sort(np.argsort(length)[::-1][:_LONGEST])
+    return 0.5 * (time[:-1] + time[1:]), length, longest

@@ -189,6 +189,15 @@ class Effect(ABC):
         for values in itertools.product(*(p.grid for p in self.inner_parameters)):
             yield dict(zip(names, values, strict=True))
 
+    def places(
+        self, path: Circumstances, inner_values: Mapping[str, float]
+    ) -> list[tuple[dict[str, float], float]]:
+        """Inner values to choose among around given ones, and how likely each was before.
+
+        Empty where the inner parameters move smoothly, as nearly all of them do.
+        """
+        return []
+
     def columns(
         self, path: Circumstances, target: str, inner_values: Mapping[str, float]
     ) -> np.ndarray:

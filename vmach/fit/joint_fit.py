@@ -7,6 +7,7 @@ and zeros, is fitted at the same time.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -15,7 +16,7 @@ from scipy.optimize import least_squares
 
 from vmach.effects import Effect
 from vmach.fit.survey import Survey
-from vmach.fit.whitening import Whitening
+from vmach.fit.whitening import Whitening, orthonormal
 
 __all__ = ["FREE", "JointFit", "Term", "fit_terms"]
 
@@ -128,6 +129,8 @@ def fit_terms(
         Whether inner parameters move from their starting values.
     """
     problem = _Problem(survey, tuple(terms), whiten)
+    if refine:
+        problem = problem.at_best_places()
     start = problem.logarithms()
     if refine and len(start):
         low, high = problem.bounds()
@@ -173,9 +176,40 @@ class _Problem:
             first += len(names)
             update = dict(zip(names, values.tolist(), strict=True))
             moved.append(replace(term, inner={**term.inner, **update}))
-        other = _Problem(self.survey, tuple(moved), self.whiten)
-        other._cache = self._cache
+        return self._of(moved)
+
+    def _of(self, terms: Sequence[Term]) -> _Problem:
+        """The same problem with other terms."""
+        other = copy.copy(self)
+        other.terms = tuple(terms)
         return other
+
+    def at_best_places(self) -> _Problem:
+        """Terms that have places to choose among at the best of them, given the others."""
+        terms = self.terms
+        for k, term in enumerate(self.terms):
+            places, log_prior = self.survey.places(term.effect, term.inner)
+            if places:
+                others = self._of([t for i, t in enumerate(terms) if i != k])
+                gains = others.gains_of(term, places) + log_prior
+                moved = replace(term, inner=places[int(np.argmax(gains))])
+                terms = (*terms[:k], moved, *terms[k + 1 :])
+        return self._of(terms)
+
+    def gains_of(self, term: Term, places: Sequence[Mapping[str, float]]) -> np.ndarray:
+        """Half of what a further term at each of some places (G,) takes off the sum of squares."""
+        rows, target = self._system()
+        basis = orthonormal(rows)
+        target = target - basis @ (basis.T @ target)
+        gains = []
+        for inner in places:
+            columns = self.columns(replace(term, inner=inner))[1]
+            columns = np.vstack([columns, np.zeros((len(rows) - len(columns), columns.shape[1]))])
+            columns = columns - basis @ (basis.T @ columns)
+            precision = columns.T @ columns + np.eye(columns.shape[1]) / FREE**2
+            seen = columns.T @ target
+            gains.append(0.5 * seen @ np.linalg.solve(precision, seen))
+        return np.array(gains)
 
     def prior_residual(self) -> np.ndarray:
         rows = []
@@ -195,10 +229,9 @@ class _Problem:
         return self._cache[key]
 
     def _system(self) -> tuple[np.ndarray, np.ndarray]:
-        white = [self.columns(term)[1] for term in self.terms]
-        widths = np.concatenate(
-            [np.full(w.shape[1], t.width or FREE) for t, w in zip(self.terms, white, strict=True)]
-        )
+        white = [np.zeros((len(self.target), 0)), *(self.columns(t)[1] for t in self.terms)]
+        pairs = zip(self.terms, white[1:], strict=True)
+        widths = np.concatenate([[], *(np.full(w.shape[1], t.width or FREE) for t, w in pairs)])
         rows = np.vstack([np.hstack(white), np.diag(1.0 / widths)])
         return rows, np.concatenate([self.target, np.zeros(len(widths))])
 

@@ -131,12 +131,25 @@ class Survey:
 
     def inner_grid(self, effect: Effect) -> list[dict[str, float]]:
         """Starting values of the inner parameters, of the measurement that needs the most."""
-        grids = [
-            list(effect.inner_grid(path))
-            for path, m in zip(self.paths, self.measurements, strict=True)
-            if m.on_part or not effect.needs_surface
-        ]
+        grids = [list(effect.inner_grid(path)) for path in self._paths_of(effect)]
         return max(grids, key=len, default=[])
+
+    def places(
+        self, effect: Effect, inner_values: Mapping[str, float]
+    ) -> tuple[list[dict[str, float]], np.ndarray]:
+        """Inner values to choose among around given ones, (G,), and their log prior (G,).
+
+        Empty for effects whose inner parameters move smoothly.
+        """
+        found = [effect.places(path, inner_values) for path in self._paths_of(effect)]
+        pairs = max(found, key=len, default=[])
+        weight = np.array([weight for _, weight in pairs])
+        return [values for values, _ in pairs], np.log(weight / weight.sum())
+
+    def _paths_of(self, effect: Effect) -> list[Circumstances]:
+        """Of the measurements that could show an effect."""
+        pairs = zip(self.paths, self.measurements, strict=True)
+        return [path for path, m in pairs if m.on_part or not effect.needs_surface]
 
     def part_of(self, rows: Sequence[bool] | np.ndarray) -> Survey:
         """The survey with some of its readings, (n,) bool."""

@@ -65,6 +65,9 @@ def parameter_uncertainty(survey: Survey, fit: JointFit, k: int) -> dict[str, Sp
     fit : JointFit
     k : int
     """
+    places, log_prior = survey.places(fit.terms[k].effect, fit.terms[k].inner)
+    if places:
+        return _spreads(fit, k, places, _Posterior.of(survey, fit, k).at(places, log_prior))
     dimensions = len(fit.terms[k].free_inner)
     if dimensions not in _NODES:
         return _straight(fit, k)
@@ -75,7 +78,8 @@ def parameter_uncertainty(survey: Survey, fit: JointFit, k: int) -> dict[str, Sp
     centre, covariance = np.zeros(dimensions), np.minimum(covariance, np.outer(spread, spread))
     for _ in range(_PASSES):
         nodes = posterior.within(_grid(centre, covariance))
-        weight, amount, amount_covariance = posterior.at(nodes)
+        inner = [posterior.inner_at(step) for step in nodes]
+        weight, amount, amount_covariance = posterior.at(inner, posterior.log_prior(nodes))
         before = np.sqrt(np.diag(covariance))
         centre = weight @ nodes
         apart = nodes - centre
@@ -84,7 +88,6 @@ def parameter_uncertainty(survey: Survey, fit: JointFit, k: int) -> dict[str, Sp
         if np.all(np.abs(np.log(np.maximum(after, 1e-9) / before)) < np.log(_RIGHT)):
             break
         covariance += np.diag((0.2 * before) ** 2)
-    inner = [posterior.inner_at(step) for step in nodes]
     found = _spreads(fit, k, inner, (weight, amount, amount_covariance))
     for name, share in zip(fit.terms[k].free_inner, after / spread, strict=True):
         found[name] = replace(found[name], is_shown=bool(share < _HARDLY))
@@ -167,10 +170,18 @@ class _Posterior:
         }
         return {**self.term.inner, **moved}
 
-    def at(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Probability (G,), mean (G, K) and covariance (G, K, K) of the amplitudes at nodes."""
+    def log_prior(self, nodes: np.ndarray) -> np.ndarray:
+        """Logarithm of how usual each node is, (G,)."""
+        usual = np.log([p.usual for p in self._free])
+        here = np.log([self.term.inner[p.name] for p in self._free])
+        return -0.5 * (((here + nodes - usual) / self.prior_spread) ** 2).sum(axis=1)
+
+    def at(
+        self, inner: Sequence[Mapping[str, float]], log_prior: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Probability (G,), mean (G, K) and covariance (G, K, K) of the amplitudes at places."""
         effect, target = self.term.effect, self.term.target
-        raw = [self.survey.signature(effect, target, self.inner_at(step)) for step in nodes]
+        raw = [self.survey.signature(effect, target, values) for values in inner]
         white = self.whiten(np.stack(raw, axis=1))
         rows = white.transpose(1, 2, 0)
         precision = rows @ rows.transpose(0, 2, 1)
@@ -178,10 +189,7 @@ class _Posterior:
         covariance = np.linalg.inv(precision)
         seen = rows @ self.reading
         mean = np.einsum("gkl,gl->gk", covariance, seen)
-        usual = np.log([p.usual for p in self._free])
-        here = np.log([self.term.inner[p.name] for p in self._free])
-        log = 0.5 * np.einsum("gk,gk->g", seen, mean)
-        log = log - 0.5 * (((here + nodes - usual) / self.prior_spread) ** 2).sum(axis=1)
+        log = log_prior + 0.5 * np.einsum("gk,gk->g", seen, mean)
         weight = np.exp(log - log.max())
         return weight / weight.sum(), mean, covariance
 
