@@ -87,7 +87,11 @@ def make_experiment(
     write_machine(folder, machine, rng, missing=missing, misplaced=wrong, noisy=noisy_tables)
     for h in hidden:
         machine.extra.update(h.changed)
-    truth = {"effects": [_told(h) for h in hidden], "noise_um": noise_um, "spindle_stops": stops}
+    truth = {
+        "effects": [_told(h, states["part"]) for h in hidden],
+        "noise_um": noise_um,
+        "spindle_stops": stops,
+    }
     totals, shares = {}, {}
     for role, made in parts.items():
         totals[role] = deviation_um(made, states[role], machine, hidden)
@@ -170,13 +174,13 @@ def _write_measured(path: Path, part: Part, deviation, *, rng, noise_um: float) 
     path.write_text("\n".join(lines) + "\n")
 
 
-def _told(hidden: Hidden) -> dict:
+def _told(hidden: Hidden, state: State) -> dict:
     return {
         "name": hidden.name,
         "target": hidden.target,
         "parameters": hidden.parameters,
         "comparable": {k: float(v) for k, v in hidden.comparable.items()},
-        "accept": list(hidden.accept),
+        "accept": [*hidden.accept, *hidden.shows_as(state)],
         "twins": list(hidden.twins),
     }
 

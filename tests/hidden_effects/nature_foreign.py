@@ -77,13 +77,27 @@ def loose_collet(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     tool, jerks = int(rng.integers(2)), np.sort(rng.uniform(0.1, 0.9, 3))
     size = rng.choice([-1, 1], 3) * rng.uniform(6, 14, 3)
 
-    def move(state: State) -> np.ndarray:
+    def slipped_um(state: State) -> np.ndarray:
         own = state.tool == tool
         way = state.cut_mm / max(state.cut_mm[own].max(initial=0.0), 1.0)
-        out = (way[:, None] > jerks) @ size
-        return UM * (out * own)[:, None] * np.array([0.0, 0.0, 1.0])
+        return own * ((way[:, None] > jerks) @ size)
 
-    return Hidden("loose_collet", ("unknown",), {"tool": tool + 1}, move, on_part_only=True)
+    def move(state: State) -> np.ndarray:
+        return UM * slipped_um(state)[:, None] * np.array([0.0, 0.0, 1.0])
+
+    def shows_as(state: State) -> tuple[str, ...]:
+        floors = slipped_um(state)[(state.tool == tool) & (state.normal[:, 2] > 0.9)]
+        is_a_length = len(floors) > 0 and np.ptp(floors) == 0.0  # it slipped before or after them
+        return ("tool_length T1", "tool_length T2") if is_a_length else ()
+
+    return Hidden(
+        "loose_collet",
+        ("unknown",),
+        {"tool": tool + 1},
+        move,
+        on_part_only=True,
+        shows_as=shows_as,
+    )
 
 
 def hot_spot(rng: np.random.Generator, machine: TrueMachine) -> Hidden:

@@ -28,6 +28,7 @@ class Hidden:
     missing : tables that were never measured
     misplaced : reading -> what the record adds to the place of the reflector, mm
     target : axis or component where there is one
+    shows_as : state of the measured points -> further names that are true of just these points
     twins : names that no measurement of this kind can tell from it: naming one alone is too much
     once : it happens one time, another part says nothing about it
     on_part_only : it belongs to the cut or to the piece; a test without a cut cannot see it
@@ -45,6 +46,7 @@ class Hidden:
     once: bool = False
     on_part_only: bool = False
     twins: tuple[str, ...] = ()
+    shows_as: Callable[[State], tuple[str, ...]] = lambda state: ()
 
 
 @dataclass(frozen=True)

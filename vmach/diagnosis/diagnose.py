@@ -16,7 +16,7 @@ from vmach.diagnosis.next_measurement import next_measurement
 from vmach.diagnosis.outliers import outlier_notes, outliers
 from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.search import Search
-from vmach.diagnosis.single_features import gain_over_offsets
+from vmach.diagnosis.single_features import laws_not_shown
 from vmach.diagnosis.where_it_fails import Failure, where_it_fails
 from vmach.diagnosis.words import component_parameters, where_component
 from vmach.effects import Effect
@@ -34,8 +34,6 @@ __all__ = ["BEND_SHARE", "diagnose", "explanation_with_slack", "prepare_search"]
 BEND_SHARE = 1.0
 #: more effects at once than this are not named
 _MOST_AT_ONCE = 3
-#: what is left where single features explain as much as an effect
-_OFFSETS = "offsets of single features"
 
 Progress = Callable[[str], None]
 
@@ -67,13 +65,15 @@ def diagnose(
         survey, explanation = search.survey, search.run()
     explanation = _settled(search, explanation)
     tell("is what is left noise?")
-    left = search.left_in(explanation) or _laws_not_shown(search, explanation)
+    left, not_shown = search.left_in(explanation), []
+    if not left:
+        left, not_shown = laws_not_shown(search, explanation)
     failures = where_it_fails(survey, search.whiten, survey.residual_mm)
     findings = _findings(search, explanation)
     verdict = _verdict(findings, left)
     if verdict == "unknown":
         remaining = ()
-        if _OFFSETS not in left:
+        if not not_shown:
             remaining = where_it_fails(survey, search.whiten, _leftover_mm(search, explanation))
         findings = (_something(remaining or failures),)
     tell("what to measure next")
@@ -89,6 +89,7 @@ def diagnose(
         notes=(
             *(note for m in survey.measurements for note in m.notes if note),
             *left_out,
+            *not_shown,
         ),
     )
 
@@ -132,14 +133,6 @@ def explanation_with_slack(search: Search, explanation: Explanation) -> Explanat
     careful = Whitening(search.survey.u_mm, factors, search.survey.nuisance)
     fit = fit_terms(search.survey, explanation.fit.terms, careful)
     return search.with_fit(fit, explanation.score)
-
-
-def _laws_not_shown(search: Search, explanation: Explanation) -> dict[str, float]:
-    """By how much offsets of single features explain more than an effect's law; or empty."""
-    if explanation.fit is None:
-        return {}
-    gains = [gain_over_offsets(search, explanation, k) for k in range(len(explanation.fit.terms))]
-    return {_OFFSETS: -min(gains)} if min(gains) < 0.0 else {}
 
 
 def _findings(search: Search, explanation: Explanation) -> tuple[Finding, ...]:
