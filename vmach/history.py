@@ -94,6 +94,7 @@ def add_effects(
     before = rms_um(survey)
     after = rms_um(survey, sum(effect.explained_mm for effect in found))
     text = text.rstrip() + "\n\n" + "\n".join(effect_toml(e) for e in found)
+    text += "".join(_fitted_toml(e) for e in found)
     text += _history_toml(job.path, target.parent, found, before=before, after=after)
     with atomic_file(target) as temporary:
         temporary.write_text(text, encoding="utf-8")
@@ -170,6 +171,17 @@ def effect_toml(effect: NamedEffect) -> str:
     header = f"effects.{effect.effect.name}" + (f".{effect.target}" if effect.target else "")
     lines = [f"[{header}]", *(f"{k} = {_value(v)}" for k, v in effect.parameters.items())]
     return "\n".join(lines) + "\n"
+
+
+def _fitted_toml(effect: NamedEffect) -> str:
+    """What is not known of an effect's parameters: changes of one standard uncertainty each."""
+    target = f'target = "{effect.target}"\n' if effect.target else ""
+    changes = [
+        ", ".join(f"{name} = {_value(v)}" for name, v in change.items() if np.any(v))
+        for change in effect.one_sigma
+    ]
+    rows = "".join(f"    {{{change}}},\n" for change in changes if change)
+    return f'\n[[fitted]]\neffect = "{effect.effect.name}"\n{target}one_sigma = [\n{rows}]\n'
 
 
 def _value(value: Any) -> str:

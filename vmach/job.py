@@ -118,6 +118,8 @@ class Job:
     inspection : Inspection
     effects, measurements, history
         As in the file; read by the parts of the program that know them.
+    fitted : mapping of (effect, target) to tuple of mapping
+        Independent changes of an effect's parameters, one standard uncertainty each.
     """
 
     path: Path
@@ -136,6 +138,7 @@ class Job:
     effects: Mapping[str, Any]
     measurements: Sequence[Mapping[str, Any]]
     history: Sequence[Mapping[str, Any]]
+    fitted: Mapping[tuple[str, str], tuple[Mapping[str, Any], ...]]
 
     @property
     def folder(self) -> Path:
@@ -208,6 +211,7 @@ def read_job(path: str | Path) -> Job:
         effects=data.effects,
         measurements=data.measurements,
         history=[step.model_dump(exclude_none=True) for step in data.history],
+        fitted={(f.effect, f.target): tuple(f.one_sigma) for f in data.fitted},
     )
 
 

@@ -72,6 +72,14 @@ class InspectionEntry(FileSection):
     datums: list[list[str]] = []
 
 
+class FittedEntry(FileSection):
+    """[[fitted]]: what ``vmach add`` left open of an effect's parameters."""
+
+    effect: str
+    target: str = ""
+    one_sigma: list[dict[str, Finite | list[Finite]]]
+
+
 class HistoryEntry(FileSection):
     """[[history]]: what ``vmach add`` notes of the job before."""
 
@@ -99,3 +107,4 @@ class JobSchema(FileSection):
     effects: dict[str, Any] = {}
     measurements: list[dict[str, Any]] = []
     history: list[HistoryEntry] = []
+    fitted: list[FittedEntry] = []

@@ -32,6 +32,9 @@ class Effect(Protocol):
     def at_surface(self, states: PathStates) -> np.ndarray:
         """Further displacement of the cutting edge at the contact, (P, 3) mm."""
 
+    def left_open(self, states: PathStates) -> np.ndarray:
+        """Displacements at the contact, of unit variance, by which the truth may differ."""
+
 
 @dataclass(frozen=True)
 class Prediction:
@@ -50,6 +53,8 @@ class Prediction:
     overcut : (P,) bool
         Points known to be surface which other moves of the program would have cut away; their
         deviation is that of the move which generates them.
+    effects : tuple of Effect
+        What was taken to act beside the error tables.
     """
 
     variant: Variant
@@ -58,6 +63,7 @@ class Prediction:
     deviation_mm: np.ndarray
     edges: Edges
     overcut: np.ndarray
+    effects: tuple[Effect, ...] = ()
 
     @property
     def is_cut(self) -> np.ndarray:
@@ -149,7 +155,7 @@ def predict(
     correction = exact - np.where(overcut[cut, None], 0.0, interpolated)
     deviation = edges.deviation_mm.copy()
     deviation[cut] += np.einsum("ij,ij->i", correction, normals[cut])
-    return Prediction(variant, preparation, normals, deviation, edges, overcut)
+    return Prediction(variant, preparation, normals, deviation, edges, overcut, tuple(effects))
 
 
 def _generated(

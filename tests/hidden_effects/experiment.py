@@ -94,11 +94,12 @@ def make_experiment(
     }
     totals, shares = {}, {}
     for role, made in parts.items():
-        totals[role] = deviation_um(made, states[role], machine, hidden)
+        acting = hidden if role == "part" else [_on_another_day(h) for h in hidden]
+        totals[role] = deviation_um(made, states[role], machine, acting)
         (folder / f"{role}.nc").write_text(made.text)
         file = folder / f"{role}_measured.csv"
         _write_measured(file, made, totals[role], rng=rng, noise_um=noise_um)
-        shares[role] = [share_um(h, made, states[role], machine) for h in hidden]
+        shares[role] = [share_um(h, made, states[role], machine) for h in acting]
         truth[role] = {
             "points": len(totals[role]),
             "duration_s": float(made.path.time_s[-1]),
@@ -172,6 +173,10 @@ def _write_measured(path: Path, part: Part, deviation, *, rng, noise_um: float) 
         cells = [f"{v:.6f}" for v in (*place, *normal, *m)]
         lines.append(f"{number},{name},{','.join(cells)},{noise_um:g}")
     path.write_text("\n".join(lines) + "\n")
+
+
+def _on_another_day(hidden: Hidden) -> Hidden:
+    return replace(hidden, displacement_mm=hidden.another_day or hidden.displacement_mm)
 
 
 def _told(hidden: Hidden, state: State) -> dict:

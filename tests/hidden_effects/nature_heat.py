@@ -98,14 +98,19 @@ def ambient_drift(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     """The hall's temperature: a slow wave and a quicker weak one, each axis its own."""
     size = rng.choice([-1, 1], 3) * rng.uniform(5, 12, 3)
     period, phase = rng.uniform(4000, 9000), rng.uniform(0, 2 * np.pi, 2)
+    other_phase = np.random.default_rng(int(1e6 * phase[0])).uniform(0, 2 * np.pi, 2)
 
-    def move(state: State) -> np.ndarray:
+    def moved(state: State, phase: np.ndarray) -> np.ndarray:
         turn = 2 * np.pi * state.time_s / period
         wave = np.sin(turn + phase[0]) + 0.25 * np.sin(2.3 * turn + phase[1])
         return UM * wave[:, None] * size
 
     return Hidden(
-        "ambient_drift", ("ambient_drift",), {"size_um": size.tolist(), "period_s": period}, move
+        "ambient_drift",
+        ("ambient_drift",),
+        {"size_um": size.tolist(), "period_s": period},
+        lambda state: moved(state, phase),
+        another_day=lambda state: moved(state, other_phase),
     )
 
 

@@ -30,6 +30,7 @@ class Hidden:
     target : axis or component where there is one
     shows_as : state of the measured points -> further names that are true of just these points
     twins : names that no measurement of this kind can tell from it: naming one alone is too much
+    another_day : the same when another part is made, another day; None: it repeats itself
     once : it happens one time, another part says nothing about it
     on_part_only : it belongs to the cut or to the piece; a test without a cut cannot see it
     """
@@ -46,6 +47,7 @@ class Hidden:
     once: bool = False
     on_part_only: bool = False
     twins: tuple[str, ...] = ()
+    another_day: Callable[[State], np.ndarray] | None = None
     shows_as: Callable[[State], tuple[str, ...]] = lambda state: ()
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from vmach.diagnosis.diagnose import explanation_with_slack, prepare_search
-from vmach.diagnosis.words import component_parameters
+from vmach.diagnosis.words import component_directions, component_parameters
 from vmach.effects import Effect, catalogue
 from vmach.effects.component import Component
 from vmach.errors import InputError
@@ -30,6 +30,8 @@ class NamedEffect:
     target : str
     parameters, u : dict
         As in ``[effects.NAME]`` of a job, and their standard uncertainties.
+    one_sigma : list of dict
+        Independent changes of the parameters, one standard uncertainty each.
     explained_mm : (n,) float64
         What it does to the readings.
     """
@@ -38,6 +40,7 @@ class NamedEffect:
     target: str
     parameters: dict
     u: dict
+    one_sigma: list[dict]
     explained_mm: np.ndarray
 
     @property
@@ -84,11 +87,13 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
     for k, term in enumerate(fit.terms):
         if isinstance(term.effect, Component):
             parameters, u = component_parameters(fit, k, survey.paths[0])
+            one_sigma = component_directions(fit, k, survey.paths[0])
         else:
-            parameters = fit.parameters(k)
+            parameters, one_sigma = fit.parameters(k), fit.directions(k)
             spreads = parameter_uncertainty(survey, fit, k)
             u = {name: spread.u for name, spread in spreads.items()}
-        found.append(NamedEffect(term.effect, term.target, parameters, u, fit.explained_mm(k)))
+        explained = fit.explained_mm(k)
+        found.append(NamedEffect(term.effect, term.target, parameters, u, one_sigma, explained))
     return tuple(found)
 
 

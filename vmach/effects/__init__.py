@@ -4,12 +4,12 @@ from vmach.effects.circumstances import Circumstances
 from vmach.effects.effect import (
     Displaced,
     Effect,
-    EffectInstance,
     Parameter,
     along,
     inner,
     linear,
 )
+from vmach.effects.instance import EffectInstance
 
 from vmach.effects.catalogue import (  # isort: skip  (the effects import the names above)
     catalogue,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vmach.effects.effect import Effect, inner, linear
+from vmach.effects.effect import Effect, along, inner, linear
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["AmbientDrift"]
@@ -55,6 +55,18 @@ class AmbientDrift(Effect):
         moved = self.displacement(path, target, **parameters)
         largest = moved[np.argmax(np.linalg.norm(moved, axis=1))]
         return np.tile(largest, (len(path), 1))
+
+    def unforeseen(self, path, target, parameters):
+        # another day has another phase: none of the wave can be foretold, and it comes on top
+        stated = self.displacement(path, target, **parameters)
+        angle = 2 * np.pi * path.time_s / parameters["period_s"]
+        waves = []
+        for axis in target:
+            size = np.hypot(*(parameters[name] for name in self._names(target, axis)))
+            for wave in (np.sin(angle), np.cos(angle) - 1):
+                waves.append(along(axis, 1e-3 * np.sqrt(0.5) * size * wave))
+        day = np.stack([stated, *waves], axis=2)
+        return np.concatenate([day, self.slack(path, target, parameters)], axis=2)
 
     def needed(self, target):
         return (*self._all_names(target), "period_s")

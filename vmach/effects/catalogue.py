@@ -33,7 +33,8 @@ from vmach.effects import (
     tool_size,
     workpiece_temperature,
 )
-from vmach.effects.effect import Effect, EffectInstance
+from vmach.effects.effect import Effect
+from vmach.effects.instance import EffectInstance, check_fitted, one_sigma
 from vmach.errors import InputError
 from vmach.job import Job, read_job
 from vmach.text_file import read_text
@@ -109,7 +110,7 @@ def read_effects(
     InputError
         Unknown effect, target or parameter, a parameter missing or outside its bounds.
     """
-    if not effects:
+    if not effects and (job is None or not job.fitted):
         return ()
     job = job or read_job(file)
     found = []
@@ -122,6 +123,7 @@ def read_effects(
             found.append(set_up_effect(name, str(plain.pop("target", "")), plain, job=job))
         for target, parameters in nested.items():
             found.append(set_up_effect(name, target, parameters, job=job))
+    check_fitted(job, found)
     return tuple(found)
 
 
@@ -178,7 +180,7 @@ def set_up_effect(
         checked[parameter.name] = _in_bounds(
             parameters[parameter.name], parameter, lambda *a, k=keys: _error(a[0], file, k, a[1])
         )
-    return EffectInstance(effect, target, checked, job)
+    return EffectInstance(effect, target, checked, job, one_sigma(effect, target, checked, job))
 
 
 def _in_bounds(value: Any, parameter, error) -> float | list[float]:

@@ -15,9 +15,8 @@ from vmach.effects.circumstances import Circumstances
 from vmach.effects.wandering import wandering
 from vmach.job import Job
 from vmach.machine import LINEAR_AXES, RigidDisplacement
-from vmach.toolpath import PathStates
 
-__all__ = ["Displaced", "Effect", "EffectInstance", "Parameter", "along", "inner", "linear"]
+__all__ = ["Displaced", "Effect", "Parameter", "along", "at_contact", "inner", "linear"]
 
 Displaced = RigidDisplacement | np.ndarray
 
@@ -160,7 +159,7 @@ class Effect(ABC):
         self, path: Circumstances, target: str, parameters: Mapping[str, float]
     ) -> np.ndarray:
         """Where the law's own inaccuracy shows, at full size, (P, 3) mm; the effect itself."""
-        return _at_contact(self.displacement(path, target, **parameters), path)
+        return at_contact(self.displacement(path, target, **parameters), path)
 
     def slack(
         self, path: Circumstances, target: str, parameters: Mapping[str, float]
@@ -170,6 +169,12 @@ class Effect(ABC):
             return np.zeros((len(path), 3, 0))
         pattern = self.slack_share * self.slack_pattern(path, target, parameters)
         return pattern[:, :, None] * wandering(path.time_s, self.slack_time_s)[:, None, :]
+
+    def unforeseen(
+        self, path: Circumstances, target: str, parameters: Mapping[str, float]
+    ) -> np.ndarray:
+        """Displacements of unit variance by which another run may differ, (P, 3, K); the slack."""
+        return self.slack(path, target, parameters)
 
     # what a fit works with; an effect overrides these only where its amplitudes hide ----------
 
@@ -206,7 +211,7 @@ class Effect(ABC):
         for one in self.amplitudes:
             unit = {p.name: p.usual * float(p is one) for p in self.amplitudes}
             moved = self.displacement(path, target, **unit, **inner_values)
-            parts.append(_at_contact(moved, path))
+            parts.append(at_contact(moved, path))
         return np.stack(parts, axis=2)
 
     def settle(
@@ -219,40 +224,6 @@ class Effect(ABC):
         return {**found, **inner_values}
 
 
-def _at_contact(moved: Displaced, path: Circumstances) -> np.ndarray:
+def at_contact(moved: Displaced, path: Circumstances) -> np.ndarray:
+    """Displacement of the contact, (P, 3) mm, by what an effect says of the tool."""
     return moved.at(path.contact_mm) if isinstance(moved, RigidDisplacement) else moved
-
-
-@dataclass(frozen=True)
-class EffectInstance:
-    """An effect with its target and all parameters set, as in ``[effects.NAME]`` of a job."""
-
-    effect: Effect
-    target: str
-    parameters: Mapping[str, float]
-    job: Job
-
-    @property
-    def label(self) -> str:
-        """Name and target for people: ``backlash X``."""
-        return f"{self.effect.name} {self.target}".strip()
-
-    def displacement(self, states: PathStates) -> RigidDisplacement:
-        """Rigid motion of the tool at the states; zero for effects bound to a surface."""
-        if self.effect.needs_surface:
-            return RigidDisplacement.zero(len(states))
-        moved = self._evaluate(states)
-        if isinstance(moved, RigidDisplacement):
-            return moved
-        return RigidDisplacement(moved, np.zeros_like(moved))
-
-    def at_surface(self, states: PathStates) -> np.ndarray:
-        """Displacement of the cutting edge, (P, 3) mm; zero for effects on the whole tool."""
-        if not self.effect.needs_surface or states.normal is None:
-            return np.zeros((len(states), 3))
-        path = Circumstances(states, self.job)
-        return _at_contact(self._evaluate(states), path)
-
-    def _evaluate(self, states: PathStates) -> Displaced:
-        path = Circumstances(states, self.job)
-        return self.effect.displacement(path, self.target, **self.parameters)

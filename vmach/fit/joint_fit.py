@@ -84,6 +84,19 @@ class JointFit:
 
     def uncertainty(self, k: int) -> dict[str, float]:
         """Standard uncertainty of the parameters of term k."""
+        slope = self._slope(k)
+        spread = np.einsum("ij,ik,kj->j", slope, self.covariance[k], slope)
+        u = np.sqrt(np.maximum(spread, 0.0)).tolist()
+        return dict(zip(self.parameters(k), u, strict=True))
+
+    def directions(self, k: int) -> list[dict[str, float]]:
+        """Independent changes of the parameters of term k, one standard uncertainty each."""
+        squared, axes = np.linalg.eigh(self.covariance[k])
+        moved = (axes * np.sqrt(np.maximum(squared, 0.0))).T @ self._slope(k)
+        return [dict(zip(self.parameters(k), row, strict=True)) for row in moved.tolist()]
+
+    def _slope(self, k: int) -> np.ndarray:
+        """Change of the parameters of term k with coefficients and logarithms, (K + I, N)."""
         term, coefficients = self.terms[k], self.coefficients[k]
         names = term.free_inner
         start = np.concatenate([coefficients, np.zeros(len(names))])
@@ -100,9 +113,7 @@ class JointFit:
         for unit in np.eye(len(start)):
             near = settled(start + 1e-4 * unit)
             rows.append([(near[name] - centre[name]) / 1e-4 for name in centre])
-        slope = np.array(rows)
-        spread = np.einsum("ij,ik,kj->j", slope, self.covariance[k], slope)
-        return dict(zip(centre, np.sqrt(np.maximum(spread, 0.0)).tolist(), strict=True))
+        return np.array(rows)
 
     def explained_mm(self, k: int) -> np.ndarray:
         """What term k does to the readings, (n,)."""
