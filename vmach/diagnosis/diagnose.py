@@ -132,7 +132,7 @@ def explanation_with_slack(search: Search, explanation: Explanation) -> Explanat
     factors = np.hstack([search.survey.factors(bend_share=BEND_SHARE), slack])
     careful = Whitening(search.survey.u_mm, factors, search.survey.nuisance)
     fit = fit_terms(search.survey, explanation.fit.terms, careful)
-    return search.with_fit(fit, explanation.score)
+    return search.with_fit(replace(fit, slack_mm=slack), explanation.score)
 
 
 def _findings(search: Search, explanation: Explanation) -> tuple[Finding, ...]:

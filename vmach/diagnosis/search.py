@@ -260,6 +260,8 @@ class Search:
 
     def slack_of(self, fit: JointFit, *, but: int | None = None) -> np.ndarray:
         """Unit-variance signatures of what the laws of a fit's effects leave open, (n, K) mm."""
+        if fit.slack_mm is not None and but is None:
+            return fit.slack_mm
         parts = [
             self.survey.slack(term.effect, term.target, fit.parameters(k))
             for k, term in enumerate(fit.terms)

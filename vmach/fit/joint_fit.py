@@ -67,6 +67,8 @@ class JointFit:
         Change of the fitted effect with the logarithm of each free inner parameter.
     whiten : Whitening
         With which the fit was made.
+    slack_mm : (n, Q) float64 or None
+        Signatures of what the laws leave open, where the fit counted it as uncertainty.
     """
 
     terms: tuple[Term, ...]
@@ -76,6 +78,7 @@ class JointFit:
     signatures_mm: tuple[np.ndarray, ...]
     tangents_mm: tuple[np.ndarray, ...]
     whiten: Whitening
+    slack_mm: np.ndarray | None = None
 
     def parameters(self, k: int) -> dict[str, float]:
         """Parameters of term k."""
