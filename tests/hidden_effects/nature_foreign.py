@@ -140,6 +140,49 @@ def springback(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     return Hidden("springback", ("unknown",), {"size_um": size}, move, on_part_only=True)
 
 
+def chiller(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The spindle's chiller switches on and off: a saw tooth of some minutes in Y and Z."""
+    size, period = rng.uniform(6, 12), rng.uniform(240, 700)
+    start, rise, lean = rng.uniform(0, 1), rng.uniform(0.6, 0.9), rng.uniform(-0.8, 0.8)
+
+    def move(state: State) -> np.ndarray:
+        share = (state.time_s / period + start) % 1.0
+        warm = np.where(share < rise, share / rise, (1.0 - share) / (1.0 - rise))
+        return size * UM * warm[:, None] * np.array([0.0, lean, -1.0])
+
+    return Hidden("chiller", ("unknown",), {"size_um": size, "period_s": period}, move)
+
+
+def chipped_edge(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """A corner of one tool breaks off at one moment; from then on it cuts too little."""
+    tool, size, when = int(rng.integers(2)), rng.uniform(7, 15), rng.uniform(0.3, 0.7)
+
+    def move(state: State) -> np.ndarray:
+        own = state.tool == tool
+        broken = own & (state.cut_mm > when * state.cut_mm[own].max(initial=0.0))
+        return size * UM * broken[:, None] * state.normal * [1, 1, 0.6]
+
+    return Hidden(
+        "chipped_edge", ("unknown",), {"tool": tool + 1, "size_um": size}, move, on_part_only=True
+    )
+
+
+def thin_walls(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """Some features lie beside thin walls, which lean away from the tool, most in their middle."""
+    size, seed = rng.uniform(9, 18), int(rng.integers(1 << 30))
+
+    def move(state: State) -> np.ndarray:
+        is_thin = np.random.default_rng(seed).random(200) < 0.3
+        give = np.zeros(len(state.time_s))
+        for feature in np.unique(state.feature[is_thin[state.feature]]):
+            own = np.flatnonzero(state.feature == feature)
+            along = np.linspace(-1.0, 1.0, len(own))
+            give[own] = 1.0 - along**2
+        return size * UM * give[:, None] * state.normal * [1, 1, 0]
+
+    return Hidden("thin_walls", ("unknown",), {"size_um": size}, move, on_part_only=True)
+
+
 FOREIGN = (
     bump_field,
     checkerboard,
@@ -150,4 +193,7 @@ FOREIGN = (
     hot_spot,
     waves_along_the_feed,
     springback,
+    chiller,
+    chipped_edge,
+    thin_walls,
 )
