@@ -41,6 +41,9 @@ class OneSeries:
     def signature(self, effect, target, inner_values):
         return effect.displacement(TIME_S, target, 10.0, **inner_values)[:, 2:]
 
+    def places(self, effect, inner_values):
+        return [], np.zeros(0)
+
 
 def fitted(growth, tau, random):
     clean = growth * (1.0 - np.exp(-TIME_S / tau))
@@ -99,3 +102,51 @@ def test_what_the_readings_do_not_show_is_said():
     fit = fit_terms(short, [Term(Warming(), "", {"tau_s": 600.0})], whiten)
     spread = parameter_uncertainty(short, fit, 0)
     assert not spread["growth_um"].is_shown and not spread["tau_s"].is_shown
+
+
+class Step(Effect):
+    """From one moment on everything is higher."""
+
+    name = "step"
+    title = "step"
+    parameters = (
+        linear("height_um", "of the step", usual=5.0),
+        inner("time_s", "when it happened", (0.0, 1e6), usual=500.0),
+    )
+    targets = ("",)
+
+    def displacement(self, path, target, height_um, time_s):
+        return along("Z", height_um * (path > time_s))
+
+
+class OneSeriesWithPauses(OneSeries):
+    """Readings with pauses between them, in any of which a step may have happened."""
+
+    def __init__(self, readings, time_s):
+        super().__init__(readings)
+        self.time_s = time_s
+
+    def signature(self, effect, target, inner_values):
+        return effect.displacement(self.time_s, target, 5.0, **inner_values)[:, 2:]
+
+    def places(self, effect, inner_values):
+        length = np.diff(self.time_s)
+        moments = self.time_s[:-1] + 0.5 * length
+        return [{"time_s": float(m)} for m in moments], np.log(length / length.sum())
+
+
+def test_the_height_of_a_step_carries_that_its_moment_is_not_known():
+    """300 series with steps at any time; with the moment taken as known 91 % would be held."""
+    random = np.random.default_rng(8)
+    count, inside = 30, []
+    whiten = Whitening(np.full(count, NOISE), np.zeros((count, 0)), np.ones((count, 1)))
+    for _ in range(300):
+        time = np.cumsum(random.exponential(40.0, count))
+        when = random.uniform(time[0], time[-1])
+        height = 0.8 * random.choice([-1, 1])
+        readings = height * (time > when) + NOISE * random.standard_normal(count)
+        survey = OneSeriesWithPauses(readings, time)
+        fit = fit_terms(survey, [Term(Step(), "", {"time_s": 0.5 * time[-1]})], whiten)
+        spread = parameter_uncertainty(survey, fit, 0)["height_um"]
+        inside.append(spread.low <= height <= spread.high)
+    assert 0.93 < np.mean(inside) < 0.97

@@ -1,0 +1,80 @@
+"""What a job's effects leave open: in `u_um` of a prediction, against sums worked out by hand."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from tests.small_job import write_job
+from vmach.effects import Circumstances, catalogue, read_effects
+from vmach.errors import InputError
+from vmach.job import read_job
+from vmach.pipeline import predict_points
+from vmach.prediction_uncertainty import prediction_u_mm
+from vmach.preparation import prepare
+
+LOOSE = "[effects.backlash.X]\nreversal_um = 6\n"
+FITTED = '[[fitted]]\neffect = "backlash"\ntarget = "X"\none_sigma = [{rows}]\n'
+
+
+def foretold(folder, more):
+    folder.mkdir()
+    job = write_job(folder, more=more)
+    points, prediction = predict_points(job, folder / "points.csv")
+    return points.normal[prediction.is_cut], prediction_u_mm(prediction)
+
+
+def test_uncertain_parameters_are_in_the_uncertainty_of_a_prediction(tmp_path):
+    """Two independent changes of the reversal value, 3 and 4 um: half of 5 um on walls along X."""
+    fitted = FITTED.format(rows="{reversal_um = 3.0}, {reversal_um = 4.0}")
+    normal, sure = foretold(tmp_path / "sure", LOOSE)
+    _, open_ = foretold(tmp_path / "open", LOOSE + fitted)
+    flat = np.abs(normal).max(axis=1) == 1.0  # in the bore X has just turned back here and there
+    added = np.sqrt(open_**2 - sure**2)[flat]
+    np.testing.assert_allclose(added, 2.5e-3 * np.abs(normal[flat, 0]), rtol=1e-3, atol=1e-9)
+
+
+def test_what_a_law_leaves_open_is_in_it_too(tmp_path):
+    """Spindle growth is inexact by a fifth of its final value, wherever the spindle stands."""
+    growth = (
+        "[effects.spindle_growth.Z]\ngrowth_um = 30\ntime_constant_s = 900\nspeed_exponent = 0.7\n"
+    )
+    normal, sure = foretold(tmp_path / "none", "")
+    _, open_ = foretold(tmp_path / "growth", growth)
+    added = np.sqrt(open_**2 - sure**2)
+    floors = normal[:, 2] > 0.99
+    np.testing.assert_allclose(added[floors], 6e-3, rtol=0.05)
+
+
+def test_the_weather_of_another_day_is_foretold_by_its_size_only(tmp_path):
+    """Ten thousand days of a wave with any phase, against the wave that was fitted."""
+    job = read_job(write_job(tmp_path))
+    path = Circumstances(prepare(job).path.nodes, job)
+    effect = catalogue()["ambient_drift"]
+    stated = {"sine_um": 3.0, "cosine_um": 4.0, "period_s": 3000.0}
+    angle = 2 * np.pi * path.time_s[:, None] / stated["period_s"]
+    phase = np.random.default_rng(1).uniform(0, 2 * np.pi, 10_000)
+    days = 5e-3 * (np.sin(angle + phase) - np.sin(phase))
+    apart = days - effect.displacement(path, "Z", **stated)[:, 2:]
+    law = effect.slack(path, "Z", stated)[:, 2]
+    found = effect.unforeseen(path, "Z", stated)[:, 2]
+    expected = np.mean(apart**2, axis=1) + np.sum(law**2, axis=1)
+    np.testing.assert_allclose(np.sum(found**2, axis=1), expected, rtol=0.05)
+
+
+@pytest.mark.parametrize(
+    ("effects", "rows", "message"),
+    [
+        (LOOSE, "{reversal_mm = 1.0}", "reversal_mm does not match the effect"),
+        (LOOSE, "{reversal_um = [1.0, 2.0]}", "reversal_um does not match the effect"),
+        ("[effects.backlash.Y]\nreversal_um = 6\n", "{reversal_um = 1.0}", "the job has not"),
+        ("", "{reversal_um = 1.0}", "the job has not"),
+    ],
+)
+def test_uncertainties_of_something_else_are_refused(tmp_path, effects, rows, message):
+    job = read_job(write_job(tmp_path, more=effects + FITTED.format(rows=rows)))
+    with pytest.raises(InputError, match=re.escape(message)) as caught:
+        read_effects(job.effects, file=job.path, job=job)
+    assert caught.value.line is not None
