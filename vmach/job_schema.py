@@ -11,6 +11,7 @@ from vmach.toml_file import FileSection, Finite, NonNegative, Point, Positive, W
 
 __all__ = [
     "WORK_OFFSETS",
+    "FittedEntry",
     "HistoryEntry",
     "InspectionEntry",
     "JobSchema",
