@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from vmach.effects import Effect, along, inner, linear
-from vmach.fit.joint_fit import Term, fit_terms
+from vmach.fit.joint_fit import fit_terms
+from vmach.fit.terms import Term
 from vmach.fit.uncertainty import parameter_uncertainty
 from vmach.fit.whitening import Whitening
 

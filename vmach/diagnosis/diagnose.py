@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from vmach.diagnosis.absorbing import slack_of
 from vmach.diagnosis.blind_spots import blind_spots
 from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.findings import CandidateScore, Diagnosis, Finding
@@ -126,7 +127,7 @@ def explanation_with_slack(search: Search, explanation: Explanation) -> Explanat
     """Refitted with what the effects' laws leave open counted as uncertainty."""
     if explanation.fit is None:
         return explanation
-    slack = search.slack_of(explanation.fit)
+    slack = slack_of(search.survey, explanation.fit)
     if slack.shape[1] == 0:
         return explanation
     factors = np.hstack([search.survey.factors(bend_share=BEND_SHARE), slack])

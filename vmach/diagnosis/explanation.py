@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vmach.fit.evidence import Evidence
-from vmach.fit.joint_fit import JointFit
+from vmach.fit.terms import JointFit
 
 __all__ = ["MARGIN", "Explanation", "may_beat", "simplest_of_the_best"]
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vmach.fit.joint_fit import JointFit
 from vmach.fit.survey import Survey
+from vmach.fit.terms import JointFit
 
 __all__ = ["holds_out"]
 

@@ -50,8 +50,6 @@ def survey_part(other: Job, model: Job) -> Survey:
         raise InputError(
             "no part was measured", file=other.path, accepted="measured = a CSV of CMM points"
         )
-    job = replace(
-        other, machine=model.machine, effects=model.effects, fitted=model.fitted
-    )
+    job = replace(other, machine=model.machine, effects=model.effects, fitted=model.fitted)
     effects = read_effects(model.effects, file=model.path, job=job)
     return Survey(job, (measure_part(prepare(job), other.measured, effects=effects)[0],))

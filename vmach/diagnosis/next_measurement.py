@@ -17,7 +17,7 @@ from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.planned_tests import MAP, PlannedTest, planned_tests, write_program
 from vmach.diagnosis.search import Search
 from vmach.effects import Circumstances
-from vmach.fit.joint_fit import Term
+from vmach.fit.terms import Term
 from vmach.fit.whitening import orthonormal
 from vmach.job import Job
 

@@ -13,13 +13,15 @@ from functools import cached_property
 
 import numpy as np
 
+from vmach.diagnosis.absorbing import absorbing
 from vmach.diagnosis.explanation import Explanation, may_beat, simplest_of_the_best
 from vmach.diagnosis.structure import Structure
 from vmach.effects import Effect
 from vmach.fit.candidates import Candidate
 from vmach.fit.evidence import WIDTHS, SignatureBank, evidence_of_unit, log_evidence
-from vmach.fit.joint_fit import JointFit, Term, fit_terms
+from vmach.fit.joint_fit import fit_terms
 from vmach.fit.survey import Survey
+from vmach.fit.terms import JointFit, Term
 from vmach.fit.whitening import Whitening
 
 __all__ = ["Search"]
@@ -217,7 +219,7 @@ class Search:
         return self._explain(fit, score)
 
     def _explain(self, fit: JointFit | None, score: float) -> Explanation:
-        absorb = None if fit is None else self._absorbing(fit)
+        absorb = None if fit is None else absorbing(self.survey, self.whiten, fit)
         evidence = tuple(self.bank.evidence(self._reading[:, None], absorb))
         if absorb is None:
             return Explanation(fit, score, evidence, self._reading, self.whiten.degrees)
@@ -226,48 +228,29 @@ class Search:
 
     def absorber(self, explanation: Explanation) -> Callable[[np.ndarray], np.ndarray]:
         """What takes an explanation out of whitened readings or signatures."""
-        return self._absorbing(explanation.fit) if explanation.fit else lambda white: white
+        return (
+            absorbing(self.survey, self.whiten, explanation.fit)
+            if explanation.fit
+            else lambda white: white
+        )
 
     def left_in(self, explanation: Explanation) -> dict[str, float]:
         """What an explanation leaves beyond noise, by kind of pattern; empty where it is noise."""
-        absorb = self._absorbing(explanation.fit) if explanation.fit else None
+        fit = explanation.fit
+        absorb = absorbing(self.survey, self.whiten, fit) if fit else None
         left = self.structure.left_in(self._reading, explanation.degrees, absorb=absorb)
         if (further := self.further(explanation)) > 0.0:
             left["further effects"] = further
         return left
-
-    def _absorbing(self, fit: JointFit, *, without_slack_of: int | None = None) -> Whitening:
-        """Takes the fitted effects out, what their laws leave open and their inner parameters."""
-        free, random = [], [self.slack_of(fit, but=without_slack_of)]
-        for k, term in enumerate(fit.terms):
-            if term.width is None:
-                free += [fit.signatures_mm[k], fit.tangents_mm[k]]
-            else:
-                random.append(term.width * fit.signatures_mm[k])
-        n = len(self.survey)
-        free_white = self.whiten(np.hstack([np.zeros((n, 0)), *free]))
-        random_white = self.whiten(np.hstack(random))
-        return Whitening(np.ones(n), random_white, free_white)
 
     def _gain_of_slack(self, fit: JointFit) -> float:
         """Log evidence for what the law of the last term leaves open, all else absorbed."""
         term, last = fit.terms[-1], len(fit.terms) - 1
         if term.effect.slack_share == 0.0:
             return 0.0
-        absorb = self._absorbing(fit, without_slack_of=last)
+        absorb = absorbing(self.survey, self.whiten, fit, without_slack_of=last)
         slack = self.survey.slack(term.effect, term.target, fit.parameters(last))
         return evidence_of_unit(absorb(self.whiten(slack)), absorb(self._reading))
-
-    def slack_of(self, fit: JointFit, *, but: int | None = None) -> np.ndarray:
-        """Unit-variance signatures of what the laws of a fit's effects leave open, (n, K) mm."""
-        if fit.slack_mm is not None and but is None:
-            return fit.slack_mm
-        parts = [
-            self.survey.slack(term.effect, term.target, fit.parameters(k))
-            for k, term in enumerate(fit.terms)
-            if term.effect.slack_share > 0.0 and k != but
-        ]
-        return np.hstack([np.zeros((len(self.survey), 0)), *parts])
 
     def _without_needless(self, explanation: Explanation) -> Explanation:
         """Drop effects, the weakest first, that the others make needless."""

@@ -17,7 +17,7 @@ from scipy.special import logsumexp
 from vmach.diagnosis.explanation import MARGIN, Explanation
 from vmach.diagnosis.search import Search
 from vmach.fit.evidence import WIDTHS, SignatureBank
-from vmach.fit.joint_fit import FREE, JointFit
+from vmach.fit.terms import FREE, JointFit
 
 __all__ = ["AgainstOffsets", "against_offsets", "laws_not_shown"]
 

@@ -7,7 +7,7 @@ import numpy as np
 from vmach.effects import Effect
 from vmach.effects.circumstances import Circumstances
 from vmach.effects.component import Component
-from vmach.fit.joint_fit import JointFit, Term
+from vmach.fit.terms import JointFit, Term
 from vmach.machine.component_errors import component_of
 
 __all__ = [

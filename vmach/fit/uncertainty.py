@@ -15,8 +15,8 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import norm
 
-from vmach.fit.joint_fit import FREE, JointFit, Term
 from vmach.fit.survey import Survey
+from vmach.fit.terms import FREE, JointFit, Term
 from vmach.fit.whitening import Whitening
 
 __all__ = ["Spread", "parameter_uncertainty"]

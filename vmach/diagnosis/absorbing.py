@@ -1,0 +1,50 @@
+"""Taking fitted effects out of readings, with all that is open about them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vmach.fit.survey import Survey
+from vmach.fit.terms import JointFit
+from vmach.fit.whitening import Whitening
+
+__all__ = ["absorbing", "slack_of"]
+
+
+def absorbing(
+    survey: Survey, whiten: Whitening, fit: JointFit, *, without_slack_of: int | None = None
+) -> Whitening:
+    """Takes the effects of a fit out of whitened readings: amplitudes, inner parameters, slack.
+
+    Parameters
+    ----------
+    survey : Survey
+    whiten : Whitening
+        Of the survey.
+    fit : JointFit
+    without_slack_of : int, optional
+        The term whose law counts as exact.
+    """
+    none = np.zeros((len(survey), 0))
+    free, random = [none], [slack_of(survey, fit, but=without_slack_of)]
+    for k, term in enumerate(fit.terms):
+        if term.width is None:
+            free += [fit.signatures_mm[k], fit.tangents_mm[k]]
+        else:
+            random.append(term.width * fit.signatures_mm[k])
+    return Whitening(np.ones(len(survey)), whiten(np.hstack(random)), whiten(np.hstack(free)))
+
+
+def slack_of(survey: Survey, fit: JointFit, *, but: int | None = None) -> np.ndarray:
+    """Unit-variance signatures of what the laws of a fit's effects leave open, (n, K) mm.
+
+    Those that a careful fit counted; else of all its terms, without number `but`.
+    """
+    if fit.slack_mm is not None and but is None:
+        return fit.slack_mm
+    parts = [
+        survey.slack(term.effect, term.target, fit.parameters(k))
+        for k, term in enumerate(fit.terms)
+        if term.effect.slack_share > 0.0 and k != but
+    ]
+    return np.hstack([np.zeros((len(survey), 0)), *parts])

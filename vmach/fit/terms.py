@@ -1,0 +1,114 @@
+"""Effects as terms of a joint fit, and what a fit found of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from vmach.effects import Effect
+from vmach.fit.whitening import Whitening
+
+__all__ = ["FREE", "JointFit", "Term"]
+
+#: prior standard deviation of amplitudes, in usual sizes; keeps twins apart
+FREE = 30.0
+
+
+@dataclass(frozen=True)
+class Term:
+    """One effect of a joint fit: its target, inner parameters, and the width of its prior.
+
+    `width` is in usual sizes and only set for effects whose coefficients are a curve.
+    """
+
+    effect: Effect
+    target: str
+    inner: Mapping[str, float]
+    width: float | None = None
+
+    @property
+    def label(self) -> str:
+        """Name and target."""
+        return f"{self.effect.name} {self.target}".strip()
+
+    @property
+    def free_inner(self) -> list[str]:
+        """Names of the inner parameters that a fit may move."""
+        return [p.name for p in self.effect.inner_parameters if p.low > 0]
+
+
+@dataclass(frozen=True)
+class JointFit:
+    """Fitted terms.
+
+    Attributes
+    ----------
+    terms : tuple of Term
+        With their fitted inner parameters.
+    coefficients : tuple of (K,) float64
+        Of each term, in usual sizes.
+    covariance : tuple of (K + I, K + I) float64
+        Of each term's coefficients and the logarithms of its free inner parameters.
+    chi_squared : float
+        Sum of squares of the whitened residual.
+    signatures_mm : tuple of (n, K) float64
+    tangents_mm : tuple of (n, I) float64
+        Change of the fitted effect with the logarithm of each free inner parameter.
+    whiten : Whitening
+        With which the fit was made.
+    slack_mm : (n, Q) float64 or None
+        Signatures of what the laws leave open, where the fit counted it as uncertainty.
+    """
+
+    terms: tuple[Term, ...]
+    coefficients: tuple[np.ndarray, ...]
+    covariance: tuple[np.ndarray, ...]
+    chi_squared: float
+    signatures_mm: tuple[np.ndarray, ...]
+    tangents_mm: tuple[np.ndarray, ...]
+    whiten: Whitening
+    slack_mm: np.ndarray | None = None
+
+    def parameters(self, k: int) -> dict[str, float]:
+        """Parameters of term k."""
+        term = self.terms[k]
+        return term.effect.settle(self.coefficients[k], term.inner)
+
+    def uncertainty(self, k: int) -> dict[str, float]:
+        """Standard uncertainty of the parameters of term k."""
+        slope = self._slope(k)
+        spread = np.einsum("ij,ik,kj->j", slope, self.covariance[k], slope)
+        u = np.sqrt(np.maximum(spread, 0.0)).tolist()
+        return dict(zip(self.parameters(k), u, strict=True))
+
+    def directions(self, k: int) -> list[dict[str, float]]:
+        """Independent changes of the parameters of term k, one standard uncertainty each."""
+        squared, axes = np.linalg.eigh(self.covariance[k])
+        moved = (axes * np.sqrt(np.maximum(squared, 0.0))).T @ self._slope(k)
+        return [dict(zip(self.parameters(k), row, strict=True)) for row in moved.tolist()]
+
+    def _slope(self, k: int) -> np.ndarray:
+        """Change of the parameters of term k with coefficients and logarithms, (K + I, N)."""
+        term, coefficients = self.terms[k], self.coefficients[k]
+        names = term.free_inner
+        start = np.concatenate([coefficients, np.zeros(len(names))])
+
+        def settled(x: np.ndarray) -> dict[str, float]:
+            moved = {
+                name: term.inner[name] * np.exp(step)
+                for name, step in zip(names, x[len(coefficients) :], strict=True)
+            }
+            return term.effect.settle(x[: len(coefficients)], {**term.inner, **moved})
+
+        centre = settled(start)
+        rows = []
+        for unit in np.eye(len(start)):
+            near = settled(start + 1e-4 * unit)
+            rows.append([(near[name] - centre[name]) / 1e-4 for name in centre])
+        return np.array(rows)
+
+    def explained_mm(self, k: int) -> np.ndarray:
+        """What term k does to the readings, (n,)."""
+        return self.signatures_mm[k] @ self.coefficients[k]
