@@ -184,3 +184,14 @@ def test_points_on_the_terminal_have_their_heading_and_notes_beside_them(job, mo
     assert rows[0] == "id,deviation_um,u_um,line,tool,time_s,status"
     assert len(rows) == 1 + len(pocket_points()[0])
     assert "note: part.nc:7: tool 1 is 99 mm long but cuts with a length offset" in beside
+
+
+def test_compensate_tells_what_the_program_leaves_open(job, tmp_path, monkeypatch, capsys):
+    replace(job, "length_mm = 100", "length_mm = 99")
+    replace(job.parent / "part.nc", "G43 H1", "G43.1 Z100")
+    replace(job.parent / "part.nc", "G1 X-15 Y-10 F900", "#1 = -15\nG1 X#1 Y-10 F900")
+    out = tmp_path / "out.nc"
+    status, text, _ = run_vmach(monkeypatch, capsys, "compensate", job, "-o", out)
+    assert status == 0
+    assert "written out" in text
+    assert "note: part.nc:7: tool 1 is 99 mm long but cuts with a length offset" in text

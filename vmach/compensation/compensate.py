@@ -66,6 +66,8 @@ class Compensation:
         Largest tilt of the tool while it cuts, which stays.
     part_aim : PartAim, optional
         Of a program that is aimed at the part.
+    notes : tuple of str
+        What the user should know of the program before trusting the figures.
     """
 
     text: bytes
@@ -83,6 +85,7 @@ class Compensation:
     steps: int = 0
     tilt_rad: float = 0.0
     part_aim: PartAim | None = None
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -195,6 +198,7 @@ def finish(
         steps=int(found.plan.is_step.sum()),
         tilt_rad=_largest_tilt(preparation, iteration.model),
         part_aim=part_aim,
+        notes=preparation.notes,
     )
 
 
@@ -303,6 +307,7 @@ def _unchanged(preparation: Preparation, model: TipModel) -> Compensation:
         arcs_kept=arcs,
         left_lines=(),
         swallowed=0,
+        notes=preparation.notes,
     )
 
 

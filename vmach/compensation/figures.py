@@ -127,6 +127,7 @@ def as_text(found: Compensation, surface: SurfaceCheck | None) -> Iterator[str]:
 
 def remarks(found: Compensation, surface: SurfaceCheck | None) -> Iterator[str]:
     """What was written out, what stays and why, one sentence each."""
+    yield from (f"note: {note}" for note in found.notes)
     for reason in sorted(set(found.expanded_lines.values())):
         lines = [line for line, why in found.expanded_lines.items() if why == reason]
         yield f"written out ({reason}): lines {lines_text(lines)}"

@@ -78,7 +78,7 @@ def measure_part(
 def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Measurement:
     """The points that a move cut, beside their prediction; without u_um they weigh the same."""
     cut = np.flatnonzero(prediction.is_cut)
-    notes = points.notes
+    notes = (*prediction.preparation.notes, *points.notes)
     if len(cut) < len(points):
         uncut = points.id[~prediction.is_cut]
         notes = (*notes, f"{len(uncut)} points that no move cut are left out: {_listed(uncut)}")

@@ -76,7 +76,7 @@ def prepare_plain(
     named = replace(
         again.program, path=program.path, source=Source(program.source.data, program.path)
     )
-    return replace(again, program=named), expansion
+    return replace(again, program=named, notes=preparation.notes), expansion  # the user's lines
 
 
 def _read_again(program: Program, step: Expanded) -> Program:
