@@ -89,3 +89,24 @@ def test_a_job_without_cad_is_looked_at_on_the_part_it_makes(tmp_path):
 def test_without_any_surface_there_is_none(tmp_path):
     job, _ = job_with(tmp_path, AROUND, SCALE)
     assert read_surface(job) is None
+
+
+def test_a_wall_that_was_cut_away_is_judged_by_the_move_that_made_it(tmp_path):
+    # two passes 0.02 mm apart, then one through the wall; the scale moves all by 0.018 mm, so
+    # that the numbers of the second pass come to stand next to where the first shall be
+    body = "G0 X0. Y-20.\nG1 Z-8. F400\nY-5.\nX80.\nY-4.98\nX0.\nY0.\nX80.\nG0 Z5.\nM30\n"
+    scale = "[effects.scale.Y]\nscale_ppm = 400\n"
+    job_with(tmp_path, body, scale)
+    (tmp_path / "points.csv").write_text(
+        "id,feature,x,y,z,i,j,k,mx,my,mz\nwall,wall,40,0,-4,0,-1,0,40,0,-4\n"
+    )
+    text = (tmp_path / "job.toml").read_text()
+    stock = "[stock]\nmin_mm = [-10, -10, -20]\nmax_mm = [90, 30, 0]\n"
+    (tmp_path / "job.toml").write_text('measured = "points.csv"\n' + text + stock)
+    job = read_job(tmp_path)
+    effects = read_effects(job.effects, file=job.path, job=job)
+    found = compensate(job, effects, resolution_mm=1e-5)
+    checked = check_surface(job, found.text, read_surface(job), effects=effects)
+    # machine Y of the first pass is 45: it leaves the wall 0.018 mm beyond its place
+    np.testing.assert_allclose(np.abs(checked.before_mm), 400e-6 * 45.0, atol=1e-8)
+    assert np.abs(checked.after_mm).max() < 2e-5

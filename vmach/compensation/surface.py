@@ -193,7 +193,8 @@ def check_surface(
                        is_compensated=is_compensated)  # fmt: skip
 
     perfect = predicted(before, Variant.NONE, ())
-    old, new = predicted(before, variant, effects), predicted(after, variant, effects, True)
+    old = predicted(before, variant, effects)
+    new = predicted(after, variant, effects, is_compensated=True)
     was_cut = perfect.is_cut & old.is_cut & (perfect.overcut == old.overcut)
     rows = np.flatnonzero(was_cut & new.is_cut & (new.overcut == old.overcut))
     if not len(rows):
