@@ -18,7 +18,7 @@ _SPACING_MM = 2.0
 _FEWEST, _MOST = 3, 40
 #: way within which surface tells what a place of the path makes, and what counts without any
 _NEAR_MM = 2.0
-_UNSEEN = 0.05
+_UNSEEN = 0.2
 _NO_WAY_MM = 1e-9
 _INSIDE = 1.0 - 1e-9
 

@@ -26,7 +26,7 @@ _LARGE = 16.0
 #: weight of the whole distance of an end, and the way that a piece has at least for it
 _STAYS, _LEAST_WAY_MM = 0.02, 0.1
 #: weight of a step of an axis that stands in the user's program, and of one that is to stand
-_A_STEP, _NO_STEP = 0.03, 1e4
+_A_STEP, _NO_STEP = 0.01, 1e4
 #: an axis that moves by no more stands
 _STANDING_MM = 2e-7
 _NO_SPAN = 1e-12

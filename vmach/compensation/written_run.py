@@ -144,7 +144,7 @@ class WrittenRun:
         return np.flatnonzero((kind != MoveKind.RAPID) & ~self.unknown_start[move])
 
     def residual(self) -> Residual:
-        """Distances at the ends of the pieces that cut, and across the path all along them."""
+        """Distances at programmed ends of moves that cut, and across the path all along them."""
         distance, rows = self._distances(np.ones((len(self.written), 3), bool))
         line = self.original.path.nodes.moves.line[self.plan.move[self.written[rows]]]
         return Residual(distance, line)
@@ -204,7 +204,16 @@ class WrittenRun:
             settled = share >= self.plan.ready[self.written[rows]]
             rows, share = rows[settled], share[settled]
         inside = np.linalg.norm(self._across(share, rows, counts), axis=1)
-        ends = np.linalg.norm(self.miss(np.ones(len(cutting)), cutting) * counts[cutting], axis=1)
+        last = np.ones(len(cutting))
+        programmed = self._stretch[1][self.written[cutting]] == 1.0
+        ends = np.linalg.norm(
+            np.where(
+                programmed[:, None],
+                self.miss(last, cutting) * counts[cutting],
+                self._across(last, cutting, counts),
+            ),
+            axis=1,
+        )
         return np.concatenate([inside, ends]), np.concatenate([rows, cutting])
 
     def _across(self, share: np.ndarray, rows: np.ndarray, counts: np.ndarray) -> np.ndarray:
