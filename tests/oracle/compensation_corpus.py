@@ -232,8 +232,8 @@ def compensated(folder, **options):
 
 def judged(folder, path, *, machine=None, **options):
     """Compensate a program and compare LinuxCNC's path of the text with the intended one."""
-    tools, zero_mm = write_job(folder, path, machine=machine)
     try:
+        tools, zero_mm = write_job(folder, path, machine=machine)
         found, kept = compensated(folder, **options)
     except ValueError as error:
         return Outcome(refusal=str(error))
