@@ -13,7 +13,8 @@ from vmach.effects.effect import Displaced, Effect, at_contact
 from vmach.errors import InputError
 from vmach.job import Job
 from vmach.machine import RigidDisplacement
-from vmach.toml_file import line_of_key, read_text
+from vmach.text_file import read_text
+from vmach.toml_file import line_of_key
 from vmach.toolpath import PathStates
 
 __all__ = ["EffectInstance", "check_fitted", "one_sigma"]
