@@ -159,7 +159,7 @@ def draw_history(steps: Sequence[Step], path: Path) -> None:
     names = ["+ " + "\n+ ".join(s.added) if s.added else s.job.name for s in steps]
     axes.set_xticks(place, names)
     axes.set_axisbelow(True)
-    axes.set_ylabel("RMS of measured minus predicted in um")
+    axes.set_ylabel("RMS of measured minus predicted, µm")
     axes.legend()
     axes.grid(alpha=0.3, axis="y")
     with atomic_file(path) as temporary:

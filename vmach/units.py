@@ -6,6 +6,7 @@ Each function takes a number or an array and returns the same, scaled.
 from __future__ import annotations
 
 import math
+import re
 
 __all__ = [
     "deg_from_rad",
@@ -16,9 +17,11 @@ __all__ = [
     "rad_from_urad",
     "um_from_mm",
     "urad_from_rad",
+    "with_micro_sign",
 ]
 
 _DEG_PER_RAD = 180.0 / math.pi
+_PLAIN_MICRO = re.compile(r"(?<![\w./-])u(?=(m|rad)\b(?!\.\w))")
 
 
 def mm_from_um(length_um):
@@ -59,3 +62,11 @@ def mm_per_s_from_mm_per_min(feed_mm_per_min):
 def mm_per_min_from_mm_per_s(speed_mm_per_s):
     """Feed in mm/min from a speed in mm/s."""
     return speed_mm_per_s * 60.0
+
+
+def with_micro_sign(text: str) -> str:
+    """A text for a picture or a page: um and urad as µm and µrad, names like `u_um` as they are.
+
+    Terminals, CSV and JSON keep the plain letters.
+    """
+    return _PLAIN_MICRO.sub("µ", text)

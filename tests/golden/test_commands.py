@@ -195,3 +195,9 @@ def test_compensate_tells_what_the_program_leaves_open(job, tmp_path, monkeypatc
     assert status == 0
     assert "written out" in text
     assert "note: part.nc:7: tool 1 is 99 mm long but cuts with a length offset" in text
+    status, text, _ = run_vmach(monkeypatch, capsys, "compensate", job, "-o", out, "--json")
+    assert status == 0
+    assert any(
+        note.startswith("part.nc:7: tool 1 is 99 mm long but cuts with a length offset")
+        for note in json.loads(text)["notes"]
+    )

@@ -62,8 +62,8 @@ def test_the_report_has_the_figures_of_the_terminal(tmp_path):
     figures = json.loads(result.stdout)
     page = report.read_text(encoding="utf-8")
     assert out.read_bytes().startswith(b"(Odd Spacing )")
-    assert f"{figures['after_largest_um']:.3f} um" in page
-    assert f"{figures['surface']['before_mean_um']:.3f} um" in page
+    assert f"{figures['after_largest_um']:.3f} µm" in page
+    assert f"{figures['surface']['before_mean_um']:.3f} µm" in page
     assert "Before compensation" in page
     assert "After compensation" in page
     assert figures["surface"]["after_largest_um"] <= 0.9

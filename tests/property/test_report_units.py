@@ -24,6 +24,18 @@ def test_known_value(forth, back, outside, inside):
     np.testing.assert_allclose(forth(np.array([0.0, outside])), [0.0, inside], rtol=1e-15)
 
 
+@pytest.mark.parametrize(
+    ("plain", "shown"),
+    [
+        ("took away [1.2, 3] um, 4 urad", "took away [1.2, 3] µm, 4 µrad"),
+        ("u_um of um.csv is 3 um/m", "u_um of um.csv is 3 µm/m"),
+        ("vacuum, 30 umbrellas", "vacuum, 30 umbrellas"),
+    ],
+)
+def test_micro_sign_replaces_units_and_no_names(plain, shown):
+    assert units.with_micro_sign(plain) == shown
+
+
 @pytest.mark.parametrize("pair", PAIRS)
 @given(value=st.floats(-1e6, 1e6))
 def test_there_and_back(pair, value):

@@ -99,6 +99,6 @@ def test_terminal_table_shows_every_variant_and_takes_names_literally():
     Console(file=stream, width=160).print(table)
     text = stream.getvalue()
     assert "[red]program[/red]" in text
-    assert "outside ±3 µm" in text
+    assert "outside ±3 um" in text
     rms_um = 1e3 * np.sqrt(np.mean(case["measured"].deviation_mm ** 2))
     assert f"{rms_um:.3f}" in text

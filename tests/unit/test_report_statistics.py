@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tests.report_case import points, run
-from vmach.report import InspectedPoints, RunRecord, Variant, variant_statistics, worst_points
-from vmach.report.statistics import feature_statistics
+from vmach.report import InspectedPoints, RunRecord, Variant, variant_statistics, worst_places
+from vmach.report.statistics import feature_statistics, worst_apart_mm
 
 
 def variant(deviation_um, status=None):
@@ -41,8 +41,37 @@ def test_no_cut_point_gives_nan_and_no_warning():
     assert np.isnan([figures.rms_mm, figures.mean_mm, figures.outside_share]).all()
 
 
-def test_worst_points_are_sorted_by_size_and_ties_keep_their_order():
-    assert worst_points(variant([2.0, -9.0, 9.0, 1.0, -2.0]), 4).tolist() == [1, 2, 0, 4]
+def on_a_line(x_mm, deviation_um, feature=None):
+    """Points along X, all of one feature unless said."""
+    count = len(x_mm)
+    return InspectedPoints(
+        id=[str(i) for i in range(count)],
+        feature=["wall"] * count if feature is None else feature,
+        point_mm=np.column_stack([x_mm, np.zeros(count), np.zeros(count)]),
+        normal=np.tile([0.0, 0.0, 1.0], (count, 1)),
+        line=np.ones(count), tool=np.ones(count), move=np.zeros(count), time_s=np.zeros(count),
+        variants=(variant(deviation_um),),
+    )  # fmt: skip
+
+
+def test_worst_places_are_sorted_by_size_and_ties_keep_their_order():
+    case = on_a_line([0.0, 25.0, 50.0, 75.0, 100.0], [2.0, -9.0, 9.0, 1.0, -2.0])
+    assert worst_places(case, case.primary, 4).tolist() == [1, 2, 0, 4]
+
+
+def test_neighbours_of_a_worst_place_are_not_named_beside_it():
+    # 100 mm long: two places of one feature are more than 5 mm apart
+    x_mm = [0.0, 5.0, 5.1, 50.0, 52.0, 100.0]
+    case = on_a_line(x_mm, [9.0, 8.0, 7.0, 6.0, 5.0, 4.0])
+    assert worst_apart_mm(case) == pytest.approx(5.0)
+    assert worst_places(case, case.primary).tolist() == [0, 2, 3, 5]
+    other = on_a_line(x_mm, [9.0, 8.0, 7.0, 6.0, 5.0, 4.0], ["wall", "floor", *4 * ["wall"]])
+    assert worst_places(other, other.primary).tolist() == [0, 1, 2, 3, 5]
+
+
+def test_points_in_one_place_are_one_place():
+    case = on_a_line([3.0, 3.0, 3.0], [1.0, 2.0, 3.0])
+    assert worst_places(case, case.primary).tolist() == [2]
 
 
 def test_features_come_in_order_of_appearance_and_add_up():

@@ -53,7 +53,7 @@ def draw_cones(field: ErrorField, *, title: str) -> bytes:
         getattr(axes, f"set_{name}label")(f"{name.upper()}, mm", labelpad=10)
     axes.set_box_aspect(high - low)
     figure.colorbar(
-        ScalarMappable(scale, _COLOURS), ax=axes, shrink=0.7, label="error of the tool tip, um"
+        ScalarMappable(scale, _COLOURS), ax=axes, shrink=0.7, label="error of the tool tip, µm"
     )
     return _png(figure)
 
@@ -89,12 +89,12 @@ def draw_histogram(
     FigureCanvasAgg(figure)
     one, pairs = figure.subplots(1, 2)
     one.hist(1e3 * magnitude_mm, bins=50, color="#1f5fa8")
-    one.set(xlabel="error of the tool tip, um", ylabel="grid points", title="at one point")
+    one.set(xlabel="error of the tool tip, µm", ylabel="grid points", title="at one point")
     pairs.bar(1e3 * edges_mm[:-1], counts, width=1e3 * np.diff(edges_mm), align="edge",
               color="#c44e24")  # fmt: skip
     pairs.axvline(1e3 * largest_mm, color="black", lw=1.0, ls="--")
-    pairs.set(xlabel="difference of errors, um", ylabel="pairs of points",
-              title=f"between two points, at most {1e3 * largest_mm:.1f} um")  # fmt: skip
+    pairs.set(xlabel="difference of errors, µm", ylabel="pairs of points",
+              title=f"between two points, at most {1e3 * largest_mm:.1f} µm")  # fmt: skip
     return _png(figure)
 
 
@@ -120,12 +120,12 @@ def draw_maps(comparison: Comparison, *, title: str) -> bytes:
     figure.supxlabel("X, mm")
     figure.supylabel("Y, mm")
     figure.suptitle(
-        f"{title}: mean {1e3 * comparison.mean_htm_mm:.1f} um against "
-        f"{1e3 * comparison.mean_abbe_mm:.1f} um, {comparison.in_words}\n"
+        f"{title}: mean {1e3 * comparison.mean_htm_mm:.1f} µm against "
+        f"{1e3 * comparison.mean_abbe_mm:.1f} µm, {comparison.in_words}\n"
         "(this machine with these set-ups; the size is no constant of the method)",
         fontsize=10,
     )
-    figure.colorbar(picture, ax=axes, shrink=0.8, label="error of the tool tip, um")
+    figure.colorbar(picture, ax=axes, shrink=0.8, label="error of the tool tip, µm")
     return _png(figure)
 
 
@@ -138,7 +138,7 @@ def draw_profile(distance_mm: np.ndarray, error_mm: np.ndarray, *, title: str) -
         axes.plot(distance_mm, 1e3 * error_mm[:, column], lw=1.2, color=_AXES[name], label=name)
     length = np.linalg.norm(error_mm, axis=1)
     axes.plot(distance_mm, 1e3 * length, "k--", lw=1.0, label="length")
-    axes.set(title=title, xlabel="distance along the path, mm", ylabel="error of the tool tip, um")
+    axes.set(title=title, xlabel="distance along the path, mm", ylabel="error of the tool tip, µm")
     axes.grid(alpha=0.3)
     axes.legend(ncols=4, fontsize=8)
     return _png(figure)

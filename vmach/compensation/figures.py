@@ -44,6 +44,7 @@ def as_json(found: Compensation, surface: SurfaceCheck | None) -> dict[str, Any]
             for line, (size, why) in sorted(found.uncorrected.items())
         },
         "uncorrected": _uncorrected(found, surface),
+        "notes": list(found.notes),
     }
 
 

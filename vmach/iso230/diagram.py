@@ -10,6 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from vmach.iso230.evaluation import Evaluation
+from vmach.units import with_micro_sign
 
 __all__ = ["draw_evaluation"]
 
@@ -33,6 +34,7 @@ def draw_evaluation(result: Evaluation, *, title: str, unit: str, factor: float)
     bytes
         A PNG picture.
     """
+    unit = with_micro_sign(unit)
     figure = Figure(figsize=(9.0, 5.2), dpi=120, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()

@@ -18,7 +18,7 @@ from vmach.report.result import (
     RunRecord,
     Variant,
 )
-from vmach.report.statistics import Statistics, variant_statistics, worst_points
+from vmach.report.statistics import Statistics, variant_statistics, worst_places
 from vmach.report.summary import SIGN_CONVENTION, summary, write_summary
 from vmach.report.table import variants_table
 from vmach.report.viewer import open_viewer
@@ -42,7 +42,7 @@ __all__ = [
     "summary",
     "variant_statistics",
     "variants_table",
-    "worst_points",
+    "worst_places",
     "write_deviations_csv",
     "write_report_html",
     "write_summary",

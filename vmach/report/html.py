@@ -20,9 +20,14 @@ from vmach.report.heatmap import common_range_mm
 from vmach.report.histogram import histograms
 from vmach.report.payload import MAX_POINTS, encode_payload
 from vmach.report.result import DisplayMesh, InspectedPoints, RunRecord, Variant
-from vmach.report.statistics import feature_statistics, variant_statistics, worst_points
+from vmach.report.statistics import (
+    feature_statistics,
+    variant_statistics,
+    worst_apart_mm,
+    worst_places,
+)
 from vmach.report.summary import SIGN_CONVENTION
-from vmach.units import um_from_mm
+from vmach.units import um_from_mm, with_micro_sign
 
 __all__ = ["write_report_html"]
 
@@ -63,6 +68,7 @@ def write_report_html(
         primary=points.primary.name,
         histograms=histograms(points),
         columns=_variant_columns(points),
+        apart_mm=worst_apart_mm(points),
         pickable=min(len(points), MAX_POINTS),
         span_mm=max(_largest_mm(points), 1e-12),
         um=partial(_um_text, decimals=_decimals(points)),
@@ -85,7 +91,7 @@ def _variant_view(points: InspectedPoints, variant: Variant, run: RunRecord) -> 
         "statistics": variant_statistics(variant, run.tolerance_mm),
         "remainder_rms_mm": variant.remainder_rms_mm,
         "features": feature_statistics(points, variant, run.tolerance_mm),
-        "worst": worst_points(variant).tolist(),
+        "worst": worst_places(points, variant).tolist(),
     }
 
 
@@ -106,7 +112,7 @@ def _page_data(points: InspectedPoints, run: RunRecord) -> dict:
     for variant in points.variants:
         size = np.sort(np.abs(variant.deviation_mm[variant.is_cut]))
         within = np.searchsorted(size, thresholds_mm, side="right")
-        worst = worst_points(variant)
+        worst = worst_places(points, variant)
         variants[variant.name] = {
             "label": variant.label,
             "count": size.size,
@@ -185,10 +191,12 @@ def _asset(name: str) -> Markup:
 
 @cache
 def _environment() -> jinja2.Environment:
-    return jinja2.Environment(
+    environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(_HERE),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["micro"] = with_micro_sign
+    return environment

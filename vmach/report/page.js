@@ -84,7 +84,7 @@
     placeLimits();
   }
 
-  // ---- marks over the map: ten worst points, the picked point, the directions of the axes
+  // ---- marks over the map: ten worst places, the picked point, the directions of the axes
 
   function makeMarks() {
     if (!scene) return;

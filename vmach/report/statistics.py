@@ -6,9 +6,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vmach.report.colours import nice_ceiling
 from vmach.report.result import STATUSES, InspectedPoints, Variant
 
-__all__ = ["Statistics", "feature_statistics", "variant_statistics", "worst_points"]
+__all__ = [
+    "Statistics",
+    "feature_statistics",
+    "variant_statistics",
+    "worst_apart_mm",
+    "worst_places",
+]
+
+#: share of the part's size that two worst places of one feature are apart
+_APART = 0.05
 
 
 @dataclass(frozen=True)
@@ -80,11 +90,26 @@ def feature_statistics(
     }
 
 
-def worst_points(variant: Variant, count: int = 10) -> np.ndarray:
-    """Indices of the `count` cut points of largest abs(deviation), worst first.
+def worst_apart_mm(points: InspectedPoints) -> float:
+    """Distance that two worst places of one feature keep: a round 5 % of the part's size."""
+    size_mm = np.linalg.norm(np.ptp(points.point_mm, axis=0)) if len(points) else 0.0
+    return nice_ceiling(max(_APART * float(size_mm), 1e-6))
 
-    Ties keep the order of the points, so that the answer is the same on every run.
+
+def worst_places(points: InspectedPoints, variant: Variant, count: int = 10) -> np.ndarray:
+    """Indices of the `count` worst places of the part, worst first.
+
+    A place is the cut point of largest abs(deviation) among its neighbours: points of its feature
+    within `worst_apart_mm` are not named beside it. Ties keep the order of the points, so that the
+    answer is the same on every run.
     """
     cut = np.flatnonzero(variant.is_cut)
-    order = np.argsort(-np.abs(variant.deviation_mm[cut]), kind="stable")
-    return cut[order[:count]]
+    left = cut[np.argsort(-np.abs(variant.deviation_mm[cut]), kind="stable")]
+    apart_mm, chosen = worst_apart_mm(points), []
+    while left.size and len(chosen) < count:
+        worst = left[0]
+        chosen.append(worst)
+        away_mm = np.linalg.norm(points.point_mm[left] - points.point_mm[worst], axis=1)
+        near = (points.feature[left] == points.feature[worst]) & (away_mm <= apart_mm)
+        left = left[~near]
+    return np.array(chosen, dtype=np.int64)

@@ -13,7 +13,8 @@ from vmach.report.statistics import (
     Statistics,
     feature_statistics,
     variant_statistics,
-    worst_points,
+    worst_apart_mm,
+    worst_places,
 )
 from vmach.units import um_from_mm
 
@@ -49,6 +50,7 @@ def summary(points: InspectedPoints, run: RunRecord) -> dict:
         "sign_convention": SIGN_CONVENTION,
         "tolerance_um": um_from_mm(run.tolerance_mm),
         "points": len(points),
+        "worst_apart_mm": worst_apart_mm(points),
         "variants": {
             variant.name: _variant_summary(points, variant, run) for variant in points.variants
         },
@@ -71,7 +73,7 @@ def _variant_summary(points: InspectedPoints, variant: Variant, run: RunRecord) 
         **_figures(variant_statistics(variant, run.tolerance_mm)),
         "remainder_rms_um": _um(variant.remainder_rms_mm),
         "features": {name: _figures(statistics) for name, statistics in features.items()},
-        "worst": [_worst(points, variant, run, i) for i in worst_points(variant).tolist()],
+        "worst": [_worst(points, variant, run, i) for i in worst_places(points, variant).tolist()],
     }
 
 

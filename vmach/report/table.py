@@ -22,7 +22,7 @@ def variants_table(points: InspectedPoints, run: RunRecord) -> Table:
     """Return a rich table, one column a variant, lengths in um; fits 80 columns up to four."""
     table = Table(title=Text(run.title), title_justify="left", caption_justify="left")
     table.caption = "positive: material left, negative: too much removed"
-    table.add_column("µm", no_wrap=True)
+    table.add_column("um", no_wrap=True)
     width = _WIDE if len(points.variants) <= 3 else _NARROW
     for variant in points.variants:
         heading = textwrap.fill(variant.label, width, break_long_words=False)
@@ -44,7 +44,7 @@ def _rows(points: InspectedPoints, run: RunRecord) -> list[tuple[str, list[str]]
     if any(remainder is not None for remainder in remainders):
         rows.append(("measured − predicted", [_um(remainder) for remainder in remainders]))
     shares = [f"{100 * s.outside_share:.2f} %" if s.count else "–" for s in every]
-    rows.append((f"outside ±{um_from_mm(run.tolerance_mm):g} µm", shares))
+    rows.append((f"outside ±{um_from_mm(run.tolerance_mm):g} um", shares))
     rows.append(("points cut", [str(s.count) for s in every]))
     rows.append(("points not cut", [str(len(points) - s.count) for s in every]))
     return rows

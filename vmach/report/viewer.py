@@ -20,7 +20,7 @@ from vmach.units import um_from_mm
 
 __all__ = ["open_viewer"]
 
-_BAR_TITLE = "um, positive: material left"
+_BAR_TITLE = "µm, positive: material left"
 
 
 def open_viewer(folder: str | Path, *, screenshot: str | Path | None = None) -> None:
