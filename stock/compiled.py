@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from functools import partial
 
+import numpy as np
 from numba import njit
 
-__all__ = ["njit_inlined", "njit_kernel", "njit_part"]
+__all__ = ["njit_inlined", "njit_kernel", "njit_part", "read_only"]
 
 #: what Python calls: machine code, kept between runs, that leaves the interpreter's lock alone.
 #: Kernels make no arrays. So nobody counts references to those that they are handed, which would
@@ -23,3 +24,14 @@ njit_part = partial(
 )
 #: the same, put into its caller: the records that kernels share are costly to hand over
 njit_inlined = partial(njit_part, forceinline=True)
+
+
+def read_only(array: np.ndarray) -> np.ndarray:
+    """View of an array for kernels that only read it.
+
+    A kernel is compiled once for arrays that may be written and once more for those that may
+    not, whatever it does with them. Callers' arrays come in both kinds.
+    """
+    view = array.view()
+    view.setflags(write=False)
+    return view

@@ -9,6 +9,7 @@ from enum import IntEnum
 
 import numpy as np
 
+from stock.compiled import read_only
 from stock.contact import Cut
 from stock.errors import StockError
 from stock.motion import build_motion, tip_positions
@@ -140,7 +141,7 @@ def _checked_points(points_mm: np.ndarray, normals: np.ndarray) -> tuple[np.ndar
             f"normal of point {bad[0]} has length {length[bad[0]]:g} ({len(bad)} such points)",
             accepted=f"unit vectors within {_UNIT:g}",
         )
-    return points, normals / length[:, None]
+    return read_only(points), read_only(normals / length[:, None])
 
 
 def _checked_blank(blank_mm: tuple[Sequence[float], Sequence[float]] | None) -> np.ndarray:

@@ -6,9 +6,9 @@ import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-import trimesh
 
 from stock.errors import StockError
 from stock.solid import VirtualPart
@@ -59,16 +59,19 @@ def _checked(colours: np.ndarray, rows: int) -> np.ndarray:
 
 
 def _stl(part: VirtualPart, colours: np.ndarray | None) -> bytes:
-    mesh = trimesh.Trimesh(part.vertices_mm, part.triangles, process=False)
-    return mesh.export(file_type="stl")
+    return _mesh(part.vertices_mm, part.triangles).export(file_type="stl")
 
 
 def _glb(part: VirtualPart, colours: np.ndarray | None) -> bytes:
     x, y, z = part.vertices_mm.T / 1000.0
-    mesh = trimesh.Trimesh(
-        np.column_stack([x, z, -y]), part.triangles, process=False, vertex_colors=colours
-    )
+    mesh = _mesh(np.column_stack([x, z, -y]), part.triangles, vertex_colors=colours)
     return mesh.export(file_type="glb")
+
+
+def _mesh(vertices_mm: np.ndarray, triangles: np.ndarray, **more: Any) -> Any:
+    import trimesh  # late: it takes half a second, and only files of solids need it
+
+    return trimesh.Trimesh(vertices_mm, triangles, process=False, **more)
 
 
 def _threemf(part: VirtualPart, colours: np.ndarray | None) -> bytes:

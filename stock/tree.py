@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stock.compiled import njit_inlined, njit_kernel
+from stock.compiled import njit_inlined, njit_kernel, read_only
 from stock.motion import Motion, bend_of, tip_at
 from stock.outline import lower_bound
 from stock.sweeps import Sweeps
@@ -167,6 +167,7 @@ def morton_order(points: np.ndarray) -> np.ndarray:
     """Order of points (K, 3) along a Morton curve: neighbours in space become neighbours."""
     if len(points) == 0:
         return np.zeros(0, dtype=np.int64)
+    points = read_only(np.asarray(points, dtype=np.float64))
     low = points.min(axis=0)
     size = float((points.max(axis=0) - low).max())
     codes = np.empty(len(points), dtype=np.uint64)

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import trimesh
 
 from stock import StockError, Tool, make_tool
 from vmach.errors import InputError
@@ -16,6 +15,9 @@ from vmach.job_schema import WORK_OFFSETS, InspectionEntry, JobSchema, ToolEntry
 from vmach.machine import Machine, read_machine
 from vmach.text_file import read_text
 from vmach.toml_file import line_of_key, read_toml
+
+if TYPE_CHECKING:
+    import trimesh
 
 __all__ = ["WORK_OFFSETS", "Blank", "Inspection", "Job", "JobTool", "read_job"]
 
@@ -238,6 +240,8 @@ def _blank(data: JobSchema, path: Path, at: Any) -> Blank | None:
 
 
 def _blank_from_file(file: Path, where: dict[str, Any]) -> Blank:
+    import trimesh  # late: it takes half a second, and only solids need it
+
     from vmach.nominal import read_nominal
 
     if not file.is_file():

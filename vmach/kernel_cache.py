@@ -6,17 +6,16 @@ another file, does. After an update a stale kernel would go on giving the old nu
 
 from __future__ import annotations
 
-import atexit
 import gc
 import hashlib
 from importlib.util import find_spec
 from pathlib import Path
 
-from numba.core import event
-
-__all__ = ["compile_without_collection", "forget_stale_kernels"]
+__all__ = ["collect_less_often", "forget_stale_kernels"]
 
 _PACKAGES = ("gcode", "stock", "vmach")
+#: new containers before any are looked at; 700 is usual
+_LOT = 100_000
 
 
 def forget_stale_kernels() -> None:
@@ -49,27 +48,10 @@ def _forget_in(package: Path) -> None:
         return
 
 
-def compile_without_collection() -> None:
-    """Keep Python's garbage collector off whenever kernels compile, and away from what is left.
+def collect_less_often() -> None:
+    """Let Python's garbage collector look at new objects in large lots only.
 
-    The compiler makes millions of small objects, and looking through them again and again
-    would take a fifth of the first run. They are never freed, about 100 MB in that one run.
+    The compiler makes millions of small objects that stay, and looking through them again and
+    again would take a fifth of the first run.
     """
-    event.register("numba:compile", _CollectionOff())
-    atexit.register(gc.unfreeze)  # libraries look for what was not freed at the end
-
-
-class _CollectionOff(event.Listener):
-    """Off from the start of the outermost compilation to its end."""
-
-    depth = 0
-
-    def on_start(self, _compilation: event.Event) -> None:
-        self.depth += 1
-        gc.disable()
-
-    def on_end(self, _compilation: event.Event) -> None:
-        self.depth -= 1
-        if self.depth == 0:
-            gc.freeze()
-            gc.enable()
+    gc.set_threshold(_LOT, 50, 100)

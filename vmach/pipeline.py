@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 
 from stock import VirtualPart, cut_part
 from vmach.collisions import collision_notes, job_collisions
@@ -29,6 +29,9 @@ from vmach.preparation import Preparation, prepare
 from vmach.report import InspectedPoints
 from vmach.stage_clock import Progress, StageClock, silent
 from vmach.toolpath import PathStates
+
+if TYPE_CHECKING:
+    import trimesh
 
 __all__ = ["MachinedPart", "machine_part", "predict_points"]
 

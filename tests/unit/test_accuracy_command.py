@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vmach.accuracy.command import accuracy
 from vmach.accuracy.profile import Profile, read_profile
+from vmach.commands.accuracy import accuracy
 from vmach.errors import InputError
 from vmach.machine import Variant
 

@@ -1,6 +1,8 @@
 """The arrows of import point one way."""
 
 import ast
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -9,7 +11,7 @@ ROOT = Path(__file__).parents[2]
 
 #: layer of every part of vmach; a part may import its own layer and lower ones
 LAYERS = [
-    {"units", "errors", "atomic", "stage_clock", "progress", "kernel_cache"},
+    {"units", "errors", "variant", "atomic", "stage_clock", "progress", "kernel_cache"},
     {"text_file", "toml_file", "points", "path_geometry", "alignment", "nominal"},
     {"machine", "accuracy", "iso230"},
     {"job_schema", "job", "toolpath"},
@@ -21,6 +23,7 @@ LAYERS = [
     {"inspection"},
     {"pipeline"},
     {"results", "compensation"},
+    {"commands"},
     {"cli", "__main__", "__init__"},
 ]
 
@@ -57,3 +60,10 @@ def test_vmach_imports_point_down():
             if is_inner and layer_of(names[1]) > layer_of(part):
                 wrong.append(f"{path.relative_to(ROOT)} imports {module}")
     assert not wrong, "\n".join(wrong)
+
+
+def test_the_command_line_loads_nothing_that_takes_long():
+    heavy = ["numba", "scipy", "matplotlib", "trimesh", "manifold3d", "pyvista"]
+    code = f"import sys, vmach.cli; print([name for name in {heavy} if name in sys.modules])"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "[]"

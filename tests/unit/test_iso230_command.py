@@ -6,9 +6,9 @@ import json
 
 import pytest
 
-from vmach.accuracy.command import accuracy
+from vmach.commands.accuracy import accuracy
+from vmach.commands.iso230 import iso230
 from vmach.errors import InputError
-from vmach.iso230.command import iso230
 
 RUNS = "position_mm,forward_1,backward_1,forward_2,backward_2\n0,1,0,3,2\n100,5,4,5,6\n"
 

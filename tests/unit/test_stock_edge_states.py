@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from stock import EdgeStatus, StockError, Sweeps, find_edges, make_tool
+from stock.tree import _fill_morton_codes
+from stock.walk import _walk_part
 from tests.oracle.stock_edge_cases import joined, polyline, sweeps_of
 
 FLAT = make_tool("flat", diameter_mm=10.0, length_mm=30.0)
@@ -171,3 +173,13 @@ def test_bad_input_is_named(changes, said):
     with pytest.raises(StockError) as caught:
         find_edges(arguments.pop("points_mm"), arguments.pop("normals"), **arguments)
     assert said in str(caught.value)
+
+
+def test_arrays_that_may_and_may_not_be_written_use_one_compiled_kernel():
+    points, normals = np.array([[0.0, 0.0, 0.3]]), np.array([UP])
+    for _ in range(2):
+        find_edges(points, normals, sweeps=SLOT, tools=[FLAT], blank_mm=BLANK)
+        points.setflags(write=False)
+        normals.setflags(write=False)
+    assert len(_walk_part.signatures) == 1
+    assert len(_fill_morton_codes.signatures) == 1

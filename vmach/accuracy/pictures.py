@@ -13,15 +13,38 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from vmach.accuracy.comparison import Comparison
-from vmach.accuracy.field import ErrorField
+from vmach.accuracy.field import ErrorField, Volume, error_field
+from vmach.accuracy.histogram import difference_histogram
+from vmach.accuracy.volumetric import assess
+from vmach.machine import Machine, Variant
 
-__all__ = ["draw_cones", "draw_histogram", "draw_maps", "draw_profile"]
+__all__ = ["accuracy_pictures", "draw_cones", "draw_histogram", "draw_maps", "draw_profile"]
 
+_CONE_GRID = (12, 8, 6)
 _COLOURS = "viridis"
 #: told apart by every common kind of colour vision
 _AXES = {"X": "#0072b2", "Y": "#d55e00", "Z": "#009e73"}
 _CONE_SIDES = 8
 _CONE_LENGTH = 0.9  #: of the grid's step, for the longest error
+
+
+def accuracy_pictures(
+    machine: Machine, field: ErrorField, comparison: Comparison | None,
+    tool_mm: np.ndarray, *, model: Variant,
+) -> dict[str, bytes]:  # fmt: skip
+    """Every picture of a machine's accuracy, by file name."""
+    largest = assess(field).largest_difference_mm
+    edges, counts, _ = difference_histogram(field.error_mm, largest)
+    coarse = Volume(field.volume.low_mm, field.volume.high_mm, _CONE_GRID)
+    pictures = {
+        "histogram.png": draw_histogram(field.magnitude_mm, edges, counts, largest_mm=largest),
+        "cones.png": draw_cones(
+            error_field(machine, coarse, tool_mm, model), title=f"{machine.name}, arms: {model}"
+        ),
+    }
+    if comparison is not None:
+        pictures["htm_abbe.png"] = draw_maps(comparison, title=machine.name)
+    return pictures
 
 
 def draw_cones(field: ErrorField, *, title: str) -> bytes:

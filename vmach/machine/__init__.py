@@ -2,9 +2,10 @@
 
 from vmach.machine.chain import LINEAR_AXES, Chain
 from vmach.machine.component_errors import COMPONENT_NAMES, ComponentError
-from vmach.machine.displacement import RigidDisplacement, Variant, contributions, displacement
+from vmach.machine.displacement import RigidDisplacement, contributions, displacement
 from vmach.machine.machine import Axis, Machine, Motion
 from vmach.machine.machine_file import read_machine
+from vmach.variant import Variant
 
 __all__ = [
     "COMPONENT_NAMES",

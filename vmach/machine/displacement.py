@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 
@@ -21,16 +20,9 @@ from vmach.machine.kernel import compile_errors, displace
 from vmach.machine.machine import Machine
 from vmach.machine.rotary_displacement import rotary_displacement
 from vmach.machine.single_errors import single_errors
+from vmach.variant import Variant
 
-__all__ = ["RigidDisplacement", "Variant", "contributions", "displacement"]
-
-
-class Variant(StrEnum):
-    """How the arms of angular errors are measured."""
-
-    NONE = "none"  #: no machine error at all
-    HTM = "htm"  #: from the origin of the machine
-    ABBE = "abbe"  #: from the reflector of each measurement
+__all__ = ["RigidDisplacement", "contributions", "displacement"]
 
 
 @dataclass(frozen=True)

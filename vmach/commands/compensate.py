@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 import json
-import shlex
-import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vmach.atomic import atomic_file, check_outputs
-from vmach.compensation.compensate import compensate as compensate_job
-from vmach.compensation.figures import as_json, as_text
-from vmach.compensation.report import write_compensation_report
-from vmach.compensation.surface import Surface, check_surface, read_surface
-from vmach.effects import read_effects
+from vmach.commands.options import JobPath, Model, command_line
 from vmach.errors import InputError
-from vmach.job import Job, read_job
-from vmach.machine import Variant
 from vmach.progress import progress_bar
 from vmach.stage_clock import StageClock
+from vmach.variant import Variant
+
+if TYPE_CHECKING:
+    from vmach.compensation.surface import Surface
+    from vmach.job import Job
 
 __all__ = ["Aim", "compensate"]
 
@@ -34,11 +31,9 @@ class Aim(StrEnum):
 
 
 def compensate(
-    job: Annotated[Path, typer.Argument(metavar="JOB", help="job.toml, or the folder it is in")],
+    job: JobPath,
     out: Annotated[Path, typer.Option("-o", "--out", help="NC program to write")],
-    model: Annotated[Variant, typer.Option(help="arms of the machine's angular errors")] = (
-        Variant.ABBE
-    ),
+    model: Model = Variant.ABBE,
     aim: Annotated[
         Aim,
         typer.Option(
@@ -62,6 +57,13 @@ def compensate(
     json_: Annotated[bool, typer.Option("--json", help="print the figures as JSON")] = False,
 ) -> None:
     """Move the program against the predicted error of the tool, and verify it."""
+    from vmach.compensation.compensate import compensate as compensate_job
+    from vmach.compensation.figures import as_json, as_text
+    from vmach.compensation.report import write_compensation_report
+    from vmach.compensation.surface import check_surface, read_surface
+    from vmach.effects import read_effects
+    from vmach.job import read_job
+
     _check_numbers(resolution_mm, {"--tolerance-um": tolerance_um, "--limit-um": limit_um,
                                    "--residual-limit-um": residual_limit_um})  # fmt: skip
     read = read_job(job)
@@ -95,17 +97,13 @@ def compensate(
         temporary.write_bytes(found.text)
         if report is not None and checked is not None:
             write_compensation_report(
-                report, found, checked, job=read, model=model, command=_command()
+                report, found, checked, job=read, model=model, command=command_line()
             )
     if json_:
         print(json.dumps(as_json(found, checked), indent=1))
         return
     print("\n".join(as_text(found, checked)))
     print(f"program in {out}" + (f", report in {report}" if report else ""))
-
-
-def _command() -> str:
-    return shlex.join(["vmach", *sys.argv[1:]])
 
 
 def _check_numbers(resolution_mm: float, above_zero: dict[str, float]) -> None:

@@ -12,18 +12,13 @@ from rich.console import Console
 from rich.table import Table
 
 from vmach.atomic import atomic_file, check_outputs
+from vmach.commands.options import AsJson, JobPath, OwnEffects, input_files
 from vmach.progress import progress_bar
 
 if TYPE_CHECKING:
     from vmach.job import Job
 
 __all__ = ["add", "diagnose", "effects_app", "history"]
-
-JobPath = Annotated[Path, typer.Argument(metavar="JOB", help="job.toml, or the folder it is in")]
-OwnEffects = Annotated[
-    list[Path] | None,
-    typer.Option("--effect-file", help="Python file with an effect of your own; repeatable"),
-]
 
 effects_app = typer.Typer(help="The physical effects that can be added.", no_args_is_help=True)
 
@@ -43,7 +38,7 @@ def diagnose(
 
     _load(effect_file)
     next_path = next_file or (json_file.with_name("next.nc") if json_file else None)
-    check_outputs([json_file, next_path], inputs=_inputs(job))
+    check_outputs([json_file, next_path], inputs=input_files(job))
     with progress_bar() as progress:
         progress("read", 0, 5)
         survey = survey_job(job)
@@ -63,19 +58,12 @@ def diagnose(
         print(f"no next measurement is called for; {next_file} was not written")
 
 
-def _inputs(job: Path) -> list[Path]:
-    """The files of a job, which no result may replace."""
-    from vmach.job import read_job
-
-    return [path for _, path in read_job(job).files()]
-
-
 def add(
     job: JobPath,
     effects: Annotated[list[str], typer.Argument(metavar="EFFECT...", help="NAME or NAME:TARGET")],
     out: Annotated[Path | None, typer.Option("-o", "--out", help="job file to write")] = None,
     effect_file: OwnEffects = None,
-    as_json: Annotated[bool, typer.Option("--json", help="print the figures as JSON")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Fit effects to the measurements and put them into a new job; the old one stays."""
     from vmach.history import add_effects
@@ -117,7 +105,7 @@ def history(
     ] = None,
     check_points: Annotated[Path | None, typer.Option(help="and its measured points")] = None,
     picture: Annotated[Path | None, typer.Option(help="PNG file to draw")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="print the figures as JSON")] = False,
+    as_json: AsJson = False,
     effect_file: OwnEffects = None,
 ) -> None:
     """How the error fell, model by model."""
@@ -126,7 +114,7 @@ def history(
     _load(effect_file)
     check = _other_part(job, check_job, check_program, check_points)
     picture = picture or (job if job.is_dir() else job.parent) / "history.png"
-    check_outputs([picture], inputs=_inputs(job))
+    check_outputs([picture], inputs=input_files(job))
     with progress_bar() as progress:
         progress("evaluate", 0, 1)
         steps = history_of(job, check=check)

@@ -1,0 +1,81 @@
+"""``vmach accuracy MACHINE``: volumetric accuracy, what it comes from, and pictures."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+from vmach.atomic import atomic_folder
+from vmach.commands.options import AsJson, Model
+from vmach.progress import progress_bar
+from vmach.variant import Variant
+
+__all__ = ["accuracy"]
+
+_PROFILE_SPACING_MM = 5.0
+
+
+def accuracy(
+    machine: Annotated[Path, typer.Argument(metavar="MACHINE", help="machine.toml")],
+    tool_length: Annotated[
+        float, typer.Option(min=0.0, max=1e4, help="from spindle nose to tip along Z, mm")
+    ] = 0.0,
+    model: Model = Variant.ABBE,
+    grid: Annotated[str, typer.Option(help="points along X,Y,Z; one number for all")] = "21",
+    volume: Annotated[
+        str | None, typer.Option(help="reduced volume: xmin,xmax,ymin,ymax,zmin,zmax of the nose")
+    ] = None,
+    profile: Annotated[
+        Path | None,
+        typer.Option(help="CSV x,y,z of nose positions: a path to give the error along"),
+    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", help="folder for json and pictures")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Largest difference of the errors at any two points, and what it comes from."""
+    import numpy as np
+
+    from vmach.accuracy.field import error_field
+    from vmach.accuracy.figures import accuracy_figures, arms_compared, profile_figures
+    from vmach.accuracy.printing import print_accuracy
+    from vmach.accuracy.profile import read_profile
+    from vmach.accuracy.volume_text import volume_of
+    from vmach.machine import read_machine
+
+    known = read_machine(machine)
+    tool_mm = np.array([0.0, 0.0, -tool_length])
+    space = volume_of(known, volume, grid)
+    with progress_bar() as progress:
+        progress("evaluate", 0, 1)
+        field = error_field(known, space, tool_mm, model)
+        comparison = arms_compared(known, tool_mm, {model: field})
+        path = None
+        if profile is not None:
+            path = read_profile(profile).divided(_PROFILE_SPACING_MM).errors(known, tool_mm, model)
+        report = accuracy_figures(known, field, comparison, tool_mm, model=model)
+        if path is not None:
+            report["profile"] = profile_figures(profile, path)
+        if out is not None:
+            from vmach.accuracy.pictures import accuracy_pictures, draw_profile
+
+            pictures = accuracy_pictures(known, field, comparison, tool_mm, model=model)
+            if path is not None:
+                pictures["profile.png"] = draw_profile(
+                    path.distance_mm, path.error_mm, title="profile"
+                )
+            _write(out, report, pictures)
+    if as_json:
+        print(json.dumps(report, indent=1))
+    else:
+        print_accuracy(Console(), report)
+
+
+def _write(out: Path, report: dict[str, Any], pictures: dict[str, bytes]) -> None:
+    with atomic_folder(out) as folder:
+        for name, picture in pictures.items():
+            (folder / name).write_bytes(picture)
+        (folder / "accuracy.json").write_text(json.dumps(report, indent=1) + "\n")

@@ -1,0 +1,43 @@
+"""``vmach canon``: what a program says to the machine."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from vmach.commands.options import AsJson
+from vmach.errors import InputError
+from vmach.progress import progress_bar
+
+__all__ = ["canon"]
+
+
+def canon(
+    program: Annotated[Path, typer.Argument(metavar="PROGRAM", help="the NC program")],
+    tools: Annotated[
+        Path | None, typer.Option(help="tool table, as LinuxCNC's tool.tbl; for G43 and G41")
+    ] = None,
+    machine_unit: Annotated[
+        Literal["mm", "inch"], typer.Option(help="unit of the tool table and of stored offsets")
+    ] = "mm",
+    as_json: AsJson = False,
+) -> None:
+    """What the program says to the machine: one resolved move a line."""
+    from gcode import canon_calls, canon_lines, read_program, read_tool_table
+
+    if not program.is_file():
+        raise InputError("NC program not found", file=program)
+    unit_mm = {"mm": 1.0, "inch": 25.4}[machine_unit]
+    table = read_tool_table(tools, unit_mm=unit_mm) if tools is not None else {}
+    with progress_bar() as progress:
+        progress("read", 0, 1)
+        read = read_program(program, tools=table, machine_unit_mm=unit_mm)
+    if as_json:
+        calls = [{"line": n, "call": name, "arguments": a} for n, name, a in canon_calls(read)]
+        print(json.dumps(calls, indent=1))
+    else:
+        sys.stdout.writelines(f"{line}\n" for line in canon_lines(read))

@@ -1,0 +1,68 @@
+"""``vmach iso230 DATA``: figures, diagrams and uncertainty of bidirectional runs."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+
+from vmach.atomic import atomic_folder
+from vmach.commands.options import AsJson
+from vmach.errors import InputError
+from vmach.progress import progress_bar
+from vmach.stage_clock import Progress
+
+if TYPE_CHECKING:
+    from vmach.iso230.figures import EvaluatedTable
+
+__all__ = ["iso230"]
+
+
+def iso230(
+    data: Annotated[
+        Path, typer.Argument(metavar="DATA", help="CSV of bidirectional runs, or a machine.toml")
+    ],
+    unit: Annotated[str, typer.Option(help="of a CSV's readings: um, urad, arcsec ...")] = "um",
+    budget: Annotated[
+        Path | None, typer.Option(help="TOML with the uncertainty contributors of the laser")
+    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", help="folder for json and diagrams")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Accuracy, repeatability and reversal after ISO 230-2, with their uncertainty."""
+    from vmach.iso230.budget_file import read_budget
+    from vmach.iso230.figures import evaluated_tables, iso230_figures
+    from vmach.iso230.printing import print_iso230
+
+    contributors = read_budget(budget)
+    axes = tuple(evaluated_tables(data, unit))
+    if not axes:
+        raise InputError("the machine has no error tables of linear axes", file=data)
+    source = str(budget) if budget else "assumed: Table 8 of the KTH thesis"
+    report = iso230_figures(data, axes, contributors, budget_source=source)
+    if out is not None:
+        with progress_bar() as progress:
+            _write(out, report, axes, progress)
+    if as_json:
+        print(json.dumps(report, indent=1))
+    else:
+        print_iso230(Console(), report)
+
+
+def _write(
+    out: Path, report: dict[str, Any], axes: tuple[EvaluatedTable, ...], progress: Progress
+) -> None:
+    """The figures and one diagram a table, all files or none."""
+    from vmach.iso230.diagram import draw_evaluation
+
+    with atomic_folder(out) as folder:
+        for count, axis in enumerate(axes):
+            progress("draw", count, len(axes))
+            picture = draw_evaluation(
+                axis.result, title=f"{axis.name}, ISO 230-2", unit=axis.unit, factor=axis.factor
+            )
+            (folder / f"{axis.name}.png").write_bytes(picture)
+        (folder / "iso230.json").write_text(json.dumps(report, indent=1) + "\n")

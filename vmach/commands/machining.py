@@ -1,0 +1,85 @@
+"""``vmach run`` and ``vmach compare``: the part machined virtually."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from vmach.atomic import check_outputs
+from vmach.commands.options import AsJson, JobPath, Model, OutDir, command_line, input_files
+from vmach.progress import progress_bar
+from vmach.variant import Variant
+
+__all__ = ["compare", "run"]
+
+
+def run(
+    job: JobPath,
+    model: Model = Variant.ABBE,
+    out: OutDir = None,
+    part: Annotated[
+        Path | None, typer.Option(help="also write the coloured part: .glb, .3mf or .stl")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Machine the part virtually and compare it with its nominal CAD."""
+    variants = (Variant.NONE,) if model is Variant.NONE else (Variant.NONE, model)
+    _machine(job, model, variants, out=out, part_file=part, as_json=as_json)
+
+
+def compare(job: JobPath, out: OutDir = None, as_json: AsJson = False) -> None:
+    """Error-model variants side by side, and against the measured points of the job."""
+    _machine(
+        job,
+        Variant.ABBE,
+        (Variant.NONE, Variant.HTM, Variant.ABBE),
+        prefer_measured=True,
+        out=out,
+        as_json=as_json,
+    )
+
+
+def _machine(
+    job: Path,
+    model: Variant,
+    variants: tuple[Variant, ...],
+    *,
+    out: Path | None,
+    as_json: bool,
+    part_file: Path | None = None,
+    prefer_measured: bool = False,
+) -> None:
+    from vmach.pipeline import machine_part
+    from vmach.report import variants_table
+    from vmach.results import (
+        RESULT_FILES,
+        default_folder,
+        run_record,
+        write_coloured_part,
+        write_results,
+    )
+
+    out = out or default_folder(job)
+    inputs = input_files(job)
+    check_outputs([part_file], inputs=inputs)
+    if out.is_dir():
+        check_outputs([part_file, *(out / name for name in RESULT_FILES)], inputs=inputs)
+    with progress_bar() as progress:
+        made = machine_part(
+            job, model=model, variants=variants, prefer_measured=prefer_measured, progress=progress
+        )
+        if part_file is not None:
+            write_coloured_part(made, part_file)
+        figures = write_results(made, out, command=command_line(), progress=progress)
+    if as_json:
+        print(json.dumps(figures, indent=1))
+        return
+    console = Console()
+    console.print(variants_table(made.points, run_record(made, command_line())))
+    for note in figures["run"]["warnings"]:
+        console.print(f"note: {note}", highlight=False, markup=False)
+    console.print(f"results in {out}: {', '.join(RESULT_FILES)}", highlight=False, markup=False)

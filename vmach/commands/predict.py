@@ -1,0 +1,49 @@
+"""``vmach predict``: deviations at points of the surface."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vmach.atomic import check_outputs
+from vmach.commands.options import AsJson, JobPath, Model, input_files
+from vmach.progress import progress_bar
+from vmach.variant import Variant
+
+__all__ = ["predict"]
+
+
+def predict(
+    job: JobPath,
+    points: Annotated[Path, typer.Option(help="surface points: id,feature,x,y,z,i,j,k")],
+    program: Annotated[Path | None, typer.Option(help="another NC program")] = None,
+    model: Model = Variant.ABBE,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="CSV to write")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Predicted deviation at given surface points, with the NC line that made each."""
+    from vmach.pipeline import predict_points
+    from vmach.results import prediction_summary, write_prediction, write_prediction_csv
+
+    inputs = [*input_files(job), points, *([program] if program else [])]
+    check_outputs([out], inputs=inputs)
+    with progress_bar() as progress:
+        found, prediction = predict_points(
+            job, points, program_path=program, variant=model, progress=progress
+        )
+    for note in (*prediction.preparation.notes, *found.notes):
+        print(f"note: {note}", file=sys.stderr)
+    if out is not None:
+        write_prediction_csv(out, found, prediction)
+    if as_json:
+        print(json.dumps(prediction_summary(found, prediction), indent=1))
+    elif out is None:
+        write_prediction(sys.stdout, found, prediction)
+    else:
+        figures = prediction_summary(found, prediction)
+        states = ", ".join(f"{count} {state}" for state, count in figures["status"].items())
+        print(f"{out}: {states}")

@@ -1,0 +1,118 @@
+"""The figures of ISO 230-2 of every table, as plain numbers for JSON and for print."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from vmach.errors import InputError
+from vmach.iso230.evaluation import Evaluation, evaluate
+from vmach.iso230.uncertainty import Budget, expanded, parameter_uncertainties
+from vmach.machine.error_table import MM_PER, RAD_PER, read_error_table
+from vmach.machine.machine_file import read_machine
+from vmach.machine.runs import Runs
+
+__all__ = ["EvaluatedTable", "evaluated_tables", "iso230_figures"]
+
+
+@dataclass(frozen=True)
+class EvaluatedTable:
+    """One evaluated table of a machine, or of a file."""
+
+    name: str
+    is_angle: bool
+    is_positioning: bool
+    result: Evaluation
+
+    @property
+    def unit(self) -> str:
+        return "urad" if self.is_angle else "um"
+
+    @property
+    def factor(self) -> float:
+        return 1e6 if self.is_angle else 1e3
+
+    @property
+    def length_mm(self) -> float:
+        position_mm = self.result.runs.position_mm
+        return float(position_mm[-1] - position_mm[0])
+
+
+def evaluated_tables(data: Path, unit: str) -> Iterator[EvaluatedTable]:
+    """The table of a CSV, or all tables of a machine.
+
+    Raises
+    ------
+    InputError
+        If `data` cannot be read or evaluated.
+    """
+    if data.suffix == ".toml":
+        for name, component in read_machine(data).components.items():
+            runs = component.runs or _means(component)
+            yield EvaluatedTable(name, component.is_angle, name[1] == name[2], evaluate(runs))
+        return
+    if unit not in MM_PER and unit not in RAD_PER:
+        raise InputError(f"--unit {unit}", accepted=", ".join((*MM_PER, *RAD_PER)))
+    is_angle = unit not in MM_PER
+    table = read_error_table(data, RAD_PER if is_angle else MM_PER, unit)
+    try:
+        result = evaluate(table.runs or _means(table))
+    except InputError as error:
+        raise InputError(error.what, file=data, accepted=error.accepted) from None
+    yield EvaluatedTable(data.stem, is_angle, not is_angle, result)
+
+
+def _means(table: Any) -> Runs:
+    """A table of means as one run: enough for E, M and B."""
+    return Runs(table.position_mm, table.forward, table.backward)
+
+
+def iso230_figures(
+    data: Path, tables: tuple[EvaluatedTable, ...], budget: Budget, *, budget_source: str
+) -> dict[str, Any]:
+    """All figures, as they stand in ``iso230.json``."""
+    return {
+        "data": str(data),
+        "standard": "ISO 230-2:2014",
+        "budget_um": {
+            "source": budget_source,
+            "u_device": round(budget.device_mm * 1e3, 4),
+            "u_setup": round(budget.setup_mm * 1e3, 4),
+            "u_eve": round(budget.eve_u_mm * 1e3, 4),
+            "u_misalignment_per_m": round(budget.misalignment_mm(1e3) * 1e3, 4),
+        },
+        "tables": {axis.name: _table_figures(axis, budget) for axis in tables},
+    }
+
+
+def _table_figures(axis: EvaluatedTable, budget: Budget) -> dict[str, Any]:
+    result = axis.result
+    figures = {
+        name: None if value is None else round(value * axis.factor, 4)
+        for name, value in result.figures().items()
+    }
+    runs = min(len(result.runs.forward), len(result.runs.backward))
+    entry: dict[str, Any] = {
+        "unit": axis.unit, "runs": runs, "targets": len(result.runs.position_mm),
+        "length_mm": axis.length_mm, "figures": figures, "notes": list(_notes(axis, runs)),
+    }  # fmt: skip
+    if axis.is_positioning and axis.result.A is not None:
+        standard = parameter_uncertainties(budget, axis.length_mm, runs)
+        entry["U_k2"] = {k: round(expanded(u) * axis.factor, 2) for k, u in standard.items()}
+    return entry
+
+
+def _notes(axis: EvaluatedTable, runs: int) -> Iterator[str]:
+    if axis.result.A is None:
+        yield "means only: A and R need at least two runs in either direction"
+        if axis.result.B == 0.0:
+            yield "the same values for both directions: B says nothing"
+    elif runs < 5:
+        yield f"{runs} runs; the standard asks for five"
+    targets = len(axis.result.runs.position_mm)
+    if axis.length_mm <= 2000.0 and targets < 5 * axis.length_mm / 1000.0:
+        yield f"{targets} targets; the standard asks for at least five a metre"
+    if not axis.is_positioning:
+        yield "no uncertainty: the budget is one of positioning"
