@@ -25,6 +25,7 @@ def points(count: int = 600, *, name: str = "face") -> InspectedPoints:
     status[:3] = "gouged away"
     deviation = field_mm(place, normal)
     deviation[status != "cut"] = np.nan
+    remainder_mm = np.where(status == "cut", 4e-4, np.nan)
     line = 1 + np.arange(count) % 50
     return InspectedPoints(
         id=[f"P{i}" for i in range(count)],
@@ -37,7 +38,7 @@ def points(count: int = 600, *, name: str = "face") -> InspectedPoints:
         time_s=0.5 * line,
         variants=(
             Variant("none", "Program only", 0.01 * deviation, status),
-            Variant("abbe", "Abbe-consistent", deviation, status, 4e-4),
+            Variant("abbe", "Abbe-consistent", deviation, status, remainder_mm),
             Variant("measured", "Measured", field_mm(place, normal), np.full(count, "cut")),
         ),
         u_mm=np.full(count, 4e-4),

@@ -25,7 +25,7 @@ __all__ = [
     "check_nominal_in_blank",
     "found_on_part",
     "inspected_points",
-    "remainder_rms_mm",
+    "remainder_mm",
     "surface_points",
     "with_causes",
 ]
@@ -162,18 +162,21 @@ def _column(
         label=LABELS[prediction.variant],
         deviation_mm=deviation,
         status=np.array(STATUSES)[prediction.edges.status],
-        remainder_rms_mm=remainder_rms_mm(points, prediction),
+        remainder_mm=remainder_mm(points, prediction),
     )
 
 
-def remainder_rms_mm(points: SurfacePoints, prediction: Prediction) -> float | None:
-    """RMS of measured minus predicted after a best fit; None without measured points."""
+def remainder_mm(points: SurfacePoints, prediction: Prediction) -> np.ndarray | None:
+    """Measured minus predicted after a best fit, (P,); NaN where nothing was cut.
+
+    None without measured points.
+    """
     cut = prediction.is_cut
     if points.measured_mm is None or not cut.any():
         return None
-    left = (points.measured_deviation_mm - prediction.deviation_mm)[cut]
-    left = align(_some(points, cut), left).apply(points.point_mm[cut], points.normal[cut], left)
-    return float(np.sqrt(np.mean(left**2)))
+    left = np.where(cut, points.measured_deviation_mm - prediction.deviation_mm, np.nan)
+    pose = align(_some(points, cut), left[cut])
+    return pose.apply(points.point_mm, points.normal, left)
 
 
 def _measured_column(points: SurfacePoints, primary: Prediction) -> Column:

@@ -16,7 +16,7 @@ import numpy as np
 from stock import write_part
 from vmach.atomic import atomic_file, atomic_folder
 from vmach.error_budget import write_budget_csv
-from vmach.inspection import remainder_rms_mm
+from vmach.inspection import remainder_mm
 from vmach.pipeline import MachinedPart
 from vmach.points import SurfacePoints
 from vmach.prediction import Prediction
@@ -211,7 +211,8 @@ def prediction_summary(points: SurfacePoints, prediction: Prediction) -> dict:
             "min_um": float(deviation_um.min()),
             "max_um": float(deviation_um.max()),
         }
-    remainder = remainder_rms_mm(points, prediction)
+    remainder = remainder_mm(points, prediction)
     if remainder is not None:
-        found["measured_minus_predicted_rms_um"] = um_from_mm(remainder)
+        rms_mm = float(np.sqrt(np.mean(remainder[cut] ** 2)))
+        found["measured_minus_predicted_rms_um"] = um_from_mm(rms_mm)
     return found

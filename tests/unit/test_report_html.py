@@ -102,7 +102,7 @@ def test_names_cannot_break_out_of_the_page(tmp_path):
     case = replace(case, variants=relabelled, id=[HOSTILE] * len(case))
     page = Page(written(tmp_path / "r.html", case, record))
     assert not any("onerror" in attributes for _, attributes in page.elements)
-    assert [tag for tag, _ in page.elements].count("script") == 4
+    assert [tag for tag, _ in page.elements].count("script") == 5
     assert page.text.count(HOSTILE) > 30
     assert "49" not in page.text.split("What was run")[1].split("Duration")[0]
     data = json.loads(page.scripts[0])
@@ -111,7 +111,7 @@ def test_names_cannot_break_out_of_the_page(tmp_path):
 
 def test_size_at_a_hundred_thousand_triangles(tmp_path):
     case = points(60_000)
-    mesh = large_mesh(100_000, ("none", "abbe", "measured"))
+    mesh = large_mesh(100_000, ("none", "abbe", "measured", "abbe_remainder"))
     assert len(mesh.triangles) > 99_000
     draw_heatmap(tmp_path / "h.png", mesh, case, run())
     write_report_html(tmp_path / "r.html", mesh, case, run(), heatmap_png=tmp_path / "h.png")
@@ -183,3 +183,22 @@ def test_a_part_that_no_tool_reached_makes_a_page(tmp_path):
 def test_same_input_gives_the_same_page(tmp_path):
     pages = [written(tmp_path / f"{i}.html", points(), run()) for i in range(2)]
     assert pages[0] == pages[1]
+
+
+def test_measured_minus_predicted_has_its_own_map_scale_and_table(tmp_path):
+    case = points()
+    left = 1e-3 * np.where(case["abbe"].is_cut, np.sin(np.arange(len(case))), np.nan)
+    abbe = replace(case["abbe"], remainder_mm=left)
+    case = replace(case, variants=(case["none"], abbe, case["measured"]))
+    page = Page(written(tmp_path / "r.html", case, run()))
+    header, columns = unpack(page.scripts[1])
+    cut = case["abbe"].is_cut
+    shown_um = signed(columns["point:abbe_remainder"])[cut] * header["value_step_um"]
+    np.testing.assert_allclose(shown_um, 1e3 * left[cut], atol=1e-3)
+    data = json.loads(page.scripts[0])["variants"]
+    assert data["abbe_remainder"]["range_um"] == pytest.approx(1.0)
+    assert data["abbe"]["range_um"] > 2
+    rms_um = 1e3 * np.sqrt(np.mean(left[cut] ** 2))
+    assert f"{rms_um:.2f}" in page.text.split("Measured minus predicted")[1].split("Each after")[0]
+    assert "Measured − Abbe-consistent" in page.text
+    assert "none_remainder" not in data

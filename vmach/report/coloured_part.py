@@ -26,5 +26,5 @@ def part_colours(
     variant = points.primary
     value_mm = np.where(variant.is_cut, variant.deviation_mm, np.nan)
     colouring = interpolate_to_mesh(points, value_mm, DisplayMesh(vertices_mm, triangles))
-    colours = colours_of(colouring.value_mm, colouring.known, common_range_mm(points))
+    colours = colours_of(colouring.value_mm, colouring.known, common_range_mm(points.variants))
     return np.round(255 * colours).astype(np.uint8)

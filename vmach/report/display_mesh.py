@@ -23,7 +23,7 @@ def build_display_mesh(
     *,
     max_triangles: int = 100_000,
 ) -> DisplayMesh:
-    """Return a mesh with the deviations of all variants interpolated to its vertices.
+    """Return a mesh with the deviations, and remainders, of all variants at its vertices.
 
     Large triangles are divided to about the spacing of the points, too many are thinned out;
     a CAD face of two triangles would otherwise show nothing of what lies within it.
@@ -47,7 +47,7 @@ def build_display_mesh(
         variant.name: interpolate_to_mesh(
             points, np.where(variant.is_cut, variant.deviation_mm, np.nan), mesh
         )
-        for variant in points.variants
+        for variant in points.with_remainders().variants
     }
     return DisplayMesh(vertices_mm, triangles, colourings)
 

@@ -17,7 +17,7 @@ from vmach.report.camera import isometric_camera, shading
 from vmach.report.colours import COLOUR_STOPS, colour_range, colours_of
 from vmach.report.display_mesh import vertex_normals
 from vmach.report.rasterise import rasterise
-from vmach.report.result import Colouring, DisplayMesh, InspectedPoints, RunRecord
+from vmach.report.result import Colouring, DisplayMesh, InspectedPoints, RunRecord, Variant
 from vmach.report.statistics import Statistics, variant_statistics
 from vmach.report.vtk_picture import INSTALL_HINT, vtk_pictures
 from vmach.units import um_from_mm
@@ -64,7 +64,7 @@ def draw_heatmap(
         The folder cannot be written to.
     """
     names = _telling_variants(points) if variants is None else list(variants)
-    range_mm = common_range_mm(points)
+    range_mm = common_range_mm(points.variants)
     pictures, note = _pictures([mesh.colourings[name] for name in names], mesh, range_mm)
     figure, panels = _figure(len(names), pictures.shape[1] / _DPI)
     for panel, name, picture in zip(panels, names, pictures, strict=True):
@@ -79,9 +79,9 @@ def draw_heatmap(
     return note
 
 
-def common_range_mm(points: InspectedPoints) -> float:
-    """Return the end of the colour scale that all variants of a run share."""
-    return colour_range([variant.deviation_mm[variant.is_cut] for variant in points.variants])
+def common_range_mm(variants: Sequence[Variant]) -> float:
+    """Return the end of the colour scale that variants share."""
+    return colour_range([variant.deviation_mm[variant.is_cut] for variant in variants])
 
 
 def _telling_variants(points: InspectedPoints) -> list[str]:

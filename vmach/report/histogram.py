@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from vmach.report.colours import colour_range, colours_of, nice_ceiling
-from vmach.report.result import InspectedPoints
+from vmach.report.result import Variant
 
 __all__ = ["Histogram", "histograms"]
 
@@ -36,9 +37,9 @@ class Histogram:
     colours: list[str]
 
 
-def histograms(points: InspectedPoints) -> list[Histogram]:
-    """Return the histograms of the cut points of all variants."""
-    values = [variant.deviation_mm[variant.is_cut] for variant in points.variants]
+def histograms(variants: Sequence[Variant]) -> list[Histogram]:
+    """Return the histograms of the cut points of variants, on one axis."""
+    values = [variant.deviation_mm[variant.is_cut] for variant in variants]
     range_mm = colour_range(values)
     largest = max([range_mm, *(np.abs(v).max() for v in values if v.size)])
     end = min(nice_ceiling(largest), 2 * range_mm)
@@ -54,5 +55,5 @@ def histograms(points: InspectedPoints) -> list[Histogram]:
             np.histogram(np.clip(value, -end, end), edges)[0],
             colours,
         )
-        for variant, value in zip(points.variants, values, strict=True)
+        for variant, value in zip(variants, values, strict=True)
     ]

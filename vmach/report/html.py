@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-import base64
-import io
-import json
-import math
-from functools import cache, partial
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
-import jinja2
 import numpy as np
-from markupsafe import Markup
 from PIL import Image
 
 from vmach.atomic import atomic_file
 from vmach.report.colours import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.report.heatmap import common_range_mm
 from vmach.report.histogram import histograms
+from vmach.report.page_kit import (
+    asset,
+    jpeg_data_uri,
+    render_page,
+    script_json,
+    style_sheet,
+    um_decimals,
+    um_text,
+)
 from vmach.report.payload import MAX_POINTS, encode_payload
 from vmach.report.result import DisplayMesh, InspectedPoints, RunRecord, Variant
 from vmach.report.statistics import (
@@ -27,13 +31,12 @@ from vmach.report.statistics import (
     worst_places,
 )
 from vmach.report.summary import SIGN_CONVENTION
-from vmach.units import um_from_mm, with_micro_sign
+from vmach.units import um_from_mm
 
 __all__ = ["write_report_html"]
 
 _HERE = Path(__file__).parent
 _SLIDER_STEPS = 200
-_JPEG_QUALITY = 82
 
 
 def write_report_html(
@@ -51,7 +54,7 @@ def write_report_html(
     path : path
         File to write.
     mesh : DisplayMesh
-        With a colouring for every variant of the points.
+        With a colouring for every variant of the points, and of their remainders.
     points, run : InspectedPoints, RunRecord
     heatmap_png : path, optional
         The picture for print and for browsers without WebGL 2.
@@ -61,37 +64,49 @@ def write_report_html(
     InputError
         The folder cannot be written to.
     """
-    page = _environment().get_template("page.html.jinja").render(
+    deviations, remainders = (
+        [_variant_view(points, v, run, span_mm=max(_largest_mm(group), 1e-12)) for v in group]
+        for group in _groups(points)
+    )
+    page = render_page(
+        _HERE / "page.html.jinja",
         run=run,
-        points=points,
-        variants=[_variant_view(points, variant, run) for variant in points.variants],
+        points=points.with_remainders(),
+        variants=deviations,
+        remainders=remainders,
         primary=points.primary.name,
-        histograms=histograms(points),
+        histograms=[h for group in _groups(points) for h in histograms(group)],
         columns=_variant_columns(points),
         apart_mm=worst_apart_mm(points),
         pickable=min(len(points), MAX_POINTS),
-        span_mm=max(_largest_mm(points), 1e-12),
-        um=partial(_um_text, decimals=_decimals(points)),
+        um=partial(um_text, decimals=um_decimals(_largest_mm(points.variants))),
         sign_convention=SIGN_CONVENTION,
-        still=None if heatmap_png is None else _jpeg_data_uri(heatmap_png),
-        page_data=_script_json(_page_data(points, run)),
-        payload=encode_payload(mesh, points, run),
-        css=_style_sheet(),
-        scripts=[_asset("scene.js"), _asset("page.js")],
-    )  # fmt: skip
+        still=None if heatmap_png is None else _still(heatmap_png),
+        page_data=script_json(_page_data(points, run)),
+        payload=encode_payload(mesh, points.with_remainders(), run),
+        css=style_sheet(),
+        scripts=[asset(name) for name in ("scene.js", "gestures.js", "page.js")],
+    )
     with atomic_file(path) as temporary:
         temporary.write_text(page, encoding="utf-8")
 
 
-def _variant_view(points: InspectedPoints, variant: Variant, run: RunRecord) -> dict:
+def _groups(points: InspectedPoints) -> tuple[Sequence[Variant], Sequence[Variant]]:
+    """Variants that share a scale: the deviations, and measured minus predicted."""
+    return points.variants, points.remainders
+
+
+def _variant_view(
+    points: InspectedPoints, variant: Variant, run: RunRecord, *, span_mm: float
+) -> dict:
     """Everything that the template shows of one variant."""
     return {
         "name": variant.name,
         "label": variant.label,
         "statistics": variant_statistics(variant, run.tolerance_mm),
-        "remainder_rms_mm": variant.remainder_rms_mm,
         "features": feature_statistics(points, variant, run.tolerance_mm),
         "worst": worst_places(points, variant).tolist(),
+        "span_mm": span_mm,
     }
 
 
@@ -99,7 +114,6 @@ def _variant_columns(points: InspectedPoints) -> dict[str, bool]:
     """Which optional rows and columns the tables have."""
     return {
         "cause": points.cause is not None,
-        "remainder": any(v.remainder_rms_mm is not None for v in points.variants),
         "uncut": any((v.status == "uncut").any() for v in points.variants),
         "gouged": any((v.status == "gouged away").any() for v in points.variants),
     }
@@ -109,94 +123,48 @@ def _page_data(points: InspectedPoints, run: RunRecord) -> dict:
     """What the script of the page needs apart from the payload."""
     thresholds_mm = _tolerance_steps(points, run.tolerance_mm)
     variants = {}
-    for variant in points.variants:
-        size = np.sort(np.abs(variant.deviation_mm[variant.is_cut]))
-        within = np.searchsorted(size, thresholds_mm, side="right")
-        worst = worst_places(points, variant)
-        variants[variant.name] = {
-            "label": variant.label,
-            "count": size.size,
-            "outside": (size.size - within).tolist(),
-            "worst": [
-                {"at": points.point_mm[i].tolist(), "normal": points.normal[i].tolist()}
-                for i in worst
-            ],
+    for group in _groups(points):
+        scale = {
+            "range_um": um_from_mm(common_range_mm(group)),
+            "largest_um": um_from_mm(_largest_mm(group)),
         }
+        for variant in group:
+            variants[variant.name] = scale | _variant_data(points, variant, thresholds_mm)
     return {
         "variants": variants,
         "primary": points.primary.name,
         "thresholds_um": um_from_mm(thresholds_mm).tolist(),
         "tolerance_index": int(np.searchsorted(thresholds_mm, run.tolerance_mm)),
-        "range_um": um_from_mm(common_range_mm(points)),
-        "largest_um": um_from_mm(_largest_mm(points)),
-        "decimals": _decimals(points),
+        "decimals": um_decimals(_largest_mm(points.variants)),
         "colour_stops": COLOUR_STOPS,
         "unknown_colour": UNKNOWN_COLOUR,
     }
 
 
+def _variant_data(points: InspectedPoints, variant: Variant, thresholds_mm: np.ndarray) -> dict:
+    size = np.sort(np.abs(variant.deviation_mm[variant.is_cut]))
+    within = np.searchsorted(size, thresholds_mm, side="right")
+    return {
+        "label": variant.label,
+        "count": size.size,
+        "outside": (size.size - within).tolist(),
+        "worst": [
+            {"at": points.point_mm[i].tolist(), "normal": points.normal[i].tolist()}
+            for i in worst_places(points, variant)
+        ],
+    }
+
+
 def _tolerance_steps(points: InspectedPoints, tolerance_mm: float) -> np.ndarray:
     """Positions of the tolerance slider; the tolerance of the run is exactly one of them."""
-    end = max(2 * tolerance_mm, 1.1 * _largest_mm(points))
+    end = max(2 * tolerance_mm, 1.1 * _largest_mm(points.variants))
     return np.unique(np.append(np.linspace(0, end, _SLIDER_STEPS + 1), tolerance_mm))
 
 
-def _largest_mm(points: InspectedPoints) -> float:
-    return max(float(np.abs(v.deviation_mm[v.is_cut]).max(initial=0)) for v in points.variants)
+def _largest_mm(variants: Sequence[Variant]) -> float:
+    return max([0.0, *(float(np.abs(v.deviation_mm[v.is_cut]).max(initial=0)) for v in variants)])
 
 
-def _decimals(points: InspectedPoints) -> int | None:
-    """Digits after the point of every deviation in um on the page; None: powers of ten."""
-    largest_um = um_from_mm(_largest_mm(points))
-    if largest_um >= 1 or largest_um == 0:
-        return 2
-    return 4 if largest_um >= 0.01 else None
-
-
-def _jpeg_data_uri(png: str | Path) -> str:
-    """Return a picture as a data URI, as JPEG because it is a quarter of the size."""
-    buffer = io.BytesIO()
+def _still(png: str | Path) -> str:
     with Image.open(png) as picture:
-        picture.convert("RGB").save(buffer, "JPEG", quality=_JPEG_QUALITY)
-    return "data:image/jpeg;base64," + base64.b64encode(buffer.getvalue()).decode("ascii")
-
-
-def _script_json(data: object) -> Markup:
-    """JSON that is safe inside a <script> element."""
-    text = json.dumps(data, ensure_ascii=True, allow_nan=False)
-    for character in "<>&":
-        text = text.replace(character, f"\\u{ord(character):04x}")
-    return Markup(text)
-
-
-def _um_text(length_mm: float, *, decimals: int | None, signed: bool = False) -> str:
-    """A length in um as people write it; a dash where there is none."""
-    if not math.isfinite(length_mm):
-        return "–"
-    length_um = um_from_mm(length_mm)
-    text = f"{abs(length_um):.1e}" if decimals is None else f"{abs(length_um):.{decimals}f}"
-    if float(text) == 0:
-        return text
-    return ("−" if length_um < 0 else "+" if signed else "") + text
-
-
-def _style_sheet() -> Markup:
-    """The style sheet with the ramp of the colour bar in place."""
-    return _asset("page.css").replace("RAMP_COLOURS", ", ".join(COLOUR_STOPS))
-
-
-def _asset(name: str) -> Markup:
-    return Markup((_HERE / name).read_text(encoding="utf-8"))
-
-
-@cache
-def _environment() -> jinja2.Environment:
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(_HERE),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["micro"] = with_micro_sign
-    return environment
+        return jpeg_data_uri(picture)

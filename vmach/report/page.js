@@ -24,7 +24,12 @@
   // ---- figures, tables, histograms: these work without the map
 
   function showVariant(name) {
+    const before = page.variants[state.variant].range_um;
     state.variant = name;
+    if (page.variants[name].range_um !== before) { // another scale: deviations, or measured minus predicted
+      byId("range").value = standardAt();
+      showRange();
+    }
     for (const block of all("[data-for]")) block.hidden = block.dataset.for !== name;
     scene?.show(name);
     makeMarks();
@@ -63,12 +68,16 @@
 
   // ---- colour scale: the slider runs from a tenth of the standard range to all there is
 
-  const rangeEnds = [page.range_um / 10, Math.max(page.largest_um, 2 * page.range_um)];
-  const standardAt = Math.round((100 * Math.log(10)) / Math.log(rangeEnds[1] / rangeEnds[0]));
   function rangeUm() {
-    const at = Number(byId("range").value);
-    if (at === standardAt) return page.range_um;
-    return Number((rangeEnds[0] * (rangeEnds[1] / rangeEnds[0]) ** (at / 100)).toPrecision(2));
+    const { range_um, largest_um } = page.variants[state.variant];
+    const low = range_um / 10, ratio = Math.max(largest_um, 2 * range_um) / low, at = Number(byId("range").value);
+    if (at === standardAt()) return range_um;
+    return Number((low * ratio ** (at / 100)).toPrecision(2));
+  }
+
+  function standardAt() {
+    const { range_um, largest_um } = page.variants[state.variant];
+    return Math.round((100 * Math.log(10)) / Math.log(Math.max((10 * largest_um) / range_um, 20)));
   }
 
   function showRange() {
@@ -103,20 +112,12 @@
       mark.style.visibility = dot(scene.axes()[2], mark.point.normal) > 0.02 ? "" : "hidden";
     }
     if (state.picked !== null) placeFlag();
-    drawTriad();
+    byId("triad").innerHTML = triad(scene);
   }
 
   function hideCovered() {
     for (const mark of byId("marks").children)
       if (!scene.sees(mark.point.at)) mark.style.visibility = "hidden";
-  }
-
-  function drawTriad() {
-    const [right, up] = scene.axes();
-    byId("triad").innerHTML = ["X", "Y", "Z"].map((name, k) => {
-      const x = 34 * right[k], y = -34 * up[k];
-      return `<line x1="0" y1="0" x2="${x}" y2="${y}"/><text x="${1.27 * x}" y="${1.27 * y}">${name}</text>`;
-    }).join("");
   }
 
   // ---- what a click finds
@@ -166,64 +167,14 @@
     flag.style.top = top + "px";
   }
 
-  // ---- pointer, wheel, keys
+  // ---- controls
 
-  function listen(canvas) {
-    const pointers = new Map();
-    let travelled = 0;
-    const spread = () => {
-      const [p, q] = [...pointers.values()];
-      return { x: (p.x + q.x) / 2, y: (p.y + q.y) / 2, size: Math.hypot(p.x - q.x, p.y - q.y) };
-    };
-    const here = (event) => ({ x: event.offsetX, y: event.offsetY });
-    canvas.addEventListener("pointerdown", (event) => {
-      canvas.setPointerCapture(event.pointerId);
-      pointers.set(event.pointerId, here(event));
-      if (pointers.size === 1) travelled = 0;
-    });
-    canvas.addEventListener("pointermove", (event) => {
-      const before = pointers.get(event.pointerId);
-      if (!before) return;
-      const now = here(event), dx = now.x - before.x, dy = now.y - before.y;
-      travelled += Math.abs(dx) + Math.abs(dy);
-      if (pointers.size === 2) {
-        const old = spread();
-        pointers.set(event.pointerId, now);
-        const young = spread();
-        scene.pan(young.x - old.x, young.y - old.y);
-        scene.zoomAt(young.size / (old.size || 1), young.x, young.y);
-        return;
-      }
-      pointers.set(event.pointerId, now);
-      if (event.shiftKey || event.buttons > 1) scene.pan(dx, dy);
-      else scene.orbit(dx, dy);
-    });
-    for (const kind of ["pointerup", "pointercancel"]) canvas.addEventListener(kind, (event) => {
-      const alone = pointers.size === 1;
-      pointers.delete(event.pointerId);
-      if (kind !== "pointerup" || !alone || travelled > 5 || event.button !== 0) return;
-      const hit = scene.pick(event.offsetX, event.offsetY);
-      if (hit) return pickNear(hit.place, hit.normal);
-      state.picked = null;
-      fillFlag();
-      makeMarks();
-    });
-    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-    canvas.addEventListener("wheel", (event) => {
-      event.preventDefault();
-      scene.zoomAt(Math.exp(-0.0015 * event.deltaY), event.offsetX, event.offsetY);
-    }, { passive: false });
-    const middle = () => [canvas.clientWidth / 2, canvas.clientHeight / 2];
-    const keys = {
-      ArrowLeft: () => scene.orbit(-12, 0), ArrowRight: () => scene.orbit(12, 0),
-      ArrowUp: () => scene.orbit(0, -12), ArrowDown: () => scene.orbit(0, 12),
-      "+": () => scene.zoomAt(1.2, ...middle()), "-": () => scene.zoomAt(1 / 1.2, ...middle()), 0: () => scene.home(),
-    };
-    canvas.addEventListener("keydown", (event) => {
-      if (!keys[event.key]) return;
-      event.preventDefault();
-      keys[event.key]();
-    });
+  function pickAt(x, y) {
+    const hit = scene.pick(x, y);
+    if (hit) return pickNear(hit.place, hit.normal);
+    state.picked = null;
+    fillFlag();
+    makeMarks();
   }
 
   const quarter = Math.PI / 2;
@@ -248,7 +199,7 @@
   async function start() {
     byId("tolerance").max = page.thresholds_um.length - 1;
     byId("tolerance").value = state.tolerance;
-    byId("range").value = standardAt;
+    byId("range").value = standardAt();
     listenToControls();
     try {
       const model = new Model(await readPayload(byId("payload").textContent));
@@ -256,7 +207,7 @@
       scene = new Scene(byId("canvas"), model, page.colour_stops, page.unknown_colour);
       scene.onDraw = placeMarks;
       scene.onSettle = hideCovered;
-      listen(byId("canvas"));
+      listenToGestures(byId("canvas"), scene, pickAt);
       byId("still").hidden = true;
     } catch (error) {
       scene = null;

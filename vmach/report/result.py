@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -53,15 +53,15 @@ class Variant:
         ``"cut"``; anything, also NaN, elsewhere: no report counts those points.
     status : (P,) str
         One of `STATUSES`.
-    remainder_rms_mm : float, optional
-        RMS of measured minus predicted after the alignment that the caller chose.
+    remainder_mm : (P,) float64, optional
+        Measured minus predicted after the alignment that the caller chose; finite where cut.
     """
 
     name: str
     label: str
     deviation_mm: np.ndarray
     status: np.ndarray
-    remainder_rms_mm: float | None = None
+    remainder_mm: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         count = len(self.deviation_mm)
@@ -74,11 +74,30 @@ class Variant:
             )
         if not np.isfinite(deviation[self.is_cut]).all():
             raise ValueError(f"variant {self.name}: a cut point has no finite deviation")
+        if self.remainder_mm is not None:
+            remainder = _frozen(self, "remainder_mm", np.float64, (count,))
+            if not np.isfinite(remainder[self.is_cut]).all():
+                raise ValueError(f"variant {self.name}: a cut point has no finite remainder")
 
     @property
     def is_cut(self) -> np.ndarray:
         """(P,) bool: points that have a deviation."""
         return self.status == "cut"
+
+    @property
+    def remainder_rms_mm(self) -> float | None:
+        """RMS of measured minus predicted; None where nothing was measured or cut."""
+        if self.remainder_mm is None or not self.is_cut.any():
+            return None
+        return float(np.sqrt(np.mean(self.remainder_mm[self.is_cut] ** 2)))
+
+    @property
+    def remainder(self) -> Variant:
+        """Measured minus predicted as a variant of its own, for maps and statistics."""
+        if self.remainder_mm is None:
+            raise ValueError(f"variant {self.name} was not compared with a measurement")
+        name, label = f"{self.name}_remainder", f"Measured − {self.label}"
+        return Variant(name, label, self.remainder_mm, self.status)
 
 
 @dataclass(frozen=True)
@@ -149,6 +168,15 @@ class InspectedPoints:
             if variant.name == name:
                 return variant
         raise KeyError(name)
+
+    @property
+    def remainders(self) -> tuple[Variant, ...]:
+        """Measured minus predicted, of every variant that was compared with a measurement."""
+        return tuple(v.remainder for v in self.variants if v.remainder_mm is not None)
+
+    def with_remainders(self) -> InspectedPoints:
+        """The same points with the remainders as further variants, for what is drawn."""
+        return replace(self, variants=(*self.variants, *self.remainders))
 
     @property
     def primary(self) -> Variant:

@@ -64,7 +64,7 @@ def _plotter(folder: Path, points: InspectedPoints, *, off_screen: bool):
 
     surface = _coloured_surface(folder / "part.stl", points)
     names = [variant.name for variant in points.variants]
-    range_um = um_from_mm(common_range_mm(points))
+    range_um = um_from_mm(common_range_mm(points.variants))
     plotter = pyvista.Plotter(off_screen=off_screen, title=f"vmach: {folder}")
 
     def show(name: str) -> None:
