@@ -4,6 +4,7 @@ Knows neither NC programs nor machines.
 """
 
 from stock.collision import Collision, find_collisions
+from stock.compile_ahead import compile_ahead
 from stock.edge import Edges, EdgeStatus, find_edges
 from stock.errors import StockError
 from stock.export import write_part
@@ -24,6 +25,7 @@ __all__ = [
     "Sweeps",
     "Tool",
     "VirtualPart",
+    "compile_ahead",
     "cut_part",
     "find_collisions",
     "find_edges",

@@ -9,6 +9,7 @@ from enum import IntEnum
 
 import numpy as np
 
+from stock.compile_ahead import await_compiled
 from stock.compiled import read_only
 from stock.contact import Cut
 from stock.errors import StockError
@@ -108,6 +109,7 @@ def find_edges(
     motion = build_motion(sweeps, size)
     cut = Cut(motion, build_outlines(tools))
     work = Work(cut, build_trees(motion, sweeps, size))
+    await_compiled()
     status, edge, parameter, sweep = walk_lines(work, points, normals, blank, float(reach_mm))
     contact = np.zeros_like(points)
     known = np.flatnonzero(sweep >= 0)

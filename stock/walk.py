@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from stock.contact import TOUCH_MM, Cut, entry, exit_below, point_at
 from stock.threads import run_in_parts
 from stock.tree import Trees, bound_of_box, morton_order, pieces_of_leaf
 
-__all__ = ["CUT", "GOUGED", "UNCUT", "Work", "walk_lines"]
+__all__ = ["CUT", "GOUGED", "UNCUT", "Work", "is_walk_compiled", "walk_lines"]
 
 CUT, UNCUT, GOUGED = 0, 1, 2
 _STACK = 128
@@ -60,6 +61,12 @@ def walk_lines(work, points, normals, blank, reach):
         block=_COMPANY,
     )
     return found
+
+
+def is_walk_compiled() -> bool:
+    """Whether the machine code of the walk has been kept from an earlier run."""
+    kept = f"{Path(__file__).stem}.{_walk_part.__name__}-*.nbc"
+    return any(Path(_walk_part.stats.cache_path).glob(kept))
 
 
 def _nodes_to_visit():

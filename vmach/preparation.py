@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from gcode import MachineLimits, MoveKind, Moves, Program, ToolEntry, read_program
-from stock import Tool
+from stock import Tool, compile_ahead
 from vmach.errors import InputError
 from vmach.job import WORK_OFFSETS, Job
 from vmach.toolpath import NODE_SPACING_MM, Toolpath
@@ -69,6 +69,7 @@ def prepare(
     source = program_path or job.program
     if not source.is_file():
         raise InputError("NC program not found", file=source)
+    compile_ahead()
     program = read_program(
         source,
         work_offsets_mm=job.work_offsets_mm,

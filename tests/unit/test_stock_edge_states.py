@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from stock import EdgeStatus, StockError, Sweeps, find_edges, make_tool
+from stock.compile_ahead import compile_walk
 from stock.tree import _fill_morton_codes
-from stock.walk import _walk_part
+from stock.walk import _walk_part, is_walk_compiled
 from tests.oracle.stock_edge_cases import joined, polyline, sweeps_of
 
 FLAT = make_tool("flat", diameter_mm=10.0, length_mm=30.0)
@@ -173,6 +174,14 @@ def test_bad_input_is_named(changes, said):
     with pytest.raises(StockError) as caught:
         find_edges(arguments.pop("points_mm"), arguments.pop("normals"), **arguments)
     assert said in str(caught.value)
+
+
+def test_what_is_compiled_ahead_is_what_the_engine_uses():
+    one([0.0, 0.0, 0.3], UP)
+    used = list(_walk_part.signatures)
+    compile_walk()
+    assert _walk_part.signatures == used
+    assert is_walk_compiled()
 
 
 def test_arrays_that_may_and_may_not_be_written_use_one_compiled_kernel():
