@@ -11,6 +11,7 @@ from gcode.errors import ProgramError
 from gcode.expressions import value_of
 from gcode.interpreter import execute, restore_modes
 from gcode.lexer import Block, OWord, compact, is_control, read_block
+from gcode.loop_guard import LoopGuard, check_count
 from gcode.source import Source
 from gcode.state import Controller
 
@@ -79,6 +80,7 @@ class _Runner:
     ) -> None:
         self.controller, self.data = controller, source.data
         self.block_delete, self.max_blocks = block_delete, max_blocks
+        self.guard = LoopGuard(controller)
         self.keep = len(source.data) <= _KEEP_UP_TO
         self.texts: dict[int, tuple[str, int]] = {}
         self.blocks: tuple[dict[int, Block], dict[int, Block]] = ({}, {})
@@ -120,16 +122,23 @@ class _Runner:
                 continue
             if self.skip_to is not None and not is_control(text):
                 continue
+            level = len(self.frames)
             if self._obey(here, text):
                 return
+            if self.next <= here and len(self.frames) == level:
+                self.guard.jumped_back(self.next[0] + 1, level=level, executed=executed,
+                                       flow=self._flow())  # fmt: skip
         self._finish()
 
     def _check_count(self, executed: int, line: int) -> None:
         """Give up where too many lines have been obeyed, `line` (1-based) the last of them."""
-        if executed > self.max_blocks:
-            self.controller.line = line - (executed - self.max_blocks) + 1
-            raise ProgramError(f"program runs more than {self.max_blocks} blocks",
-                               hint="look for a loop without end, or raise max_blocks")
+        self.controller.line = line - max(executed - self.max_blocks - 1, 0)
+        check_count(executed, self.max_blocks)
+
+    def _flow(self) -> tuple:
+        """What decides which line follows, beside the controller's state."""
+        return (self.frames, self.labels, self.skip_to, self.seeking_sub, self.defining,
+                self.if_done, self.leaving, self.continuing)  # fmt: skip
 
     def _finish(self) -> None:
         if self.skip_to is not None:

@@ -112,7 +112,7 @@ def read_program(
     block_delete: bool = False,
     machine_unit_mm: float = 1.0,
     preview: bool = False,
-    max_blocks: int = 10_000_000,
+    max_blocks: int = 3_000_000,
     fast: bool | None = None,
     steps: list[Step] | None = None,
 ) -> Program:
@@ -145,7 +145,7 @@ def read_program(
         After a tool change, take the last commanded point for the position even where an offset
         has changed since, as LinuxCNC's stand-alone interpreter does and a machine does not.
     max_blocks : int
-        Give up after so many blocks.
+        Give up after so many blocks more than the program has lines.
     fast : bool, optional
         Read stretches of plain motion with compiled code; the result is the same to the bit.
         By default for programs of 50 kB and more.

@@ -32,7 +32,7 @@ def run_program(
     block_delete : bool
         Skip lines that begin with a slash (RS274/NGC).
     max_blocks : int
-        Give up after so many blocks.
+        Give up after so many blocks more than the program has lines.
     fast : bool
         Use the compiled reader for plain motion (RS274/NGC).
 
@@ -41,6 +41,7 @@ def run_program(
     ProgramError
         With the line at which the program cannot go on.
     """
+    max_blocks += len(source)
     try:
         if dialect == "rs274":
             run_rs274(controller, source, block_delete=block_delete, max_blocks=max_blocks,

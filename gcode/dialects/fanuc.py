@@ -15,6 +15,7 @@ from gcode.errors import ProgramError
 from gcode.expressions import Reader, value_of
 from gcode.interpreter import execute
 from gcode.lexer import Block, compact, read_block
+from gcode.loop_guard import LoopGuard
 from gcode.state import Controller
 
 __all__ = ["Fanuc"]
@@ -45,7 +46,7 @@ class Fanuc(Translated):
         super().__init__(controller, lines, max_blocks=max_blocks)
         self.texts: list[str | None] = [None] * len(lines)
         self.calls: list[_Call] = []
-        self.programs: dict[int, int] = {}
+        self.guard = LoopGuard(controller)
         self.radius_offset: float | None = None  #: D stays in force between blocks
         numbers = controller.parameters.numbered
         controller.parameters.computed.update(
@@ -147,9 +148,16 @@ class Fanuc(Translated):
         for index in range(start, stop):
             match = _HEAD.match(compact(self.lines[index]))
             if match[1] is not None and int(match[1]) == wanted:
-                self.next = index
+                self._jump(index)
                 return
         raise ProgramError(f"GOTO{wanted}: no block N{wanted} in this program")
+
+    def _jump(self, index: int) -> None:
+        """Go on at another line of the running program."""
+        if index < self.next:
+            self.guard.jumped_back(index + 1, level=len(self.calls), executed=self.executed,
+                                   flow=(self.calls, self.radius_offset))  # fmt: skip
+        self.next = index
 
     def _program_lines(self) -> tuple[int, int]:
         """First line of the running program, and the line at which the next begins."""
@@ -176,7 +184,7 @@ class Fanuc(Translated):
         start = self._program_lines()[0]
         for index in range(self.next - 2, start - 1, -1):
             if re.fullmatch(rf"(?:while\[.*\])?do{label}", self._content(index)):
-                self.next = index
+                self._jump(index)
                 return
         raise ProgramError(f"END{label} without DO{label}")
 

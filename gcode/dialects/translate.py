@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from gcode.cutter_compensation import flush
-from gcode.errors import ProgramError
 from gcode.interpreter import execute
 from gcode.lexer import compact, read_block
+from gcode.loop_guard import check_count
 from gcode.state import Controller
 
 __all__ = ["Translated", "number"]
@@ -32,23 +32,20 @@ class Translated:
 
     def __init__(self, controller: Controller, lines: list[str], *, max_blocks: int) -> None:
         self.controller, self.lines, self.max_blocks = controller, lines, max_blocks
-        self.next = 0
+        self.next = self.executed = 0
         self.ended = False
 
     def run(self) -> None:
         """Run to the end of the program."""
         controller = self.controller
-        executed = 0
         while self.next < len(self.lines) and not self.ended:
             here = self.next
             self.next = here + 1
             controller.line = controller.record.line = here + 1
             if controller.trace is not None:
                 controller.trace.begin(here + 1)
-            executed += 1
-            if executed > self.max_blocks:
-                raise ProgramError(f"program runs more than {self.max_blocks} blocks",
-                                   hint="look for a loop without end, or raise max_blocks")
+            self.executed += 1
+            check_count(self.executed, self.max_blocks)
             self.obey(self.lines[here])
         flush(controller)
 

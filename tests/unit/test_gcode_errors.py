@@ -51,8 +51,9 @@ def test_message_says_what_is_accepted_and_gives_a_hint():
     assert message == "part.nc:2: G1 with feed zero (hint: give a feed first, for example F500)"
 
 
-def test_endless_loop_ends():
-    assert "more than 1000 blocks" in refusal("O1 while [1]\nO1 endwhile\n", max_blocks=1000)
+def test_too_many_blocks_end():
+    text = "F9 G91\nO1 while [1]\nG1 X1\nO1 endwhile\n"
+    assert "more than 1004 blocks" in refusal(text, max_blocks=1000)
 
 
 @pytest.mark.parametrize("name", ["G53", "X"])
