@@ -143,7 +143,8 @@ class _Patch:
         except (QhullError, ValueError):  # fewer than three points, or all on one line
             return vertices, np.empty((0, 3), dtype=np.int64)
         a, b, c = np.moveaxis(copies[triangles] * self.scale, 1, 0)
-        area = np.cross(b - a, c - a) / 2.0
+        one, other = b - a, c - a
+        area = (one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]) / 2.0
         sides = [np.linalg.norm(x - y, axis=1) for x, y in ((a, b), (b, c), (c, a))]
         triangles = np.where((area < 0.0)[:, None], triangles[:, ::-1], triangles)
         centre = copies[triangles].mean(axis=1)
