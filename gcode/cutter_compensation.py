@@ -9,12 +9,13 @@ refused. Coordinates are those of the plane: first, second, axial.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
+from gcode.arc_words import arc_centre
 from gcode.arcs import Point, arc_angle, arc_length
 from gcode.block_values import Values, whole
 from gcode.compensation_queue import WaitingMove
 from gcode.errors import ProgramError
+from gcode.feed import set_inverse_time_feed
 from gcode.record import Call
 from gcode.state import PLANE_AXES, XY, XZ, Controller
 
@@ -265,12 +266,7 @@ def _line_after_arc(path: _Path, arc_before: WaitingMove, heading: float) -> Poi
     return _beside(centre, radius, theta + _HALF + swing)
 
 
-ArcCentre = Callable[[Controller, Values, Point, Point], tuple[Point, int]]
-
-
-def arc(
-    controller: Controller, block: Values, end: list[float], *, arc_centre: ArcCentre
-) -> None:
+def arc(controller: Controller, block: Values, end: list[float]) -> None:
     """G2 and G3 with compensation on.
 
     Parameters
@@ -281,28 +277,21 @@ def arc(
         Its words.
     end : list of float
         Programmed end X Y Z A B C.
-    arc_centre : callable
-        Finds centre and turns from the block's words, start and end.
     """
     path = _Path(controller, end)
     if controller.entering:
-        _entry_arc(path, block, arc_centre)
+        _entry_arc(path, block)
     else:
-        _following_arc(path, block, arc_centre)
+        _following_arc(path, block)
 
 
 def _set_feed(path: _Path, block: Values, start: Point, *, centre: Point, turns: int,
               rise: float) -> None:  # fmt: skip
-    controller = path.controller
-    if controller.feed_mode != "inverse":
-        return
     length = arc_length(start, path.end, centre, turns=turns, rise=rise)
-    rate = 0.1 if length == 0.0 else length * block.words["f"]
-    path.queue.say(lambda: controller.record.set_feed(rate))
-    controller.feed = rate
+    set_inverse_time_feed(path.controller, block, length)
 
 
-def _entry_arc(path: _Path, block: Values, arc_centre: ArcCentre) -> None:
+def _entry_arc(path: _Path, block: Values) -> None:
     """First compensated move: an arc from the present point tangent to the offset contour."""
     if _distance(path.current, path.end) <= path.radius:
         raise ProgramError("entry arc of cutter compensation is not larger than the tool radius "
@@ -333,7 +322,7 @@ def _entry_arc(path: _Path, block: Values, arc_centre: ArcCentre) -> None:
     path.finish(target)
 
 
-def _following_arc(path: _Path, block: Values, arc_centre: ArcCentre) -> None:
+def _following_arc(path: _Path, block: Values) -> None:
     """An arc after another compensated move."""
     start = path.programmed
     centre, turns = arc_centre(path.controller, block, start, path.end)

@@ -167,11 +167,6 @@ class _Drill:
         _CYCLES[self.motion](hole, self.clearance)
 
 
-def _require_spindle(hole: Hole, name: str) -> None:
-    if hole.controller.spindle == 0:
-        raise ProgramError(f"{name} with the spindle standing", hint="start it with M3 or M4")
-
-
 def _g81(hole: Hole, _: float) -> None:
     hole.feed(hole.bottom)
     hole.rapid(hole.clear)
@@ -212,7 +207,7 @@ def _tap(hole: Hole, sense: int, name: str) -> None:
     In G18 and G19 the control permutes the axes once too often: depth and position change
     places. The tool goes there, so this goes there.
     """
-    _require_spindle(hole, name)
+    hole.controller.require_spindle(name)
     if hole.controller.spindle != sense:
         raise ProgramError(f"{name} with the spindle turning the wrong way",
                            accepted="M3 for G84, M4 for G74")
@@ -254,13 +249,13 @@ def _g85(hole: Hole, _: float) -> None:
 
 
 def _g86(hole: Hole, _: float) -> None:
-    _require_spindle(hole, "G86")
+    hole.controller.require_spindle("G86")
     _g82(hole, _)
 
 
 def _g87(hole: Hole, _: float) -> None:
     """Back boring: enter beside the hole, bore upwards to K."""
-    _require_spindle(hole, "G87")
+    hole.controller.require_spindle("G87")
     memory = hole.controller.cycle
     first, second, axial = PLANE_AXES[hole.controller.plane]
     aside = (hole.first + memory.ijk[first], hole.second + memory.ijk[second])
@@ -277,7 +272,7 @@ def _g87(hole: Hole, _: float) -> None:
 
 def _g88(hole: Hole, _: float) -> None:
     """Stops at the bottom; the operator retracts by hand to the clear level."""
-    _require_spindle(hole, "G88")
+    hole.controller.require_spindle("G88")
     hole.feed(hole.bottom)
     hole.dwell(hole.controller.cycle.p)
     axial = PLANE_AXES[hole.controller.plane][2]

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 
 from gcode import arcs, cutter_compensation
+from gcode.arc_words import arc_centre, check_arc_words
 from gcode.block_values import Values
 from gcode.codes import AXES
 from gcode.errors import ProgramError
+from gcode.feed import check_feed, set_inverse_time_feed
 from gcode.record import Call
 from gcode.state import PLANE_AXES, XY, YZ, Controller, rotate
 
-__all__ = ["arc", "block_end", "check_feed", "probe", "set_inverse_time_feed", "straight",
-           "traverse"]  # fmt: skip
+__all__ = ["arc", "block_end", "probe", "straight", "traverse"]
 
 
 def block_end(controller: Controller, block: Values) -> list[float]:
@@ -80,29 +81,6 @@ def _polar(controller: Controller, words: dict[str, float], end: list[float]) ->
     end[0], end[1] = radius * math.cos(angle), radius * math.sin(angle)
 
 
-def check_feed(controller: Controller, block: Values, name: str) -> None:
-    """Raise ProgramError where a feed move has no feed."""
-    if controller.feed_mode == "inverse":
-        if "f" not in block.words:
-            raise ProgramError(f"{name} without F in inverse time mode (G93)",
-                               hint="every move needs its own F")
-        return
-    if controller.feed == 0.0:
-        raise ProgramError(f"{name} with feed zero", hint="give a feed first, for example F500")
-    if controller.feed_mode == "revolution" and controller.speed == 0.0:
-        raise ProgramError(f"{name} with feed per revolution and spindle speed zero",
-                           hint="give a speed with S")
-
-
-def set_inverse_time_feed(controller: Controller, block: Values, length: float) -> None:
-    """G93: turn F (moves a minute) into a feed for a move of this length."""
-    if controller.feed_mode != "inverse":
-        return
-    rate = 0.1 if length == 0.0 else length * block.words["f"]
-    controller.queue.say(lambda: controller.record.set_feed(rate))
-    controller.feed = rate
-
-
 def _straight_length(start: list[float], end: list[float]) -> float:
     linear = [b - a for a, b in zip(start[:3], end[:3], strict=True)]
     angular = [b - a for a, b in zip(start[3:], end[3:], strict=True)]
@@ -137,66 +115,13 @@ def traverse(controller: Controller, end: list[float], call: Call = Call.TRAVERS
     controller.position = end
 
 
-def arc_offsets(controller: Controller, words: dict[str, float]) -> tuple[float, float]:
-    """I J K of the plane as (first, second); missing ones are zero unless G90.1 is on."""
-    first, second, axial = PLANE_AXES[controller.plane]
-    letters = "ijk"
-    if letters[axial] in words:
-        raise ProgramError(f"{letters[axial].upper()} word in an arc of plane "
-                           f"{'XYZ'[first]}{'XYZ'[second]}",
-                           accepted=f"{letters[first].upper()} {letters[second].upper()}")
-    for index in (first, second):
-        if letters[index] not in words and controller.arc_absolute:
-            raise ProgramError(f"{letters[index].upper()} word missing in arc with absolute centre")
-    return words.get(letters[first], 0.0), words.get(letters[second], 0.0)
-
-
-def check_arc_words(controller: Controller, block: Values) -> None:
-    """Raise ProgramError where the words of an arc contradict each other."""
-    words = block.words
-    has_ijk = any(letter in words for letter in "ijk")
-    if controller.straight_only:
-        raise ProgramError("the move after the end of cutter compensation must be straight",
-                           hint="insert G0 or G1 before the arc")
-    if "r" not in words and not has_ijk:
-        raise ProgramError("arc without R, I, J or K")
-    if "r" in words and has_ijk:
-        raise ProgramError("arc with R and with I, J or K", accepted="one of the two")
-    check_feed(controller, block, "arc")
-    if has_ijk:
-        arc_offsets(controller, words)
-        return
-    first, second, _ = PLANE_AXES[controller.plane]
-    polar = controller.plane == XY and ("@" in words or "^" in words)
-    if AXES[first] not in words and AXES[second] not in words and not polar:
-        raise ProgramError(f"arc with R without {AXES[first].upper()} and {AXES[second].upper()}")
-
-
-def arc_centre(
-    controller: Controller, block: Values, start: arcs.Point, end: arcs.Point
-) -> tuple[arcs.Point, int]:
-    """Centre in the plane's coordinates, and turns (negative clockwise)."""
-    words = block.words
-    clockwise = block.motion == 20
-    turns = math.floor(words.get("p", 1.0) + 0.5)
-    if "r" in words:
-        centre = arcs.centre_from_radius(start, end, words["r"], clockwise=clockwise,
-                                         unit_mm=controller.unit_mm)  # fmt: skip
-    else:
-        centre = arcs.centre_from_offsets(
-            start, end, arc_offsets(controller, words), absolute=controller.arc_absolute,
-            tolerance=controller.tolerance, unit_mm=controller.unit_mm,
-        )  # fmt: skip
-    return centre, -turns if clockwise else turns
-
-
 def arc(controller: Controller, block: Values, motion: int) -> None:
     """G2 and G3 in any plane, helices and several turns included."""
     check_arc_words(controller, block)
     end = block_end(controller, block)
     controller.motion = motion
     if controller.side and controller.radius > 0.0:
-        cutter_compensation.arc(controller, block, end, arc_centre=arc_centre)
+        cutter_compensation.arc(controller, block, end)
         return
     first, second, axial = PLANE_AXES[controller.plane]
     start = controller.position

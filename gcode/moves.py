@@ -118,3 +118,8 @@ class Moves:
 
     def __len__(self) -> int:
         return len(self.kind)
+
+    @property
+    def at_feed(self) -> np.ndarray:
+        """Moves in which the tool may cut, (N,) bool: neither rapids nor pauses."""
+        return (self.kind == MoveKind.LINE) | (self.kind == MoveKind.ARC)

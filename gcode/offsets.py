@@ -190,12 +190,10 @@ def _setup_system(controller: Controller, block: Values, system: int, form: int)
             offset[axis] = value
     parameters.set_vector(base, controller.to_machine_units(offset))
     if active:
-        _apply_system(controller, offset, angle, keep_rotation=form != 20)
+        _apply_system(controller, offset, angle)
 
 
-def _apply_system(
-    controller: Controller, offset: list[float], angle: float, *, keep_rotation: bool
-) -> None:
+def _apply_system(controller: Controller, offset: list[float], angle: float) -> None:
     """Make a changed offset of the active system effective."""
     position = controller.position
     rotate(position, controller.rotation_deg)
@@ -274,5 +272,3 @@ def load_offsets(controller: Controller) -> None:
     system = int(controller.parameters.numbered.get(FIRST_SYSTEM, 1.0))
     _load_system(controller, system)
     say_work_system(controller)
-
-

@@ -13,11 +13,6 @@ from gcode.state import Controller
 __all__ = ["run_threading", "synchronised"]
 
 
-def _require_spindle(controller: Controller, name: str) -> None:
-    if controller.spindle == 0:
-        raise ProgramError(f"{name} with the spindle standing", hint="start it with M3 or M4")
-
-
 def synchronised(controller: Controller, block: Values, motion: int) -> None:
     """G33 (one pass) and G33.1 (rigid tapping: to the end and back)."""
     name = "G33" if motion == 330 else "G33.1"
@@ -25,7 +20,7 @@ def synchronised(controller: Controller, block: Values, motion: int) -> None:
     controller.straight_only = False
     end = block_end(controller, block)
     controller.require_no_compensation(f"use {name}")
-    _require_spindle(controller, name)
+    controller.require_spindle(name)
     record, feed = controller.record, controller.record.feed_mm_per_min
     pitch_mm = abs(block.words["k"]) * controller.unit_mm
     record.feed_mm_per_min = pitch_mm * controller.speed
@@ -44,7 +39,7 @@ def run_threading(controller: Controller, block: Values) -> None:
     controller.motion = 760
     controller.straight_only = False
     end = block_end(controller, block)
-    _require_spindle(controller, "G76")
+    controller.require_spindle("G76")
     scale = 0.5 if controller.diameter_mode else 1.0
     i, j, k = (words[letter] * scale for letter in "ijk")
     if i == 0.0 or j <= 0.0 or k <= j or words["p"] <= 0.0:

@@ -8,7 +8,8 @@ import numpy as np
 
 from gcode.block_values import Values
 from gcode.errors import ProgramError
-from gcode.motion import block_end, check_feed, set_inverse_time_feed, traverse
+from gcode.feed import check_feed, set_inverse_time_feed
+from gcode.motion import block_end, traverse
 from gcode.record import Call
 from gcode.state import XY, Controller
 

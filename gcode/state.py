@@ -14,12 +14,16 @@ from gcode.record import Record
 from gcode.tools import ToolEntry
 from gcode.trace import Trace
 
-__all__ = ["PLANE_AXES", "XY", "XZ", "YZ", "Controller", "mapping_of_systems", "rotate"]
+__all__ = ["PLANE_AXES", "WORK_OFFSETS", "XY", "XZ", "YZ", "Controller", "mapping_of_systems",
+           "rotate"]  # fmt: skip
 
 XY, YZ, XZ = 1, 2, 3
 
 #: plane -> indices of first, second and axial axis.
 PLANE_AXES = {XY: (0, 1, 2), YZ: (1, 2, 0), XZ: (2, 0, 1)}
+
+#: names of the work offsets in the order of their numbers, 1 = G54
+WORK_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
 
 _ZERO = (0.0,) * 6
 
@@ -140,6 +144,11 @@ class Controller:
             raise ProgramError(f"cannot {what} with cutter compensation on",
                                hint="cancel it with G40 first")
 
+    def require_spindle(self, name: str) -> None:
+        """Raise ProgramError where the spindle stands that the cycle `name` wants to turn."""
+        if self.spindle == 0:
+            raise ProgramError(f"{name} with the spindle standing", hint="start it with M3 or M4")
+
     def find_tool(self, number: int, *, word: str) -> ToolEntry:
         """Look up the tool table; number 0 means the tool in the spindle."""
         if number == 0:
@@ -171,8 +180,7 @@ class Controller:
 
 def mapping_of_systems(work_offsets_mm: Mapping[str, object]) -> dict[int, object]:
     """Translate G54 ... G59.3 to 1 ... 9; raises ProgramError for other names."""
-    names = ["G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"]
     for name in work_offsets_mm:
-        if name.upper() not in names:
-            raise ProgramError(f"unknown work offset '{name}'", accepted=", ".join(names))
-    return {names.index(name.upper()) + 1: value for name, value in work_offsets_mm.items()}
+        if name.upper() not in WORK_OFFSETS:
+            raise ProgramError(f"unknown work offset '{name}'", accepted=", ".join(WORK_OFFSETS))
+    return {WORK_OFFSETS.index(name.upper()) + 1: value for name, value in work_offsets_mm.items()}

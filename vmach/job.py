@@ -11,7 +11,7 @@ import numpy as np
 
 from stock import StockError, Tool, make_tool
 from vmach.errors import InputError
-from vmach.job_schema import WORK_OFFSETS, InspectionEntry, JobSchema, ToolEntry
+from vmach.job_schema import InspectionEntry, JobSchema, ToolEntry
 from vmach.machine import Machine, read_machine
 from vmach.text_file import read_text
 from vmach.toml_file import line_of_key, read_toml
@@ -19,7 +19,7 @@ from vmach.toml_file import line_of_key, read_toml
 if TYPE_CHECKING:
     import trimesh
 
-__all__ = ["WORK_OFFSETS", "Blank", "Inspection", "Job", "JobTool", "read_job"]
+__all__ = ["Blank", "Inspection", "Job", "JobTool", "read_job"]
 
 #: keys of a tool that its cutting part is made from
 _CUTTER_DIMENSIONS = {

@@ -6,11 +6,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field
 
+from gcode import WORK_OFFSETS
 from gcode.dialects import DIALECTS
 from vmach.toml_file import FileSection, Finite, NonNegative, Point, Positive, Whole
 
 __all__ = [
-    "WORK_OFFSETS",
     "FittedEntry",
     "HistoryEntry",
     "InspectionEntry",
@@ -19,8 +19,6 @@ __all__ = [
     "ToolEntry",
 ]
 
-#: names of the work offsets in the order of their numbers, 1 = G54
-WORK_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
 #: largest number of a tool
 _LARGEST_TOOL = 99_999
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from gcode import MachineLimits, MoveKind, Moves, Program, ToolEntry, read_program
+from gcode import WORK_OFFSETS, MachineLimits, MoveKind, Moves, Program, ToolEntry, read_program
 from stock import Tool, compile_ahead
 from vmach.errors import InputError
-from vmach.job import WORK_OFFSETS, Job
+from vmach.job import Job
 from vmach.toolpath import NODE_SPACING_MM, Toolpath
 
 __all__ = ["Preparation", "prepare"]
@@ -175,7 +175,7 @@ def _with_tool_lengths(moves: Moves, job: Job) -> Moves:
 def _offsets_that_differ(job: Job, moves: Moves, source: Path) -> tuple[str, ...]:
     """One note for every tool that cuts with an offset other than its length."""
     notes = []
-    feeding = (moves.kind == MoveKind.LINE) | (moves.kind == MoveKind.ARC)
+    feeding = moves.at_feed
     for number, tool in job.tools.items():
         offset = moves.tool_offset_mm[:, 2]
         wrong = feeding & (moves.tool == number) & (np.abs(offset - tool.length_mm) > 1e-6)
@@ -212,7 +212,7 @@ def _zero_name(job: Job, moves: Moves, source: Path) -> str:
     """The work offset that is the workpiece zero."""
     if job.workpiece_zero is not None:
         return job.workpiece_zero
-    feeding = (moves.kind == MoveKind.LINE) | (moves.kind == MoveKind.ARC)
+    feeding = moves.at_feed
     used = [WORK_OFFSETS[k - 1] for k in np.unique(moves.work_offset[feeding])]
     known = ", ".join(job.work_offsets_mm)
     if len(used) > 1:

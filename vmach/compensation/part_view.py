@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcode import MoveKind
 from vmach.compensation.model import TipModel
 from vmach.compensation.written_run import WrittenRun
 from vmach.machine import Variant
@@ -126,7 +125,7 @@ class PartView:
 def _made_at_feed(states: PathStates) -> np.ndarray:
     """States at feed, and at the start of rapids that follow a cut by the same tool, (P,) bool."""
     moves, move = states.moves, states.move
-    feed = (moves.kind == MoveKind.LINE) | (moves.kind == MoveKind.ARC)
+    feed = moves.at_feed
     before = np.maximum(move - 1, 0)
     leaves = (states.parameter == 0.0) & feed[before] & (moves.tool[before] == moves.tool[move])
     return feed[move] | leaves

@@ -7,12 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
-from gcode import Moves
+from gcode import WORK_OFFSETS, Moves
 from vmach.effects.blank_depth import blank_depth_mm
 from vmach.effects.engagement import radial_depth_mm
 from vmach.effects.history_of_motion import MotionHistory
 from vmach.effects.path_dynamics import corner_before, curvature_per_mm
-from vmach.job import WORK_OFFSETS, Job
+from vmach.job import Job
 from vmach.machine import COMPONENT_NAMES, ComponentError, RigidDisplacement, Variant
 from vmach.machine.component_errors import component_of
 from vmach.machine.displacement import contributions

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
+from gcode import WORK_OFFSETS
 from vmach.effects.effect import Effect, inner, linear
-from vmach.job import WORK_OFFSETS
 
 __all__ = ["DatumShift", "Fixture"]
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numba import njit
 
-from gcode import MoveKind, Moves
+from gcode import Moves
 from vmach.path_geometry import move_length_mm, position_at
 
 __all__ = ["radial_depth_mm"]
@@ -70,7 +70,7 @@ def _chords(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Straight pieces of the tip's path at feed: start, end (M, 3), move and parameter (M,)."""
     length = tool_lengths_mm[np.minimum(moves.tool, len(tool_lengths_mm) - 1)]
-    feeding = (moves.kind == MoveKind.LINE) | (moves.kind == MoveKind.ARC)
+    feeding = moves.at_feed
     index = np.flatnonzero(np.isfinite(length) & feeding)
     pieces = np.maximum(np.ceil(np.abs(moves.sweep_rad[index]) / _ARC_STEP_RAD), 1).astype(int)
     owner = np.repeat(index, pieces)

@@ -96,7 +96,7 @@ class MotionHistory:
     def cutting_way_mm(self, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
         """Way that the tool in the spindle has gone at feed since the program's start, (P,)."""
         moves = self.moves
-        feeding = (moves.kind == MoveKind.LINE) | (moves.kind == MoveKind.ARC)
+        feeding = moves.at_feed
         length = np.where(feeding, move_length_mm(moves), 0.0)
         before = np.zeros(len(moves))
         for tool in np.unique(moves.tool):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -55,7 +56,7 @@ class Circle:
 
 
 def circles(
-    circle: Circle, angle_rad: np.ndarray, time_s: np.ndarray, *, group: np.ndarray, path
+    circle: Circle, angle_rad: np.ndarray, time_s: np.ndarray, *, group: np.ndarray, path: Path
 ) -> PathStates:
     """States at the readings of a test, run after run.
 
@@ -103,7 +104,9 @@ def circles(
     return record.states(move, parameter)
 
 
-def _turned(angle: np.ndarray, time: np.ndarray, group: np.ndarray, path, first: int) -> np.ndarray:
+def _turned(
+    angle: np.ndarray, time: np.ndarray, group: np.ndarray, path: Path, first: int
+) -> np.ndarray:
     """Angle of one run without jumps of a whole turn."""
     turned = np.unwrap(angle)
     if len(angle) < 2 or turned[-1] == turned[0] or time[-1] <= time[0]:

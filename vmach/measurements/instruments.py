@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -10,11 +11,12 @@ from vmach.errors import InputError
 from vmach.job import Job
 from vmach.machine import LINEAR_AXES, Variant, displacement
 from vmach.measurements.ballbar_motion import Circle, circles
-from vmach.measurements.columns import read_columns
+from vmach.measurements.columns import Columns, read_columns
 from vmach.measurements.instrument_settings import (
     Ballbar,
     Diagonal,
     Drift,
+    InstrumentSettings,
     Laser,
     Tip,
     settings_of,
@@ -68,7 +70,7 @@ class _Model:
         return np.einsum("ij,ij->i", sensing, moved.shift_mm)
 
 
-def _ballbar(settings: Ballbar, path, model: _Model) -> Measurement:
+def _ballbar(settings: Ballbar, path: Path, model: _Model) -> Measurement:
     table = read_columns(
         path, numbers=("feed_mm_min", "angle_deg", "t_s", "radius_um"), text=("run",)
     )
@@ -91,11 +93,10 @@ def _ballbar(settings: Ballbar, path, model: _Model) -> Measurement:
         u_mm=np.full(len(out), mm_from_um(settings.u_um)),
         group=group,
         nuisance=np.column_stack([np.ones(len(out)), np.cos(angle), np.sin(angle)]),
-        nuisance_names=("radius", f"centre {settings.plane[0]}", f"centre {settings.plane[1]}"),
     )
 
 
-def _laser(settings: Laser, path, model: _Model) -> Measurement:
+def _laser(settings: Laser, path: Path, model: _Model) -> Measurement:
     table = read_columns(
         path, numbers=("position_mm", "approach", "t_s", "deviation_um"), text=("run",)
     )
@@ -105,7 +106,7 @@ def _laser(settings: Laser, path, model: _Model) -> Measurement:
     return _along_line(settings, table, nose, direction=np.eye(3)[axis], model=model)
 
 
-def _diagonal(settings: Diagonal, path, model: _Model) -> Measurement:
+def _diagonal(settings: Diagonal, path: Path, model: _Model) -> Measurement:
     table = read_columns(
         path, numbers=("distance_mm", "approach", "t_s", "deviation_um"), text=("run",)
     )
@@ -121,13 +122,18 @@ def _diagonal(settings: Diagonal, path, model: _Model) -> Measurement:
 
 
 def _along_line(
-    settings: Laser | Diagonal, table, nose, *, direction: np.ndarray, model: _Model
+    settings: Laser | Diagonal,
+    table: Columns,
+    nose_mm: np.ndarray,
+    *,
+    direction: np.ndarray,
+    model: _Model,
 ) -> Measurement:
     """Readings along a straight line, zero left free."""
-    count = len(nose)
+    count = len(nose_mm)
     side = np.sign(table.numbers["approach"])[:, None] * np.sign(np.round(direction, 9))
     states = stop_and_go(
-        nose, table.numbers["t_s"], side=side, tool_length_mm=settings.tool_length_mm
+        nose_mm, table.numbers["t_s"], side=side, tool_length_mm=settings.tool_length_mm
     )
     sensing = np.tile(direction, (count, 1))
     return Measurement(
@@ -141,11 +147,10 @@ def _along_line(
         u_mm=np.full(count, mm_from_um(settings.u_um)),
         group=np.char.add("run ", table.text["run"]),
         nuisance=np.ones((count, 1)),
-        nuisance_names=("zero",),
     )
 
 
-def _drift(settings: Drift, path, model: _Model) -> Measurement:
+def _drift(settings: Drift, path: Path, model: _Model) -> Measurement:
     table = read_columns(path, numbers=("t_s", "spindle_rpm", *_ALONG))
     time = table.numbers["t_s"]
     nose = np.tile(settings.at_mm, (len(time), 1))
@@ -164,11 +169,10 @@ def _drift(settings: Drift, path, model: _Model) -> Measurement:
         states,
         model=model,
         nuisance=zero,
-        names=("zero X", "zero Y", "zero Z"),
     )
 
 
-def _tip(settings: Tip, path, model: _Model) -> Measurement:
+def _tip(settings: Tip, path: Path, model: _Model) -> Measurement:
     table = read_columns(path, numbers=("t_s", *"XYZ", "sx", "sy", "sz", *_ALONG))
     nose = table.vectors("XYZ")
     states = stop_and_go(
@@ -178,18 +182,21 @@ def _tip(settings: Tip, path, model: _Model) -> Measurement:
         tool_length_mm=settings.tool_length_mm,
     )
     unit = np.tile(np.eye(3), (len(nose), 1))
-    nuisance, names = unit, ("offset X", "offset Y", "offset Z")
+    nuisance = unit
     if settings.frame == "rigid":
         arm = np.repeat(nose - nose.mean(axis=0), 3, axis=0)
         nuisance = np.hstack([unit, np.cross(arm, unit)])
-        names = (*names, "turn about X", "turn about Y", "turn about Z")
-    return _three_directions(
-        "tip", settings, table, states, model=model, nuisance=nuisance, names=names
-    )
+    return _three_directions("tip", settings, table, states, model=model, nuisance=nuisance)
 
 
 def _three_directions(
-    kind, settings, table, states: PathStates, *, model: _Model, nuisance, names
+    kind: str,
+    settings: InstrumentSettings,
+    table: Columns,
+    states: PathStates,
+    *,
+    model: _Model,
+    nuisance: np.ndarray,
 ) -> Measurement:
     """One reading along each of X, Y and Z at every state."""
     count = len(states)
@@ -212,7 +219,6 @@ def _three_directions(
         u_mm=np.full(3 * count, mm_from_um(settings.u_um)),
         group=np.tile([f"along {axis}" for axis in LINEAR_AXES], count),
         nuisance=nuisance,
-        nuisance_names=tuple(names),
     )
 
 

@@ -35,7 +35,6 @@ class Measurement:
         Readings that belong together: the feature, the run, the direction.
     nuisance : (P, K) float64
         Columns of what the instrument leaves free: alignment, zero, radius ...
-    nuisance_names : tuple of str
     notes : tuple of str
         What the reader noticed and survived.
     """
@@ -50,7 +49,6 @@ class Measurement:
     u_mm: np.ndarray
     group: np.ndarray
     nuisance: np.ndarray
-    nuisance_names: tuple[str, ...]
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

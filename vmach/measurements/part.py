@@ -95,7 +95,6 @@ def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Meas
         u_mm=np.ones(len(cut)) if points.u_mm is None else points.u_mm[cut],
         group=points.feature[cut],
         nuisance=np.hstack([normal, np.cross(arm, normal)]),
-        nuisance_names=("shift X", "shift Y", "shift Z", "turn X", "turn Y", "turn Z"),
         notes=notes,
     )
 
