@@ -10,21 +10,27 @@ __all__ = ["run_in_parts"]
 
 #: parts for each core, so that a slow one does not keep the others waiting
 _PARTS = 16
-#: a part is worth a thread from this many items on
+#: a part is worth a thread from this many items on, where nothing else is said
 _LEAST = 256
 
 
-def run_in_parts(kernel: Callable[[int, int], None], count: int, *, block: int = 1) -> None:
+def run_in_parts(
+    kernel: Callable[[int, int], None], count: int, *, block: int = 1, least: int = _LEAST
+) -> None:
     """Call ``kernel(begin, end)`` for parts that cover 0 to `count`, each of whole blocks.
 
     The kernel has to release the interpreter's lock (``nogil``) and to write only what belongs
-    to its own part; the result then does not depend on the number of cores.
+    to its own part; the result then does not depend on the number of cores. An interrupt ends
+    the parts that have begun and leaves out the others. `least` items are worth a thread.
     """
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    parts = max(1, min(cores * _PARTS, count // _LEAST))
+    parts = max(1, min(cores * _PARTS, count // least))
     ends = [count * part // parts // block * block for part in range(parts)] + [count]
     if parts == 1:
         kernel(0, count)
         return
-    with ThreadPoolExecutor(cores) as pool:
+    pool = ThreadPoolExecutor(cores)
+    try:
         list(pool.map(kernel, ends[:-1], ends[1:]))
+    finally:
+        pool.shutdown(cancel_futures=True)

@@ -8,8 +8,10 @@ spanned by some of the points is no corner.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 from scipy.spatial import ConvexHull
+
+from stock.threads import run_in_parts
 
 __all__ = ["farthest_pair"]
 
@@ -87,11 +89,20 @@ def _corners(points: np.ndarray) -> np.ndarray:
     return ConvexHull(along[:, :dimensions]).vertices
 
 
-@njit(cache=True, parallel=True)
-def _extremes(points, directions):
+def _extremes(points: np.ndarray, directions: np.ndarray) -> np.ndarray:
     """Index of the farthest point along each direction."""
     found = np.zeros(len(directions), dtype=np.int64)
-    for d in prange(len(directions)):
+    run_in_parts(
+        lambda begin, end: _fill_extremes(points, directions, (begin, end), found),
+        len(directions),
+        least=1,
+    )
+    return found
+
+
+@njit(cache=True, nogil=True)
+def _fill_extremes(points, directions, part, found):
+    for d in range(part[0], part[1]):
         best = -np.inf
         for p in range(len(points)):
             along = (
@@ -102,21 +113,27 @@ def _extremes(points, directions):
             if along > best:
                 best = along
                 found[d] = p
-    return found
 
 
-@njit(cache=True, parallel=True)
-def _outside(points, planes, margin):
+def _outside(points: np.ndarray, planes: np.ndarray, margin: float) -> np.ndarray:
     """Whether a point is outside or within `margin` of any plane ``n x + d <= 0``."""
     result = np.zeros(len(points), dtype=np.bool_)
-    for p in prange(len(points)):
+    run_in_parts(
+        lambda begin, end: _fill_outside(points, planes, margin, (begin, end), result),
+        len(points),
+    )
+    return result
+
+
+@njit(cache=True, nogil=True)
+def _fill_outside(points, planes, margin, part, result):
+    for p in range(part[0], part[1]):
         x, y, z = points[p]
         for k in range(len(planes)):
             side = planes[k, 0] * x + planes[k, 1] * y + planes[k, 2] * z + planes[k, 3]
             if side > -margin:
                 result[p] = True
                 break
-    return result
 
 
 @njit(cache=True)

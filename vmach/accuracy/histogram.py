@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
+
+from stock.threads import run_in_parts
 
 __all__ = ["difference_histogram"]
 
 _MOST_POINTS = 10_000  #: beyond that, this many are drawn by chance
 _SEED = 230
+_SHARES = 32  #: of the first indices, that threads work on
 
 
 def difference_histogram(
@@ -36,16 +39,24 @@ def difference_histogram(
         chosen = np.random.default_rng(_SEED).choice(len(vectors), _MOST_POINTS, replace=False)
         vectors = vectors[np.sort(chosen)]
     edges = np.linspace(0.0, largest if largest > 0 else 1.0, bins + 1)
-    counts = _count(np.ascontiguousarray(vectors), edges[-1], bins).sum(axis=0)
+    counts = _counts(np.ascontiguousarray(vectors), edges[-1], bins)
     return edges, counts, len(vectors)
 
 
-@njit(cache=True, parallel=True)
-def _count(vectors, largest, bins):
-    """Pairs by length of their difference, one row a thread's share of the first index."""
-    shares = 32
-    counts = np.zeros((shares, bins), dtype=np.int64)
-    for share in prange(shares):
+def _counts(vectors: np.ndarray, largest: float, bins: int) -> np.ndarray:
+    """Pairs by length of their difference, (bins,)."""
+    counts = np.zeros((_SHARES, bins), dtype=np.int64)
+    run_in_parts(
+        lambda begin, end: _fill_counts(vectors, largest, (begin, end), counts), _SHARES, least=1
+    )
+    return counts.sum(axis=0)
+
+
+@njit(cache=True, nogil=True)
+def _fill_counts(vectors, largest, part, counts):
+    """One row for every share of the first indices, which are dealt out one by one."""
+    shares, bins = counts.shape
+    for share in range(part[0], part[1]):
         for i in range(share, len(vectors), shares):
             for j in range(i + 1, len(vectors)):
                 dx = vectors[i, 0] - vectors[j, 0]
@@ -53,4 +64,3 @@ def _count(vectors, largest, bins):
                 dz = vectors[i, 2] - vectors[j, 2]
                 length = np.sqrt(dx * dx + dy * dy + dz * dz)
                 counts[share, min(int(length / largest * bins), bins - 1)] += 1
-    return counts
