@@ -8,10 +8,9 @@ from datetime import date
 import numpy as np
 import pytest
 
-from tests.machine_cases import constant, make_machine
+from tests.machine_cases import make_machine
 from vmach.machine import COMPONENT_NAMES, ComponentError, Variant, displacement
 from vmach.machine.audit import audit
-from vmach.machine.coverage import uncovered
 from vmach.machine.double_counting import double_counting
 from vmach.machine.interpolation import Extrapolation
 
@@ -137,14 +136,3 @@ def test_double_count_of_an_angle_by_hand():
     nose, tool = np.array([[0.0, 0.0, 0.0]]), np.array([0.0, 0.0, -400.0])
     assert displacement(machine, nose, tool, Variant.ABBE).shift_mm[0, 0] == pytest.approx(-4e-3)
     assert displacement(machine, nose, tool, Variant.HTM).shift_mm[0, 0] == pytest.approx(-8e-3)
-
-
-def test_positions_beyond_tables_are_counted():
-    component = replace(constant("EXX", 1e-3), position_mm=np.array([-100.0, 0.0]),
-                        extrapolation=Extrapolation.HOLD)  # fmt: skip
-    machine = make_machine("t (C) Z Y b X' w", {"EXX": component})
-    nose = np.array([[-150.0, 0, 0], [-100.0, 0, 0], [30.0, 0, 0], [-50.0, 900, 0]])
-    (gap,) = uncovered(machine, nose)
-    assert (gap.component, gap.table_mm, gap.asked_mm) == ("EXX", (-100, 0), (-150, 30))
-    assert gap.states == 2
-    assert "EXX: 2 positions beyond the table (-100 .. 0 mm" in str(gap)

@@ -20,7 +20,7 @@ def read(tmp_path, text, units=MM_PER, unit="um"):
 
 def test_rows_in_any_order_and_comments(tmp_path):
     table = read(tmp_path, "# laser, 2 runs\nposition_mm, backward, forward\n0,4,3\n-50,2,1\n")
-    assert table.position_mm.tolist() == [-50, 0]
+    assert table.position.tolist() == [-50, 0]
     assert table.forward.tolist() == [0.001, 0.003]
     assert table.backward.tolist() == [0.002, 0.004]
     assert table.notes == ("rows sorted by position",)
@@ -37,7 +37,7 @@ def test_gap_lies_on_the_line_between_its_neighbours_and_is_noted(tmp_path):
 def test_unit_in_a_column_goes_before_that_of_the_machine_file(tmp_path):
     text = "position_inch,forward_arcsec,backward\n0,1,1\n2,1,2\n"
     table = read(tmp_path, text, RAD_PER, "um/m")
-    assert table.position_mm.tolist() == [0, 50.8]
+    assert table.position.tolist() == [0, 50.8]
     assert table.forward == pytest.approx(np.full(2, math.pi / 180 / 3600))
     assert table.backward.tolist() == [1e-6, 2e-6]
 
@@ -57,7 +57,7 @@ def test_single_readings_below_each_other(tmp_path):
         rows += [f"{run},{x},1,{x / 10 + run}" for x in (0, 10, 20)]
         rows += [f"{run},{x},-1,{x / 10 - run}" for x in (20, 10, 0)]
     table = read(tmp_path, "\n".join(rows))
-    assert table.position_mm == pytest.approx([0, 10, 20])
+    assert table.position == pytest.approx([0, 10, 20])
     assert table.runs.forward * 1e3 == pytest.approx(np.array([[1, 2, 3], [2, 3, 4]]))
     assert table.runs.backward * 1e3 == pytest.approx(np.array([[-1, 0, 1], [-2, -1, 0]]))
 
@@ -121,3 +121,14 @@ def test_complaints_about_volumetric_files(tmp_path, format_name, text, line, pa
         read_volumetric_file(path, format_name)
     assert (caught.value.file, caught.value.line) == (path, line)
     assert part in str(caught.value)
+
+
+def test_positions_in_messages_are_in_the_unit_of_the_file(tmp_path):
+    path = tmp_path / "table.csv"
+    path.write_text("position_deg,forward,backward\n0,1,1\n90,,2\n180,3,3\n")
+    rad_per = {"deg": math.pi / 180.0}
+    table = read_error_table(path, MM_PER, "um", positions=rad_per)
+    assert table.notes == ("no forward reading at 90 deg: taken from the neighbours",)
+    path.write_text("position_deg,forward,backward\n0,1,1\n90,,2\n")
+    with pytest.raises(InputError, match="no forward reading at 90 deg, the end"):
+        read_error_table(path, MM_PER, "um", positions=rad_per)

@@ -72,6 +72,8 @@ class Iteration:
         Where the tool shall be beside the nominal path; on it without.
     done : int
         Rounds so far.
+    stuck : (M, 3) bool
+        Axes, for every move, that have no word in their block and may not get one.
     """
 
     preparation: Preparation
@@ -84,7 +86,7 @@ class Iteration:
     done: int = 0
 
     def __post_init__(self) -> None:
-        """Axes, for every move, that have no word in their block and may not get one."""
+        """Find the axes that are stuck, and refuse arcs that would have to be divided blindly."""
         rewriter, moves = self.rewriter, self.preparation.path.nodes.moves
         far = np.abs(moves.sweep_rad) > LARGEST_SWEEP_RAD
         for move in np.flatnonzero(rewriter.unknown_start & far)[:1]:

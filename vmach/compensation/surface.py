@@ -39,6 +39,8 @@ class Surface:
         To draw them on.
     source : str
         What the points were taken from.
+    aim : SurfacePoints, optional
+        Points to aim a program at, none of which is among `points`.
     """
 
     points: SurfacePoints
@@ -208,7 +210,7 @@ def check_surface(
     for effect in effects:
         share = np.einsum("ij,ij->i", effect.at_surface(left), normal)
         if share.any():
-            at_edge[getattr(effect, "label", type(effect).__name__)] = share
+            at_edge[effect.label] = share
     return SurfaceCheck(
         surface=surface,
         row=rows,

@@ -35,7 +35,22 @@ _NO_SPAN = 1e-12
 class WrittenRun:
     """What the model makes of a written program.
 
-    Piece ``written[k]`` of the plan is row ``row[k]`` of the moves of `again`.
+    Attributes
+    ----------
+    original, again : Preparation
+        The nominal program, and the written one as it was read back.
+    model : TipModel
+    plan : Plan
+        K pieces.
+    written : (W,) int64
+        Pieces that rounding has left a block.
+    row : (W,) int64
+        Their moves in `again`.
+    said : (M, 3) bool
+    unknown_start : (M,) bool
+        Of the nominal moves, as `said_axes` finds them.
+    shift : PathShift, optional
+        Where the tool shall be beside its nominal path.
     """
 
     original: Preparation

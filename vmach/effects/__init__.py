@@ -1,5 +1,6 @@
 """Physical effects beyond the error tables: one file an effect, joined by the catalogue."""
 
+from vmach.effects.catalogue import catalogue, read_effects, set_up_effect
 from vmach.effects.circumstances import Circumstances
 from vmach.effects.effect import (
     Displaced,
@@ -9,14 +10,8 @@ from vmach.effects.effect import (
     inner,
     linear,
 )
+from vmach.effects.effect_file import load_effect_file
 from vmach.effects.instance import EffectInstance
-
-from vmach.effects.catalogue import (  # isort: skip  (the effects import the names above)
-    catalogue,
-    read_effects,
-    set_up_effect,
-)
-from vmach.effects.effect_file import load_effect_file  # isort: skip
 
 __all__ = [
     "Circumstances",

@@ -1,8 +1,7 @@
 """Squareness: two axes do not stand at right angles."""
 
-import numpy as np
-
 from vmach.effects.effect import Effect, linear
+from vmach.machine.squareness import lean_direction
 
 __all__ = ["Squareness"]
 
@@ -26,5 +25,5 @@ class Squareness(Effect):
 
     def displacement(self, path, target, squareness_urad):
         axis, rotation = _PAIRS[target]
-        across = np.cross(np.eye(3)[rotation], np.eye(3)[axis])
-        return 1e-6 * squareness_urad * path.nose_mm[:, axis, None] * across
+        lean = 1e-6 * squareness_urad * path.nose_mm[:, axis, None]
+        return lean * lean_direction(axis, rotation)

@@ -66,7 +66,7 @@ def evaluated_tables(data: Path, unit: str) -> Iterator[EvaluatedTable]:
 
 def _means(table: Any) -> Runs:
     """A table of means as one run: enough for E, M and B."""
-    return Runs(table.position_mm, table.forward, table.backward)
+    return Runs(table.position, table.forward, table.backward)
 
 
 def iso230_figures(

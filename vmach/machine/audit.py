@@ -16,6 +16,7 @@ from vmach.machine.chain import LINEAR_AXES
 from vmach.machine.component_errors import COMPONENT_NAMES, SetUp, component_of
 from vmach.machine.interpolation import Extrapolation
 from vmach.machine.machine import Machine
+from vmach.machine.squareness import squareness_name
 
 __all__ = ["Finding", "audit"]
 
@@ -60,16 +61,12 @@ def audit(machine: Machine) -> tuple[Finding, ...]:
     return tuple(sorted(found, key=lambda finding: order.index(finding.level)))
 
 
-def _squareness_name(axis: int, rotation: int) -> str:
-    return f"E{'ABC'[rotation]}0{LINEAR_AXES[axis]}"
-
-
 def _right_angles_stated_twice(machine: Machine) -> Iterator[Finding]:
     sigma = machine.squareness_rad
     for rotation in range(3):
         first, second = (rotation + 1) % 3, (rotation + 2) % 3
         if sigma[first, rotation] and sigma[second, rotation]:
-            one, other = _squareness_name(first, rotation), _squareness_name(second, rotation)
+            one, other = squareness_name(first, rotation), squareness_name(second, rotation)
             yield Finding(
                 "doubt",
                 one,
@@ -90,9 +87,9 @@ def _reference_axes_out_of_square(machine: Machine) -> Iterator[Finding]:
             role = "primary" if axis == primary else "secondary"
             yield Finding(
                 "contradiction",
-                _squareness_name(axis, rotation),
+                squareness_name(axis, rotation),
                 f"{LINEAR_AXES[axis]} is the {role} axis of the frame, so this right angle "
-                f"belongs to {_squareness_name(other, rotation)}, with the other sign",
+                f"belongs to {squareness_name(other, rotation)}, with the other sign",
             )
 
 
@@ -108,7 +105,7 @@ def _slopes(machine: Machine) -> Iterator[Finding]:
         if over_table_mm < _SLOPE_OVER_TABLE_MM:
             continue
         amount = f"a slope of {slope * 1e6:.3g} um/m, {over_table_mm * 1e3:.3g} um over the table"
-        square = _squareness_name(axis, 3 - direction - axis)
+        square = squareness_name(axis, 3 - direction - axis)
         if component.slope_removed:
             yield Finding("contradiction", name, f"slope_removed, but there is {amount}")
         elif machine.squareness_rad[axis, 3 - direction - axis]:

@@ -20,6 +20,7 @@ from vmach.machine.kernel import compile_errors, displace
 from vmach.machine.machine import Machine
 from vmach.machine.rotary_displacement import rotary_displacement
 from vmach.machine.single_errors import single_errors
+from vmach.machine.squareness import lean_direction, squareness_name
 from vmach.variant import Variant
 
 __all__ = ["RigidDisplacement", "contributions", "displacement"]
@@ -207,7 +208,6 @@ def _squareness(machine: Machine, nose_mm: np.ndarray) -> Iterator[tuple[str, Ri
             angle = machine.squareness_rad[axis, rotation]
             if rotation == axis or angle == 0.0:
                 continue
-            across = np.cross(np.eye(3)[rotation], np.eye(3)[axis])
-            shift = angle * nose_mm[:, axis, None] * across
-            name = f"E{'ABC'[rotation]}0{'XYZ'[axis]}"
-            yield name, RigidDisplacement(shift, np.zeros_like(shift))
+            shift = angle * nose_mm[:, axis, None] * lean_direction(axis, rotation)
+            part = RigidDisplacement(shift, np.zeros_like(shift))
+            yield squareness_name(axis, rotation), part

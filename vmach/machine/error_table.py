@@ -17,7 +17,7 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -48,15 +48,15 @@ class ErrorTable:
 
     Attributes
     ----------
-    position_mm, forward, backward : (K,) float64
-        Means, sorted by position, gaps filled.
+    position, forward, backward : (K,) float64
+        Means, sorted by position, gaps filled. Positions in mm, of a rotary axis in rad.
     runs : Runs or None
         The single runs, where the file has them.
     notes : tuple of str
         What was done to the file's rows: sorted, gaps filled.
     """
 
-    position_mm: np.ndarray
+    position: np.ndarray
     forward: np.ndarray
     backward: np.ndarray
     runs: Runs | None
@@ -105,7 +105,7 @@ def read_error_table(
     runs = _long_runs(values, header) if header.approach is not None else _wide_runs(values, header)
     _check_positions(runs.position_mm, header)
     forward, backward = (
-        _filled(getattr(runs, way), runs.position_mm, path, notes=notes, way=way)
+        _filled(getattr(runs, way), runs.position_mm, header, notes=notes, way=way)
         for way in ("forward", "backward")
     )
     single = max(len(runs.forward), len(runs.backward)) > 1 or header.approach is not None
@@ -127,7 +127,8 @@ class _Header:
     ) -> None:
         self.path, self.line, self.names = path, line, names
         self.largest, self.size_unit = (10.0, "mm") if "mm" in units else (0.1, "rad")
-        self.position, self.position_scale = self._find_position(positions)
+        self.position, self.position_unit = self._find_position(positions)
+        self.position_scale = positions[self.position_unit]
         self.approach = names.index("approach") if "approach" in names else None
         self.forward: list[int] = []
         self.backward: list[int] = []
@@ -153,11 +154,11 @@ class _Header:
         if not self.forward or not self.backward or len(set(names)) < len(names):
             raise self._wrong()
 
-    def _find_position(self, positions: Mapping[str, float]) -> tuple[int, float]:
+    def _find_position(self, positions: Mapping[str, float]) -> tuple[int, str]:
         for column, name in enumerate(self.names):
             unit = name.removeprefix("position_")
             if unit != name and unit in positions:
-                return column, positions[unit]
+                return column, unit
         raise self._wrong()
 
     def _wrong(self) -> InputError:
@@ -235,23 +236,29 @@ def _check_positions(position: np.ndarray, header: _Header) -> None:
 
 
 def _filled(
-    side: np.ndarray, position_mm: np.ndarray, path: Path, *, notes: list[str], way: str
+    side: np.ndarray, position: np.ndarray, header: _Header, *, notes: list[str], way: str
 ) -> np.ndarray:
     """Mean over the runs; an inner position without a reading lies on the line between its
     neighbours, and a note says so."""
     known = np.isfinite(side)
     count = known.sum(axis=0)
     if not (count[0] and count[-1]):
-        at = position_mm[0] if not count[0] else position_mm[-1]
+        at = position[0] if not count[0] else position[-1]
         raise InputError(
-            f"no {way} reading at {at:g} mm, the end of the table", file=path,
+            f"no {way} reading at {_listed([at], header)}, the end of the table", file=header.path,
             accepted="both directions at either end",
         )  # fmt: skip
     mean = np.where(known, side, 0.0).sum(axis=0) / np.maximum(count, 1)
     gaps = np.flatnonzero(count == 0)
     if gaps.size:
         there = count > 0
-        mean[gaps] = np.interp(position_mm[gaps], position_mm[there], mean[there])
-        listed = ", ".join(f"{x:g}" for x in position_mm[gaps])
-        notes.append(f"no {way} reading at {listed} mm: taken from the neighbours")
+        mean[gaps] = np.interp(position[gaps], position[there], mean[there])
+        listed = _listed(position[gaps], header)
+        notes.append(f"no {way} reading at {listed}: taken from the neighbours")
     return mean
+
+
+def _listed(position: Iterable[float], header: _Header) -> str:
+    """Positions in the unit of the file."""
+    numbers = ", ".join(f"{x / header.position_scale:g}" for x in position)
+    return f"{numbers} {header.position_unit}"

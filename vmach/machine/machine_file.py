@@ -134,7 +134,7 @@ class _Source:
         interpolation, evidence = self._interpolation(name, entry, table)
         component = ComponentError(
             name,
-            table.position_mm,
+            table.position,
             table.forward,
             table.backward,
             self._measured_at(name, entry, chain),
@@ -161,7 +161,7 @@ class _Source:
         own = entry.interpolation is not None
         method = entry.interpolation or common.interpolation or Method.LINEAR
         if method == CROSS_VALIDATION:
-            scores = cross_validate(table.position_mm, 0.5 * (table.forward + table.backward))
+            scores = cross_validate(table.position, 0.5 * (table.forward + table.backward))
             return choose(scores), scores
         order = entry.order or (None if own else common.order)
         period = entry.period_mm or (None if own else common.period_mm)

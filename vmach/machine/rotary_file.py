@@ -116,7 +116,7 @@ def _component(
     table = read_error_table(folder / entry.table, units, unit, positions=_RAD_PER_POSITION)
     return RotaryError(
         name,
-        table.position_mm,
+        table.position,
         0.5 * (table.forward + table.backward),
         Interpolation(Method(method)),
         entry.extrapolation or data.tables.extrapolation or Extrapolation.REFUSE,

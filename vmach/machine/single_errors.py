@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from vmach.machine.chain import LINEAR_AXES
 from vmach.machine.machine import Machine
+from vmach.machine.squareness import squareness_name
 
 __all__ = ["single_errors"]
 
@@ -29,7 +29,7 @@ def single_errors(machine: Machine) -> Iterator[tuple[str, Machine]]:
     for axis, rotation in np.argwhere(machine.squareness_rad * (1.0 - np.eye(3))):
         sigma = np.zeros((3, 3))
         sigma[axis, rotation] = machine.squareness_rad[axis, rotation]
-        yield f"E{'ABC'[rotation]}0{LINEAR_AXES[axis]}", replace(perfect, squareness_rad=sigma)
+        yield squareness_name(axis, rotation), replace(perfect, squareness_rad=sigma)
     for letter, axis in machine.rotary.items():
         for name, component in axis.components.items():
             alone = replace(bare[letter], components={name: component})

@@ -11,14 +11,25 @@ from collections.abc import Mapping
 import numpy as np
 
 from vmach.errors import InputError
+from vmach.machine.chain import LINEAR_AXES
 from vmach.machine.error_table import RAD_PER
 
-__all__ = ["agreed_value", "squareness_vectors"]
+__all__ = ["agreed_value", "lean_direction", "squareness_name", "squareness_vectors"]
 
 #: reports round: two statements of one angle may differ by this share, or by half a unit
 _ROUNDING_SHARE = 0.01
 _ROUNDING = {"um_per_m": 0.05, "arcsec": 0.5}
 _RAD = {"um_per_m": RAD_PER["um/m"], "arcsec": RAD_PER["arcsec"]}
+
+
+def squareness_name(axis: int, rotation: int) -> str:
+    """``EC0Y`` for axis 1 and rotation 2: the line of Y turned about C."""
+    return f"E{'ABC'[rotation]}0{LINEAR_AXES[axis]}"
+
+
+def lean_direction(axis: int, rotation: int) -> np.ndarray:
+    """Unit vector (3,) towards which a positive squareness leans the axis: e_rotation x e_axis."""
+    return np.cross(np.eye(3)[rotation], np.eye(3)[axis])
 
 
 def squareness_vectors(squareness_rad: Mapping[str, float]) -> np.ndarray:

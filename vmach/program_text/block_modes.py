@@ -10,7 +10,11 @@ import numpy as np
 from gcode import MoveKind, Program, Step
 from vmach.errors import InputError
 
-__all__ = ["BlockModes", "block_modes"]
+__all__ = ["PLANE_AXES", "BlockModes", "block_modes"]
+
+#: number of the plane, as in `gcode.Modes` -> first and second axis in it, and the one across
+PLANE_AXES = {1: (0, 1, 2), 2: (1, 2, 0), 3: (2, 0, 1)}
+
 
 #: machine coordinates, reference points, and tapping that turns back by itself: they stay
 _LEFT = {280, 300, 530, 331}

@@ -9,6 +9,7 @@ import numpy as np
 
 from gcode import Modes, MoveKind, Program, Step, Word
 from vmach.errors import InputError
+from vmach.program_text.block_modes import PLANE_AXES
 from vmach.program_text.expanded_text import Expanded, LineBuilder, number_text
 
 __all__ = ["plain"]
@@ -24,7 +25,6 @@ _DIAMETER = "diameter mode"
 _GONE = {0, 10, 20, 30, 530, 980, 990} | {400, 410, 420, 411, 421} | _CYCLES | {800}
 _GONE_WORDS = frozenset("XYZIJKRPQLD@^")
 _AXES = "XYZ"
-_AXES_OF_PLANE = {1: (0, 1, 2), 2: (1, 2, 0), 3: (2, 0, 1)}
 _STILL_MM = 1e-9
 _REFERENCE = {280, 300}
 
@@ -274,12 +274,12 @@ class _Blocks:
             moved |= [a in self.step.words for a in _AXES]
             moved[:2] |= bool(self.step.words.keys() & {"@", "^"})
         if is_arc:
-            moved[list(_AXES_OF_PLANE[self.modes.plane][:2])] = True
+            moved[list(PLANE_AXES[self.modes.plane][:2])] = True
         values = (end if self.modes.absolute else end - start) / self.modes.unit_mm
         return [a + number_text(a, v) for a, v, m in zip(_AXES, values, moved, strict=True) if m]
 
     def _centre_words(self, start: np.ndarray, arc: tuple) -> list[str]:
-        first, second, _ = _AXES_OF_PLANE[self.modes.plane]
+        first, second, _ = PLANE_AXES[self.modes.plane]
         centre = {first: arc[4], second: arc[5]}
         words = []
         for axis in sorted(centre):

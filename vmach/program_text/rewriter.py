@@ -9,7 +9,7 @@ import numpy as np
 
 from gcode import MoveKind, Program, Word
 from vmach.path_geometry import move_length_mm, position_at
-from vmach.program_text.block_modes import BlockModes
+from vmach.program_text.block_modes import PLANE_AXES, BlockModes
 from vmach.program_text.block_text import block_text
 from vmach.program_text.control import CONTROLS, TargetControl
 from vmach.program_text.expanded_text import number_text
@@ -21,7 +21,6 @@ from vmach.program_text.written_arc import WantedArc, best_centre, best_radius, 
 
 __all__ = ["Rewriter", "Target", "Written"]
 
-_PLANE_AXES = {1: (0, 1), 2: (1, 2), 3: (2, 0)}
 #: corrections that change no word count as swallowed above this, program units
 _NOTHING = 1e-9
 
@@ -46,6 +45,8 @@ class Written:
         1-based line of the new text; 0 for a piece that rounding has swallowed.
     inserted, swallowed : int
         Blocks that are new; corrections too small to change a word.
+    inserted_after : list of int
+        For every new block the line of the original program that it stands behind.
     """
 
     text: bytes = b""
@@ -300,7 +301,7 @@ class _LineWriter:
         self, wanted: tuple[np.ndarray, ...], before: np.ndarray, texts: dict[str, str]
     ) -> int:
         """Add the words of an arc through three points; its G code, 1 where a line is nearer."""
-        side = list(_PLANE_AXES[self.mode.plane])
+        side = list(PLANE_AXES[self.mode.plane][:2])
         arc = WantedArc(*(p[side] / self.unit for p in (*wanted, before, self.now)))
         absolute = self.mode.absolute_centre or self.rewriter.text.absolute_centres
         origin = self.zero[side] / self.unit if absolute else arc.start
