@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.small_job import write_job
+from vmach.added_effects import add_effects
 from vmach.diagnosis.diagnose import diagnose, prepare_search
 from vmach.diagnosis.job_survey import survey_job
 from vmach.diagnosis.planned_tests import planned_tests, write_program
@@ -17,7 +18,7 @@ from vmach.diagnosis.words import what_is_left, with_unit
 from vmach.errors import InputError
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import Whitening
-from vmach.history import add_effects, draw_history, history_of
+from vmach.history import draw_history, history_of
 from vmach.job import read_job
 
 TIP = """

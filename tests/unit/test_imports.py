@@ -19,7 +19,7 @@ LAYERS = [
     {"prediction", "error_budget", "collisions", "measurements", "tip_errors", "program_text"},
     {"fit"},
     {"prediction_uncertainty"},
-    {"diagnosis", "controller_tables", "report", "history"},
+    {"diagnosis", "controller_tables", "report", "history", "added_effects"},
     {"inspection"},
     {"pipeline"},
     {"results", "compensation"},

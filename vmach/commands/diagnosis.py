@@ -66,7 +66,7 @@ def add(
     as_json: AsJson = False,
 ) -> None:
     """Fit effects to the measurements and put them into a new job; the old one stays."""
-    from vmach.history import add_effects
+    from vmach.added_effects import add_effects
 
     _load(effect_file)
     check_outputs([out])
