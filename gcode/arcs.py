@@ -9,7 +9,9 @@ from gcode.errors import ProgramError
 
 __all__ = ["arc_angle", "arc_length", "centre_from_offsets", "centre_from_radius"]
 
+#: LinuxCNC: an arc of a smaller radius is none, and an end may be so far beyond the diameter
 _ZERO_RADIUS_MM = 0.00127
+#: share of the radius below which the ends of an arc count as opposite each other
 _SEMICIRCLE = 1e-12
 
 Point = tuple[float, float]

@@ -12,6 +12,7 @@ __all__ = ["FastLane"]
 
 #: Stretches shorter than this are not worth the way to the compiled reader, lines.
 _SHORT = 8
+#: lines at most that go to the interpreter before the compiled reader is tried again
 _LONGEST_PAUSE = 256
 #: Bytes from which the number of lines is estimated.
 _SAMPLE = 1 << 16

@@ -8,7 +8,7 @@ from gcode.errors import ProgramError
 
 __all__ = ["FIRST_SYSTEM", "G28_HOME", "G30_HOME", "G92_APPLIED", "Parameters", "system_base"]
 
-_COUNT = 5602
+_COUNT = 5602  #: numbers below this exist, as in LinuxCNC
 _ARGUMENTS = 30  #: #1 ... #30 are the arguments of a subroutine
 _READ_ONLY = frozenset((*range(5400, 5414), *range(5420, 5429)))
 

@@ -14,7 +14,7 @@ from numba import njit
 __all__ = ["plain_stretch"]
 
 _POWERS = 10.0 ** np.arange(16)
-_DIGITS = 15
+_DIGITS = 15  #: whole numbers of so many digits are exact, and so are these powers of ten
 
 #: Which words stand in a line, one bit each; X, Y, Z are 1, 2, 4.
 _AXES, _G, _F = 7, 8, 16

@@ -20,7 +20,9 @@ from numba import njit
 
 __all__ = ["swept_points"]
 
+#: rounding of an azimuth: a corner right at the edge of what looks forward counts with it
 _SLACK_RAD = 1e-9
+#: parts of a unit vector below this are rounding
 _NOTHING = 1e-12
 #: a motion is level where a flat end rises by less than this over the tool's radius, mm
 _LEVEL_MM = 1e-4

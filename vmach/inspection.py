@@ -18,7 +18,7 @@ from vmach.points import SurfacePoints, read_points_csv
 from vmach.prediction import Prediction
 from vmach.report import STATUSES, InspectedPoints
 from vmach.report import Variant as Column
-from vmach.units import um_from_mm
+from vmach.units import um_from_mm, urad_from_rad
 
 __all__ = [
     "LABELS",
@@ -153,8 +153,8 @@ def _column(
             _some(points, cut), deviation[cut], mode=settings.alignment, datums=settings.datums
         )
         deviation[cut] = found.apply(points.point_mm[cut], points.normal[cut], deviation[cut])
-        shift = ", ".join(f"{1e3 * x:.2f}" for x in found.shift_mm)
-        turn = ", ".join(f"{1e6 * x:.1f}" for x in found.rotation_rad)
+        shift = ", ".join(f"{um_from_mm(x):.2f}" for x in found.shift_mm)
+        turn = ", ".join(f"{urad_from_rad(x):.1f}" for x in found.rotation_rad)
         label = LABELS[prediction.variant]
         notes.append(f"{label}: {settings.alignment} took away [{shift}] um, [{turn}] urad")
     return Column(

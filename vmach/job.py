@@ -15,6 +15,7 @@ from vmach.job_schema import InspectionEntry, JobSchema, ToolEntry
 from vmach.machine import Machine, read_machine
 from vmach.text_file import read_text
 from vmach.toml_file import line_of_key, read_toml
+from vmach.units import mm_from_um
 
 if TYPE_CHECKING:
     import trimesh
@@ -289,7 +290,7 @@ def _inspection(data: InspectionEntry, where: dict[str, Any]) -> Inspection:
         spacing_mm=data.spacing_mm,
         edge_margin_mm=data.edge_margin_mm,
         reach_mm=data.reach_mm,
-        tolerance_mm=data.tolerance_um * 1e-3,
+        tolerance_mm=mm_from_um(data.tolerance_um),
         alignment=data.alignment,
         datums=tuple(map(tuple, data.datums)),
     )

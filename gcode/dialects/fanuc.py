@@ -25,7 +25,7 @@ _ARGUMENTS = {"a": 1, "b": 2, "c": 3, "i": 4, "j": 5, "k": 6, "d": 7, "e": 8, "f
               "m": 13, "q": 17, "r": 18, "s": 19, "t": 20, "u": 21, "v": 22, "w": 23, "x": 24,
               "y": 25, "z": 26}  # fmt: skip
 _LOCALS = range(1, 34)
-_LEVELS = 9
+_LEVELS = 9  #: nesting of calls; more is a program that calls itself
 _HEAD = re.compile(r"/?(?:n(\d+))?")
 _PROGRAM = re.compile(r"(?:o|:)(\d+)")
 _ARGUMENT = re.compile(r"[a-z]")

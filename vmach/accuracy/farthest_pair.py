@@ -15,7 +15,7 @@ from stock.threads import run_in_parts
 
 __all__ = ["farthest_pair"]
 
-_THIN_ABOVE = 20_000
+_THIN_ABOVE = 20_000  #: hulls of fewer points take less time than thinning them
 _FLAT = 1e-9  #: extent below this share of the largest is no dimension
 _SAMPLE = 200_000  #: enough points to find a polytope that nearly fills the hull
 _DIRECTIONS = (26, 290)  #: of the two polytopes that thin a large set

@@ -13,7 +13,7 @@ from vmach.machine.interpolation import Extrapolation
 
 __all__ = ["ErrorField", "Volume", "error_field", "measured_volume"]
 
-_STATES_AT_ONCE = 400_000
+_STATES_AT_ONCE = 400_000  #: bounds the memory
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from vmach.accuracy.field import ErrorField, Volume, error_field
 from vmach.accuracy.histogram import difference_histogram
 from vmach.accuracy.volumetric import assess
 from vmach.machine import Machine, Variant
+from vmach.units import um_from_mm
 
 __all__ = ["accuracy_pictures", "draw_cones", "draw_histogram", "draw_maps", "draw_profile"]
 
@@ -57,7 +58,7 @@ def draw_cones(field: ErrorField, *, title: str) -> bytes:
     title : str
     """
     figure, axes = _space(title)
-    magnitude_um = 1e3 * field.magnitude_mm
+    magnitude_um = um_from_mm(field.magnitude_mm)
     scale = Normalize(0.0, max(magnitude_um.max(), 1e-9))
     where = field.nose_mm(np.arange(len(magnitude_um)))
     step = max(
@@ -111,13 +112,13 @@ def draw_histogram(
     figure = Figure(figsize=(10.0, 4.2), dpi=120, layout="constrained")
     FigureCanvasAgg(figure)
     one, pairs = figure.subplots(1, 2)
-    one.hist(1e3 * magnitude_mm, bins=50, color="#1f5fa8")
+    one.hist(um_from_mm(magnitude_mm), bins=50, color="#1f5fa8")
     one.set(xlabel="error of the tool tip, µm", ylabel="grid points", title="at one point")
-    pairs.bar(1e3 * edges_mm[:-1], counts, width=1e3 * np.diff(edges_mm), align="edge",
+    pairs.bar(um_from_mm(edges_mm[:-1]), counts, width=np.diff(um_from_mm(edges_mm)), align="edge",
               color="#c44e24")  # fmt: skip
-    pairs.axvline(1e3 * largest_mm, color="black", lw=1.0, ls="--")
+    pairs.axvline(um_from_mm(largest_mm), color="black", lw=1.0, ls="--")
     pairs.set(xlabel="difference of errors, µm", ylabel="pairs of points",
-              title=f"between two points, at most {1e3 * largest_mm:.1f} µm")  # fmt: skip
+              title=f"between two points, at most {um_from_mm(largest_mm):.1f} µm")  # fmt: skip
     return _png(figure)
 
 
@@ -126,13 +127,13 @@ def draw_maps(comparison: Comparison, *, title: str) -> bytes:
     figure = Figure(figsize=(11.0, 5.2), dpi=120, layout="constrained")
     FigureCanvasAgg(figure)
     fields = (("conventional HTM", comparison.htm), ("Abbe-consistent", comparison.abbe))
-    largest_um = 1e3 * max(field.magnitude_mm.max() for _, field in fields)
+    largest_um = um_from_mm(max(field.magnitude_mm.max() for _, field in fields))
     x, y, z = comparison.htm.volume.coordinates_mm
     levels = np.unique(np.linspace(0, len(z) - 1, 3).astype(int))
     axes = figure.subplots(2, len(levels), squeeze=False, sharex=True, sharey=True)
     picture = None
     for row, (name, field) in zip(axes, fields, strict=True):
-        magnitude_um = 1e3 * field.magnitude_mm.reshape(field.volume.counts)
+        magnitude_um = um_from_mm(field.magnitude_mm).reshape(field.volume.counts)
         for plot, level in zip(row, levels, strict=True):
             picture = plot.pcolormesh(
                 x, y, magnitude_um[:, :, level].T, shading="nearest", vmin=0.0,
@@ -143,8 +144,8 @@ def draw_maps(comparison: Comparison, *, title: str) -> bytes:
     figure.supxlabel("X, mm")
     figure.supylabel("Y, mm")
     figure.suptitle(
-        f"{title}: mean {1e3 * comparison.mean_htm_mm:.1f} µm against "
-        f"{1e3 * comparison.mean_abbe_mm:.1f} µm, {comparison.in_words}\n"
+        f"{title}: mean {um_from_mm(comparison.mean_htm_mm):.1f} µm against "
+        f"{um_from_mm(comparison.mean_abbe_mm):.1f} µm, {comparison.in_words}\n"
         "(this machine with these set-ups; the size is no constant of the method)",
         fontsize=10,
     )
@@ -158,9 +159,10 @@ def draw_profile(distance_mm: np.ndarray, error_mm: np.ndarray, *, title: str) -
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     for column, name in enumerate("XYZ"):
-        axes.plot(distance_mm, 1e3 * error_mm[:, column], lw=1.2, color=_AXES[name], label=name)
+        shown_um = um_from_mm(error_mm[:, column])
+        axes.plot(distance_mm, shown_um, lw=1.2, color=_AXES[name], label=name)
     length = np.linalg.norm(error_mm, axis=1)
-    axes.plot(distance_mm, 1e3 * length, "k--", lw=1.0, label="length")
+    axes.plot(distance_mm, um_from_mm(length), "k--", lw=1.0, label="length")
     axes.set(title=title, xlabel="distance along the path, mm", ylabel="error of the tool tip, µm")
     axes.grid(alpha=0.3)
     axes.legend(ncols=4, fontsize=8)

@@ -12,6 +12,7 @@ from vmach.machine import Machine
 
 __all__ = ["volume_of"]
 
+#: beyond that a slip: a grid of 171 points a side
 _MOST_POINTS = 5_000_000
 
 

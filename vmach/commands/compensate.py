@@ -14,6 +14,7 @@ from vmach.commands.options import JobPath, Model, command_line
 from vmach.errors import InputError
 from vmach.progress import progress_bar
 from vmach.stage_clock import StageClock
+from vmach.units import mm_from_um
 from vmach.variant import Variant
 
 if TYPE_CHECKING:
@@ -81,9 +82,9 @@ def compensate(
                 effects,
                 variant=model,
                 resolution_mm=resolution_mm,
-                tolerance_mm=1e-3 * tolerance_um,
-                limit_mm=1e-3 * limit_um,
-                residual_limit_mm=1e-3 * residual_limit_um,
+                tolerance_mm=mm_from_um(tolerance_um),
+                limit_mm=mm_from_um(limit_um),
+                residual_limit_mm=mm_from_um(residual_limit_um),
                 dialect=dialect,
                 aim_points=points if aim is Aim.PART else None,
                 round_points=points,

@@ -15,6 +15,7 @@ from vmach.atomic import atomic_folder
 from vmach.commands.options import AsJson, Model
 from vmach.errors import InputError
 from vmach.progress import progress_bar
+from vmach.units import mm_from_um
 from vmach.variant import Variant
 
 if TYPE_CHECKING:
@@ -73,7 +74,8 @@ def tables(
     if not 0 < tolerance_um < float("inf"):
         raise InputError(f"--tolerance-um {tolerance_um:g}", accepted="above 0")
     names = _format_names(formats)
-    task = _task(job, machine, model, tool_length=tool_length, tolerance_mm=1e-3 * tolerance_um)
+    tolerance_mm = mm_from_um(tolerance_um)
+    task = _task(job, machine, model, tool_length=tool_length, tolerance_mm=tolerance_mm)
     options = {"comp_type": comp_type, "cec_entries": cec_entries}
     with progress_bar() as progress, atomic_folder(out) as folder:
         made = make_tables(task, folder, formats=names, options=options, progress=progress)

@@ -11,7 +11,7 @@ from vmach.compensation.compensate import Compensation
 from vmach.compensation.part_aim import PartAim
 from vmach.compensation.safety import lines_text
 from vmach.compensation.surface import SurfaceCheck
-from vmach.units import um_from_mm
+from vmach.units import um_from_mm, urad_from_rad
 
 __all__ = ["as_json", "as_text", "remarks", "rows"]
 
@@ -76,7 +76,7 @@ def _uncorrected(found: Compensation, surface: SurfaceCheck | None) -> list[dict
     """What a path cannot correct, with its size."""
     named: list[dict[str, Any]] = []
     if found.tilt_rad:
-        tilt: dict[str, Any] = {"what": "tilt of the tool", "urad": 1e6 * found.tilt_rad}
+        tilt: dict[str, Any] = {"what": "tilt of the tool", "urad": urad_from_rad(found.tilt_rad)}
         if surface is not None and found.part_aim is None:
             tilt["surface_um"] = float(um_from_mm(np.abs(surface.tilt_mm).max()))
         named.append(tilt)

@@ -10,6 +10,7 @@ from vmach.compensation.iteration import Iteration, Solution
 from vmach.compensation.part_view import PartDeviation, PartView
 from vmach.compensation.probes import Probes, near_surface, path_probes, surface_probes
 from vmach.compensation.rounding import Rounding
+from vmach.compensation.surface_demand import made_by
 from vmach.compensation.written_run import WrittenRun
 from vmach.path_geometry import move_length_mm
 from vmach.program_text import Target, Written
@@ -18,8 +19,6 @@ __all__ = ["RoundedProgram", "round_program"]
 
 #: so often the part of the rounded program is predicted
 _ROUNDS = 4
-#: numbers of moves are smaller
-_MOVES = 1 << 32
 
 
 @dataclass(frozen=True)
@@ -94,7 +93,7 @@ class _Makers:
         self.exact, self.normal = exact, view.points.normal
         part, path = view.deviation(exact), path_probes(exact)
         self.way_mm = 0.5 * path.way_mm.sum() / max(len(part.row), 1)
-        self.known = _names(part)
+        self.known = made_by(part.row, part.move)
         surface = surface_probes(
             part, self.normal[part.row], left_mm=part.error_mm, way_mm=self.way_mm
         )
@@ -103,9 +102,9 @@ class _Makers:
 
     def learnt_from(self, now: RoundedProgram) -> bool:
         """Whether moves have come to make points; they are held from here on."""
-        new = ~np.isin(_names(now.part), self.known)
+        new = ~np.isin(made_by(now.part.row, now.part.move), self.known)
         part = now.part.taken(new)
-        self.known = np.concatenate([self.known, _names(part)])
+        self.known = np.concatenate([self.known, made_by(part.row, part.move)])
         place, normal = (part.move, part.parameter), self.normal[part.row]
         moved = now.run.miss_at(*place) - self.exact.miss_at(*place)
         left = part.error_mm - np.einsum("pi,pi->p", normal, moved)
@@ -113,8 +112,3 @@ class _Makers:
             surface_probes(part, normal, left_mm=left, way_mm=self.way_mm, only_below=True)
         )
         return bool(new.any())
-
-
-def _names(part: PartDeviation) -> np.ndarray:
-    """One number for every point and the move that makes it."""
-    return part.row * _MOVES + part.move

@@ -6,10 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["SurfaceDemand"]
+__all__ = ["SurfaceDemand", "made_by"]
 
 #: numbers of moves are smaller
 _MOVES = 1 << 32
+
+
+def made_by(point: np.ndarray, move: np.ndarray) -> np.ndarray:
+    """One number for every point and a move that makes it, (P,) int64."""
+    return point * _MOVES + move
 
 
 @dataclass(frozen=True)
@@ -43,7 +48,7 @@ class SurfaceDemand:
         """
         if earlier is None:
             return self
-        now, before = (d.point * _MOVES + d.move for d in (self, earlier))
+        now, before = (made_by(d.point, d.move) for d in (self, earlier))
         kept = ~np.isin(before, now)
         names = self.__dataclass_fields__
         return SurfaceDemand(

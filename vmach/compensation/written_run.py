@@ -23,10 +23,12 @@ __all__ = ["WrittenRun"]
 
 #: distance of the places at which the tool is held against the nominal path
 _SPACING_MM = 0.5
-_MOST_INSIDE = 400
-_FEWEST_INSIDE = 4
+#: of every piece, most and fewest; of moves without points
+_MOST_INSIDE, _FEWEST_INSIDE = 400, 4
 _ON_RAPIDS = 9
+#: how much farther off than before such a move may be: rounding
 _SLACK_MM = 1e-3
+#: the end of a move belongs to its last piece, and a step has no way
 _INSIDE = 1.0 - 1e-9
 _NO_SPAN = 1e-12
 

@@ -22,6 +22,7 @@ from vmach.controller_tables.knots import Knots, hat_matrix
 from vmach.controller_tables.samples import ErrorSamples
 from vmach.errors import InputError
 from vmach.text_file import read_text
+from vmach.units import mm_from_um, um_from_mm
 
 __all__ = ["SpatialGrid", "fit_grid", "read_grid", "write_grid"]
 
@@ -87,7 +88,7 @@ def _row_products(a: csr_matrix, b: csr_matrix) -> csr_matrix:
 def write_grid(folder: Path, grid: SpatialGrid, *, tool_length_mm: float) -> list[Path]:
     """Write ``grid.csv``."""
     lattice = np.stack(np.meshgrid(*grid.axes_mm, indexing="ij"), axis=-1).reshape(-1, 3)
-    rows = np.hstack([lattice, 1e3 * grid.error_mm.reshape(-1, 3)])
+    rows = np.hstack([lattice, um_from_mm(grid.error_mm.reshape(-1, 3))])
     lines = [",".join(f"{value + 0.0:.4f}" for value in row) for row in rows]
     text = _HEAD.format(length=tool_length_mm) + ",".join(_COLUMNS) + "\n" + "\n".join(lines)
     path = folder / "grid.csv"
@@ -111,7 +112,7 @@ def read_grid(folder: Path) -> SpatialGrid:
     except (KeyError, TypeError, ValueError, IndexError):
         raise InputError("no grid", file=path, accepted=", ".join(_COLUMNS)) from None
     error = np.full((*map(len, axes), 3), np.nan)
-    error[places] = 1e-3 * rows[:, 3:]
+    error[places] = mm_from_um(rows[:, 3:])
     if len(rows) != error[..., 0].size or not np.isfinite(error).all():
         raise InputError(
             f"{len(rows)} rows for {error[..., 0].size} grid points", file=path,

@@ -21,6 +21,7 @@ __all__ = ["MadeTables", "Residual", "make_tables"]
 
 #: times the entries that the machine's tables need; the last is the most there can be
 _FINER = (1, 4, 16, 1000)
+#: by which a tool is longer to show what tables for one length leave of another
 _LONGER_MM = 100.0
 
 

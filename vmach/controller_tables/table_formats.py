@@ -22,6 +22,7 @@ __all__ = ["FORMATS", "AppliedTables", "TableFormat", "projected"]
 
 #: tables whose largest entry is below this share of the tolerance are left out
 _NEGLIGIBLE = 0.1
+#: where no control sets a limit: of a side of the grid (25 cubed rows), and of a table
 _GRID_ENTRIES = 25
 _MANY_ENTRIES = 251
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from vmach.iso230.uncertainty import Budget
 from vmach.toml_file import FileSection, NonNegative, read_toml
+from vmach.units import mm_from_um, rad_from_urad
 
 __all__ = ["read_budget"]
 
@@ -27,12 +28,12 @@ def read_budget(path: Path | None) -> Budget:
     """The contributors in a TOML file; without one those of Table 8 of the KTH thesis."""
     file = _BudgetFile() if path is None else read_toml(path, _BudgetFile, what="budget file")
     return Budget(
-        wavelength_mm=file.wavelength_um * 1e-3,
-        air_mm=file.air_um * 1e-3,
-        dead_path_mm=file.dead_path_um * 1e-3,
-        resolution_mm=file.resolution_um * 1e-3,
+        wavelength_mm=mm_from_um(file.wavelength_um),
+        air_mm=mm_from_um(file.air_um),
+        dead_path_mm=mm_from_um(file.dead_path_um),
+        resolution_mm=mm_from_um(file.resolution_um),
         misalignment_rad=file.misalignment_mrad * 1e-3,
         abbe_offset_mm=file.abbe_offset_mm,
-        angle_rad=file.angle_urad * 1e-6,
-        eve_mm=file.eve_um * 1e-3,
+        angle_rad=rad_from_urad(file.angle_urad),
+        eve_mm=mm_from_um(file.eve_um),
     )

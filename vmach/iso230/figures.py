@@ -13,6 +13,7 @@ from vmach.iso230.uncertainty import Budget, expanded, parameter_uncertainties
 from vmach.machine.error_table import MM_PER, RAD_PER, read_error_table
 from vmach.machine.machine_file import read_machine
 from vmach.machine.runs import Runs
+from vmach.units import um_from_mm
 
 __all__ = ["EvaluatedTable", "evaluated_tables", "iso230_figures"]
 
@@ -78,10 +79,10 @@ def iso230_figures(
         "standard": "ISO 230-2:2014",
         "budget_um": {
             "source": budget_source,
-            "u_device": round(budget.device_mm * 1e3, 4),
-            "u_setup": round(budget.setup_mm * 1e3, 4),
-            "u_eve": round(budget.eve_u_mm * 1e3, 4),
-            "u_misalignment_per_m": round(budget.misalignment_mm(1e3) * 1e3, 4),
+            "u_device": round(um_from_mm(budget.device_mm), 4),
+            "u_setup": round(um_from_mm(budget.setup_mm), 4),
+            "u_eve": round(um_from_mm(budget.eve_u_mm), 4),
+            "u_misalignment_per_m": round(um_from_mm(budget.misalignment_mm(1e3)), 4),
         },
         "tables": {axis.name: _table_figures(axis, budget) for axis in tables},
     }

@@ -17,15 +17,20 @@ from vmach.machine.component_errors import COMPONENT_NAMES, SetUp, component_of
 from vmach.machine.interpolation import Extrapolation
 from vmach.machine.machine import Machine
 from vmach.machine.squareness import squareness_name
+from vmach.units import um_from_mm, urad_from_rad
 
 __all__ = ["Finding", "audit"]
 
+#: an error of a machine tool that is larger is in another unit
 _LARGEST_SHIFT_MM = 1.0
 _LARGEST_ANGLE_RAD = 1e-3
 _SMALLEST = {False: 5e-5, True: 5e-8}  # peak to valley of a real error, mm and rad
+#: a slope of less over the whole table is rounding, or the noise of the readings
 _SLOPE_OVER_TABLE_MM = 1e-3
+#: how far beyond the tip's places on a body, and below the nose, a reflector may be put
 _REACH_BEYOND_ARMS_MM = 500.0
 _LONGEST_TOOL_MM = 500.0
+#: tables measured further apart may be of another state of the machine
 _SAME_STATE_DAYS = 31
 
 
@@ -104,7 +109,8 @@ def _slopes(machine: Machine) -> Iterator[Finding]:
         over_table_mm = abs(slope) * np.ptp(position)
         if over_table_mm < _SLOPE_OVER_TABLE_MM:
             continue
-        amount = f"a slope of {slope * 1e6:.3g} um/m, {over_table_mm * 1e3:.3g} um over the table"
+        slope_um_per_m, over_table_um = urad_from_rad(slope), um_from_mm(over_table_mm)
+        amount = f"a slope of {slope_um_per_m:.3g} um/m, {over_table_um:.3g} um over the table"
         square = squareness_name(axis, 3 - direction - axis)
         if component.slope_removed:
             yield Finding("contradiction", name, f"slope_removed, but there is {amount}")

@@ -9,10 +9,10 @@ import numpy as np
 
 from vmach.errors import InputError
 
-__all__ = ["LINEAR_AXES", "Chain"]
+__all__ = ["LINEAR_AXES", "ROTARY_AXES", "Chain"]
 
 LINEAR_AXES = ("X", "Y", "Z")
-_ROTARY_AXES = ("A", "B", "C")
+ROTARY_AXES = ("A", "B", "C")
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Chain:
 
     def __post_init__(self) -> None:
         axes = self.tool_side + self.work_side
-        linear = [axis for axis in axes if axis not in _ROTARY_AXES]
+        linear = [axis for axis in axes if axis not in ROTARY_AXES]
         if sorted(linear) != sorted(LINEAR_AXES):
             raise InputError(
                 f"the chain has the linear axes {' '.join(linear) or 'none'}",
@@ -73,7 +73,7 @@ class Chain:
                 )
         work_side = [axis.removesuffix("'") for axis in work_side]
         for axis in tool_side + work_side:
-            if axis not in (*LINEAR_AXES, *_ROTARY_AXES):
+            if axis not in (*LINEAR_AXES, *ROTARY_AXES):
                 raise InputError(
                     f"chain '{text}': '{axis}' is no axis",
                     accepted="X, Y, Z, each once, and A, B, C",
@@ -87,7 +87,7 @@ class Chain:
     def rotary_axes(self) -> tuple[str, ...]:
         """The rotary axes of the chain, from the tool to the workpiece."""
         axes = self.tool_side + self.work_side
-        return tuple(axis for axis in axes if axis in _ROTARY_AXES)
+        return tuple(axis for axis in axes if axis in ROTARY_AXES)
 
     def carries_tool(self, axis: str) -> bool:
         """Whether the axis is between bed and tool."""

@@ -19,6 +19,7 @@ __all__ = ["COMPONENT_NAMES", "ComponentError", "SetUp", "component_of"]
 
 #: the 18 component errors, ISO 230-1: direction of the error, then the axis that moves
 COMPONENT_NAMES = tuple(f"E{kind}{axis}" for axis in LINEAR_AXES for kind in "XYZABC")
+#: rounding of positions beyond the ends of a table
 _TABLE_END_SLACK_MM = 1e-6
 
 

@@ -21,7 +21,7 @@ CANDIDATES = (
     Interpolation(Method.CUBIC),
 )
 
-
+#: fits of one method at most
 _MOST_FOLDS = 40
 
 

@@ -10,11 +10,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from vmach.machine.chain import LINEAR_AXES
+from vmach.machine.chain import LINEAR_AXES, ROTARY_AXES
 from vmach.machine.component_errors import component_of
 from vmach.machine.displacement import RigidDisplacement
 from vmach.machine.machine import Machine
-from vmach.machine.rotary import ROTARY_AXES
 from vmach.variant import Variant
 
 __all__ = ["body_motion", "exact_displacement"]

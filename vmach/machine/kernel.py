@@ -18,7 +18,7 @@ from vmach.machine.machine import Machine
 
 __all__ = ["AxisCurves", "CompiledErrors", "compile_errors", "displace"]
 
-_BUCKETS_PER_BREAK = 4
+_BUCKETS_PER_BREAK = 4  #: so that mostly the first piece looked at is the right one
 _MEAN = 0  #: then forward, backward: the order of `ComponentError.curves`
 
 

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vmach.machine.chain import LINEAR_AXES
+from vmach.machine.chain import LINEAR_AXES, ROTARY_AXES
 from vmach.machine.machine import Machine
-from vmach.machine.rotary import ROTARY_AXES
 
 __all__ = ["BED", "Joint", "Pose", "nominal_joints", "turned"]
 

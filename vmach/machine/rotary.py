@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 
 from vmach.errors import InputError
+from vmach.machine.chain import ROTARY_AXES
 from vmach.machine.interpolation import LINEAR, Extrapolation, Interpolation, PiecewiseCubic
 
-__all__ = ["ROTARY_AXES", "RotaryAxis", "RotaryError", "location_of"]
+__all__ = ["RotaryAxis", "RotaryError", "location_of"]
 
-ROTARY_AXES = ("A", "B", "C")
-_END_SLACK_RAD = 1e-9
+_END_SLACK_RAD = 1e-9  #: rounding of angles beyond the ends of a table
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from vmach.machine.chain import LINEAR_AXES
+from vmach.machine.chain import LINEAR_AXES, ROTARY_AXES
 from vmach.machine.component_errors import component_of
 from vmach.machine.machine import Machine
 from vmach.machine.nominal_motion import BED, Joint, nominal_joints
-from vmach.machine.rotary import ROTARY_AXES
 
 __all__ = ["rotary_displacement"]
 

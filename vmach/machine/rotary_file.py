@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from vmach.errors import InputError
+from vmach.machine.chain import ROTARY_AXES
 from vmach.machine.error_table import MM_PER, RAD_PER, read_error_table
 from vmach.machine.interpolation import Extrapolation, Interpolation, Method
 from vmach.machine.machine_schema import CROSS_VALIDATION, MachineSchema, TableEntry
-from vmach.machine.rotary import ROTARY_AXES, RotaryAxis, RotaryError, location_of
+from vmach.machine.rotary import RotaryAxis, RotaryError, location_of
 
 __all__ = ["is_rotary_error", "read_rotary_axes"]
 

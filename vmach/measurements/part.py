@@ -22,6 +22,7 @@ __all__ = ["measure_part"]
 _OTHER_PART_MM = 0.5
 #: a point further away than this is no measurement of the surface
 _ASTRAY_MM = 0.5
+#: an alignment alone takes six points
 _FEWEST = 12
 #: share of the points that the program has to cut; with fewer it is another part's program
 _MOST_OF_THEM = 0.5

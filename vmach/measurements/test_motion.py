@@ -11,6 +11,7 @@ __all__ = ["MotionRecord", "stop_and_go"]
 
 #: how far an axis overruns to come from the side that the file states
 _OVERRUN_MM = 2.0
+#: no move takes less time, however close the readings are
 _QUICKEST_S = 1e-3
 
 

@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 
 __all__ = ["BSplineSurface"]
 
+#: places of every knot span from which the nearest point is looked for
 _SEEDS_PER_SPAN = 6
 
 

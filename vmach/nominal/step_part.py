@@ -13,6 +13,7 @@ from vmach.nominal.step_file import StepFile
 from vmach.nominal.step_solids import CHORD_MM, Solid
 from vmach.nominal.surface_face import SurfaceFace
 from vmach.nominal.tessellation import tessellate
+from vmach.units import um_from_mm
 
 __all__ = ["read_step_part"]
 
@@ -30,7 +31,7 @@ def read_step_part(path: Path) -> NominalPart:
     notes = [f"{len(solids)} solids are taken together"] if len(solids) > 1 else []
     gap_mm = max(solid.gap_mm for solid in solids)
     if gap_mm > 1e-4:
-        notes.append(f"edges of the CAD miss their vertices by up to {1e3 * gap_mm:.3g} um")
+        notes.append(f"edges of the CAD miss their vertices by up to {um_from_mm(gap_mm):.3g} um")
     faces, meshes = [], []
     for solid in solids:
         solid_faces, mesh = _build(solid, first=len(faces))

@@ -14,6 +14,7 @@ from vmach.nominal.mesh_checks import check_closed, count_intersections, edge_si
 from vmach.nominal.part import Mesh, NominalPart
 from vmach.nominal.stl import read_stl
 from vmach.nominal.thinning import near_segments, spread
+from vmach.units import um_from_mm
 
 __all__ = ["MeshRegion", "read_stl_part"]
 
@@ -101,8 +102,8 @@ def read_stl_part(path: Path) -> NominalPart:
     chord_mm = joint.chord_error_mm()
     resolution = float(np.spacing(np.float32(np.abs(vertices).max()))) / 2.0
     notes.append(
-        f"estimated chord error {1e3 * chord_mm:.3g} um, "
-        f"rounding to 32 bits {1e3 * resolution:.2g} um"
+        f"estimated chord error {um_from_mm(chord_mm):.3g} um, "
+        f"rounding to 32 bits {um_from_mm(resolution):.2g} um"
     )
     regions, owner = joint.regions()
     return NominalPart(

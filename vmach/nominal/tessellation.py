@@ -19,6 +19,7 @@ __all__ = ["tessellate"]
 #: triangles may be this much longer along a flat direction than across the bend
 _STRETCH = 20.0
 
+#: so often edges are split; each pass halves what is still crowded
 _PASSES = 12
 
 #: how far points are moved to tell triangulations of equal quality apart, relative to all

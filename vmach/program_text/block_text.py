@@ -14,7 +14,7 @@ from gcode import Program, Source, Word
 __all__ = ["BlockText", "block_text"]
 
 _NUMBER = re.compile(r"(?:[+-][ \t]*)?(?:\d[\d \t]*\.?[\d \t]*|\.[ \t]*\d[\d \t]*)$")
-_HIGHEST_LABEL = 99999
+_HIGHEST_LABEL = 99999  #: of Fanuc and LinuxCNC: five digits
 #: lines from which the style is taken
 _SAMPLE = 400
 
