@@ -15,6 +15,7 @@ from vmach.compensation.part_rounding import round_program
 from vmach.compensation.part_view import PartView
 from vmach.compensation.residual import Residual
 from vmach.compensation.safety import check_corrections, check_part, check_result
+from vmach.compensation.uncorrected import largest_tilt, uncorrected
 from vmach.job import Job
 from vmach.machine import Variant
 from vmach.points import SurfacePoints
@@ -30,11 +31,6 @@ from vmach.program_text import (
 )
 
 __all__ = ["Compensation", "Solved", "compensate", "finish", "solve"]
-
-_UNKNOWN_START = "the program has not said where it begins, so that only its end is corrected"
-#: places along such a line
-_PLACES = 33
-_TOO_FAST = "the error changes faster than the block is long, as while lost motion is taken up"
 
 
 @dataclass(frozen=True)
@@ -194,9 +190,9 @@ def finish(
         left_lines=tuple(int(expansion.user_line(k)) for k, mode in modes.items() if mode.left),
         swallowed=written.swallowed,
         expanded_lines=expansion.reasons,
-        uncorrected=_uncorrected(iteration, found, tolerance_mm),
+        uncorrected=uncorrected(iteration, found, tolerance_mm),
         steps=int(found.plan.is_step.sum()),
-        tilt_rad=_largest_tilt(preparation, iteration.model),
+        tilt_rad=largest_tilt(preparation, iteration.model),
         part_aim=part_aim,
         notes=preparation.notes,
     )
@@ -232,42 +228,6 @@ def solve(
     if aim_points is not None:
         found, part_aim = aim_at_part(iteration, found, view, tolerance_mm=tolerance_mm)
     return Solved(iteration, found, view, part_aim)
-
-
-def _uncorrected(
-    iteration: Iteration, found: Solution, tolerance_mm: float
-) -> dict[int, tuple[float, str]]:
-    """Lines that keep more than the tolerance before rounding: how much, mm, and why."""
-    moves = iteration.preparation.path.nodes.moves
-    user_line = iteration.expansion.user_line
-    reasons = {}
-    for move in np.flatnonzero(iteration.stuck.any(axis=1)).tolist():
-        axes = ", ".join(np.array(list("XYZ"))[iteration.stuck[move]])
-        reasons[int(user_line(moves.line[move]))] = f"the program has not said where {axes} is"
-    far = found.residual.told_in(iteration.expansion).lines_beyond(tolerance_mm)
-    left = {line: (size, reasons.get(line, _TOO_FAST)) for line, size in far.items()}
-    return left | _of_unknown_start(iteration)
-
-
-def _of_unknown_start(iteration: Iteration) -> dict[int, tuple[float, str]]:
-    """Lines that are corrected at their end alone, with the error along them."""
-    preparation, moves = iteration.preparation, iteration.preparation.path.nodes.moves
-    blind = iteration.rewriter.unknown_start & (moves.kind != MoveKind.RAPID)
-    found = {}
-    for move in np.flatnonzero(blind & (moves.kind != MoveKind.DWELL)).tolist():
-        share = np.linspace(0.0, 1.0, _PLACES)
-        error = iteration.model.error_at(preparation, np.full(_PLACES, move), share)
-        line = int(iteration.expansion.user_line(moves.line[move]))
-        found[line] = float(np.linalg.norm(error, axis=1).max()), _UNKNOWN_START
-    return found
-
-
-def _largest_tilt(preparation: Preparation, model: TipModel) -> float:
-    """Largest angle, rad, by which the tool is tilted while it cuts."""
-    nodes = preparation.path.nodes
-    rows = np.flatnonzero(nodes.moves.kind[nodes.move] != MoveKind.RAPID)
-    tilt = model.displacement_at(preparation, nodes.move[rows], nodes.parameter[rows]).tilt_rad
-    return float(np.linalg.norm(tilt, axis=1).max(initial=0.0))
 
 
 def _rewritable(preparation: Preparation, modes: Mapping[int, BlockModes]) -> np.ndarray:
