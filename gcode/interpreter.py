@@ -263,7 +263,7 @@ def _diameter_mode(controller: Controller, values: Values) -> None:
 
 def _nonmodal(controller: Controller, values: Values, code: int) -> None:
     if code == 100:
-        offsets.setup(controller, values)
+        offsets.write_tables(controller, values)
     elif code in (280, 300):
         offsets.go_home(controller, values, code)
     elif code in (281, 301):

@@ -15,7 +15,7 @@ from gcode.parameters import FIRST_SYSTEM, G28_HOME, G30_HOME, G92_APPLIED, syst
 from gcode.state import Controller, rotate
 
 __all__ = ["axis_offsets", "end_program", "go_home", "load_offsets", "select_system", "set_home",
-           "set_tool_length", "setup"]  # fmt: skip
+           "set_tool_length", "write_tables"]  # fmt: skip
 
 
 def _axis_words(block: Values) -> dict[int, float]:
@@ -88,8 +88,8 @@ def axis_offsets(controller: Controller, block: Values, code: int) -> None:
     controller.record.offset("set_g92_offset", values=controller.g92)
 
 
-def setup(controller: Controller, block: Values) -> None:
-    """G10 in all its L forms."""
+def write_tables(controller: Controller, block: Values) -> None:
+    """G10 in all its L forms: write the tool table or the offsets of a work system."""
     if "l" not in block.words or block.words["l"] not in (0, 1, 2, 10, 11, 20):
         raise ProgramError("G10 without a known L word", accepted="L1 L2 L10 L11 L20")
     form = int(block.words["l"])
@@ -104,14 +104,14 @@ def setup(controller: Controller, block: Values) -> None:
     if form in (1, 10, 11):
         if number < 1:
             raise ProgramError(f"P{number} out of range with G10 L{form}", accepted="a tool")
-        _setup_tool(controller, block, number, form)
+        _write_tool(controller, block, number, form)
     else:
         if not 0 <= number <= 9:
             raise ProgramError(f"P{number} out of range with G10 L{form}", accepted="P0 to P9")
-        _setup_system(controller, block, number or controller.system, form)
+        _write_system(controller, block, number or controller.system, form)
 
 
-def _setup_tool(controller: Controller, block: Values, number: int, form: int) -> None:
+def _write_tool(controller: Controller, block: Values, number: int, form: int) -> None:
     """G10 L1, L10, L11: write the tool table."""
     entry = controller.find_tool(number, word="P")
     words = _axis_words(block)
@@ -160,7 +160,7 @@ def _measure_tool(
             offset[axis] = here[axis] - value
 
 
-def _setup_system(controller: Controller, block: Values, system: int, form: int) -> None:
+def _write_system(controller: Controller, block: Values, system: int, form: int) -> None:
     """G10 L2 and L20: write the offset of a work system."""
     if "i" in block.words or "j" in block.words:
         raise ProgramError(f"I J words with G10 L{form}")

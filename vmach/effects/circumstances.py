@@ -77,12 +77,12 @@ class Circumstances:
     def on_part_mm(self) -> np.ndarray:
         """The point of interest from the part's one zero, whatever offset is in force, (P, 3)."""
         # a program that cuts in one clamping only need not say which zero is the part's
-        name = self.job.workpiece_zero or WORK_OFFSETS[max(int(self.setup[0]), 1) - 1]
+        name = self.job.workpiece_zero or WORK_OFFSETS[max(int(self.work_offset[0]), 1) - 1]
         zero = self.job.work_offsets_mm.get(name, np.zeros(3))
         return self.nose_mm + self.tool_mm + self.contact_mm - zero
 
     @cached_property
-    def in_clamping_mm(self) -> np.ndarray:
+    def in_work_offset_mm(self) -> np.ndarray:
         """The point of interest from the zero of the work offset in force, (P, 3)."""
         offsets = np.zeros((len(WORK_OFFSETS) + 1, 3))
         for name, offset in self.job.work_offsets_mm.items():
@@ -103,7 +103,7 @@ class Circumstances:
         return self.normal * np.array([1.0, 1.0, 0.0])
 
     @property
-    def setup(self) -> np.ndarray:
+    def work_offset(self) -> np.ndarray:
         """Number of the work offset in force, (P,): 1 is G54."""
         return self.moves.work_offset[self.states.move]
 

@@ -37,14 +37,14 @@ class Fixture(Effect):
         return tuple(list(job.work_offsets_mm)[1:])
 
     def not_testable(self, path, target):
-        used = np.unique(path.setup)
+        used = np.unique(path.work_offset)
         return None if len(used) > 1 else "the part was made in one set-up"
 
     def displacement(self, path, target, **six):
         shift = np.array([six[f"shift_{axis}_um"] for axis in "xyz"])
         turn = np.array([six[f"turn_{axis}_urad"] for axis in "abc"])
-        inside = (path.setup == 1 + WORK_OFFSETS.index(target)).astype(float)
-        moved = 1e-3 * shift + np.cross(1e-6 * turn, path.in_clamping_mm)
+        inside = (path.work_offset == 1 + WORK_OFFSETS.index(target)).astype(float)
+        moved = 1e-3 * shift + np.cross(1e-6 * turn, path.in_work_offset_mm)
         return inside[:, None] * moved
 
 
