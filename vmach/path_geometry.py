@@ -6,12 +6,14 @@ import numpy as np
 
 from gcode import MoveKind, Moves
 
-__all__ = ["last_direction", "move_length_mm", "position_at", "tangent_at"]
+__all__ = ["across", "last_direction", "move_length_mm", "position_at", "tangent_at"]
 
 #: how far back along a move one looks for the way an axis came to a standstill
 _BACK = 1e-6
 #: an axis slower than this share of the path speed counts as standing
 _STANDING = 1e-9
+#: a tangent that is shorter has no direction
+_NO_WAY_MM = 1e-9
 
 
 def move_length_mm(moves: Moves) -> np.ndarray:
@@ -59,6 +61,13 @@ def tangent_at(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.ndar
     if arcs.size:
         tangent[arcs] = _arc(moves, move[arcs], parameter[arcs])[1]
     return tangent
+
+
+def across(vector: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+    """Parts of vectors (P, 3) that are across tangents (P, 3); all of them where one is zero."""
+    length = np.linalg.norm(tangent, axis=-1, keepdims=True)
+    unit = tangent / np.maximum(length, _NO_WAY_MM)
+    return vector - np.sum(vector * unit, axis=-1, keepdims=True) * unit
 
 
 def last_direction(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:

@@ -11,7 +11,8 @@ from gcode import MoveKind
 from vmach.compensation.arc_pieces import LARGEST_SWEEP_RAD
 from vmach.compensation.model import TipModel
 from vmach.compensation.path_shift import PathShift
-from vmach.compensation.plan import Plan, plan_pieces
+from vmach.compensation.plan import Plan
+from vmach.compensation.planning import plan_pieces
 from vmach.compensation.residual import Residual
 from vmach.compensation.sampling import sample_error
 from vmach.compensation.written_run import WrittenRun
