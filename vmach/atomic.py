@@ -11,7 +11,7 @@ from pathlib import Path
 
 from vmach.errors import InputError
 
-__all__ = ["atomic_file", "atomic_folder", "check_outputs"]
+__all__ = ["atomic_file", "atomic_folder", "check_folder", "check_outputs"]
 
 
 def check_outputs(outputs: Iterable[Path | None], *, inputs: Iterable[Path] = ()) -> None:
@@ -43,6 +43,21 @@ def check_outputs(outputs: Iterable[Path | None], *, inputs: Iterable[Path] = ()
         written.add(target)
 
 
+def check_folder(out_dir: Path, names: Iterable[str], *, inputs: Iterable[Path] = ()) -> None:
+    """Refuse a folder that `atomic_folder` could not fill with files of these names.
+
+    Asked before the work begins.
+
+    Raises
+    ------
+    InputError
+    """
+    out_dir = out_dir.resolve()
+    _folder_beside(out_dir).rmdir()
+    if out_dir.exists():
+        check_outputs((out_dir / name for name in names), inputs=inputs)
+
+
 @contextmanager
 def atomic_folder(out_dir: str | Path) -> Iterator[Path]:
     """Give a temporary folder whose files move into `out_dir` when the block ends well.
@@ -67,12 +82,7 @@ def atomic_folder(out_dir: str | Path) -> Iterator[Path]:
         `out_dir` is a file, or cannot be written to.
     """
     out_dir = Path(out_dir).resolve()
-    home = _nearest_existing(out_dir.parent)
-    _check_writable_folder(home if not out_dir.exists() else out_dir)
-    try:
-        temporary = Path(tempfile.mkdtemp(prefix=f".{out_dir.name}-", dir=home))
-    except OSError as error:
-        raise InputError(f"cannot be written to: {error.strerror}", file=home) from None
+    temporary = _folder_beside(out_dir)
     try:
         content = temporary / "content"
         content.mkdir()
@@ -106,6 +116,16 @@ def _check_file(path: Path) -> None:
     if path.exists() and not path.is_file():
         what = "is a folder" if path.is_dir() else "is a device, not a file"
         raise InputError(what, file=path, accepted="the name of a file for the result")
+
+
+def _folder_beside(out_dir: Path) -> Path:
+    """A new, empty folder on the file system that `out_dir` is on or will be on."""
+    home = _nearest_existing(out_dir.parent)
+    _check_writable_folder(out_dir if out_dir.exists() else home)
+    try:
+        return Path(tempfile.mkdtemp(prefix=f".{out_dir.name}-", dir=home))
+    except OSError as error:
+        raise InputError(f"cannot be written to: {error.strerror}", file=home) from None
 
 
 def _nearest_existing(folder: Path) -> Path:

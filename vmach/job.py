@@ -20,7 +20,7 @@ from vmach.units import mm_from_um
 if TYPE_CHECKING:
     import trimesh
 
-__all__ = ["Blank", "Inspection", "Job", "JobTool", "read_job"]
+__all__ = ["Blank", "Inspection", "Job", "JobTool", "job_name", "read_job"]
 
 #: keys of a tool that its cutting part is made from
 _CUTTER_DIMENSIONS = {
@@ -156,6 +156,12 @@ class Job:
         blank = self.blank.file if self.blank else None
         optional = [("nominal", self.nominal), ("measured", self.measured), ("stock", blank)]
         return files + [(role, path) for role, path in optional if path is not None]
+
+
+def job_name(path: Path) -> str:
+    """What a job is called: its file's name, or its folder's where the file is ``job.toml``."""
+    path = path.resolve()
+    return path.parent.name if path.name == "job.toml" else path.stem
 
 
 def read_job(path: str | Path) -> Job:

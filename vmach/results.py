@@ -17,6 +17,7 @@ from stock import write_part
 from vmach.atomic import atomic_file, atomic_folder
 from vmach.error_budget import write_budget_csv
 from vmach.inspection import remainder_mm
+from vmach.job import job_name
 from vmach.pipeline import MachinedPart
 from vmach.points import SurfacePoints
 from vmach.prediction import Prediction
@@ -118,7 +119,7 @@ def run_record(made: MachinedPart, command: str, *hints: str) -> RunRecord:
     moves = program.moves
     minutes = float(moves.start_s[-1] + moves.duration_s[-1]) / 60 if len(moves) else 0.0
     return RunRecord(
-        title=_job_name(job.path),
+        title=job_name(job.path),
         command=command,
         model=str(made.model),
         tolerance_mm=job.inspection.tolerance_mm,
@@ -147,12 +148,7 @@ def _input_file(role: str, path: Path, folder: Path) -> InputFile:
 
 def default_folder(job_path: Path) -> Path:
     """Where results go when the user names no folder: ``vmach-results/NAME`` right here."""
-    return Path("vmach-results") / _job_name(Path(job_path))
-
-
-def _job_name(path: Path) -> str:
-    path = path.resolve()
-    return path.parent.name if path.name == "job.toml" else path.stem
+    return Path("vmach-results") / job_name(Path(job_path))
 
 
 PREDICTION_COLUMNS = ("id", "deviation_um", "u_um", "line", "tool", "time_s", "status")

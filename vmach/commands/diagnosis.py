@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -11,8 +12,15 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from vmach.atomic import atomic_file, check_outputs
-from vmach.commands.options import AsJson, JobPath, OwnEffects, input_files
+from vmach.atomic import atomic_file, check_folder, check_outputs
+from vmach.commands.options import (
+    AsJson,
+    JobPath,
+    OutDir,
+    OwnEffects,
+    command_line,
+    input_files,
+)
 from vmach.progress import progress_bar
 
 if TYPE_CHECKING:
@@ -25,6 +33,7 @@ effects_app = typer.Typer(help="The physical effects that can be added.", no_arg
 
 def diagnose(
     job: JobPath,
+    out: OutDir = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="JSON file to write")] = None,
     next_file: Annotated[
         Path | None, typer.Option("--next", help="where to write the next measurement's program")
@@ -34,28 +43,48 @@ def diagnose(
     """Compare with the measurements and say what the model lacks."""
     from vmach.diagnosis.diagnose import diagnose as diagnose_survey
     from vmach.diagnosis.job_survey import survey_job
-    from vmach.diagnosis.report import as_json, as_text
+    from vmach.diagnosis.report import as_text, write_figures
 
     _load(effect_file)
     next_path = next_file or (json_file.with_name("next.nc") if json_file else None)
-    check_outputs([json_file, next_path], inputs=input_files(job))
+    inputs = input_files(job)
+    check_outputs([json_file, next_path], inputs=inputs)
+    if out is not None:
+        # late: drawing takes a second to load
+        from vmach.diagnosis.results import FOLDER_FILES, write_diagnosis
+
+        check_folder(out, FOLDER_FILES, inputs=inputs)
     with progress_bar() as progress:
         progress("read", 0, 5)
         survey = survey_job(job)
         steps = iter(range(1, 5))
         found = diagnose_survey(survey, progress=lambda text: progress(text, next(steps), 5))
-    program = None
-    if found.next_measurement is not None and next_path is not None:
-        program = next_path.name if next_file is None else str(next_path)
-        with atomic_file(next_path) as temporary:
-            temporary.write_text(found.next_measurement.program, encoding="utf-8")
-    if json_file is not None:
-        text = json.dumps(as_json(found, program=program), indent=1)
-        with atomic_file(json_file) as temporary:
-            temporary.write_text(text + "\n", encoding="utf-8")
+        program = None
+        if found.next_measurement is not None and next_path is not None:
+            program = next_path.name if next_file is None else str(next_path)
+            with atomic_file(next_path) as temporary:
+                temporary.write_text(found.next_measurement.program, encoding="utf-8")
+        if json_file is not None:
+            write_figures(json_file, found, program=program)
+        if out is not None:
+            written = write_diagnosis(out, found, command=command_line())
+            if found.next_measurement is not None:
+                program = program or str(out / written[-1])
     print(as_text(found, program=program))
     if next_file is not None and program is None:
         print(f"no next measurement is called for; {next_file} was not written")
+    if out is None:
+        print("--out DIR makes a page with pictures of it")
+    else:
+        _tell(out, written, FOLDER_FILES)
+
+
+def _tell(out: Path, written: Sequence[str], possible: Sequence[str]) -> None:
+    """Say what lies in the folder now, also what an earlier diagnosis left there."""
+    print(f"results in {out}: {', '.join(written)}")
+    for name in possible:
+        if name not in written and (out / name).exists():
+            print(f"{out / name} is of an earlier diagnosis; this one calls for no measurement")
 
 
 def add(

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from vmach.atomic import check_outputs
+from vmach.atomic import check_folder, check_outputs
 from vmach.commands.options import AsJson, JobPath, Model, OutDir, command_line, input_files
 from vmach.progress import progress_bar
 from vmach.variant import Variant
@@ -65,9 +65,8 @@ def _machine(
 
     out = out or default_folder(job)
     inputs = input_files(job)
-    check_outputs([part_file], inputs=inputs)
-    if out.is_dir():
-        check_outputs([part_file, *(out / name for name in RESULT_FILES)], inputs=inputs)
+    check_outputs([part_file], inputs=[*inputs, *(out / name for name in RESULT_FILES)])
+    check_folder(out, RESULT_FILES, inputs=inputs)
     with progress_bar() as progress:
         made = machine_part(
             job, model=model, variants=variants, prefer_measured=prefer_measured, progress=progress

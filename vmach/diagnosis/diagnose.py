@@ -15,6 +15,7 @@ from vmach.diagnosis.findings import CandidateScore, Diagnosis, Finding
 from vmach.diagnosis.held_out import holds_out
 from vmach.diagnosis.next_measurement import next_measurement
 from vmach.diagnosis.outliers import outlier_notes, outliers
+from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.search import Search
 from vmach.diagnosis.single_features import laws_not_shown
@@ -69,20 +70,23 @@ def diagnose(
     left, not_shown = search.left_in(explanation), []
     if not left:
         left, not_shown = laws_not_shown(search, explanation)
+    residuals = Residuals(
+        survey, search.whiten, survey.factors(bend_share=BEND_SHARE), explanation.fit
+    )
     failures = where_it_fails(survey, search.whiten, survey.residual_mm)
     findings = _findings(search, explanation)
     verdict = _verdict(findings, left)
     if verdict == "unknown":
         remaining = ()
         if not not_shown:
-            remaining = where_it_fails(survey, search.whiten, _leftover_mm(search, explanation))
+            remaining = where_it_fails(survey, search.whiten, residuals.left_mm)
         findings = (_something(remaining or failures),)
     tell("what to measure next")
     return Diagnosis(
         verdict=verdict,
         findings=findings,
-        rms_um=_rms(survey, explanation),
-        candidates=_scores(search),
+        rms_um=residuals.rms_um,
+        candidates=_scores(search, residuals.rms_um["before"]),
         failures=failures,
         blind_spots=blind_spots(search, explanation),
         next_measurement=next_measurement(search, explanation, findings),
@@ -92,6 +96,7 @@ def diagnose(
             *left_out,
             *not_shown,
         ),
+        residuals=residuals,
     )
 
 
@@ -184,42 +189,7 @@ def _something(failures: tuple[Failure, ...]) -> Finding:
     return Finding(None, "", {}, {}, Rivals((), ()), where, {})
 
 
-def _leftover_mm(search: Search, explanation: Explanation) -> np.ndarray:
-    residual = search.survey.residual_mm
-    if explanation.fit is None:
-        return residual
-    count = len(explanation.fit.terms)
-    return residual - sum(explanation.fit.explained_mm(k) for k in range(count))
-
-
-def _rms(survey: Survey, explanation: Explanation) -> dict[str, float]:
-    explained = np.zeros(len(survey))
-    if explanation.fit is not None:
-        for k in range(len(explanation.fit.terms)):
-            explained = explained + explanation.fit.explained_mm(k)
-    factors = _aligned(survey, survey.factors(bend_share=BEND_SHARE))
-    noise = np.sqrt(np.mean(survey.u_mm**2 + (factors**2).sum(axis=1)))
-    values = {
-        "before": _root_mean_square(_aligned(survey, survey.residual_mm)),
-        "after": _root_mean_square(_aligned(survey, survey.residual_mm - explained)),
-        "expected_noise": noise,
-    }
-    return {name: float(um_from_mm(value)) for name, value in values.items()}
-
-
-def _root_mean_square(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
-
-
-def _aligned(survey: Survey, columns: np.ndarray) -> np.ndarray:
-    """What a plain least-squares alignment leaves."""
-    weight = 1.0 / survey.u_mm[:, None]
-    target = columns if columns.ndim == 2 else columns[:, None]
-    solution = np.linalg.lstsq(survey.nuisance * weight, target * weight, rcond=None)[0]
-    return (target - survey.nuisance @ solution).reshape(columns.shape)
-
-
-def _scores(search: Search) -> tuple[CandidateScore, ...]:
+def _scores(search: Search, before_um: float) -> tuple[CandidateScore, ...]:
     survey, nothing = search.survey, search.nothing
     explained = [search.alone_mm(k) for k in range(len(search.candidates))]
     after = survey.residual_mm[:, None] - np.column_stack(explained)
@@ -229,9 +199,8 @@ def _scores(search: Search) -> tuple[CandidateScore, ...]:
         for c, gain, rms in zip(search.candidates, search.gains(nothing), after, strict=True)
     ]
     scores.sort(key=lambda s: -s.score)
-    before = _rms(survey, nothing)["before"]
     scores += [
-        CandidateScore(e.name, target, 0.0, round(before, 3), f"not testable: {why}")
+        CandidateScore(e.name, target, 0.0, round(before_um, 3), f"not testable: {why}")
         for e, target, why in search.excluded
     ]
     return tuple(scores)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from vmach.diagnosis.blind_spots import BlindSpot
 from vmach.diagnosis.next_measurement import NextMeasurement
+from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.rivals import Rivals
 from vmach.diagnosis.where_it_fails import Failure
 from vmach.effects import Effect
@@ -77,6 +78,8 @@ class Diagnosis:
     left : dict
         What is left beyond noise by kind of pattern; empty where the rest is noise.
     notes : tuple of str
+    residuals : Residuals
+        Measured minus predicted, to be looked at.
     """
 
     verdict: str
@@ -88,3 +91,4 @@ class Diagnosis:
     next_measurement: NextMeasurement | None
     left: dict[str, float]
     notes: tuple[str, ...]
+    residuals: Residuals

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
 from typing import Any
 
+from vmach.atomic import atomic_file
 from vmach.diagnosis.findings import Diagnosis, Finding
 from vmach.diagnosis.where_it_fails import Failure
 from vmach.diagnosis.words import describe, what_is_left
 
-__all__ = ["as_json", "as_text"]
+__all__ = ["as_json", "as_text", "write_figures"]
 
 _VERDICTS = {
     "named": "The model lacks:",
@@ -129,3 +132,16 @@ def _finding_lines(finding: Finding) -> list[str]:
         if text:
             lines.append(f"    {word}: {text}")
     return lines
+
+
+def write_figures(path: Path, found: Diagnosis, *, program: str | None) -> None:
+    """Write the diagnosis as JSON; `program` is the file of the next measurement.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written to.
+    """
+    text = json.dumps(as_json(found, program=program), indent=1)
+    with atomic_file(path) as temporary:
+        temporary.write_text(text + "\n", encoding="utf-8")

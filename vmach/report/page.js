@@ -177,16 +177,13 @@
     makeMarks();
   }
 
-  const quarter = Math.PI / 2;
-  const views = { home: [], top: [-quarter, quarter], front: [-quarter, 0], right: [0, 0], back: [quarter, 0], below: [-quarter, -quarter] };
-
   function listenToControls() {
     for (const input of all("input[name=variant]")) input.addEventListener("change", () => showVariant(input.value));
     byId("tolerance").addEventListener("input", (event) => showTolerance(Number(event.target.value)));
     byId("range").addEventListener("input", showRange);
     byId("grey").addEventListener("change", (event) => scene.setLook({ greyWithin: event.target.checked }));
     byId("worst-marks").addEventListener("change", makeMarks);
-    for (const button of all("[data-view]")) button.addEventListener("click", () => scene.home(...views[button.dataset.view]));
+    for (const button of all("[data-view]")) button.addEventListener("click", () => scene.home(...VIEWS[button.dataset.view]));
     for (const row of all("tr[data-worst]")) row.querySelector("button").addEventListener("click", () => {
       if (!scene) return;
       const point = page.variants[state.variant].worst[Number(row.dataset.worst)];

@@ -69,9 +69,10 @@ def script_json(data: object) -> Markup:
     return Markup(text)
 
 
-def style_sheet() -> Markup:
-    """The style sheet with the ramp of the colour bar in place."""
-    return asset("page.css").replace("RAMP_COLOURS", ", ".join(COLOUR_STOPS))
+def style_sheet(*more: Markup) -> Markup:
+    """The style sheet, and a page's own, with the ramp of the colour bar in place."""
+    sheets = Markup("\n").join([asset("page.css"), *more])
+    return sheets.replace("RAMP_COLOURS", ", ".join(COLOUR_STOPS))
 
 
 def asset(name: str, folder: Path = _HERE) -> Markup:

@@ -316,3 +316,7 @@ class Scene {
 }
 
 const rgbOf = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
+
+// Azimuth and elevation of the standard views.
+const QUARTER = Math.PI / 2;
+const VIEWS = { overview: [], top: [-QUARTER, QUARTER], front: [-QUARTER, 0], right: [0, 0], back: [QUARTER, 0], below: [-QUARTER, -QUARTER] };

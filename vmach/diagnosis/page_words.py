@@ -1,0 +1,108 @@
+"""The words of diagnosis.html: its heading, what it means, values with their units."""
+
+from __future__ import annotations
+
+import math
+
+from vmach.diagnosis.findings import Diagnosis
+from vmach.diagnosis.words import what_is_left
+from vmach.effects import Effect
+from vmach.effects.component import Component
+from vmach.machine import LINEAR_AXES
+
+__all__ = ["chance_words", "headline", "quantity", "state_words"]
+
+#: units that stand at the end of a parameter's name, as a page shows them
+_UNITS = {
+    "um": "µm",
+    "mm": "mm",
+    "ppm": "ppm",
+    "urad": "µrad",
+    "rad": "rad",
+    "s": "s",
+    "ms": "ms",
+    "ms2": "ms²",
+}
+
+
+def chance_words(p: float) -> str:
+    """How often chance alone would look like this."""
+    if p < 1e-9:
+        return "p < 10⁻⁹"
+    return f"p = {p:.1g}" if p < 0.1 else f"p = {p:.2f}"
+
+
+def quantity(
+    parameter: str, value: float, interval: tuple[float, float]
+) -> tuple[str, str, str, str]:
+    """A value, the ends of its interval, and the unit that stands at the end of its name.
+
+    Two digits of the interval's half width count.
+    """
+    half = max(0.5 * (interval[1] - interval[0]), 1e-3 * abs(value), 1e-12)
+    digits = max(1 - math.floor(math.log10(half)), 0)
+    unit = _UNITS.get(parameter.rsplit("_", 1)[-1], "")
+    low, high = (f"{end:.{digits}f}".replace("-", "−") for end in interval)
+    return f"{value:.{digits}f}".replace("-", "−"), low, high, unit
+
+
+def headline(found: Diagnosis) -> tuple[str, str]:
+    """The verdict as a heading, and what it means in a sentence or two."""
+    rms = found.rms_um
+    fell = (
+        f"Measured minus predicted falls from {rms['before']:.2f} to {rms['after']:.2f} um RMS"
+        f", where noise and the tables' uncertainty make {rms['expected_noise']:.2f} um"
+    )
+    if found.verdict == "nothing":
+        return (
+            "The measurements agree with the model",
+            f"Nothing is missing that they could show: measured minus predicted is "
+            f"{rms['before']:.2f} um RMS, noise and the tables' uncertainty make "
+            f"{rms['expected_noise']:.2f} um.",
+        )
+    if found.verdict == "unknown":
+        return (
+            "Something real is left that no known effect explains",
+            f"Measured minus predicted is {rms['before']:.2f} um RMS, noise and the tables' "
+            f"uncertainty make {rms['expected_noise']:.2f} um. "
+            f"{_nearest(found)}No name is given: {what_is_left(found.left)}.",
+        )
+    names = "; ".join(_named(f.effect, f.target) for f in found.findings if f.effect)
+    if found.verdict == "class":
+        return (
+            f"Missing in the model: {names}, or an effect like it",
+            f"{fell}. These readings narrow the cause down to a class; the next measurement "
+            "tells its members apart."
+            if found.next_measurement
+            else f"{fell}. These readings narrow the cause down to a class.",
+        )
+    return f"Missing in the model: {names}", f"{fell}. No other known effect comes near."
+
+
+def state_words(found: Diagnosis) -> dict[str, str]:
+    """What the model holds in each state that is looked at."""
+    fit = found.residuals.fit
+    if fit is None:
+        return {"before": "measured minus predicted"}
+    after = "with the effects found"
+    if found.verdict == "unknown":
+        after = "with what comes nearest"
+    return {"before": "before", "after": after}
+
+
+def _nearest(found: Diagnosis) -> str:
+    """What the best explanation by known effects leaves, where there is one."""
+    fit = found.residuals.fit
+    if fit is None:
+        return ""
+    labels = ", ".join(term.label for term in fit.terms)
+    return f"What comes nearest ({labels}) leaves {found.rms_um['after']:.2f} um. "
+
+
+def _named(effect: Effect, target: str) -> str:
+    if isinstance(effect, Component):
+        return f"the error table {target} as it is now"
+    title = effect.title.split(" (")[0]
+    if target in LINEAR_AXES:
+        return f"{title} in {target}"
+    return f"{title}, {target}" if target else title
