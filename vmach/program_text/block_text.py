@@ -1,4 +1,4 @@
-"""How a program writes its blocks: words, numbers, labels, in the syntax of each control."""
+"""How a program in letters and numbers writes its blocks: words, numbers, labels."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
-from gcode import Program, Source, Word
+from gcode import Source, Word
 
-__all__ = ["BlockText", "block_text"]
+__all__ = ["BlockText", "Labels", "Style", "split_word"]
 
 _NUMBER = re.compile(r"(?:[+-][ \t]*)?(?:\d[\d \t]*\.?[\d \t]*|\.[ \t]*\d[\d \t]*)$")
 _HIGHEST_LABEL = 99999  #: of Fanuc and LinuxCNC: five digits
@@ -201,97 +201,6 @@ class Labels:
         above = bisect_right(self.given, label)
         stop = self.given[above] if above < len(self.given) else _HIGHEST_LABEL + 1
         return next((k for k in range(label + 1, stop) if k not in self.used), None)
-
-
-class SinumerikText(BlockText):
-    """Sinumerik: ``X=1.5``, ``CR=`` for the radius, ``TURN=`` for further turns."""
-
-    _TOKEN = re.compile(r"(CR|TURN|[A-Z])[ \t]*(=?)[ \t]*([+-]?(?:\d+\.?\d*|\.\d+))", re.IGNORECASE)
-
-    def _read(self, line: int) -> tuple[Word, ...]:
-        text = self.source.lines[line - 1].split(";")[0]
-        offset = int(self.source.line_starts[line - 1])
-        return tuple(
-            Word({"CR": "R", "TURN": "P"}.get(m[1].upper(), m[1].upper()), float(m[3]), m.group(),
-                 (offset + m.start(), offset + m.end()))
-            for m in self._TOKEN.finditer(text)
-        )  # fmt: skip
-
-    def word(self, letter: str, number: str, like: Word | None = None) -> str:
-        """A word with a number; CR takes an equal sign."""
-        return super().word("CR=" if letter == "R" and like is None else letter, number, like)
-
-
-class KlartextText(BlockText):
-    """Heidenhain Klartext: L, C and CR with signed numbers, circle centres in CC blocks."""
-
-    absolute_centres = True
-    fewest_decimals = 1
-    _TOKEN = re.compile(
-        r"(?<![A-Z])(I?[XYZ]|DR|R(?![0LR](?![\d.]))|F|M)[ \t]*"
-        r"([+-]?[ \t]*(?:\d+\.?\d*|\.\d+)|[+-](?=\s|$))",
-        re.IGNORECASE,
-    )
-    _HEAD = re.compile(r"^([ \t]*(?:\d+[ \t]+)?)(L|CR|CC|C)(?=[ \t]|$)", re.IGNORECASE)
-    _LABEL = re.compile(rb"^([ \t]*)(\d+)(?=[ \t])", re.MULTILINE)
-
-    def _read(self, line: int) -> tuple[Word, ...]:
-        text = self.source.lines[line - 1].split(";")[0]
-        offset = int(self.source.line_starts[line - 1])
-        head = self._HEAD.match(text)
-        if head is None:
-            return ()
-        words = [Word("HEAD", None, head[2], (offset + head.start(2), offset + head.end(2)))]
-        for found in self._TOKEN.finditer(text, head.end()):
-            name, value = found[1].upper(), re.sub(r"\s", "", found[2])
-            signs_only = value in ("+", "-")
-            words.append(Word("DR" if name == "DR" else name[-1],
-                              None if signs_only else float(value), found.group(),
-                              (offset + found.start(), offset + found.end())))  # fmt: skip
-        return tuple(words)
-
-    def motion_word(self, line: int) -> Word | None:
-        """L, C or CR."""
-        return next((w for w in self.words(line) if w.letter == "HEAD"), None)
-
-    def is_incremental(self, word: Word) -> bool:
-        """IX, IY, IZ."""
-        return word.text[0] in "Ii" and word.letter in "XYZ"
-
-    @cached_property
-    def style(self) -> Style:
-        """Signs before all numbers, words apart."""
-        found = BlockText.style.func(self)
-        return Style(plus=True, fill=found.fill, lower=found.lower)
-
-    def labels_in_order(self) -> bool:
-        """Whether every line has a block number."""
-        lines = [s for s in self.source.lines if s.strip()]
-        return bool(lines) and all(re.match(r"\s*\d+\s", s) for s in lines)
-
-    @cached_property
-    def labels(self) -> Labels | None:
-        """None: all blocks are numbered anew at the end."""
-        return None
-
-    def finish(self, text: bytes) -> bytes:
-        """Number the blocks consecutively, where the program does."""
-        if not self.labels_in_order():
-            return text
-        first = int(re.match(r"\s*(\d+)", next(s for s in self.source.lines if s.strip()))[1])
-        lines, number = text.splitlines(keepends=True), first
-        for index, line in enumerate(lines):
-            if line.strip():
-                bare = self._LABEL.sub(rb"\1", line, count=1).lstrip()
-                lines[index] = b"%d " % number + bare
-                number += 1
-        return b"".join(lines)
-
-
-def block_text(program: Program) -> BlockText:
-    """The syntax of a program."""
-    kinds = {"sinumerik": SinumerikText, "heidenhain": KlartextText}
-    return kinds.get(program.dialect, BlockText)(program.source)
 
 
 def split_word(text: str) -> tuple[str, str]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from gcode import Word
-from vmach.program_text.block_text import BlockText, KlartextText, split_word
+from vmach.program_text.block_text import BlockText, split_word
 
-__all__ = ["AS_PROGRAMMED", "SAME", "UNKNOWN", "LineEdit", "line_edit"]
+__all__ = ["AS_PROGRAMMED", "SAME", "UNKNOWN", "Block", "LineEdit"]
 
 #: number of a word that stays as it is
 SAME = "same"
@@ -17,7 +17,9 @@ _POSITION = frozenset("XYZIJKR")
 
 
 @dataclass(frozen=True)
-class _Block:
+class Block:
+    """A block to be inserted: its G code where it has to be said, and numbers by letter."""
+
     code: int | None
     words: dict[str, str]
 
@@ -50,7 +52,7 @@ class LineEdit:
         self.position = {w.letter: w for w in self.words if w.letter in _POSITION | {"P", "F"}}
         self.own_done = False
         self.changes: dict[tuple[int, int], str] = {}
-        self.blocks: list[_Block] = []
+        self.blocks: list[Block] = []
 
     @property
     def may_be_skipped(self) -> bool:
@@ -83,7 +85,7 @@ class LineEdit:
             How many blocks it took beyond the line's own.
         """
         if self.own_done:
-            self.blocks.append(_Block(self._said_code(code), numbers))
+            self.blocks.append(Block(self._said_code(code), numbers))
             self.motion = code
             return 1
         self._change_own(code, numbers)
@@ -162,7 +164,7 @@ class LineEdit:
             edits[at, at] = added + "".join(ending + line for line in lines)
         return edits
 
-    def _block(self, block: _Block, tail: list[str]) -> str:
+    def _block(self, block: Block, tail: list[str]) -> str:
         words = [self.text.word(letter, number) for letter, number in block.words.items()]
         text = self.text.block(block.code, [*words, *tail])
         if self.text.labels is not None:
@@ -170,79 +172,3 @@ class LineEdit:
             label = self.text.labels.after(int(own.value) if own else None)
             text = text if label is None else self.text.labelled(text, label)
         return ("/" if self.may_be_skipped else "") + text
-
-
-class KlartextEdit(LineEdit):
-    """The same in Klartext, where an arc's centre is a block of its own before it."""
-
-    def __init__(
-        self, text: KlartextText, line: int, motion: int, *, nominal: int, ending: frozenset[int]
-    ) -> None:
-        super().__init__(text, line, motion, nominal=nominal, ending=ending)
-        found = next((w for w in self.words if w.letter == "DR"), None)
-        if found is not None:
-            self.position["DR"] = found
-        self.poles: list[str] = []  #: blocks before the line's own
-
-    def write(self, code: int, numbers: dict[str, str]) -> int:
-        """Write one motion; arcs about a centre take a CC block more."""
-        centre = [numbers.pop(k) for k in "IJ" if k in numbers]
-        before = self._put_pole(dict(zip("XY", centre, strict=True))) if centre else 0
-        self.head = "L" if code < 2 else "C" if centre else "CR"
-        if code > 1:
-            numbers["DR"] = "+" if code == 3 else "-"
-        if not self.own_done:
-            return before + super().write(code, numbers)
-        words = [self.text.word(letter, number) for letter, number in numbers.items()]
-        self.blocks.append(_Block(None, {"": " ".join([self.head, *words])}))
-        return before + 1
-
-    def _put_pole(self, centre: dict[str, str]) -> int:
-        """Say the centre, in the user's CC block where that stands right before the line."""
-        said = self._users_pole()
-        if said and not self.own_done:
-            for axis, number in centre.items():
-                self.changes[said[axis].span] = self.text.word(axis, number, said[axis])
-            return 0
-        pole = " ".join(["CC", *(self.text.word(a, number) for a, number in centre.items())])
-        if self.own_done:
-            self.blocks.append(_Block(None, {"": pole}))
-        else:
-            self.poles.append(pole)
-        return 1
-
-    def _users_pole(self) -> dict[str, Word] | None:
-        words = self.text.words(self.line - 1) if self.line > 1 else ()
-        if not words or words[0].text.upper() != "CC":
-            return None
-        found = {w.letter: w for w in words[1:] if not self.text.is_incremental(w)}
-        return found if set(found) == {"X", "Y"} else None
-
-    def _gone(self, numbers: dict[str, str]) -> list[str]:
-        return [k for k in ("R", "DR") if k in self.position and k not in numbers]
-
-    def _differs(self, said: Word, code: int) -> bool:
-        return said.text.upper() != self.head
-
-    def _motion(self, code: int, said: Word) -> str:
-        return self.head
-
-    def _block(self, block: _Block, tail: list[str]) -> str:
-        return " ".join([block.words[""], *tail])
-
-    def edits(self) -> dict[tuple[int, int], str]:
-        """Replacements, the centre's block first."""
-        edits = super().edits()
-        if self.poles:
-            at = int(self.text.source.line_starts[self.line - 1])
-            ending = "\r\n" if b"\r\n" in self.text.source.data[: at + 200] else "\n"
-            edits[at, at] = "".join(pole + ending for pole in self.poles)
-        return edits
-
-
-def line_edit(
-    text: BlockText, line: int, motion: int, *, nominal: int, ending: frozenset[int]
-) -> LineEdit:
-    """The edit of a line in the syntax of its program."""
-    kind = KlartextEdit if isinstance(text, KlartextText) else LineEdit
-    return kind(text, line, motion, nominal=nominal, ending=ending)

@@ -10,11 +10,11 @@ import numpy as np
 from gcode import MoveKind, Program, Word
 from vmach.path_geometry import move_length_mm, position_at
 from vmach.program_text.block_modes import PLANE_AXES, BlockModes
-from vmach.program_text.block_text import block_text
 from vmach.program_text.control import CONTROLS, TargetControl
+from vmach.program_text.dialect_text import block_text, line_edit
 from vmach.program_text.expanded_text import number_text
 from vmach.program_text.frame_shift import FrameShift, turned_about_z, zero_settings
-from vmach.program_text.line_edit import AS_PROGRAMMED, SAME, UNKNOWN, line_edit
+from vmach.program_text.line_edit import AS_PROGRAMMED, SAME, UNKNOWN
 from vmach.program_text.pieces import Piece
 from vmach.program_text.said_axes import said_axes
 from vmach.program_text.written_arc import WantedArc, best_centre, best_radius, chord_miss
