@@ -51,14 +51,19 @@ def diagnose(
     check_outputs([json_file, next_path], inputs=inputs)
     if out is not None:
         # late: drawing takes a second to load
-        from vmach.diagnosis.results import FOLDER_FILES, write_diagnosis
+        from vmach.diagnosis.results import (
+            FOLDER_FILES,
+            read_nominal_mesh,
+            write_diagnosis,
+        )
 
         check_folder(out, FOLDER_FILES, inputs=inputs)
     with progress_bar() as progress:
-        progress("read", 0, 5)
+        progress("read", 0, 6)
         survey = survey_job(job)
-        steps = iter(range(1, 5))
-        found = diagnose_survey(survey, progress=lambda text: progress(text, next(steps), 5))
+        nominal = None if out is None else read_nominal_mesh(survey.job)
+        steps = iter(range(1, 6))
+        found = diagnose_survey(survey, progress=lambda text: progress(text, next(steps), 6))
         program = None
         if found.next_measurement is not None and next_path is not None:
             program = next_path.name if next_file is None else str(next_path)
@@ -67,7 +72,8 @@ def diagnose(
         if json_file is not None:
             write_figures(json_file, found, program=program)
         if out is not None:
-            written = write_diagnosis(out, found, command=command_line())
+            progress("draw", 5, 6)
+            written = write_diagnosis(out, found, nominal=nominal, command=command_line())
             if found.next_measurement is not None:
                 program = program or str(out / written[-1])
     print(as_text(found, program=program))

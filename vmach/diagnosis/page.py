@@ -16,7 +16,7 @@ from vmach.diagnosis.instrument_pictures import instrument_pictures
 from vmach.diagnosis.page_words import chance_words, headline, quantity, state_words
 from vmach.diagnosis.residual_map import ResidualMap, residual_map
 from vmach.job import Job
-from vmach.nominal import read_nominal
+from vmach.nominal import Mesh
 from vmach.report import RunRecord
 from vmach.report.colours import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.report.page_kit import (
@@ -38,7 +38,13 @@ _MOST = 10
 
 
 def write_diagnosis_page(
-    path: Path, found: Diagnosis, *, title: str, command: str, program: str | None = None
+    path: Path,
+    found: Diagnosis,
+    *,
+    title: str,
+    nominal: Mesh | None,
+    command: str,
+    program: str | None = None,
 ) -> None:
     """Write the page; it asks the network for nothing.
 
@@ -48,6 +54,8 @@ def write_diagnosis_page(
     found : Diagnosis
     title : str
         Name of the job.
+    nominal : Mesh or None
+        The surface to show the residual on; without it the points are shown alone.
     command : str
         Command line as typed.
     program : str, optional
@@ -56,11 +64,9 @@ def write_diagnosis_page(
     Raises
     ------
     InputError
-        The folder cannot be written to, or the nominal CAD cannot be read.
+        The folder cannot be written to.
     """
-    residuals = found.residuals
-    job = residuals.survey.job
-    nominal = None if job.nominal is None else read_nominal(job.nominal).mesh
+    residuals, job = found.residuals, found.residuals.survey.job
     part = residual_map(residuals, nominal)
     heading, summary = headline(found)
     tested = [c for c in found.candidates if c.status == "tested"]

@@ -21,7 +21,7 @@ __all__ = ["ResidualMap", "residual_map"]
 #: sides of the disc that stands for a point where there is no CAD, and its size: share of the
 #: distance to the next point, and of the part at least and at most
 _SIDES, _SHARE, _LEAST, _MOST = 10, 0.5, 0.008, 0.02
-_WIDTH = 720
+_WIDTH, _TRIANGLES = 720, 30_000
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,9 @@ def residual_map(residuals: Residuals, nominal: Mesh | None) -> ResidualMap | No
     if nominal is None:
         mesh = _discs(points)
     else:
-        mesh = build_display_mesh(nominal.vertices_mm, nominal.triangles, points)
+        mesh = build_display_mesh(
+            nominal.vertices_mm, nominal.triangles, points, max_triangles=_TRIANGLES
+        )
     values = [variant.deviation_mm for variant in points.variants]
     return ResidualMap(points, mesh, colour_range(values))
 

@@ -8,15 +8,38 @@ from vmach.atomic import atomic_folder
 from vmach.diagnosis.findings import Diagnosis
 from vmach.diagnosis.page import write_diagnosis_page
 from vmach.diagnosis.report import write_figures
-from vmach.job import job_name
+from vmach.job import Job, job_name
+from vmach.nominal import Mesh, read_nominal
 
-__all__ = ["FOLDER_FILES", "write_diagnosis"]
+__all__ = ["FOLDER_FILES", "read_nominal_mesh", "write_diagnosis"]
 
 _FIGURES, _PAGE, _PROGRAM = FOLDER_FILES = ("diagnosis.json", "diagnosis.html", "next.nc")
 
 
-def write_diagnosis(folder: Path, found: Diagnosis, *, command: str) -> tuple[str, ...]:
+def read_nominal_mesh(job: Job) -> Mesh | None:
+    """The surface that the residual is shown on; None where the job has no nominal CAD.
+
+    Raises
+    ------
+    InputError
+        It cannot be read.
+    """
+    return None if job.nominal is None else read_nominal(job.nominal).mesh
+
+
+def write_diagnosis(
+    folder: Path, found: Diagnosis, *, nominal: Mesh | None = None, command: str
+) -> tuple[str, ...]:
     """Write all files of a diagnosis into a folder, all of them or none; returns their names.
+
+    Parameters
+    ----------
+    folder : Path
+    found : Diagnosis
+    nominal : Mesh, optional
+        The surface to show the residual on; without it the measured points are shown alone.
+    command : str
+        Command line as typed.
 
     Raises
     ------
@@ -27,7 +50,9 @@ def write_diagnosis(folder: Path, found: Diagnosis, *, command: str) -> tuple[st
     title = job_name(found.residuals.survey.job.path)
     with atomic_folder(folder) as place:
         write_figures(place / _FIGURES, found, program=program)
-        write_diagnosis_page(place / _PAGE, found, title=title, command=command, program=program)
+        write_diagnosis_page(
+            place / _PAGE, found, title=title, nominal=nominal, command=command, program=program
+        )
         if found.next_measurement is not None:
             (place / _PROGRAM).write_text(found.next_measurement.program, encoding="utf-8")
     return tuple(filter(None, (_FIGURES, _PAGE, program)))

@@ -168,8 +168,7 @@ def _halve_edges(
     vertices: np.ndarray, triangles: np.ndarray, longest_mm: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Halve every edge longer than `longest_mm`; neighbours stay joined without a gap."""
-    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    edges, edge_of = np.unique(ends, axis=0, return_inverse=True)
+    edges, edge_of, _ = _edges(triangles, len(vertices))
     start, end = vertices[edges[:, 0]], vertices[edges[:, 1]]
     long = np.linalg.norm(end - start, axis=1) > longest_mm
     midpoint = np.full(len(edges), -1)
@@ -228,6 +227,15 @@ def _split_sharp_edges(
 
 def sharp_edges(mesh: DisplayMesh) -> np.ndarray:
     """(E, 2) rows of vertices: the edges that a single triangle has, each face's outline."""
-    ends = np.sort(mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    edges, count = np.unique(ends, axis=0, return_counts=True)
+    edges, _, count = _edges(mesh.triangles, len(mesh.vertices_mm))
     return edges[count == 1]
+
+
+def _edges(triangles: np.ndarray, vertices: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Edges (E, 2), that of every side of the triangles (3 T,), and how many sides each has."""
+    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1).astype(np.int64)
+    # one number an edge sorts much faster than pairs
+    number, side_of, count = np.unique(
+        ends @ np.array([vertices, 1]), return_inverse=True, return_counts=True
+    )
+    return np.column_stack(np.divmod(number, vertices)), side_of, count
