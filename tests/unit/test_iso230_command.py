@@ -6,6 +6,7 @@ import json
 
 import pytest
 
+from tests.small_job import write_job
 from vmach.commands.accuracy import accuracy
 from vmach.commands.iso230 import iso230
 from vmach.errors import InputError
@@ -62,6 +63,13 @@ def test_complaints(runs, tmp_path):
         iso230(runs, budget=budget)
     with pytest.raises(InputError, match="not found"):
         iso230(tmp_path / "none.csv")
+
+
+def test_tables_of_means_have_the_figures_that_means_have(tmp_path, capsys):
+    write_job(tmp_path, {"EXX": (lambda x: 0.01 * x, (0, 0, -100))})
+    iso230(tmp_path / "machine.toml", as_json=True)
+    (figures,) = (t["figures"] for t in json.loads(capsys.readouterr().out)["tables"].values())
+    assert figures["E"] == pytest.approx(4.0)  # 0.01 um/mm over 400 mm
 
 
 def test_machine_without_tables(tmp_path):

@@ -7,10 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from vmach.errors import InputError
 from vmach.iso230.evaluation import Evaluation, evaluate
 from vmach.iso230.uncertainty import Budget, expanded, parameter_uncertainties
-from vmach.machine.error_table import MM_PER, RAD_PER, read_error_table
+from vmach.machine.component_errors import ComponentError
+from vmach.machine.error_table import MM_PER, RAD_PER, ErrorTable, read_error_table
 from vmach.machine.machine_file import read_machine
 from vmach.machine.runs import Runs
 from vmach.units import um_from_mm
@@ -51,7 +54,7 @@ def evaluated_tables(data: Path, unit: str) -> Iterator[EvaluatedTable]:
     """
     if data.suffix == ".toml":
         for name, component in read_machine(data).components.items():
-            runs = component.runs or _means(component)
+            runs = component.runs or _means(component.position_mm, component)
             yield EvaluatedTable(name, component.is_angle, name[1] == name[2], evaluate(runs))
         return
     if unit not in MM_PER and unit not in RAD_PER:
@@ -59,15 +62,15 @@ def evaluated_tables(data: Path, unit: str) -> Iterator[EvaluatedTable]:
     is_angle = unit not in MM_PER
     table = read_error_table(data, RAD_PER if is_angle else MM_PER, unit)
     try:
-        result = evaluate(table.runs or _means(table))
+        result = evaluate(table.runs or _means(table.position, table))
     except InputError as error:
         raise InputError(error.what, file=data, accepted=error.accepted) from None
     yield EvaluatedTable(data.stem, is_angle, not is_angle, result)
 
 
-def _means(table: Any) -> Runs:
+def _means(position_mm: np.ndarray, table: ComponentError | ErrorTable) -> Runs:
     """A table of means as one run: enough for E, M and B."""
-    return Runs(table.position, table.forward, table.backward)
+    return Runs(position_mm, table.forward, table.backward)
 
 
 def iso230_figures(
