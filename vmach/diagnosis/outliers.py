@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.search import Search
@@ -22,7 +22,7 @@ def outliers(search: Search, explanation: Explanation) -> np.ndarray:
     Where neighbours agree with each other there is a cause, and no chip under the probe.
     """
     count = len(search.survey)
-    limit = norm.isf(0.5 * 0.001 / count)
+    limit = -ndtri(0.5 * 0.001 / count)
     astray = np.abs(explanation.residual) > limit
     alone = apart_from_neighbours(explanation.residual, search.survey.group) > limit
     astray &= alone

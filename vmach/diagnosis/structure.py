@@ -8,7 +8,7 @@ time, patterns of tool and feed. If one of them is there, something real is left
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from vmach.effects.wandering import wandering
 from vmach.fit.evidence import SignatureBank
@@ -99,6 +99,6 @@ class Structure:
         found = {name: gain for name, gain in gains.items() if gain > threshold}
         residual = reading if absorb is None else absorb(reading)
         total = float(residual @ residual)
-        if chi2.sf(total, degrees) < _FALSE_ALARM:
+        if chdtrc(degrees, total) < _FALSE_ALARM:
             found["scatter"] = total / degrees
         return found

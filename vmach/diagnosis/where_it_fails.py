@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from vmach.diagnosis.covariates import Covariate, covariates
 from vmach.fit.survey import Survey
@@ -82,7 +82,7 @@ def chance_of(white: np.ndarray, classes: np.ndarray) -> float | None:
     basis = orthonormal(classes, tolerance=1e-6)
     if basis.shape[1] == 0:
         return None
-    return float(chi2.sf(np.sum((basis.T @ white) ** 2), basis.shape[1]))
+    return float(chdtrc(basis.shape[1], np.sum((basis.T @ white) ** 2)))
 
 
 def _worst_class(covariate: Covariate, aligned_mm: np.ndarray) -> str:

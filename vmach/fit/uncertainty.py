@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.stats import norm
+from scipy.special import ndtr, ndtri
 
 from vmach.fit.survey import Survey
 from vmach.fit.terms import FREE, JointFit, Term
@@ -97,7 +97,7 @@ def parameter_uncertainty(survey: Survey, fit: JointFit, k: int) -> dict[str, Sp
 def _straight(fit: JointFit, k: int) -> dict[str, Spread]:
     """Along tangents, as for parameters that enter in proportion."""
     stated, u = fit.parameters(k), fit.uncertainty(k)
-    wide, prior = float(norm.ppf(0.975)), _prior_u(fit.terms[k])
+    wide, prior = float(ndtri(0.975)), _prior_u(fit.terms[k])
     return {
         n: Spread(u[n], v - wide * u[n], v + wide * u[n], u[n] < _HARDLY * prior[n])
         for n, v in stated.items()
@@ -229,7 +229,7 @@ def _quantiles(weight: np.ndarray, mean: np.ndarray, sigma: np.ndarray) -> tuple
     low, high = np.min(mean - 6.0 * sigma), np.max(mean + 6.0 * sigma)
 
     def excess(x: float, share: float) -> float:
-        return float(weight @ norm.cdf((x - mean) / sigma)) - share
+        return float(weight @ ndtr((x - mean) / sigma)) - share
 
     return tuple(brentq(excess, low, high, args=(share,)) for share in (0.025, 0.975))
 
