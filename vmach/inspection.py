@@ -23,7 +23,6 @@ from vmach.units import um_from_mm, urad_from_rad
 __all__ = [
     "LABELS",
     "check_nominal_in_blank",
-    "found_on_part",
     "inspected_points",
     "remainder_mm",
     "surface_points",
@@ -60,13 +59,6 @@ def surface_points(
     check_nominal_in_blank(job, nominal)
     settings = job.inspection
     return nominal.sample(settings.spacing_mm, edge_margin_mm=settings.edge_margin_mm)
-
-
-def found_on_part(points: SurfacePoints, job: Job) -> np.ndarray | None:
-    """Points where the real part was measured within reach of the nominal surface, (P,) bool."""
-    if points.measured_mm is None:
-        return None
-    return np.abs(points.measured_deviation_mm) < job.inspection.reach_mm
 
 
 def check_nominal_in_blank(job: Job, nominal: NominalPart) -> None:

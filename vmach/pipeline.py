@@ -18,13 +18,13 @@ from vmach.collisions import collision_notes, job_collisions
 from vmach.effects import read_effects
 from vmach.error_budget import ErrorBudget, error_budget
 from vmach.errors import InputError
-from vmach.inspection import found_on_part, inspected_points, surface_points, with_causes
+from vmach.inspection import inspected_points, surface_points, with_causes
 from vmach.job import Job, read_job
 from vmach.machine import Variant
 from vmach.machine.audit import audit
 from vmach.nominal import NominalPart, read_nominal
 from vmach.points import SurfacePoints, read_points_csv
-from vmach.prediction import Prediction, displaced_sweeps, predict
+from vmach.prediction import Prediction, displaced_sweeps, predict_surface
 from vmach.preparation import Preparation, prepare
 from vmach.report import InspectedPoints
 from vmach.stage_clock import Progress, StageClock, silent
@@ -112,15 +112,7 @@ def machine_part(
         predictions: list[Prediction] = []
         for variant in variants:
             predictions.append(
-                predict(
-                    preparation,
-                    points.point_mm,
-                    points.normal,
-                    variant=variant,
-                    effects=effects,
-                    known_surface=found_on_part(points, job),
-                    sweeps=sweeps[variant],
-                )
+                predict_surface(preparation, points, variant, effects, sweeps=sweeps[variant])
             )
             step(len(predictions), len(variants))
     with clock.stage("cut") as step:
@@ -187,12 +179,5 @@ def predict_points(
         points = read_points_csv(points_path)
         preparation = prepare(job, program_path=Path(program_path) if program_path else None)
     with clock.stage("predict"):
-        prediction = predict(
-            preparation,
-            points.point_mm,
-            points.normal,
-            variant=variant,
-            effects=effects,
-            known_surface=found_on_part(points, job),
-        )
+        prediction = predict_surface(preparation, points, variant, effects)
     return points, prediction

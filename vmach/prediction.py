@@ -11,6 +11,7 @@ import numpy as np
 
 from stock import Edges, EdgeStatus, Sweeps, find_edges, find_generating
 from vmach.machine import RigidDisplacement, Variant, displacement
+from vmach.points import SurfacePoints
 from vmach.preparation import Preparation
 from vmach.sweeping import build_sweeps
 from vmach.toolpath import PathStates
@@ -18,7 +19,8 @@ from vmach.toolpath import PathStates
 #: a tool that passes a surface point no closer than this does not generate it
 GENERATING_MISS_MM = 0.05
 
-__all__ = ["Effect", "Prediction", "displaced_sweeps", "displacement_of", "predict"]
+__all__ = ["Effect", "Prediction", "displaced_sweeps", "displacement_of", "predict",
+           "predict_surface"]  # fmt: skip
 
 
 class Effect(Protocol):
@@ -156,6 +158,34 @@ def predict(
     deviation = edges.deviation_mm.copy()
     deviation[cut] += np.einsum("ij,ij->i", correction, normals[cut])
     return Prediction(variant, preparation, normals, deviation, edges, overcut, tuple(effects))
+
+
+def predict_surface(
+    preparation: Preparation,
+    points: SurfacePoints,
+    variant: Variant,
+    effects: Sequence[Effect] = (),
+    *,
+    sweeps: Sweeps | None = None,
+    is_compensated: bool = False,
+) -> Prediction:
+    """Signed deviation of surface points; those found on the real part are known to be surface.
+
+    Parameters as in `predict`; a measured point counts as found within the job's reach.
+    """
+    found = None
+    if points.measured_mm is not None:
+        found = np.abs(points.measured_deviation_mm) < preparation.job.inspection.reach_mm
+    return predict(
+        preparation,
+        points.point_mm,
+        points.normal,
+        variant=variant,
+        effects=effects,
+        known_surface=found,
+        sweeps=sweeps,
+        is_compensated=is_compensated,
+    )
 
 
 def _generated(

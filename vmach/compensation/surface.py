@@ -12,13 +12,19 @@ from scipy.spatial import cKDTree
 
 from stock import VirtualPart, cut_part, write_part
 from vmach.errors import InputError
-from vmach.inspection import found_on_part, surface_points
+from vmach.inspection import surface_points
 from vmach.job import Blank, Job
 from vmach.machine import Variant
 from vmach.nominal import Mesh, NominalPart, read_nominal
 from vmach.points import SurfacePoints
-from vmach.prediction import Effect, Prediction, displaced_sweeps, displacement_of, predict
-from vmach.preparation import Preparation, prepare
+from vmach.prediction import (
+    Effect,
+    Prediction,
+    displaced_sweeps,
+    displacement_of,
+    predict_surface,
+)
+from vmach.preparation import prepare
 
 __all__ = ["Surface", "SurfaceCheck", "check_surface", "read_surface"]
 
@@ -185,18 +191,9 @@ def check_surface(
         path.write_bytes(text)
         after = prepare(job, program_path=path)
 
-    def predicted(
-        preparation: Preparation, variant: Variant, effects: Sequence[Effect],
-        is_compensated: bool = False,
-    ) -> Prediction:  # fmt: skip
-        points = surface.points
-        return predict(preparation, points.point_mm, points.normal, variant=variant,
-                       effects=effects, known_surface=found_on_part(points, job),
-                       is_compensated=is_compensated)  # fmt: skip
-
-    perfect = predicted(before, Variant.NONE, ())
-    old = predicted(before, variant, effects)
-    new = predicted(after, variant, effects, is_compensated=True)
+    perfect = predict_surface(before, surface.points, Variant.NONE)
+    old = predict_surface(before, surface.points, variant, effects)
+    new = predict_surface(after, surface.points, variant, effects, is_compensated=True)
     was_cut = perfect.is_cut & old.is_cut & (perfect.overcut == old.overcut)
     rows = np.flatnonzero(was_cut & new.is_cut & (new.overcut == old.overcut))
     if not len(rows):

@@ -12,7 +12,7 @@ from vmach.errors import InputError
 from vmach.machine import Variant
 from vmach.measurements.measurement import Measurement, apart_from_neighbours
 from vmach.points import SurfacePoints, read_points_csv
-from vmach.prediction import Effect, Prediction, predict
+from vmach.prediction import Effect, Prediction, predict_surface
 from vmach.preparation import Preparation
 from vmach.units import um_from_mm
 
@@ -55,14 +55,7 @@ def measure_part(
     points = read_points_csv(path)
     deviation = points.measured_deviation_mm
     _check_same_part(points, deviation, path)
-    prediction = predict(
-        preparation,
-        points.point_mm,
-        points.normal,
-        variant=variant,
-        effects=effects,
-        known_surface=np.abs(deviation) < preparation.job.inspection.reach_mm,
-    )
+    prediction = predict_surface(preparation, points, variant, effects)
     cut = np.flatnonzero(prediction.is_cut)
     if len(cut) < max(_FEWEST, _MOST_OF_THEM * len(points)):
         raise _not_cut(preparation, points, len(cut), path)
