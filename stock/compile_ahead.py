@@ -6,6 +6,7 @@ a program has to be read and displaced, which keeps the compiler of the first pr
 
 from __future__ import annotations
 
+import contextlib
 import os
 import subprocess
 import sys
@@ -32,7 +33,8 @@ def compile_ahead() -> None:
     if _begun or is_walk_compiled() or (os.cpu_count() or 1) < 2 or not sys.executable:
         return
     silent = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
-    _begun.append(subprocess.Popen([sys.executable, "-m", "stock.compile_ahead"], **silent))
+    with contextlib.suppress(OSError):  # what it would have compiled is compiled here
+        _begun.append(subprocess.Popen([sys.executable, "-m", "stock.compile_ahead"], **silent))
 
 
 def await_compiled() -> None:

@@ -20,7 +20,11 @@ from vmach.commands.predict import predict
 from vmach.commands.tables import HelpWithFormats, tables
 from vmach.commands.view import view
 from vmach.errors import VmachError
-from vmach.kernel_cache import collect_less_often, forget_stale_kernels
+from vmach.kernel_cache import (
+    collect_less_often,
+    find_room_for_kernels,
+    forget_stale_kernels,
+)
 
 __all__ = ["app", "main"]
 
@@ -61,6 +65,7 @@ app.add_typer(effects_app, name="effects")
 
 def main() -> None:
     """Run the command line; user errors become one message and exit status 1."""
+    find_room_for_kernels()
     forget_stale_kernels()
     collect_less_often()
     try:

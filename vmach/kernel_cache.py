@@ -1,21 +1,62 @@
-"""Compiled kernels: forgotten when any of the sources that went into them changes.
+"""Compiled kernels: where they are kept, and when they are forgotten.
 
-numba notices when the file of a cached kernel changes, but not when a kernel that it calls, in
-another file, does. After an update a stale kernel would go on giving the old numbers.
+They are kept beside the packages, or in the user's cache, or else in a folder of the temporary
+one. They are forgotten when any of the sources that went into them changes: numba notices when
+the file of a cached kernel changes, but not when a kernel that it calls, in another file, does.
+After an update a stale kernel would go on giving the old numbers.
 """
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import hashlib
+import os
+import stat
+import tempfile
 from importlib.util import find_spec
 from pathlib import Path
 
-__all__ = ["collect_less_often", "forget_stale_kernels"]
+__all__ = ["collect_less_often", "find_room_for_kernels", "forget_stale_kernels"]
 
 _PACKAGES = ("gcode", "stock", "vmach")
 #: new containers before any are looked at; 700 is usual
 _LOT = 100_000
+
+
+def find_room_for_kernels() -> None:
+    """Give numba a folder where it finds none of its own, as on a read-only system.
+
+    Without one it refuses to work. Call it before numba is loaded.
+    """
+    beside = Path(__file__).parent / "__pycache__"
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    if "NUMBA_CACHE_DIR" not in os.environ and not (_has_room(beside) or _has_room(cache)):
+        os.environ["NUMBA_CACHE_DIR"] = str(_temporary_folder())
+
+
+def _has_room(folder: Path) -> bool:
+    """Whether files can be made in a folder, which may have to be made itself."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def _temporary_folder() -> Path:
+    """A folder that only this user can write to: what lies in it is run."""
+    if not hasattr(os, "getuid"):  # where every user has a temporary folder of their own
+        return Path(tempfile.gettempdir()) / "vmach-kernels"
+    folder = Path(tempfile.gettempdir()) / f"vmach-kernels-{os.getuid()}"
+    with contextlib.suppress(FileExistsError):
+        folder.mkdir(mode=0o700)
+    found = folder.lstat()
+    is_own = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
+    if is_own and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+        return folder
+    return Path(tempfile.mkdtemp(prefix="vmach-kernels-"))
 
 
 def forget_stale_kernels() -> None:
