@@ -79,8 +79,8 @@ def _curves(residuals: Residuals) -> Iterator[_Curves]:
 def _free(measurement: Measurement) -> str:
     """What is taken off each curve, in words."""
     tip = "pose" if measurement.nuisance.shape[1] > 3 else "offset"
-    free = {"ballbar": "Radius and centre", "tip": f"The {tip} of the instrument"}
-    return f"{free.get(measurement.kind, 'The zero')} of each curve is its own best fit."
+    free = {"ballbar": "radius and centre", "tip": f"{tip} of the instrument"}
+    return f"{free.get(measurement.kind, 'zero')} of each curve fitted"
 
 
 def _ballbar(curves: _Curves) -> Iterator[tuple[str, Markup]]:
@@ -162,12 +162,12 @@ def _against(
     plot.y_axis("µm")
     plot.x_axis(name)
     group = curves.measurement.group
-    for run in dict.fromkeys(group[rows].tolist()):
-        own = np.flatnonzero(rows & (group == run))
-        order = own[np.argsort(value[own], kind="stable")]
-        for state, values in curves.predicted.items():
+    for state, values in curves.predicted.items():
+        for run in dict.fromkeys(group[rows].tolist()):
+            own = np.flatnonzero(rows & (group == run))
+            order = own[np.argsort(value[own], kind="stable")]
             plot.line(value[order], values[order], state)
-        plot.dots(value[order], curves.measured[order], "measured")
+    plot.dots(value[rows], curves.measured[rows], "measured")
     return plot.markup(f"{curves.measurement.name} against {name}")
 
 
