@@ -38,6 +38,7 @@ from vmach.stage_clock import Progress, StageClock, silent
 from vmach.units import um_from_mm
 
 __all__ = [
+    "REMAINDER_FILE",
     "RESULT_FILES",
     "default_folder",
     "prediction_rows",
@@ -49,6 +50,8 @@ __all__ = [
     "write_results",
 ]
 
+#: measured minus predicted, beside the others where the part was measured
+REMAINDER_FILE = "remainder.png"
 #: what a run leaves in its folder
 RESULT_FILES = (
     "report.html",
@@ -88,9 +91,12 @@ def write_results(
         hint = draw_heatmap(folder / "heatmap.png", mesh, made.points, record)
         if hint:
             record = run_record(made, command, hint)
-        write_report_html(
-            folder / "report.html", mesh, made.points, record, heatmap_png=folder / "heatmap.png"
-        )
+        stills = [folder / "heatmap.png"]
+        if made.points.remainders:
+            stills.append(folder / REMAINDER_FILE)
+            shown, names = made.points.with_remainders(), [v.name for v in made.points.remainders]
+            draw_heatmap(stills[-1], mesh, shown, record, variants=names)
+        write_report_html(folder / "report.html", mesh, made.points, record, stills=stills)
         write_summary(folder / "summary.json", made.points, record)
     return summary(made.points, record)
 

@@ -64,6 +64,8 @@ def test_compare_sets_variants_and_measurement_side_by_side(job, tmp_path, monke
     )
     assert status == 0
     summary = json.loads(text)
+    assert (tmp_path / "out" / "remainder.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "out" / "report.html").read_text().count("data:image/jpeg") == 2
     assert list(summary["variants"]) == ["none", "htm", "abbe", "measured"]
     assert summary["points"] == len(pocket_points()[0])
     # the part was "measured" exactly nominal

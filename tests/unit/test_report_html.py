@@ -114,7 +114,7 @@ def test_size_at_a_hundred_thousand_triangles(tmp_path):
     mesh = large_mesh(100_000, ("none", "abbe", "measured", "abbe_remainder"))
     assert len(mesh.triangles) > 99_000
     draw_heatmap(tmp_path / "h.png", mesh, case, run())
-    write_report_html(tmp_path / "r.html", mesh, case, run(), heatmap_png=tmp_path / "h.png")
+    write_report_html(tmp_path / "r.html", mesh, case, run(), stills=[tmp_path / "h.png"])
     assert (tmp_path / "r.html").stat().st_size < 4e6
 
 

@@ -56,6 +56,7 @@ def _machine(
     from vmach.pipeline import machine_part
     from vmach.report import variants_table
     from vmach.results import (
+        REMAINDER_FILE,
         RESULT_FILES,
         default_folder,
         run_record,
@@ -65,8 +66,10 @@ def _machine(
 
     out = out or default_folder(job)
     inputs = input_files(job)
-    check_outputs([part_file], inputs=[*inputs, *(out / name for name in RESULT_FILES)])
-    check_folder(out, RESULT_FILES, inputs=inputs)
+    names = (*RESULT_FILES, REMAINDER_FILE)
+    check_folder(out, names, inputs=inputs)
+    results = [out / name for name in names] if out.is_dir() else []
+    check_outputs([part_file, *results], inputs=inputs)
     with progress_bar() as progress:
         made = machine_part(
             job, model=model, variants=variants, prefer_measured=prefer_measured, progress=progress
@@ -81,4 +84,5 @@ def _machine(
     console.print(variants_table(made.points, run_record(made, command_line())))
     for note in figures["run"]["warnings"]:
         console.print(f"note: {note}", highlight=False, markup=False)
-    console.print(f"results in {out}: {', '.join(RESULT_FILES)}", highlight=False, markup=False)
+    files = (*RESULT_FILES, *([REMAINDER_FILE] if made.points.remainders else []))
+    console.print(f"results in {out}: {', '.join(files)}", highlight=False, markup=False)

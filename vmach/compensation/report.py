@@ -49,7 +49,7 @@ def write_compensation_report(
     with tempfile.TemporaryDirectory() as folder:
         picture = Path(folder) / "heatmap.png"
         draw_heatmap(picture, display, points, record)
-        write_report_html(path, display, points, record, heatmap_png=picture)
+        write_report_html(path, display, points, record, stills=[picture])
 
 
 def _inspected(surface: SurfaceCheck) -> InspectedPoints:

@@ -64,7 +64,7 @@ def draw_heatmap(
         The folder cannot be written to.
     """
     names = _telling_variants(points) if variants is None else list(variants)
-    range_mm = common_range_mm(points.variants)
+    range_mm = common_range_mm([points[name] for name in names])
     pictures, note = _pictures([mesh.colourings[name] for name in names], mesh, range_mm)
     figure, panels = _figure(len(names), pictures.shape[1] / _DPI)
     for panel, name, picture in zip(panels, names, pictures, strict=True):

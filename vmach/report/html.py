@@ -45,7 +45,7 @@ def write_report_html(
     points: InspectedPoints,
     run: RunRecord,
     *,
-    heatmap_png: str | Path | None = None,
+    stills: Sequence[Path] = (),
 ) -> None:
     """Write the report.
 
@@ -56,8 +56,8 @@ def write_report_html(
     mesh : DisplayMesh
         With a colouring for every variant of the points, and of their remainders.
     points, run : InspectedPoints, RunRecord
-    heatmap_png : path, optional
-        The picture for print and for browsers without WebGL 2.
+    stills : sequence of path
+        The pictures for print and for browsers without WebGL 2.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def write_report_html(
         pickable=min(len(points), MAX_POINTS),
         um=partial(um_text, decimals=um_decimals(_largest_mm(points.variants))),
         sign_convention=SIGN_CONVENTION,
-        still=None if heatmap_png is None else _still(heatmap_png),
+        stills=[_data_uri(png) for png in stills],
         page_data=script_json(_page_data(points, run)),
         payload=encode_payload(mesh, points.with_remainders(), run),
         css=style_sheet(),
@@ -165,6 +165,6 @@ def _largest_mm(variants: Sequence[Variant]) -> float:
     return max([0.0, *(float(np.abs(v.deviation_mm[v.is_cut]).max(initial=0)) for v in variants)])
 
 
-def _still(png: str | Path) -> str:
+def _data_uri(png: Path) -> str:
     with Image.open(png) as picture:
         return jpeg_data_uri(picture)
