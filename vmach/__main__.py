@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 import traceback
@@ -16,6 +17,9 @@ def main() -> None:
     Exit status 130 after Ctrl-C, 70 after a fault of the program itself; with
     ``VMACH_TRACEBACK=1`` in the environment such a fault shows where it comes from.
     """
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # terminals without the sign for plus or minus
     try:
         from vmach.cli import main as command_line  # so that Ctrl-C while it loads counts too
 

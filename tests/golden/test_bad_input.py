@@ -1,5 +1,6 @@
 """What users get wrong: one message with file, line, value and what is accepted; exit status 1."""
 
+import io
 import sys
 
 import pytest
@@ -271,3 +272,13 @@ def test_a_fault_of_the_program_is_told_as_one(monkeypatch, capsys):
     monkeypatch.setenv("VMACH_TRACEBACK", "1")
     with pytest.raises(IndexError):
         main()
+
+
+def test_a_terminal_that_lacks_a_sign_shows_another(monkeypatch):
+    poor = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
+    monkeypatch.setattr(sys, "stdout", poor)
+    monkeypatch.setattr(sys, "argv", ["vmach", "--version"])
+    with pytest.raises(SystemExit):
+        main()
+    print("\N{PLUS-MINUS SIGN}10 um", file=poor, flush=True)
+    assert poor.buffer.getvalue().endswith(b"?10 um\n")
