@@ -19,7 +19,7 @@ __all__ = ["ClassMeans", "Panel", "covariate_panels"]
 #: half width of a 95 % interval in standard uncertainties
 _WIDE = 1.96
 #: dots of one colour in a diagram, and classes in a list
-_MOST_DOTS, _MOST_ROWS = 1000, 8
+_MOST_DOTS, _MOST_ROWS = 1000, 9
 _ROW, _NAMES, _LETTERS = 22.0, 190.0, 29
 
 
