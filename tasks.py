@@ -55,8 +55,7 @@ def set_up() -> None:
 def compile_kernels() -> None:
     """Have the compiler's work done before somebody waits for a first result."""
     with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "diagnosis.json"
-        command = [PYTHON, "-m", "vmach", "diagnose", MEASURED_SAMPLE, "--json", out]
+        command = [PYTHON, "-m", "vmach", "diagnose", MEASURED_SAMPLE, "--out", folder]
         subprocess.run(command, cwd=folder, stdout=subprocess.DEVNULL, check=True)
 
 

@@ -1,6 +1,7 @@
 """Pictures of a diagnosis against sums written out here: classes, chances, places of the marks."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -112,10 +113,23 @@ def test_after_the_effect_the_classes_are_noise(lost):
     left = off @ (residuals.survey.residual_mm - lost.residuals.explained_mm)
     means = direction.means["after"]
     for number in range(len(direction.covariate)):
-        own = direction.covariate.number == number
+        own = np.flatnonzero(direction.covariate.number == number)
         assert means.mean_mm[number] == pytest.approx(left[own].mean(), abs=1e-12)
         assert abs(means.mean_mm[number]) < 4 * means.u_mm[number]
     assert lost.rms_um["after"] == pytest.approx(1e3 * np.sqrt(np.mean(left**2)))
+
+
+def test_what_a_law_leaves_open_widens_the_bars_after_it(lost):
+    survey, fit = lost.residuals.survey, lost.residuals.fit
+    slack = 1e-3 * np.random.default_rng(5).standard_normal((len(survey), 2)).cumsum(axis=0)
+    open_law = replace(lost.residuals, fit=replace(fit, slack_mm=slack))
+    off = alignment(survey)
+    before, after = dense_covariance(open_law), dense_covariance(open_law, slack)
+    weights = np.random.default_rng(6).standard_normal((3, len(survey)))
+    for covariance, is_after in ((before, False), (after, True)):
+        expected = np.sqrt(np.diag(weights @ off @ covariance @ off.T @ weights.T))
+        found = open_law.class_u_mm(weights, after=is_after)
+        np.testing.assert_allclose(found, expected, rtol=1e-6)
 
 
 def dots(svg, kind):
