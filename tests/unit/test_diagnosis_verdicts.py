@@ -10,11 +10,15 @@ import pytest
 from tests.small_job import write_job
 from vmach.added_effects import add_effects
 from vmach.diagnosis.diagnose import diagnose, prepare_search
+from vmach.diagnosis.findings import Finding
+from vmach.diagnosis.impossible_sizes import impossible_sizes
 from vmach.diagnosis.job_survey import survey_job
 from vmach.diagnosis.planned_tests import planned_tests, write_program
 from vmach.diagnosis.report import as_json, as_text
+from vmach.diagnosis.rivals import Rivals
 from vmach.diagnosis.structure import patterns
 from vmach.diagnosis.words import what_is_left, with_unit
+from vmach.effects import catalogue
 from vmach.errors import InputError
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import Whitening
@@ -209,3 +213,14 @@ def test_planned_tests_stay_within_the_travel_and_are_programs(tmp_path):
         ends = np.unique(np.round(moves.end_mm, 3), axis=0)
         for nose in np.unique(np.round(test.states.moves.end_mm, 3), axis=0)[:5]:
             assert np.abs(ends - nose).max(axis=1).min() < 2e-3
+
+
+@pytest.mark.parametrize(("machine_um", "is_possible"), [(-9.0, False), (-2.0, True), (9.0, True)])
+def test_a_size_surely_below_zero_is_no_finding(machine_um, is_possible):
+    parameters = {"tool_um": 3.0, "machine_um": machine_um, "slot_um": -50.0}
+    parameters |= dict.fromkeys(["taper_um", "climb_um"], 0.0)
+    u = dict.fromkeys(parameters, 1.0)
+    finding = Finding(catalogue()["tool_deflection"], "", parameters, u, Rivals((), ()), None, {})
+    left, notes = impossible_sizes([finding])
+    assert (not left) == is_possible
+    assert all("machine_um = -9" in note for note in notes)

@@ -13,6 +13,7 @@ from vmach.diagnosis.blind_spots import blind_spots
 from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.findings import CandidateScore, Diagnosis, Finding
 from vmach.diagnosis.held_out import holds_out
+from vmach.diagnosis.impossible_sizes import impossible_sizes
 from vmach.diagnosis.next_measurement import next_measurement
 from vmach.diagnosis.outliers import outlier_notes, outliers
 from vmach.diagnosis.residuals import Residuals
@@ -67,14 +68,16 @@ def diagnose(
         survey, explanation = search.survey, search.run()
     explanation = _settled(search, explanation)
     tell("is what is left noise?")
+    findings = _findings(search, explanation)
     left, not_shown = search.left_in(explanation), []
+    if not left:
+        left, not_shown = impossible_sizes(findings)
     if not left:
         left, not_shown = laws_not_shown(search, explanation)
     residuals = Residuals(
         survey, search.whiten, survey.factors(bend_share=BEND_SHARE), explanation.fit
     )
     failures = where_it_fails(survey, search.whiten, survey.residual_mm)
-    findings = _findings(search, explanation)
     verdict = _verdict(findings, left)
     if verdict == "unknown":
         remaining = ()

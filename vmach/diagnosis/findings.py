@@ -47,6 +47,11 @@ class Finding:
         """Name of the effect, or "unknown"."""
         return self.effect.name if self.effect else "unknown"
 
+    @property
+    def label(self) -> str:
+        """Name and target."""
+        return f"{self.name} {self.target}".rstrip()
+
 
 @dataclass(frozen=True)
 class CandidateScore:

@@ -106,7 +106,7 @@ def _card(finding: Finding, found: Diagnosis) -> dict:
     """Everything that the template shows of one effect."""
     if finding.effect is None:
         return {"finding": finding, "rows": [], "rivals": [], "curve": None}
-    own = f"{finding.name} {finding.target}".rstrip()
+    own = finding.label
     meaning = {p.name: p.meaning for p in finding.effect.parameters}
     alone = {f"{c.effect} {c.target}".rstrip(): c.rms_after_um for c in found.candidates}
     rows = [

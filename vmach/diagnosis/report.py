@@ -112,7 +112,7 @@ def _uncertainty(finding: Finding, name: str) -> str:
 def _finding_lines(finding: Finding) -> list[str]:
     if finding.effect is None:
         return [f"  where: {finding.where or 'everywhere; more scatter than the uncertainty says'}"]
-    lines = [f"  {finding.name} {finding.target}".rstrip() + f": {finding.effect.title}"]
+    lines = [f"  {finding.label}: {finding.effect.title}"]
     if finding.where:
         lines.append(f"    where: {finding.where}")
     else:

@@ -27,6 +27,7 @@ _LEFT = {
     "scatter": "the rest scatters more than the uncertainty allows",
     "further effects": "further effects would be needed",
     "offsets of single features": "a few features sit elsewhere, which no law ties together",
+    "a size below zero": "what would fit has a size that cannot be below zero",
     "as many numbers as places": "what would fit has as many free numbers as there are places",
 }
 #: a correction counts as there where it exceeds this many standard uncertainties

@@ -45,6 +45,8 @@ class Parameter:
         Whether a job may leave it out; it then has its usual value.
     cycle : float
         Values this far apart mean the same, as with angles.
+    is_size : bool
+        A size in nature, which cannot be below zero.
     """
 
     name: str
@@ -56,6 +58,7 @@ class Parameter:
     spread: float = math.inf
     optional: bool = False
     cycle: float = math.inf
+    is_size: bool = False
 
     @property
     def is_linear(self) -> bool:
@@ -63,9 +66,10 @@ class Parameter:
         return not self.grid
 
 
-def linear(name: str, meaning: str, *, usual: float) -> Parameter:
-    """An amplitude of either sign, up to a thousand times its usual size."""
-    return Parameter(name, meaning, -1000.0 * usual, 1000.0 * usual, usual)
+def linear(name: str, meaning: str, *, usual: float, is_size: bool = False) -> Parameter:
+    """An amplitude up to a thousand times its usual size, of either sign where it is no size."""
+    most = 1000.0 * usual
+    return Parameter(name, meaning, -most, most, usual, is_size=is_size)
 
 
 def inner(

@@ -24,8 +24,13 @@ class ToolDeflection(Effect):
     name = "tool_deflection"
     title = "deflection of the tool under the cutting force"
     parameters = (
-        linear("tool_um", "bending of the tool in the reference cut", usual=3.0),
-        linear("machine_um", "give of spindle and machine in the reference cut", usual=1.0),
+        linear("tool_um", "bending of the tool in the reference cut", usual=3.0, is_size=True),
+        linear(
+            "machine_um",
+            "give of spindle and machine in the reference cut",
+            usual=1.0,
+            is_size=True,
+        ),
         linear("taper_um", "bending at the tip minus bending at the top of the cut", usual=1.0),
         linear("climb_um", "half of what down milling bends more than up milling", usual=1.0),
         linear("slot_um", "bending across the way where a slot is cut from the full", usual=1.0),

@@ -46,7 +46,7 @@ class Runout(_OfOneTool):
     name = "runout"
     title = "runout of the tool"
     parameters = (
-        linear("runout_um", "growth of the cutting radius", usual=10.0),
+        linear("runout_um", "growth of the cutting radius", usual=10.0, is_size=True),
         replace(
             linear("marks_share", "share of the marks of a single flute that is there", usual=1.0),
             optional=True,
@@ -71,7 +71,9 @@ class ToolWear(_OfOneTool):
     name = "tool_wear"
     title = "wear of the tool"
     parameters = (
-        linear("wear_um", "loss of radius after the first ten metres of cut", usual=5.0),
+        linear(
+            "wear_um", "loss of radius after the first ten metres of cut", usual=5.0, is_size=True
+        ),
         inner(
             "exponent",
             "of the loss with the way cut; below one where a new edge wears quickly",

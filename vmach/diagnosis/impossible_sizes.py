@@ -1,0 +1,33 @@
+"""Effects that fit only with a size below zero: no finding, however well they fit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from vmach.diagnosis.findings import Finding
+
+__all__ = ["impossible_sizes"]
+
+#: below zero by so many standard uncertainties
+_SURELY = 3.0
+
+
+def impossible_sizes(findings: Iterable[Finding]) -> tuple[dict[str, float], list[str]]:
+    """Sizes that nature does not have: by how many standard uncertainties, and in words.
+
+    Amplitudes are fitted with either sign. A tool that bends towards the wall imitates something
+    else.
+    """
+    left, notes = {}, []
+    for finding in findings:
+        for parameter in finding.effect.parameters if finding.effect else ():
+            if not parameter.is_size:
+                continue
+            value, u = finding.parameters[parameter.name], finding.u[parameter.name]
+            if value < -_SURELY * u:
+                left["a size below zero"] = max(-value / u, left.get("a size below zero", 0.0))
+                notes.append(
+                    f"{finding.label} would fit with {parameter.name} = {value:.3g} "
+                    f"(u = {u:.2g}), which cannot be below zero"
+                )
+    return left, notes
