@@ -8,7 +8,7 @@ import numpy as np
 
 from gcode import Program, Step
 
-__all__ = ["FrameShift", "turned_about_z", "zero_settings"]
+__all__ = ["FrameShift", "rotation_of_moves", "turned_about_z", "zero_settings"]
 
 _SYSTEMS = {540 + 10 * k: k + 1 for k in range(6)} | {591: 7, 592: 8, 593: 9}
 _G10, _G52, _G92 = 100, 520, {920, 921, 922, 923}
@@ -18,6 +18,15 @@ _OF_INTEREST = _SYSTEMS.keys() | _G92 | {_G10, _G52}
 
 def _codes(step: Step) -> set[int]:
     return {round(10 * code) for code in step.g_codes}
+
+
+def rotation_of_moves(program: Program) -> np.ndarray:
+    """Angle about Z, rad, by which the work system of every move is turned, (N,)."""
+    angle = np.zeros(len(program.moves))
+    for row, _, name, *values in program.record.events:
+        if name == "set_xy_rotation":
+            angle[row:] = np.radians(values[0])
+    return angle
 
 
 def zero_settings(program: Program) -> list[tuple[Step, float]]:

@@ -11,6 +11,7 @@ from gcode import Modes, MoveKind, Program, Step, Word
 from vmach.errors import InputError
 from vmach.program_text.block_modes import PLANE_AXES
 from vmach.program_text.expanded_text import Expanded, LineBuilder, number_text
+from vmach.program_text.frame_shift import rotation_of_moves, turned_about_z
 
 __all__ = ["plain"]
 
@@ -102,10 +103,7 @@ class _Writer:
             raise InputError("moves out of the order of the lines", file=self.program.path)
         moving = np.flatnonzero(self.moves.kind != MoveKind.DWELL)
         self.first_row = int(moving[0]) if len(moving) else -1
-        self.angle = np.zeros(len(self.moves))
-        for row, _, name, *values in self.program.record.events:
-            if name == "set_xy_rotation":
-                self.angle[row:] = np.radians(values[0])
+        self.angle = rotation_of_moves(self.program)
         self.arcs = {arc[0]: arc for arc in self.program.record.arcs}
         self.seconds = dict(self.program.record.dwells)
 
@@ -116,9 +114,8 @@ class _Writer:
 
     def motion_of(self, row: int) -> np.ndarray:
         """Motion of a row in the axes of the program, mm; frames may change between rows."""
-        x, y, z = self.moves.end_mm[row] - self.moves.start_mm[row]
-        cosine, sine = np.cos(self.angle[row]), np.sin(self.angle[row])
-        return np.array([cosine * x + sine * y, cosine * y - sine * x, z])
+        motion = self.moves.end_mm[row] - self.moves.start_mm[row]
+        return turned_about_z(motion, -self.angle[row])
 
     def line(self, line: int, step: Step | None, why: str | None) -> None:
         """Copy a line, or write it out."""

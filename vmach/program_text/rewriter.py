@@ -13,7 +13,12 @@ from vmach.program_text.block_modes import PLANE_AXES, BlockModes
 from vmach.program_text.control import CONTROLS, TargetControl
 from vmach.program_text.dialect_text import block_text, line_edit
 from vmach.program_text.expanded_text import number_text
-from vmach.program_text.frame_shift import FrameShift, turned_about_z, zero_settings
+from vmach.program_text.frame_shift import (
+    FrameShift,
+    rotation_of_moves,
+    turned_about_z,
+    zero_settings,
+)
 from vmach.program_text.line_edit import AS_PROGRAMMED, SAME, UNKNOWN
 from vmach.program_text.pieces import Piece
 from vmach.program_text.said_axes import said_axes
@@ -98,11 +103,7 @@ class Rewriter:
         self.program, self.modes, self.moves, self.own = program, modes, program.moves, own
         self.control, self.text = control, block_text(program)
         count = len(self.moves)
-        angle = np.zeros(count)
-        for row, _, name, *values in program.record.events:
-            if name == "set_xy_rotation":
-                angle[row:] = np.radians(values[0])
-        self.angle = angle
+        self.angle = rotation_of_moves(program)
         self.said, self.unknown_start = said_axes(program, modes, self.text)
         self.zero_settings = zero_settings(program)
         self.end_mm = program.record.path().point_mm
