@@ -130,6 +130,8 @@ def test_what_a_law_leaves_open_widens_the_bars_after_it(lost):
         expected = np.sqrt(np.diag(weights @ off @ covariance @ off.T @ weights.T))
         found = open_law.class_u_mm(weights, after=is_after)
         np.testing.assert_allclose(found, expected, rtol=1e-6)
+    alone = np.sqrt(np.diag(off @ slack @ slack.T @ off.T))
+    np.testing.assert_allclose(open_law.open_mm, alone, rtol=1e-6)
 
 
 def dots(svg, kind):

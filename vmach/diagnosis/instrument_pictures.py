@@ -24,6 +24,8 @@ _TITLES = {
     "drift": "Drift test",
     "tip": "Tool tip in the work space",
 }
+#: half width of a 95 % interval in standard uncertainties
+_WIDE = 1.96
 #: of a polar diagram: its side, and the programmed circle and the room for deviations in pixels
 _SIDE, _CIRCLE, _ROOM = 300.0, 92.0, 44.0
 
@@ -40,12 +42,16 @@ class InstrumentPicture:
 
 @dataclass(frozen=True)
 class _Curves:
-    """Readings of one measurement in um, (P,) each: predictions by "before" and "after"."""
+    """Readings of one measurement in um, (P,) each: predictions by "before" and "after".
+
+    `open_law` is the standard uncertainty that the effects' laws leave.
+    """
 
     measurement: Measurement
     path: Circumstances
     measured: np.ndarray
     predicted: dict[str, np.ndarray]
+    open_law: np.ndarray
 
 
 def instrument_pictures(residuals: Residuals) -> list[InstrumentPicture]:
@@ -58,7 +64,9 @@ def instrument_pictures(residuals: Residuals) -> list[InstrumentPicture]:
         m = curves.measurement
         if m.kind in _DRAWERS:
             plots = tuple(_DRAWERS[m.kind](curves))
-            found.append(InstrumentPicture(m.kind, f"{_TITLES[m.kind]}: {m.name}", _free(m), plots))
+            found.append(
+                InstrumentPicture(m.kind, f"{_TITLES[m.kind]}: {m.name}", _note(curves), plots)
+            )
     return found
 
 
@@ -73,14 +81,18 @@ def _curves(residuals: Residuals) -> Iterator[_Curves]:
             state: um_from_mm(measured[own] - residuals.of(state)[own])
             for state in residuals.states
         }
-        yield _Curves(measurement, path, um_from_mm(measured[own]), predicted)
+        open_law = um_from_mm(residuals.open_mm[own])
+        yield _Curves(measurement, path, um_from_mm(measured[own]), predicted, open_law)
 
 
-def _free(measurement: Measurement) -> str:
-    """What is taken off each curve, in words."""
+def _note(curves: _Curves) -> str:
+    """What is taken off each curve, and what a band is."""
+    measurement = curves.measurement
     tip = "pose" if measurement.nuisance.shape[1] > 3 else "offset"
     free = {"ballbar": "radius and centre", "tip": f"{tip} of the instrument"}
-    return f"{free.get(measurement.kind, 'zero')} of each curve fitted"
+    fitted = f"{free.get(measurement.kind, 'zero')} of each curve fitted"
+    has_band = measurement.kind in ("laser", "diagonal", "drift") and curves.open_law.max() > 0.0
+    return f"{fitted}; band: 95 % of what the effects' laws leave open" if has_band else fitted
 
 
 def _ballbar(curves: _Curves) -> Iterator[tuple[str, Markup]]:
@@ -161,14 +173,25 @@ def _against(
     plot = Plot(Frame(x, (-end_um, end_um), top=18.0))
     plot.y_axis("µm")
     plot.x_axis(name)
-    group = curves.measurement.group
+    runs = [
+        _in_order(value, rows, curves.measurement.group == run)
+        for run in dict.fromkeys(curves.measurement.group[rows].tolist())
+    ]
+    if "after" in curves.predicted and curves.open_law[rows].max() > 0.0:
+        middle, wide = curves.predicted["after"], _WIDE * curves.open_law
+        low, high = middle - wide, middle + wide
+        plot.bands([(value[run], low[run], high[run]) for run in runs], "after")
     for state, values in curves.predicted.items():
-        for run in dict.fromkeys(group[rows].tolist()):
-            own = np.flatnonzero(rows & (group == run))
-            order = own[np.argsort(value[own], kind="stable")]
-            plot.line(value[order], values[order], state)
+        for run in runs:
+            plot.line(value[run], values[run], state)
     plot.dots(value[rows], curves.measured[rows], "measured")
     return plot.markup(f"{curves.measurement.name} against {name}")
+
+
+def _in_order(value: np.ndarray, rows: np.ndarray, own: np.ndarray) -> np.ndarray:
+    """Indices of the readings in both sets, by rising value."""
+    found = np.flatnonzero(rows & own)
+    return found[np.argsort(value[found], kind="stable")]
 
 
 def _tip(curves: _Curves) -> Iterator[tuple[str, Markup]]:

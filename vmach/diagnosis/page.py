@@ -142,7 +142,7 @@ def _curve(finding: Finding) -> Markup:
     plot = Plot(Frame((position[0], position[-1]), (-end, end), width=520.0, top=18.0))
     plot.y_axis("correction, " + with_micro_sign(key.rsplit("_", 1)[1]))
     plot.x_axis(f"{finding.target[2]}, mm")
-    plot.band(position, value - wide, value + wide, "after")
+    plot.bands([(position, value - wide, value + wide)], "after")
     plot.line(position, value, "after")
     return plot.markup(f"Correction of {finding.target} with its 95 % band")
 

@@ -73,10 +73,16 @@ class Residuals:
         return (columns - self.survey.aligned(columns)).reshape(values_mm.shape)
 
     @cached_property
-    def _spread_mm(self) -> np.ndarray:
-        """Common causes of unit variance after the effects, (n, k): tables, and the laws' slack."""
-        slack = [] if self.fit is None else [slack_of(self.survey, self.fit)]
-        return np.hstack([self.factors_mm, *slack])
+    def _slack_mm(self) -> np.ndarray:
+        """Signatures of unit variance of what the effects' laws leave open, (n, k)."""
+        return (
+            np.zeros((len(self.survey), 0)) if self.fit is None else slack_of(self.survey, self.fit)
+        )
+
+    @property
+    def open_mm(self) -> np.ndarray:
+        """Standard uncertainty that the effects' laws leave each aligned reading, (n,)."""
+        return np.sqrt((self.aligned(self._slack_mm) ** 2).sum(axis=1))
 
     def class_u_mm(self, mean: np.ndarray, *, after: bool) -> np.ndarray:
         """Standard uncertainty of weighted sums of the aligned residual, (c,).
@@ -91,7 +97,7 @@ class Residuals:
         squared = self.survey.u_mm**2
         # an alignment is symmetric in readings divided by their uncertainty
         rows = self.aligned((mean * squared).T).T / squared
-        causes = self._spread_mm if after else self.factors_mm
+        causes = np.hstack([self.factors_mm, self._slack_mm]) if after else self.factors_mm
         return np.sqrt(rows**2 @ squared + ((rows @ causes) ** 2).sum(axis=1))
 
     @cached_property

@@ -66,10 +66,14 @@ class Plot:
         """A line through all points."""
         self.parts.append(f'<path class="line {kind}" d="M{"L".join(self._places(x, y))}"/>')
 
-    def band(self, x: np.ndarray, low: np.ndarray, high: np.ndarray, kind: str) -> None:
-        """The area between two curves."""
-        outline = [*self._places(x, low), *list(self._places(x, high))[::-1]]
-        self.parts.append(f'<path class="area {kind}" d="M{"L".join(outline)}Z"/>')
+    def bands(
+        self, between: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]], kind: str
+    ) -> None:
+        """The area between pairs of curves (x, low, high), overlaps no darker than the rest."""
+        outlines = [
+            [*self._places(x, low), *list(self._places(x, high))[::-1]] for x, low, high in between
+        ]
+        self.shape("".join(f"M{'L'.join(outline)}Z" for outline in outlines), f"area {kind}")
 
     def error_bar(self, at: float, middle: float, half: float, kind: str, *, along: str) -> None:
         """A mean with its interval along "x" or "y"; `at` is its pixel on the other axis."""
