@@ -13,6 +13,7 @@ from vmach.diagnosis.covariate_panels import covariate_panels
 from vmach.diagnosis.diagnose import BEND_SHARE, diagnose
 from vmach.diagnosis.instrument_pictures import instrument_pictures
 from vmach.diagnosis.job_survey import survey_job
+from vmach.diagnosis.page_words import quantity
 from vmach.diagnosis.residual_map import residual_map
 from vmach.diagnosis.residuals import Residuals
 from vmach.fit.whitening import Whitening
@@ -290,3 +291,16 @@ def test_what_lies_outside_a_frame_is_drawn_on_its_edge():
     frame = Frame((0.0, 10.0), (-1.0, 1.0), left=0.0, right=0.0, top=0.0, bottom=0.0)
     assert frame.columns(np.array([-5.0, 5.0, 50.0])).tolist() == [0.0, 210.0, 420.0]
     assert frame.rows(np.array([2.0, 0.0, -2.0])).tolist() == [0.0, 110.0, 220.0]
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "interval", "shown"),
+    [
+        ("reversal_um", 7.0662, (6.7812, 7.3512), ("7.07", "6.78", "7.35", "µm")),
+        ("time_constant_s", 2704.3, (920.9, 7934.0), ("2700", "900", "7900", "s")),
+        ("squareness_urad", -52.97, (-55.23, -50.7), ("−53.0", "−55.2", "−50.7", "µrad")),
+        ("work_share", 0.04, (0.01, 0.29), ("0.04", "0.01", "0.29", "")),
+    ],
+)
+def test_values_have_the_digits_that_their_interval_leaves(name, value, interval, shown):
+    assert quantity(name, value, interval) == shown

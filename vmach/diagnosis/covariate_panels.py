@@ -162,8 +162,9 @@ def _some(count: int) -> np.ndarray:
 
 def _shortened(words: str) -> str:
     """What fits beside a row."""
-    for long, short in (("surfaces facing", "facing"), ("feature ", ""), (", facing", " · facing")):
+    for long, short in ((", surfaces facing", " · facing"), ("surfaces ", ""), ("after ", "")):
         words = words.replace(long, short)
+    words = words.removeprefix("feature ")
     if len(words) > _LETTERS:
         words = words.split(" of ")[0]  # a feature without its file
     return words if len(words) <= _LETTERS else words[:12] + "…" + words[13 - _LETTERS :]
