@@ -1,7 +1,5 @@
 """Spindle growth: the warm spindle gets longer."""
 
-import numpy as np
-
 from vmach.effects.effect import along, inner, linear
 from vmach.effects.warm_spindle import SPEED_EXPONENT, OfWarmSpindle
 
@@ -34,6 +32,3 @@ class SpindleGrowth(OfWarmSpindle):
     def displacement(self, path, target, growth_um, time_constant_s, speed_exponent):
         warmth = path.warmth_of_spindle(time_constant_s, speed_exponent)
         return along(target, -1e-3 * growth_um * warmth)
-
-    def slack_pattern(self, path, target, parameters):
-        return along(target, np.full(len(path), 1e-3 * parameters["growth_um"]))
