@@ -27,7 +27,6 @@ from vmach.report import (
     InputFile,
     RunRecord,
     build_display_mesh,
-    draw_heatmap,
     part_colours,
     summary,
     write_deviations_csv,
@@ -80,6 +79,8 @@ def write_results(
     InputError
         The folder cannot be written to.
     """
+    from vmach.report.heatmap import draw_heatmap  # late: it loads matplotlib
+
     clock = StageClock(progress)
     with atomic_folder(out_dir) as folder, clock.stage("write"):
         write_part(made.part, folder / "part.stl")

@@ -12,11 +12,11 @@ from vmach.report import (
     Colouring,
     DisplayMesh,
     build_display_mesh,
-    draw_heatmap,
     vtk_picture,
 )
 from vmach.report.camera import Camera, isometric_camera
 from vmach.report.colours import COLOUR_STOPS, colour_range, colours_of, nice_ceiling
+from vmach.report.heatmap import draw_heatmap
 from vmach.report.rasterise import rasterise
 
 FRONT = Camera(np.eye(3), np.zeros(3), width_mm=100.0, height_mm=50.0)

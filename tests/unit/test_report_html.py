@@ -16,9 +16,9 @@ from vmach.report import (
     InputFile,
     Variant,
     build_display_mesh,
-    draw_heatmap,
     write_report_html,
 )
+from vmach.report.heatmap import draw_heatmap
 
 
 class Page(html.parser.HTMLParser):

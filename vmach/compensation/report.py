@@ -19,7 +19,6 @@ from vmach.report import (
     InspectedPoints,
     RunRecord,
     build_display_mesh,
-    draw_heatmap,
     write_report_html,
 )
 from vmach.report import Variant as Column
@@ -43,6 +42,8 @@ def write_compensation_report(
     InputError
         The file cannot be written.
     """
+    from vmach.report.heatmap import draw_heatmap  # late: it loads matplotlib
+
     points, mesh = _inspected(surface), surface.surface.mesh
     display = build_display_mesh(mesh.vertices_mm, mesh.triangles, points)
     record = _record(found, surface, job, model, command)

@@ -7,7 +7,6 @@ The pipeline fills `InspectedPoints` and `RunRecord`, gets a `DisplayMesh` from
 from vmach.report.coloured_part import part_colours
 from vmach.report.deviations_csv import read_deviations_csv, write_deviations_csv
 from vmach.report.display_mesh import build_display_mesh, interpolate_to_mesh
-from vmach.report.heatmap import draw_heatmap
 from vmach.report.html import write_report_html
 from vmach.report.result import (
     STATUSES,
@@ -34,7 +33,6 @@ __all__ = [
     "Statistics",
     "Variant",
     "build_display_mesh",
-    "draw_heatmap",
     "interpolate_to_mesh",
     "open_viewer",
     "part_colours",

@@ -6,8 +6,8 @@ import numpy as np
 
 from vmach.report.colours import colours_of
 from vmach.report.display_mesh import interpolate_to_mesh
-from vmach.report.heatmap import common_range_mm
 from vmach.report.result import DisplayMesh, InspectedPoints
+from vmach.report.statistics import common_range_mm
 
 __all__ = ["part_colours"]
 

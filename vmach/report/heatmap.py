@@ -14,15 +14,15 @@ from matplotlib.figure import Figure
 
 from vmach.atomic import atomic_file
 from vmach.report.camera import isometric_camera, shading
-from vmach.report.colours import COLOUR_STOPS, colour_range, colours_of
+from vmach.report.colours import COLOUR_STOPS, colours_of
 from vmach.report.display_mesh import vertex_normals
 from vmach.report.rasterise import rasterise
-from vmach.report.result import Colouring, DisplayMesh, InspectedPoints, RunRecord, Variant
-from vmach.report.statistics import Statistics, variant_statistics
+from vmach.report.result import Colouring, DisplayMesh, InspectedPoints, RunRecord
+from vmach.report.statistics import Statistics, common_range_mm, variant_statistics
 from vmach.report.vtk_picture import INSTALL_HINT, vtk_pictures
 from vmach.units import um_from_mm
 
-__all__ = ["common_range_mm", "draw_heatmap"]
+__all__ = ["draw_heatmap"]
 
 _PANEL_WIDTH_INCH, _DPI = 7.2, 140
 _CAPTION_INCH, _HEADING_INCH, _BAR_INCH, _MARGIN_INCH = 0.6, 0.5, 1.3, 0.1
@@ -77,11 +77,6 @@ def draw_heatmap(
     with atomic_file(path) as temporary:
         figure.savefig(temporary, format="png", facecolor="white")
     return note
-
-
-def common_range_mm(variants: Sequence[Variant]) -> float:
-    """Return the end of the colour scale that variants share."""
-    return colour_range([variant.deviation_mm[variant.is_cut] for variant in variants])
 
 
 def _telling_variants(points: InspectedPoints) -> list[str]:

@@ -11,7 +11,6 @@ from PIL import Image
 
 from vmach.atomic import atomic_file
 from vmach.report.colours import COLOUR_STOPS, UNKNOWN_COLOUR
-from vmach.report.heatmap import common_range_mm
 from vmach.report.histogram import histograms
 from vmach.report.page_kit import (
     asset,
@@ -25,6 +24,7 @@ from vmach.report.page_kit import (
 from vmach.report.payload import MAX_POINTS, encode_payload
 from vmach.report.result import DisplayMesh, InspectedPoints, RunRecord, Variant
 from vmach.report.statistics import (
+    common_range_mm,
     feature_statistics,
     variant_statistics,
     worst_apart_mm,

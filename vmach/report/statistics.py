@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from vmach.report.colours import nice_ceiling
+from vmach.report.colours import colour_range, nice_ceiling
 from vmach.report.result import STATUSES, InspectedPoints, Variant
 
 __all__ = [
     "Statistics",
+    "common_range_mm",
     "feature_statistics",
     "variant_statistics",
     "worst_apart_mm",
@@ -113,3 +115,8 @@ def worst_places(points: InspectedPoints, variant: Variant, count: int = 10) -> 
         near = (points.feature[left] == points.feature[worst]) & (away_mm <= apart_mm)
         left = left[~near]
     return np.array(chosen, dtype=np.int64)
+
+
+def common_range_mm(variants: Sequence[Variant]) -> float:
+    """Return the end of the colour scale that variants share."""
+    return colour_range([variant.deviation_mm[variant.is_cut] for variant in variants])

@@ -7,15 +7,14 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from matplotlib.colors import LinearSegmentedColormap
 
 from vmach.errors import InputError
 from vmach.report.camera import TOWARDS_VIEWER
 from vmach.report.colours import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.report.deviations_csv import read_deviations_csv
 from vmach.report.display_mesh import build_display_mesh
-from vmach.report.heatmap import common_range_mm
 from vmach.report.result import InspectedPoints
+from vmach.report.statistics import common_range_mm
 from vmach.units import um_from_mm
 
 __all__ = ["open_viewer"]
@@ -60,7 +59,8 @@ def _has_display() -> bool:
 
 
 def _plotter(folder: Path, points: InspectedPoints, *, off_screen: bool):
-    import pyvista  # late: half a second that only this command needs
+    import pyvista  # late: seconds that only this command needs
+    from matplotlib.colors import LinearSegmentedColormap
 
     surface = _coloured_surface(folder / "part.stl", points)
     names = [variant.name for variant in points.variants]
