@@ -1,0 +1,68 @@
+"""Loops of RS274/NGC: DO ... WHILE, WHILE, REPEAT, BREAK and CONTINUE."""
+
+from __future__ import annotations
+
+from gcode.flow_state import Flow, Label, SkipReason
+from gcode.lexer import Block
+
+__all__ = ["LOOPS"]
+
+
+def _do(flow: Flow, label: Label, block: Block) -> None:
+    flow.open(label, "do")
+    flow.skip = None
+
+
+def _while(flow: Flow, label: Label, block: Block) -> None:
+    """The head of a WHILE loop, or the end of a DO loop."""
+    known = flow.openings.get(label)
+    if known is not None and known.keyword == "do":
+        flow.skip = None
+        if flow.value(block) != 0.0 and not flow.broken:
+            flow.next = known.place
+        flow.broken = False
+        return
+    flow.open(label, "while")
+    flow.skip = None
+    if flow.value(block) == 0.0:
+        flow.pass_over(label, SkipReason.OVER)
+
+
+def _repeat(flow: Flow, label: Label, block: Block) -> None:
+    """Count down; the number of rounds is read before the first one alone."""
+    opening = flow.open(label, "repeat")
+    if opening.repeats is None:
+        value = flow.value(block)
+        opening.repeats = int(value + (0.5 if value >= 0.0 else -0.5))
+    if opening.repeats > 0:
+        opening.repeats -= 1
+    else:
+        opening.repeats = None
+        flow.pass_over(label, SkipReason.OVER)
+
+
+def _end(flow: Flow, label: Label, block: Block) -> None:
+    """ENDWHILE and ENDREPEAT."""
+    opening = flow.opening(label, block.control.keyword.removeprefix("end"))
+    over = flow.skip is not None and flow.skip.reason is SkipReason.OVER
+    flow.skip = None
+    if not over:
+        flow.next = opening.place
+
+
+def _break(flow: Flow, label: Label, block: Block) -> None:
+    """Leave the loop; a BREAK that is met while CONTINUE skips to the same end keeps that."""
+    flow.opening(label, "while", "do")
+    flow.pass_over(label, flow.skip.reason if flow.skip else SkipReason.OVER)
+    flow.broken = True
+
+
+def _continue(flow: Flow, label: Label, block: Block) -> None:
+    flow.opening(label, "while", "do")
+    if flow.skip is None:
+        flow.pass_over(label, SkipReason.CONTINUED)
+
+
+#: keyword -> what it does
+LOOPS = {"do": _do, "while": _while, "repeat": _repeat, "endwhile": _end, "endrepeat": _end,
+         "break": _break, "continue": _continue}  # fmt: skip
