@@ -39,13 +39,19 @@ COLUMNS = (
 )  # fmt: skip
 #: pairs that act through the same thing: no data of this kind shows both
 _SAME = ({"tool_radius", "runout"}, {"missing_table", "reflector"})
-PAIRS = [p for p in combinations(SINGLE_KINDS, 2) if set(p) not in _SAME]
+PAIRS, TRIPLES = (
+    [p for p in combinations(SINGLE_KINDS, n) if not any(same <= set(p) for same in _SAME)]
+    for n in (2, 3)
+)
 
 
 def effects_of(kind: str, seed: int) -> list[str]:
     """Names of the effects that an experiment of this kind hides."""
     if kind == "none":
         return []
+    if kind == "triple":
+        chosen = np.random.default_rng([3, seed]).integers(len(TRIPLES))
+        return list(TRIPLES[chosen])
     if kind != "double":
         return kind.split("+")
     order = np.random.default_rng(2).permutation(len(PAIRS))
@@ -66,8 +72,8 @@ def one(kind: str, seed: int, args: argparse.Namespace) -> dict:
         return row | {"outcome": "undrawn", "said": str(error)}
     truth = json.loads((folder / "truth.json").read_text())
     row["hidden"] = "; ".join(
-        f"{e['name']} {e['target'] or ''} {e['parameters']} visible {seen:.1f} um"
-        for e, seen in zip(truth["effects"], truth["part"]["hidden_visible_um"], strict=True)
+        f"{h.name} {h.target or ''} {h.parameters} visible {seen:.1f} um"
+        for h, seen in zip(made.hidden, truth["part"]["hidden_visible_um"], strict=True)
     )
     try:
         report, seconds = program_runs.diagnose(folder)
@@ -167,7 +173,7 @@ def append(path: Path, row: dict) -> None:
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    every = ["none", *SINGLE_KINDS, "double", *FOREIGN_KINDS]
+    every = ["none", *SINGLE_KINDS, "double", "triple", *FOREIGN_KINDS]
     parser.add_argument("--kinds", nargs="+", default=every, help="names, or two joined by +")
     parser.add_argument("--count", type=int, default=2)
     parser.add_argument("--seed", type=int, default=100)

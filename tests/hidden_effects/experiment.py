@@ -16,17 +16,17 @@ from .nature_foreign import FOREIGN
 from .nature_heat import HEAT
 from .nature_motion import MOTION
 from .nature_tables import TABLES
+from .nature_unforeseen import UNFORESEEN
 from .part import TOOLS, Part, PartDesign, random_part
 from .shares import alignment_columns, deviation_um, least_own_um, share_um, visible_um
 from .state import Hidden, State, state_of
 
 __all__ = ["FOREIGN_KINDS", "SINGLE_KINDS", "Experiment", "make_experiment"]
 
-KINDS = {
-    f.__name__: f for group in (MOTION, HEAT, CLAMPING, CUTTING, TABLES, FOREIGN) for f in group
-}
-FOREIGN_KINDS = tuple(f.__name__ for f in FOREIGN)
-SINGLE_KINDS = tuple(k for k in KINDS if k not in FOREIGN_KINDS)
+KNOWN = (*MOTION, *HEAT, *CLAMPING, *CUTTING, *TABLES)
+KINDS = {f.__name__: f for f in (*KNOWN, *FOREIGN, *UNFORESEEN)}
+FOREIGN_KINDS = tuple(f.__name__ for f in (*FOREIGN, *UNFORESEEN))
+SINGLE_KINDS = tuple(f.__name__ for f in KNOWN)
 #: an effect that shows less than this after the part's alignment is drawn again, and so are
 #: several of which one shows less than the second number beside the others
 LEAST_VISIBLE_UM, LEAST_OWN_UM = 1.2, 0.8
@@ -88,7 +88,11 @@ def make_experiment(
     for h in hidden:
         machine.extra.update(h.changed)
     truth = {
-        "effects": [_told(h, states["part"]) for h in hidden],
+        "effects": [
+            _told(shown, states["part"])
+            for h in hidden
+            for shown in h.told_as(states["part"]) or (h,)
+        ],
         "noise_um": noise_um,
         "spindle_stops": stops,
     }

@@ -8,7 +8,7 @@ from .machine_maker import TrueMachine
 from .part import TOOLS
 from .state import Hidden, State
 
-__all__ = ["CUTTING"]
+__all__ = ["CUTTING", "is_floor_of", "slipped_um"]
 
 UM = 1e-3
 FLUTES = np.array([3, 4])
@@ -114,6 +114,44 @@ def tool_length(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     )
 
 
+def tool_slip(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The collet lets go once, while the tool cuts; from then on it is longer or shorter."""
+    tool, size = int(rng.integers(2)), rng.choice([-1, 1]) * rng.uniform(8, 20)
+    when = rng.uniform(0.15, 0.85)
+
+    def move(state: State) -> np.ndarray:
+        return UM * slipped_um(state, tool, [when], [-size])[:, None] * np.array([0.0, 0.0, 1.0])
+
+    def shows_as(state: State) -> tuple[str, ...]:
+        level = slipped_um(state, tool, [when], [1.0])[is_floor_of(state, tool)]
+        is_a_length = len(level) > 0 and level.min() == 1.0  # it slipped before them
+        return ("tool_length T1", "tool_length T2") if is_a_length else ()
+
+    return Hidden(
+        "tool_slip",
+        ("tool_slip",),
+        {"tool": TOOLS[tool].number, "slip_um": size, "share_of_way": when},
+        move,
+        {"slip_um": size},
+        target=f"T{TOOLS[tool].number}",
+        once=True,
+        on_part_only=True,
+        shows_as=shows_as,
+    )
+
+
+def slipped_um(state: State, tool: int, when: list | np.ndarray, size_um: list | np.ndarray):
+    """Height that a tool gained by jerks after these shares of the way that it cuts, (M,)."""
+    own = state.tool == tool
+    way = state.cut_mm / max(state.cut_mm[own].max(initial=0.0), 1.0)
+    return own * ((way[:, None] > np.asarray(when)) @ np.asarray(size_um))
+
+
+def is_floor_of(state: State, tool: int) -> np.ndarray:
+    """Which moments show the height of a tool, (M,) bool."""
+    return (state.tool == tool) & (state.normal[:, 2] > 0.9)
+
+
 def tool_deflection(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     """A slender tool is pushed off its wall, more in down milling, most at its tip."""
     size = rng.uniform(1.5, 3.5)
@@ -142,4 +180,4 @@ def tool_deflection(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     )
 
 
-CUTTING = (tool_radius, runout, probe_radius, tool_wear, tool_length, tool_deflection)
+CUTTING = (tool_radius, runout, probe_radius, tool_wear, tool_length, tool_slip, tool_deflection)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .machine_maker import TrueMachine
+from .nature_cutting import is_floor_of, slipped_um
 from .state import Hidden, State
 
 __all__ = ["FOREIGN"]
@@ -77,27 +78,24 @@ def loose_collet(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     tool, jerks = int(rng.integers(2)), np.sort(rng.uniform(0.1, 0.9, 3))
     size = rng.choice([-1, 1], 3) * rng.uniform(6, 14, 3)
 
-    def slipped_um(state: State) -> np.ndarray:
-        own = state.tool == tool
-        way = state.cut_mm / max(state.cut_mm[own].max(initial=0.0), 1.0)
-        return own * ((way[:, None] > jerks) @ size)
-
     def move(state: State) -> np.ndarray:
-        return UM * slipped_um(state)[:, None] * np.array([0.0, 0.0, 1.0])
+        return UM * slipped_um(state, tool, jerks, size)[:, None] * np.array([0.0, 0.0, 1.0])
 
-    def shows_as(state: State) -> tuple[str, ...]:
-        floors = slipped_um(state)[(state.tool == tool) & (state.normal[:, 2] > 0.9)]
-        is_a_length = len(floors) > 0 and np.ptp(floors) == 0.0  # it slipped before or after them
-        return ("tool_length T1", "tool_length T2") if is_a_length else ()
+    def told_as(state: State) -> tuple[Hidden, ...]:
+        """Of three jerks that fell between the floors in one place only, a length and a slip."""
+        floor = np.flatnonzero(is_floor_of(state, tool))
+        level = slipped_um(state, tool, jerks, size)[floor[np.argsort(state.time_s[floor])]]
+        if len(np.unique(level)) > 2:
+            return ()
+        length = [one_more("tool_length", None)] if level[:1].any() else []
+        slip = [one_more("tool_slip", f"T{tool + 1}")] if np.any(level != level[:1]) else []
+        return (*length, *slip)
 
-    return Hidden(
-        "loose_collet",
-        ("unknown",),
-        {"tool": tool + 1},
-        move,
-        on_part_only=True,
-        shows_as=shows_as,
-    )
+    def one_more(name: str, target: str | None) -> Hidden:
+        return Hidden(name, (name, "unknown"), told, target=target)
+
+    told = {"tool": tool + 1}
+    return Hidden("loose_collet", ("unknown",), told, move, on_part_only=True, told_as=told_as)
 
 
 def hot_spot(rng: np.random.Generator, machine: TrueMachine) -> Hidden:

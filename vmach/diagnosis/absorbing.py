@@ -29,7 +29,8 @@ def absorbing(
     free, random = [none], [slack_of(survey, fit, but=without_slack_of)]
     for k, term in enumerate(fit.terms):
         if term.width is None:
-            free += [fit.signatures_mm[k], fit.tangents_mm[k]]
+            free.append(fit.signatures_mm[k])
+            random.append(fit.tangents_mm[k] * term.spread_of_inner)
         else:
             random.append(term.width * fit.signatures_mm[k])
     return Whitening(np.ones(len(survey)), whiten(np.hstack(random)), whiten(np.hstack(free)))

@@ -19,7 +19,7 @@ from vmach.diagnosis.outliers import outlier_notes, outliers
 from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.search import Search
-from vmach.diagnosis.single_features import laws_not_shown
+from vmach.diagnosis.shown_laws import laws_not_shown
 from vmach.diagnosis.where_it_fails import Failure, where_it_fails
 from vmach.diagnosis.words import component_parameters, where_component
 from vmach.effects import Effect
@@ -35,6 +35,8 @@ __all__ = ["BEND_SHARE", "diagnose", "explanation_with_slack", "prepare_search"]
 
 #: share of the error between two table points that is carried as uncertainty
 BEND_SHARE = 1.0
+#: times that the slack is set by the fit before, so that it is a share of what is there at last
+_PASSES = 3
 #: more effects at once than this are not named
 _MOST_AT_ONCE = 3
 
@@ -135,13 +137,15 @@ def explanation_with_slack(search: Search, explanation: Explanation) -> Explanat
     """Refitted with what the effects' laws leave open counted as uncertainty."""
     if explanation.fit is None:
         return explanation
-    slack = slack_of(search.survey, explanation.fit)
-    if slack.shape[1] == 0:
-        return explanation
-    factors = np.hstack([search.survey.factors(bend_share=BEND_SHARE), slack])
-    careful = Whitening(search.survey.u_mm, factors, search.survey.nuisance)
-    fit = fit_terms(search.survey, explanation.fit.terms, careful)
-    return search.with_fit(replace(fit, slack_mm=slack), explanation.score)
+    survey, fit = search.survey, explanation.fit
+    factors = survey.factors(bend_share=BEND_SHARE)
+    for _ in range(_PASSES):
+        slack = slack_of(survey, replace(fit, slack_mm=None))
+        if slack.shape[1] == 0:
+            return explanation
+        careful = Whitening(survey.u_mm, np.hstack([factors, slack]), survey.nuisance)
+        fit = replace(fit_terms(survey, fit.terms, careful), slack_mm=slack)
+    return search.explanation_of(fit)
 
 
 def _findings(search: Search, explanation: Explanation) -> tuple[Finding, ...]:
@@ -178,13 +182,14 @@ def _verdict(findings: tuple[Finding, ...], left: dict[str, float]) -> str:
 def _is_contrived(findings: tuple[Finding, ...]) -> bool:
     """Whether an explanation needs more than nature is likely to bring at once.
 
-    Several flexible effects together can be bent to imitate something that is not known.
+    Several flexible effects together, or slow ones, can be bent to imitate something unknown.
     """
-    flexible = sum(f.effect is not None and f.effect.is_flexible for f in findings)
+    effects = [f.effect for f in findings if f.effect is not None]
+    flexible = sum(effect.is_flexible for effect in effects)
     at_once = len({f.name for f in findings})
     if at_once >= _MOST_AT_ONCE or len(findings) > _MOST_AT_ONCE:
         return flexible > 0 or at_once > _MOST_AT_ONCE
-    return len(findings) > 2 and flexible > 1
+    return len(findings) > 2 and flexible + sum(effect.is_slow for effect in effects) > 1
 
 
 def _something(failures: tuple[Failure, ...]) -> Finding:

@@ -47,12 +47,18 @@ class Explanation:
         """Names and targets of the effects in the set."""
         return frozenset(t.label for t in self.fit.terms) if self.fit else frozenset()
 
+    @property
+    def numbers(self) -> float:
+        """How many numbers of the set the readings determine."""
+        terms = self.fit.terms if self.fit else ()
+        return sum(self.fit.numbers(k) for k in range(len(terms)))
+
 
 def simplest_of_the_best(explanations: Sequence[Explanation]) -> Explanation:
-    """Of the sets that the readings cannot tell apart, one with the fewest effects."""
+    """Of the sets that the readings cannot tell apart, that with the fewest numbers."""
     best = max(e.score for e in explanations)
     near = [e for e in explanations if e.score > best - MARGIN]
-    return min(near, key=lambda e: (len(e.labels), -e.score))
+    return min(near, key=lambda e: (round(e.numbers), len(e.labels), -e.score))
 
 
 def may_beat(explanation: Explanation, finished: Sequence[Explanation]) -> bool:

@@ -162,7 +162,7 @@ def _power(job: Job, test: PlannedTest, one: _Shown, rival: _Shown) -> float:
     """What the rival, fitted anew, cannot imitate of an effect's signature, in uncertainties."""
     path = Circumstances(test.states, job)
     shown = _on_test(test, path, one.term, one.term.inner) @ one.coefficients
-    places = _few(list(rival.term.effect.inner_grid(path)))
+    places = _few(list(rival.term.effect.inner_grid(path, rival.term.target)))
     imitations = [_on_test(test, path, rival.term, inner) for inner in places]
     least = np.inf
     for imitation in imitations:

@@ -8,6 +8,7 @@ import numpy as np
 
 from vmach.diagnosis.explanation import MARGIN, Explanation
 from vmach.diagnosis.search import Search
+from vmach.effects.sudden import Sudden
 from vmach.fit.whitening import orthonormal
 
 __all__ = ["Rivals", "rivals_of"]
@@ -40,7 +41,7 @@ def rivals_of(search: Search, explanation: Explanation, k: int) -> Rivals:
     """Rivals of term k of an explanation, the other terms staying."""
     assert explanation.fit is not None
     own = explanation.fit.terms[k]
-    others = search.without(explanation, k)
+    others = search.without(explanation, [k])
     gains = search.gains(others)
     best = max(gains)
     near = [i for i in np.argsort(gains)[::-1] if gains[i] > best - MARGIN]
@@ -48,7 +49,8 @@ def rivals_of(search: Search, explanation: Explanation, k: int) -> Rivals:
     if own.label not in labels:
         labels.insert(0, own.label)
     names = list(dict.fromkeys(label.split()[0] for label in labels))
-    names += [n for n in _teams(search, explanation, k, others) if n not in names]
+    alike = _teams(search, explanation, k, others) + _at_once(search, explanation, k, others)
+    names += [n for n in dict.fromkeys(alike) if n not in names]
     names.sort(key=lambda name: name != own.effect.name)
     return Rivals(tuple(names), tuple(labels))
 
@@ -56,8 +58,6 @@ def rivals_of(search: Search, explanation: Explanation, k: int) -> Rivals:
 def _teams(search: Search, explanation: Explanation, k: int, others: Explanation) -> list[str]:
     """Effects that do the same when they act on all their targets at once: three scales ..."""
     assert explanation.fit is not None
-    absorb = search.absorber(others)
-    shown = absorb(search.whiten(explanation.fit.explained_mm(k)))
     own = explanation.fit.terms[k].effect.name
     found = []
     for name in _TEAMS:
@@ -69,9 +69,34 @@ def _teams(search: Search, explanation: Explanation, k: int, others: Explanation
         ]
         if own in _SAME_AS.get(name, (name,)) or not members:
             continue
-        span = np.hstack([search.bank.columns(i)[:, 0, :] for i in members])
-        basis = orthonormal(absorb(span), tolerance=1e-6)
-        left = shown - basis @ (basis.T @ shown)
-        if left @ left < 2.0 * MARGIN:
+        span = np.hstack([search.candidates[i].signatures_mm[:, 0, :] for i in members])
+        if _can_imitate(span, search, others, explanation.fit.explained_mm(k)):
             found.append(name)
     return found
+
+
+def _at_once(search: Search, explanation: Explanation, k: int, others: Explanation) -> list[str]:
+    """Sudden effects that do the same at the same moment: the part jumped, or the tool."""
+    assert explanation.fit is not None
+    own = explanation.fit.terms[k]
+    if not isinstance(own.effect, Sudden):
+        return []
+    found = []
+    for candidate in search.candidates:
+        effect, target = candidate.effect, candidate.target
+        if isinstance(effect, Sudden) and effect is not own.effect:
+            span = search.survey.signature(effect, target, own.inner)
+            if _can_imitate(span, search, others, explanation.fit.explained_mm(k)):
+                found.append(effect.name)
+    return found
+
+
+def _can_imitate(
+    span: np.ndarray, search: Search, others: Explanation, explained_mm: np.ndarray
+) -> bool:
+    """Whether columns (n, P) mm can do what an effect does (n,) mm, the other effects fitted."""
+    absorb = search.absorber(others)
+    shown = absorb(search.whiten(explained_mm))
+    basis = orthonormal(absorb(search.whiten(span)), tolerance=1e-6)
+    left = shown - basis @ (basis.T @ shown)
+    return float(left @ left) < 2.0 * MARGIN

@@ -15,10 +15,11 @@ import numpy as np
 
 from vmach.diagnosis.absorbing import absorbing
 from vmach.diagnosis.explanation import Explanation, may_beat, simplest_of_the_best
+from vmach.diagnosis.score import evidence_of_set
 from vmach.diagnosis.structure import Structure
 from vmach.effects import Effect
 from vmach.fit.candidates import Candidate
-from vmach.fit.evidence import WIDTHS, SignatureBank, evidence_of_unit, log_evidence
+from vmach.fit.evidence import WIDTHS, SignatureBank
 from vmach.fit.joint_fit import fit_terms
 from vmach.fit.survey import Survey
 from vmach.fit.terms import JointFit, Term
@@ -29,6 +30,8 @@ __all__ = ["Search"]
 #: sets followed side by side, and candidates tried on a set of so many effects
 _BEAM, _TRIED = 3, (5, 4, 2)
 _MOST_EFFECTS = 3
+#: times that an effect of the set found may be exchanged for another
+_EXCHANGES = 2
 #: share of the best candidate's evidence that makes another worth following
 _WORTH_TRYING = 0.25
 #: an effect whose law leaves no more open than this share ends the search when it explains all
@@ -94,7 +97,7 @@ class Search:
     @cached_property
     def nothing(self) -> Explanation:
         """The empty set."""
-        return self._explain(None, 0.0)
+        return self.explanation_of(None)
 
     @cached_property
     def threshold(self) -> float:
@@ -127,7 +130,8 @@ class Search:
         for _ in range(_MOST_EFFECTS):
             grown: dict[frozenset[str], Explanation] = {}
             for explanation in beam:
-                for child in self._children(explanation):
+                has = explanation.labels
+                for child in self._children(explanation, tried=_TRIED[len(has)], but=has):
                     known = grown.get(child.labels)
                     if known is None or child.score > known.score:
                         grown[child.labels] = child
@@ -137,7 +141,21 @@ class Search:
             beam = sorted(beam, key=lambda e: -e.score - self.further(e))[:_BEAM]
             if not beam:
                 break
-        return self._without_needless(simplest_of_the_best(finished or seen))
+        return self._without_needless(self._exchanged(simplest_of_the_best(finished or seen)))
+
+    def _exchanged(self, explanation: Explanation) -> Explanation:
+        """With single effects replaced, as long as others do better beside those that stay."""
+        for _ in range(_EXCHANGES if len(explanation.labels) > 1 else 0):
+            assert explanation.fit is not None
+            seen = [explanation]
+            for k in range(len(explanation.fit.terms)):
+                others = self.without(explanation, [k])
+                seen += self._children(others, tried=_TRIED[-1], but=explanation.labels)
+            best = simplest_of_the_best([e for e in seen if self.further(e) == 0.0] or seen)
+            if best is explanation:
+                break
+            explanation = best
+        return explanation
 
     def further(self, explanation: Explanation) -> float:
         """Evidence of the best candidate on what an explanation leaves, if above threshold."""
@@ -152,53 +170,31 @@ class Search:
             for e, c in zip(explanation.evidence, self.candidates, strict=True)
         ]
 
-    def _children(self, explanation: Explanation) -> Iterator[Explanation]:
-        """The explanation with each of the leading candidates, until one explains all the rest.
+    def _children(
+        self, explanation: Explanation, *, tried: int, but: frozenset[str]
+    ) -> Iterator[Explanation]:
+        """The explanation with each of the leading candidates `but` some, until one explains all.
 
         An effect whose law leaves much open ends nothing: it may only imitate stiffer ones.
         """
         gains = self.gains(explanation)
         least = max(self.threshold, _WORTH_TRYING * max(gains))
-        tried = _TRIED[len(explanation.labels)]
         leading = [k for k in np.argsort(gains)[::-1][:tried] if gains[k] > least]
-        leading = [k for k in leading if self.candidates[k].label not in explanation.labels]
+        leading = [k for k in leading if self.candidates[k].label not in but]
         for k in leading:
             child = self.extend(explanation, k)
+            if not _is_possible(child.fit):
+                continue
             yield child
             effect = self.candidates[k].effect
-            is_stiff = not effect.is_flexible and effect.slack_share <= _STIFF
-            if is_stiff and self.further(child) == 0.0:
+            is_loose = effect.is_flexible or effect.is_slow or effect.slack_share > _STIFF
+            if not is_loose and self.further(child) == 0.0:
                 return
 
     def extend(self, explanation: Explanation, k: int) -> Explanation:
         """The explanation with candidate k added and everything refitted."""
-        evidence = explanation.evidence[k]
-        gain = float(evidence.log_factor[0]) + self.log_prior(self.candidates[k])
         terms = [] if explanation.fit is None else list(explanation.fit.terms)
-        terms.append(self.term(k, explanation))
-        fit = fit_terms(self.survey, terms, self.whiten)
-        gain = max(gain, self._gain_between_places(explanation, fit, k))
-        return self._explain(fit, explanation.score + gain + self._gain_of_slack(fit))
-
-    def _gain_between_places(self, explanation: Explanation, fit: JointFit, k: int) -> float:
-        """Evidence of the last term of a fit where its refined inner parameters peak.
-
-        A strong effect is narrow against the grid; the area under the peak is that of a normal
-        distribution (Laplace's approximation).
-        """
-        term, candidate = fit.terms[-1], self.candidates[k]
-        by_name = {p.name: p for p in term.effect.inner_parameters}
-        free = [by_name[name] for name in term.free_inner]
-        if not free or len(free) < len(by_name) or term.width is not None:
-            return -np.inf
-        off = np.array([np.log(term.inner[p.name] / p.usual) / p.spread for p in free])
-        spread = np.array([p.spread for p in free])
-        covariance = fit.covariance[-1][-len(free) :, -len(free) :] / np.outer(spread, spread)
-        area = 0.5 * np.linalg.slogdet(covariance)[1] - 0.5 * off @ off
-        absorb = self.absorber(explanation)
-        columns = absorb(self.whiten(fit.signatures_mm[-1]))[:, None, :]
-        peak = log_evidence(columns, explanation.residual[:, None], np.array([min(area, 0.0)]))
-        return float(peak.log_factor[0]) + self.log_prior(candidate)
+        return self.explain([*terms, self.term(k, explanation)])
 
     def term(self, k: int, explanation: Explanation) -> Term:
         """Candidate k with its best inner parameters on what an explanation leaves."""
@@ -209,22 +205,24 @@ class Search:
             width = WIDTHS[int(evidence.best_width[0])]
         return Term(candidate.effect, candidate.target, candidate.grid[place], width)
 
-    def explain(self, terms: Sequence[Term], score: float = 0.0) -> Explanation:
+    def explain(self, terms: Sequence[Term]) -> Explanation:
         """The explanation by given terms."""
-        fit = fit_terms(self.survey, terms, self.whiten) if terms else None
-        return self._explain(fit, score)
+        return self.explanation_of(fit_terms(self.survey, terms, self.whiten) if terms else None)
 
-    def with_fit(self, fit: JointFit, score: float) -> Explanation:
-        """The explanation by terms that were fitted elsewhere."""
-        return self._explain(fit, score)
-
-    def _explain(self, fit: JointFit | None, score: float) -> Explanation:
+    def explanation_of(self, fit: JointFit | None) -> Explanation:
+        """The explanation by a fit; None for the empty set."""
         absorb = None if fit is None else absorbing(self.survey, self.whiten, fit)
         evidence = tuple(self.bank.evidence(self._reading[:, None], absorb))
-        if absorb is None:
-            return Explanation(fit, score, evidence, self._reading, self.whiten.degrees)
+        if fit is None or absorb is None:
+            return Explanation(None, 0.0, evidence, self._reading, self.whiten.degrees)
         degrees = absorb.degrees - (len(self.survey) - self.whiten.degrees)
-        return Explanation(fit, score, evidence, absorb(self._reading), degrees)
+        return Explanation(fit, self._score(fit), evidence, absorb(self._reading), degrees)
+
+    def _score(self, fit: JointFit) -> float:
+        """Log evidence of a set against nothing: whichever of all candidates they might be."""
+        usual = sum(self.log_prior(self.candidate(term.label)) for term in fit.terms)
+        odds = usual - len(fit.terms) * np.log(len(self.candidates))
+        return odds + evidence_of_set(self.survey, self.whiten, fit)
 
     def absorber(self, explanation: Explanation) -> Callable[[np.ndarray], np.ndarray]:
         """What takes an explanation out of whitened readings or signatures."""
@@ -243,15 +241,6 @@ class Search:
             left["further effects"] = further
         return left
 
-    def _gain_of_slack(self, fit: JointFit) -> float:
-        """Log evidence for what the law of the last term leaves open, all else absorbed."""
-        term, last = fit.terms[-1], len(fit.terms) - 1
-        if term.effect.slack_share == 0.0:
-            return 0.0
-        absorb = absorbing(self.survey, self.whiten, fit, without_slack_of=last)
-        slack = self.survey.slack(term.effect, term.target, fit.parameters(last))
-        return evidence_of_unit(absorb(self.whiten(slack)), absorb(self._reading))
-
     def _without_needless(self, explanation: Explanation) -> Explanation:
         """Drop effects, the weakest first, that the others make needless."""
         while explanation.fit is not None:
@@ -260,7 +249,7 @@ class Search:
             if gains[weakest] > self.threshold:
                 break
             terms = [t for k, t in enumerate(explanation.fit.terms) if k != weakest]
-            explanation = self.explain(terms, explanation.score - gains[weakest])
+            explanation = self.explain(terms)
         return explanation
 
     def alone(self, k: int) -> tuple[Term, np.ndarray]:
@@ -281,13 +270,21 @@ class Search:
         """Evidence for term k of an explanation, given its other terms."""
         assert explanation.fit is not None
         term = explanation.fit.terms[k]
-        others = self.without(explanation, k)
+        others = self.without(explanation, [k])
         place = self.candidates.index(self.candidate(term.label))
         return self.gains(others)[place]
 
-    def without(self, explanation: Explanation, k: int) -> Explanation:
-        """The explanation without its term k; the others keep their inner parameters."""
+    def without(self, explanation: Explanation, ks: Sequence[int]) -> Explanation:
+        """The explanation without some of its terms; the others keep their inner parameters."""
         assert explanation.fit is not None
-        terms = [t for i, t in enumerate(explanation.fit.terms) if i != k]
+        terms = [t for i, t in enumerate(explanation.fit.terms) if i not in ks]
         fit = fit_terms(self.survey, terms, self.whiten, refine=False) if terms else None
-        return self._explain(fit, 0.0)
+        return self.explanation_of(fit)
+
+
+def _is_possible(fit: JointFit | None) -> bool:
+    """Whether nature could bring every effect of a fit with the parameters that it found."""
+    terms = () if fit is None else fit.terms
+    return all(
+        t.effect.is_possible(fit.parameters(k)) for k, t in enumerate(terms) if t.effect.amplitudes
+    )

@@ -9,17 +9,19 @@ feature that the effect acts on: a step in the middle of a floor makes two of it
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import logsumexp
 
 from vmach.diagnosis.explanation import MARGIN, Explanation
+from vmach.diagnosis.score import numbers_determined, price_of_looking
 from vmach.diagnosis.search import Search
 from vmach.fit.evidence import WIDTHS, SignatureBank
-from vmach.fit.terms import FREE, JointFit
+from vmach.fit.terms import JointFit
 
-__all__ = ["AgainstOffsets", "against_offsets", "laws_not_shown"]
+__all__ = ["AgainstOffsets", "against_offsets"]
 
 #: an effect shows at a place where it is at least this share of what it is at the worst one
 _SHOWS = 0.2
@@ -31,80 +33,81 @@ _SIZE_MM = 5e-3
 
 @dataclass(frozen=True)
 class AgainstOffsets:
-    """An effect's law beside offsets of the places at which it shows most.
+    """Laws beside offsets of the places at which they show most.
 
     Attributes
     ----------
     gain : float
-        Log evidence for the law against the offsets.
+        Log evidence for the laws against the offsets.
     numbers : float
-        How many numbers of the law the readings determine.
+        How many numbers of the laws the readings determine.
     places : float
-        How many offsets they determine of the places at which the effect shows.
+        How many offsets they determine of the places at which the effects show.
+    is_shape_of_one : bool
+        Whether it is a curve, and shows at one of several places: it may be that place's shape.
+    beside_curve : bool
+        Whether a curve, which may take any shape, is in the explanation.
     """
 
     gain: float
     numbers: float
     places: float
+    is_shape_of_one: bool
+    beside_curve: bool
 
     @property
     def is_shown(self) -> bool:
-        """Whether the law explains more than the offsets do, or as much with fewer numbers."""
-        return self.gain > MARGIN or (self.gain >= 0.0 and self.numbers < self.places - _FEWER)
+        """Whether the laws explain more than the offsets do, or as much with fewer numbers.
+
+        With more numbers they have to explain far more. Beside a curve, fewer are not enough.
+        """
+        if self.is_shape_of_one:
+            return False
+        if self.numbers < self.places - _FEWER and not self.beside_curve:
+            return self.gain >= 0.0
+        return self.gain > (MARGIN if self.numbers < self.places + _FEWER else 2.0 * MARGIN)
 
 
-def laws_not_shown(search: Search, explanation: Explanation) -> tuple[dict[str, float], list[str]]:
-    """Effects whose law says no more than offsets of the places it shows at: why, and in words."""
-    left, notes = {}, []
-    for k, term in enumerate(explanation.fit.terms if explanation.fit else ()):
-        found = against_offsets(search, explanation, k)
-        if found.is_shown:
-            continue
-        if found.gain < 0.0:
-            left["offsets of single features"] = -found.gain
-        else:
-            left["as many numbers as places"] = found.numbers
-        notes.append(
-            f"{term.label} would fit, with {found.numbers:.0f} numbers for {found.places:.0f} "
-            "independent offsets where it shows: these readings do not show its law"
-        )
-    return left, notes
-
-
-def against_offsets(search: Search, explanation: Explanation, k: int) -> AgainstOffsets:
-    """Term k of an explanation against offsets of the places that it shows at.
+def against_offsets(search: Search, explanation: Explanation, ks: Sequence[int]) -> AgainstOffsets:
+    """Some terms of an explanation against offsets of the places that they show at.
 
     Parameters
     ----------
     search : Search
     explanation : Explanation
-    k : int
+    ks : sequence of int
+        Numbers of the terms.
     """
     assert explanation.fit is not None
-    others = search.without(explanation, k)
+    fit, others = explanation.fit, search.without(explanation, ks)
     left = search.absorber(others)
-    places = _places(search.survey.group, explanation.fit.signatures_mm[k])
+    places = _places(search.survey.group, [fit.signatures_mm[k] for k in ks])
     # what alignment and the other effects take up does not show
-    shown = left(search.whiten(explanation.fit.explained_mm(k)))
+    shown = left(search.whiten(sum(fit.explained_mm(k) for k in ks)))
     size = np.sqrt(shown**2 @ places / places.sum(axis=0))
     columns = left(search.whiten(_SIZE_MM * places[:, np.argsort(-size)]))
     offsets = _evidence_of_the_first(columns, others.residual)
     chief = columns[:, : np.count_nonzero(size > _SHOWS * size.max())]
-    own = search.candidates.index(search.candidate(explanation.fit.terms[k].label))
-    grown = search.extend(others, own)
-    assert grown.fit is not None
-    gain = grown.score - others.score + _price_of_size(grown.fit)
+    # the places are chosen by looking at the fit, for which the offsets do not pay either
+    looking = [price_of_looking(search.survey, fit.terms[k]) for k in ks]
+    known = len(ks) * np.log(len(search.candidates)) + sum(looking)
+    gain = explanation.score - others.score + known + sum(_price_of_size(fit, k) for k in ks)
+    determined, curves = numbers_determined(chief), any(fit.terms[k].is_curve for k in ks)
     return AgainstOffsets(
-        gain=gain - float(logsumexp(offsets)) + np.log(len(offsets)),
-        numbers=_numbers(explanation.fit, k),
-        places=_determined(chief),
+        gain=float(gain - logsumexp(offsets) + np.log(len(offsets))),
+        numbers=sum(fit.numbers(k) for k in ks),
+        places=determined,
+        is_shape_of_one=curves and determined < 1.0 + _FEWER < numbers_determined(columns),
+        beside_curve=any(term.is_curve for term in fit.terms),
     )
 
 
-def _places(group: np.ndarray, signatures_mm: np.ndarray) -> np.ndarray:
+def _places(group: np.ndarray, signatures_mm: Sequence[np.ndarray]) -> np.ndarray:
     """Which readings lie at each place, (n, P) of 0 and 1."""
-    acts = np.abs(signatures_mm).max(axis=1) > 0.0
-    names, number = np.unique(np.char.add(group, np.where(acts, ":1", ":0")), return_inverse=True)
+    for signature in signatures_mm:
+        acts = np.abs(signature).max(axis=1) > 0.0
+        group = np.char.add(group, np.where(acts, ":1", ":0"))
+    names, number = np.unique(group, return_inverse=True)
     return np.eye(len(names))[number]
 
 
@@ -115,29 +118,14 @@ def _evidence_of_the_first(columns: np.ndarray, reading: np.ndarray) -> np.ndarr
     return np.array([float(e.log_factor[0]) for e in bank.evidence(reading[:, None])])
 
 
-def _price_of_size(fit: JointFit) -> float:
-    """What the last term paid for being larger than usual, which does not count here.
+def _price_of_size(fit: JointFit, k: int) -> float:
+    """What term k paid for being larger than usual, which does not count here.
 
     Numbers that are large and nearly cancel each other do count.
     """
-    term, signatures = fit.terms[-1], fit.signatures_mm[-1]
-    if term.width:
+    term, signatures = fit.terms[k], fit.signatures_mm[k]
+    if term.is_curve:
         return 0.0
     usual = np.linalg.norm(signatures, axis=0).max()
-    size = np.linalg.norm(signatures @ fit.coefficients[-1]) / usual
+    size = np.linalg.norm(signatures @ fit.coefficients[k]) / usual
     return 0.5 * float(size / WIDTHS[-1]) ** 2
-
-
-def _numbers(fit: JointFit, k: int) -> float:
-    """Amplitudes and inner parameters of term k, each as far as the readings determine it."""
-    term = fit.terms[k]
-    spread = {p.name: p.spread for p in term.effect.inner_parameters}
-    amplitudes = np.full(len(fit.coefficients[k]), term.width or FREE)
-    before = np.concatenate([amplitudes, [spread[name] for name in term.free_inner]])
-    return float(np.sum(1.0 - np.diag(fit.covariance[k]) / before**2))
-
-
-def _determined(columns: np.ndarray) -> float:
-    """How many causes of unit variance with whitened signatures (n, P) the readings determine."""
-    squared = np.linalg.svd(columns, compute_uv=False) ** 2
-    return float(np.sum(squared / (1.0 + squared)))

@@ -31,6 +31,7 @@ from vmach.effects import (
     squareness,
     tool_deflection,
     tool_size,
+    tool_slip,
     workpiece_temperature,
 )
 from vmach.effects.effect import Effect
@@ -66,6 +67,7 @@ _OWN: tuple[type[Effect], ...] = (
     gravity_sag.GravitySag,
     datum.Fixture,
     datum.DatumShift,
+    tool_slip.ToolSlip,
     probe_radius.ProbeRadius,
     tool_size.Runout,
     reversal.QuadrantGlitch,

@@ -61,7 +61,7 @@ class Component(Effect):
     def inner_parameters(self):
         return ()
 
-    def inner_grid(self, path):
+    def inner_grid(self, path, target):
         for length in _LENGTHS_MM:
             yield {"length_mm": length}
 

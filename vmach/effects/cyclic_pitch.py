@@ -62,7 +62,7 @@ class CyclicPitch(Effect):
     def inner_parameters(self):
         return (self.parameters[1],)
 
-    def inner_grid(self, path):
+    def inner_grid(self, path, target):
         # waves that differ by half a turn over the range seen look different
         longest_mm = float(np.ptp(path.nose_mm, axis=0).max())
         low, high = 1.0 / _LONGEST_MM, 1.0 / _SHORTEST_MM

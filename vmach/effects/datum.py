@@ -1,16 +1,12 @@
 """Datums: the workpiece does not stand where the control believes."""
 
-import math
-
 import numpy as np
 
 from gcode import WORK_OFFSETS
-from vmach.effects.effect import Effect, inner, linear
+from vmach.effects.effect import Effect, linear
+from vmach.effects.sudden import Sudden, moment
 
 __all__ = ["DatumShift", "Fixture"]
-
-#: pauses between points in which a search begins
-_LONGEST = 60
 
 
 class Fixture(Effect):
@@ -48,7 +44,7 @@ class Fixture(Effect):
         return inside[:, None] * moved
 
 
-class DatumShift(Effect):
+class DatumShift(Sudden):
     """From one moment on everything is shifted: a collision, a slipped clamp, a lost datum."""
 
     name = "datum_shift"
@@ -57,7 +53,7 @@ class DatumShift(Effect):
         linear("shift_x_um", "shift of the tool against the part along X", usual=15.0),
         linear("shift_y_um", "along Y", usual=15.0),
         linear("shift_z_um", "along Z", usual=15.0),
-        inner("time_s", "when it happened", (0.0, 1e6), usual=1000.0, spread=math.inf),
+        moment("when it happened"),
     )
     targets = ("",)
     needs_surface = True
@@ -70,30 +66,3 @@ class DatumShift(Effect):
     def displacement(self, path, target, shift_x_um, shift_y_um, shift_z_um, time_s):
         after = (path.time_s > time_s).astype(float)
         return 1e-3 * after[:, None] * np.array([shift_x_um, shift_y_um, shift_z_um])
-
-    def inner_grid(self, path):
-        """Moments in the longest pauses between points."""
-        middle, _, longest = _pauses(path)
-        for moment in middle[longest]:
-            yield {"time_s": float(moment)}
-
-    def places(self, path, inner_values):
-        """The longest pauses, and every one between the two beside a moment.
-
-        It may have happened at any time, so that a pause is as likely as it is long.
-        """
-        middle, length, longest = _pauses(path)
-        tried = np.append(middle[longest], (-np.inf, np.inf))
-        here = inner_values["time_s"]
-        low, high = tried[tried < here].max(), tried[tried > here].min()
-        chosen = ((middle > low) & (middle < high)) | np.isin(middle, tried)
-        pairs = zip(middle[chosen].tolist(), length[chosen].tolist(), strict=True)
-        return [({"time_s": moment}, seconds) for moment, seconds in pairs]
-
-
-def _pauses(path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Middle and length of every pause between points, and the indices of the longest."""
-    time = np.unique(path.time_s)
-    length = np.diff(time)
-    longest = np.sort(np.argsort(length)[::-1][:_LONGEST])
-    return 0.5 * (time[:-1] + time[1:]), length, longest

@@ -129,6 +129,8 @@ class Effect(ABC):
     rarity: ClassVar[float] = 0.0
     #: whether it can take so many shapes that two of them would explain nearly anything
     is_flexible: ClassVar[bool] = False
+    #: whether it goes slowly with the time since the start, as warmth and weather do
+    is_slow: ClassVar[bool] = False
     #: what the law leaves out, as a share of the effect, wandering over this time
     slack_share: ClassVar[float] = 0.0
     slack_time_s: ClassVar[float] = 60.0
@@ -158,6 +160,10 @@ class Effect(ABC):
     def not_testable(self, path: Circumstances, target: str) -> str | None:
         """Why these states cannot show the effect, in words, or None."""
         return None
+
+    def is_possible(self, parameters: Mapping[str, float]) -> bool:
+        """Whether nature could bring these parameters: a mass over a stiffness is positive."""
+        return True
 
     def slack_pattern(
         self, path: Circumstances, target: str, parameters: Mapping[str, float]
@@ -192,14 +198,14 @@ class Effect(ABC):
         """The parameters with a grid."""
         return tuple(p for p in self.parameters if not p.is_linear)
 
-    def inner_grid(self, path: Circumstances) -> Iterator[dict[str, float]]:
+    def inner_grid(self, path: Circumstances, target: str) -> Iterator[dict[str, float]]:
         """Every combination of the inner parameters' starting values."""
         names = [p.name for p in self.inner_parameters]
         for values in itertools.product(*(p.grid for p in self.inner_parameters)):
             yield dict(zip(names, values, strict=True))
 
     def places(
-        self, path: Circumstances, inner_values: Mapping[str, float]
+        self, path: Circumstances, target: str, inner_values: Mapping[str, float]
     ) -> list[tuple[dict[str, float], float]]:
         """Inner values to choose among around given ones, and how likely each was before.
 

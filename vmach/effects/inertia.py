@@ -1,6 +1,7 @@
 """Inertia: what an axis carries bends the structure while it is accelerated."""
 
 from vmach.effects.effect import Effect, along, linear
+from vmach.effects.servo import POLYLINE_SHARE, acceleration_on_curves
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["Inertia"]
@@ -16,7 +17,10 @@ class Inertia(Effect):
 
     name = "inertia"
     title = "moving mass bends the structure (circles too large along one axis)"
-    parameters = (linear("sway_ms2", "moving mass over stiffness, m / k", usual=5.0),)
+    parameters = (
+        linear("sway_ms2", "moving mass over stiffness, m / k", usual=5.0),
+        POLYLINE_SHARE,
+    )
     rarity = 1.0
     slack_share = 0.04
     usual_size = "1 to 10 um at 1 to 5 m/s2"
@@ -24,6 +28,9 @@ class Inertia(Effect):
     cure = "less feed on small radii, lower acceleration and jerk, or a stiffer structure"
     source = "spring and mass far below their resonance"
 
-    def displacement(self, path, target, sway_ms2):
-        acceleration = path.acceleration_mm_per_s2[:, LINEAR_AXES.index(target)]
-        return along(target, -1e-6 * sway_ms2 * acceleration)
+    def displacement(self, path, target, sway_ms2, polyline_share):
+        acceleration = acceleration_on_curves(path, polyline_share)
+        return along(target, -1e-6 * sway_ms2 * acceleration[:, LINEAR_AXES.index(target)])
+
+    def is_possible(self, parameters):
+        return parameters["sway_ms2"] > 0.0

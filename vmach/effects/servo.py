@@ -3,13 +3,36 @@
 import numpy as np
 
 from gcode import MoveKind
+from vmach.effects.circumstances import Circumstances
 from vmach.effects.effect import Effect, inner, linear
 from vmach.machine import LINEAR_AXES
 
-__all__ = ["CornerRounding", "ServoLag", "ServoMismatch"]
+__all__ = [
+    "POLYLINE_SHARE",
+    "CornerRounding",
+    "ServoLag",
+    "ServoMismatch",
+    "acceleration_on_curves",
+]
 
 #: Z component of a floor's normal, at least
 _FLOOR = 0.99
+
+POLYLINE_SHARE = inner(
+    "polyline_share",
+    "share of the curvature of short straight moves that counts, beside true arcs",
+    (0.02, 1.0),
+    usual=1.0,
+    spread=3.0,
+    optional=True,
+)
+
+
+def acceleration_on_curves(path: Circumstances, polyline_share: float) -> np.ndarray:
+    """Towards the centre, (P, 3) mm/s2: controls round off short straight moves or do not."""
+    on_arc = path.moves.kind[path.states.move] == MoveKind.ARC
+    share = np.where(on_arc, 1.0, polyline_share)
+    return share[:, None] * path.acceleration_mm_per_s2
 
 
 class ServoLag(Effect):
@@ -19,14 +42,7 @@ class ServoLag(Effect):
     title = "lag of the position loop (circles too small)"
     parameters = (
         linear("lag_ms2", "square of the time constant 1/Kv", usual=25.0),
-        inner(
-            "polyline_share",
-            "share of the curvature of short straight moves that counts, beside true arcs",
-            (0.02, 1.0),
-            usual=1.0,
-            spread=3.0,
-            optional=True,
-        ),
+        POLYLINE_SHARE,
     )
     targets = ("",)
     slack_share = 0.04
@@ -36,9 +52,7 @@ class ServoLag(Effect):
     source = "second order of the lag 1/(1 + s/Kv)"
 
     def displacement(self, path, target, lag_ms2, polyline_share):
-        on_arc = path.moves.kind[path.states.move] == MoveKind.ARC
-        share = np.where(on_arc, 1.0, polyline_share)
-        return 0.5e-6 * lag_ms2 * share[:, None] * path.acceleration_mm_per_s2
+        return 0.5e-6 * lag_ms2 * acceleration_on_curves(path, polyline_share)
 
 
 class ServoMismatch(Effect):

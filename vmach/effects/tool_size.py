@@ -6,10 +6,10 @@ import numpy as np
 
 from vmach.effects.effect import Effect, along, inner, linear
 
-__all__ = ["Runout", "ToolLength", "ToolRadius", "ToolWear"]
+__all__ = ["OfOneTool", "Runout", "ToolLength", "ToolRadius", "ToolWear", "by_tool"]
 
 
-class _OfOneTool(Effect):
+class OfOneTool(Effect):
     """Base of the effects that belong to one tool; the target is its number: ``T1``."""
 
     targets = ()
@@ -18,10 +18,10 @@ class _OfOneTool(Effect):
         return tuple(f"T{number}" for number in job.tools)
 
     def not_testable(self, path, target):
-        return None if _by(path, target).any() else f"no point was made by {target}"
+        return None if by_tool(path, target).any() else f"no point was made by {target}"
 
 
-class ToolRadius(_OfOneTool):
+class ToolRadius(OfOneTool):
     """The tool is thicker than in the tool table: it takes more from every wall."""
 
     name = "tool_radius"
@@ -33,10 +33,10 @@ class ToolRadius(_OfOneTool):
     cure = "enter the measured radius in the tool table"
 
     def displacement(self, path, target, radius_um):
-        return -1e-3 * radius_um * _by(path, target)[:, None] * path.side_normal
+        return -1e-3 * radius_um * by_tool(path, target)[:, None] * path.side_normal
 
 
-class Runout(_OfOneTool):
+class Runout(OfOneTool):
     """The tool turns off centre: its longest flute cuts at a larger radius.
 
     Where that flute cuts alone, feed marks of height f^2 / (8 R) stay, f the feed of one turn; a
@@ -62,10 +62,10 @@ class Runout(_OfOneTool):
         turn_mm = path.feed_per_tooth_mm * np.nan_to_num(path.of_tool("flutes"), nan=2.0)
         marks_mm = turn_mm**2 / (24.0 * 0.5 * path.of_tool("diameter_mm"))
         left_mm = marks_share * marks_mm - 1e-3 * runout_um
-        return (left_mm * _by(path, target))[:, None] * path.side_normal
+        return (left_mm * by_tool(path, target))[:, None] * path.side_normal
 
 
-class ToolWear(_OfOneTool):
+class ToolWear(OfOneTool):
     """The cutting radius shrinks with the way that the tool has cut."""
 
     name = "tool_wear"
@@ -91,11 +91,11 @@ class ToolWear(_OfOneTool):
 
     def displacement(self, path, target, wear_um, exponent):
         way = (path.cutting_way_mm / 10e3) ** exponent
-        left_mm = 1e-3 * wear_um * way * _by(path, target)
+        left_mm = 1e-3 * wear_um * way * by_tool(path, target)
         return left_mm[:, None] * path.side_normal
 
 
-class ToolLength(_OfOneTool):
+class ToolLength(OfOneTool):
     """The tool is longer than in the tool table: it cuts too deep."""
 
     name = "tool_length"
@@ -107,9 +107,9 @@ class ToolLength(_OfOneTool):
     cure = "measure the tool again and enter its length"
 
     def displacement(self, path, target, length_um):
-        return along("Z", -1e-3 * length_um * _by(path, target))
+        return along("Z", -1e-3 * length_um * by_tool(path, target))
 
 
-def _by(path, target: str) -> np.ndarray:
+def by_tool(path, target: str) -> np.ndarray:
     """1 where the state belongs to the tool ``T1`` ..., else 0; (P,)."""
     return (path.tool == int(target[1:])).astype(float)

@@ -71,7 +71,7 @@ def gather_candidates(
 
 
 def _candidate(survey: Survey, effect: Effect, target: str) -> Candidate | None:
-    grid = survey.inner_grid(effect)
+    grid = survey.inner_grid(effect, target)
     columns = [survey.signature(effect, target, inner) for inner in grid]
     if not columns:
         return None

@@ -102,7 +102,7 @@ class _Problem:
         """Terms that have places to choose among at the best of them, given the others."""
         terms = self.terms
         for k, term in enumerate(self.terms):
-            places, log_prior = self.survey.places(term.effect, term.inner)
+            places, log_prior = self.survey.places(term.effect, term.target, term.inner)
             if places:
                 others = self._of([t for i, t in enumerate(terms) if i != k])
                 gains = others.gains_of(term, places) + log_prior

@@ -129,19 +129,19 @@ class Survey:
         ]
         return None if any(reason is None for reason in reasons) else reasons[0]
 
-    def inner_grid(self, effect: Effect) -> list[dict[str, float]]:
+    def inner_grid(self, effect: Effect, target: str) -> list[dict[str, float]]:
         """Starting values of the inner parameters, of the measurement that needs the most."""
-        grids = [list(effect.inner_grid(path)) for path in self._paths_of(effect)]
+        grids = [list(effect.inner_grid(path, target)) for path in self._paths_of(effect)]
         return max(grids, key=len, default=[])
 
     def places(
-        self, effect: Effect, inner_values: Mapping[str, float]
+        self, effect: Effect, target: str, inner_values: Mapping[str, float]
     ) -> tuple[list[dict[str, float]], np.ndarray]:
         """Inner values to choose among around given ones, (G,), and their log prior (G,).
 
         Empty for effects whose inner parameters move smoothly.
         """
-        found = [effect.places(path, inner_values) for path in self._paths_of(effect)]
+        found = [effect.places(path, target, inner_values) for path in self._paths_of(effect)]
         pairs = max(found, key=len, default=[])
         weight = np.array([weight for _, weight in pairs])
         return [values for values, _ in pairs], np.log(weight / weight.sum())

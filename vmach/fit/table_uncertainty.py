@@ -32,15 +32,18 @@ class TableUncertainty:
     reading_mm, reading_rad : float
         Of the mean of both directions at a table's position; from the scatter of their
         difference over all tables of the machine.
-    bend : mapping of component to float
-        RMS error of straight lines between the table's points, mm or rad, at mid-interval: an
-        eighth of the second differences, what the readings' noise makes of them taken off.
+    bend : mapping of component to (K - 1,) float64
+        By how much the curve departs from the straight line in the middle of every interval of
+        the table, mm or rad, as the curvature of the table says.
+    bend_apart : mapping of component to float
+        RMS of what neighbouring points say differently of it: how far it may be otherwise.
     squareness_rad : float
     """
 
     reading_mm: float
     reading_rad: float
-    bend: dict[str, float]
+    bend: dict[str, np.ndarray]
+    bend_apart: dict[str, float]
     squareness_rad: float = _SQUARENESS_RAD
 
     @classmethod
@@ -55,11 +58,10 @@ class TableUncertainty:
             ]
             scatter = np.sqrt(np.mean(np.concatenate(apart) ** 2)) if apart else 0.0
             reading.append(0.5 * float(scatter) or default)
-        bend = {}
-        for name, table in machine.components.items():
-            noise = reading[int(component_of(name)[2])]
-            bend[name] = _bend(table.position_mm, table.mean, noise)
-        return cls(reading[0], reading[1], bend)
+        bends = {n: _bends(t.position_mm, t.mean) for n, t in machine.components.items()}
+        height = {name: both.mean(axis=0) for name, both in bends.items()}
+        apart = {n: _root_mean_square(0.5 * np.diff(b, axis=0)) for n, b in bends.items()}
+        return cls(reading[0], reading[1], height, apart)
 
     def factors(
         self, path: Circumstances, sensing: np.ndarray, *, bend_share: float = 1.0
@@ -78,7 +80,10 @@ class TableUncertainty:
             hats = np.stack([np.interp(position, knots, e) for e in np.eye(len(knots))], axis=1)
             parts.append((self.reading_rad if angular else self.reading_mm) * lever * hats)
             if bend_share > 0.0:
-                parts.append(bend_share * self.bend[name] * lever * _bumps(position, knots))
+                # one cause for all: where the curve bends one way, it does so over intervals
+                bumps = bend_share * lever * _bumps(position, knots)
+                parts.append(bumps @ self.bend[name][:, None])
+                parts.append(self.bend_apart[name] * bumps)
         for axis, rotation in _SQUARENESSES:
             across = np.cross(np.eye(3)[rotation], np.eye(3)[axis])
             turned = path.nose_mm[:, axis] * (sensing @ across)
@@ -86,12 +91,21 @@ class TableUncertainty:
         return np.hstack(parts)
 
 
-def _bend(position: np.ndarray, value: np.ndarray, noise: float) -> float:
-    if len(value) < 3:
-        return 0.0
-    second = np.diff(value, 2)
-    excess = max(float(np.mean(second**2)) - 6.0 * noise**2, 0.0)
-    return np.sqrt(excess) / 8.0
+def _bends(position: np.ndarray, value: np.ndarray) -> np.ndarray:
+    """Height above the chord in the middle of every interval by either end's curvature, (2, K - 1).
+
+    At the ends of the table the curvature of the next point holds.
+    """
+    step = np.diff(position)
+    if len(step) < 2:
+        return np.zeros((2, len(step)))
+    curvature = 2.0 * np.diff(np.diff(value) / step) / (step[:-1] + step[1:])
+    first, last = np.append(curvature[:1], curvature), np.append(curvature, curvature[-1:])
+    return -np.stack([first, last]) * step**2 / 8.0
+
+
+def _root_mean_square(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def _bumps(position: np.ndarray, knots: np.ndarray) -> np.ndarray:

@@ -34,9 +34,20 @@ class Term:
         return f"{self.effect.name} {self.target}".strip()
 
     @property
+    def is_curve(self) -> bool:
+        """Whether its coefficients are a curve, which may take any shape."""
+        return self.width is not None
+
+    @property
     def free_inner(self) -> list[str]:
         """Names of the inner parameters that a fit may move."""
         return [p.name for p in self.effect.inner_parameters if p.low > 0]
+
+    @property
+    def spread_of_inner(self) -> np.ndarray:
+        """Prior standard deviation of the logarithm of each free inner parameter, (I,)."""
+        spread = {p.name: p.spread for p in self.effect.inner_parameters}
+        return np.array([spread[name] for name in self.free_inner])
 
 
 @dataclass(frozen=True)
@@ -88,6 +99,13 @@ class JointFit:
         squared, axes = np.linalg.eigh(self.covariance[k])
         moved = (axes * np.sqrt(np.maximum(squared, 0.0))).T @ self._slope(k)
         return [dict(zip(self.parameters(k), row, strict=True)) for row in moved.tolist()]
+
+    def numbers(self, k: int) -> float:
+        """Amplitudes and inner parameters of term k, each as far as the readings determine it."""
+        term = self.terms[k]
+        amplitudes = np.full(len(self.coefficients[k]), term.width or FREE)
+        before = np.concatenate([amplitudes, term.spread_of_inner])
+        return float(np.sum(1.0 - np.diag(self.covariance[k]) / before**2))
 
     def _slope(self, k: int) -> np.ndarray:
         """Change of the parameters of term k with coefficients and logarithms, (K + I, N)."""

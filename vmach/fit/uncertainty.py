@@ -65,7 +65,8 @@ def parameter_uncertainty(survey: Survey, fit: JointFit, k: int) -> dict[str, Sp
     fit : JointFit
     k : int
     """
-    places, log_prior = survey.places(fit.terms[k].effect, fit.terms[k].inner)
+    term = fit.terms[k]
+    places, log_prior = survey.places(term.effect, term.target, term.inner)
     if places:
         return _spreads(fit, k, places, _Posterior.of(survey, fit, k).at(places, log_prior))
     dimensions = len(fit.terms[k].free_inner)

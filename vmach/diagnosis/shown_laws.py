@@ -1,0 +1,64 @@
+"""Are the laws of an explanation shown by the readings, or would less than laws do as well?"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vmach.diagnosis.explanation import MARGIN, Explanation
+from vmach.diagnosis.score import numbers_determined
+from vmach.diagnosis.search import Search
+from vmach.diagnosis.single_features import AgainstOffsets, against_offsets
+
+__all__ = ["laws_not_shown", "share_left_to_slack"]
+
+
+def laws_not_shown(search: Search, explanation: Explanation) -> tuple[dict[str, float], list[str]]:
+    """Laws that say no more than something plainer does: why, and in words.
+
+    Plainer are offsets of the places where an effect shows, or where several do together, and
+    the inexactness that the laws are granted.
+    """
+    left, notes = {}, []
+    terms = explanation.fit.terms if explanation.fit else ()
+    for k, term in enumerate(terms):
+        found = against_offsets(search, explanation, [k])
+        if not found.is_shown:
+            left |= _why(found)
+            notes.append(
+                f"{term.label} would fit, with {found.numbers:.0f} numbers for "
+                f"{found.places:.0f} independent offsets where it shows: "
+                "these readings do not show its law"
+            )
+    if len(terms) > 1:
+        together = against_offsets(search, explanation, range(len(terms)))
+        if together.gain < MARGIN * len(terms):
+            left |= _why(together)
+            notes.append(
+                f"{' and '.join(t.label for t in terms)} would fit together, but so would "
+                "offsets of the places where they show"
+            )
+    share = share_left_to_slack(search, explanation)
+    if share > max((term.effect.slack_share for term in terms), default=0.0):
+        left["inexactness of the laws"] = share
+    return left, notes
+
+
+def _why(found: AgainstOffsets) -> dict[str, float]:
+    if found.gain < 0.0:
+        return {"offsets of single features": -found.gain}
+    return {"as many numbers as places": found.numbers}
+
+
+def share_left_to_slack(search: Search, explanation: Explanation) -> float:
+    """What inexactness of the laws explains, as a share of what it and these laws do."""
+    fit = explanation.fit
+    if fit is None or fit.slack_mm is None:
+        return 0.0
+    inexact = [k for k, term in enumerate(fit.terms) if term.effect.slack_share > 0.0]
+    left = search.without(explanation, inexact).residual
+    without = float(left @ left)
+    stated_mm = sum(fit.explained_mm(k) for k in range(len(fit.terms)))
+    by_law = float(np.sum(search.whiten(search.survey.residual_mm - stated_mm) ** 2))
+    end = float(explanation.residual @ explanation.residual)
+    noise = numbers_determined(search.whiten(fit.slack_mm))
+    return max(by_law - end - noise, 0.0) / max(without - end - noise, 1.0)

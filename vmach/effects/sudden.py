@@ -1,0 +1,51 @@
+"""What happens at one moment: which moments the points tell apart, and how likely each is."""
+
+import math
+
+import numpy as np
+
+from vmach.effects.effect import Effect, inner
+
+__all__ = ["Sudden", "moment"]
+
+#: pauses between points in which a search begins
+_LONGEST = 60
+
+
+def moment(meaning: str):
+    """The parameter ``time_s``: any moment is as good as another."""
+    return inner("time_s", meaning, (0.0, 1e6), usual=1000.0, spread=math.inf)
+
+
+class Sudden(Effect):
+    """Base of the effects that begin at one moment, their inner parameter ``time_s``."""
+
+    def sees(self, path, target) -> np.ndarray:
+        """Which states could show it, (P,) bool."""
+        return np.ones(len(path), dtype=bool)
+
+    def inner_grid(self, path, target):
+        """Moments in the longest pauses between points."""
+        middle, _, longest = self._pauses(path, target)
+        for when in middle[longest]:
+            yield {"time_s": float(when)}
+
+    def places(self, path, target, inner_values):
+        """The longest pauses, and every one between the two beside a moment.
+
+        It may have happened at any time, so that a pause is as likely as it is long.
+        """
+        middle, length, longest = self._pauses(path, target)
+        tried = np.append(middle[longest], (-np.inf, np.inf))
+        here = inner_values["time_s"]
+        low, high = tried[tried < here].max(), tried[tried > here].min()
+        chosen = ((middle > low) & (middle < high)) | np.isin(middle, tried)
+        pairs = zip(middle[chosen].tolist(), length[chosen].tolist(), strict=True)
+        return [({"time_s": when}, seconds) for when, seconds in pairs]
+
+    def _pauses(self, path, target) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Middle and length of every pause between points, and the indices of the longest."""
+        time = np.unique(path.time_s[self.sees(path, target)])
+        length = np.diff(time)
+        longest = np.sort(np.argsort(length)[::-1][:_LONGEST])
+        return 0.5 * (time[:-1] + time[1:]), length, longest
