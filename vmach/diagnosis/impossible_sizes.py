@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
-from vmach.diagnosis.findings import Finding
+from vmach.fit.terms import JointFit
 
-__all__ = ["impossible_sizes"]
+if TYPE_CHECKING:
+    from vmach.diagnosis.findings import Finding
+
+__all__ = ["has_impossible_sizes", "impossible_sizes"]
 
 #: below zero by so many standard uncertainties
 _SURELY = 3.0
@@ -31,3 +35,13 @@ def impossible_sizes(findings: Iterable[Finding]) -> tuple[dict[str, float], lis
                     f"(u = {u:.2g}), which cannot be below zero"
                 )
     return left, notes
+
+
+def has_impossible_sizes(fit: JointFit) -> bool:
+    """Whether a size is below zero in a fit, so that a search need not follow it."""
+    for k, term in enumerate(fit.terms):
+        sizes = [p.name for p in term.effect.parameters if p.is_size]
+        value, u = (fit.parameters(k), fit.uncertainty(k)) if sizes else ({}, {})
+        if any(value[name] < -_SURELY * u[name] for name in sizes):
+            return True
+    return False

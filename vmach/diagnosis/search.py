@@ -15,6 +15,7 @@ import numpy as np
 
 from vmach.diagnosis.absorbing import absorbing
 from vmach.diagnosis.explanation import Explanation, may_beat, simplest_of_the_best
+from vmach.diagnosis.impossible_sizes import has_impossible_sizes
 from vmach.diagnosis.score import evidence_of_set
 from vmach.diagnosis.structure import Structure
 from vmach.effects import Effect
@@ -183,7 +184,7 @@ class Search:
         leading = [k for k in leading if self.candidates[k].label not in but]
         for k in leading:
             child = self.extend(explanation, k)
-            if not _is_possible(child.fit):
+            if child.fit is not None and has_impossible_sizes(child.fit):
                 continue
             yield child
             effect = self.candidates[k].effect
@@ -280,11 +281,3 @@ class Search:
         terms = [t for i, t in enumerate(explanation.fit.terms) if i not in ks]
         fit = fit_terms(self.survey, terms, self.whiten, refine=False) if terms else None
         return self.explanation_of(fit)
-
-
-def _is_possible(fit: JointFit | None) -> bool:
-    """Whether nature could bring every effect of a fit with the parameters that it found."""
-    terms = () if fit is None else fit.terms
-    return all(
-        t.effect.is_possible(fit.parameters(k)) for k, t in enumerate(terms) if t.effect.amplitudes
-    )

@@ -161,10 +161,6 @@ class Effect(ABC):
         """Why these states cannot show the effect, in words, or None."""
         return None
 
-    def is_possible(self, parameters: Mapping[str, float]) -> bool:
-        """Whether nature could bring these parameters: a mass over a stiffness is positive."""
-        return True
-
     def slack_pattern(
         self, path: Circumstances, target: str, parameters: Mapping[str, float]
     ) -> np.ndarray:

@@ -18,7 +18,7 @@ class Inertia(Effect):
     name = "inertia"
     title = "moving mass bends the structure (circles too large along one axis)"
     parameters = (
-        linear("sway_ms2", "moving mass over stiffness, m / k", usual=5.0),
+        linear("sway_ms2", "moving mass over stiffness, m / k", usual=5.0, is_size=True),
         POLYLINE_SHARE,
     )
     rarity = 1.0
@@ -31,6 +31,3 @@ class Inertia(Effect):
     def displacement(self, path, target, sway_ms2, polyline_share):
         acceleration = acceleration_on_curves(path, polyline_share)
         return along(target, -1e-6 * sway_ms2 * acceleration[:, LINEAR_AXES.index(target)])
-
-    def is_possible(self, parameters):
-        return parameters["sway_ms2"] > 0.0
