@@ -186,6 +186,8 @@ def _is_contrived(findings: tuple[Finding, ...]) -> bool:
     """
     effects = [f.effect for f in findings if f.effect is not None]
     flexible = sum(effect.is_flexible for effect in effects)
+    if any(not e.amplitudes for e in effects) and any(e.is_flexible and e.is_slow for e in effects):
+        return True  # a curve and a wave in every direction
     at_once = len({f.name for f in findings})
     if at_once >= _MOST_AT_ONCE or len(findings) > _MOST_AT_ONCE:
         return flexible > 0 or at_once > _MOST_AT_ONCE

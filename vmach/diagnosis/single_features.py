@@ -59,13 +59,15 @@ class AgainstOffsets:
     def is_shown(self) -> bool:
         """Whether the laws explain more than the offsets do, or as much with fewer numbers.
 
-        With more numbers they have to explain far more. Beside a curve, fewer are not enough.
+        Several numbers, as many as offsets, have to explain far more. Beside a curve, fewer are
+        not enough.
         """
         if self.is_shape_of_one:
             return False
         if self.numbers < self.places - _FEWER and not self.beside_curve:
             return self.gain >= 0.0
-        return self.gain > (MARGIN if self.numbers < self.places + _FEWER else 2.0 * MARGIN)
+        can_bend = self.numbers > max(self.places - _FEWER, 1.0 + _FEWER)
+        return self.gain > (2.0 * MARGIN if can_bend and not self.beside_curve else MARGIN)
 
 
 def against_offsets(search: Search, explanation: Explanation, ks: Sequence[int]) -> AgainstOffsets:

@@ -36,6 +36,7 @@ class AmbientDrift(Effect):
     targets = (*LINEAR_AXES, _EVERYWHERE)
     rarity = 1.0
     is_slow = True
+    is_flexible = True
     slack_share = 0.3
     slack_time_s = 1500.0
     usual_size = "5 to 30 um a day for a few kelvin"
