@@ -67,7 +67,7 @@ class AgainstOffsets:
         if self.numbers < self.places - _FEWER and not self.beside_curve:
             return self.gain >= 0.0
         can_bend = self.numbers > max(self.places - _FEWER, 1.0 + _FEWER)
-        return self.gain > (2.0 * MARGIN if can_bend and not self.beside_curve else MARGIN)
+        return self.gain > (2.0 * MARGIN if can_bend else MARGIN)
 
 
 def against_offsets(search: Search, explanation: Explanation, ks: Sequence[int]) -> AgainstOffsets:
