@@ -1,0 +1,42 @@
+"""A tool that slips: which points it moves, and at which moments it can have happened."""
+
+import numpy as np
+import pytest
+
+from tests.small_job import write_job
+from vmach.effects import Circumstances, catalogue
+from vmach.job import read_job
+from vmach.preparation import prepare
+from vmach.toolpath import PathStates
+
+
+@pytest.fixture
+def path(tmp_path):
+    """Floors at even nodes of a small job, walls at odd ones."""
+    job = read_job(write_job(tmp_path))
+    nodes = prepare(job).path.nodes
+    is_floor = np.arange(len(nodes)) % 2 == 0
+    normal = np.where(is_floor[:, None], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
+    contact = np.zeros((len(nodes), 3))
+    states = PathStates(
+        nodes.moves, nodes.tool_lengths_mm, nodes.move, nodes.parameter, contact, normal
+    )
+    return Circumstances(states, job)
+
+
+def test_it_lowers_what_this_tool_cuts_afterwards(path):
+    number = int(path.tool[-1])
+    when = float(np.median(path.time_s))
+    moved = catalogue()["tool_slip"].displacement(path, f"T{number}", slip_um=8.0, time_s=when)
+    after = (path.tool == number) & (path.time_s > when)
+    assert after.any() and not after.all()
+    np.testing.assert_allclose(moved[:, 2], np.where(after, -8e-3, 0.0))
+    assert not moved[:, :2].any()
+
+
+def test_moments_lie_between_the_levels_of_that_tool(path):
+    effect, target = catalogue()["tool_slip"], f"T{int(path.tool[-1])}"
+    level = path.time_s[(path.tool == path.tool[-1]) & (path.normal[:, 2] > 0.9)]
+    moments = [place["time_s"] for place in effect.inner_grid(path, target)]
+    assert 0 < len(moments) <= len(np.unique(level)) - 1
+    assert all(level.min() < moment < level.max() for moment in moments)
