@@ -3,7 +3,7 @@
 from gcode.arc_tolerance import ARC_TOLERANCES, ArcTolerance
 from gcode.canon import canon_calls, canon_lines
 from gcode.clock import MachineLimits
-from gcode.errors import ProgramError
+from gcode.errors import ProgramError, UnknownToolError
 from gcode.items import block_items
 from gcode.moves import MoveKind, Moves
 from gcode.program import Note, Program, read_program
@@ -13,6 +13,6 @@ from gcode.tools import ToolEntry, read_tool_table
 from gcode.trace import Modes, Step
 
 __all__ = ["ARC_TOLERANCES", "WORK_OFFSETS", "ArcTolerance", "MachineLimits", "Modes", "MoveKind",
-           "Moves", "Note", "Program", "ProgramError", "Source", "Step", "ToolEntry", "Word",
-           "block_items", "canon_calls", "canon_lines", "read_program",
+           "Moves", "Note", "Program", "ProgramError", "Source", "Step", "ToolEntry",
+           "UnknownToolError", "Word", "block_items", "canon_calls", "canon_lines", "read_program",
            "read_tool_table"]  # fmt: skip

@@ -1,10 +1,10 @@
-"""The one error that a program's text can cause."""
+"""The error that a program's text can cause."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-__all__ = ["ProgramError"]
+__all__ = ["ProgramError", "UnknownToolError"]
 
 
 class ProgramError(ValueError):
@@ -57,3 +57,7 @@ class ProgramError(ValueError):
         if self.hint:
             text += f" (hint: {self.hint})"
         return text
+
+
+class UnknownToolError(ProgramError):
+    """A program asks for a tool that is not in the tool table."""

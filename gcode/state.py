@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from gcode.arc_tolerance import ArcTolerance
 from gcode.compensation_queue import CompensationQueue
-from gcode.errors import ProgramError
+from gcode.errors import ProgramError, UnknownToolError
 from gcode.parameters import Parameters
 from gcode.record import Record
 from gcode.tools import ToolEntry
@@ -155,8 +155,8 @@ class Controller:
             return self.tools.get(self.loaded, ToolEntry())
         if number not in self.tools:
             known = ", ".join(str(n) for n in sorted(self.tools)) or "none"
-            raise ProgramError(f"{word}{number}: tool {number} is not in the tool table",
-                               accepted=f"tools {known}", hint="add the tool to the table")
+            raise UnknownToolError(f"{word}{number}: tool {number} is not in the tool table",
+                                   accepted=f"tools {known}", hint="add the tool to the table")
         return self.tools[number]
 
     def set_tool_parameters(self) -> None:

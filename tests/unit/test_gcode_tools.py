@@ -1,6 +1,9 @@
 """LinuxCNC tool tables."""
 
-from gcode import ToolEntry, read_tool_table
+import pytest
+
+from gcode import ProgramError, ToolEntry, read_tool_table
+from vmach.commands.canon import canon
 
 TABLE = """; a remark
 T1 P1 D6.0 Z50.25 ; end mill
@@ -21,3 +24,13 @@ def test_inches_become_mm(tmp_path):
     path = tmp_path / "tool.tbl"
     path.write_text(TABLE)
     assert read_tool_table(path, unit_mm=25.4)[1].length_mm == 50.25 * 25.4
+
+
+def test_canon_says_where_its_tools_come_from(tmp_path):
+    program, table = tmp_path / "part.ngc", tmp_path / "tool.tbl"
+    program.write_text("G43 H1\nM2\n")
+    table.write_text("T2 P2 Z50\n")
+    with pytest.raises(ProgramError, match=r"part.ngc:1: .*\(hint: .* --tools\)"):
+        canon(program)
+    with pytest.raises(ProgramError, match=r"accepted: tools 2 \(hint: add it to .*tool.tbl\)"):
+        canon(program, tools=table)

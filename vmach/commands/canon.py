@@ -27,7 +27,7 @@ def canon(
     as_json: AsJson = False,
 ) -> None:
     """What the program says to the machine: one resolved move a line."""
-    from gcode import canon_calls, canon_lines, read_program, read_tool_table
+    from gcode import UnknownToolError, canon_calls, canon_lines, read_program, read_tool_table
 
     if not program.is_file():
         raise InputError("NC program not found", file=program)
@@ -35,7 +35,11 @@ def canon(
     table = read_tool_table(tools, unit_mm=unit_mm) if tools is not None else {}
     with progress_bar() as progress:
         progress("read", 0, 1)
-        read = read_program(program, tools=table, machine_unit_mm=unit_mm)
+        try:
+            read = read_program(program, tools=table, machine_unit_mm=unit_mm)
+        except UnknownToolError as error:
+            error.hint = f"add it to {tools}" if tools else "give the tool table with --tools"
+            raise
     if as_json:
         calls = [{"line": n, "call": name, "arguments": a} for n, name, a in canon_calls(read)]
         print(json.dumps(calls, indent=1))
