@@ -121,16 +121,20 @@ def test_wrong_tables_are_refused_with_the_line(tmp_path, more, message):
     assert caught.value.line is not None
 
 
+@pytest.mark.usefixtures("no_effects_added")
 def test_skeleton_is_a_working_effect(tmp_path, path):
     file = write_skeleton("bed_slope", tmp_path)
-    try:
-        effect = load_effect_file(file)
-        moved = effect.displacement(path, "", rise_um_per_m=1000.0)
-        np.testing.assert_allclose(moved[:, 2], 1e-3 * path.nose_mm[:, 0])
-        with pytest.raises(InputError, match="already"):
-            write_skeleton("bed_slope", tmp_path)
-    finally:
-        catalogue().pop("bed_slope", None)
+    effect = load_effect_file(file)
+    assert catalogue()["bed_slope"] is effect
+    moved = effect.displacement(path, "", rise_um_per_m=1000.0)
+    np.testing.assert_allclose(moved[:, 2], 1e-3 * path.nose_mm[:, 0])
+    with pytest.raises(InputError, match="already"):
+        write_skeleton("bed_slope", tmp_path)
+
+
+def test_the_catalogue_is_the_callers_own_copy():
+    catalogue().clear()
+    assert "backlash" in catalogue()
 
 
 @pytest.mark.parametrize("name", ["Bed", "2x", "backlash", "a-b"])
@@ -149,6 +153,7 @@ def test_broken_effect_file_is_a_user_error(tmp_path):
         load_effect_file(file)
 
 
+@pytest.mark.usefixtures("no_effects_added")
 @pytest.mark.parametrize(
     ("law", "line", "message"),
     [
@@ -168,10 +173,7 @@ def test_a_law_that_fails_is_told_by_file_and_line(tmp_path, path, law, line, me
         "    def displacement(self, path, target, size_um):\n"
         f"        {law}\n"
     )
-    try:
-        effect = load_effect_file(file)
-        with pytest.raises(InputError, match=re.escape(message)) as caught:
-            effect.displacement(path, "", size_um=1.0)
-        assert (caught.value.file, caught.value.line) == (file, line)
-    finally:
-        catalogue().pop("mine", None)
+    effect = load_effect_file(file)
+    with pytest.raises(InputError, match=re.escape(message)) as caught:
+        effect.displacement(path, "", size_um=1.0)
+    assert (caught.value.file, caught.value.line) == (file, line)

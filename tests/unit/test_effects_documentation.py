@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import vmach.effects.effect
 from tests.small_job import write_job
@@ -17,17 +18,15 @@ from vmach.preparation import prepare
 DOCUMENT = Path(__file__).parents[2] / "docs" / "effects.md"
 
 
+@pytest.mark.usefixtures("no_effects_added")
 def test_example_of_an_own_effect_runs(tmp_path):
     (code,) = re.findall(r"```python\n(.*?)```", DOCUMENT.read_text(encoding="utf-8"), re.S)
     file = tmp_path / "bed_twist.py"
     file.write_text(code, encoding="utf-8")
     job = read_job(write_job(tmp_path))
     states = prepare(job).path.nodes
-    try:
-        effect = load_effect_file(file)
-        moved = effect.displacement(Circumstances(states, job), "", twist_um_per_m2=1e6)
-    finally:
-        catalogue().pop("bed_twist", None)
+    effect = load_effect_file(file)
+    moved = effect.displacement(Circumstances(states, job), "", twist_um_per_m2=1e6)
     np.testing.assert_allclose(moved[:, 2], 1e-3 * states.nose_mm[:, 0] * states.nose_mm[:, 1])
 
 

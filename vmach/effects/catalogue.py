@@ -41,7 +41,7 @@ from vmach.job import Job, read_job
 from vmach.text_file import read_text
 from vmach.toml_file import line_of_key
 
-__all__ = ["ENTRY_POINT", "catalogue", "read_effects", "set_up_effect"]
+__all__ = ["ENTRY_POINT", "add_effect", "catalogue", "read_effects", "set_up_effect"]
 
 #: group of entry points under which a package offers its own effects
 ENTRY_POINT = "vmach.effects"
@@ -81,9 +81,23 @@ _OWN: tuple[type[Effect], ...] = (
 )
 
 
-@lru_cache(maxsize=1)
+#: effects that were added while the program runs, by their names
+_added: dict[str, Effect] = {}
+
+
 def catalogue() -> dict[str, Effect]:
-    """Every known effect by its name, in order of how common it is."""
+    """Every known effect by its name, in order of how common it is; the caller's own copy."""
+    return _installed() | _added
+
+
+def add_effect(effect: Effect) -> None:
+    """Make an effect known for as long as the program runs, in place of one of its name."""
+    _added[effect.name] = effect
+
+
+@lru_cache(maxsize=1)
+def _installed() -> dict[str, Effect]:
+    """Effects of vmach and of packages beside it."""
     effects: dict[str, Effect] = {kind.name: kind() for kind in _OWN}
     for entry in entry_points(group=ENTRY_POINT):
         kind = entry.load()

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vmach.effects.catalogue import catalogue
+from vmach.effects.catalogue import add_effect
 from vmach.effects.circumstances import Circumstances
 from vmach.effects.effect import Displaced, Effect
 from vmach.errors import InputError
@@ -50,7 +50,7 @@ def load_effect_file(path: str | Path) -> Effect:
         )
     effect = kinds[0]()
     effect.displacement = _guarded(effect, path)
-    catalogue()[effect.name] = effect
+    add_effect(effect)
     return effect
 
 
