@@ -18,7 +18,8 @@ from vmach.job import read_job
 from vmach.path_geometry import position_at
 from vmach.program_text import Target
 
-__all__ = ["Outcome", "compensated", "corpus_programs", "judged", "write_job"]
+__all__ = ["Outcome", "compensated", "corpus_programs", "judged", "straight_machine",
+           "write_job"]  # fmt: skip
 
 module = sys.modules["vmach.compensation.compensate"]
 TRAVEL_MM = 5000.0
@@ -29,24 +30,7 @@ _NUMBER = re.compile(rb"(?:[Tt]|TOOL CALL)\s*(\d+)")
 OFFSET_MM = (0.0, 0.0, 0.0)  #: so that axes without a word yet stand where LinuxCNC has them
 NO_PROGRAM = {".canon17", ".canon", ".reject", ".tbl", ".md", ".tsv", ".py", ".sh", ".camotics"}
 
-MACHINE = f"""schema = 1
-name = "corpus"
-chain = "t (C) Z b Y' X' w"
-[convention]
-origin = "spindle nose with every axis at home; axes as in ISO 841"
-sign = "displacement of the tool relative to the workpiece, rotations right-handed"
-length = "um"
-angle = "urad"
-[motion]
-rapid_mm_min = 24000
-tool_change_s = 6
-[axes.X]
-travel_mm = [-{TRAVEL_MM}, {TRAVEL_MM}]
-[axes.Y]
-travel_mm = [-{TRAVEL_MM}, {TRAVEL_MM}]
-[axes.Z]
-travel_mm = [-{TRAVEL_MM}, {TRAVEL_MM}]
-[errors.EYX]
+ERRORS = """[errors.EYX]
 table = "EYX.csv"
 measured_at_mm = [0.0, 0.0, -200.0]
 [errors.EXY]
@@ -77,6 +61,28 @@ phase_rad = 0.4
 amplitude_um = 1.0
 pitch_mm = 12.0
 phase_rad = 1.1
+"""
+
+
+def straight_machine(travel_mm):
+    """Text of a machine file without errors, axes travelling as far to either side of zero."""
+    return f"""schema = 1
+name = "straight"
+chain = "t (C) Z b Y' X' w"
+[convention]
+origin = "spindle nose with every axis at home; axes as in ISO 841"
+sign = "displacement of the tool relative to the workpiece, rotations right-handed"
+length = "um"
+angle = "urad"
+[motion]
+rapid_mm_min = 24000
+tool_change_s = 6
+[axes.X]
+travel_mm = [-{travel_mm}, {travel_mm}]
+[axes.Y]
+travel_mm = [-{travel_mm}, {travel_mm}]
+[axes.Z]
+travel_mm = [-{travel_mm}, {travel_mm}]
 """
 
 
@@ -132,8 +138,7 @@ def write_job(folder, path, *, effects=EFFECTS, errors=True, machine=None):
     if machine is not None:
         zero_mm = _centred(path, _tools(path, text), measured_machine(folder, machine))
         return _write_program(folder, path, zero_mm, "")
-    bent = MACHINE if errors else MACHINE.split("[errors.EYX]")[0]
-    (folder / "machine.toml").write_text(bent)
+    (folder / "machine.toml").write_text(straight_machine(TRAVEL_MM) + (ERRORS if errors else ""))
     at = np.arange(-TRAVEL_MM, TRAVEL_MM + 1.0, 25.0)
     for index, name in enumerate(("EYX", "EXY", "EZX", "EBX")):
         value = 4.0 * np.sin(at / (90.0 + 20.0 * index) + index) + 2.0 * np.sin(at / 31.0)

@@ -6,30 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.oracle.compensation_corpus import straight_machine
 from vmach.compensation import compensate
 from vmach.effects import read_effects
 from vmach.errors import InputError
 from vmach.job import read_job
 from vmach.machine import Variant
 
-MACHINE = """schema = 1
-name = "straight"
-chain = "t (C) Z b Y' X' w"
-[convention]
-origin = "spindle nose with every axis at home; axes as in ISO 841"
-sign = "displacement of the tool relative to the workpiece, rotations right-handed"
-length = "um"
-angle = "urad"
-[motion]
-rapid_mm_min = 24000
-tool_change_s = 6
-[axes.X]
-travel_mm = [-1000, 1000]
-[axes.Y]
-travel_mm = [-1000, 1000]
-[axes.Z]
-travel_mm = [-1000, 1000]
-"""
+MACHINE = straight_machine(1000)
 
 JOB = """schema = 1
 machine = "machine.toml"
