@@ -14,6 +14,7 @@ from __future__ import annotations
 import sys
 import time
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -80,7 +81,7 @@ class Simulation:
         measurements, first = [], 0
         for m in self.survey.measurements:
             own = readings[first : first + len(m)]
-            measurements.append(m.with_readings(m.predicted_mm + own))
+            measurements.append(replace(m, measured_mm=m.predicted_mm + own))
             first += len(m)
         return diagnose(Survey(self.survey.job, tuple(measurements)), like=self.search)
 

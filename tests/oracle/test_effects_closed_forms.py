@@ -43,8 +43,8 @@ def test_direction_on_a_circle_flips_at_the_quadrants(job):
     states, angle = circle()
     path = Circumstances(states, job)
     away = np.abs(np.sin(2 * angle)) > 0.05
-    np.testing.assert_array_equal(path.direction[away, 0], -np.sign(np.sin(angle[away])))
-    np.testing.assert_array_equal(path.direction[away, 1], np.sign(np.cos(angle[away])))
+    np.testing.assert_array_equal(path.play_side[away, 0], -np.sign(np.sin(angle[away])))
+    np.testing.assert_array_equal(path.play_side[away, 1], np.sign(np.cos(angle[away])))
 
 
 def test_travel_since_reversal_on_a_circle(job):
@@ -58,7 +58,7 @@ def test_travel_since_reversal_on_a_circle(job):
 def test_motion_smaller_than_the_dead_band_does_not_reverse(job):
     nose = np.array([[0, 0, 0], [10, 0, 0], [9.9995, 0, 0], [9.99, 0, 0]], float) - 150.0
     states = stop_and_go(nose, 10.0 * np.arange(4), side=np.zeros((4, 3)), tool_length_mm=100.0)
-    side = Circumstances(states, job).direction[:, 0]
+    side = Circumstances(states, job).play_side[:, 0]
     assert side[1] == 1.0
     assert side[2] > 0.0
     assert side[3] == -1.0
@@ -70,7 +70,7 @@ def test_play_operator_against_brute_force(job):
     x = -150.0 + np.cumsum(random.uniform(-3e-3, 3e-3, 200))
     nose = np.column_stack([x, np.full(200, -150.0), np.full(200, -100.0)])
     states = stop_and_go(nose, np.arange(200.0), side=np.zeros((200, 3)), tool_length_mm=100.0)
-    side = Circumstances(states, job).direction[:, 0]
+    side = Circumstances(states, job).play_side[:, 0]
     carriage, expected = x[0], []
     for drive in x:
         carriage = min(max(carriage, drive - 1e-3), drive + 1e-3)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -134,7 +135,7 @@ def test_clean_data_are_left_alone(tmp_path):
     verdicts = []
     for _ in range(10):
         noise = tip.u_mm * random.standard_normal(len(tip))
-        fresh = Survey(survey.job, (tip.with_readings(tip.predicted_mm + noise),))
+        fresh = Survey(survey.job, (replace(tip, measured_mm=tip.predicted_mm + noise),))
         verdicts.append(diagnose(fresh, like=search).verdict)
     assert verdicts == ["nothing"] * 10
 

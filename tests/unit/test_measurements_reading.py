@@ -168,7 +168,7 @@ def test_drift_follows_the_spindle_and_tip_its_sides(tmp_path):
     np.testing.assert_allclose(
         warmth, heated * np.exp(-np.maximum(time - 1800, 0) / 600), atol=1e-9
     )
-    np.testing.assert_array_equal(Circumstances(tip.states, job).direction[::3], sides)
+    np.testing.assert_array_equal(Circumstances(tip.states, job).play_side[::3], sides)
     assert tip.nuisance.shape == (120, 6)
 
 

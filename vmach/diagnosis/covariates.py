@@ -99,7 +99,7 @@ def _axes(survey: Survey) -> Iterator[Covariate]:
             "axis position", f"position of {axis}, mm", position, axis + " from {} to {} mm"
         )
         # what a reversal does depends on the side of the wall: sort by both
-        side = np.sign(np.round(_gathered(survey, lambda path, k=k: path.direction[:, k])))
+        side = np.sign(np.round(_gathered(survey, lambda path, k=k: path.play_side[:, k])))
         label = np.char.add(np.char.mod("%+d ", side), facing)
         names, number = np.unique(label, return_inverse=True)
         moved = tuple(_moved(axis, *name.split(" ")) for name in names.tolist())

@@ -148,7 +148,7 @@ def _line(curves: _Curves) -> Iterator[tuple[str, Markup]]:
     origin = 0.0 if is_axis else float((curves.path.nose_mm @ along).min())
     position = curves.path.nose_mm @ (np.abs(along) if is_axis else along) - origin
     name = f"{LINEAR_AXES[int(np.argmax(np.abs(along)))]}, mm" if is_axis else "distance, mm"
-    side = np.sign(np.round(curves.path.direction @ along, 9))
+    side = np.sign(np.round(curves.path.play_side @ along, 9))
     end = _end(curves)
     for sign, words in ((1, "positions approached forwards"), (-1, "backwards")):
         rows = side == sign

@@ -115,8 +115,12 @@ class Circumstances:
         return self.history.play(key, self.nose_mm, width_mm=DEAD_BAND_MM)
 
     @property
-    def direction(self) -> np.ndarray:
-        """Direction in which each axis last moved, (P, 3): -1, 1; 0 before it first moved."""
+    def play_side(self) -> np.ndarray:
+        """Side of its play that each axis lies against, (P, 3).
+
+        1 after motion in positive direction, -1 negative, in between while it crosses the play;
+        0 before it first moved.
+        """
         return self._play[0]
 
     @property

@@ -16,7 +16,7 @@ TAKE_UP_MM = (0.0025, 0.01, 0.03, 0.1)
 def taken_up(path: Circumstances, axis: int, way_mm: float) -> np.ndarray:
     """Side of an axis, going over from -1 to +1 with the way since it reversed, (P,)."""
     gone = np.exp(-path.travel_since_reversal_mm[:, axis] / way_mm)
-    return path.direction[:, axis] * (1.0 - 2.0 * gone)
+    return path.play_side[:, axis] * (1.0 - 2.0 * gone)
 
 
 class QuadrantGlitch(Effect):
@@ -42,7 +42,7 @@ class QuadrantGlitch(Effect):
     def displacement(self, path, target, spike_um, way_mm):
         axis = LINEAR_AXES.index(target)
         fade = np.exp(-path.travel_since_reversal_mm[:, axis] / way_mm)
-        return along(target, -1e-3 * spike_um * path.direction[:, axis] * fade)
+        return along(target, -1e-3 * spike_um * path.play_side[:, axis] * fade)
 
 
 class Hysteresis(Effect):

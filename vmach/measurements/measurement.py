@@ -66,10 +66,6 @@ class Measurement:
         """Whether a machined surface was measured."""
         return self.states.normal is not None
 
-    def with_readings(self, measured_mm: np.ndarray) -> Measurement:
-        """The same measurement with other readings, (P,) mm."""
-        return replace(self, measured_mm=measured_mm)
-
     def keep(self, rows: np.ndarray, note: str) -> Measurement:
         """The measurement with some of its rows (bool or index), and a note why."""
         states = self.states
