@@ -26,7 +26,6 @@ class Reflector(Effect):
     )
     targets = tuple(f"E{kind}{axis}" for axis in LINEAR_AXES for kind in LINEAR_AXES)
     rarity = 2.0
-    is_flexible = True
     usual_size = "centimetres to decimetres"
     confirm = "measure the component again and write down where the reflector stands"
     cure = "correct measured_at_mm in the machine file"
