@@ -1,11 +1,11 @@
-"""A small result for the tests of the reports: a block of 40 x 30 x 20 mm, three variants."""
+"""A small result for the tests of the reports: a block of 40 x 30 x 20 mm, three columns."""
 
 from __future__ import annotations
 
 import numpy as np
 import trimesh
 
-from vmach.report import Colouring, DisplayMesh, InputFile, InspectedPoints, RunRecord, Variant
+from vmach.report import Colouring, Column, DisplayMesh, InputFile, InspectedPoints, RunRecord
 
 HOSTILE = "</script><img src=x onerror=alert(1)> & \"part\" 'a' {{ 7 * 7 }}"
 
@@ -36,10 +36,10 @@ def points(count: int = 600, *, name: str = "face") -> InspectedPoints:
         tool=np.full(count, 3),
         move=line,
         time_s=0.5 * line,
-        variants=(
-            Variant("none", "Program only", 0.01 * deviation, status),
-            Variant("abbe", "Abbe-consistent", deviation, status, remainder_mm),
-            Variant("measured", "Measured", field_mm(place, normal), np.full(count, "cut")),
+        columns=(
+            Column("none", "Program only", 0.01 * deviation, status),
+            Column("abbe", "Abbe-consistent", deviation, status, remainder_mm),
+            Column("measured", "Measured", field_mm(place, normal), np.full(count, "cut")),
         ),
         u_mm=np.full(count, 4e-4),
     )

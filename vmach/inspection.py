@@ -16,8 +16,7 @@ from vmach.machine import Variant
 from vmach.nominal import NominalPart
 from vmach.points import SurfacePoints, read_points_csv
 from vmach.prediction import Prediction
-from vmach.report import STATUSES, InspectedPoints
-from vmach.report import Variant as Column
+from vmach.report import STATUSES, Column, InspectedPoints
 from vmach.units import um_from_mm, urad_from_rad
 
 __all__ = [
@@ -206,6 +205,6 @@ def _table(points: SurfacePoints, primary: Prediction, columns: list[Column]) ->
         tool=spread(states.tool),
         move=spread(states.move, -1),
         time_s=spread(states.time_s),
-        variants=tuple(columns),
+        columns=tuple(columns),
         u_mm=points.u_mm,
     )

@@ -96,7 +96,7 @@ def write_results(
         if made.points.remainders:
             stills.append(folder / REMAINDER_FILE)
             shown, names = made.points.with_remainders(), [v.name for v in made.points.remainders]
-            draw_heatmap(stills[-1], mesh, shown, record, variants=names)
+            draw_heatmap(stills[-1], mesh, shown, record, columns=names)
         write_report_html(folder / "report.html", mesh, made.points, record, stills=stills)
         write_summary(folder / "summary.json", made.points, record)
     return summary(made.points, record)

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from tests.report_case import block, field_mm, points
-from vmach.report import DisplayMesh, Variant, build_display_mesh, interpolate_to_mesh
+from vmach.report import Column, DisplayMesh, build_display_mesh, interpolate_to_mesh
 from vmach.report.display_mesh import sharp_edges, vertex_normals
 
 
@@ -88,7 +88,7 @@ def test_a_parallel_step_without_points_stays_unknown():
         points(100),
         point_mm=np.array(place),
         normal=np.tile([0.0, 0.0, 1.0], (100, 1)),
-        variants=(Variant("abbe", "Abbe", np.full(100, 1e-3), np.full(100, "cut")),),
+        columns=(Column("abbe", "Abbe", np.full(100, 1e-3), np.full(100, "cut")),),
     )
     mesh = build_display_mesh(part.vertices, part.faces, top)
     known = mesh.colourings["abbe"].known

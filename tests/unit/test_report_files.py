@@ -11,9 +11,9 @@ from rich.console import Console
 from tests.report_case import HOSTILE, points, run
 from vmach.errors import InputError
 from vmach.report import (
-    Variant,
+    Column,
+    columns_table,
     read_deviations_csv,
-    variants_table,
     write_deviations_csv,
     write_summary,
 )
@@ -45,8 +45,8 @@ def test_summary_is_strict_json_and_names_the_line_of_the_worst_point(tmp_path):
 
 def test_summary_without_a_cut_point_has_null_instead_of_nan(tmp_path):
     case = points(20)
-    uncut = Variant("none", "none", np.full(20, np.nan), np.full(20, "uncut"))
-    write_summary(tmp_path / "s.json", replace(case, variants=(uncut,)), run())
+    uncut = Column("none", "none", np.full(20, np.nan), np.full(20, "uncut"))
+    write_summary(tmp_path / "s.json", replace(case, columns=(uncut,)), run())
     figures = strict_json((tmp_path / "s.json").read_text())["variants"]["none"]
     assert figures["rms_um"] is None
     assert figures["worst"] == []
@@ -60,10 +60,10 @@ def test_csv_gives_back_what_was_written(tmp_path):
     np.testing.assert_array_equal(again.feature, case.feature)
     np.testing.assert_array_equal(again.line, case.line)
     np.testing.assert_allclose(again.u_mm, case.u_mm)
-    for variant in case.variants:
-        np.testing.assert_array_equal(again[variant.name].status, variant.status)
+    for column in case.columns:
+        np.testing.assert_array_equal(again[column.name].status, column.status)
         np.testing.assert_allclose(
-            again[variant.name].deviation_mm, variant.deviation_mm, rtol=0, atol=5.1e-10
+            again[column.name].deviation_mm, column.deviation_mm, rtol=0, atol=5.1e-10
         )
 
 
@@ -94,8 +94,8 @@ def test_a_missing_csv_is_refused(tmp_path):
 def test_terminal_table_shows_every_variant_and_takes_names_literally():
     case = points()
     stream = io.StringIO()
-    hostile = replace(case.variants[0], label="[red]program[/red]")
-    table = variants_table(replace(case, variants=(hostile, *case.variants[1:])), run())
+    hostile = replace(case.columns[0], label="[red]program[/red]")
+    table = columns_table(replace(case, columns=(hostile, *case.columns[1:])), run())
     Console(file=stream, width=160).print(table)
     text = stream.getvalue()
     assert "[red]program[/red]" in text

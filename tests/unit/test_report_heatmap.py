@@ -110,8 +110,8 @@ def test_a_perfect_machine_is_drawn_only_where_it_is_alone(tmp_path, monkeypatch
     case = points()
     mesh = build_display_mesh(*block(), case)
     widths = {}
-    for name, variants in {"all": case.variants, "none": case.variants[:1]}.items():
-        draw_heatmap(tmp_path / "h.png", mesh, replace(case, variants=variants), run())
+    for name, columns in {"all": case.columns, "none": case.columns[:1]}.items():
+        draw_heatmap(tmp_path / "h.png", mesh, replace(case, columns=columns), run())
         widths[name] = size_and_colours(tmp_path / "h.png")[0][0]
     assert widths["none"] > 1000
     assert 1.6 < widths["all"] / widths["none"] < 2  # two panels, not three
@@ -128,7 +128,7 @@ def test_when_vtk_dies_the_picture_is_drawn_all_the_same(tmp_path, monkeypatch, 
     monkeypatch.setattr(vtk_picture, "_TIME_LIMIT_S", 1)
     case = points()
     mesh = build_display_mesh(*block(), case)
-    note = draw_heatmap(tmp_path / "h.png", mesh, case, run(title="$x_1"), variants=["abbe"])
+    note = draw_heatmap(tmp_path / "h.png", mesh, case, run(title="$x_1"), columns=["abbe"])
     assert "apt-get install" in note
     assert sorted(path.name for path in tmp_path.iterdir()) == ["h.png", "worker.py"]
 

@@ -13,8 +13,8 @@ import pytest
 
 from tests.report_case import HOSTILE, block, large_mesh, points, run
 from vmach.report import (
+    Column,
     InputFile,
-    Variant,
     build_display_mesh,
     write_report_html,
 )
@@ -98,8 +98,8 @@ def test_names_cannot_break_out_of_the_page(tmp_path):
         files=[InputFile(HOSTILE, HOSTILE, "0" * 64, 1)],
     )  # fmt: skip
     case = points(name=HOSTILE)
-    relabelled = tuple(replace(v, label=HOSTILE) for v in case.variants)
-    case = replace(case, variants=relabelled, id=[HOSTILE] * len(case))
+    relabelled = tuple(replace(v, label=HOSTILE) for v in case.columns)
+    case = replace(case, columns=relabelled, id=[HOSTILE] * len(case))
     page = Page(written(tmp_path / "r.html", case, record))
     assert not any("onerror" in attributes for _, attributes in page.elements)
     assert [tag for tag, _ in page.elements].count("script") == 5
@@ -166,8 +166,8 @@ def test_figures_and_worst_points_are_in_the_text(tmp_path):
 @pytest.mark.parametrize("scale", [0.0, 1e-9, 1e6])
 def test_any_size_of_deviation_makes_a_page(tmp_path, scale):
     case = points(50)
-    variant = Variant("abbe", "a", scale * case["measured"].deviation_mm, np.full(50, "cut"))
-    text = written(tmp_path / "r.html", replace(case, variants=(variant,)), run())
+    column = Column("abbe", "a", scale * case["measured"].deviation_mm, np.full(50, "cut"))
+    text = written(tmp_path / "r.html", replace(case, columns=(column,)), run())
     page = Page(text)
     numbers = [v for tag, a in page.elements if tag in {"rect", "line"} for v in a.values()]
     assert "nan" not in " ".join([page.text, *filter(None, numbers)]).lower()
@@ -175,8 +175,8 @@ def test_any_size_of_deviation_makes_a_page(tmp_path, scale):
 
 def test_a_part_that_no_tool_reached_makes_a_page(tmp_path):
     case = points(50)
-    variant = Variant("abbe", "a", np.full(50, np.nan), np.full(50, "uncut"))
-    text = written(tmp_path / "r.html", replace(case, variants=(variant,)), run())
+    column = Column("abbe", "a", np.full(50, np.nan), np.full(50, "uncut"))
+    text = written(tmp_path / "r.html", replace(case, columns=(column,)), run())
     assert "no cut points" in text
 
 
@@ -189,7 +189,7 @@ def test_measured_minus_predicted_has_its_own_map_scale_and_table(tmp_path):
     case = points()
     left = 1e-3 * np.where(case["abbe"].is_cut, np.sin(np.arange(len(case))), np.nan)
     abbe = replace(case["abbe"], remainder_mm=left)
-    case = replace(case, variants=(case["none"], abbe, case["measured"]))
+    case = replace(case, columns=(case["none"], abbe, case["measured"]))
     page = Page(written(tmp_path / "r.html", case, run()))
     header, columns = unpack(page.scripts[1])
     cut = case["abbe"].is_cut

@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 
 from tests.report_case import points, run
-from vmach.report import InspectedPoints, RunRecord, Variant, variant_statistics, worst_places
+from vmach.report import Column, InspectedPoints, RunRecord, column_statistics, worst_places
 from vmach.report.statistics import feature_statistics, worst_apart_mm
 
 
-def variant(deviation_um, status=None):
+def column(deviation_um, status=None):
     status = ["cut"] * len(deviation_um) if status is None else status
-    return Variant("v", "V", 1e-3 * np.array(deviation_um, float), status)
+    return Column("v", "V", 1e-3 * np.array(deviation_um, float), status)
 
 
 def test_figures_of_four_points():
-    figures = variant_statistics(variant([3.0, -4.0, 0.0, 5.0]), 3.5e-3)
+    figures = column_statistics(column([3.0, -4.0, 0.0, 5.0]), 3.5e-3)
     assert figures.count == 4
     assert figures.mean_mm == pytest.approx(1e-3)
     assert figures.rms_mm == pytest.approx(1e-3 * np.sqrt(12.5))
@@ -25,18 +25,18 @@ def test_figures_of_four_points():
 
 
 def test_a_point_exactly_on_the_limit_is_within():
-    assert variant_statistics(variant([3.0, -3.0]), 3e-3).outside_count == 0
+    assert column_statistics(column([3.0, -3.0]), 3e-3).outside_count == 0
 
 
 def test_points_that_are_not_cut_count_only_by_their_status():
     status = ["cut", "uncut", "gouged away", "uncut"]
-    figures = variant_statistics(variant([1.0, 900.0, np.nan, np.nan], status), 2e-3)
+    figures = column_statistics(column([1.0, 900.0, np.nan, np.nan], status), 2e-3)
     assert figures.status_counts == {"cut": 1, "uncut": 2, "gouged away": 1}
     assert figures.max_mm == pytest.approx(1e-3)
 
 
 def test_no_cut_point_gives_nan_and_no_warning():
-    figures = variant_statistics(variant([np.nan], ["uncut"]), 1e-3)
+    figures = column_statistics(column([np.nan], ["uncut"]), 1e-3)
     assert figures.count == 0
     assert np.isnan([figures.rms_mm, figures.mean_mm, figures.outside_share]).all()
 
@@ -50,7 +50,7 @@ def on_a_line(x_mm, deviation_um, feature=None):
         point_mm=np.column_stack([x_mm, np.zeros(count), np.zeros(count)]),
         normal=np.tile([0.0, 0.0, 1.0], (count, 1)),
         line=np.ones(count), tool=np.ones(count), move=np.zeros(count), time_s=np.zeros(count),
-        variants=(variant(deviation_um),),
+        columns=(column(deviation_um),),
     )  # fmt: skip
 
 
@@ -83,9 +83,9 @@ def test_features_come_in_order_of_appearance_and_add_up():
 
 def test_records_refuse_what_would_be_a_silent_error():
     with pytest.raises(ValueError, match="no finite deviation"):
-        variant([np.nan])
+        column([np.nan])
     with pytest.raises(ValueError, match="'lost'; accepted"):
-        variant([1.0], ["lost"])
+        column([1.0], ["lost"])
     with pytest.raises(ValueError, match="tolerance_mm is nan"):
         run(tolerance_mm=float("nan"))
     case = points(5)
@@ -93,7 +93,7 @@ def test_records_refuse_what_would_be_a_silent_error():
     with pytest.raises(ValueError, match="normal has shape"):
         InspectedPoints(**(changed | {"normal": np.zeros((4, 3))}))
     with pytest.raises(ValueError, match="different names"):
-        InspectedPoints(**(changed | {"variants": (case["none"], case["none"])}))
+        InspectedPoints(**(changed | {"columns": (case["none"], case["none"])}))
     with pytest.raises(ValueError, match="read-only"):
         case.point_mm[0] = 0
 

@@ -54,7 +54,7 @@ def _machine(
     prefer_measured: bool = False,
 ) -> None:
     from vmach.pipeline import machine_part
-    from vmach.report import variants_table
+    from vmach.report import columns_table
     from vmach.results import (
         REMAINDER_FILE,
         RESULT_FILES,
@@ -81,7 +81,7 @@ def _machine(
         print(json.dumps(figures, indent=1))
         return
     console = Console()
-    console.print(variants_table(made.points, run_record(made, command_line())))
+    console.print(columns_table(made.points, run_record(made, command_line())))
     for note in figures["run"]["warnings"]:
         console.print(f"note: {note}", highlight=False, markup=False)
     files = (*RESULT_FILES, *([REMAINDER_FILE] if made.points.remainders else []))

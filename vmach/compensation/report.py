@@ -16,12 +16,12 @@ from vmach.compensation.surface import SurfaceCheck
 from vmach.job import Job
 from vmach.machine import Variant
 from vmach.report import (
+    Column,
     InspectedPoints,
     RunRecord,
     build_display_mesh,
     write_report_html,
 )
-from vmach.report import Variant as Column
 
 __all__ = ["write_compensation_report"]
 
@@ -65,7 +65,7 @@ def _inspected(surface: SurfaceCheck) -> InspectedPoints:
         tool=surface.tool,
         move=surface.move,
         time_s=surface.time_s,
-        variants=(
+        columns=(
             Column("before", "Before compensation", surface.before_mm, status),
             Column("after", "After compensation", surface.after_mm, status),
         ),

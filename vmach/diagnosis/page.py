@@ -159,7 +159,7 @@ def _map_view(part: ResidualMap, on_nominal: bool) -> dict:
     """What the template needs to show the part."""
     end_um = um_from_mm(part.range_mm)
     rms = {
-        v.name: um_from_mm(float(np.sqrt(np.mean(v.deviation_mm**2)))) for v in part.points.variants
+        v.name: um_from_mm(float(np.sqrt(np.mean(v.deviation_mm**2)))) for v in part.points.columns
     }
     return {
         "stills": {name: jpeg_data_uri(still) for name, still in part.stills().items()},

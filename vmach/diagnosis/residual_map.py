@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from vmach.diagnosis.residuals import Residuals
 from vmach.nominal import Mesh
-from vmach.report import Colouring, DisplayMesh, InspectedPoints, Variant, build_display_mesh
+from vmach.report import Colouring, Column, DisplayMesh, InspectedPoints, build_display_mesh
 from vmach.report.camera import isometric_camera, shading
 from vmach.report.colours import colour_range, colours_of
 from vmach.report.display_mesh import vertex_normals
@@ -31,7 +31,7 @@ class ResidualMap:
     Attributes
     ----------
     points : InspectedPoints
-        With the variants "before" and, where effects were fitted, "after".
+        With the columns "before" and, where effects were fitted, "after".
     mesh : DisplayMesh
         The nominal CAD, or a disc at each point.
     range_mm : float
@@ -43,7 +43,7 @@ class ResidualMap:
     range_mm: float
 
     def stills(self) -> dict[str, Image.Image]:
-        """A picture of each variant on white, for print and browsers without WebGL 2."""
+        """A picture of each column on white, for print and browsers without WebGL 2."""
         camera = isometric_camera(self.mesh.vertices_mm)
         size = (_WIDTH, round(_WIDTH * camera.height_mm / camera.width_mm))
         shade = shading(vertex_normals(self.mesh), camera)[:, None]
@@ -74,7 +74,7 @@ def residual_map(residuals: Residuals, nominal: Mesh | None) -> ResidualMap | No
         mesh = build_display_mesh(
             nominal.vertices_mm, nominal.triangles, points, max_triangles=_TRIANGLES
         )
-    values = [variant.deviation_mm for variant in points.variants]
+    values = [column.deviation_mm for column in points.columns]
     return ResidualMap(points, mesh, colour_range(values))
 
 
@@ -95,8 +95,8 @@ def _points(residuals: Residuals) -> InspectedPoints | None:
             tool=m.states.tool,
             move=m.states.move,
             time_s=m.states.time_s,
-            variants=tuple(
-                Variant(state, state, residuals.of(state)[own], cut) for state in residuals.states
+            columns=tuple(
+                Column(state, state, residuals.of(state)[own], cut) for state in residuals.states
             ),
             u_mm=m.u_mm,
         )
@@ -121,7 +121,7 @@ def _discs(points: InspectedPoints) -> DisplayMesh:
     triangles = (np.arange(len(points))[:, None, None] * _SIDES + fan).reshape(-1, 3)
     known = np.ones(len(vertices), dtype=bool)
     colourings = {
-        v.name: Colouring(np.repeat(v.deviation_mm, _SIDES), known) for v in points.variants
+        v.name: Colouring(np.repeat(v.deviation_mm, _SIDES), known) for v in points.columns
     }
     return DisplayMesh(vertices, triangles, colourings)
 

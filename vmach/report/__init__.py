@@ -11,35 +11,35 @@ from vmach.report.html import write_report_html
 from vmach.report.result import (
     STATUSES,
     Colouring,
+    Column,
     DisplayMesh,
     InputFile,
     InspectedPoints,
     RunRecord,
-    Variant,
 )
-from vmach.report.statistics import Statistics, variant_statistics, worst_places
+from vmach.report.statistics import Statistics, column_statistics, worst_places
 from vmach.report.summary import SIGN_CONVENTION, summary, write_summary
-from vmach.report.table import variants_table
+from vmach.report.table import columns_table
 from vmach.report.viewer import open_viewer
 
 __all__ = [
     "SIGN_CONVENTION",
     "STATUSES",
     "Colouring",
+    "Column",
     "DisplayMesh",
     "InputFile",
     "InspectedPoints",
     "RunRecord",
     "Statistics",
-    "Variant",
     "build_display_mesh",
+    "column_statistics",
+    "columns_table",
     "interpolate_to_mesh",
     "open_viewer",
     "part_colours",
     "read_deviations_csv",
     "summary",
-    "variant_statistics",
-    "variants_table",
     "worst_places",
     "write_deviations_csv",
     "write_report_html",

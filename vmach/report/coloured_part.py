@@ -21,10 +21,10 @@ def part_colours(
     ----------
     vertices_mm, triangles : (V, 3) float64, (T, 3) int
     points : InspectedPoints
-        The primary variant counts; vertices that no cut point is near to are grey.
+        The primary column counts; vertices that no cut point is near to are grey.
     """
-    variant = points.primary
-    value_mm = np.where(variant.is_cut, variant.deviation_mm, np.nan)
+    column = points.primary
+    value_mm = np.where(column.is_cut, column.deviation_mm, np.nan)
     colouring = interpolate_to_mesh(points, value_mm, DisplayMesh(vertices_mm, triangles))
-    colours = colours_of(colouring.value_mm, colouring.known, common_range_mm(points.variants))
+    colours = colours_of(colouring.value_mm, colouring.known, common_range_mm(points.columns))
     return np.round(255 * colours).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""deviations.csv: every inspected point, one row each, one group of columns a variant."""
+"""deviations.csv: every inspected point, one row each, two fields for each column of deviations."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from vmach.atomic import atomic_file
 from vmach.errors import InputError
-from vmach.report.result import InspectedPoints, Variant
+from vmach.report.result import Column, InspectedPoints
 from vmach.units import mm_from_um, um_from_mm
 
 __all__ = ["read_deviations_csv", "write_deviations_csv"]
@@ -30,8 +30,8 @@ def write_deviations_csv(path: str | Path, points: InspectedPoints) -> None:
         The folder cannot be written to.
     """
     header = list(_POINT_COLUMNS)
-    for variant in points.variants:
-        header += [variant.name + _DEVIATION, variant.name + _STATUS]
+    for column in points.columns:
+        header += [column.name + _DEVIATION, column.name + _STATUS]
     with atomic_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)
@@ -40,23 +40,23 @@ def write_deviations_csv(path: str | Path, points: InspectedPoints) -> None:
 
 def _columns(points: InspectedPoints) -> list[list]:
     blank = [""] * len(points)
-    columns = [points.id.tolist(), points.feature.tolist()]
-    columns += [[f"{x:.9g}" for x in column] for column in points.point_mm.T]
-    columns += [[f"{x:.9g}" for x in column] for column in points.normal.T]
-    columns += [points.line.tolist(), points.tool.tolist(), points.move.tolist()]
-    columns += [[f"{t:.3f}" for t in points.time_s]]
-    columns += [blank if points.u_mm is None else [f"{um_from_mm(u):.6g}" for u in points.u_mm]]
-    for variant in points.variants:
-        deviation_um = um_from_mm(variant.deviation_mm).tolist()
-        columns.append(
-            [f"{d:.6f}" if c else "" for d, c in zip(deviation_um, variant.is_cut, strict=True)]
+    fields = [points.id.tolist(), points.feature.tolist()]
+    fields += [[f"{x:.9g}" for x in column] for column in points.point_mm.T]
+    fields += [[f"{x:.9g}" for x in column] for column in points.normal.T]
+    fields += [points.line.tolist(), points.tool.tolist(), points.move.tolist()]
+    fields += [[f"{t:.3f}" for t in points.time_s]]
+    fields += [blank if points.u_mm is None else [f"{um_from_mm(u):.6g}" for u in points.u_mm]]
+    for column in points.columns:
+        deviation_um = um_from_mm(column.deviation_mm).tolist()
+        fields.append(
+            [f"{d:.6f}" if c else "" for d, c in zip(deviation_um, column.is_cut, strict=True)]
         )
-        columns.append(variant.status.tolist())
-    return columns
+        fields.append(column.status.tolist())
+    return fields
 
 
 def read_deviations_csv(path: str | Path) -> InspectedPoints:
-    """Read what `write_deviations_csv` wrote; labels of the variants are their names.
+    """Read what `write_deviations_csv` wrote; labels of the columns are their names.
 
     Raises
     ------
@@ -68,20 +68,20 @@ def read_deviations_csv(path: str | Path) -> InspectedPoints:
         raise InputError("no such file", file=path, hint="vmach run writes it")
     with path.open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    variants = [
+    names = [
         n.removesuffix(_DEVIATION) for n in (rows[0] if rows else ()) if n.endswith(_DEVIATION)
     ]
     missing = [name for name in _POINT_COLUMNS if not rows or name not in rows[0]]
-    if missing or not variants:
+    if missing or not names:
         raise InputError("not a table of deviations", file=path, accepted="what vmach run wrote")
     table = {name: [row[name] for row in rows] for name in rows[0]}
     try:
-        return _points(table, variants)
+        return _points(table, names)
     except (TypeError, ValueError) as error:
         raise InputError(str(error), file=path, accepted="what vmach run wrote") from error
 
 
-def _points(table: dict[str, list[str]], variants: list[str]) -> InspectedPoints:
+def _points(table: dict[str, list[str]], names: list[str]) -> InspectedPoints:
     numbers = {
         name: np.array([float(cell) if cell else np.nan for cell in column])
         for name, column in table.items()
@@ -97,9 +97,9 @@ def _points(table: dict[str, list[str]], variants: list[str]) -> InspectedPoints
         tool=numbers["tool"],
         move=numbers["move"],
         time_s=numbers["time_s"],
-        variants=tuple(
-            Variant(name, name, mm_from_um(numbers[name + _DEVIATION]), table[name + _STATUS])
-            for name in variants
+        columns=tuple(
+            Column(name, name, mm_from_um(numbers[name + _DEVIATION]), table[name + _STATUS])
+            for name in names
         ),
         u_mm=mm_from_um(numbers["u_um"]) if has_u else None,
     )

@@ -23,7 +23,7 @@ def build_display_mesh(
     *,
     max_triangles: int = 100_000,
 ) -> DisplayMesh:
-    """Return a mesh with the deviations, and remainders, of all variants at its vertices.
+    """Return a mesh with the deviations, and remainders, of all columns at its vertices.
 
     Large triangles are divided to about the spacing of the points, too many are thinned out;
     a CAD face of two triangles would otherwise show nothing of what lies within it.
@@ -44,10 +44,10 @@ def build_display_mesh(
     vertices_mm, triangles = _split_sharp_edges(vertices_mm, triangles)
     mesh = DisplayMesh(vertices_mm, triangles)
     colourings = {
-        variant.name: interpolate_to_mesh(
-            points, np.where(variant.is_cut, variant.deviation_mm, np.nan), mesh
+        column.name: interpolate_to_mesh(
+            points, np.where(column.is_cut, column.deviation_mm, np.nan), mesh
         )
-        for variant in points.with_remainders().variants
+        for column in points.with_remainders().columns
     }
     return DisplayMesh(vertices_mm, triangles, colourings)
 

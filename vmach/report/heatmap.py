@@ -1,4 +1,4 @@
-"""heatmap.png: the part coloured by its deviation, one panel a variant."""
+"""heatmap.png: the part coloured by its deviation, one panel a column."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from vmach.report.colours import COLOUR_STOPS, colours_of
 from vmach.report.display_mesh import vertex_normals
 from vmach.report.rasterise import rasterise
 from vmach.report.result import Colouring, DisplayMesh, InspectedPoints, RunRecord
-from vmach.report.statistics import Statistics, common_range_mm, variant_statistics
+from vmach.report.statistics import Statistics, column_statistics, common_range_mm
 from vmach.report.vtk_picture import INSTALL_HINT, vtk_pictures
 from vmach.units import um_from_mm
 
@@ -36,7 +36,7 @@ def draw_heatmap(
     points: InspectedPoints,
     run: RunRecord,
     *,
-    variants: Sequence[str] | None = None,
+    columns: Sequence[str] | None = None,
 ) -> str | None:
     """Draw the mesh coloured by deviation, all panels on one colour scale.
 
@@ -45,11 +45,11 @@ def draw_heatmap(
     path : path
         PNG to write.
     mesh : DisplayMesh
-        With a colouring for each of the variants.
+        With a colouring for each of the columns.
     points, run : InspectedPoints, RunRecord
         For the figures in the captions.
-    variants : sequence of str, optional
-        Names of the variants to draw; by default all but ``"none"``, a perfect machine, which is
+    columns : sequence of str, optional
+        Names of the columns to draw; by default all but ``"none"``, a perfect machine, which is
         drawn only where it is the only one.
 
     Returns
@@ -63,14 +63,14 @@ def draw_heatmap(
     InputError
         The folder cannot be written to.
     """
-    names = _telling_variants(points) if variants is None else list(variants)
+    names = _telling_columns(points) if columns is None else list(columns)
     range_mm = common_range_mm([points[name] for name in names])
     pictures, note = _pictures([mesh.colourings[name] for name in names], mesh, range_mm)
     figure, panels = _figure(len(names), pictures.shape[1] / _DPI)
     for panel, name, picture in zip(panels, names, pictures, strict=True):
         panel.set_axis_off()
         panel.imshow(picture, interpolation="none", aspect="auto")
-        _caption(panel, points[name].label, variant_statistics(points[name], run.tolerance_mm), run)
+        _caption(panel, points[name].label, column_statistics(points[name], run.tolerance_mm), run)
     left, top = _MARGIN_INCH / figure.get_figwidth(), 1 - 0.34 / figure.get_figheight()
     figure.text(left, top, _plain(run.title), size=15, weight="bold", color=_INK)
     _add_colour_bar(figure, range_mm)
@@ -79,8 +79,8 @@ def draw_heatmap(
     return note
 
 
-def _telling_variants(points: InspectedPoints) -> list[str]:
-    names = [variant.name for variant in points.variants]
+def _telling_columns(points: InspectedPoints) -> list[str]:
+    names = [column.name for column in points.columns]
     return [name for name in names if name != "none"] or names
 
 
@@ -129,7 +129,7 @@ def _plain(text: str) -> str:
 
 
 def _caption(panel: Axes, label: str, statistics: Statistics, run: RunRecord) -> None:
-    """Write the name of the variant and its figures above the panel."""
+    """Write the name of the column and its figures above the panel."""
     text = "no cut points"
     if statistics.count:
         low, high, rms, tolerance = (

@@ -1,4 +1,4 @@
-"""How often each deviation occurs, one histogram a variant on a common axis."""
+"""How often each deviation occurs, one histogram a column on a common axis."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vmach.report.colours import colour_range, colours_of, nice_ceiling
-from vmach.report.result import Variant
+from vmach.report.result import Column
 
 __all__ = ["Histogram", "histograms"]
 
@@ -17,12 +17,12 @@ _BINS = 80
 
 @dataclass(frozen=True)
 class Histogram:
-    """Counts of one variant in bins of equal width from -end to +end.
+    """Counts of one column in bins of equal width from -end to +end.
 
     Attributes
     ----------
     name, label : str
-        Of the variant.
+        Of the column.
     end_mm : float
         Half width of the axis. The outermost bins also hold what is beyond.
     counts : (80,) int
@@ -37,9 +37,9 @@ class Histogram:
     colours: list[str]
 
 
-def histograms(variants: Sequence[Variant]) -> list[Histogram]:
-    """Return the histograms of the cut points of variants, on one axis."""
-    values = [variant.deviation_mm[variant.is_cut] for variant in variants]
+def histograms(columns: Sequence[Column]) -> list[Histogram]:
+    """Return the histograms of the cut points of columns, on one axis."""
+    values = [column.deviation_mm[column.is_cut] for column in columns]
     range_mm = colour_range(values)
     largest = max([range_mm, *(np.abs(v).max() for v in values if v.size)])
     end = min(nice_ceiling(largest), 2 * range_mm)
@@ -49,11 +49,11 @@ def histograms(variants: Sequence[Variant]) -> list[Histogram]:
     colours = ["#{:02x}{:02x}{:02x}".format(*colour) for colour in rgb.tolist()]
     return [
         Histogram(
-            variant.name,
-            variant.label,
+            column.name,
+            column.label,
             end,
             np.histogram(np.clip(value, -end, end), edges)[0],
             colours,
         )
-        for variant, value in zip(variants, values, strict=True)
+        for column, value in zip(columns, values, strict=True)
     ]

@@ -22,11 +22,11 @@ from vmach.report.page_kit import (
     um_text,
 )
 from vmach.report.payload import MAX_POINTS, encode_payload
-from vmach.report.result import DisplayMesh, InspectedPoints, RunRecord, Variant
+from vmach.report.result import Column, DisplayMesh, InspectedPoints, RunRecord
 from vmach.report.statistics import (
+    column_statistics,
     common_range_mm,
     feature_statistics,
-    variant_statistics,
     worst_apart_mm,
     worst_places,
 )
@@ -54,7 +54,7 @@ def write_report_html(
     path : path
         File to write.
     mesh : DisplayMesh
-        With a colouring for every variant of the points, and of their remainders.
+        With a colouring for every column of the points, and of their remainders.
     points, run : InspectedPoints, RunRecord
     stills : sequence of path
         The pictures for print and for browsers without WebGL 2.
@@ -65,7 +65,7 @@ def write_report_html(
         The folder cannot be written to.
     """
     deviations, remainders = (
-        [_variant_view(points, v, run, span_mm=max(_largest_mm(group), 1e-12)) for v in group]
+        [_column_view(points, v, run, span_mm=max(_largest_mm(group), 1e-12)) for v in group]
         for group in _groups(points)
     )
     page = render_page(
@@ -76,10 +76,10 @@ def write_report_html(
         remainders=remainders,
         primary=points.primary.name,
         histograms=[h for group in _groups(points) for h in histograms(group)],
-        columns=_variant_columns(points),
+        columns=_optional_columns(points),
         apart_mm=worst_apart_mm(points),
         pickable=min(len(points), MAX_POINTS),
-        um=partial(um_text, decimals=um_decimals(_largest_mm(points.variants))),
+        um=partial(um_text, decimals=um_decimals(_largest_mm(points.columns))),
         sign_convention=SIGN_CONVENTION,
         stills=[_data_uri(png) for png in stills],
         page_data=script_json(_page_data(points, run)),
@@ -91,78 +91,78 @@ def write_report_html(
         temporary.write_text(page, encoding="utf-8")
 
 
-def _groups(points: InspectedPoints) -> tuple[Sequence[Variant], Sequence[Variant]]:
-    """Variants that share a scale: the deviations, and measured minus predicted."""
-    return points.variants, points.remainders
+def _groups(points: InspectedPoints) -> tuple[Sequence[Column], Sequence[Column]]:
+    """Columns that share a scale: the deviations, and measured minus predicted."""
+    return points.columns, points.remainders
 
 
-def _variant_view(
-    points: InspectedPoints, variant: Variant, run: RunRecord, *, span_mm: float
+def _column_view(
+    points: InspectedPoints, column: Column, run: RunRecord, *, span_mm: float
 ) -> dict:
-    """Everything that the template shows of one variant."""
+    """Everything that the template shows of one column."""
     return {
-        "name": variant.name,
-        "label": variant.label,
-        "statistics": variant_statistics(variant, run.tolerance_mm),
-        "features": feature_statistics(points, variant, run.tolerance_mm),
-        "worst": worst_places(points, variant).tolist(),
+        "name": column.name,
+        "label": column.label,
+        "statistics": column_statistics(column, run.tolerance_mm),
+        "features": feature_statistics(points, column, run.tolerance_mm),
+        "worst": worst_places(points, column).tolist(),
         "span_mm": span_mm,
     }
 
 
-def _variant_columns(points: InspectedPoints) -> dict[str, bool]:
+def _optional_columns(points: InspectedPoints) -> dict[str, bool]:
     """Which optional rows and columns the tables have."""
     return {
         "cause": points.cause is not None,
-        "uncut": any((v.status == "uncut").any() for v in points.variants),
-        "gouged": any((v.status == "gouged away").any() for v in points.variants),
+        "uncut": any((v.status == "uncut").any() for v in points.columns),
+        "gouged": any((v.status == "gouged away").any() for v in points.columns),
     }
 
 
 def _page_data(points: InspectedPoints, run: RunRecord) -> dict:
     """What the script of the page needs apart from the payload."""
     thresholds_mm = _tolerance_steps(points, run.tolerance_mm)
-    variants = {}
+    columns = {}
     for group in _groups(points):
         scale = {
             "range_um": um_from_mm(common_range_mm(group)),
             "largest_um": um_from_mm(_largest_mm(group)),
         }
-        for variant in group:
-            variants[variant.name] = scale | _variant_data(points, variant, thresholds_mm)
+        for column in group:
+            columns[column.name] = scale | _column_data(points, column, thresholds_mm)
     return {
-        "variants": variants,
+        "variants": columns,
         "primary": points.primary.name,
         "thresholds_um": um_from_mm(thresholds_mm).tolist(),
         "tolerance_index": int(np.searchsorted(thresholds_mm, run.tolerance_mm)),
-        "decimals": um_decimals(_largest_mm(points.variants)),
+        "decimals": um_decimals(_largest_mm(points.columns)),
         "colour_stops": COLOUR_STOPS,
         "unknown_colour": UNKNOWN_COLOUR,
     }
 
 
-def _variant_data(points: InspectedPoints, variant: Variant, thresholds_mm: np.ndarray) -> dict:
-    size = np.sort(np.abs(variant.deviation_mm[variant.is_cut]))
+def _column_data(points: InspectedPoints, column: Column, thresholds_mm: np.ndarray) -> dict:
+    size = np.sort(np.abs(column.deviation_mm[column.is_cut]))
     within = np.searchsorted(size, thresholds_mm, side="right")
     return {
-        "label": variant.label,
+        "label": column.label,
         "count": size.size,
         "outside": (size.size - within).tolist(),
         "worst": [
             {"at": points.point_mm[i].tolist(), "normal": points.normal[i].tolist()}
-            for i in worst_places(points, variant)
+            for i in worst_places(points, column)
         ],
     }
 
 
 def _tolerance_steps(points: InspectedPoints, tolerance_mm: float) -> np.ndarray:
     """Positions of the tolerance slider; the tolerance of the run is exactly one of them."""
-    end = max(2 * tolerance_mm, 1.1 * _largest_mm(points.variants))
+    end = max(2 * tolerance_mm, 1.1 * _largest_mm(points.columns))
     return np.unique(np.append(np.linspace(0, end, _SLIDER_STEPS + 1), tolerance_mm))
 
 
-def _largest_mm(variants: Sequence[Variant]) -> float:
-    return max([0.0, *(float(np.abs(v.deviation_mm[v.is_cut]).max(initial=0)) for v in variants)])
+def _largest_mm(columns: Sequence[Column]) -> float:
+    return max([0.0, *(float(np.abs(v.deviation_mm[v.is_cut]).max(initial=0)) for v in columns)])
 
 
 def _data_uri(png: Path) -> str:

@@ -28,7 +28,7 @@ _UNKNOWN = -32_768
 
 def encode_payload(mesh: DisplayMesh, points: InspectedPoints, run: RunRecord) -> str:
     """Return mesh, deviations and what is known of each point as base64 text."""
-    names = [variant.name for variant in points.variants]
+    names = [column.name for column in points.columns]
     chosen = _choose_points(points)
     origin, step = _position_grid(mesh, points)
     value_step_mm = _value_step(mesh, points)
@@ -64,7 +64,7 @@ def _position_grid(mesh: DisplayMesh, points: InspectedPoints) -> tuple[np.ndarr
 
 def _value_step(mesh: DisplayMesh, points: InspectedPoints) -> float:
     values = [c.value_mm for c in mesh.colourings.values()]
-    values += [v.deviation_mm[v.is_cut] for v in points.variants]
+    values += [v.deviation_mm[v.is_cut] for v in points.columns]
     return max(np.abs(v).max(initial=0.0) for v in values) / _LARGEST or 1e-12
 
 
@@ -97,11 +97,11 @@ def _point_columns(
     columns |= {f"normal_{axis}": normal[:, i] for i, axis in enumerate("xyz")}
     columns["point_line"] = points.line[chosen].astype(np.uint32)
     columns["point_tool"] = points.tool[chosen].astype(np.uint32)
-    for variant in points.variants:
-        deviation, cut = variant.deviation_mm[chosen], variant.is_cut[chosen]
-        columns[f"point:{variant.name}"] = _quantised(deviation, cut, value_step_mm)
-        status = [STATUSES.index(name) for name in variant.status[chosen].tolist()]
-        columns[f"status:{variant.name}"] = np.array(status)
+    for column in points.columns:
+        deviation, cut = column.deviation_mm[chosen], column.is_cut[chosen]
+        columns[f"point:{column.name}"] = _quantised(deviation, cut, value_step_mm)
+        status = [STATUSES.index(name) for name in column.status[chosen].tolist()]
+        columns[f"status:{column.name}"] = np.array(status)
     return columns
 
 

@@ -11,11 +11,11 @@ import numpy as np
 __all__ = [
     "STATUSES",
     "Colouring",
+    "Column",
     "DisplayMesh",
     "InputFile",
     "InspectedPoints",
     "RunRecord",
-    "Variant",
 ]
 
 #: What happened at a surface point: an edge of material was found; stock still stands far above
@@ -39,8 +39,8 @@ def _finite(owner: object, name: str, shape: tuple[int, ...]) -> None:
 
 
 @dataclass(frozen=True)
-class Variant:
-    """Deviations of all inspected points under one error model, or as measured.
+class Column:
+    """One column of deviations of the inspected points: under one error model, or as measured.
 
     Attributes
     ----------
@@ -70,14 +70,14 @@ class Variant:
         unknown = np.setdiff1d(status, STATUSES)
         if unknown.size:
             raise ValueError(
-                f"variant {self.name}: status {str(unknown[0])!r}; accepted: {STATUSES}"
+                f"column {self.name}: status {str(unknown[0])!r}; accepted: {STATUSES}"
             )
         if not np.isfinite(deviation[self.is_cut]).all():
-            raise ValueError(f"variant {self.name}: a cut point has no finite deviation")
+            raise ValueError(f"column {self.name}: a cut point has no finite deviation")
         if self.remainder_mm is not None:
             remainder = _frozen(self, "remainder_mm", np.float64, (count,))
             if not np.isfinite(remainder[self.is_cut]).all():
-                raise ValueError(f"variant {self.name}: a cut point has no finite remainder")
+                raise ValueError(f"column {self.name}: a cut point has no finite remainder")
 
     @property
     def is_cut(self) -> np.ndarray:
@@ -92,12 +92,12 @@ class Variant:
         return float(np.sqrt(np.mean(self.remainder_mm[self.is_cut] ** 2)))
 
     @property
-    def remainder(self) -> Variant:
-        """Measured minus predicted as a variant of its own, for maps and statistics."""
+    def remainder(self) -> Column:
+        """Measured minus predicted as a column of its own, for maps and statistics."""
         if self.remainder_mm is None:
-            raise ValueError(f"variant {self.name} was not compared with a measurement")
+            raise ValueError(f"column {self.name} was not compared with a measurement")
         name, label = f"{self.name}_remainder", f"Measured − {self.label}"
-        return Variant(name, label, self.remainder_mm, self.status)
+        return Column(name, label, self.remainder_mm, self.status)
 
 
 @dataclass(frozen=True)
@@ -115,12 +115,12 @@ class InspectedPoints:
         move -1 where none did.
     time_s : (P,) float64
         Program time at which the point was made, 0 where it was not.
-    variants : tuple of Variant
+    columns : tuple of Column
         At least one; the last prediction (not ``"measured"``) is the one shown first.
     u_mm : (P,) float64, optional
         Standard uncertainty of the measured deviation.
     cause : (P,) str, optional
-        What the deviation of the primary variant consists of, largest shares first, in words.
+        What the deviation of the primary column consists of, largest shares first, in words.
     """
 
     id: np.ndarray
@@ -131,7 +131,7 @@ class InspectedPoints:
     tool: np.ndarray
     move: np.ndarray
     time_s: np.ndarray
-    variants: tuple[Variant, ...]
+    columns: tuple[Column, ...]
     u_mm: np.ndarray | None = None
     cause: np.ndarray | None = None
 
@@ -148,41 +148,41 @@ class InspectedPoints:
             _frozen(self, name, dtype, (count,))
         for name in ("line", "tool", "move"):
             _frozen(self, name, np.int32, (count,))
-        object.__setattr__(self, "variants", tuple(self.variants))
-        names = [variant.name for variant in self.variants]
+        object.__setattr__(self, "columns", tuple(self.columns))
+        names = [column.name for column in self.columns]
         if not names or len(set(names)) != len(names):
-            raise ValueError(f"variants need different names, at least one; got {names}")
-        for variant in self.variants:
-            if len(variant.deviation_mm) != count:
+            raise ValueError(f"columns need different names, at least one; got {names}")
+        for column in self.columns:
+            if len(column.deviation_mm) != count:
                 raise ValueError(
-                    f"variant {variant.name} has {len(variant.deviation_mm)} points; "
+                    f"column {column.name} has {len(column.deviation_mm)} points; "
                     f"expected {count}"
                 )
 
     def __len__(self) -> int:
         return len(self.point_mm)
 
-    def __getitem__(self, name: str) -> Variant:
-        """Return the variant of that name; KeyError where there is none."""
-        for variant in self.variants:
-            if variant.name == name:
-                return variant
+    def __getitem__(self, name: str) -> Column:
+        """Return the column of that name; KeyError where there is none."""
+        for column in self.columns:
+            if column.name == name:
+                return column
         raise KeyError(name)
 
     @property
-    def remainders(self) -> tuple[Variant, ...]:
-        """Measured minus predicted, of every variant that was compared with a measurement."""
-        return tuple(v.remainder for v in self.variants if v.remainder_mm is not None)
+    def remainders(self) -> tuple[Column, ...]:
+        """Measured minus predicted, of every column that was compared with a measurement."""
+        return tuple(v.remainder for v in self.columns if v.remainder_mm is not None)
 
     def with_remainders(self) -> InspectedPoints:
-        """The same points with the remainders as further variants, for what is drawn."""
-        return replace(self, variants=(*self.variants, *self.remainders))
+        """The same points with the remainders as further columns, for what is drawn."""
+        return replace(self, columns=(*self.columns, *self.remainders))
 
     @property
-    def primary(self) -> Variant:
-        """The variant that reports show first: the last one that is a prediction."""
-        predicted = [variant for variant in self.variants if variant.name != "measured"]
-        return (predicted or self.variants)[-1]
+    def primary(self) -> Column:
+        """The column that reports show first: the last one that is a prediction."""
+        predicted = [column for column in self.columns if column.name != "measured"]
+        return (predicted or self.columns)[-1]
 
 
 @dataclass(frozen=True)
@@ -217,7 +217,7 @@ class DisplayMesh:
         Rows of `vertices_mm`, counter-clockwise seen from outside. Vertices on a sharp edge
         occur once for each face, so that colours do not run over it.
     colourings : mapping of str to Colouring
-        By the name of the variant.
+        By the name of the column.
     """
 
     vertices_mm: np.ndarray

@@ -1,4 +1,4 @@
-"""Figures that describe the deviations of one variant."""
+"""Figures that describe one column of deviations."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from vmach.report.colours import colour_range, nice_ceiling
-from vmach.report.result import STATUSES, InspectedPoints, Variant
+from vmach.report.result import STATUSES, Column, InspectedPoints
 
 __all__ = [
     "Statistics",
+    "column_statistics",
     "common_range_mm",
     "feature_statistics",
-    "variant_statistics",
     "worst_apart_mm",
     "worst_places",
 ]
@@ -58,13 +58,13 @@ class Statistics:
         return self.outside_count / self.count if self.count else np.nan
 
 
-def variant_statistics(
-    variant: Variant, tolerance_mm: float, *, among: np.ndarray | None = None
+def column_statistics(
+    column: Column, tolerance_mm: float, *, among: np.ndarray | None = None
 ) -> Statistics:
-    """Return the statistics of a variant, optionally `among` (P,) bool points only."""
-    chosen = np.ones(len(variant.status), bool) if among is None else among
-    status = variant.status[chosen]
-    deviation = variant.deviation_mm[chosen & variant.is_cut]
+    """Return the statistics of a column, optionally `among` (P,) bool points only."""
+    chosen = np.ones(len(column.status), bool) if among is None else among
+    status = column.status[chosen]
+    deviation = column.deviation_mm[chosen & column.is_cut]
     mean, rms, low, high = (
         (deviation.mean(), np.sqrt(np.mean(deviation**2)), deviation.min(), deviation.max())
         if deviation.size
@@ -82,12 +82,12 @@ def variant_statistics(
 
 
 def feature_statistics(
-    points: InspectedPoints, variant: Variant, tolerance_mm: float
+    points: InspectedPoints, column: Column, tolerance_mm: float
 ) -> dict[str, Statistics]:
-    """Return the statistics of a variant by feature, in order of first appearance."""
+    """Return the statistics of a column by feature, in order of first appearance."""
     names, first = np.unique(points.feature, return_index=True)
     return {
-        str(name): variant_statistics(variant, tolerance_mm, among=points.feature == name)
+        str(name): column_statistics(column, tolerance_mm, among=points.feature == name)
         for name in names[np.argsort(first)]
     }
 
@@ -98,15 +98,15 @@ def worst_apart_mm(points: InspectedPoints) -> float:
     return nice_ceiling(max(_APART * float(size_mm), 1e-6))
 
 
-def worst_places(points: InspectedPoints, variant: Variant, count: int = 10) -> np.ndarray:
+def worst_places(points: InspectedPoints, column: Column, count: int = 10) -> np.ndarray:
     """Indices of the `count` worst places of the part, worst first.
 
     A place is the cut point of largest abs(deviation) among its neighbours: points of its feature
     within `worst_apart_mm` are not named beside it. Ties keep the order of the points, so that the
     answer is the same on every run.
     """
-    cut = np.flatnonzero(variant.is_cut)
-    left = cut[np.argsort(-np.abs(variant.deviation_mm[cut]), kind="stable")]
+    cut = np.flatnonzero(column.is_cut)
+    left = cut[np.argsort(-np.abs(column.deviation_mm[cut]), kind="stable")]
     apart_mm, chosen = worst_apart_mm(points), []
     while left.size and len(chosen) < count:
         worst = left[0]
@@ -117,6 +117,6 @@ def worst_places(points: InspectedPoints, variant: Variant, count: int = 10) -> 
     return np.array(chosen, dtype=np.int64)
 
 
-def common_range_mm(variants: Sequence[Variant]) -> float:
-    """Return the end of the colour scale that variants share."""
-    return colour_range([variant.deviation_mm[variant.is_cut] for variant in variants])
+def common_range_mm(columns: Sequence[Column]) -> float:
+    """Return the end of the colour scale that columns share."""
+    return colour_range([column.deviation_mm[column.is_cut] for column in columns])

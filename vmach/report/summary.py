@@ -8,11 +8,11 @@ from dataclasses import asdict
 from pathlib import Path
 
 from vmach.atomic import atomic_file
-from vmach.report.result import InspectedPoints, RunRecord, Variant
+from vmach.report.result import Column, InspectedPoints, RunRecord
 from vmach.report.statistics import (
     Statistics,
+    column_statistics,
     feature_statistics,
-    variant_statistics,
     worst_apart_mm,
     worst_places,
 )
@@ -52,7 +52,7 @@ def summary(points: InspectedPoints, run: RunRecord) -> dict:
         "points": len(points),
         "worst_apart_mm": worst_apart_mm(points),
         "variants": {
-            variant.name: _variant_summary(points, variant, run) for variant in points.variants
+            column.name: _column_summary(points, column, run) for column in points.columns
         },
         "run": {
             "command": run.command,
@@ -66,14 +66,14 @@ def summary(points: InspectedPoints, run: RunRecord) -> dict:
     }
 
 
-def _variant_summary(points: InspectedPoints, variant: Variant, run: RunRecord) -> dict:
-    features = feature_statistics(points, variant, run.tolerance_mm)
+def _column_summary(points: InspectedPoints, column: Column, run: RunRecord) -> dict:
+    features = feature_statistics(points, column, run.tolerance_mm)
     return {
-        "label": variant.label,
-        **_figures(variant_statistics(variant, run.tolerance_mm)),
-        "remainder_rms_um": _um(variant.remainder_rms_mm),
+        "label": column.label,
+        **_figures(column_statistics(column, run.tolerance_mm)),
+        "remainder_rms_um": _um(column.remainder_rms_mm),
         "features": {name: _figures(statistics) for name, statistics in features.items()},
-        "worst": [_worst(points, variant, run, i) for i in worst_places(points, variant).tolist()],
+        "worst": [_worst(points, column, run, i) for i in worst_places(points, column).tolist()],
     }
 
 
@@ -90,13 +90,13 @@ def _figures(statistics: Statistics) -> dict:
     }
 
 
-def _worst(points: InspectedPoints, variant: Variant, run: RunRecord, index: int) -> dict:
+def _worst(points: InspectedPoints, column: Column, run: RunRecord, index: int) -> dict:
     line = int(points.line[index])
-    has_cause = points.cause is not None and variant.name == points.primary.name
+    has_cause = points.cause is not None and column.name == points.primary.name
     return {
         "id": str(points.id[index]),
         "feature": str(points.feature[index]),
-        "deviation_um": _um(float(variant.deviation_mm[index])),
+        "deviation_um": _um(float(column.deviation_mm[index])),
         "point_mm": points.point_mm[index].tolist(),
         "normal": points.normal[index].tolist(),
         "line": line,

@@ -1,4 +1,4 @@
-"""The variants side by side on a terminal."""
+"""Columns of deviations side by side on a terminal."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ from rich.table import Table
 from rich.text import Text
 
 from vmach.report.result import InspectedPoints, RunRecord
-from vmach.report.statistics import variant_statistics
+from vmach.report.statistics import column_statistics
 from vmach.units import um_from_mm
 
-__all__ = ["variants_table"]
+__all__ = ["columns_table"]
 
 #: characters of a column's heading, where there are up to three and where there are more
 _WIDE, _NARROW = 16, 12
 
 
-def variants_table(points: InspectedPoints, run: RunRecord) -> Table:
-    """Return a rich table, one column a variant, lengths in um; fits 80 columns up to four."""
+def columns_table(points: InspectedPoints, run: RunRecord) -> Table:
+    """Return a rich table of the points' columns, lengths in um; fits 80 columns up to four."""
     table = Table(title=Text(run.title), title_justify="left", caption_justify="left")
     table.caption = "positive: material left, negative: too much removed"
     table.add_column("um", no_wrap=True)
-    width = _WIDE if len(points.variants) <= 3 else _NARROW
-    for variant in points.variants:
-        heading = textwrap.fill(variant.label, width, break_long_words=False)
+    width = _WIDE if len(points.columns) <= 3 else _NARROW
+    for column in points.columns:
+        heading = textwrap.fill(column.label, width, break_long_words=False)
         table.add_column(Text(heading), justify="right", no_wrap=True)
     for label, cells in _rows(points, run):
         table.add_row(label, *cells)
@@ -33,14 +33,14 @@ def variants_table(points: InspectedPoints, run: RunRecord) -> Table:
 
 
 def _rows(points: InspectedPoints, run: RunRecord) -> list[tuple[str, list[str]]]:
-    every = [variant_statistics(variant, run.tolerance_mm) for variant in points.variants]
+    every = [column_statistics(column, run.tolerance_mm) for column in points.columns]
     rows = [
         ("RMS", [_um(s.rms_mm) for s in every]),
         ("mean", [_um(s.mean_mm, "+") for s in every]),
         ("minimum", [_um(s.min_mm, "+") for s in every]),
         ("maximum", [_um(s.max_mm, "+") for s in every]),
     ]
-    remainders = [variant.remainder_rms_mm for variant in points.variants]
+    remainders = [column.remainder_rms_mm for column in points.columns]
     if any(remainder is not None for remainder in remainders):
         rows.append(("measured − predicted", [_um(remainder) for remainder in remainders]))
     shares = [f"{100 * s.outside_share:.2f} %" if s.count else "–" for s in every]

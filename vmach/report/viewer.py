@@ -23,7 +23,7 @@ _BAR_TITLE = "µm, positive: material left"
 
 
 def open_viewer(folder: str | Path, *, screenshot: str | Path | None = None) -> None:
-    """Show the part of a result folder coloured by its deviations; ``n`` shows the next variant.
+    """Show the part of a result folder coloured by its deviations; ``n`` shows the next column.
 
     Parameters
     ----------
@@ -63,8 +63,8 @@ def _plotter(folder: Path, points: InspectedPoints, *, off_screen: bool):
     from matplotlib.colors import LinearSegmentedColormap
 
     surface = _coloured_surface(folder / "part.stl", points)
-    names = [variant.name for variant in points.variants]
-    range_um = um_from_mm(common_range_mm(points.variants))
+    names = [column.name for column in points.columns]
+    range_um = um_from_mm(common_range_mm(points.columns))
     plotter = pyvista.Plotter(off_screen=off_screen, title=f"vmach: {folder}")
 
     def show(name: str) -> None:
@@ -100,13 +100,13 @@ def _plotter(folder: Path, points: InspectedPoints, *, off_screen: bool):
 
 
 def _coloured_surface(part: Path, points: InspectedPoints):
-    """The part, or the points alone, with an array of deviations in um for each variant."""
+    """The part, or the points alone, with an array of deviations in um for each column."""
     import pyvista
 
     if not part.is_file():
         cloud = pyvista.PolyData(points.point_mm)
-        for variant in points.variants:
-            cloud[variant.name] = np.where(variant.is_cut, um_from_mm(variant.deviation_mm), np.nan)
+        for column in points.columns:
+            cloud[column.name] = np.where(column.is_cut, um_from_mm(column.deviation_mm), np.nan)
         return cloud
     solid = pyvista.read(part)
     mesh = build_display_mesh(solid.points, solid.regular_faces, points)
