@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from vmach.machine.displacement import contributions
-from vmach.prediction import Effect, Prediction
+from vmach.prediction import ActingEffect, Prediction
 from vmach.toolpath import PathStates
 from vmach.units import um_from_mm
 
@@ -44,7 +44,7 @@ class ErrorBudget:
         return [(self.sources[k], float(self.share_mm[point, k])) for k in order]
 
 
-def error_budget(prediction: Prediction, effects: Sequence[Effect] = ()) -> ErrorBudget:
+def error_budget(prediction: Prediction, effects: Sequence[ActingEffect] = ()) -> ErrorBudget:
     """Split predicted deviations into their sources.
 
     Every source is evaluated at the contact that made the point. What is left beside them is
@@ -53,7 +53,7 @@ def error_budget(prediction: Prediction, effects: Sequence[Effect] = ()) -> Erro
     Parameters
     ----------
     prediction : Prediction
-    effects : sequence of Effect
+    effects : sequence of ActingEffect
         Those that the prediction was made with.
     """
     states = prediction.states

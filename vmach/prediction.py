@@ -19,12 +19,12 @@ from vmach.toolpath import PathStates
 #: a tool that passes a surface point no closer than this does not generate it
 GENERATING_MISS_MM = 0.05
 
-__all__ = ["Effect", "Prediction", "displaced_sweeps", "displacement_of", "predict",
+__all__ = ["ActingEffect", "Prediction", "displaced_sweeps", "displacement_of", "predict",
            "predict_surface"]  # fmt: skip
 
 
-class Effect(Protocol):
-    """A physical effect with its parameters set."""
+class ActingEffect(Protocol):
+    """An effect at work: its target and parameters are set, so that states are all it needs."""
 
     label: str
 
@@ -55,7 +55,7 @@ class Prediction:
     overcut : (P,) bool
         Points known to be surface which other moves of the program would have cut away; their
         deviation is that of the move which generates them.
-    effects : tuple of Effect
+    effects : tuple of ActingEffect
         What was taken to act beside the error tables.
     """
 
@@ -65,7 +65,7 @@ class Prediction:
     deviation_mm: np.ndarray
     edges: Edges
     overcut: np.ndarray
-    effects: tuple[Effect, ...] = ()
+    effects: tuple[ActingEffect, ...] = ()
 
     @property
     def is_cut(self) -> np.ndarray:
@@ -79,7 +79,7 @@ class Prediction:
 
 
 def displaced_sweeps(
-    preparation: Preparation, variant: Variant, effects: Sequence[Effect] = ()
+    preparation: Preparation, variant: Variant, effects: Sequence[ActingEffect] = ()
 ) -> Sweeps:
     """Sweeps of the whole program, displaced by the machine's errors and the effects."""
     nodes = preparation.path.nodes
@@ -97,7 +97,7 @@ def predict(
     normals: np.ndarray,
     *,
     variant: Variant,
-    effects: Sequence[Effect] = (),
+    effects: Sequence[ActingEffect] = (),
     known_surface: np.ndarray | None = None,
     sweeps: Sweeps | None = None,
     is_compensated: bool = False,
@@ -111,7 +111,7 @@ def predict(
         Nominal surface points and outward unit normals, workpiece coordinates.
     variant : Variant
         Arms of the machine's errors.
-    effects : sequence of Effect
+    effects : sequence of ActingEffect
         What acts beside the machine's error tables.
     known_surface : (P,) bool, optional
         Points where the real part has been found, so that a tool must have made them. Where the
@@ -164,7 +164,7 @@ def predict_surface(
     preparation: Preparation,
     points: SurfacePoints,
     variant: Variant,
-    effects: Sequence[Effect] = (),
+    effects: Sequence[ActingEffect] = (),
     *,
     sweeps: Sweeps | None = None,
     is_compensated: bool = False,
@@ -243,7 +243,7 @@ def _path_displaced(sweeps: Sweeps) -> Sweeps:
 
 
 def displacement_of(
-    preparation: Preparation, states: PathStates, variant: Variant, effects: Sequence[Effect]
+    preparation: Preparation, states: PathStates, variant: Variant, effects: Sequence[ActingEffect]
 ) -> RigidDisplacement:
     """Rigid displacement of the tool at P states, by the machine's errors and the effects."""
     machine = preparation.job.machine

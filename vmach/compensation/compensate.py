@@ -19,7 +19,7 @@ from vmach.compensation.uncorrected import largest_tilt, uncorrected
 from vmach.job import Job
 from vmach.machine import Variant
 from vmach.points import SurfacePoints
-from vmach.prediction import Effect
+from vmach.prediction import ActingEffect
 from vmach.preparation import Preparation, prepare
 from vmach.program_text import (
     BlockModes,
@@ -106,7 +106,7 @@ class Solved:
 
 def compensate(
     job: Job,
-    effects: Sequence[Effect] = (),
+    effects: Sequence[ActingEffect] = (),
     *,
     variant: Variant = Variant.ABBE,
     resolution_mm: float = 1e-3,
@@ -128,7 +128,7 @@ def compensate(
     Parameters
     ----------
     job : Job
-    effects : sequence of Effect
+    effects : sequence of ActingEffect
     variant : Variant
     resolution_mm : float
         Of the target control; in inch programs one decimal more.
@@ -199,7 +199,7 @@ def finish(
 
 
 def solve(
-    job: Job, effects: Sequence[Effect] = (), *, variant: Variant = Variant.ABBE,
+    job: Job, effects: Sequence[ActingEffect] = (), *, variant: Variant = Variant.ABBE,
     tolerance_mm: float = 1e-4, limit_mm: float = 0.5, dialect: str | None = None,
     aim_points: SurfacePoints | None = None, round_points: SurfacePoints | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vmach.machine import RigidDisplacement, Variant
-from vmach.prediction import Effect, displacement_of
+from vmach.prediction import ActingEffect, displacement_of
 from vmach.preparation import Preparation
 from vmach.toolpath import PathStates
 
@@ -21,7 +21,7 @@ class TipModel:
     """Error tables and effects of a job under one variant."""
 
     variant: Variant
-    effects: tuple[Effect, ...]
+    effects: tuple[ActingEffect, ...]
 
     def error_at(
         self, preparation: Preparation, move: np.ndarray, parameter: np.ndarray

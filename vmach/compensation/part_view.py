@@ -11,7 +11,7 @@ from vmach.compensation.model import TipModel
 from vmach.compensation.written_run import WrittenRun
 from vmach.machine import Variant
 from vmach.points import SurfacePoints
-from vmach.prediction import Effect, Prediction, displacement_of, predict
+from vmach.prediction import ActingEffect, Prediction, displacement_of, predict
 from vmach.preparation import Preparation
 from vmach.toolpath import PathStates
 
@@ -116,7 +116,7 @@ class PartView:
 
     def _predicted(
         self, preparation: Preparation, rows: np.ndarray, variant: Variant,
-        effects: Sequence[Effect],
+        effects: Sequence[ActingEffect],
     ) -> Prediction:  # fmt: skip
         return predict(preparation, self.points.point_mm[rows], self.points.normal[rows],
                        variant=variant, effects=effects)  # fmt: skip

@@ -18,7 +18,7 @@ from vmach.machine import Variant
 from vmach.nominal import Mesh, NominalPart, read_nominal
 from vmach.points import SurfacePoints
 from vmach.prediction import (
-    Effect,
+    ActingEffect,
     Prediction,
     displaced_sweeps,
     displacement_of,
@@ -175,7 +175,7 @@ def check_surface(
     text: bytes,
     surface: Surface,
     *,
-    effects: Sequence[Effect] = (),
+    effects: Sequence[ActingEffect] = (),
     variant: Variant = Variant.ABBE,
 ) -> SurfaceCheck:
     """Predict the part before and after, from the texts of both programs.

@@ -24,7 +24,7 @@ from vmach.measurements.instrument_settings import (
 from vmach.measurements.measurement import Measurement
 from vmach.measurements.test_motion import stop_and_go
 from vmach.measurements.unit_check import check_unit
-from vmach.prediction import Effect
+from vmach.prediction import ActingEffect
 from vmach.toolpath import PathStates
 from vmach.units import mm_from_um
 
@@ -35,7 +35,7 @@ _ALONG = ("dx_um", "dy_um", "dz_um")
 
 
 def read_instruments(
-    job: Job, *, variant: Variant = Variant.ABBE, effects: Sequence[Effect] = ()
+    job: Job, *, variant: Variant = Variant.ABBE, effects: Sequence[ActingEffect] = ()
 ) -> tuple[Measurement, ...]:
     """The ``[[measurements]]`` of a job, each with what the model predicts for it.
 
@@ -56,7 +56,7 @@ def read_instruments(
 class _Model:
     """Displacement of the tool tip at the states of a test."""
 
-    def __init__(self, job: Job, variant: Variant, effects: Sequence[Effect]) -> None:
+    def __init__(self, job: Job, variant: Variant, effects: Sequence[ActingEffect]) -> None:
         self._job, self._variant, self._effects = job, variant, effects
 
     def predicted_mm(self, states: PathStates, sensing: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from vmach.errors import InputError
 from vmach.machine import Variant
 from vmach.measurements.measurement import Measurement, apart_from_neighbours
 from vmach.points import SurfacePoints, read_points_csv
-from vmach.prediction import Effect, Prediction, predict_surface
+from vmach.prediction import ActingEffect, Prediction, predict_surface
 from vmach.preparation import Preparation
 from vmach.units import um_from_mm
 
@@ -40,7 +40,7 @@ def measure_part(
     path: Path,
     *,
     variant: Variant = Variant.ABBE,
-    effects: Sequence[Effect] = (),
+    effects: Sequence[ActingEffect] = (),
 ) -> tuple[Measurement, Prediction]:
     """Measured points of the part beside what the model predicts for them.
 
