@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,18 +47,25 @@ class Explanation:
         """Names and targets of the effects in the set."""
         return frozenset(t.label for t in self.fit.terms) if self.fit else frozenset()
 
-    @property
-    def numbers(self) -> float:
-        """How many numbers of the set the readings determine."""
+    def numbers(self, expected: Collection[str] = ()) -> float:
+        """How many numbers of the set the readings determine; expected effects count as one."""
         terms = self.fit.terms if self.fit else ()
-        return sum(self.fit.numbers(k) for k in range(len(terms)))
+        return sum(
+            1.0 if term.label in expected else self.fit.numbers(k) for k, term in enumerate(terms)
+        )
 
 
-def simplest_of_the_best(explanations: Sequence[Explanation]) -> Explanation:
-    """Of the sets that the readings cannot tell apart, that with the fewest numbers."""
+def simplest_of_the_best(
+    explanations: Sequence[Explanation], expected: Collection[str] = ()
+) -> Explanation:
+    """Of the sets that the readings cannot tell apart, that with the fewest numbers.
+
+    The numbers of `expected` effects are no extravagance: a table that the machine lacks has as
+    many as it takes.
+    """
     best = max(e.score for e in explanations)
     near = [e for e in explanations if e.score > best - MARGIN]
-    return min(near, key=lambda e: (round(e.numbers), len(e.labels), -e.score))
+    return min(near, key=lambda e: (round(e.numbers(expected)), len(e.labels), -e.score))
 
 
 def may_beat(explanation: Explanation, finished: Sequence[Explanation]) -> bool:

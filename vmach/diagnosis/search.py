@@ -115,10 +115,16 @@ class Search:
 
     def log_prior(self, candidate: Candidate) -> float:
         """Prior odds of a candidate; a component without a table is expected to be missing."""
-        tables = self.survey.job.machine.components
-        if candidate.effect.name == "component" and candidate.target not in tables:
+        if candidate.label in self.missing_tables:
             return _MISSING_TABLE
         return -candidate.effect.rarity
+
+    @cached_property
+    def missing_tables(self) -> frozenset[str]:
+        """Components that the machine file has no table of."""
+        tables = self.survey.job.machine.components
+        components = [c for c in self.candidates if c.effect.name == "component"]
+        return frozenset(c.label for c in components if c.target not in tables)
 
     def candidate(self, label: str) -> Candidate:
         """The candidate with a given name and target."""
@@ -142,7 +148,7 @@ class Search:
             beam = sorted(beam, key=lambda e: -e.score - self.further(e))[:_BEAM]
             if not beam:
                 break
-        return self._without_needless(self._exchanged(simplest_of_the_best(finished or seen)))
+        return self._without_needless(self._exchanged(self._simplest(finished or seen)))
 
     def _exchanged(self, explanation: Explanation) -> Explanation:
         """With single effects replaced, as long as others do better beside those that stay."""
@@ -152,11 +158,14 @@ class Search:
             for k in range(len(explanation.fit.terms)):
                 others = self.without(explanation, [k])
                 seen += self._children(others, tried=_TRIED[-1], but=explanation.labels)
-            best = simplest_of_the_best([e for e in seen if self.further(e) == 0.0] or seen)
+            best = self._simplest([e for e in seen if self.further(e) == 0.0] or seen)
             if best is explanation:
                 break
             explanation = best
         return explanation
+
+    def _simplest(self, explanations: Sequence[Explanation]) -> Explanation:
+        return simplest_of_the_best(explanations, self.missing_tables)
 
     def further(self, explanation: Explanation) -> float:
         """Evidence of the best candidate on what an explanation leaves, if above threshold."""
