@@ -21,7 +21,7 @@ from stock.blank import blank_solid
 from stock.dexels import Dexels, dexels_of, overlap, remove
 from stock.errors import StockError
 from stock.ring_stack import ring_stack
-from stock.strokes import Strokes, check_tools, strokes_of
+from stock.strokes import Strokes, strokes_of
 from stock.sweeps import Sweeps
 from stock.tools import Tool
 
@@ -110,7 +110,7 @@ def find_collisions(
         If the blank is no solid, a sweep has no tool, the cell or the clearance makes no
         sense, or there is not one outline a tool.
     """
-    check_tools(sweeps, len(tools))
+    sweeps.check_tools(len(tools))
     solid = blank_solid(blank)
     low, high = np.reshape(solid.bounding_box(), (2, 3))
     if cell_mm is None:

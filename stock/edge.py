@@ -102,7 +102,7 @@ def find_edges(
     """
     points, normals = _checked_points(points_mm, normals)
     blank = _checked_blank(blank_mm)
-    _check_tools(sweeps, tools)
+    sweeps.check_tools(len(tools))
     if not (math.isfinite(reach_mm) and reach_mm > 0.0):
         raise StockError(f"reach_mm = {reach_mm!r}", accepted="a finite length above 0")
     size = np.array([math.hypot(tool.diameter_mm / 2, tool.length_mm) for tool in tools])
@@ -156,12 +156,3 @@ def _checked_blank(blank_mm: tuple[Sequence[float], Sequence[float]] | None) -> 
             accepted="two corners of three finite numbers, the first below the second",
         )
     return blank
-
-
-def _check_tools(sweeps: Sweeps, tools: Sequence[Tool]) -> None:
-    bad = np.flatnonzero((sweeps.tool < 0) | (sweeps.tool >= len(tools)))
-    if len(bad):
-        raise StockError(
-            f"sweep {bad[0]} (move {sweeps.move[bad[0]]}) has tool {sweeps.tool[bad[0]]}",
-            accepted=f"0 to {len(tools) - 1}" if tools else "no sweeps without tools",
-        )

@@ -15,7 +15,7 @@ from stock.cutter_solids import CutterSolids
 from stock.errors import StockError
 from stock.ring_stack import ring_stack
 from stock.seams import PieceMesh, join_pieces
-from stock.strokes import check_tools, strokes_of
+from stock.strokes import strokes_of
 from stock.sweeps import Sweeps
 from stock.tools import Tool
 
@@ -88,7 +88,7 @@ def cut_part(
         If the blank is no solid, a sweep has no tool, or the tolerance or the block is not
         positive.
     """
-    check_tools(sweeps, len(tools))
+    sweeps.check_tools(len(tools))
     if not 0 < tolerance_mm < np.inf:
         raise StockError(f"tolerance of {tolerance_mm!r} mm", accepted="a positive length")
     if block_strokes < 1:

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from stock.errors import StockError
 from stock.sweeps import Sweeps
 
-__all__ = ["Strokes", "check_tools", "strokes_of"]
+__all__ = ["Strokes", "strokes_of"]
 
 #: a joint closer than this joins two strokes
 JOINT_MM = 1e-9
@@ -55,16 +54,6 @@ class Strokes:
         """Whether stroke i begins and whether it ends a path, (2,) bool."""
         last = i + 1 == len(self) or not self.joined[i + 1]
         return np.array([not self.joined[i], last])
-
-
-def check_tools(sweeps: Sweeps, tool_count: int) -> None:
-    """Raise `StockError` where a sweep points to none of the tools."""
-    unknown = sweeps.tool[(sweeps.tool < 0) | (sweeps.tool >= tool_count)]
-    if len(unknown):
-        raise StockError(
-            f"a sweep uses tool {unknown[0]} of {tool_count}",
-            accepted=f"indices from 0 to {tool_count - 1}",
-        )
 
 
 def strokes_of(sweeps: Sweeps, tolerance_mm: float) -> Strokes:

@@ -6,6 +6,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from stock.errors import StockError
+
 __all__ = ["Sweeps"]
 
 _COLUMNS: dict[str, tuple[type, tuple[int, ...]]] = {
@@ -81,6 +83,15 @@ class Sweeps:
 
     def __len__(self) -> int:
         return len(self.start_mm)
+
+    def check_tools(self, tool_count: int) -> None:
+        """Raise `StockError` where a sweep points to none of so many tools."""
+        bad = np.flatnonzero((self.tool < 0) | (self.tool >= tool_count))
+        if len(bad):
+            raise StockError(
+                f"sweep {bad[0]} (move {self.move[bad[0]]}) has tool {self.tool[bad[0]]}",
+                accepted=f"0 to {tool_count - 1}" if tool_count else "no sweeps without tools",
+            )
 
     def nominal_tip_at(self, sweep: np.ndarray, parameter: np.ndarray) -> np.ndarray:
         """Tip without displacement, (P, 3) mm; arguments as in `displacement_at`."""

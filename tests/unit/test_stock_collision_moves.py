@@ -148,5 +148,5 @@ def test_wrong_input(options, words):
 
 
 def test_missing_tool():
-    with pytest.raises(StockError, match="tool 1 of 1"):
+    with pytest.raises(StockError, match="has tool 1; accepted: 0 to 0"):
         find_collisions(polyline([[0, 0, 0], [1, 0, 0]], tool=1), [FLAT], BOX)

@@ -195,5 +195,5 @@ def test_mesh_inside_out_and_missing_tool():
     inside_out = trimesh.Trimesh(box.vertices, box.faces[:, ::-1], process=False)
     with pytest.raises(StockError, match="outwards"):
         cut_part(polyline(ACROSS), [FLAT], inside_out)
-    with pytest.raises(StockError, match="tool 3 of 1"):
+    with pytest.raises(StockError, match="has tool 3; accepted: 0 to 0"):
         cut_part(polyline(ACROSS, tool=3), [FLAT], BOX)
