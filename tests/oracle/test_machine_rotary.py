@@ -38,7 +38,7 @@ def random_rotary(rng, size_mm=0.02, size_rad=20e-6):
 
     def axis(letter):
         return RotaryAxis(
-            rng.uniform(-300, 300, 3),
+            -math.pi, math.pi, rng.uniform(-300, 300, 3),
             {f"E{kind}{letter}": component(f"E{kind}{letter}") for kind in "XYZABC"},
             rng.uniform(-size_mm, size_mm, 3), rng.uniform(-size_rad, size_rad, 3),
         )  # fmt: skip
@@ -163,7 +163,7 @@ def rotation_about_z(angle):
 
 def turntable(**location):
     empty = make_machine("t X Y Z b w", {})
-    axis = RotaryAxis(np.array([-200.0, -150.0, -400.0]), **location)
+    axis = RotaryAxis(-7.0, 7.0, np.array([-200.0, -150.0, -400.0]), **location)
     return replace(empty, chain=Chain.parse("t (C1) Z Y b X' C' w"), rotary={"C": axis})
 
 
@@ -220,7 +220,7 @@ def test_head_carries_the_tool_vector():
     empty = make_machine("t X Y Z b w", {})
     pivot = np.array([0.0, 0.0, 200.0])
     errors = {"EBB": RotaryError("EBB", np.array([-7.0, 7.0]), np.full(2, 1e-5))}
-    axis = RotaryAxis(pivot, errors)
+    axis = RotaryAxis(-7.0, 7.0, pivot, errors)
     machine = replace(empty, chain=Chain.parse("t (C1) B Z Y X b w"), rotary={"B": axis})
     tool = np.array([0.0, 0.0, -150.0])
     moved = displacement(machine, np.zeros((1, 3)), tool, Variant.HTM,
@@ -242,8 +242,8 @@ rapid_mm_min = 20000
 X = {travel_mm = [-500, 0]}
 Y = {travel_mm = [-400, 0]}
 Z = {travel_mm = [-300, 0]}
-A = {centre_mm = [-250, -200, -450]}
-C = {centre_mm = [-250, -200, -450]}
+A = {travel_deg = [-120, 30], centre_mm = [-250, -200, -450]}
+C = {travel_deg = [-360, 360], centre_mm = [-250, -200, -450]}
 [location]
 EX0C = 12.0
 AOC = -15.0
@@ -264,7 +264,7 @@ def test_five_axis_machine_file(tmp_path):
     assert c.location_mm.tolist() == [0.012, 0, 0]
     assert c.location_rad == pytest.approx([-15e-6, 0, 0])
     assert c.components["EZC"].evaluate(np.array([0.0])) == pytest.approx([0.003])
-    assert machine.rotary["A"].centre_mm.tolist() == [-250, -200, -450]
+    assert math.degrees(machine.rotary["A"].travel_min_rad) == pytest.approx(-120)
     with pytest.raises(InputError, match=r"EZC is asked for at 401.* deg"):
         c.components["EZC"].evaluate(np.array([7.0]))
 
@@ -273,10 +273,11 @@ def test_five_axis_machine_file(tmp_path):
     ("old", "new", "part"),
     [
         (
-            "A = {centre_mm = [-250, -200, -450]}",
+            "A = {travel_deg = [-120, 30], centre_mm = [-250, -200, -450]}",
             "",
             "rotary axis A needs",
         ),
+        ("[-120, 30]", "[30, -120]", "travel 30.0 .. -120.0 deg"),
         ("EX0C", "EX0B", "location error 'EX0B'"),
         ("[errors.EZC]", "[errors.EZB]", "there is no axis B in the chain"),
         ('"EZC.csv"', '"EZC.csv"\nmeasured_at_mm = [0, 0, 0]', "belongs to a rotary axis"),

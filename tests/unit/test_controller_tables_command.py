@@ -132,7 +132,7 @@ def test_complaints_leave_nothing_behind(tmp_path, options, message):
 def test_rotary_axes_are_refused(tmp_path):
     write_job(tmp_path)
     text = (tmp_path / "machine.toml").read_text().replace("X' w", "X' C' w")
-    text += "[axes.C]\ncentre_mm = [0, 0, -200]\n"
+    text += "[axes.C]\ntravel_deg = [0, 360]\ncentre_mm = [0, 0, -200]\n"
     (tmp_path / "machine.toml").write_text(text)
     with pytest.raises(InputError, match="rotary axes C"):
         tables(None, out=tmp_path / "out", machine=tmp_path / "machine.toml")

@@ -57,6 +57,7 @@ class _Motion(FileSection):
 
 class _Axis(FileSection):
     travel_mm: tuple[Finite, Finite] | None = None
+    travel_deg: tuple[Finite, Finite] | None = None
     centre_mm: Point | None = None
 
 

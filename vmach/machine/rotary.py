@@ -1,4 +1,4 @@
-"""Rotary axes: where they turn, and their component and location errors (ISO 230-7)."""
+"""Rotary axes: where they turn, how far, and their component and location errors (ISO 230-7)."""
 
 from __future__ import annotations
 
@@ -71,6 +71,7 @@ class RotaryAxis:
 
     Attributes
     ----------
+    travel_min_rad, travel_max_rad : float
     centre_mm : (3,) float64
         A point of the axis of rotation, in machine coordinates with every axis at zero.
     components : mapping of ISO 230-1 symbol to RotaryError
@@ -81,6 +82,8 @@ class RotaryAxis:
         they do nothing.
     """
 
+    travel_min_rad: float
+    travel_max_rad: float
     centre_mm: np.ndarray
     components: Mapping[str, RotaryError] = field(default_factory=dict)
     location_mm: np.ndarray = field(default_factory=lambda: np.zeros(3))

@@ -1,4 +1,4 @@
-"""Reading the rotary axes of a machine file: centre, component and location errors."""
+"""Reading the rotary axes of a machine file: travel, centre, component and location errors."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def read_rotary_axes(
     Raises
     ------
     InputError
-        An axis of the chain without centre, an error of an axis that is not in the
+        An axis of the chain without travel or centre, an error of an axis that is not in the
         chain, a table that cannot be read.
     """
     for name in data.errors:
@@ -55,18 +55,24 @@ def read_rotary_axes(
     for axis in axes:
         entry = data.axes.get(axis)
         keys = ["axes", axis]
-        if entry is None or entry.centre_mm is None:
+        if entry is None or entry.travel_deg is None or entry.centre_mm is None:
             raise fail(
-                keys, f"rotary axis {axis} needs centre_mm",
-                "centre_mm = [x, y, z]: a point of its axis in machine coordinates with every axis "
-                "at zero",
+                keys, f"rotary axis {axis} needs travel_deg and centre_mm",
+                "travel_deg = [low, high], centre_mm = [x, y, z]: a point of its axis in machine "
+                "coordinates with every axis at zero",
             )  # fmt: skip
+        low, high = entry.travel_deg
+        if low >= high:
+            raise fail([*keys, "travel_deg"], f"travel {low} .. {high} deg", "[low, high]")
         components = {
             name: _component(name, table, data, folder=folder, fail=fail)
             for name, table in data.errors.items()
             if is_rotary_error(name) and name[2] == axis
         }
-        found[axis] = RotaryAxis(np.array(entry.centre_mm), components, *locations[axis])
+        found[axis] = RotaryAxis(
+            math.radians(low), math.radians(high), np.array(entry.centre_mm), components,
+            *locations[axis],
+        )  # fmt: skip
     return found
 
 
