@@ -16,8 +16,9 @@ __all__ = ["Grid", "GridPlaces"]
 
 #: steps along the path that an end of the user's goes at most
 _PROGRAMMED = np.arange(-1, 2)
-#: an inserted one, and on lines shares of the shorter piece beside it
-_INSERTED = np.arange(-20, 21)
+#: an inserted one, every step near by, and on lines shares of the shorter piece beside it
+_NEAR, _ON = np.arange(-40, 41), np.arange(45, 201, 5)
+_INSERTED = np.concatenate([-_ON[::-1], _NEAR, _ON])
 _FAR = np.concatenate([np.linspace(-0.4, -0.025, 16), np.linspace(0.025, 0.4, 16)])
 #: newton steps to the place where the path crosses the grid
 _CROSSING = 2
