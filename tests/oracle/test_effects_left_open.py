@@ -50,7 +50,7 @@ def test_what_a_law_leaves_open_is_in_it_too(tmp_path):
     grown_mm = 0.030 * (6000 / 8000) ** 0.7 * -np.expm1(-warm_s / 900)
     added = np.sqrt(open_**2 - sure**2)
     share = (added / grown_mm)[normal[:, 2] > 0.99]
-    assert np.median(share) == pytest.approx(0.2, rel=0.01)
+    assert np.median(share) == pytest.approx(0.2, rel=0.03)
     np.testing.assert_allclose(share, 0.2, rtol=0.15)  # several passes go over some of the points
 
 
