@@ -140,3 +140,12 @@ def write_nominal_stl(path: Path, *, shift_mm: tuple[float, float, float] = (0, 
     part = trimesh.boolean.difference([block, pocket], engine="manifold")
     part.apply_translation(shift_mm)
     part.export(path)
+
+
+def write_job_with_nominal(folder: Path, errors: dict | None = None) -> Path:
+    """A job as `write_job` writes it, with CAD."""
+    path = write_job(folder, errors)
+    write_nominal_stl(folder / "part.stl")
+    text = path.read_text()
+    path.write_text(text.replace("measured =", 'nominal = "part.stl"\nmeasured =', 1))
+    return path

@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 from tests.golden.test_bad_input import replace, run_vmach
-from tests.small_job import pocket_points, write_job, write_nominal_stl
+from tests.small_job import pocket_points, write_job_with_nominal
 
 ERRORS = {"EXX": (lambda x: 6.0 * x / 400.0, (0, 0, -100)), "ECX": (lambda x: 20.0, None)}
 
@@ -17,10 +17,7 @@ ERRORS = {"EXX": (lambda x: 6.0 * x / 400.0, (0, 0, -100)), "ECX": (lambda x: 20
 def job(tmp_path):
     folder = tmp_path / "job"
     folder.mkdir()
-    path = write_job(folder, ERRORS)
-    write_nominal_stl(folder / "part.stl")
-    replace(path, "measured =", 'nominal = "part.stl"\nmeasured =')
-    return path
+    return write_job_with_nominal(folder, ERRORS)
 
 
 def test_run_writes_all_files(job, tmp_path, monkeypatch, capsys):

@@ -11,9 +11,7 @@ from vmach.fit.whitening import Whitening
 __all__ = ["absorbing", "slack_of"]
 
 
-def absorbing(
-    survey: Survey, whiten: Whitening, fit: JointFit, *, without_slack_of: int | None = None
-) -> Whitening:
+def absorbing(survey: Survey, whiten: Whitening, fit: JointFit) -> Whitening:
     """Takes the effects of a fit out of whitened readings: amplitudes, inner parameters, slack.
 
     Parameters
@@ -22,11 +20,9 @@ def absorbing(
     whiten : Whitening
         Of the survey.
     fit : JointFit
-    without_slack_of : int, optional
-        The term whose law counts as exact.
     """
     none = np.zeros((len(survey), 0))
-    free, random = [none], [slack_of(survey, fit, but=without_slack_of)]
+    free, random = [none], [slack_of(survey, fit)]
     for k, term in enumerate(fit.terms):
         if term.width is None:
             free.append(fit.signatures_mm[k])
@@ -36,16 +32,16 @@ def absorbing(
     return Whitening(np.ones(len(survey)), whiten(np.hstack(random)), whiten(np.hstack(free)))
 
 
-def slack_of(survey: Survey, fit: JointFit, *, but: int | None = None) -> np.ndarray:
+def slack_of(survey: Survey, fit: JointFit) -> np.ndarray:
     """Unit-variance signatures of what the laws of a fit's effects leave open, (n, K) mm.
 
-    Those that a careful fit counted; else of all its terms, without number `but`.
+    Those that a careful fit counted; else of all its terms.
     """
-    if fit.slack_mm is not None and but is None:
+    if fit.slack_mm is not None:
         return fit.slack_mm
     parts = [
         survey.slack(term.effect, term.target, fit.parameters(k))
         for k, term in enumerate(fit.terms)
-        if term.effect.slack_share > 0.0 and k != but
+        if term.effect.slack_share > 0.0
     ]
     return np.hstack([np.zeros((len(survey), 0)), *parts])

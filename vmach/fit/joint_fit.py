@@ -158,8 +158,6 @@ class _Problem:
     def solve(self) -> JointFit:
         rows, target = self._system()
         solution = np.linalg.lstsq(rows, target, rcond=None)[0]
-        count = len(self.target)
-        leftover = self.target - rows[:count] @ solution
         raw = [self.columns(term)[0] for term in self.terms]
         ends = np.cumsum([r.shape[1] for r in raw])
         coefficients = np.split(solution, ends[:-1])
@@ -170,7 +168,6 @@ class _Problem:
             terms=self.terms,
             coefficients=tuple(coefficients),
             covariance=self._covariance(rows, raw, tangents),
-            chi_squared=float(leftover @ leftover),
             signatures_mm=tuple(raw),
             tangents_mm=tuple(tangents),
             whiten=self.whiten,

@@ -62,8 +62,6 @@ class JointFit:
         Of each term, in usual sizes.
     covariance : tuple of (K + I, K + I) float64
         Of each term's coefficients and the logarithms of its free inner parameters.
-    chi_squared : float
-        Sum of squares of the whitened residual.
     signatures_mm : tuple of (n, K) float64
     tangents_mm : tuple of (n, I) float64
         Change of the fitted effect with the logarithm of each free inner parameter.
@@ -76,7 +74,6 @@ class JointFit:
     terms: tuple[Term, ...]
     coefficients: tuple[np.ndarray, ...]
     covariance: tuple[np.ndarray, ...]
-    chi_squared: float
     signatures_mm: tuple[np.ndarray, ...]
     tangents_mm: tuple[np.ndarray, ...]
     whiten: Whitening
