@@ -230,6 +230,73 @@ def test_radial_depth_is_the_allowance_of_the_roughing_pass(tmp_path):
     np.testing.assert_allclose(left, 4e-3 * force * (20 / 10) ** 4, rtol=5e-3)
 
 
+PAST_A_WALL = """\
+G21 G90 G94 G17
+T1 M6
+S6000 M3
+G54 G43 H1
+{before}G0 X0 Y0 Z5
+G1 Z-6 F300
+G1 X40 F600
+G1 Y7
+G1 X0
+G0 Z5
+M30
+"""
+
+
+@pytest.mark.parametrize(
+    ("before", "depth"),
+    [("", 10.0), ("G0 X0 Y7.5 Z5\nG1 Z-6 F300\nG1 X40 F600\nG0 Z5\n", 0.5)],
+    ids=["slotted", "roughed"],
+)
+def test_a_cut_that_would_have_taken_the_wall_away_is_not_counted(tmp_path, before, depth):
+    """The way there crosses the wall at Y 2, 3 mm deep, yet the wall was measured."""
+    job_path = write_job(tmp_path)
+    (tmp_path / "part.nc").write_text(PAST_A_WALL.format(before=before))
+    job = read_job(job_path)
+    moves = prepare(job).program.moves
+    along_wall = int(np.flatnonzero(moves.at_feed)[-1])
+    parameter = np.linspace(0.2, 0.8, 5)
+    states = PathStates(
+        moves,
+        np.array([np.nan, 100.0]),
+        np.full(5, along_wall),
+        parameter,
+        np.tile([0.0, -5.0, 3.0], (5, 1)),
+        np.tile([0.0, 1.0, 0.0], (5, 1)),
+    )
+    assert Circumstances(states, job).radial_depth_mm == pytest.approx(np.full(5, depth))
+
+
+def test_every_slot_may_have_been_roughed_otherwise(tmp_path):
+    """The law is open by 70 % of the push in each slot by itself, and by 15 % everywhere."""
+    slots = "".join(f"G0 X0 Y{y} Z5\nG1 Z-6 F300\nG1 X40 F600\nG0 Z5\n" for y in (-12, 12))
+    job_path = write_job(tmp_path)
+    start = "G21 G90 G94 G17\nT1 M6\nS6000 M3\nG54 G43 H1\n"
+    (tmp_path / "part.nc").write_text(f"{start}{slots}M30\n")
+    job = read_job(job_path)
+    moves = prepare(job).program.moves
+    along = np.flatnonzero(moves.at_feed & (moves.end_mm[:, 0] > moves.start_mm[:, 0] + 1))
+    states = PathStates(
+        moves,
+        np.array([np.nan, 100.0]),
+        np.repeat(along, 2),
+        np.array([0.4, 0.6, 0.4, 0.6]),
+        np.tile([0.0, 5.0, 3.0], (4, 1)),
+        np.tile([0.0, -1.0, 0.0], (4, 1)),
+    )
+    path = Circumstances(states, job)
+    law = catalogue()["tool_deflection"]
+    numbers = {p.name: p.usual for p in law.parameters}
+    push = law.displacement(path, "", **numbers)[:, 1]
+    slack = law.slack(path, "", numbers)[:, 1]
+    share = (slack @ slack.T) / np.outer(push, push)
+    assert np.diag(share) == pytest.approx(np.full(4, 0.7**2 + 0.15**2), rel=1e-3)  # between knots
+    assert share[0, 1] > 0.7**2
+    assert abs(share[0, 2]) < 0.15**2
+
+
 def test_marks_of_a_single_flute_are_the_mean_of_its_arcs():
     """A wall milled by one flute: the mean height of circular arcs one turn's feed apart."""
     radius, turn = 5.0, 2.0

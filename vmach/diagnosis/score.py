@@ -62,5 +62,5 @@ def price_of_looking(survey: Survey, term: Term) -> float:
 
 def numbers_determined(columns: np.ndarray) -> float:
     """How many causes of unit variance with whitened signatures (n, P) the readings determine."""
-    squared = np.linalg.svd(columns, compute_uv=False) ** 2
+    squared = np.maximum(np.linalg.eigvalsh(columns.T @ columns), 0.0)
     return float(np.sum(squared / (1.0 + squared)))

@@ -37,8 +37,8 @@ def laws_not_shown(search: Search, explanation: Explanation) -> tuple[dict[str, 
                 f"{' and '.join(t.label for t in terms)} would fit together, but so would "
                 "offsets of the places where they show"
             )
-    share = share_left_to_slack(search, explanation)
-    if share > max((term.effect.slack_share for term in terms), default=0.0):
+    share, granted = share_left_to_slack(search, explanation)
+    if share > granted:
         left["inexactness of the laws"] = share
     return left, notes
 
@@ -49,16 +49,28 @@ def _why(found: AgainstOffsets) -> dict[str, float]:
     return {"as many numbers as places": found.numbers}
 
 
-def share_left_to_slack(search: Search, explanation: Explanation) -> float:
-    """What inexactness of the laws explains, as a share of what it and these laws do."""
+def share_left_to_slack(search: Search, explanation: Explanation) -> tuple[float, float]:
+    """What inexactness of the laws explains, as a share of what it and these laws do.
+
+    Returns
+    -------
+    share : float
+        Of the sums of squares.
+    granted : float
+        The share of it that is expected, or the largest `slack_share` of the laws where that is
+        more: being a share of the amplitude it is generous.
+    """
     fit = explanation.fit
     if fit is None or fit.slack_mm is None:
-        return 0.0
+        return 0.0, 0.0
     inexact = [k for k, term in enumerate(fit.terms) if term.effect.slack_share > 0.0]
     left = search.without(explanation, inexact).residual
     without = float(left @ left)
     stated_mm = sum(fit.explained_mm(k) for k in range(len(fit.terms)))
     by_law = float(np.sum(search.whiten(search.survey.residual_mm - stated_mm) ** 2))
     end = float(explanation.residual @ explanation.residual)
-    noise = numbers_determined(search.whiten(fit.slack_mm))
-    return max(by_law - end - noise, 0.0) / max(without - end - noise, 1.0)
+    open_causes = search.whiten(fit.slack_mm)
+    explained = max(without - end - numbers_determined(open_causes), 1.0)
+    share = max(by_law - end - numbers_determined(open_causes), 0.0) / explained
+    stated = max(term.effect.slack_share for term in fit.terms)
+    return share, max(stated, float(np.sum(open_causes**2)) / explained)

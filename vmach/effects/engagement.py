@@ -7,16 +7,20 @@ import math
 import numpy as np
 from numba import njit
 
-from gcode import Moves
+from gcode import MoveKind, Moves
 from vmach.path_geometry import move_length_mm, position_at
 
 __all__ = ["radial_depth_mm"]
 
 _ARC_STEP_RAD = np.radians(1.5)
+#: how far chords of an arc may lie from it
+_ARC_SAG_MM = 0.01
 #: way just before the contact, in tool radii, that belongs to the same cut
 _SAME_CUT_RADII = 3.0
 #: an earlier pass this near to the final surface leaves nothing to cut
 _NOTHING_MM = 1e-4
+#: a pass that comes this much closer to the surface would have cut the surface itself away
+_GOUGE_MM = 0.05
 #: a normal with less than this across the tool axis counts as vertical
 _VERTICAL = 1e-6
 
@@ -36,7 +40,9 @@ def radial_depth_mm(
 
     For every contact, the line along the horizontal part of the normal is met with the stadiums
     that the tool's earlier passes swept at that depth; material begins where the first of them
-    is entered. Bounded by the tool's diameter; zero where the normal is vertical.
+    is entered. Bounded by the tool's diameter; zero where the normal is vertical. A cut, from one
+    rapid to the next, that would have taken the surface itself away is not counted: the surface
+    was measured, so that cut is not as it is written, or the point is of another feature.
 
     Parameters
     ----------
@@ -60,6 +66,7 @@ def radial_depth_mm(
         before[move] + parameter * length[move],
         radii_mm[moves.tool[move]],
         np.column_stack([before[owner] + share * length[owner], radii_mm[moves.tool[owner]]]),
+        np.cumsum(moves.kind == MoveKind.RAPID)[owner],
         start,
         end,
     )
@@ -72,7 +79,9 @@ def _chords(
     length = tool_lengths_mm[np.minimum(moves.tool, len(tool_lengths_mm) - 1)]
     feeding = moves.at_feed
     index = np.flatnonzero(np.isfinite(length) & feeding)
-    pieces = np.maximum(np.ceil(np.abs(moves.sweep_rad[index]) / _ARC_STEP_RAD), 1).astype(int)
+    radius = np.linalg.norm(moves.start_mm[index] - moves.centre_mm[index], axis=1)
+    arc_step = np.minimum(_ARC_STEP_RAD, np.sqrt(8.0 * _ARC_SAG_MM / np.maximum(radius, 1e-9)))
+    pieces = np.maximum(np.ceil(np.abs(moves.sweep_rad[index]) / arc_step), 1).astype(int)
     owner = np.repeat(index, pieces)
     step = np.arange(len(owner)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
     count = np.repeat(pieces, pieces)
@@ -83,14 +92,18 @@ def _chords(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _depths(point, direction, way, radius, chord_way_and_radius, start, end):
+def _depths(point, direction, way, radius, chord_way_and_radius, cut, start, end):
     depth = np.zeros(len(point))
     for k in range(len(point)):
         normal = (direction[k, 0], direction[k, 1])
         if normal[0] == 0.0 and normal[1] == 0.0:
             continue
         nearest = 2.0 * radius[k]
+        in_cut, gouges = nearest, False
         for c in range(len(start)):
+            if c > 0 and cut[c] != cut[c - 1]:
+                nearest = nearest if gouges else min(nearest, in_cut)
+                in_cut, gouges = nearest, False
             left = way[k] - _SAME_CUT_RADII * radius[k] - chord_way_and_radius[c, 0]
             if left <= 0.0:
                 break
@@ -101,9 +114,19 @@ def _depths(point, direction, way, radius, chord_way_and_radius, start, end):
             share = min(1.0, left / max(math.sqrt(x * x + y * y + z * z), left))
             offset = (point[k, 0] - start[c, 0], point[k, 1] - start[c, 1])
             chord = (share * x, share * y)
-            nearest = min(nearest, _entry(offset, normal, chord, chord_way_and_radius[c, 1]))
-        depth[k] = max(nearest, 0.0)
+            in_cut = min(in_cut, _entry(offset, normal, chord, chord_way_and_radius[c, 1]))
+            gouges = gouges or _apart(offset, chord) < chord_way_and_radius[c, 1] - _GOUGE_MM
+        depth[k] = max(nearest if gouges else min(nearest, in_cut), 0.0)
     return depth
+
+
+@njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+def _apart(offset, chord):
+    """Distance of a point from a chord that begins at the origin."""
+    squared = chord[0] * chord[0] + chord[1] * chord[1]
+    along = offset[0] * chord[0] + offset[1] * chord[1]
+    share = min(max(along / squared, 0.0), 1.0) if squared > 0.0 else 0.0
+    return math.hypot(offset[0] - share * chord[0], offset[1] - share * chord[1])
 
 
 @njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)

@@ -5,8 +5,9 @@ from vmach.machine.squareness import lean_direction
 
 __all__ = ["Squareness"]
 
-#: target -> (axis that moves, rotation of its reference line)
-_PAIRS = {"C0Y": (1, 2), "B0X": (0, 1), "A0Y": (1, 0)}
+#: target -> (axis that moves, rotation of its reference line); Z is the usual reference, and where
+#: it leans itself a part shows that by tools of different length
+_PAIRS = {"C0Y": (1, 2), "B0X": (0, 1), "A0Y": (1, 0), "B0Z": (2, 1), "A0Z": (2, 0)}
 
 
 class Squareness(Effect):
@@ -21,7 +22,10 @@ class Squareness(Effect):
     usual_size = "10 to 50 urad (um per metre); more after a collision"
     confirm = "cut or measure a square, turn it by 90 degrees, measure again; or a ballbar"
     cure = "align the guides, or set the control's squareness compensation"
-    source = "ISO 230-1, E(C)0Y and the like; dx = -C0Y y, dz = -B0X x, dz = +A0Y y"
+    source = (
+        "ISO 230-1, E(C)0Y and the like; "
+        "dx = -C0Y y, dz = -B0X x, dz = +A0Y y, dx = +B0Z z, dy = -A0Z z"
+    )
 
     def displacement(self, path, target, squareness_urad):
         axis, rotation = _PAIRS[target]

@@ -2,12 +2,15 @@
 
 import numpy as np
 
+from gcode import MoveKind
 from vmach.effects.effect import Effect, inner, linear
 
 __all__ = ["ToolDeflection"]
 
 #: share of the diameter beyond which a radial depth is no finishing cut
 _SLOTTING = 0.15
+#: another program may have left half or twice as much in a slot: standard deviation of the share
+_ALLOWANCE_SHARE = 0.7
 
 
 class ToolDeflection(Effect):
@@ -18,7 +21,7 @@ class ToolDeflection(Effect):
     for a cut 10 mm deep and 1 mm wide at 0.1 mm per tooth, with a tool of 20 mm diameter, 100 mm
     long. The radial depth comes from the earlier passes of the program. Where there are none,
     walls would be made by slotting; they are taken as roughed by another program, which left
-    `allowance_mm`.
+    `allowance_mm` on average. Each cut, from one rapid to the next, may have found another.
     """
 
     name = "tool_deflection"
@@ -80,9 +83,8 @@ class ToolDeflection(Effect):
         allowance_mm,
     ):
         diameter, depth = path.of_tool("diameter_mm"), path.axial_depth_mm
-        width = path.radial_depth_mm
-        slotting = width > _SLOTTING * diameter
-        width = np.where(slotting, allowance_mm, width)
+        slotting = _is_slotted(path)
+        width = np.where(slotting, allowance_mm, path.radial_depth_mm)
         force = depth / 10.0 * (path.feed_per_tooth_mm / 0.1) ** feed_exponent
         slender = (path.of_tool("length_mm") / 100.0) ** 3 * (20.0 / diameter) ** 4
         height = path.contact_mm[:, 2] / np.where(depth > 0, depth, 1.0)
@@ -93,3 +95,16 @@ class ToolDeflection(Effect):
         left_um = (machine_um + share * slender) * width**width_exponent * force
         left_um += slot_um * slotting * climbing * slender * force
         return 1e-3 * left_um[:, None] * path.side_normal
+
+    def slack(self, path, target, parameters):
+        in_law = super().slack(path, target, parameters)
+        cut = np.cumsum(path.moves.kind == MoveKind.RAPID)[path.states.move]
+        slots = np.unique(cut[_is_slotted(path)])
+        pattern = _ALLOWANCE_SHARE * self.slack_pattern(path, target, parameters)
+        of_slot = pattern[:, :, None] * (cut[:, None] == slots)[:, None, :]
+        return np.concatenate([in_law, of_slot], axis=2)
+
+
+def _is_slotted(path) -> np.ndarray:
+    """Whether the program would have cut here from the full, (P,) bool."""
+    return path.radial_depth_mm > _SLOTTING * path.of_tool("diameter_mm")

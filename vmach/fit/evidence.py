@@ -20,6 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import solve_triangular
 from scipy.special import logsumexp
 
 from vmach.fit.whitening import Whitening
@@ -168,7 +169,6 @@ def evidence_of_unit(columns: np.ndarray, reading: np.ndarray) -> float:
     """Log evidence for causes of unit variance with whitened signatures (n, K)."""
     if columns.shape[1] == 0:
         return 0.0
-    left, size, _ = np.linalg.svd(columns, full_matrices=False)
-    ratio = size**2
-    gain = (left.T @ reading) ** 2 * ratio / (1.0 + ratio)
-    return float(0.5 * (gain.sum() - np.log1p(ratio).sum()))
+    lower = np.linalg.cholesky(np.eye(columns.shape[1]) + columns.T @ columns)
+    found = solve_triangular(lower, columns.T @ reading, lower=True)
+    return float(0.5 * found @ found - np.log(np.diag(lower)).sum())
