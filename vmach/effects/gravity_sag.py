@@ -33,7 +33,7 @@ class TableLoadSag(Effect):
     title = "sag of the table under the workpiece"
     parameters = (linear("sag_um", "drop at the ends of the travel", usual=10.0),)
     targets = ("X", "Y")
-    rarity = 1.5
+    rarity = 2.5
     usual_size = "5 to 20 um for half the permitted load"
     confirm = "measure flatness of the axis' motion with the table empty and loaded"
     cure = "clamp heavy parts over the guides, or compensate by load"
