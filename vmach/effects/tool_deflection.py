@@ -9,8 +9,8 @@ __all__ = ["ToolDeflection"]
 
 #: share of the diameter beyond which a radial depth is no finishing cut
 _SLOTTING = 0.15
-#: another program may have left half or twice as much in a slot: standard deviation of the share
-_ALLOWANCE_SHARE = 0.7
+#: what another program left in a slot, in one slot against the next: standard deviation
+_ALLOWANCE_SPREAD_MM = 0.3
 
 
 class ToolDeflection(Effect):
@@ -100,7 +100,8 @@ class ToolDeflection(Effect):
         in_law = super().slack(path, target, parameters)
         cut = np.cumsum(path.moves.kind == MoveKind.RAPID)[path.states.move]
         slots = np.unique(cut[_is_slotted(path)])
-        pattern = _ALLOWANCE_SHARE * self.slack_pattern(path, target, parameters)
+        spread = {**parameters, "allowance_mm": _ALLOWANCE_SPREAD_MM, "slot_um": 0.0}
+        pattern = self.slack_pattern(path, target, spread)
         of_slot = pattern[:, :, None] * (cut[:, None] == slots)[:, None, :]
         return np.concatenate([in_law, of_slot], axis=2)
 
