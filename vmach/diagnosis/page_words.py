@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 
 from vmach.diagnosis.findings import Diagnosis
-from vmach.diagnosis.words import what_is_left
+from vmach.diagnosis.words import beyond_noise, what_is_left
 from vmach.effects import Effect
 from vmach.effects.component import Component
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["chance_words", "headline", "quantity", "state_words"]
 
-#: an RMS this many times the expected one is not left without a word
-_CLOSE = 1.1
 #: units that stand at the end of a parameter's name, as a page shows them
 _UNITS = {
     "um": "µm",
@@ -56,8 +54,7 @@ def headline(found: Diagnosis) -> tuple[str, str]:
         f"Measured minus predicted falls from {rms['before']:.2f} to {rms['after']:.2f} um RMS"
         f", where noise and the tables' uncertainty make {rms['expected_noise']:.2f} um"
     )
-    if rms["after"] > _CLOSE * rms["expected_noise"]:
-        fell += "; the rest is within what the effects' laws leave open"
+    fell += beyond_noise(rms)
     if found.verdict == "nothing":
         return (
             "The measurements agree with the model",

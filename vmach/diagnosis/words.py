@@ -11,6 +11,7 @@ from vmach.fit.terms import JointFit, Term
 from vmach.machine.component_errors import component_of
 
 __all__ = [
+    "beyond_noise",
     "component_directions",
     "component_parameters",
     "describe",
@@ -31,6 +32,8 @@ _LEFT = {
     "inexactness of the laws": "what would fit is inexact by more than its law is known to be",
     "as many numbers as places": "what would fit has as many free numbers as there are places",
 }
+#: a root mean square up to this many times that of the noise counts as noise
+_CLOSE = 1.1
 #: a correction counts as there where it exceeds this many standard uncertainties
 _CLEAR = 3.0
 #: changes of a curve with less than this share of the largest variance are not worth a line
@@ -58,6 +61,13 @@ def what_is_left(left: dict[str, float]) -> str:
     if not left:
         return "more effects at once than is likely would be needed"
     return "; ".join(_LEFT[kind] for kind in left)
+
+
+def beyond_noise(rms_um: dict[str, float]) -> str:
+    """What an accepted explanation leaves beyond noise, as the end of a sentence; often nothing."""
+    if rms_um["after"] > _CLOSE * rms_um["expected_noise"]:
+        return "; the rest is within what the effects' laws leave open"
+    return ""
 
 
 def component_parameters(
