@@ -59,3 +59,28 @@ def test_another_part_has_to_be_measured(fixed):
     found = run(job, "--check-job", bare)
     assert found.exit_code != 0
     assert "no part was measured" in str(found.exception)
+
+
+@pytest.mark.parametrize(
+    ("effects", "seed"),
+    [(["ambient_drift"], 31), (["tool_deflection"], 31), (["axis_expansion"], 32)],
+    ids=lambda value: value[0] if isinstance(value, list) else None,
+)
+def test_another_part_lacks_nothing_once_the_effect_is_in_the_model(tmp_path, effects, seed):
+    """What the model's own effects leave open is no missing effect: weather has another phase."""
+    make_experiment(tmp_path, effects=effects, seed=seed)
+    added = program_runs.add(tmp_path, program_runs.diagnose(tmp_path)[0])
+    other = added.read_text().replace("part.nc", "check.nc")
+    (tmp_path / "job.toml").write_text(other.replace("part_measured", "check_measured"))
+    report, _ = program_runs.diagnose(tmp_path)
+    assert report["verdict"] == "nothing"
+
+
+def test_what_else_is_missing_shows_beside_what_is_open(tmp_path):
+    make_experiment(tmp_path, effects=["spindle_growth", "backlash"], seed=31)
+    report, _ = program_runs.diagnose(tmp_path)
+    warm = [e for e in report["effects"] if e["effect"] == "spindle_growth"]
+    added = program_runs.add(tmp_path, {"effects": warm})
+    (tmp_path / "job.toml").write_text(added.read_text())
+    report, _ = program_runs.diagnose(tmp_path)
+    assert [e["effect"] for e in report["effects"]] == ["backlash"]

@@ -35,7 +35,7 @@ def survey_job(job_path: str | Path) -> Survey:
             file=job.path,
             accepted="measured = a CSV of CMM points, or [[measurements]]",
         )
-    return Survey(job, tuple(found))
+    return Survey(job, tuple(found), effects)
 
 
 def survey_part(other: Job, model: Job) -> Survey:
@@ -52,4 +52,5 @@ def survey_part(other: Job, model: Job) -> Survey:
         )
     job = replace(other, machine=model.machine, effects=model.effects, fitted=model.fitted)
     effects = read_effects(model.effects, file=model.path, job=job)
-    return Survey(job, (measure_part(prepare(job), other.measured, effects=effects)[0],))
+    part, _ = measure_part(prepare(job), other.measured, effects=effects)
+    return Survey(job, (part,), effects)

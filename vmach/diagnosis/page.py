@@ -15,6 +15,7 @@ from vmach.diagnosis.findings import Diagnosis, Finding
 from vmach.diagnosis.instrument_pictures import instrument_pictures
 from vmach.diagnosis.page_words import chance_words, headline, quantity, state_words
 from vmach.diagnosis.residual_map import ResidualMap, residual_map
+from vmach.diagnosis.words import expected
 from vmach.job import Job
 from vmach.nominal import Mesh
 from vmach.report import RunRecord
@@ -149,7 +150,7 @@ def _curve(finding: Finding) -> Markup:
 
 def _bars(found: Diagnosis) -> list[tuple[str, str, float, float]]:
     """Label, style, RMS in um and length in percent of each bar."""
-    words = state_words(found) | {"expected_noise": "noise and the tables' uncertainty"}
+    words = state_words(found) | {"expected_noise": expected(found.residuals)}
     largest = max(found.rms_um.values())
     rms = {name: found.rms_um[name] for name in words}
     return [(words[name], name, value, 100 * value / largest) for name, value in rms.items()]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from vmach.diagnosis.findings import Diagnosis
-from vmach.diagnosis.words import beyond_noise, what_is_left
+from vmach.diagnosis.words import beyond_noise, expected, what_is_left
 from vmach.effects import Effect
 from vmach.effects.component import Component
 from vmach.machine import LINEAR_AXES
@@ -52,21 +52,21 @@ def headline(found: Diagnosis) -> tuple[str, str]:
     rms = found.rms_um
     fell = (
         f"Measured minus predicted falls from {rms['before']:.2f} to {rms['after']:.2f} um RMS"
-        f", where noise and the tables' uncertainty make {rms['expected_noise']:.2f} um"
+        f", where {expected(found.residuals)} make {rms['expected_noise']:.2f} um"
     )
     fell += beyond_noise(rms)
     if found.verdict == "nothing":
         return (
             "The measurements agree with the model",
             f"Nothing is missing that they could show: measured minus predicted is "
-            f"{rms['before']:.2f} um RMS, noise and the tables' uncertainty make "
+            f"{rms['before']:.2f} um RMS, {expected(found.residuals)} make "
             f"{rms['expected_noise']:.2f} um.",
         )
     if found.verdict == "unknown":
         return (
             "Something real is left that no known effect explains",
-            f"Measured minus predicted is {rms['before']:.2f} um RMS, noise and the tables' "
-            f"uncertainty make {rms['expected_noise']:.2f} um. "
+            f"Measured minus predicted is {rms['before']:.2f} um RMS, {expected(found.residuals)} "
+            f"make {rms['expected_noise']:.2f} um. "
             f"{_nearest(found)}No name is given: {what_is_left(found.left)}.",
         )
     names = "; ".join(_named(f.effect, f.target) for f in found.findings if f.effect)

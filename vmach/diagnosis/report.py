@@ -9,7 +9,7 @@ from typing import Any
 from vmach.atomic import atomic_file
 from vmach.diagnosis.findings import Diagnosis, Finding
 from vmach.diagnosis.where_it_fails import Failure
-from vmach.diagnosis.words import beyond_noise, describe, what_is_left
+from vmach.diagnosis.words import beyond_noise, describe, expected, what_is_left
 
 __all__ = ["as_json", "as_text", "write_figures"]
 
@@ -77,7 +77,7 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
         lines.append(f"  why: {what_is_left(found.left)}")
     lines.append(
         f"RMS of measured minus predicted: {rms['before']:.2f} um before, {rms['after']:.2f} um "
-        f"after; noise and the tables' uncertainty make {rms['expected_noise']:.2f} um"
+        f"after; {expected(found.residuals)} make {rms['expected_noise']:.2f} um"
         f"{'' if found.verdict == 'unknown' else beyond_noise(rms)}"
     )
     if found.failures:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from vmach.diagnosis.residuals import Residuals
 from vmach.effects import Effect
 from vmach.effects.circumstances import Circumstances
 from vmach.effects.component import Component
@@ -15,6 +16,7 @@ __all__ = [
     "component_directions",
     "component_parameters",
     "describe",
+    "expected",
     "what_is_left",
     "where_component",
     "with_unit",
@@ -61,6 +63,13 @@ def what_is_left(left: dict[str, float]) -> str:
     if not left:
         return "more effects at once than is likely would be needed"
     return "; ".join(_LEFT[kind] for kind in left)
+
+
+def expected(residuals: Residuals) -> str:
+    """What is counted as noise."""
+    if residuals.survey.effects:
+        return "noise, the tables' uncertainty and what the job's effects leave open"
+    return "noise and the tables' uncertainty"
 
 
 def beyond_noise(rms_um: dict[str, float]) -> str:

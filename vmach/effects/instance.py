@@ -60,15 +60,29 @@ class EffectInstance:
     def left_open(self, states: PathStates) -> np.ndarray:
         """Displacements at the contact, of unit variance, by which the truth may differ.
 
-        What the law leaves open and what is not known of the parameters, (P, 3, K) mm.
+        What another run may do otherwise and what is not known of the parameters, (P, 3, K) mm.
         """
         path = Circumstances(states, self.job)
-        if self.effect.needs_surface and states.normal is None:
-            return np.zeros((len(states), 3, 0))
-        here = self._at(path, self.parameters)
-        moved = [(self._at(path, self._towards(d)) - here) / _SHARE for d in self.one_sigma]
-        law = self.effect.unforeseen(path, self.target, self.parameters)
-        return np.concatenate([law, *(m[:, :, None] for m in moved)], axis=2)
+        return np.concatenate([self.unforeseen(path), self.of_parameters(path)], axis=2)
+
+    def unforeseen(self, path: Circumstances) -> np.ndarray:
+        """The part of what is left open that is new in every run, (P, 3, K) mm."""
+        if self._is_out_of_sight(path):
+            return np.zeros((len(path), 3, 0))
+        return self.effect.unforeseen(path, self.target, self.parameters)
+
+    def of_parameters(self, path: Circumstances) -> np.ndarray:
+        """The part that stays the same in all runs, one column a change, (P, 3, K) mm."""
+        moved = np.zeros((len(path), 3, len(self.one_sigma)))
+        if self.one_sigma and not self._is_out_of_sight(path):
+            here = self._at(path, self.parameters)
+            for k, change in enumerate(self.one_sigma):
+                moved[:, :, k] = (self._at(path, self._towards(change)) - here) / _SHARE
+        return moved
+
+    def _is_out_of_sight(self, path: Circumstances) -> bool:
+        """Whether it acts on surfaces, and there is none."""
+        return self.effect.needs_surface and path.states.normal is None
 
     def _towards(self, change: Mapping[str, Any]) -> dict[str, Any]:
         """The parameters, moved by a small share of a change."""

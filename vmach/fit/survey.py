@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.linalg import block_diag
 
-from vmach.effects import Circumstances, Effect
+from vmach.effects import Circumstances, Effect, EffectInstance
 from vmach.fit.table_uncertainty import TableUncertainty
 from vmach.fit.whitening import orthonormal
 from vmach.job import Job
@@ -26,10 +26,13 @@ class Survey:
     ----------
     job : Job
     measurements : tuple of Measurement
+    effects : tuple of EffectInstance
+        Those of the job, which the measurements' predictions hold.
     """
 
     job: Job
     measurements: tuple[Measurement, ...]
+    effects: tuple[EffectInstance, ...] = ()
 
     def __len__(self) -> int:
         return sum(len(m) for m in self.measurements)
@@ -77,13 +80,18 @@ class Survey:
         return np.vstack([m.sensing for m in self.measurements])
 
     def factors(self, *, bend_share: float) -> np.ndarray:
-        """Signatures of the tables' uncertainty, the same causes in all measurements, (n, q)."""
+        """Signatures of what is not known of the model, of unit variance, (n, q) mm.
+
+        The tables' uncertainty and that of the parameters of the job's effects are the same
+        causes in all measurements; what the effects' laws leave open is new in each.
+        """
+        pairs = list(zip(self.paths, self.measurements, strict=True))
         tables = TableUncertainty.of(self.job.machine)
-        parts = [
-            tables.factors(path, m.sensing, bend_share=bend_share)
-            for path, m in zip(self.paths, self.measurements, strict=True)
-        ]
-        everything = np.vstack(parts)
+        parts = [np.vstack([tables.factors(p, m.sensing, bend_share=bend_share) for p, m in pairs])]
+        for effect in self.effects:
+            parts.append(np.vstack([m.sensed(effect.of_parameters(p)) for p, m in pairs]))
+            parts.append(block_diag(*(m.sensed(effect.unforeseen(p)) for p, m in pairs)))
+        everything = np.hstack(parts)
         return everything[:, np.abs(everything).max(axis=0) > 1e-9]
 
     def signature(
@@ -105,14 +113,14 @@ class Survey:
                 parts.append(np.zeros((len(m), 0)))
             else:
                 moved = effect.slack(path, target, parameters)
-                parts.append(np.einsum("pi,pik->pk", m.sensing, moved))
+                parts.append(m.sensed(moved))
         return block_diag(*parts)
 
     def _stack(self, effect: Effect, columns: Callable[[Circumstances], np.ndarray]) -> np.ndarray:
         parts = [
             None
             if effect.needs_surface and not m.on_part
-            else np.einsum("pi,pik->pk", m.sensing, columns(path))
+            else m.sensed(columns(path))
             for path, m in zip(self.paths, self.measurements, strict=True)
         ]
         terms = next((p.shape[1] for p in parts if p is not None), 0)
@@ -160,4 +168,4 @@ class Survey:
             first += len(m)
             if own.any():
                 kept.append(m if own.all() else m.keep(own, ""))
-        return Survey(self.job, tuple(kept))
+        return replace(self, measurements=tuple(kept))

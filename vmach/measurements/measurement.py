@@ -66,6 +66,10 @@ class Measurement:
         """Whether a machined surface was measured."""
         return self.states.normal is not None
 
+    def sensed(self, moved_mm: np.ndarray) -> np.ndarray:
+        """What displacements of the tool (P, 3, K) do to the readings, (P, K)."""
+        return np.einsum("pi,pik->pk", self.sensing, moved_mm)
+
     def keep(self, rows: np.ndarray, note: str) -> Measurement:
         """The measurement with some of its rows (bool or index), and a note why."""
         states = self.states
