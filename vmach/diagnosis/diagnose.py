@@ -10,6 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from vmach.diagnosis.absorbing import slack_of
 from vmach.diagnosis.blind_spots import blind_spots
+from vmach.diagnosis.contrived import is_contrived
 from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.findings import CandidateScore, Diagnosis, Finding
 from vmach.diagnosis.held_out import holds_out
@@ -37,8 +38,6 @@ __all__ = ["BEND_SHARE", "diagnose", "explanation_with_slack", "prepare_search"]
 BEND_SHARE = 1.0
 #: times that the slack is set by the fit before, so that it is a share of what is there at last
 _PASSES = 3
-#: more effects at once than this are not named
-_MOST_AT_ONCE = 3
 
 Progress = Callable[[str], None]
 
@@ -172,26 +171,11 @@ def _findings(search: Search, explanation: Explanation) -> tuple[Finding, ...]:
 
 
 def _verdict(findings: tuple[Finding, ...], left: dict[str, float]) -> str:
-    if left or _is_contrived(findings):
+    if left or is_contrived(findings):
         return "unknown"
     if not findings:
         return "nothing"
     return "class" if any(len(f.rivals.names) > 1 for f in findings) else "named"
-
-
-def _is_contrived(findings: tuple[Finding, ...]) -> bool:
-    """Whether an explanation needs more than nature is likely to bring at once.
-
-    Several flexible effects together, or slow ones, can be bent to imitate something unknown.
-    """
-    effects = [f.effect for f in findings if f.effect is not None]
-    flexible = sum(effect.is_flexible for effect in effects)
-    if any(not e.amplitudes for e in effects) and any(e.is_flexible and e.is_slow for e in effects):
-        return True  # a curve and a wave in every direction
-    at_once = len({f.name for f in findings})
-    if at_once >= _MOST_AT_ONCE or len(findings) > _MOST_AT_ONCE:
-        return flexible > 0 or at_once > _MOST_AT_ONCE
-    return len(findings) > 2 and flexible + sum(effect.is_slow for effect in effects) > 1
 
 
 def _something(failures: tuple[Failure, ...]) -> Finding:

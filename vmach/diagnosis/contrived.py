@@ -1,0 +1,27 @@
+"""Explanations that need more than nature is likely to bring at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from vmach.diagnosis.findings import Finding
+
+__all__ = ["is_contrived"]
+
+#: more effects at once than this are not named
+_MOST_AT_ONCE = 3
+
+
+def is_contrived(findings: Sequence[Finding]) -> bool:
+    """Whether so many effects at once are more likely to imitate something unknown.
+
+    Several flexible or slow ones can be bent to it.
+    """
+    effects = [f.effect for f in findings if f.effect is not None]
+    flexible = sum(effect.is_flexible for effect in effects)
+    if any(not e.amplitudes for e in effects) and any(e.is_flexible and e.is_slow for e in effects):
+        return True  # a curve and a wave in every direction
+    at_once = len({f.name for f in findings})
+    if at_once >= _MOST_AT_ONCE or len(findings) > _MOST_AT_ONCE:
+        return flexible > 0 or at_once > _MOST_AT_ONCE
+    return len(findings) > 2 and flexible + sum(effect.is_slow for effect in effects) > 1
