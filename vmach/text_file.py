@@ -46,7 +46,12 @@ def column_hint(header: Sequence[str]) -> str | None:
 def _not_utf8(path: Path, what: str, error: UnicodeDecodeError) -> InputError:
     before = error.object[: error.start]
     if b"\0" in error.object:
-        return InputError(f"{what} is no text: it holds zero bytes", file=path, accepted="UTF-8")
+        return InputError(
+            f"{what} is no text: it holds zero bytes",
+            file=path,
+            accepted="UTF-8",
+            hint="of a spreadsheet, or of a file in UTF-16, save a copy as CSV in UTF-8",
+        )
     return InputError(
         f"{what} is not UTF-8: byte 0x{error.object[error.start]:02x}",
         file=path,

@@ -101,7 +101,7 @@ def test_an_uncertainty_in_mm_is_refused(tested, tmp_path):
     folder = shutil.copytree(tested, tmp_path / "experiment")
     job = folder / "job.toml"
     job.write_text(job.read_text().replace("u_um = 0.3", "u_um = 0.0003"))
-    with pytest.raises(InputError, match=r"u_um of this test is 0\.0003 um; accepted: 0\.005 um"):
+    with pytest.raises(InputError, match=r"u_um of this test is 0\.0003 um; accepted: 0\.005 to 100 um"):
         read_instruments(read_job(job))
 
 

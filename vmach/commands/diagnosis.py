@@ -24,6 +24,7 @@ from vmach.commands.options import (
 from vmach.progress import progress_bar
 
 if TYPE_CHECKING:
+    from vmach.diagnosis.named_fit import NamedEffect
     from vmach.job import Job
 
 __all__ = ["add", "diagnose", "effects_app", "history"]
@@ -102,12 +103,21 @@ def add(
 ) -> None:
     """Fit effects to the measurements and put them into a new job; the old one stays."""
     from vmach.added_effects import add_effects
+    from vmach.diagnosis.impossible_sizes import impossible_sizes
+    from vmach.job import read_job
 
     _load(effect_file)
     check_outputs([out])
     with progress_bar() as progress:
         progress("fit", 0, 1)
         path, found = add_effects(job, effects, out=out)
+    rms = read_job(path).history[-1]
+    notes = [
+        f"these measurements do not call for {e.label}: clean ones would give it as much"
+        for e in found
+        if not e.is_called_for
+    ]
+    notes += impossible_sizes(found)[1]
     if as_json:
         rows = [
             {
@@ -118,16 +128,32 @@ def add(
             }
             for e in found
         ]
-        print(json.dumps({"job": str(path), "effects": rows}, indent=1))
+        fall = {"before": rms["rms_before_um"], "after": rms["rms_after_um"]}
+        told = {"job": str(path), "effects": rows, "rms_um": fall, "notes": notes}
+        print(json.dumps(told, indent=1))
         return
     for effect in found:
-        values = ", ".join(
-            f"{name} = {value:.4g}"
-            for name, value in effect.parameters.items()
-            if not isinstance(value, list)
-        )
-        print(f"{effect.label}: {values or 'a correction curve'}")
+        print(f"{effect.label}: {_values(effect)}")
+    print(
+        f"RMS of measured minus predicted: {rms['rms_before_um']:.2f} um before, "
+        f"{rms['rms_after_um']:.2f} um after"
+    )
+    for note in notes:
+        print(f"note: {note}")
     print(f"{path} holds them; {job} is as it was")
+
+
+def _values(effect: NamedEffect) -> str:
+    """Fitted numbers with their standard uncertainties; of a curve, where it is not zero."""
+    from vmach.diagnosis.words import where_component
+
+    if any(isinstance(value, list) for value in effect.parameters.values()):
+        where = where_component(effect.parameters, effect.u, effect.target)
+        return f"a correction curve, {where}"
+    return ", ".join(
+        f"{name} = {value:.4g} (u = {effect.u[name]:.2g})"
+        for name, value in effect.parameters.items()
+    )
 
 
 def history(

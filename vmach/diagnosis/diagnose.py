@@ -16,7 +16,7 @@ from vmach.diagnosis.findings import CandidateScore, Diagnosis, Finding
 from vmach.diagnosis.held_out import holds_out
 from vmach.diagnosis.impossible_sizes import impossible_sizes
 from vmach.diagnosis.next_measurement import next_measurement
-from vmach.diagnosis.outliers import outlier_notes, outliers
+from vmach.diagnosis.outliers import outlier_note, outliers, reading_names
 from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.search import Search
@@ -38,6 +38,10 @@ __all__ = ["BEND_SHARE", "diagnose", "explanation_with_slack", "prepare_search"]
 BEND_SHARE = 1.0
 #: times that the slack is set by the fit before, so that it is a share of what is there at last
 _PASSES = 3
+#: times that the worst readings are left out before those that remain are taken as they are
+_OUTLIER_PASSES = 4
+#: share of the stated scatter below which what is left makes u_um doubtful
+_TOO_QUIET = 1.0 / 3.0
 
 Progress = Callable[[str], None]
 
@@ -61,12 +65,8 @@ def diagnose(
     tell("signatures of all effects")
     search = like.on(survey) if like else prepare_search(survey)
     tell("search")
-    explanation = search.run()
-    astray = outliers(search, explanation)
-    left_out = outlier_notes(survey, astray)
-    if astray.any():
-        search = _search_without(search, astray)
-        survey, explanation = search.survey, search.run()
+    search, explanation, left_out = _without_outliers(search)
+    survey = search.survey
     explanation = _settled(search, explanation)
     tell("is what is left noise?")
     findings = _findings(search, explanation)
@@ -99,6 +99,7 @@ def diagnose(
             *(note for m in survey.measurements for note in m.notes if note),
             *left_out,
             *not_shown,
+            *_wide_uncertainty(explanation),
         ),
         residuals=residuals,
     )
@@ -111,6 +112,20 @@ def prepare_search(survey: Survey, effects: Sequence[Effect] | None = None) -> S
     factors = survey.factors(bend_share=BEND_SHARE)
     whiten = Whitening(survey.u_mm, factors, survey.nuisance)
     return Search(survey, candidates, whiten, excluded=excluded)
+
+
+def _without_outliers(search: Search) -> tuple[Search, Explanation, tuple[str, ...]]:
+    """The search without readings that no cause explains, what it finds, and a note on them."""
+    names: list[str] = []
+    count, explanation = len(search.survey), search.run()
+    for _ in range(_OUTLIER_PASSES):
+        astray = outliers(search, explanation)
+        if not astray.any():
+            break
+        names += reading_names(search.survey, astray)
+        search = _search_without(search, astray)
+        explanation = search.run()
+    return search, explanation, (outlier_note(names, count),) if names else ()
 
 
 def _search_without(search: Search, rows: np.ndarray) -> Search:
@@ -176,6 +191,17 @@ def _verdict(findings: tuple[Finding, ...], left: dict[str, float]) -> str:
     if not findings:
         return "nothing"
     return "class" if any(len(f.rivals.names) > 1 for f in findings) else "named"
+
+
+def _wide_uncertainty(explanation: Explanation) -> tuple[str, ...]:
+    """A note where the rest scatters far less than the readings' uncertainty says."""
+    share = float(np.sqrt(np.sum(explanation.residual**2) / max(explanation.degrees, 1)))
+    if share > _TOO_QUIET:
+        return ()
+    return (
+        f"what is left scatters {1.0 / max(share, 1e-9):.3g} times less than u_um says: is u_um "
+        "too large? Effects go unseen by it, and intervals are too wide",
+    )
 
 
 def _something(failures: tuple[Failure, ...]) -> Finding:

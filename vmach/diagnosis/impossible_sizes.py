@@ -9,6 +9,7 @@ from vmach.fit.terms import JointFit
 
 if TYPE_CHECKING:
     from vmach.diagnosis.findings import Finding
+    from vmach.diagnosis.named_fit import NamedEffect
 
 __all__ = ["has_impossible_sizes", "impossible_sizes"]
 
@@ -16,7 +17,9 @@ __all__ = ["has_impossible_sizes", "impossible_sizes"]
 _SURELY = 3.0
 
 
-def impossible_sizes(findings: Iterable[Finding]) -> tuple[dict[str, float], list[str]]:
+def impossible_sizes(
+    findings: Iterable[Finding | NamedEffect],
+) -> tuple[dict[str, float], list[str]]:
     """Sizes that nature does not have: by how many standard uncertainties, and in words.
 
     Amplitudes are fitted with either sign. A tool that bends towards the wall imitates something

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from vmach.diagnosis.diagnose import explanation_with_slack, prepare_search
+from vmach.diagnosis.search import Search
 from vmach.diagnosis.words import component_directions, component_parameters
 from vmach.effects import Effect, catalogue
+from vmach.effects.catalogue import unknown_effect_hint
 from vmach.effects.component import Component
 from vmach.errors import InputError
 from vmach.fit.survey import Survey
@@ -34,6 +35,8 @@ class NamedEffect:
         Independent changes of the parameters, one standard uncertainty each.
     explained_mm : (n,) float64
         What it does to the readings.
+    is_called_for : bool
+        Whether the readings speak for it, given the others, more than clean ones ever would.
     """
 
     effect: Effect
@@ -42,6 +45,7 @@ class NamedEffect:
     u: dict
     one_sigma: list[dict]
     explained_mm: np.ndarray
+    is_called_for: bool
 
     @property
     def label(self) -> str:
@@ -77,11 +81,14 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
             and c.label not in explanation.labels
         ]
         if not possible:
-            raise _impossible(survey, effect, target, search.excluded)
+            raise _impossible(survey, effect, target, search, explanation.labels)
         gains = search.gains(explanation)
         explanation = search.extend(explanation, max(possible, key=lambda k: gains[k]))
-    explanation = explanation_with_slack(search, explanation)
-    fit = explanation.fit
+    assert explanation.fit is not None
+    called_for = [
+        search.gain_of(explanation, k) > search.threshold for k in range(len(explanation.fit.terms))
+    ]
+    fit = explanation_with_slack(search, explanation).fit
     assert fit is not None
     found = []
     for k, term in enumerate(fit.terms):
@@ -93,7 +100,11 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
             spreads = parameter_uncertainty(survey, fit, k)
             u = {name: spread.u for name, spread in spreads.items()}
         explained = fit.explained_mm(k)
-        found.append(NamedEffect(term.effect, term.target, parameters, u, one_sigma, explained))
+        found.append(
+            NamedEffect(
+                term.effect, term.target, parameters, u, one_sigma, explained, called_for[k]
+            )
+        )
     return tuple(found)
 
 
@@ -101,21 +112,28 @@ def _parsed(name: str) -> tuple[Effect, str | None]:
     word, _, target = name.replace(" ", ":").partition(":")
     known = catalogue()
     if word not in known:
-        close = difflib.get_close_matches(word, known, n=1)
         raise InputError(
-            f"unknown effect '{word}'",
-            accepted=", ".join(known),
-            hint=f"did you mean '{close[0]}'?" if close else None,
+            f"unknown effect '{word}'", accepted=", ".join(known), hint=unknown_effect_hint(word)
         )
     return known[word], target or None
 
 
-def _impossible(survey: Survey, effect: Effect, target: str | None, excluded) -> InputError:
-    targets = [t for t in effect.possible_targets(survey.job) if t]
-    reasons = {t: why for e, t, why in excluded if e is effect}
-    why = reasons.get(target or "", "no such target")
-    return InputError(
-        f"the measurements cannot show {effect.name} {target or ''}".rstrip() + f": {why}",
-        file=survey.job.path,
-        accepted=", ".join(f"{effect.name}:{t}" for t in targets) or effect.name,
-    )
+def _impossible(
+    survey: Survey, effect: Effect, target: str | None, search: Search, chosen: Collection[str]
+) -> InputError:
+    """Why an effect cannot be fitted, and with which targets it could be."""
+    label = f"{effect.name} {target or ''}".rstrip()
+    targets = effect.possible_targets(survey.job)
+    reasons = {t: why for e, t, why in search.excluded if e is effect}
+    free = [c for c in search.candidates if c.effect is effect and c.label not in chosen]
+    if target is not None and target not in targets:
+        what = f"{effect.name} has no target '{target}'"
+    elif any(c.effect is effect and c.label in chosen for c in search.candidates):
+        what = f"{label} is named twice"
+    elif not targets:
+        what = f"this job has nothing that {effect.name} could act on"
+    else:
+        why = reasons[targets[0] if target is None else target]
+        what = f"the measurements cannot show {label}: {why}"
+    accepted = [f"{effect.name}:{c.target}" if c.target else effect.name for c in free]
+    return InputError(what, file=survey.job.path, accepted=", ".join(accepted) or None)

@@ -41,7 +41,14 @@ from vmach.job import Job, read_job
 from vmach.text_file import read_text
 from vmach.toml_file import line_of_key
 
-__all__ = ["ENTRY_POINT", "add_effect", "catalogue", "read_effects", "set_up_effect"]
+__all__ = [
+    "ENTRY_POINT",
+    "add_effect",
+    "catalogue",
+    "read_effects",
+    "set_up_effect",
+    "unknown_effect_hint",
+]
 
 #: group of entry points under which a package offers its own effects
 ENTRY_POINT = "vmach.effects"
@@ -81,6 +88,8 @@ _OWN: tuple[type[Effect], ...] = (
 )
 
 
+#: a name is a slip of one that is there from this likeness on, 0 to 1
+_CLOSE = 0.75
 #: effects that were added while the program runs, by their names
 _added: dict[str, Effect] = {}
 
@@ -143,6 +152,14 @@ def read_effects(
     return tuple(found)
 
 
+def unknown_effect_hint(name: str) -> str:
+    """What to do about a name that no effect has: a slip, or an effect of the user's own."""
+    close = difflib.get_close_matches(name, catalogue(), n=1, cutoff=_CLOSE)
+    if close:
+        return f"did you mean '{close[0]}'?"
+    return "is it an effect of your own? Say its file: vmach --effect-file FILE COMMAND ..."
+
+
 def set_up_effect(
     name: str, target: str, parameters: Mapping[str, Any], *, job: Job
 ) -> EffectInstance:
@@ -156,8 +173,7 @@ def set_up_effect(
     file = job.path
     known = catalogue()
     if name not in known:
-        close = difflib.get_close_matches(name, known, n=1)
-        hint = f"did you mean '{close[0]}'?" if close else None
+        hint = unknown_effect_hint(name)
         raise _error(f"unknown effect '{name}'", file, [name], ", ".join(known), hint)
     effect = known[name]
     targets = effect.possible_targets(job)

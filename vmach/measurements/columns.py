@@ -17,9 +17,10 @@ __all__ = ["Columns", "read_columns"]
 
 @dataclass(frozen=True)
 class Columns:
-    """Named columns of one file."""
+    """Named columns of one file, and the line that each row stands on."""
 
     path: Path
+    lines: np.ndarray
     text: dict[str, np.ndarray]
     numbers: dict[str, np.ndarray]
 
@@ -57,7 +58,8 @@ def read_columns(path: Path, *, numbers: Sequence[str], text: Sequence[str] = ()
             )
     cells = {name: [row[k].strip() for _, row in body] for k, name in enumerate(header)}
     values = {name: _numbers(cells[name], name, path, body) for name in numbers}
-    return Columns(path, {name: np.array(cells[name]) for name in text}, values)
+    lines = np.array([line for line, _ in body])
+    return Columns(path, lines, {name: np.array(cells[name]) for name in text}, values)
 
 
 def _numbers(cells: list[str], name: str, path: Path, body) -> np.ndarray:

@@ -22,6 +22,13 @@ from vmach.measurements.instrument_settings import (
     settings_of,
 )
 from vmach.measurements.measurement import Measurement
+from vmach.measurements.motion_check import (
+    check_extent,
+    check_feed,
+    check_times,
+    check_travel,
+)
+from vmach.measurements.sign_check import sign_notes
 from vmach.measurements.test_motion import stop_and_go
 from vmach.measurements.unit_check import check_unit
 from vmach.prediction import ActingEffect
@@ -48,8 +55,9 @@ def read_instruments(
     for number in range(len(job.measurements)):
         settings = settings_of(job, number)
         path = job.folder / settings.file
-        found.append(_READERS[settings.kind](settings, path, _Model(job, variant, effects)))
-        check_unit(found[-1], path)
+        test = _READERS[settings.kind](settings, path, _Model(job, variant, effects))
+        check_unit(test, path)
+        found.append(test.noted(*sign_notes(test)))
     return tuple(found)
 
 
@@ -58,6 +66,7 @@ class _Model:
 
     def __init__(self, job: Job, variant: Variant, effects: Sequence[ActingEffect]) -> None:
         self._job, self._variant, self._effects = job, variant, effects
+        self.travel_mm = np.asarray(job.machine.travel_mm)
 
     def predicted_mm(self, states: PathStates, sensing: np.ndarray) -> np.ndarray:
         machine = self._job.machine
@@ -70,8 +79,15 @@ class _Model:
         return np.einsum("ij,ij->i", sensing, moved.shift_mm)
 
 
+def _read(path: Path, *, numbers: Sequence[str], text: Sequence[str] = ()) -> Columns:
+    """Columns of a test's file, in the order of time."""
+    table = read_columns(path, numbers=numbers, text=text)
+    check_times(table)
+    return table
+
+
 def _ballbar(settings: Ballbar, path: Path, model: _Model) -> Measurement:
-    table = read_columns(
+    table = _read(
         path, numbers=("feed_mm_min", "angle_deg", "t_s", "radius_um"), text=("run",)
     )
     across, upward = (np.eye(3)[LINEAR_AXES.index(axis)] for axis in settings.plane)
@@ -82,6 +98,8 @@ def _ballbar(settings: Ballbar, path: Path, model: _Model) -> Measurement:
     group = np.char.add(np.char.add(table.text["run"], " "), feed.astype(str))
     states = circles(circle, angle, table.numbers["t_s"], group=group, path=path)
     out = circle.outward(angle)
+    check_feed(table, group, settings.radius_mm)
+    check_travel(circle.centre_mm + circle.radius_mm * out, table, model.travel_mm)
     return Measurement(
         kind="ballbar",
         name=path.name,
@@ -97,7 +115,7 @@ def _ballbar(settings: Ballbar, path: Path, model: _Model) -> Measurement:
 
 
 def _laser(settings: Laser, path: Path, model: _Model) -> Measurement:
-    table = read_columns(
+    table = _read(
         path, numbers=("position_mm", "approach", "t_s", "deviation_um"), text=("run",)
     )
     axis = LINEAR_AXES.index(settings.axis)
@@ -107,7 +125,7 @@ def _laser(settings: Laser, path: Path, model: _Model) -> Measurement:
 
 
 def _diagonal(settings: Diagonal, path: Path, model: _Model) -> Measurement:
-    table = read_columns(
+    table = _read(
         path, numbers=("distance_mm", "approach", "t_s", "deviation_um"), text=("run",)
     )
     start, end = np.array(settings.from_mm), np.array(settings.to_mm)
@@ -130,6 +148,8 @@ def _along_line(
     model: _Model,
 ) -> Measurement:
     """Readings along a straight line, zero left free."""
+    check_travel(nose_mm, table, model.travel_mm)
+    check_extent(nose_mm, table)
     count = len(nose_mm)
     side = np.sign(table.numbers["approach"])[:, None] * np.sign(np.round(direction, 9))
     states = stop_and_go(
@@ -151,9 +171,10 @@ def _along_line(
 
 
 def _drift(settings: Drift, path: Path, model: _Model) -> Measurement:
-    table = read_columns(path, numbers=("t_s", "spindle_rpm", *_ALONG))
+    table = _read(path, numbers=("t_s", "spindle_rpm", *_ALONG))
     time = table.numbers["t_s"]
     nose = np.tile(settings.at_mm, (len(time), 1))
+    check_travel(nose, table, model.travel_mm)
     states = stop_and_go(
         nose,
         time,
@@ -173,8 +194,10 @@ def _drift(settings: Drift, path: Path, model: _Model) -> Measurement:
 
 
 def _tip(settings: Tip, path: Path, model: _Model) -> Measurement:
-    table = read_columns(path, numbers=("t_s", *"XYZ", "sx", "sy", "sz", *_ALONG))
+    table = _read(path, numbers=("t_s", *"XYZ", "sx", "sy", "sz", *_ALONG))
     nose = table.vectors("XYZ")
+    check_travel(nose, table, model.travel_mm)
+    check_extent(nose, table)
     states = stop_and_go(
         nose,
         table.numbers["t_s"],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -69,6 +70,21 @@ class Measurement:
     def sensed(self, moved_mm: np.ndarray) -> np.ndarray:
         """What displacements of the tool (P, 3, K) do to the readings, (P, K)."""
         return np.einsum("pi,pik->pk", self.sensing, moved_mm)
+
+    @cached_property
+    def degrees(self) -> int:
+        """Readings beyond the number of what is free."""
+        return len(self) - int(np.linalg.matrix_rank(self.nuisance))
+
+    def variation_mm(self, value_mm: np.ndarray) -> float:
+        """Root mean square of values at the readings, (P,), what is free taken off."""
+        free = np.linalg.lstsq(self.nuisance, value_mm, rcond=None)[0]
+        squares = np.sum((value_mm - self.nuisance @ free) ** 2)
+        return float(np.sqrt(squares / max(self.degrees, 1)))
+
+    def noted(self, *notes: str) -> Measurement:
+        """The measurement with further notes."""
+        return replace(self, notes=(*self.notes, *notes))
 
     def keep(self, rows: np.ndarray, note: str) -> Measurement:
         """The measurement with some of its rows (bool or index), and a note why."""

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from vmach.errors import InputError
 from vmach.machine import Variant
 from vmach.measurements.measurement import Measurement, apart_from_neighbours
+from vmach.measurements.part_check import check_aligned, check_cut, check_file, check_near
+from vmach.measurements.sign_check import sign_notes
 from vmach.points import SurfacePoints, read_points_csv
 from vmach.prediction import ActingEffect, Prediction, predict_surface
 from vmach.preparation import Preparation
@@ -18,18 +19,12 @@ from vmach.units import um_from_mm
 
 __all__ = ["measure_part"]
 
-#: a measured part whose points lie further away than this (median) is another part
-_OTHER_PART_MM = 0.5
 #: a point further away than this is no measurement of the surface
 _ASTRAY_MM = 0.5
-#: an alignment alone takes six points
-_FEWEST = 12
-#: share of the points that the program has to cut; with fewer it is another part's program
-_MOST_OF_THEM = 0.5
-#: median distance from the prediction, alignment taken off, that no machine of this kind has
-_FAR_MM = 0.25
-#: no CMM is finer than this
-_FINEST_MM = 0.02e-3
+#: neighbours that scatter by so many times u_um make it doubtful
+_DOUBTFUL = 3.0
+#: share of points that no move cut from which on a wrong zero is as likely as odd points
+_MANY = 0.1
 #: by how many u, and how far, a point has to stand out to be left out before any fit
 _OUTLIER_U = 12.0
 _GROSS_MM = 0.06
@@ -53,20 +48,20 @@ def measure_part(
         or too few of its points were cut by the program.
     """
     points = read_points_csv(path)
-    deviation = points.measured_deviation_mm
-    _check_same_part(points, deviation, path)
+    check_file(points, path)
     prediction = predict_surface(preparation, points, variant, effects)
     cut = np.flatnonzero(prediction.is_cut)
-    if len(cut) < max(_FEWEST, _MOST_OF_THEM * len(points)):
-        raise _not_cut(preparation, points, len(cut), path)
+    check_cut(preparation, points, len(cut), path=path)
+    check_aligned(points, path)
     part = _where_cut(points, prediction, path.name)
-    _check_near(part, path)
+    check_near(part, path)
     part = _without_repeats(part, points.point_mm[cut])
     if points.u_mm is None:
         note = "no uncertainty in the file: taken from the scatter between neighbouring points"
         u_mm = np.full(len(part), _scatter_of_neighbours_mm(part))
-        part = replace(part, u_mm=u_mm, notes=(*part.notes, note))
-    return _without_outliers(part), prediction
+        part = replace(part, u_mm=u_mm).noted(note)
+    part = _without_outliers(part)
+    return part.noted(*_doubtful_uncertainty(part), *sign_notes(part)), prediction
 
 
 def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Measurement:
@@ -75,7 +70,10 @@ def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Meas
     notes = (*prediction.preparation.notes, *points.notes)
     if len(cut) < len(points):
         uncut = points.id[~prediction.is_cut]
-        notes = (*notes, f"{len(uncut)} points that no move cut are left out: {_listed(uncut)}")
+        note = f"left out, as no move cut them ({len(uncut)} of {len(points)}): {_listed(uncut)}"
+        if len(uncut) > _MANY * len(points):
+            note += "; so many: is this the measurement of this part, with the program's zero?"
+        notes = (*notes, note)
     normal = points.normal[cut]
     arm = points.point_mm[cut] - points.point_mm[cut].mean(axis=0)
     return Measurement(
@@ -90,58 +88,6 @@ def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Meas
         group=points.feature[cut],
         nuisance=np.hstack([normal, np.cross(arm, normal)]),
         notes=notes,
-    )
-
-
-def _check_same_part(points: SurfacePoints, deviation: np.ndarray, path: Path) -> None:
-    if points.u_mm is not None and np.median(points.u_mm) < _FINEST_MM:
-        raise InputError(
-            f"u_um is {um_from_mm(np.median(points.u_mm)):.2g} um (median)",
-            file=path,
-            accepted=f"{um_from_mm(_FINEST_MM):g} um or more",
-            hint="is the column in mm? It has to be in um",
-        )
-    for note in points.notes:
-        if "look like" in note:
-            raise InputError(note, file=path, accepted="all coordinates in mm")
-    away = np.linalg.norm(points.measured_mm - points.point_mm, axis=1)
-    if np.median(np.minimum(away, np.abs(deviation))) > _OTHER_PART_MM:
-        raise InputError(
-            f"the measured points are {np.median(away):.3g} mm from the nominal ones (median)",
-            file=path,
-            accepted=f"measured points within {_OTHER_PART_MM} mm of the nominal surface",
-            hint="is this the measurement of this part, aligned to its datums?",
-        )
-
-
-def _check_near(part: Measurement, path: Path) -> None:
-    """Refuse points that fit the program's surfaces by chance only."""
-    residual = part.measured_mm - part.predicted_mm
-    pose = np.linalg.lstsq(part.nuisance, residual, rcond=None)[0]
-    away = float(np.median(np.abs(residual - part.nuisance @ pose)))
-    if away > _FAR_MM:
-        raise InputError(
-            f"the measured part is {away:.2g} mm from the predicted one (median, aligned)",
-            file=path,
-            accepted=f"within {_FAR_MM} mm",
-            hint="is this the measurement of the part that this program makes?",
-        )
-
-
-def _not_cut(preparation: Preparation, points: SurfacePoints, cut: int, path: Path) -> InputError:
-    """The error for points that the program does not cut, with the unit that would fit."""
-    hint = "are the points in workpiece coordinates, and is this the part's program?"
-    blank = preparation.job.blank
-    if blank is not None:
-        size = np.ptp(points.point_mm, axis=0).max() / np.max(blank.max_mm - blank.min_mm)
-        for factor, unit in ((1e-3, "metres"), (1 / 25.4, "inches"), (0.1, "centimetres")):
-            if 0.5 < size / factor < 1.1:
-                hint = f"by their size the coordinates are in {unit}; they have to be in mm"
-    return InputError(
-        f"the program cuts {cut} of the {len(points)} measured points",
-        file=path,
-        accepted=f"at least {_MOST_OF_THEM:.0%}, and no fewer than {_FEWEST}, of the points",
-        hint=hint,
     )
 
 
@@ -171,8 +117,19 @@ def _without_outliers(part: Measurement) -> Measurement:
     bad = part.id[~good]
     return part.keep(
         good,
-        f"{len(bad)} points stand out from their neighbours and are left out "
-        f"(a chip under the probe?): {_listed(bad)}",
+        "left out, as they stand out from their neighbours, as with a chip under the probe "
+        f"({len(bad)} of {len(part)}): {_listed(bad)}",
+    )
+
+
+def _doubtful_uncertainty(part: Measurement) -> tuple[str, ...]:
+    """A note where neighbouring points scatter far more than their uncertainty says."""
+    scatter, u_mm = _scatter_of_neighbours_mm(part), float(np.median(part.u_mm))
+    if scatter < _DOUBTFUL * u_mm:
+        return ()
+    return (
+        f"{part.name}: neighbouring points scatter by {um_from_mm(scatter):.2g} um where u_um "
+        f"says {um_from_mm(u_mm):.2g} um (median): is u_um too small?",
     )
 
 

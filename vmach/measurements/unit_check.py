@@ -17,8 +17,8 @@ from vmach.units import um_from_mm
 
 __all__ = ["check_unit"]
 
-#: no instrument is finer than this
-_FINEST_MM = 5e-6
+#: no instrument is finer, and none that is of use is coarser
+_FINEST_MM, _COARSEST_MM = 5e-6, 0.1
 #: a test that varies this many times less than model and uncertainty say is in a coarser unit
 _TOO_SMALL = 50.0
 #: a test that varies by more than this, and so many times more than the model says, in a finer
@@ -44,18 +44,17 @@ def check_unit(test: Measurement, path: Path) -> None:
         Readings that look like mm, m or nm; an uncertainty that looks like mm.
     """
     u_mm = float(np.median(test.u_mm))
-    if u_mm < _FINEST_MM:
+    if not _FINEST_MM <= u_mm <= _COARSEST_MM:
         raise InputError(
-            f"u_um of this test is {um_from_mm(u_mm):.2g} um",
+            f"u_um of this test is {um_from_mm(u_mm):g} um",
             file=path,
-            accepted=f"{um_from_mm(_FINEST_MM):g} um or more",
-            hint="is u_um in mm? It has to be in um",
+            accepted=f"{um_from_mm(_FINEST_MM):g} to {um_from_mm(_COARSEST_MM):g} um",
+            hint=f"is u_um in {'mm' if u_mm < _FINEST_MM else 'nm'}? It has to be in um",
         )
-    left = len(test) - np.linalg.matrix_rank(test.nuisance)
-    if left < _FEWEST_LEFT or not test.measured_mm.any():
+    if test.degrees < _FEWEST_LEFT or not test.measured_mm.any():
         return
-    seen = _variation_mm(test, test.measured_mm, left)
-    foretold = max(_variation_mm(test, test.predicted_mm, left), u_mm)
+    seen = test.variation_mm(test.measured_mm)
+    foretold = max(test.variation_mm(test.predicted_mm), u_mm)
     if seen < min(foretold / _TOO_SMALL, u_mm):
         unit = "mm" if seen > 3e-5 * foretold else "m"
         raise _refused(seen, foretold, path, f"are they in {unit}? They have to be in um")
@@ -64,16 +63,10 @@ def check_unit(test: Measurement, path: Path) -> None:
         raise _refused(seen, foretold, path, hint)
 
 
-def _variation_mm(test: Measurement, value_mm: np.ndarray, left: int) -> float:
-    """Root mean square of what is free taken off, (P,) -> mm."""
-    free = np.linalg.lstsq(test.nuisance, value_mm, rcond=None)[0]
-    return float(np.sqrt(np.sum((value_mm - test.nuisance @ free) ** 2) / left))
-
-
 def _refused(seen_mm: float, foretold_mm: float, path: Path, hint: str) -> InputError:
     return InputError(
-        f"the readings, taken as um, vary by {um_from_mm(seen_mm):.3g} um (rms) where the model "
-        f"and u_um say {um_from_mm(foretold_mm):.3g} um",
+        f"the readings, taken as um, vary by {um_from_mm(seen_mm):.4g} um (rms) where the model "
+        f"and u_um say {um_from_mm(foretold_mm):.4g} um",
         file=path,
         accepted=f"readings in um, within {_TOO_SMALL:g} times of that",
         hint=hint,
