@@ -24,6 +24,7 @@ from vmach.commands.options import (
 from vmach.progress import progress_bar
 
 if TYPE_CHECKING:
+    from vmach.diagnosis.findings import Finding
     from vmach.diagnosis.named_fit import NamedEffect
     from vmach.job import Job
 
@@ -78,12 +79,21 @@ def diagnose(
             if found.next_measurement is not None:
                 program = program or str(out / written[-1])
     print(as_text(found, program=program))
+    if found.verdict in ("named", "class"):
+        print(f"to put it into the model: vmach add {job} {' '.join(map(_word, found.findings))}")
+    if found.next_measurement is not None and program is None:
+        print("--next FILE writes the program of the measurement to do next")
     if next_file is not None and program is None:
         print(f"no next measurement is called for; {next_file} was not written")
     if out is None:
         print("--out DIR makes a page with pictures of it")
     else:
         _tell(out, written, FOLDER_FILES)
+
+
+def _word(finding: Finding) -> str:
+    """An effect as `vmach add` is told of it."""
+    return f"{finding.name}:{finding.target}" if finding.target else finding.name
 
 
 def _tell(out: Path, written: Sequence[str], possible: Sequence[str]) -> None:

@@ -52,6 +52,18 @@ class Finding:
         """Name and target."""
         return f"{self.name} {self.target}".rstrip()
 
+    @property
+    def teams(self) -> tuple[str, ...]:
+        """Names of rivals that would have to act on all axes, or all tools, at once."""
+        alone = {label.split()[0] for label in self.rivals.labels}
+        return tuple(name for name in self.rivals.names if name not in alone)
+
+    @property
+    def indistinct(self) -> tuple[str, ...]:
+        """What the data cannot tell this effect from, in words."""
+        others = tuple(label for label in self.rivals.labels if label != self.label)
+        return (*others, *(f"{name} on all axes or tools at once" for name in self.teams))
+
 
 @dataclass(frozen=True)
 class CandidateScore:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vmach.diagnosis.explanation import Explanation
-from vmach.diagnosis.planned_tests import MAP, PlannedTest, planned_tests, write_program
+from vmach.diagnosis.planned_tests import MAP, U_MM, PlannedTest, planned_tests, write_program
 from vmach.diagnosis.search import Search
 from vmach.effects import Circumstances
 from vmach.fit.terms import Term
@@ -23,7 +23,6 @@ from vmach.job import Job
 
 __all__ = ["NextMeasurement", "next_measurement"]
 
-_U_MM = 0.5e-3
 #: a test that separates by less than this, in standard uncertainties, is not worth its time
 _USEFUL = 3.0
 #: candidates that a test for something unknown is to tell apart
@@ -75,13 +74,11 @@ def next_measurement(search: Search, explanation: Explanation, findings) -> Next
 
 def _labels(search: Search, finding) -> list[str]:
     """The rivals of a finding; of those that rival it as a team, every member."""
-    alone = {label.split()[0] for label in finding.rivals.labels}
-    teams = set(finding.rivals.names) - alone
     return [
         c.label
         for c in search.candidates
         if c.effect.name != finding.name
-        and (c.label in finding.rivals.labels or c.effect.name in teams)
+        and (c.label in finding.rivals.labels or c.effect.name in finding.teams)
     ]
 
 
@@ -169,7 +166,7 @@ def _power(job: Job, test: PlannedTest, one: _Shown, rival: _Shown) -> float:
         basis = orthonormal(np.hstack([test.nuisance, imitation]), tolerance=1e-7)
         left = shown - basis @ (basis.T @ shown)
         least = min(least, float(np.linalg.norm(left)))
-    return least / _U_MM if np.isfinite(least) else 0.0
+    return least / U_MM if np.isfinite(least) else 0.0
 
 
 def _few(grid: list, most: int = 40) -> list:

@@ -124,11 +124,7 @@ def _card(finding: Finding, found: Diagnosis) -> dict:
         "finding": finding,
         "rows": rows,
         "rivals": [(label, alone.get(label)) for label in finding.rivals.labels if label != own],
-        "teams": [
-            name
-            for name in finding.rivals.names
-            if name not in {label.split()[0] for label in finding.rivals.labels}
-        ],
+        "teams": finding.teams,
         "alone": alone.get(own, found.rms_um["after"]),
         "curve": None if rows else _curve(finding),
     }

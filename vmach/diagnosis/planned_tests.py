@@ -4,28 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from gcode import MoveKind
 from vmach.job import Job
 from vmach.machine import LINEAR_AXES
+from vmach.measurements.instrument_settings import KINDS
 from vmach.measurements.test_motion import MotionRecord, stop_and_go
 from vmach.toolpath import PathStates
+from vmach.units import um_from_mm
 
-__all__ = ["MAP", "PlannedTest", "planned_tests", "write_program"]
+__all__ = ["MAP", "U_MM", "PlannedTest", "planned_tests", "write_program"]
 
 #: name of the test that maps the whole work space
 MAP = "tip grid"
 _TOOL_MM = 150.0
+#: standard uncertainty of a reading
+U_MM = 0.5e-3
 
 
 @dataclass(frozen=True)
 class PlannedTest:
-    """A test that could be run: its motion, what it senses and leaves free."""
+    """A test that could be run: its motion, what it senses and leaves free.
+
+    `settings` are the keys of its ``[[measurements]]``.
+    """
 
     name: str
     text: str
+    settings: dict[str, Any]
     states: PathStates
     sensing: np.ndarray
     nuisance: np.ndarray
@@ -56,6 +65,7 @@ def _laser_line(k: int, axis: str, low, high, middle) -> PlannedTest:
     return PlannedTest(
         f"laser {axis}",
         f"laser line along {axis}, both ways three times, with fine steps in the middle",
+        {"kind": "laser", "axis": axis, "at_mm": middle},
         states,
         np.tile(np.eye(3)[k], (len(ways), 1)),
         np.ones((len(ways), 1)),
@@ -91,6 +101,7 @@ def _ballbar(low, high, middle) -> PlannedTest:
     return PlannedTest(
         "ballbar XY",
         f"ballbar in XY, radius {radius:.0f} mm, both ways at 1000 and 4000 mm/min",
+        {"kind": "ballbar", "plane": "XY", "centre_mm": middle, "radius_mm": radius},
         states,
         sensing,
         np.column_stack([np.ones(len(sensing)), sensing[:, :2]]),
@@ -111,8 +122,9 @@ def _drift(middle) -> PlannedTest:
         "drift",
         "drift test: probe nest on the table, spindle 60 min at 8000 rpm, 45 min standing, "
         "45 min at 4000 rpm, axes still",
+        {"kind": "drift", "at_mm": middle},
         states,
-        np.tile(np.eye(3), (len(time), 1)),
+        nuisance=np.tile(np.eye(3), (len(time), 1)),
     )
 
 
@@ -127,12 +139,13 @@ def _tip_grid(low, high) -> PlannedTest:
         MAP,
         "tracker on the tool tip at 120 places all over the work space, each approached from a "
         "stated side",
+        {"kind": "tip", "frame": "rigid"},
         states,
-        np.hstack([unit, np.cross(arm, unit)]),
+        nuisance=np.hstack([unit, np.cross(arm, unit)]),
     )
 
 
-def _in_three_directions(name, text, states: PathStates, nuisance) -> PlannedTest:
+def _in_three_directions(name, text, settings, states: PathStates, *, nuisance) -> PlannedTest:
     count = len(states)
     thrice = PathStates(
         states.moves,
@@ -141,13 +154,15 @@ def _in_three_directions(name, text, states: PathStates, nuisance) -> PlannedTes
         np.repeat(states.parameter, 3),
         np.zeros((3 * count, 3)),
     )
-    return PlannedTest(name, text, thrice, np.tile(np.eye(3), (count, 1)), nuisance)
+    sensing = np.tile(np.eye(3), (count, 1))
+    return PlannedTest(name, text, settings, thrice, sensing, nuisance)
 
 
 def write_program(test: PlannedTest, job: Job) -> str:
     """The test's motion as an NC program in the job's first work offset, without tool length.
 
-    It comes to its first place from above, Z first drawn back to the end of its travel.
+    It comes to its first place from above, Z first drawn back to the end of its travel. Comments
+    at its head say which columns its readings make, and what the job says of them.
     """
     offset = next(iter(job.work_offsets_mm.items()))
     moves = test.states.moves
@@ -157,6 +172,7 @@ def write_program(test: PlannedTest, job: Job) -> str:
         f"({test.text})",
         "(part and fixtures off the table: the places are all over the work space)",
         f"(places of the spindle nose in {offset[0]} of the job, tool length off)",
+        *(f"({line})" for line in _how_to_diagnose_again(test)),
         f"G21 G90 G94 G17 G40 G49 G80 {offset[0]}",
         f"G53 G0 Z{job.machine.travel_mm[1][2]:.4f}",
         f"G0 X{start[0]:.4f} Y{start[1]:.4f}",
@@ -178,6 +194,29 @@ def write_program(test: PlannedTest, job: Job) -> str:
             feed = min(max(60.0 * way / moves.duration_s[k], 100.0), 10000.0)
             lines.append(f"G1 {place} F{feed:.0f}")
     return "\n".join([*lines, "M5", "M30", "%", ""])
+
+
+def _how_to_diagnose_again(test: PlannedTest) -> list[str]:
+    """What to do with the readings: the columns of their file, and the job's section."""
+    kind = test.settings["kind"]
+    stated = {
+        **test.settings,
+        "file": f"{kind}.csv",
+        "tool_length_mm": _TOOL_MM,
+        "u_um": um_from_mm(U_MM),
+    }
+    return [
+        f"readings into {kind}.csv: {','.join(KINDS[kind].columns)}",
+        "then into the job, with the length and the uncertainty that were used:",
+        "[[measurements]]",
+        *(f"{key} = {_toml(value)}" for key, value in stated.items()),
+    ]
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, str):
+        return f'"{value}"'
+    return "[" + ", ".join(f"{v:g}" for v in value) + "]" if np.ndim(value) else f"{value:g}"
 
 
 def _arc_lines(moves, k: int, offset: np.ndarray) -> list[str]:

@@ -122,8 +122,8 @@ def _finding_lines(finding: Finding) -> list[str]:
             f"    {name} = {value:.4g}  {_uncertainty(finding, name)}: {meaning[name]}"
             for name, value in finding.parameters.items()
         ]
-    if len(finding.rivals.names) > 1:
-        lines.append(f"    cannot be told from: {', '.join(finding.rivals.names[1:])}")
+    if finding.indistinct:
+        lines.append(f"    cannot be told from: {', '.join(finding.indistinct)}")
     effect = finding.effect
     for word, text in (
         ("usual", effect.usual_size),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from vmach.errors import InputError
 from vmach.job import Job
@@ -10,6 +10,8 @@ from vmach.text_file import read_text
 from vmach.toml_file import FileSection, Point, Positive, check_section, line_of_key
 
 __all__ = [
+    "ALONG",
+    "KINDS",
     "Ballbar",
     "Diagonal",
     "Drift",
@@ -20,8 +22,14 @@ __all__ = [
 ]
 
 
+#: displacements along X, Y and Z of one place
+ALONG = ("dx_um", "dy_um", "dz_um")
+
+
 class InstrumentSettings(FileSection):
-    """Keys of every ``[[measurements]]``."""
+    """Keys of every ``[[measurements]]``, and the columns of its file."""
+
+    columns: ClassVar[tuple[str, ...]]
 
     file: str
     tool_length_mm: Positive
@@ -31,6 +39,7 @@ class InstrumentSettings(FileSection):
 class Ballbar(InstrumentSettings):
     """Circles about a centre, both ways round."""
 
+    columns = ("run", "feed_mm_min", "angle_deg", "t_s", "radius_um")
     kind: Literal["ballbar"]
     plane: Literal["XY", "YZ", "ZX", "XZ", "YX", "ZY"] = "XY"
     centre_mm: Point
@@ -40,6 +49,7 @@ class Ballbar(InstrumentSettings):
 class Laser(InstrumentSettings):
     """Positions of one axis, from both sides."""
 
+    columns = ("run", "position_mm", "approach", "t_s", "deviation_um")
     kind: Literal["laser"]
     axis: Literal["X", "Y", "Z"]
     at_mm: Point
@@ -48,6 +58,7 @@ class Laser(InstrumentSettings):
 class Diagonal(InstrumentSettings):
     """Distances along a line that several axes make together."""
 
+    columns = ("run", "distance_mm", "approach", "t_s", "deviation_um")
     kind: Literal["diagonal"]
     from_mm: Point
     to_mm: Point
@@ -56,6 +67,7 @@ class Diagonal(InstrumentSettings):
 class Drift(InstrumentSettings):
     """The tool tip at one place against time."""
 
+    columns = ("t_s", "spindle_rpm", *ALONG)
     kind: Literal["drift"]
     at_mm: Point
 
@@ -63,11 +75,13 @@ class Drift(InstrumentSettings):
 class Tip(InstrumentSettings):
     """The tool tip at places all over the volume."""
 
+    columns = ("t_s", *"XYZ", "sx", "sy", "sz", *ALONG)
     kind: Literal["tip"]
     frame: Literal["offset", "rigid"] = "offset"
 
 
-_KINDS: dict[str, type[InstrumentSettings]] = {
+#: settings of every kind
+KINDS: dict[str, type[InstrumentSettings]] = {
     "ballbar": Ballbar,
     "laser": Laser,
     "diagonal": Diagonal,
@@ -87,11 +101,11 @@ def settings_of(job: Job, number: int) -> InstrumentSettings:
     entry, within = job.measurements[number], ("measurements", str(number))
     text = read_text(job.path, what="job file")
     kind = entry.get("kind")
-    if not isinstance(kind, str) or kind not in _KINDS:
+    if not isinstance(kind, str) or kind not in KINDS:
         raise InputError(
             "a measurement needs its kind" if kind is None else f"kind = {kind!r}",
             file=job.path,
             line=line_of_key(text, [*within, "kind"]),
-            accepted=f"kind = {', '.join(_KINDS)}",
+            accepted=f"kind = {', '.join(KINDS)}",
         )
-    return check_section(entry, _KINDS[kind], file=job.path, text=text, within=within)
+    return check_section(entry, KINDS[kind], file=job.path, text=text, within=within)

@@ -13,6 +13,7 @@ from vmach.machine import LINEAR_AXES, Variant, displacement
 from vmach.measurements.ballbar_motion import Circle, circles
 from vmach.measurements.columns import Columns, read_columns
 from vmach.measurements.instrument_settings import (
+    ALONG,
     Ballbar,
     Diagonal,
     Drift,
@@ -36,9 +37,6 @@ from vmach.toolpath import PathStates
 from vmach.units import mm_from_um
 
 __all__ = ["read_instruments"]
-
-#: row k, the displacements are those along X, Y and Z of the same place
-_ALONG = ("dx_um", "dy_um", "dz_um")
 
 
 def read_instruments(
@@ -79,17 +77,17 @@ class _Model:
         return np.einsum("ij,ij->i", sensing, moved.shift_mm)
 
 
-def _read(path: Path, *, numbers: Sequence[str], text: Sequence[str] = ()) -> Columns:
-    """Columns of a test's file, in the order of time."""
+def _read(settings: InstrumentSettings, path: Path) -> Columns:
+    """Columns of a test's file, in the order of time; only names of runs are text."""
+    text = [name for name in settings.columns if name == "run"]
+    numbers = [name for name in settings.columns if name != "run"]
     table = read_columns(path, numbers=numbers, text=text)
     check_times(table)
     return table
 
 
 def _ballbar(settings: Ballbar, path: Path, model: _Model) -> Measurement:
-    table = _read(
-        path, numbers=("feed_mm_min", "angle_deg", "t_s", "radius_um"), text=("run",)
-    )
+    table = _read(settings, path)
     across, upward = (np.eye(3)[LINEAR_AXES.index(axis)] for axis in settings.plane)
     circle = Circle(
         np.array(settings.centre_mm), across, upward, settings.radius_mm, settings.tool_length_mm
@@ -115,9 +113,7 @@ def _ballbar(settings: Ballbar, path: Path, model: _Model) -> Measurement:
 
 
 def _laser(settings: Laser, path: Path, model: _Model) -> Measurement:
-    table = _read(
-        path, numbers=("position_mm", "approach", "t_s", "deviation_um"), text=("run",)
-    )
+    table = _read(settings, path)
     axis = LINEAR_AXES.index(settings.axis)
     nose = np.tile(settings.at_mm, (len(table.numbers["t_s"]), 1))
     nose[:, axis] = table.numbers["position_mm"]
@@ -125,9 +121,7 @@ def _laser(settings: Laser, path: Path, model: _Model) -> Measurement:
 
 
 def _diagonal(settings: Diagonal, path: Path, model: _Model) -> Measurement:
-    table = _read(
-        path, numbers=("distance_mm", "approach", "t_s", "deviation_um"), text=("run",)
-    )
+    table = _read(settings, path)
     start, end = np.array(settings.from_mm), np.array(settings.to_mm)
     length = float(np.linalg.norm(end - start))
     if length == 0.0:
@@ -171,7 +165,7 @@ def _along_line(
 
 
 def _drift(settings: Drift, path: Path, model: _Model) -> Measurement:
-    table = _read(path, numbers=("t_s", "spindle_rpm", *_ALONG))
+    table = _read(settings, path)
     time = table.numbers["t_s"]
     nose = np.tile(settings.at_mm, (len(time), 1))
     check_travel(nose, table, model.travel_mm)
@@ -194,7 +188,7 @@ def _drift(settings: Drift, path: Path, model: _Model) -> Measurement:
 
 
 def _tip(settings: Tip, path: Path, model: _Model) -> Measurement:
-    table = _read(path, numbers=("t_s", *"XYZ", "sx", "sy", "sz", *_ALONG))
+    table = _read(settings, path)
     nose = table.vectors("XYZ")
     check_travel(nose, table, model.travel_mm)
     check_extent(nose, table)
@@ -237,7 +231,7 @@ def _three_directions(
         id=np.repeat(np.arange(1, count + 1), 3).astype(str),
         states=thrice,
         sensing=sensing,
-        measured_mm=mm_from_um(table.vectors(_ALONG).ravel()),
+        measured_mm=mm_from_um(table.vectors(ALONG).ravel()),
         predicted_mm=model.predicted_mm(thrice, sensing),
         u_mm=np.full(3 * count, mm_from_um(settings.u_um)),
         group=np.tile([f"along {axis}" for axis in LINEAR_AXES], count),
