@@ -18,6 +18,7 @@ from vmach.errors import InputError
 from vmach.history import rms_um
 from vmach.job import read_job
 from vmach.text_file import read_text
+from vmach.toml_file import line_of_key
 
 __all__ = ["add_effects"]
 
@@ -57,17 +58,19 @@ def add_effects(
         raise InputError(f"{twice[0]} is named twice", accepted="every effect once")
     survey = survey_job(job.path)
     found = fit_named(survey, effects)
+    text = read_text(job.path, what="job file")
     for effect in found:
         if _is_there(job.effects, effect):
             raise InputError(
                 f"the job has the effect {effect.label} already",
                 file=job.path,
-                hint="take it out of the job first, or add another one",
+                line=line_of_key(text, ["effects", effect.effect.name, effect.target]),
+                hint="take it out of the job first, or go on from the job before it",
             )
     target = out or _free_name(job.path)
     if target.exists():
         raise InputError("file is there already", file=target, hint="choose another name with -o")
-    text = _moved(read_text(job.path, what="job file"), job.folder, target.parent)
+    text = _moved(text, job.folder, target.parent)
     before = rms_um(survey)
     after = rms_um(survey, sum(effect.explained_mm for effect in found))
     text = text.rstrip() + "\n\n" + "\n".join(_effect_toml(e) for e in found)

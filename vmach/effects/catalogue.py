@@ -109,8 +109,16 @@ def _installed() -> dict[str, Effect]:
     """Effects of vmach and of packages beside it."""
     effects: dict[str, Effect] = {kind.name: kind() for kind in _OWN}
     for entry in entry_points(group=ENTRY_POINT):
-        kind = entry.load()
-        effects[kind.name] = kind()
+        try:
+            kind = entry.load()
+            effects[kind.name] = kind()
+        except Exception as error:
+            raise InputError(
+                f"entry point '{entry.name} = {entry.value}' of {ENTRY_POINT} cannot be loaded: "
+                f"{error!r}",
+                accepted="MODULE:CLASS of a subclass of Effect",
+                hint=None if entry.dist is None else f"it belongs to the package {entry.dist.name}",
+            ) from error
     return effects
 
 

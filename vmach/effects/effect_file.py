@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -35,7 +35,9 @@ def load_effect_file(path: str | Path) -> Effect:
     try:
         spec.loader.exec_module(module)
     except Exception as error:
-        raise InputError(f"effect file cannot be loaded: {error!r}", file=path) from error
+        raise InputError(
+            f"effect file cannot be loaded: {error!r}", file=path, line=_line_in(path, error)
+        ) from error
     kinds = [
         value
         for value in vars(module).values()
@@ -62,12 +64,10 @@ def _guarded(effect: Effect, file: Path) -> Callable[..., Displaced]:
         try:
             moved = law(path, target, **parameters)
         except Exception as error:
-            frames = traceback.extract_tb(error.__traceback__)
-            lines = [frame.lineno for frame in frames if frame.filename == str(file)]
             raise InputError(
                 f"displacement() of effect '{effect.name}' fails: {error!r}",
                 file=file,
-                line=lines[-1] if lines else None,
+                line=_line_in(file, error),
             ) from error
         shape = (len(path), 3)
         if not isinstance(moved, RigidDisplacement) and np.shape(moved) != shape:
@@ -76,6 +76,26 @@ def _guarded(effect: Effect, file: Path) -> Callable[..., Displaced]:
                 file=file,
                 accepted=f"(P, 3) mm, one row a state: here {shape}",
             )
+        shift = moved.shift_mm if isinstance(moved, RigidDisplacement) else moved
+        if not np.isfinite(shift).all():
+            raise InputError(
+                f"displacement() of effect '{effect.name}' gives values that are no numbers",
+                file=file,
+                accepted="finite displacements, for " + _told(parameters),
+            )
         return moved
 
     return displacement
+
+
+def _told(parameters: Mapping[str, float]) -> str:
+    return ", ".join(f"{name} = {value:g}" for name, value in parameters.items())
+
+
+def _line_in(file: Path, error: Exception) -> int | None:
+    """The line of a file that an error comes from."""
+    if isinstance(error, SyntaxError):
+        return error.lineno
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [f.lineno for f in frames if Path(f.filename).resolve() == file.resolve()]
+    return lines[-1] if lines else None
