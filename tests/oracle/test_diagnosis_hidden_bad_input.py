@@ -74,6 +74,44 @@ def test_the_measurement_of_another_part_is_refused(folder):
         program_runs.diagnose(folder)
 
 
+@pytest.mark.parametrize("size_mm", [0.012, 0.3])
+def test_of_several_chips_each_is_found_and_no_good_point_with_them(folder, size_mm):
+    """They bend what is fitted at first, and the larger ones hide the smaller."""
+    path = folder / "part_measured.csv"
+    header, *rows = path.read_text().splitlines()
+    spoilt = [37, 151, 288, 412, 500]
+    for k, row in enumerate(spoilt):
+        cells = rows[row].split(",")
+        normal, measured = np.array(cells[5:8], float), np.array(cells[8:11], float)
+        cells[8:11] = [f"{v:.6f}" for v in measured + size_mm * (1.0 + 0.3 * k) * normal]
+        rows[row] = ",".join(cells)
+    path.write_text("\n".join([header, *rows]) + "\n")
+    report, _ = program_runs.diagnose(folder)
+    (note,) = (note for note in report["notes"] if "left out" in note)
+    assert f"({len(spoilt)} of {len(rows)})" in note
+    found = re.findall(r"\d+", note.partition("): ")[2].replace("part_measured.csv", ""))
+    assert sorted(map(int, found)) == [row + 1 for row in spoilt]
+
+
+def test_one_bad_reading_of_a_test_takes_no_good_one_with_it(tested, tmp_path):
+    folder = shutil.copytree(tested, tmp_path / "experiment")
+    head, *sections = (folder / "job.toml").read_text().split("[[measurements]]")
+    laser = [section for section in sections if "laser_X" in section]
+    text = "[[measurements]]".join([head.replace("measured =", "#"), *laser])
+    (folder / "job.toml").write_text(text)
+    path = folder / "laser_X.csv"
+    header, *rows = path.read_text().splitlines()
+    cells = rows[40].split(",")
+    at = header.split(",").index("deviation_um")
+    cells[at] = f"{float(cells[at]) + 60.0:.6f}"
+    rows[40] = ",".join(cells)
+    path.write_text("\n".join([header, *rows]) + "\n")
+    report, _ = program_runs.diagnose(folder)
+    assert report["verdict"] == "nothing"
+    (note,) = (note for note in report["notes"] if "left out" in note)
+    assert note.endswith(f"(1 of {len(rows)}): laser_X.csv 41")
+
+
 TESTS = ("ballbar_xy", "laser_X", "diagonal_0", "drift", "tip")
 
 
@@ -101,7 +139,7 @@ def test_an_uncertainty_in_mm_is_refused(tested, tmp_path):
     folder = shutil.copytree(tested, tmp_path / "experiment")
     job = folder / "job.toml"
     job.write_text(job.read_text().replace("u_um = 0.3", "u_um = 0.0003"))
-    with pytest.raises(InputError, match=r"u_um of this test is 0\.0003 um; accepted: 0\.005 to 100 um"):
+    with pytest.raises(InputError, match=r"this test is 0\.0003 um; accepted: 0\.005 to 100 um"):
         read_instruments(read_job(job))
 
 

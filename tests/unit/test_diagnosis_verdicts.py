@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -25,6 +26,8 @@ from vmach.fit.survey import Survey
 from vmach.fit.whitening import Whitening
 from vmach.history import draw_history, history_of
 from vmach.job import read_job
+from vmach.measurements import read_instruments
+from vmach.measurements.instrument_settings import settings_of
 
 TIP = """
 [[measurements]]
@@ -225,3 +228,27 @@ def test_a_size_surely_below_zero_is_no_finding(machine_um, is_possible):
     left, notes = impossible_sizes([finding])
     assert (not left) == is_possible
     assert all("machine_um = -9" in note for note in notes)
+
+
+def test_the_next_program_says_how_its_readings_come_back(tmp_path):
+    """Its comments are a section of the job, and the columns that its reader asks for."""
+    path = write_job(tmp_path)
+    job, text = read_job(path), path.read_text()
+    for test in planned_tests(job):
+        comments = re.findall(r"^\((.*)\)$", write_program(test, job), re.M)
+        section = comments[comments.index("[[measurements]]") :]
+        path.write_text("\n".join([text, *section, ""]))
+        stated = settings_of(read_job(path), 0)
+        (columns,) = (c.partition(": ")[2] for c in comments if c.startswith("readings into"))
+        (tmp_path / stated.file).write_text(columns + "\n")
+        with pytest.raises(InputError, match="no rows of data"):  # and no column is missing
+            read_instruments(read_job(path))
+        nose = test.states.nose_mm
+        if stated.kind == "laser":
+            still = [k for k, axis in enumerate("XYZ") if axis != stated.axis]
+            np.testing.assert_allclose(nose[:, still] - np.array(stated.at_mm)[still], 0, atol=1e-9)
+        elif stated.kind == "drift":
+            np.testing.assert_allclose(nose - stated.at_mm, 0, atol=1e-9)
+        elif stated.kind == "ballbar":
+            away = np.linalg.norm(nose - stated.centre_mm, axis=1)
+            np.testing.assert_allclose(away, stated.radius_mm, atol=1e-9)

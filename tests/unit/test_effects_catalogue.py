@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from importlib import import_module, invalidate_caches
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -151,6 +153,42 @@ def test_broken_effect_file_is_a_user_error(tmp_path):
     file.write_text("x = 1\n")
     with pytest.raises(InputError, match="0 effects"):
         load_effect_file(file)
+    file.write_text("\nx = (\n")
+    with pytest.raises(InputError, match=r"broken\.py:2: .*SyntaxError"):
+        load_effect_file(file)
+
+
+def test_a_law_in_a_file_beside_the_user_is_told_with_its_line(tmp_path, monkeypatch):
+    """The command line is given a relative name."""
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text("\n\nraise RuntimeError('no')\n")
+    with pytest.raises(InputError, match=r"^mine\.py:3: "):
+        load_effect_file("mine.py")
+
+
+def test_a_package_whose_effect_cannot_be_loaded_is_named(tmp_path, monkeypatch):
+    about = tmp_path / "shop_effects-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: shop-effects\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text("[vmach.effects]\nmine = shop_effects:Mine\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    module = import_module("vmach.effects.catalogue")
+    module._installed.cache_clear()
+    with pytest.raises(InputError, match=r"mine = shop_effects:Mine.*the package shop-effects"):
+        catalogue()
+    (tmp_path / "shop_effects.py").write_text(
+        "from vmach.effects import Effect, along, linear\n"
+        "class Mine(Effect):\n"
+        "    name = title = 'mine'\n"
+        "    parameters = (linear('size_um', 'size', usual=1.0),)\n"
+        "    targets = ('',)\n"
+        "    usual_size = confirm = cure = ''\n"
+        "    def displacement(self, path, target, size_um):\n"
+        "        return along('Z', 1e-3 * size_um + 0 * path.time_s)\n"
+    )
+    invalidate_caches()
+    assert catalogue()["mine"].title == "mine"
+    module._installed.cache_clear()
 
 
 @pytest.mark.usefixtures("no_effects_added")
@@ -159,6 +197,7 @@ def test_broken_effect_file_is_a_user_error(tmp_path):
     [
         ("return path.nothing", 8, "AttributeError"),
         ("return path.nose_mm[0]", None, "an array of (3,)"),
+        ("return float('nan') * path.nose_mm", None, "no numbers"),
     ],
 )
 def test_a_law_that_fails_is_told_by_file_and_line(tmp_path, path, law, line, message):

@@ -16,7 +16,7 @@ from vmach.diagnosis.findings import CandidateScore, Diagnosis, Finding
 from vmach.diagnosis.held_out import holds_out
 from vmach.diagnosis.impossible_sizes import impossible_sizes
 from vmach.diagnosis.next_measurement import next_measurement
-from vmach.diagnosis.outliers import outlier_note, outliers, reading_names
+from vmach.diagnosis.outliers import MOST_OUTLIERS, outlier_note, outliers, reading_names
 from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.search import Search
@@ -38,7 +38,7 @@ __all__ = ["BEND_SHARE", "diagnose", "explanation_with_slack", "prepare_search"]
 BEND_SHARE = 1.0
 #: times that the slack is set by the fit before, so that it is a share of what is there at last
 _PASSES = 3
-#: times that the worst readings are left out before those that remain are taken as they are
+#: times that readings are left out; all but the last time the worst ones alone
 _OUTLIER_PASSES = 4
 #: share of the stated scatter below which what is left makes u_um doubtful
 _TOO_QUIET = 1.0 / 3.0
@@ -115,14 +115,20 @@ def prepare_search(survey: Survey, effects: Sequence[Effect] | None = None) -> S
 
 
 def _without_outliers(search: Search) -> tuple[Search, Explanation, tuple[str, ...]]:
-    """The search without readings that no cause explains, what it finds, and a note on them."""
+    """The search without readings that no cause explains, what it finds, and a note on them.
+
+    Where they would be many, none is left out: something is behind them.
+    """
+    everything = search, search.run(), ()
     names: list[str] = []
-    count, explanation = len(search.survey), search.run()
-    for _ in range(_OUTLIER_PASSES):
-        astray = outliers(search, explanation)
+    count, explanation = len(search.survey), everything[1]
+    for left in reversed(range(_OUTLIER_PASSES)):
+        astray = outliers(search, explanation, worst=left > 0)
         if not astray.any():
             break
         names += reading_names(search.survey, astray)
+        if len(names) > MOST_OUTLIERS * count:
+            return everything
         search = _search_without(search, astray)
         explanation = search.run()
     return search, explanation, (outlier_note(names, count),) if names else ()

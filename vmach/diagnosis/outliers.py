@@ -12,28 +12,30 @@ from vmach.diagnosis.search import Search
 from vmach.fit.survey import Survey
 from vmach.measurements import apart_from_neighbours
 
-__all__ = ["outlier_note", "outliers", "reading_names"]
+__all__ = ["MOST_OUTLIERS", "outlier_note", "outliers", "reading_names"]
 
 #: at most this share of the readings may be left out as outliers after the fit
-_MOST_OUTLIERS = 0.05
-#: how far out of the worst one a reading has to be to be left out with it
-_AMONG_WORST = 0.3
+MOST_OUTLIERS = 0.05
+#: readings this share of the worst one away are among the worst; of three readings at one place
+#: of which one is bad, the good ones stand out half as far
+_AMONG_WORST = 0.6
 
 
-def outliers(search: Search, explanation: Explanation) -> np.ndarray:
-    """Readings that a normal distribution would not hold, (n,) bool; none if there are many.
+def outliers(search: Search, explanation: Explanation, *, worst: bool = False) -> np.ndarray:
+    """Readings that a normal distribution would not hold, (n,) bool.
 
-    Where neighbours agree with each other there is a cause, and no chip under the probe. Only the
-    worst are given: they bend what is fitted, so that good readings seem to stand out as well.
+    Where neighbours agree with each other there is a cause, and no chip under the probe. A
+    reading far away bends what is fitted, so that good ones seem to stand out with it: `worst`
+    keeps to those that stand out most.
     """
     count = len(search.survey)
     limit = -ndtri(0.5 * 0.001 / count)
     away = np.abs(explanation.residual)
     alone = apart_from_neighbours(explanation.residual, search.survey.group) > limit
     astray = (away > limit) & alone
-    if not astray.any() or astray.sum() > _MOST_OUTLIERS * count:
-        return np.zeros(count, dtype=bool)
-    return astray & (away > _AMONG_WORST * away[astray].max())
+    if worst and astray.any():
+        astray &= away > _AMONG_WORST * away[astray].max()
+    return astray
 
 
 def outlier_note(names: Sequence[str], count: int) -> str:

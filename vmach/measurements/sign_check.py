@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from vmach.measurements.measurement import Measurement
 from vmach.units import um_from_mm
 
@@ -9,6 +11,8 @@ __all__ = ["sign_notes"]
 
 #: readings that agree so many times better the other way round are suspicious
 _BETTER = 2.0
+#: and only where they are further away than so many standard uncertainties
+_CLEAR_U = 2.0
 #: readings beyond the number of what is free, below which nothing can be said
 _FEWEST_LEFT = 12
 _MEANING = {
@@ -36,7 +40,7 @@ def sign_notes(test: Measurement) -> tuple[str, ...]:
         return ()
     plain = test.variation_mm(test.measured_mm - test.predicted_mm)
     turned = test.variation_mm(test.measured_mm + test.predicted_mm)
-    if _BETTER * turned > plain:
+    if plain < max(_BETTER * turned, _CLEAR_U * float(np.median(test.u_mm))):
         return ()
     return (
         f"{test.name}: with the other sign the readings would agree with the model within "

@@ -48,7 +48,7 @@ def _rotation(nominal: np.ndarray, measured: np.ndarray, *, mirrored: bool) -> n
 def _in_words(rotation: np.ndarray, shift: np.ndarray, *, mirrored: bool) -> str:
     axes = np.round(rotation)
     turn_rad = np.arccos(np.clip(0.5 * (np.trace(rotation) - 1.0), -1.0, 1.0))
-    by = "({})".format(", ".join(f"{value:.3f}" for value in shift))
+    by = "({})".format(", ".join(f"{value:.3f}" for value in np.round(shift, 3) + 0.0))
     if not np.array_equal(axes, np.eye(3)) and np.abs(rotation - axes).max() < _EXCHANGED:
         what = "a mirrored part, or columns" if mirrored else "columns"
         names = ", ".join(_axis(row) for row in axes)

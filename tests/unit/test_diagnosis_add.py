@@ -1,0 +1,81 @@
+"""What `vmach add` says: what it brought, what is not called for, and why something cannot be."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from tests.unit.test_diagnosis_verdicts import lost_motion, nothing, tip_job
+from vmach.added_effects import add_effects
+from vmach.cli import app
+from vmach.diagnosis.job_survey import survey_job
+from vmach.diagnosis.named_fit import fit_named
+from vmach.errors import InputError
+
+
+def add(*words):
+    found = CliRunner().invoke(app, ["add", *map(str, words)])
+    assert found.exit_code == 0, found.exception
+    return found.stdout
+
+
+@pytest.fixture(scope="module")
+def loose(tmp_path_factory):
+    """A machine with 4 um of lost motion in X, seen at its tip."""
+    return tip_job(tmp_path_factory.mktemp("loose"), lost_motion)
+
+
+def test_it_says_sizes_with_their_uncertainty_and_how_the_error_fell(loose):
+    said = add(loose, "backlash:X")
+    assert "(u = 0." in said and "um before" in said and "note:" not in said
+    found = json.loads(add(loose, "backlash:X", "--json"))
+    assert found["rms_um"]["before"] > 1.0 > 0.7 > found["rms_um"]["after"]
+    assert found["notes"] == []
+
+
+def test_it_says_what_the_measurements_do_not_call_for(loose):
+    said = add(loose, "backlash:X", "squareness:C0Y")
+    assert "note: these measurements do not call for squareness C0Y" in said
+    assert "call for backlash" not in said
+
+
+def test_clean_readings_call_for_nothing(tmp_path):
+    survey = survey_job(tip_job(tmp_path, nothing))
+    for name in ("backlash:X", "scale:Y", "component:EZX"):
+        (found,) = fit_named(survey, [name])
+        assert not found.is_called_for, name
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        (["backlash", "backlash:X"], "backlash X is named twice; accepted: backlash:Y, backlash:Z"),
+        (["backlash:X", "backlash:X"], "backlash:X is named twice"),
+        (["backlash:Q"], "backlash has no target 'Q'; accepted: backlash:X, backlash:Y"),
+        (["probe_radius"], "cannot show probe_radius: no machined surface was measured$"),
+        (["fixture"], "this job has nothing that fixture could act on$"),
+        (["backlsh"], "did you mean 'backlash'"),
+        (["bed_twist"], "is it an effect of your own.*--effect-file"),
+    ],
+)
+def test_why_an_effect_cannot_be_added(loose, names, message):
+    before = sorted(loose.parent.iterdir())
+    with pytest.raises(InputError, match=message):
+        add_effects(loose, names)
+    assert sorted(loose.parent.iterdir()) == before
+
+
+def test_an_effect_that_is_there_is_refused_with_its_line(loose, tmp_path):
+    job, _ = add_effects(loose, ["backlash:X"], out=tmp_path / "second.toml")
+    line = 1 + job.read_text().splitlines().index("[effects.backlash.X]")
+    with pytest.raises(InputError, match=rf"second\.toml:{line}: .*already"):
+        add_effects(job, ["backlash:X"])
+
+
+def test_a_correction_is_told_by_its_place(tmp_path):
+    def dent(q, side, time):
+        return np.outer(8.0 * np.exp(-0.5 * ((q[:, 0] + 150.0) / 25.0) ** 2), [0.0, 0.0, 1.0])
+
+    said = add(tip_job(tmp_path, dent, count=150), "component:EZX")
+    assert "component EZX: a correction curve, X -" in said and "most at -1" in said
