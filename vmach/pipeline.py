@@ -22,6 +22,7 @@ from vmach.inspection import inspected_points, surface_points, with_causes
 from vmach.job import Job, read_job
 from vmach.machine import Variant
 from vmach.machine.audit import audit
+from vmach.measurements.part_check import check_cut, check_file
 from vmach.nominal import NominalPart, read_nominal
 from vmach.points import SurfacePoints, read_points_csv
 from vmach.prediction import Prediction, displaced_sweeps, predict_surface
@@ -106,6 +107,8 @@ def machine_part(
         preparation = prepare(job)
         nominal = read_nominal(job.nominal) if job.nominal else None
         points = surface_points(job, nominal, prefer_measured=prefer_measured)
+        if points.measured_mm is not None:
+            check_file(points, job.measured)
     with clock.stage("displace"):
         sweeps = {v: displaced_sweeps(preparation, v, effects) for v in {*variants, model}}
     with clock.stage("compare") as step:
@@ -115,6 +118,9 @@ def machine_part(
                 predict_surface(preparation, points, variant, effects, sweeps=sweeps[variant])
             )
             step(len(predictions), len(variants))
+        if points.measured_mm is not None:
+            count = int(predictions[-1].is_cut.sum())
+            check_cut(preparation, points, count, path=job.measured)
     with clock.stage("cut") as step:
         part = cut_part(sweeps[model], preparation.cutters, blank, progress=step)
     with clock.stage("collide") as step:

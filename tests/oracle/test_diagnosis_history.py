@@ -7,6 +7,7 @@ from typer.testing import CliRunner
 
 from tests.hidden_effects import program_runs
 from tests.hidden_effects.experiment import make_experiment
+from vmach.added_effects import add_effects
 from vmach.cli import app
 
 
@@ -41,6 +42,15 @@ def test_both_ways_to_say_which_part_agree_with_the_tests_own_alignment(fixed):
     ):
         steps = json.loads(run(job, "--json", *way).stdout)
         assert [s["check_rms_um"] for s in steps] == pytest.approx(wanted, abs=2e-3)
+
+
+def test_jobs_of_one_name_are_told_by_their_folders(fixed, tmp_path, monkeypatch):
+    job, _ = fixed
+    monkeypatch.chdir(tmp_path)
+    later = add_effects(job, ["scale:X"], out=tmp_path / job.name)[0]
+    said = run(later, "--picture", tmp_path / "fall.png").stdout
+    assert "drawn in" in said and (tmp_path / "fall.png").exists()
+    assert said.replace("\n", "").count(job.parent.name) == 2
 
 
 def test_half_of_another_part_is_refused(fixed):

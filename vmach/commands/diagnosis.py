@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -205,10 +206,19 @@ def history(
     table = Table("job", "added", "RMS fitted, um")
     if check is not None:
         table.add_column("RMS other part, um")
-    for s in steps:
+    for name, s in zip(_names([s.job for s in steps]), steps, strict=True):
         other = [] if s.check_rms_um is None else [f"{s.check_rms_um:.2f}"]
-        table.add_row(s.job.name, ", ".join(s.added), f"{s.rms_um:.2f}", *other)
+        table.add_row(name, ", ".join(s.added), f"{s.rms_um:.2f}", *other)
     Console().print(table)
+    print(f"drawn in {picture}")
+
+
+def _names(jobs: Sequence[Path]) -> list[str]:
+    """Names of job files; with their folders where two of them are called alike."""
+    names = [job.name for job in jobs]
+    if len(set(names)) == len(names):
+        return names
+    return [os.path.relpath(job) for job in jobs]
 
 
 def _other_part(
