@@ -119,19 +119,21 @@ def _without_outliers(search: Search) -> tuple[Search, Explanation, tuple[str, .
 
     Where they would be many, none is left out: something is behind them.
     """
-    everything = search, search.run(), ()
+    whole, found = search, search.run()
     names: list[str] = []
-    count, explanation = len(search.survey), everything[1]
+    count, explanation = len(search.survey), found
     for left in reversed(range(_OUTLIER_PASSES)):
         astray = outliers(search, explanation, worst=left > 0)
         if not astray.any():
             break
         names += reading_names(search.survey, astray)
         if len(names) > MOST_OUTLIERS * count:
-            return everything
+            return whole, found, ()
         search = _search_without(search, astray)
-        explanation = search.run()
-    return search, explanation, (outlier_note(names, count),) if names else ()
+        explanation = search.explain(found.fit.terms if found.fit else ())
+    if not names:
+        return whole, found, ()
+    return search, search.run(), (outlier_note(names, count),)
 
 
 def _search_without(search: Search, rows: np.ndarray) -> Search:
