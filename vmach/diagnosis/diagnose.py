@@ -16,7 +16,13 @@ from vmach.diagnosis.findings import CandidateScore, Diagnosis, Finding
 from vmach.diagnosis.held_out import holds_out
 from vmach.diagnosis.impossible_sizes import impossible_sizes
 from vmach.diagnosis.next_measurement import next_measurement
-from vmach.diagnosis.outliers import MOST_OUTLIERS, outlier_note, outliers, reading_names
+from vmach.diagnosis.outliers import (
+    MOST_OUTLIERS,
+    outlier_note,
+    outliers,
+    reading_names,
+    worst_of,
+)
 from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.search import Search
@@ -123,13 +129,14 @@ def _without_outliers(search: Search) -> tuple[Search, Explanation, tuple[str, .
     names: list[str] = []
     count, explanation = len(search.survey), found
     for left in reversed(range(_OUTLIER_PASSES)):
-        astray = outliers(search, explanation, worst=left > 0)
+        astray = outliers(search, explanation)
+        if len(names) + astray.sum() > MOST_OUTLIERS * count:
+            return whole, found, ()
         if not astray.any():
             break
-        names += reading_names(search.survey, astray)
-        if len(names) > MOST_OUTLIERS * count:
-            return whole, found, ()
-        search = _search_without(search, astray)
+        rows = worst_of(astray, explanation) if left else astray
+        names += reading_names(search.survey, rows)
+        search = _search_without(search, rows)
         explanation = search.explain(found.fit.terms if found.fit else ())
     if not names:
         return whole, found, ()

@@ -12,7 +12,7 @@ from vmach.diagnosis.search import Search
 from vmach.fit.survey import Survey
 from vmach.measurements import apart_from_neighbours
 
-__all__ = ["MOST_OUTLIERS", "outlier_note", "outliers", "reading_names"]
+__all__ = ["MOST_OUTLIERS", "outlier_note", "outliers", "reading_names", "worst_of"]
 
 #: at most this share of the readings may be left out as outliers after the fit
 MOST_OUTLIERS = 0.05
@@ -21,21 +21,23 @@ MOST_OUTLIERS = 0.05
 _AMONG_WORST = 0.6
 
 
-def outliers(search: Search, explanation: Explanation, *, worst: bool = False) -> np.ndarray:
+def outliers(search: Search, explanation: Explanation) -> np.ndarray:
     """Readings that a normal distribution would not hold, (n,) bool.
 
-    Where neighbours agree with each other there is a cause, and no chip under the probe. A
-    reading far away bends what is fitted, so that good ones seem to stand out with it: `worst`
-    keeps to those that stand out most.
+    Where neighbours agree with each other there is a cause, and no chip under the probe.
     """
-    count = len(search.survey)
-    limit = -ndtri(0.5 * 0.001 / count)
-    away = np.abs(explanation.residual)
+    limit = -ndtri(0.5 * 0.001 / len(search.survey))
     alone = apart_from_neighbours(explanation.residual, search.survey.group) > limit
-    astray = (away > limit) & alone
-    if worst and astray.any():
-        astray &= away > _AMONG_WORST * away[astray].max()
-    return astray
+    return (np.abs(explanation.residual) > limit) & alone
+
+
+def worst_of(astray: np.ndarray, explanation: Explanation) -> np.ndarray:
+    """Of some readings, (n,) bool, those that stand out most.
+
+    They bend what is fitted, so that good ones seem to stand out with them.
+    """
+    away = np.abs(explanation.residual)
+    return astray & (away > _AMONG_WORST * away[astray].max())
 
 
 def outlier_note(names: Sequence[str], count: int) -> str:
