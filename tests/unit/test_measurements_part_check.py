@@ -113,3 +113,14 @@ def test_points_that_scatter_more_than_u_um_raise_doubt(job, tmp_path, scatter_u
     noise = scatter_um * 1e-3 * np.random.default_rng(1).normal(size=(len(points), 1))
     part, _ = measure_part(job, file_of(tmp_path, points, normals, points + noise * normals))
     assert any("is u_um too small?" in note for note in part.notes) == is_doubtful
+
+
+@pytest.mark.parametrize(
+    ("digits", "u_um", "is_doubtful"), [(2, 0.5, True), (2, 5.0, False), (3, 0.5, False)]
+)
+def test_coordinates_rounded_beyond_their_uncertainty(job, tmp_path, digits, u_um, is_doubtful):
+    """Rounding to a step makes an error of the step over the root of twelve."""
+    _, points, normals = pocket_points()
+    measured = np.round(points + 2e-3 * normals, digits)
+    part, _ = measure_part(job, file_of(tmp_path, points, normals, measured, u_um=u_um))
+    assert any("more digits" in note for note in part.notes) == is_doubtful

@@ -10,7 +10,13 @@ import numpy as np
 
 from vmach.machine import Variant
 from vmach.measurements.measurement import Measurement, apart_from_neighbours
-from vmach.measurements.part_check import check_aligned, check_cut, check_file, check_near
+from vmach.measurements.part_check import (
+    check_aligned,
+    check_cut,
+    check_file,
+    check_near,
+    rounding_notes,
+)
 from vmach.measurements.sign_check import sign_notes
 from vmach.points import SurfacePoints, read_points_csv
 from vmach.prediction import ActingEffect, Prediction, predict_surface
@@ -67,7 +73,7 @@ def measure_part(
 def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Measurement:
     """The points that a move cut, beside their prediction; without u_um they weigh the same."""
     cut = np.flatnonzero(prediction.is_cut)
-    notes = (*prediction.preparation.notes, *points.notes)
+    notes = (*prediction.preparation.notes, *points.notes, *rounding_notes(points))
     if len(cut) < len(points):
         uncut = points.id[~prediction.is_cut]
         note = f"left out, as no move cut them ({len(uncut)} of {len(points)}): {_listed(uncut)}"

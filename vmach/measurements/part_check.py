@@ -17,7 +17,7 @@ from vmach.prediction import predict_surface
 from vmach.preparation import Preparation
 from vmach.units import um_from_mm
 
-__all__ = ["check_aligned", "check_cut", "check_file", "check_near"]
+__all__ = ["check_aligned", "check_cut", "check_file", "check_near", "rounding_notes"]
 
 #: an alignment alone takes six points
 _FEWEST = 12
@@ -29,6 +29,8 @@ _OTHER_PART_MM = 0.5
 _FAR_MM = 0.25
 #: no CMM is finer, and none that is of use is coarser
 _FINEST_MM, _COARSEST_MM = 0.02e-3, 0.1
+#: coordinates this near to rounded ones are rounded
+_NO_DIGIT_MM = 1e-9
 #: points on which a guess at what is wrong is tried
 _TRIED = 60
 #: units that points may be in: how long a millimetre is in them
@@ -122,6 +124,25 @@ def check_aligned(points: SurfacePoints, path: Path) -> None:
         hint=wrong_frame(points.point_mm, points.measured_mm)
         or "is this the measurement of this part, aligned to its datums?",
     )
+
+
+def rounding_notes(points: SurfacePoints) -> tuple[str, ...]:
+    """A note where measured coordinates are rounded more coarsely than their uncertainty allows."""
+    assert points.measured_mm is not None
+    if points.u_mm is None:
+        return ()
+    for digits in (0, 1, 2, 3):
+        rounded = np.round(points.measured_mm, digits)
+        if np.abs(points.measured_mm - rounded).max() > _NO_DIGIT_MM:
+            continue
+        step_mm, u_mm = 10.0**-digits, float(np.median(points.u_mm))
+        if step_mm / np.sqrt(12.0) < u_mm:
+            return ()
+        return (
+            f"mx, my, mz are rounded to {step_mm:g} mm, u_um says {um_from_mm(u_mm):.2g} um "
+            "(median): export them with more digits",
+        )
+    return ()
 
 
 def check_near(part: Measurement, path: Path) -> None:
