@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from bisect import bisect_right
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -149,10 +150,9 @@ class BlockText:
         letter = like.text[0] if like is not None else "g" if self.style.lower else "G"
         return f"{letter}{code:02d}" if padded else f"{letter}{code}"
 
-    def block(self, code: int | None, words: list[str]) -> str:
+    def block(self, words: Sequence[str]) -> str:
         """An inserted block without its label."""
-        head = [] if code is None else [self.motion(code)]
-        return self.style.between.join([*head, *words]) + self.style.closing
+        return self.style.between.join(words) + self.style.closing
 
     def label_of(self, line: int) -> Word | None:
         """The block number of a line."""
@@ -163,15 +163,19 @@ class BlockText:
         letter = "n" if self.style.lower else "N"
         return f"{letter}{label}{self.style.between}{block}"
 
+    def free_labels(self) -> Labels | None:
+        """Block numbers that inserted blocks may get, where the program numbers its blocks."""
+        return Labels(*self._numbering) if self._numbering else None
+
     @cached_property
-    def labels(self) -> Labels | None:
-        """Free block numbers, where the program numbers its blocks."""
+    def _numbering(self) -> tuple[set[int], int] | None:
+        """Block numbers that are taken, and with how many digits they are written."""
         numbered = [self.label_of(k) for k in range(1, len(self.source) + 1) if self.words(k)]
         blocks = [w for w in numbered if w is not None]
         if len(blocks) < 2 or len(blocks) < 0.9 * len(numbered):
             return None
         width = len(blocks[0].text) - 1 if blocks[0].text[1:].startswith("0") else 0
-        return Labels({int(w.value) for w in blocks}, width)
+        return {int(w.value) for w in blocks}, width
 
     def finish(self, text: bytes) -> bytes:
         """Last touch to the whole text."""

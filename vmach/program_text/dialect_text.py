@@ -37,9 +37,7 @@ def block_text(program: Program) -> BlockText:
     return kinds.get(program.dialect, BlockText)(program.source)
 
 
-def line_edit(
-    text: BlockText, line: int, motion: int, *, nominal: int, ending: frozenset[int]
-) -> LineEdit:
+def line_edit(text: BlockText, line: int, *, nominal: int, ending: frozenset[int]) -> LineEdit:
     """The edit of a line in the syntax of its program."""
     kind = KlartextEdit if isinstance(text, KlartextText) else LineEdit
-    return kind(text, line, motion, nominal=nominal, ending=ending)
+    return kind(text, line, nominal=nominal, ending=ending)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -47,7 +48,7 @@ def _sets_here(step: Step) -> bool:
     return 920 in codes or (_G10 in codes and step.words.get("L") == _SET_HERE)
 
 
-@dataclass
+@dataclass(frozen=True)
 class FrameShift:
     """How far the control's zeros are from where the user's program has them, mm.
 
@@ -60,22 +61,22 @@ class FrameShift:
         Work system in force, 1 for G54.
     g92_mm, stored_mm : (3,) float64
         Of the offset by G92 in force and of the one that G92.3 calls back; axes of the program.
-    systems_mm : dict of int to (3,) float64
+    systems_mm : mapping of int to (3,) float64
         Of the work systems; axes of the machine.
     """
 
     system: int = 1
     g92_mm: np.ndarray = field(default_factory=lambda: np.zeros(3))
     stored_mm: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    systems_mm: dict[int, np.ndarray] = field(default_factory=dict)
+    systems_mm: Mapping[int, np.ndarray] = field(default_factory=dict)
 
     def total_mm(self, angle_rad: float) -> np.ndarray:
         """Shift of the zero in force, machine axes, (3,), where the program is turned about Z."""
         own = self.systems_mm.get(self.system, np.zeros(3))
         return turned_about_z(self.g92_mm, angle_rad) + own
 
-    def obey(self, step: Step, carried_mm: np.ndarray, angle_rad: float) -> None:
-        """Take in a line.
+    def after(self, step: Step, carried_mm: np.ndarray, angle_rad: float) -> FrameShift:
+        """The shift after a line.
 
         Parameters
         ----------
@@ -87,31 +88,32 @@ class FrameShift:
         """
         codes = _codes(step)
         named = np.array([axis in step.words for axis in "XYZ"])
-        for code in codes & _SYSTEMS.keys():
-            self.system = _SYSTEMS[code]
+        chosen = next((_SYSTEMS[code] for code in codes if code in _SYSTEMS), self.system)
+        shift = replace(self, system=chosen)
         if _G10 in codes:
-            self._set_system(step, named, carried_mm - turned_about_z(self.g92_mm, angle_rad))
-        elif codes & (_G92 | {_G52}):
-            own = self.systems_mm.get(self.system, np.zeros(3))
-            self._offset(codes, named, turned_about_z(carried_mm - own, -angle_rad))
+            here = carried_mm - turned_about_z(shift.g92_mm, angle_rad)
+            return shift._with_system(step, named, here)
+        if codes & (_G92 | {_G52}):
+            own = shift.systems_mm.get(chosen, np.zeros(3))
+            return shift._with_offset(codes, named, turned_about_z(carried_mm - own, -angle_rad))
+        return shift
 
-    def _set_system(self, step: Step, named: np.ndarray, here: np.ndarray) -> None:
+    def _with_system(self, step: Step, named: np.ndarray, here: np.ndarray) -> FrameShift:
         form, number = step.words.get("L"), int(step.words.get("P", 0)) or self.system
-        if form in (_SET_HERE, _SET_PLAINLY):
-            shift = here if form == _SET_HERE else np.zeros(3)
-            before = self.systems_mm.get(number, np.zeros(3))
-            self.systems_mm[number] = np.where(named, shift, before)
+        if form not in (_SET_HERE, _SET_PLAINLY):
+            return self
+        before = self.systems_mm.get(number, np.zeros(3))
+        own = np.where(named, here if form == _SET_HERE else 0.0, before)
+        return replace(self, systems_mm={**self.systems_mm, number: own})
 
-    def _offset(self, codes: set[int], named: np.ndarray, here: np.ndarray) -> None:
+    def _with_offset(self, codes: set[int], named: np.ndarray, here: np.ndarray) -> FrameShift:
         if codes & {920, _G52}:
-            self.g92_mm = np.where(named, here if 920 in codes else 0.0, self.g92_mm)
-            self.stored_mm = self.g92_mm
-        elif 923 in codes:
-            self.g92_mm = self.stored_mm
-        else:
-            self.g92_mm = np.zeros(3)
-            if 921 in codes:
-                self.stored_mm = np.zeros(3)
+            offset = np.where(named, here if 920 in codes else 0.0, self.g92_mm)
+            return replace(self, g92_mm=offset, stored_mm=offset)
+        if 923 in codes:
+            return replace(self, g92_mm=self.stored_mm)
+        stored = np.zeros(3) if 921 in codes else self.stored_mm
+        return replace(self, g92_mm=np.zeros(3), stored_mm=stored)
 
 
 def turned_about_z(vector: np.ndarray, angle_rad: np.ndarray | float) -> np.ndarray:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from functools import cached_property
 
 from gcode import Word
 from vmach.program_text.block_text import BlockText, Labels, Style
-from vmach.program_text.line_edit import Block, LineEdit
+from vmach.program_text.line_edit import BlockMotion, LineEdit
 
 __all__ = ["KlartextEdit", "KlartextText"]
 
@@ -59,8 +60,7 @@ class KlartextText(BlockText):
         lines = [s for s in self.source.lines if s.strip()]
         return bool(lines) and all(re.match(r"\s*\d+\s", s) for s in lines)
 
-    @cached_property
-    def labels(self) -> Labels | None:
+    def free_labels(self) -> Labels | None:
         """None: all blocks are numbered anew at the end."""
         return None
 
@@ -82,65 +82,71 @@ class KlartextEdit(LineEdit):
     """The same in Klartext, where an arc's centre is a block of its own before it."""
 
     def __init__(
-        self, text: KlartextText, line: int, motion: int, *, nominal: int, ending: frozenset[int]
+        self, text: KlartextText, line: int, *, nominal: int, ending: frozenset[int]
     ) -> None:
-        super().__init__(text, line, motion, nominal=nominal, ending=ending)
-        found = next((w for w in self.words if w.letter == "DR"), None)
-        if found is not None:
-            self.position["DR"] = found
-        self.poles: list[str] = []  #: blocks before the line's own
+        super().__init__(text, line, nominal=nominal, ending=ending)
+        self.own |= {w.letter: w for w in self.words if w.letter == "DR"}
 
-    def write(self, code: int, numbers: dict[str, str]) -> int:
-        """Write one motion; arcs about a centre take a CC block more."""
-        centre = [numbers.pop(k) for k in "IJ" if k in numbers]
-        before = self._put_pole(dict(zip("XY", centre, strict=True))) if centre else 0
-        self.head = "L" if code < 2 else "C" if centre else "CR"
-        if code > 1:
-            numbers["DR"] = "+" if code == 3 else "-"
-        if not self.own_done:
-            return before + super().write(code, numbers)
-        words = [self.text.word(letter, number) for letter, number in numbers.items()]
-        self.blocks.append(Block(None, {"": " ".join([self.head, *words])}))
-        return before + 1
+    def extra_blocks(self, motion: BlockMotion, *, is_own: bool) -> int:
+        """Arcs about a centre take a CC block more, but where the user's serves."""
+        needs_pole = _has_centre(motion) and not (is_own and self._users_pole)
+        return super().extra_blocks(motion, is_own=is_own) + needs_pole
 
-    def _put_pole(self, centre: dict[str, str]) -> int:
-        """Say the centre, in the user's CC block where that stands right before the line."""
-        said = self._users_pole()
-        if said and not self.own_done:
-            for axis, number in centre.items():
-                self.changes[said[axis].span] = self.text.word(axis, number, said[axis])
-            return 0
-        pole = " ".join(["CC", *(self.text.word(a, number) for a, number in centre.items())])
-        if self.own_done:
-            self.blocks.append(Block(None, {"": pole}))
-        else:
-            self.poles.append(pole)
-        return 1
+    def changes(
+        self, motions: Sequence[BlockMotion], in_force: int, labels: Labels | None
+    ) -> dict[tuple[int, int], str]:
+        """Replacements, the centre's block first."""
+        changes, own = super().changes(motions, in_force, labels), motions[0]
+        if self.extra_blocks(own, is_own=True):
+            pole = " ".join(self._pole(own)) + self._line_end(self._start + 200)
+            changes[self._start, self._start] = pole
+        return changes
 
+    @cached_property
     def _users_pole(self) -> dict[str, Word] | None:
+        """X and Y of the user's own CC block, where it stands right before the line."""
         words = self.text.words(self.line - 1) if self.line > 1 else ()
         if not words or words[0].text.upper() != "CC":
             return None
         found = {w.letter: w for w in words[1:] if not self.text.is_incremental(w)}
         return found if set(found) == {"X", "Y"} else None
 
-    def _gone(self, numbers: dict[str, str]) -> list[str]:
-        return [k for k in ("R", "DR") if k in self.position and k not in numbers]
+    def _own_changes(self, motion: BlockMotion, in_force: int) -> dict[tuple[int, int], str]:
+        changes = super()._own_changes(motion, in_force)
+        if _has_centre(motion) and self._users_pole:
+            for axis, number in _centre(motion).items():
+                word = self._users_pole[axis]
+                changes[word.span] = self.text.word(axis, number, word)
+        return changes
 
-    def _differs(self, said: Word, code: int) -> bool:
-        return said.text.upper() != self.head
+    def _numbers(self, motion: BlockMotion) -> dict[str, str]:
+        turning = {"DR": "+" if motion.code == 3 else "-"} if motion.code > 1 else {}
+        return {k: v for k, v in motion.numbers.items() if k not in "IJ"} | turning
 
-    def _motion(self, code: int, said: Word) -> str:
-        return self.head
+    def _leaving(self) -> Sequence[str]:
+        return ("R", "DR")
 
-    def _block(self, block: Block, tail: list[str]) -> str:
-        return " ".join([block.words[""], *tail])
+    def _head(self, motion: BlockMotion, said: Word) -> str:
+        head = _function(motion)
+        return said.text if said.text.upper() == head else head
 
-    def edits(self) -> dict[tuple[int, int], str]:
-        """Replacements, the centre's block first."""
-        edits = super().edits()
-        if self.poles:
-            at = int(self.text.source.line_starts[self.line - 1])
-            ending = "\r\n" if b"\r\n" in self.text.source.data[: at + 200] else "\n"
-            edits[at, at] = "".join(pole + ending for pole in self.poles)
-        return edits
+    def _blocks_behind(self, motion: BlockMotion, in_force: int) -> list[list[str]]:
+        pole = [self._pole(motion)] if _has_centre(motion) else []
+        return [*pole, [_function(motion), *self._words(motion)]]
+
+    def _pole(self, motion: BlockMotion) -> list[str]:
+        return ["CC", *(self.text.word(k, number) for k, number in _centre(motion).items())]
+
+
+def _has_centre(motion: BlockMotion) -> bool:
+    return motion.numbers is not None and "I" in motion.numbers
+
+
+def _centre(motion: BlockMotion) -> dict[str, str]:
+    """Numbers of the CC block, by letter."""
+    return {"X": motion.numbers["I"], "Y": motion.numbers["J"]}
+
+
+def _function(motion: BlockMotion) -> str:
+    """The word that a block of this motion begins with."""
+    return "L" if motion.code < 2 else "C" if _has_centre(motion) else "CR"

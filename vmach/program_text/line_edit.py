@@ -1,13 +1,14 @@
-"""One line of a program while its block is corrected and further blocks are put behind it."""
+"""What motions make of one line's text: the first goes into its own block, the others behind it."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from gcode import Word
-from vmach.program_text.block_text import BlockText, split_word
+from vmach.program_text.block_text import BlockText, Labels, split_word
 
-__all__ = ["AS_PROGRAMMED", "SAME", "UNKNOWN", "Block", "LineEdit"]
+__all__ = ["AS_PROGRAMMED", "SAME", "UNKNOWN", "BlockMotion", "LineEdit"]
 
 #: number of a word that stays as it is
 SAME = "same"
@@ -17,22 +18,28 @@ _POSITION = frozenset("XYZIJKR")
 
 
 @dataclass(frozen=True)
-class Block:
-    """A block to be inserted: its G code where it has to be said, and numbers by letter."""
+class BlockMotion:
+    """A motion to be written.
 
-    code: int | None
-    words: dict[str, str]
+    Attributes
+    ----------
+    code : int
+        0 to 3 for G0 to G3.
+    numbers : mapping of str to str, optional
+        Of its words by letter; none where the user's block stays as it is.
+    """
+
+    code: int
+    numbers: Mapping[str, str] | None
 
 
 class LineEdit:
-    """Edits of one line and the blocks inserted after it.
+    """A line whose motion is written anew.
 
     Parameters
     ----------
     text : BlockText
     line : int
-    motion : int
-        G code in force before the line, `AS_PROGRAMMED` or `UNKNOWN`.
     nominal : int
         G code of the line's own motion.
     ending : frozenset of int
@@ -40,19 +47,14 @@ class LineEdit:
 
     Attributes
     ----------
-    own_done : bool
-        The line's own block is written; what follows is inserted.
+    own : dict of str to Word
+        The words of the line's own block that belong to its motion, by letter.
     """
 
-    def __init__(
-        self, text: BlockText, line: int, motion: int, *, nominal: int, ending: frozenset[int]
-    ) -> None:
-        self.text, self.line, self.motion, self.nominal = text, line, motion, nominal
-        self.words, self.ending = text.words(line), ending
-        self.position = {w.letter: w for w in self.words if w.letter in _POSITION | {"P", "F"}}
-        self.own_done = False
-        self.changes: dict[tuple[int, int], str] = {}
-        self.blocks: list[Block] = []
+    def __init__(self, text: BlockText, line: int, *, nominal: int, ending: frozenset[int]) -> None:
+        self.text, self.line, self.nominal, self.ending = text, line, nominal, ending
+        self.words = text.words(line)
+        self.own = {w.letter: w for w in self.words if w.letter in _POSITION | {"P", "F"}}
 
     @property
     def may_be_skipped(self) -> bool:
@@ -62,113 +64,119 @@ class LineEdit:
     @property
     def has_radius(self) -> bool:
         """The user gives the arc by its radius."""
-        return "R" in self.position
-
-    def own_word(self, letter: str) -> Word | None:
-        """A word of the line's own block, as long as that is not written."""
-        return None if self.own_done else self.position.get(letter)
+        return "R" in self.own
 
     def number_of(self, word: Word | None) -> str | None:
         """The number that a word has in the text."""
         return None if word is None else split_word(word.text)[1]
 
-    def keep(self, code: int) -> None:
-        """Leave the line's own block as it is."""
-        self.own_done, self.motion = True, code
+    def extra_blocks(self, motion: BlockMotion, *, is_own: bool) -> int:
+        """How many blocks a motion takes beyond the line's own, for that one or behind it."""
+        return 0 if is_own else 1
 
-    def write(self, code: int, numbers: dict[str, str]) -> int:
-        """Write one motion with the given numbers by letter.
+    def changes(
+        self, motions: Sequence[BlockMotion], in_force: int, labels: Labels | None
+    ) -> dict[tuple[int, int], str]:
+        """Replacements for `gcode.Source.rewritten`.
 
-        Returns
-        -------
-        int
-            How many blocks it took beyond the line's own.
+        Parameters
+        ----------
+        motions : sequence of BlockMotion
+            At least one.
+        in_force : int
+            G code in force before the line, `AS_PROGRAMMED` or `UNKNOWN`.
+        labels : Labels, optional
+            Gives the inserted blocks their numbers.
         """
-        if self.own_done:
-            self.blocks.append(Block(self._said_code(code), numbers))
-            self.motion = code
-            return 1
-        self._change_own(code, numbers)
-        self.own_done, self.motion = True, code
-        return 0
+        own, *others = motions
+        changes = {} if own.numbers is None else self._own_changes(own, in_force)
+        if not others:
+            return changes
+        blocks, code = [], own.code
+        for motion in others:
+            blocks += self._blocks_behind(motion, code)
+            code = motion.code
+        last = [w for w in self.words if w.letter == "M" and w.value in self.ending]
+        for word in last:
+            changes |= self._removal(word)
+        blocks[-1] += [word.text for word in last]
+        at = self._start + len(self.text.source.lines[self.line - 1])
+        ending = self._line_end(at + 2)
+        added = "".join(ending + self._inserted(words, labels) for words in blocks)
+        return changes | {(at, at): changes.get((at, at), "") + added}
 
-    def _said_code(self, code: int) -> int | None:
-        return None if code == self.motion else code
+    @property
+    def _start(self) -> int:
+        return int(self.text.source.line_starts[self.line - 1])
 
-    def _change_own(self, code: int, numbers: dict[str, str]) -> None:
+    def _line_end(self, before: int) -> str:
+        return "\r\n" if b"\r\n" in self.text.source.data[:before] else "\n"
+
+    def _own_changes(self, motion: BlockMotion, in_force: int) -> dict[tuple[int, int], str]:
         """Replace, remove and add words of the line's own block."""
-        added = []
+        changes, added, numbers = {}, [], self._numbers(motion)
         for letter, number in numbers.items():
-            if letter not in self.position:
+            if letter not in self.own:
                 added.append(self.text.word(letter, number))
             elif number != SAME:
-                word = self.position[letter]
-                self.changes[word.span] = self.text.word(letter, number, word)
-        for letter in self._gone(numbers):
-            self._remove(self.position[letter])
+                word = self.own[letter]
+                changes[word.span] = self.text.word(letter, number, word)
+        for letter in self._leaving():
+            if letter in self.own and letter not in numbers:
+                changes |= self._removal(self.own[letter])
         said = self.text.motion_word(self.line)
-        in_force = self.nominal if self.motion == AS_PROGRAMMED else self.motion
         if said is not None:
-            if self._differs(said, code):
-                self.changes[said.span] = self._motion(code, said)
-        elif in_force != code:
-            added.insert(0, self.text.motion(code))
-        if added:
-            self._add(added)
+            head = self._head(motion, said)
+            if head != said.text:
+                changes[said.span] = head
+        elif motion.code != (self.nominal if in_force == AS_PROGRAMMED else in_force):
+            added.insert(0, self.text.motion(motion.code))
+        return changes | self._addition(added)
 
-    def _differs(self, said: Word, code: int) -> bool:
-        return said.value != code
+    def _numbers(self, motion: BlockMotion) -> Mapping[str, str]:
+        """Numbers of the words in the motion's own block, by letter."""
+        return motion.numbers
 
-    def _motion(self, code: int, said: Word) -> str:
-        return self.text.motion(code, said)
+    def _leaving(self) -> Sequence[str]:
+        """Letters that the block loses where the new motion does not have them."""
+        return "IJKRP" if self.nominal > 1 else "IJKR"
 
-    def _gone(self, numbers: dict[str, str]) -> list[str]:
-        """Letters of the own block that the new motion does not have."""
-        possible = "IJKRP" if self.nominal > 1 else "IJKR"
-        return [k for k in possible if k in self.position and k not in numbers]
+    def _head(self, motion: BlockMotion, said: Word) -> str:
+        """The word that says the motion, in the place of the user's."""
+        return said.text if said.value == motion.code else self.text.motion(motion.code, said)
 
-    def _remove(self, word: Word) -> None:
+    def _removal(self, word: Word) -> dict[tuple[int, int], str]:
         """Take a word out with the blank before it."""
-        start, stop = word.span
-        while self.text.source.data[start - 1 : start] in (b" ", b"\t"):
+        data, (start, stop) = self.text.source.data, word.span
+        while data[start - 1 : start] in (b" ", b"\t"):
             start -= 1
-        following = self.text.source.data[stop : stop + 1]
-        at_start = start == int(self.text.source.line_starts[self.line - 1])
-        keep_blank = at_start or following not in (b" ", b"\t", b"\r", b"\n", b"")
-        self.changes[(word.span[0] if keep_blank else start), stop] = ""
+        following = data[stop : stop + 1]
+        keep_blank = start == self._start or following not in (b" ", b"\t", b"\r", b"\n", b"")
+        return {(word.span[0] if keep_blank else start, stop): ""}
 
-    def _add(self, added: list[str]) -> None:
+    def _addition(self, added: Sequence[str]) -> dict[tuple[int, int], str]:
         """Put words behind the last one that has to do with the motion."""
+        if not added:
+            return {}
         said = self.text.motion_word(self.line)
         behind = [w for w in self.words if w.letter in _POSITION or w is said or w.letter == "G"]
-        anchor = behind[-1] if behind else self.words[-1]
+        at = (behind or self.words)[-1].span[1]
         gap = self.text.style.between
-        at = anchor.span[1]
-        self.changes[at, at] = gap + gap.join(added)
+        return {(at, at): gap + gap.join(added)}
 
-    def edits(self) -> dict[tuple[int, int], str]:
-        """Replacements for `gcode.Source.rewritten`."""
-        tail: list[str] = []
-        if self.blocks:
-            for word in self.words:
-                if word.letter == "M" and word.value in self.ending:
-                    tail.append(word.text)
-                    self._remove(word)
-        lines = [self._block(b, tail if b is self.blocks[-1] else []) for b in self.blocks]
-        edits = dict(self.changes)
-        if lines:
-            text, source = self.text.source.lines[self.line - 1], self.text.source
-            at = int(source.line_starts[self.line - 1]) + len(text)
-            ending = "\r\n" if b"\r\n" in source.data[: at + 2] else "\n"
-            added = edits.get((at, at), "")
-            edits[at, at] = added + "".join(ending + line for line in lines)
-        return edits
+    def _blocks_behind(self, motion: BlockMotion, in_force: int) -> list[list[str]]:
+        """The words of the blocks that a motion takes behind the line."""
+        said = [] if motion.code == in_force else [self.text.motion(motion.code)]
+        return [[*said, *self._words(motion)]]
 
-    def _block(self, block: Block, tail: list[str]) -> str:
-        words = [self.text.word(letter, number) for letter, number in block.words.items()]
-        text = self.text.block(block.code, [*words, *tail])
-        if self.text.labels is not None:
+    def _words(self, motion: BlockMotion) -> list[str]:
+        return [self.text.word(k, number) for k, number in self._numbers(motion).items()]
+
+    def _inserted(self, words: Sequence[str], labels: Labels | None) -> str:
+        """A new block, numbered and skipped as the line itself is."""
+        block = self.text.block(words)
+        if labels is not None:
             own = self.text.label_of(self.line)
-            label = self.text.labels.after(int(own.value) if own else None)
-            text = text if label is None else self.text.labelled(text, label)
-        return ("/" if self.may_be_skipped else "") + text
+            label = labels.after(int(own.value) if own else None)
+            block = block if label is None else self.text.labelled(block, label)
+        return ("/" if self.may_be_skipped else "") + block
