@@ -15,7 +15,7 @@ import time
 import numpy as np
 
 from stock.compiled import read_only
-from stock.contact import Cut
+from stock.meeting import Cut
 from stock.motion import Motion
 from stock.outline import Outlines
 from stock.tree import Trees

@@ -11,8 +11,8 @@ import numpy as np
 
 from stock.compile_ahead import await_compiled
 from stock.compiled import read_only
-from stock.contact import Cut
 from stock.errors import StockError
+from stock.meeting import Cut
 from stock.motion import build_motion, tip_positions
 from stock.outline import build_outlines
 from stock.sweeps import Sweeps

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from stock.compiled import njit_inlined, njit_kernel, njit_part
-from stock.contact import TOUCH_MM, Cut, entry, exit_below, point_at
+from stock.crossing import entry, exit_below
+from stock.meeting import TOUCH_MM, Cut, Meeting, point_at
 from stock.threads import run_in_parts
 from stock.tree import Trees, bound_of_box, morton_order, pieces_of_leaf
 
@@ -136,9 +137,8 @@ def _walk_out(work, line, most, todo):
     q, hint = line[0], todo[2]
     best, best_sweep, best_s = most, -1, 0.0
     if hint[0] >= 0:  # near the end of the search at once
-        k = hint[0]
-        sweep = trees.sweep[k]
-        h, s = entry(cut, sweep, (trees.span[k, 0], trees.span[k, 1]), line, best)
+        sweep = trees.sweep[hint[0]]
+        h, s = entry(_meeting(work, hint[0], line), best)
         if h == -np.inf:
             return True, 0.0, -1, 0.0
         if h <= best:
@@ -160,7 +160,7 @@ def _walk_out(work, line, most, todo):
                 bound = bound_of_box(cut.outlines, tool, trees.piece_box, k, q)
                 if _useless(bound - trees.slack_mm[tool], sweep, best, best_sweep):
                     continue
-                h, s = entry(cut, sweep, (trees.span[k, 0], trees.span[k, 1]), line, best)
+                h, s = entry(_meeting(work, k, line), best)
                 if h == -np.inf:
                     hint[0] = k
                     return True, 0.0, -1, 0.0
@@ -168,6 +168,13 @@ def _walk_out(work, line, most, todo):
                     best, best_sweep, best_s = min(h, best), sweep, s
                     hint[0] = k
     return False, best, best_sweep, best_s
+
+
+@njit_inlined()
+def _meeting(work, k, line):
+    """A line and the piece k of the trees."""
+    cut, trees = work
+    return Meeting(cut, trees.sweep[k], (trees.span[k, 0], trees.span[k, 1]), line)
 
 
 @njit_inlined()
@@ -234,13 +241,13 @@ def _pass_in(work, line, state, reach, todo):
                 bound = bound_of_box(cut.outlines, tool, trees.piece_box, k, point_at(line, h))
                 if bound - trees.slack_mm[tool] > TOUCH_MM:
                     continue
-                sweep, span = trees.sweep[k], (trees.span[k, 0], trees.span[k, 1])
-                lower, s, touch = exit_below(cut, sweep, span, line, h, -reach)
+                sweep = trees.sweep[k]
+                lower, s, is_touch = exit_below(_meeting(work, k, line), h, -reach)
                 if lower < h:
                     h, best_sweep, best_s = lower, sweep, s
                     todo[2][0] = k
                     if h <= -reach:
                         return h, best_sweep, best_s
-                elif touch and sweep > best_sweep:
+                elif is_touch and sweep > best_sweep:
                     best_sweep, best_s = sweep, s
     return h, best_sweep, best_s

@@ -110,3 +110,37 @@ def test_points_near_a_displaced_raster(shape):
         state, h = brute.edge(sweeps, TOOLS, points[k], normals[k], 1.0)
         assert found.status[k] == state
         assert found.deviation_mm[k] == pytest.approx(h, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "point",
+    [(1.011, -2.989, -0.084), (1.015, -2.989, -0.079), (1.018, -2.987, -0.082),
+     (1.02, -2.983, -0.081), (1.016, -2.993, -0.08)],
+)  # fmt: skip
+def test_an_entry_that_is_barely_within_reach(point):
+    """A flat bottom that rises and ripples: its distance has a kink along it, and must be exact.
+
+    A distance that is found too large is not noticed as long as the search goes on from there;
+    where little more than the entry itself is of interest, the entry is lost.
+    """
+    sweep = one_sweep((0.077, 0.252, -0.079), (-1.0, -1.628, 0.0),
+                      shift=[(0.0094, 0.0086, 0.0095), (0.0084, 0.0097, 0.01)],
+                      slope=[(-0.0007, 0.0016, 0.001), (-0.0012, 0.0007, 0.0001)])  # fmt: skip
+    point, normal = np.array(point), np.array([0.014, 0.104, 1.0])
+    normal /= np.linalg.norm(normal)
+    state, h = brute.edge(sweep, TOOLS, point, normal, 1.0)
+    assert (state, h > 0.0) == (0, True)
+    tools = [make_tool(**tool) for tool in TOOLS]
+    found = find_edges(point[None], normal[None], sweeps=sweep, tools=tools, blank_mm=None,
+                       reach_mm=1.05 * h)  # fmt: skip
+    assert found.status[0] == 0
+    assert found.deviation_mm[0] == pytest.approx(h, abs=1e-9)
+
+
+def one_sweep(start, end, *, shift, slope):
+    """One straight sweep of the first tool, not tilted."""
+    none, upright = np.zeros((1, 3)), np.zeros((1, 2, 3))
+    return Sweeps(start_mm=np.array([start]), end_mm=np.array([end]), centre_mm=none, axis=none,
+                  sweep_rad=np.zeros(1), tool=np.zeros(1, int), move=np.zeros(1, int),
+                  shift_mm=np.array([shift]), shift_slope_mm=np.array([slope]),
+                  tilt_rad=upright, tilt_slope_rad=upright)  # fmt: skip
