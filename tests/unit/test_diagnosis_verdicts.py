@@ -11,6 +11,7 @@ import pytest
 
 from tests.small_job import write_job
 from vmach.added_effects import add_effects
+from vmach.diagnosis.contrived import is_contrived
 from vmach.diagnosis.diagnose import diagnose, prepare_search
 from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.impossible_sizes import impossible_sizes
@@ -228,6 +229,24 @@ def test_a_size_surely_below_zero_is_no_finding(machine_um, is_possible):
     left, notes = impossible_sizes([finding])
     assert (not left) == is_possible
     assert all("machine_um = -9" in note for note in notes)
+
+
+@pytest.mark.parametrize(
+    ("labels", "is_too_much"),
+    [
+        (["tool_wear T2", "tool_slip T2", "runout T2"], True),  # rather a chipped edge
+        (["tool_wear T2", "tool_slip T1", "runout T2"], False),
+        (["backlash X", "scale X", "servo_lag"], False),
+        (["backlash X", "scale X", "component EYX"], True),
+    ],
+)
+def test_what_takes_too_much_at_once_is_no_explanation(labels, is_too_much):
+    named = [label.partition(" ") for label in labels]
+    findings = [
+        Finding(catalogue()[name], target, {}, {}, Rivals((), ()), None, {})
+        for name, _, target in named
+    ]
+    assert is_contrived(findings) == is_too_much
 
 
 def test_the_next_program_says_how_its_readings_come_back(tmp_path):

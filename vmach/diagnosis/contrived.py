@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 from vmach.diagnosis.findings import Finding
+from vmach.effects.tool_size import OfOneTool
 
 __all__ = ["is_contrived"]
 
 #: more effects at once than this are not named
 _MOST_AT_ONCE = 3
+#: nor this many of one tool: it has broken, and each of them tells a part of it
+_TOO_MANY_OF_A_TOOL = 3
 
 
 def is_contrived(findings: Sequence[Finding]) -> bool:
@@ -17,6 +21,9 @@ def is_contrived(findings: Sequence[Finding]) -> bool:
 
     Several flexible or slow ones can be bent to it.
     """
+    of_tools = Counter(f.target for f in findings if isinstance(f.effect, OfOneTool))
+    if max(of_tools.values(), default=0) >= _TOO_MANY_OF_A_TOOL:
+        return True
     effects = [f.effect for f in findings if f.effect is not None]
     flexible = sum(effect.is_flexible for effect in effects)
     if any(not e.amplitudes for e in effects) and any(e.is_flexible and e.is_slow for e in effects):
