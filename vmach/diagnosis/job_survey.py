@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from vmach.effects import read_effects
+import numpy as np
+
+from vmach.effects import Circumstances, read_effects
 from vmach.errors import InputError
 from vmach.fit.survey import Survey
 from vmach.job import Job, read_job
 from vmach.measurements import Measurement, measure_part, read_instruments
-from vmach.preparation import prepare
+from vmach.preparation import Preparation, prepare
 
 __all__ = ["survey_job", "survey_part"]
 
@@ -27,7 +29,9 @@ def survey_job(job_path: str | Path) -> Survey:
     effects = read_effects(job.effects, file=job.path, job=job)
     found: list[Measurement] = []
     if job.measured is not None:
-        found.append(measure_part(prepare(job), job.measured, effects=effects)[0])
+        preparation = prepare(job)
+        _compile_circumstances(preparation)
+        found.append(measure_part(preparation, job.measured, effects=effects)[0])
     found += read_instruments(job, effects=effects)
     if not found:
         raise InputError(
@@ -36,6 +40,18 @@ def survey_job(job_path: str | Path) -> Survey:
             accepted="measured = a CSV of CMM points, or [[measurements]]",
         )
     return Survey(job, tuple(found), effects)
+
+
+def _compile_circumstances(preparation: Preparation) -> None:
+    """Ask once for what effects ask for.
+
+    Where kernels are new, another process is busy with those of the engine, and this one would
+    wait for it.
+    """
+    node = preparation.path.nodes[:1]
+    path = Circumstances(replace(node, normal=np.eye(3)[:1]), preparation.job)
+    path.warmth_of_spindle(1.0, 1.0)
+    _ = path.radial_depth_mm, path.play_side
 
 
 def survey_part(other: Job, model: Job) -> Survey:
