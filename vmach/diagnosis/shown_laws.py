@@ -57,8 +57,8 @@ def share_left_to_slack(search: Search, explanation: Explanation) -> tuple[float
     share : float
         Of the sums of squares.
     granted : float
-        The share of it that is expected, or the largest `slack_share` of the laws where that is
-        more: being a share of the amplitude it is generous.
+        The largest `slack_share` of the laws: being a share of the amplitude it is generous.
+        With circumstances that no file tells, the share that is expected, where that is more.
     """
     fit = explanation.fit
     if fit is None or fit.slack_mm is None:
@@ -72,5 +72,7 @@ def share_left_to_slack(search: Search, explanation: Explanation) -> tuple[float
     open_causes = search.whiten(fit.slack_mm)
     explained = max(without - end - numbers_determined(open_causes), 1.0)
     share = max(by_law - end - numbers_determined(open_causes), 0.0) / explained
-    stated = max(term.effect.slack_share for term in fit.terms)
-    return share, max(stated, float(np.sum(open_causes**2)) / explained)
+    granted = max(term.effect.slack_share for term in fit.terms)
+    if any(term.effect.has_untold for term in fit.terms):
+        granted = max(granted, float(np.sum(open_causes**2)) / explained)
+    return share, granted

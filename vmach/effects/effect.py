@@ -134,6 +134,8 @@ class Effect(ABC):
     #: what the law leaves out, as a share of the effect, wandering over this time
     slack_share: ClassVar[float] = 0.0
     slack_time_s: ClassVar[float] = 60.0
+    #: whether `slack` holds circumstances that no file tells, beside the law's inexactness
+    has_untold: ClassVar[bool] = False
     usual_size: ClassVar[str] = ""
     confirm: ClassVar[str] = ""
     cure: ClassVar[str] = ""
