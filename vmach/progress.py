@@ -20,7 +20,10 @@ _PATIENCE_S = 2.0
 
 @contextmanager
 def progress_bar() -> Iterator[Report]:
-    """Give a function to report progress to; it draws on standard error if that is a terminal."""
+    """Give a function to report progress to; it draws on standard error if that is a terminal.
+
+    The bar of a stage that begins with 0 of 1 runs to and fro until it is done or the next begins.
+    """
     console = Console(stderr=True)
     if not console.is_terminal:
         yield silent
@@ -31,8 +34,11 @@ def progress_bar() -> Iterator[Report]:
 
     def report(stage: str, done: int, total: int) -> None:
         if stage not in tasks:
-            tasks[stage] = bar.add_task(stage, total=total)
-        bar.update(tasks[stage], completed=done, total=total)
+            for task in bar.tasks:
+                if task.total is None:
+                    bar.update(task.id, completed=1, total=1)
+            tasks[stage] = bar.add_task(stage, total=None)
+        bar.update(tasks[stage], completed=done, total=total if done or total > 1 else None)
 
     # a clock of its own: a long first stage reports nothing for a while
     patience = threading.Timer(_PATIENCE_S, bar.start)

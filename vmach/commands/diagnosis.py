@@ -62,11 +62,10 @@ def diagnose(
 
         check_folder(out, FOLDER_FILES, inputs=inputs)
     with progress_bar() as progress:
-        progress("read", 0, 6)
+        progress("read", 0, 1)
         survey = survey_job(job)
         nominal = None if out is None else read_nominal_mesh(survey.job)
-        steps = iter(range(1, 6))
-        found = diagnose_survey(survey, progress=lambda text: progress(text, next(steps), 6))
+        found = diagnose_survey(survey, progress=lambda stage: progress(stage, 0, 1))
         program = None
         if found.next_measurement is not None and next_path is not None:
             program = next_path.name if next_file is None else str(next_path)
@@ -75,7 +74,7 @@ def diagnose(
         if json_file is not None:
             write_figures(json_file, found, program=program)
         if out is not None:
-            progress("draw", 5, 6)
+            progress("draw", 0, 1)
             written = write_diagnosis(out, found, nominal=nominal, command=command_line())
             if found.next_measurement is not None:
                 program = program or str(out / written[-1])

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from vmach.diagnosis.absorbing import slack_of
+from vmach.diagnosis.absorbing import absorbing, slack_of
 from vmach.diagnosis.blind_spots import blind_spots
 from vmach.diagnosis.contrived import is_contrived
 from vmach.diagnosis.explanation import Explanation
@@ -34,6 +34,7 @@ from vmach.effects.component import Component
 from vmach.fit.candidates import gather_candidates
 from vmach.fit.joint_fit import fit_terms
 from vmach.fit.survey import Survey
+from vmach.fit.terms import Term
 from vmach.fit.uncertainty import parameter_uncertainty
 from vmach.fit.whitening import Whitening
 from vmach.units import um_from_mm
@@ -115,9 +116,7 @@ def diagnose(
 def prepare_search(survey: Survey, effects: Sequence[Effect] | None = None) -> Search:
     """The search over a survey; `effects` are its candidates, the catalogue where left out."""
     candidates, excluded = gather_candidates(survey, effects)
-    factors = survey.factors(bend_share=BEND_SHARE)
-    whiten = Whitening(survey.u_mm, factors, survey.nuisance)
-    return Search(survey, candidates, whiten, excluded=excluded)
+    return Search(survey, candidates, _whitening(survey), excluded=excluded)
 
 
 def _without_outliers(search: Search) -> tuple[Search, Explanation, tuple[str, ...]]:
@@ -125,30 +124,40 @@ def _without_outliers(search: Search) -> tuple[Search, Explanation, tuple[str, .
 
     Where they would be many, none is left out: something is behind them.
     """
-    whole, found = search, search.run()
+    whole, found = search.survey, search.run()
+    terms = found.fit.terms if found.fit else ()
+    survey, whiten, residual = whole, search.whiten, found.residual
     names: list[str] = []
-    count, explanation = len(search.survey), found
+    kept = np.ones(len(whole), dtype=bool)
     for left in reversed(range(_OUTLIER_PASSES)):
-        astray = outliers(search, explanation)
-        if len(names) + astray.sum() > MOST_OUTLIERS * count:
-            return whole, found, ()
+        astray = outliers(survey, residual)
+        if len(names) + astray.sum() > MOST_OUTLIERS * len(whole):
+            return search, found, ()
         if not astray.any():
             break
-        rows = worst_of(astray, explanation) if left else astray
-        names += reading_names(search.survey, rows)
-        search = _search_without(search, rows)
-        explanation = search.explain(found.fit.terms if found.fit else ())
+        rows = worst_of(astray, residual) if left else astray
+        names += reading_names(survey, rows)
+        kept[np.flatnonzero(kept)[rows]] = False
+        survey = whole.part_of(kept)
+        whiten = _whitening(survey)
+        residual = _left_by(terms, survey, whiten)
     if not names:
-        return whole, found, ()
-    return search, search.run(), (outlier_note(names, count),)
+        return search, found, ()
+    candidates = [replace(c, signatures_mm=c.signatures_mm[kept]) for c in search.candidates]
+    search = Search(survey, candidates, whiten, excluded=search.excluded)
+    return search, search.run(), (outlier_note(names, len(whole)),)
 
 
-def _search_without(search: Search, rows: np.ndarray) -> Search:
-    """The search without some readings, (n,) bool; the signatures of the others stay."""
-    survey = search.survey.part_of(~rows)
-    candidates = [replace(c, signatures_mm=c.signatures_mm[~rows]) for c in search.candidates]
-    whiten = Whitening(survey.u_mm, survey.factors(bend_share=BEND_SHARE), survey.nuisance)
-    return Search(survey, candidates, whiten, excluded=search.excluded)
+def _left_by(terms: Sequence[Term], survey: Survey, whiten: Whitening) -> np.ndarray:
+    """What fitted terms leave of whitened readings, (n,)."""
+    reading = whiten(survey.residual_mm)
+    if not terms:
+        return reading
+    return absorbing(survey, whiten, fit_terms(survey, terms, whiten))(reading)
+
+
+def _whitening(survey: Survey) -> Whitening:
+    return Whitening(survey.u_mm, survey.factors(bend_share=BEND_SHARE), survey.nuisance)
 
 
 def _settled(search: Search, explanation: Explanation) -> Explanation:

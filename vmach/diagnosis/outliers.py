@@ -7,8 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import ndtri
 
-from vmach.diagnosis.explanation import Explanation
-from vmach.diagnosis.search import Search
 from vmach.fit.survey import Survey
 from vmach.measurements import apart_from_neighbours
 
@@ -21,22 +19,28 @@ MOST_OUTLIERS = 0.05
 _AMONG_WORST = 0.6
 
 
-def outliers(search: Search, explanation: Explanation) -> np.ndarray:
+def outliers(survey: Survey, residual: np.ndarray) -> np.ndarray:
     """Readings that a normal distribution would not hold, (n,) bool.
 
     Where neighbours agree with each other there is a cause, and no chip under the probe.
+
+    Parameters
+    ----------
+    survey : Survey
+    residual : (n,) float64
+        What an explanation leaves of its readings, whitened.
     """
-    limit = -ndtri(0.5 * 0.001 / len(search.survey))
-    alone = apart_from_neighbours(explanation.residual, search.survey.group) > limit
-    return (np.abs(explanation.residual) > limit) & alone
+    limit = -ndtri(0.5 * 0.001 / len(survey))
+    alone = apart_from_neighbours(residual, survey.group) > limit
+    return (np.abs(residual) > limit) & alone
 
 
-def worst_of(astray: np.ndarray, explanation: Explanation) -> np.ndarray:
+def worst_of(astray: np.ndarray, residual: np.ndarray) -> np.ndarray:
     """Of some readings, (n,) bool, those that stand out most.
 
     They bend what is fitted, so that good ones seem to stand out with them.
     """
-    away = np.abs(explanation.residual)
+    away = np.abs(residual)
     return astray & (away > _AMONG_WORST * away[astray].max())
 
 

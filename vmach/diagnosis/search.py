@@ -76,6 +76,7 @@ class Search:
         )
         self._reading = whiten(survey.residual_mm)
         self._seed = seed
+        self._known_without: dict[tuple, Explanation] = {}
 
     @property
     def effects(self) -> list[Effect]:
@@ -87,6 +88,7 @@ class Search:
         """The same search over other readings of the same design, nothing worked out twice."""
         other = copy.copy(self)
         other.__dict__.pop("nothing", None)
+        other._known_without = {}
         other.survey, other._reading = survey, self.whiten(survey.residual_mm)
         return other
 
@@ -288,5 +290,10 @@ class Search:
         """The explanation without some of its terms; the others keep their inner parameters."""
         assert explanation.fit is not None
         terms = [t for i, t in enumerate(explanation.fit.terms) if i not in ks]
-        fit = fit_terms(self.survey, terms, self.whiten, refine=False) if terms else None
-        return self.explanation_of(fit)
+        if not terms:
+            return self.nothing
+        key = tuple((t.label, t.width, *t.inner.items()) for t in terms)
+        if key not in self._known_without:
+            fit = fit_terms(self.survey, terms, self.whiten, refine=False)
+            self._known_without[key] = self.explanation_of(fit)
+        return self._known_without[key]

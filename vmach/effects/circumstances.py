@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -169,8 +170,12 @@ class Circumstances:
 
         The heat source is (rpm / 8000) ** exponent.
         """
-        drive = (np.abs(self.moves.spindle_rpm) / REFERENCE_RPM) ** exponent
-        return self.history.spindle_warmth(drive, time_constant_s, self.time_s)
+
+        def warmth() -> np.ndarray:
+            drive = (np.abs(self.moves.spindle_rpm) / REFERENCE_RPM) ** exponent
+            return self.history.spindle_warmth(drive, time_constant_s, self.time_s)
+
+        return self._once("spindle", (time_constant_s, exponent), warmth)
 
     def warmth_of_axis(self, axis: int, time_constant_s: float, work_share: float) -> np.ndarray:
         """First-order response to the axis' motion, (P,); 1 when warm at 100 mm/min.
@@ -179,27 +184,37 @@ class Circumstances:
         the rest.
         """
         heat = self.history.heat
-        by_work = heat.axis_warmth(axis, time_constant_s, self.time_s)
+        by_work = self._once(
+            "axis",
+            (axis, time_constant_s),
+            lambda: heat.axis_warmth(axis, time_constant_s, self.time_s),
+        )
         by_time = -np.expm1((heat.start_s[0] - self.time_s) / time_constant_s)
         return work_share * by_work + (1.0 - work_share) * by_time
 
     def warmth_of_screw_mm(self, axis: int, time_constant_s: float) -> np.ndarray:
         """Warmth of an axis' screw summed from home to the nut, (P,) mm; see HeatHistory."""
         low, high = self.job.machine.travel_mm
-        key = axis, time_constant_s
-        if key not in self._screws:
-            self._screws.clear()  # the last one is asked for again, once for each amplitude
-            self._screws[key] = self.history.heat.screw_warmth_mm(
+
+        def warmth() -> np.ndarray:
+            return self.history.heat.screw_warmth_mm(
                 axis,
                 time_constant_s,
                 travel_mm=(float(low[axis]), float(high[axis])),
                 time_s=self.time_s,
                 position_mm=self.nose_mm[:, axis],
             )
-        return self._screws[key]
+
+        return self._once("screw", (axis, time_constant_s), warmth)
+
+    def _once(self, what: str, key: tuple, work: Callable[[], np.ndarray]) -> np.ndarray:
+        """What `work` gives; the last of each kind is asked for again, for each amplitude."""
+        if what not in self._last or self._last[what][0] != key:
+            self._last[what] = key, work()
+        return self._last[what][1]
 
     @cached_property
-    def _screws(self) -> dict[tuple[int, float], np.ndarray]:
+    def _last(self) -> dict[str, tuple[tuple, np.ndarray]]:
         return {}
 
     # tool and cut -------------------------------------------------------------------------

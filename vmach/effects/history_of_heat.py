@@ -72,13 +72,12 @@ class HeatHistory:
         low, high = travel_mm
         wave = np.pi * np.arange(1, _SCREW_WAVES + 1) / (high - low)
         rate = 1.0 / time_constant_s + _STEEL_DIFFUSIVITY_MM2_PER_S * wave**2
-        summed = self.axis_warmth(axis, time_constant_s, time_s) * position_mm
-        for k, drive in enumerate(self._heat_of_waves(axis, wave, low).T):
-            lag = 1.0 / rate[k]
-            warmth = self._response(drive * lag / time_constant_s, lag, time_s)
-            sines = np.sin(wave[k] * (position_mm - low)) - np.sin(-wave[k] * low)
-            summed += warmth * sines / wave[k]
-        return summed
+        lag = 1.0 / rate
+        drive = self._heat_of_waves(axis, wave, low) * (lag / time_constant_s)
+        warmth = self._response(drive, lag, time_s)
+        sines = np.sin(np.multiply.outer(position_mm - low, wave)) + np.sin(wave * low)
+        even = self.axis_warmth(axis, time_constant_s, time_s) * position_mm
+        return even + (warmth * sines) @ (1.0 / wave)
 
     def _heat_of_waves(self, axis: int, wave: np.ndarray, low: float) -> np.ndarray:
         """Heat of every piece in cosines along the screw, in reference speeds, (K, waves)."""
@@ -96,7 +95,7 @@ class HeatHistory:
         return speed / REFERENCE_AXIS_MM_PER_S
 
     def _response(
-        self, drive: np.ndarray, time_constant_s: float, time_s: np.ndarray
+        self, drive: np.ndarray, time_constant_s: float | np.ndarray, time_s: np.ndarray
     ) -> np.ndarray:
         return response(
             drive, time_constant_s, start_s=self.start_s, duration_s=self.duration_s, time_s=time_s
@@ -105,7 +104,7 @@ class HeatHistory:
 
 def response(
     drive: np.ndarray,
-    time_constant_s: float,
+    time_constant_s: float | np.ndarray,
     *,
     start_s: np.ndarray,
     duration_s: np.ndarray,
@@ -115,9 +114,9 @@ def response(
 
     Parameters
     ----------
-    drive : (K,) float64
-        What the response tends to in each interval.
-    time_constant_s : float
+    drive : (K,) or (K, W) float64
+        What the response tends to in each interval; of W responses at once.
+    time_constant_s : float or (W,)
     start_s, duration_s : (K,)
         The intervals, one after the other.
     time_s : (P,)
@@ -125,19 +124,23 @@ def response(
 
     Returns
     -------
-    (P,) float64
+    (P,) or (P, W) float64
     """
-    start = _states_at_starts(drive, duration_s, time_constant_s)
+    drives = drive.reshape(len(drive), -1)
+    lag = np.full(drives.shape[1], time_constant_s, dtype=float)
+    start = _states_at_starts(drives, duration_s, lag)
     at = np.maximum(np.searchsorted(start_s, time_s, side="right") - 1, 0)
-    faded = np.exp(-(time_s - start_s[at]) / time_constant_s)
-    return drive[at] + (start[at] - drive[at]) * faded
+    faded = np.exp(-(time_s - start_s[at])[:, None] / lag)
+    found = drives[at] + (start[at] - drives[at]) * faded
+    return found.reshape(len(time_s), *drive.shape[1:])
 
 
 @njit(cache=True)
 def _states_at_starts(drive, duration, time_constant):
-    """State of a first-order lag at the start of every interval, from zero."""
-    start = np.zeros(len(drive))
+    """States of first-order lags at the start of every interval, from zero, (K, W)."""
+    start = np.zeros(drive.shape)
     for k in range(len(drive) - 1):
-        faded = np.exp(-duration[k] / time_constant)
-        start[k + 1] = drive[k] + (start[k] - drive[k]) * faded
+        for w in range(drive.shape[1]):
+            faded = np.exp(-duration[k] / time_constant[w])
+            start[k + 1, w] = drive[k, w] + (start[k, w] - drive[k, w]) * faded
     return start

@@ -21,7 +21,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from scipy.special import logsumexp
 
 from vmach.fit.whitening import Whitening
 
@@ -150,14 +149,20 @@ def _factors(gram: np.ndarray, inner: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 
 def _evidence(squared: np.ndarray, by_width: np.ndarray, log_prior: np.ndarray) -> Evidence:
-    total = logsumexp(by_width, axis=0) - np.log(len(WIDTHS)) + log_prior[:, None]
+    total = _log_of_sum(by_width) - np.log(len(WIDTHS)) + log_prior[:, None]
     best = np.argmax(total, axis=0)
     return Evidence(
-        log_factor=logsumexp(total, axis=0),
+        log_factor=_log_of_sum(total),
         best=best,
         best_width=np.argmax(by_width[:, best, np.arange(len(best))], axis=0),
         information=float(np.sqrt(squared.max(initial=0.0))),
     )
+
+
+def _log_of_sum(logarithms: np.ndarray) -> np.ndarray:
+    """Logarithm of the sum over the first axis; as scipy's logsumexp, without its checks."""
+    largest = logarithms.max(axis=0)
+    return largest + np.log(np.exp(logarithms - largest).sum(axis=0))
 
 
 def log_evidence(columns: np.ndarray, readings: np.ndarray, log_prior: np.ndarray) -> Evidence:

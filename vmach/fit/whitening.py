@@ -11,6 +11,8 @@ _RANK = 1e-9
 #: a cause that adds less than this, in standard uncertainties, to any direction is left out: it
 #: changes the variance there by less than one per cent
 _NOTABLE = 0.1
+#: columns that are multiplied one by one
+_FEW = 4
 
 
 def orthonormal(columns: np.ndarray, *, tolerance: float = _RANK) -> np.ndarray:
@@ -75,4 +77,12 @@ class Whitening:
 
     def _white(self, columns: np.ndarray) -> np.ndarray:
         scaled = columns / self._u
-        return scaled - self._left @ (self._shrink[:, None] * (self._left.T @ scaled))
+        share = self._shrink[:, None] * _product(self._left.T, scaled)
+        return scaled - _product(self._left, share)
+
+
+def _product(matrix: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    """Matrix times (n, k); a few columns one by one, which BLAS does in half the time."""
+    if 1 < columns.shape[1] <= _FEW:
+        return np.stack([matrix @ column for column in columns.T], axis=1)
+    return matrix @ columns
