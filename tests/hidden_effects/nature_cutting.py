@@ -140,6 +140,36 @@ def tool_slip(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     )
 
 
+def tool_chip(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """A corner of one tool breaks off at one moment; from then on it cuts too little."""
+    tool, size, when = int(rng.integers(2)), rng.uniform(7, 15), rng.uniform(0.15, 0.85)
+    ends = rng.uniform(0.3, 1.0)
+    name = f"T{TOOLS[tool].number}"
+    told = {"tool": TOOLS[tool].number, "size_um": size, "share_of_way": when}
+
+    def move(state: State) -> np.ndarray:
+        broken = slipped_um(state, tool, [when], [size])
+        return UM * broken[:, None] * state.normal * [1, 1, ends]
+
+    def told_as(state: State) -> tuple[Hidden, ...]:
+        """Where it broke before the first point, a thinner and a shorter tool."""
+        if (slipped_um(state, tool, [when], [1.0])[state.tool == tool] < 1.0).any():
+            return ()
+        return tuple(Hidden(n, (n,), told, target=name) for n in ("tool_radius", "tool_length"))
+
+    return Hidden(
+        "tool_chip",
+        ("tool_chip",),
+        told,
+        move,
+        {"radius_um": size, "length_um": ends * size},
+        target=name,
+        once=True,
+        on_part_only=True,
+        told_as=told_as,
+    )
+
+
 def slipped_um(state: State, tool: int, when: list | np.ndarray, size_um: list | np.ndarray):
     """Height that a tool gained by jerks after these shares of the way that it cuts, (M,)."""
     own = state.tool == tool
@@ -180,4 +210,13 @@ def tool_deflection(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     )
 
 
-CUTTING = (tool_radius, runout, probe_radius, tool_wear, tool_length, tool_slip, tool_deflection)
+CUTTING = (
+    tool_radius,
+    runout,
+    probe_radius,
+    tool_wear,
+    tool_length,
+    tool_slip,
+    tool_chip,
+    tool_deflection,
+)

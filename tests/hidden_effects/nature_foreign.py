@@ -151,20 +151,6 @@ def chiller(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     return Hidden("chiller", ("unknown",), {"size_um": size, "period_s": period}, move)
 
 
-def chipped_edge(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
-    """A corner of one tool breaks off at one moment; from then on it cuts too little."""
-    tool, size, when = int(rng.integers(2)), rng.uniform(7, 15), rng.uniform(0.3, 0.7)
-
-    def move(state: State) -> np.ndarray:
-        own = state.tool == tool
-        broken = own & (state.cut_mm > when * state.cut_mm[own].max(initial=0.0))
-        return size * UM * broken[:, None] * state.normal * [1, 1, 0.6]
-
-    return Hidden(
-        "chipped_edge", ("unknown",), {"tool": tool + 1, "size_um": size}, move, on_part_only=True
-    )
-
-
 def thin_walls(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     """Some features lie beside thin walls, which lean away from the tool, most in their middle."""
     size, seed = rng.uniform(9, 18), int(rng.integers(1 << 30))
@@ -192,6 +178,5 @@ FOREIGN = (
     waves_along_the_feed,
     springback,
     chiller,
-    chipped_edge,
     thin_walls,
 )

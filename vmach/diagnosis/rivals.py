@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import lsq_linear
 
 from vmach.diagnosis.explanation import MARGIN, Explanation
+from vmach.diagnosis.impossible_sizes import has_impossible_sizes
 from vmach.diagnosis.search import Search
 from vmach.effects.sudden import Sudden
-from vmach.fit.whitening import orthonormal
 
 __all__ = ["Rivals", "rivals_of"]
 
@@ -45,6 +47,7 @@ def rivals_of(search: Search, explanation: Explanation, k: int) -> Rivals:
     gains = search.gains(others)
     best = max(gains)
     near = [i for i in np.argsort(gains)[::-1] if gains[i] > best - MARGIN]
+    near = [i for i in near if not _needs_size_below_zero(search, others, i)]
     labels = [search.candidates[i].label for i in near]
     if own.label not in labels:
         labels.insert(0, own.label)
@@ -53,6 +56,14 @@ def rivals_of(search: Search, explanation: Explanation, k: int) -> Rivals:
     names += [n for n in dict.fromkeys(alike) if n not in names]
     names.sort(key=lambda name: name != own.effect.name)
     return Rivals(tuple(names), tuple(labels))
+
+
+def _needs_size_below_zero(search: Search, others: Explanation, i: int) -> bool:
+    """Whether a candidate in place of the effect would fit with a size that nature has not."""
+    if not any(p.is_size for p in search.candidates[i].effect.parameters):
+        return False
+    fit = search.extend(others, i).fit
+    return fit is not None and has_impossible_sizes(fit)
 
 
 def _teams(search: Search, explanation: Explanation, k: int, others: Explanation) -> list[str]:
@@ -86,17 +97,25 @@ def _at_once(search: Search, explanation: Explanation, k: int, others: Explanati
         effect, target = candidate.effect, candidate.target
         if isinstance(effect, Sudden) and effect is not own.effect:
             span = search.survey.signature(effect, target, own.inner)
-            if _can_imitate(span, search, others, explanation.fit.explained_mm(k)):
+            least = [0.0 if p.is_size else -np.inf for p in effect.amplitudes]
+            if _can_imitate(span, search, others, explanation.fit.explained_mm(k), least=least):
                 found.append(effect.name)
     return found
 
 
 def _can_imitate(
-    span: np.ndarray, search: Search, others: Explanation, explained_mm: np.ndarray
+    span: np.ndarray,
+    search: Search,
+    others: Explanation,
+    explained_mm: np.ndarray,
+    *,
+    least: Sequence[float] | float = -np.inf,
 ) -> bool:
-    """Whether columns (n, P) mm can do what an effect does (n,) mm, the other effects fitted."""
+    """Whether columns (n, P) mm can do what an effect does (n,) mm, the other effects fitted.
+
+    No column less than `least` times: a size is not below zero.
+    """
     absorb = search.absorber(others)
-    shown = absorb(search.whiten(explained_mm))
-    basis = orthonormal(absorb(search.whiten(span)), tolerance=1e-6)
-    left = shown - basis @ (basis.T @ shown)
-    return float(left @ left) < 2.0 * MARGIN
+    shown, columns = absorb(search.whiten(explained_mm)), absorb(search.whiten(span))
+    left = 2.0 * lsq_linear(columns, shown, bounds=(least, np.inf)).cost
+    return left < 2.0 * MARGIN
