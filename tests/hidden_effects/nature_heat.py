@@ -10,6 +10,8 @@ from .state import Hidden, State
 __all__ = ["HEAT"]
 
 UM = 1e-3
+#: height of the blank below the workpiece zero
+BLANK_MM = 60.0
 #: mean speed of an axis at which a screw stretches by what was drawn
 USUAL_SPEED_MM_S = 1.5
 
@@ -94,6 +96,23 @@ def head_tilt(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     return Hidden("head_tilt", ("head_tilt", "ambient_drift"), {"urad": urad, "tau_s": tau}, move)
 
 
+def leaning_column(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """A head that grows away from its guide as its spindle warms, and hardly turns."""
+    axis, size = int(rng.integers(2)), rng.choice([-1, 1]) * rng.uniform(12, 22)
+    tau = rng.uniform(1000, 3600)
+
+    def move(state: State) -> np.ndarray:
+        past = state.history
+        warm = past.at(past.response((past.rpm / 8000.0) ** 0.8, tau, 1.5 * tau), state.time_s)
+        e = np.zeros_like(state.nose_mm)
+        e[:, axis] = size * UM * warm
+        return e
+
+    told = {"axis": "XY"[axis], "size_um": size, "tau_s": tau}
+    accept = ("head_tilt", f"ambient_drift {'XY'[axis]}", "ambient_drift XYZ")
+    return Hidden("head_tilt", accept, told, move, target="BA"[axis])
+
+
 def ambient_drift(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     """The hall's temperature: a slow wave and a quicker weak one, each axis its own."""
     size = rng.choice([-1, 1], 3) * rng.uniform(5, 12, 3)
@@ -132,4 +151,69 @@ def workpiece_temperature(rng: np.random.Generator, machine: TrueMachine) -> Hid
     )
 
 
-HEAT = (spindle_growth, axis_expansion, head_tilt, ambient_drift, workpiece_temperature)
+def workpiece_warming(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The cut heats the part little by little; in pauses it cools a little."""
+    ppm, tau = rng.uniform(25, 50), rng.uniform(1000, 3000)
+    clamp = np.array([rng.uniform(0, 500), rng.uniform(0, 350), -BLANK_MM])
+
+    def move(state: State) -> np.ndarray:
+        past = state.history
+        cuts = np.where(past.speed_mm_s.sum(axis=1) > 0.5, 1.0, 0.85)
+        warm = past.at(past.response(cuts, tau, tau), state.time_s)
+        return -ppm * 1e-6 * warm[:, None] * (state.place_mm - clamp)
+
+    return Hidden(
+        "workpiece_warming",
+        ("workpiece_warming",),
+        {"ppm": ppm, "tau_s": tau},
+        move,
+        {"expansion_ppm": ppm},
+        on_part_only=True,
+    )
+
+
+def thermal_bow(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """Chips warm the bed's top: it arches over its supports, a little flatter in the middle."""
+    axis, size, tau = int(rng.integers(2)), rng.uniform(10, 20), rng.uniform(900, 3600)
+    low, high = machine.travel_mm["XYZ"[axis]]
+
+    def move(state: State) -> np.ndarray:
+        along = 2.0 * (state.nose_mm[:, axis] - low) / (high - low) - 1.0
+        arch = 1.0 - 0.9 * along**2 - 0.1 * along**4
+        warm = 0.9 * (1.0 - np.exp(-state.time_s / tau)) + 0.1 * (
+            1.0 - np.exp(-state.time_s / 3.0 / tau)
+        )
+        return -size * UM * (arch * warm)[:, None] * np.array([0.0, 0.0, 1.0])
+
+    name = "XYZ"[axis]
+    told = {"axis": name, "size_um": size, "tau_s": tau}
+    return Hidden("thermal_bow", ("thermal_bow",), told, move, {"bow_um": size}, target=name)
+
+
+def tool_growth(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """Every tool lengthens in its first minutes in the spindle: its cut warms it."""
+    size, time = rng.uniform(9, 16), rng.uniform(60, 400)
+
+    def move(state: State) -> np.ndarray:
+        past = state.history
+        seconds = np.arange(len(past.rpm))
+        changed = np.append(True, np.diff(past.rpm) != 0.0)
+        since = seconds - np.maximum.accumulate(np.where(changed, seconds, 0))
+        warm = 1.0 - np.exp(-past.at(since.astype(float), state.time_s) / time)
+        return -size * UM * warm[:, None] * np.array([0.0, 0.0, 1.0])
+
+    told = {"size_um": size, "time_s": time}
+    return Hidden("tool_growth", ("tool_growth",), told, move, on_part_only=True)
+
+
+HEAT = (
+    spindle_growth,
+    axis_expansion,
+    head_tilt,
+    leaning_column,
+    ambient_drift,
+    workpiece_temperature,
+    workpiece_warming,
+    thermal_bow,
+    tool_growth,
+)

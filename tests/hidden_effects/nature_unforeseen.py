@@ -52,4 +52,114 @@ def press_next_door(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     return Hidden("press_next_door", ("unknown",), {"size_um": size.tolist()}, move)
 
 
-UNFORESEEN = (lobed_probe, burrs, press_next_door)
+def yaw_play(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The saddle skews in its gib whenever X turns: a reversal that differs from end to end of Y."""
+    skew, lever = rng.choice([-1, 1]) * rng.uniform(18, 35), rng.uniform(-150, 150)
+    middle = 0.5 * machine.travel_mm["Y"][0] + 0.5 * machine.travel_mm["Y"][1]
+
+    def move(state: State) -> np.ndarray:
+        turn = 1e-6 * skew * state.sign[:, 0]
+        away = state.nose_mm[:, 1] - middle
+        return np.stack([-turn * away, turn * lever, 0.0 * turn], axis=1)
+
+    return Hidden("yaw_play", ("unknown",), {"skew_urad": skew, "lever_mm": lever}, move)
+
+
+def ringing(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """An axis swings for a few periods wherever it has turned."""
+    axis, size = int(rng.integers(2)), rng.uniform(9, 16)
+    hertz, fades = rng.uniform(4, 9), rng.uniform(0.3, 0.6)
+
+    def move(state: State) -> np.ndarray:
+        speed = np.maximum(np.linalg.norm(state.velocity_mm_s, axis=1), 1.0)
+        since = state.since_reversal_mm[:, axis] / speed
+        swing = np.exp(-since / fades) * np.sin(2 * np.pi * hertz * since)
+        e = np.zeros_like(state.nose_mm)
+        e[:, axis] = size * UM * state.sign[:, axis] * swing
+        return e
+
+    return Hidden("ringing", ("unknown",), {"axis": "XY"[axis], "hertz": hertz}, move)
+
+
+def divided_wrongly(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """An encoder's interpolation errs within each of its lines, which are hundredths of a mm."""
+    axis, size = int(rng.integers(2)), rng.uniform(4, 7)
+    line = float(rng.choice([0.02, 0.04]))
+
+    def move(state: State) -> np.ndarray:
+        e = np.zeros_like(state.nose_mm)
+        e[:, axis] = size * UM * np.sin(2 * np.pi * state.nose_mm[:, axis] / line)
+        return e
+
+    return Hidden("divided_wrongly", ("unknown",), {"axis": "XY"[axis], "line_mm": line}, move)
+
+
+def tapered_tool(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """One tool was ground slightly conical: its walls lean."""
+    tool, lean = int(rng.integers(2)), rng.choice([-1, 1]) * rng.uniform(0.6, 1.2)
+
+    def move(state: State) -> np.ndarray:
+        height = state.place_mm[:, 2] - state.tip_mm[:, 2]
+        left = lean * UM * height * (state.tool == tool)
+        return left[:, None] * state.normal * [1, 1, 0]
+
+    told = {"tool": tool + 1, "um_per_mm": lean}
+    return Hidden("tapered_tool", ("unknown",), told, move, on_part_only=True)
+
+
+def worn_screw(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """A nut has play where the screw is worn, in the middle of the used travel only."""
+    axis, play, width = int(rng.integers(2)), rng.uniform(8, 15), rng.uniform(60, 150)
+    share = rng.uniform(0.2, 0.8)
+
+    def move(state: State) -> np.ndarray:
+        place = state.nose_mm[:, axis]
+        worst = place.min() + share * np.ptp(place)
+        here = play * np.exp(-0.5 * ((place - worst) / width) ** 2)
+        e = np.zeros_like(state.nose_mm)
+        e[:, axis] = -0.5 * UM * here * state.sign[:, axis]
+        return e
+
+    return Hidden("worn_screw", ("unknown",), {"axis": "XY"[axis], "play_um": play}, move)
+
+
+def loosening_nut(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The warm nut loses its preload: play that grows from nothing."""
+    axis, play, time = int(rng.integers(2)), rng.uniform(8, 15), rng.uniform(1200, 3600)
+
+    def move(state: State) -> np.ndarray:
+        e = np.zeros_like(state.nose_mm)
+        now = play * (1.0 - np.exp(-state.time_s / time))
+        e[:, axis] = -0.5 * UM * now * state.sign[:, axis]
+        return e
+
+    return Hidden("loosening_nut", ("unknown",), {"axis": "XY"[axis], "play_um": play}, move)
+
+
+def stick_slip(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The slower an axis goes, the larger the jumps in which it follows."""
+    axis, size = int(rng.integers(2)), rng.uniform(9, 16)
+
+    def move(state: State) -> np.ndarray:
+        speed = np.abs(state.velocity_mm_s[:, axis])
+        jump = np.where(speed > 0.01, np.exp(-speed / 3.0), 0.0)
+        saw = (state.since_reversal_mm[:, axis] / 2.3) % 1.0
+        e = np.zeros_like(state.nose_mm)
+        e[:, axis] = -size * UM * jump * saw * state.sign[:, axis]
+        return e
+
+    return Hidden("stick_slip", ("unknown",), {"axis": "XY"[axis], "size_um": size}, move)
+
+
+UNFORESEEN = (
+    lobed_probe,
+    burrs,
+    press_next_door,
+    yaw_play,
+    ringing,
+    divided_wrongly,
+    tapered_tool,
+    worn_screw,
+    loosening_nut,
+    stick_slip,
+)

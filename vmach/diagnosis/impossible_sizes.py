@@ -1,4 +1,4 @@
-"""Effects that fit only with a size below zero: no finding, however well they fit."""
+"""Effects that fit only with a size that is none: no finding, however well they fit."""
 
 from __future__ import annotations
 
@@ -41,10 +41,18 @@ def impossible_sizes(
 
 
 def has_impossible_sizes(fit: JointFit) -> bool:
-    """Whether a size is below zero in a fit, so that a search need not follow it."""
-    for k, term in enumerate(fit.terms):
-        sizes = [p.name for p in term.effect.parameters if p.is_size]
-        value, u = (fit.parameters(k), fit.uncertainty(k)) if sizes else ({}, {})
-        if any(value[name] < -_SURELY * u[name] for name in sizes):
-            return True
-    return False
+    """Whether a size is below zero in a fit, or what makes the effect is not there.
+
+    A search need not follow it.
+    """
+    return any(_is_impossible(fit, k) for k in range(len(fit.terms)))
+
+
+def _is_impossible(fit: JointFit, k: int) -> bool:
+    judged = [p for p in fit.terms[k].effect.parameters if p.is_size or p.is_essential]
+    value, u = (fit.parameters(k), fit.uncertainty(k)) if judged else ({}, {})
+    ratios = [(p, value[p.name] / u[p.name]) for p in judged]
+    return any(
+        (p.is_size and ratio < -_SURELY) or (p.is_essential and abs(ratio) < _SURELY)
+        for p, ratio in ratios
+    )

@@ -47,7 +47,7 @@ def rivals_of(search: Search, explanation: Explanation, k: int) -> Rivals:
     gains = search.gains(others)
     best = max(gains)
     near = [i for i in np.argsort(gains)[::-1] if gains[i] > best - MARGIN]
-    near = [i for i in near if not _needs_size_below_zero(search, others, i)]
+    near = [i for i in near if not _needs_impossible_size(search, others, i)]
     labels = [search.candidates[i].label for i in near]
     if own.label not in labels:
         labels.insert(0, own.label)
@@ -58,9 +58,9 @@ def rivals_of(search: Search, explanation: Explanation, k: int) -> Rivals:
     return Rivals(tuple(names), tuple(labels))
 
 
-def _needs_size_below_zero(search: Search, others: Explanation, i: int) -> bool:
+def _needs_impossible_size(search: Search, others: Explanation, i: int) -> bool:
     """Whether a candidate in place of the effect would fit with a size that nature has not."""
-    if not any(p.is_size for p in search.candidates[i].effect.parameters):
+    if not any(p.is_size or p.is_essential for p in search.candidates[i].effect.parameters):
         return False
     fit = search.extend(others, i).fit
     return fit is not None and has_impossible_sizes(fit)

@@ -29,11 +29,14 @@ from vmach.effects import (
     servo,
     spindle_growth,
     squareness,
+    thermal_bow,
     tool_chip,
     tool_deflection,
+    tool_growth,
     tool_size,
     tool_slip,
     workpiece_temperature,
+    workpiece_warming,
 )
 from vmach.effects.effect import Effect
 from vmach.effects.instance import EffectInstance, check_fitted, one_sigma
@@ -70,9 +73,12 @@ _OWN: tuple[type[Effect], ...] = (
     servo.ServoMismatch,
     servo.ServoLag,
     head_tilt.HeadTilt,
+    workpiece_warming.WorkpieceWarming,
     ambient_drift.AmbientDrift,
     component.Component,
     gravity_sag.GravitySag,
+    thermal_bow.ThermalBow,
+    tool_growth.ToolGrowth,
     datum.Fixture,
     datum.DatumShift,
     tool_slip.ToolSlip,

@@ -47,6 +47,8 @@ class Parameter:
         Values this far apart mean the same, as with angles.
     is_size : bool
         A size in nature, which cannot be below zero.
+    is_essential : bool
+        What makes the effect: without it the others describe something else.
     """
 
     name: str
@@ -59,6 +61,7 @@ class Parameter:
     optional: bool = False
     cycle: float = math.inf
     is_size: bool = False
+    is_essential: bool = False
 
     @property
     def is_linear(self) -> bool:

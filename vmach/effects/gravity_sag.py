@@ -5,7 +5,7 @@ import numpy as np
 from vmach.effects.effect import Effect, along, linear
 from vmach.machine import LINEAR_AXES
 
-__all__ = ["GravitySag", "TableLoadSag"]
+__all__ = ["GravitySag", "TableLoadSag", "from_middle"]
 
 
 class GravitySag(Effect):
@@ -23,7 +23,7 @@ class GravitySag(Effect):
     cure = "set straightness compensation, or counterbalance the weight"
 
     def displacement(self, path, target, sag_um):
-        return along("Z", -1e-3 * sag_um * _from_middle(path, target) ** 2)
+        return along("Z", -1e-3 * sag_um * from_middle(path, target) ** 2)
 
 
 class TableLoadSag(Effect):
@@ -39,10 +39,10 @@ class TableLoadSag(Effect):
     cure = "clamp heavy parts over the guides, or compensate by load"
 
     def displacement(self, path, target, sag_um):
-        return along("Z", 1e-3 * sag_um * _from_middle(path, target) ** 3)
+        return along("Z", 1e-3 * sag_um * from_middle(path, target) ** 3)
 
 
-def _from_middle(path, target: str) -> np.ndarray:
+def from_middle(path, target: str) -> np.ndarray:
     """Axis position, -1 to 1 over the travel, (P,)."""
     axis = LINEAR_AXES.index(target)
     low, high = path.job.machine.travel_mm[:, axis]

@@ -1,4 +1,4 @@
-"""A tool that slips: which points it moves, and at which moments it can have happened."""
+"""What happens to a tool at one moment: which points it moves, and when it can have happened."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def path(tmp_path):
     return Circumstances(states, job)
 
 
-def test_it_lowers_what_this_tool_cuts_afterwards(path):
+def test_a_longer_tool_lowers_what_it_cuts_afterwards(path):
     number = int(path.tool[-1])
     when = float(np.median(path.time_s))
     moved = catalogue()["tool_slip"].displacement(path, f"T{number}", slip_um=8.0, time_s=when)
@@ -34,7 +34,27 @@ def test_it_lowers_what_this_tool_cuts_afterwards(path):
     assert not moved[:, :2].any()
 
 
-def test_moments_lie_between_the_levels_of_that_tool(path):
+def test_a_chipped_tool_leaves_material_on_walls_and_floors_afterwards(path):
+    number = int(path.tool[-1])
+    when = float(np.median(path.time_s))
+    chip = {"radius_um": 8.0, "length_um": 5.0, "time_s": when}
+    moved = catalogue()["tool_chip"].displacement(path, f"T{number}", **chip)
+    left_mm = np.einsum("ij,ij->i", moved, path.normal)
+    after = (path.tool == number) & (path.time_s > when)
+    assert after.any() and not after.all()
+    is_floor = path.normal[:, 2] > 0.9
+    np.testing.assert_allclose(left_mm, after * np.where(is_floor, 5e-3, 8e-3))
+
+
+def test_moments_of_a_chip_lie_between_the_points_of_that_tool(path):
+    effect, target = catalogue()["tool_chip"], f"T{int(path.tool[-1])}"
+    own = np.unique(path.time_s[path.tool == path.tool[-1]])
+    moments = [place["time_s"] for place in effect.inner_grid(path, target)]
+    assert moments
+    assert all(own.min() < moment < own.max() for moment in moments)
+
+
+def test_moments_of_a_slip_lie_between_the_levels_of_that_tool(path):
     effect, target = catalogue()["tool_slip"], f"T{int(path.tool[-1])}"
     level = path.time_s[(path.tool == path.tool[-1]) & (path.normal[:, 2] > 0.9)]
     moments = [place["time_s"] for place in effect.inner_grid(path, target)]

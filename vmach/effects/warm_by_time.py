@@ -1,0 +1,26 @@
+"""What warms evenly from the start on, whatever the machine does: by coolant, chips or the shop."""
+
+import numpy as np
+
+from vmach.effects.effect import Effect, inner
+
+__all__ = ["OfWarmthByTime"]
+
+
+class OfWarmthByTime(Effect):
+    """Base of the effects that follow one warmth; their inner parameter is ``time_constant_s``."""
+
+    is_slow = True
+    slack_share = 0.1
+    slack_time_s = 1500.0
+
+    @staticmethod
+    def time_constant(meaning: str):
+        """The parameter ``time_constant_s``."""
+        grid = (400, 700, 1200, 2000, 3300, 5500, 10000)
+        return inner("time_constant_s", meaning, grid, usual=2500.0, spread=0.7)
+
+    @staticmethod
+    def warmth(path, time_constant_s: float) -> np.ndarray:
+        """Share of the final warmth, (P,)."""
+        return 1.0 - np.exp(-path.time_s / time_constant_s)
