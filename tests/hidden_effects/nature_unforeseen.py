@@ -53,7 +53,7 @@ def press_next_door(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
 
 
 def yaw_play(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
-    """The saddle skews in its gib whenever X turns: a reversal that differs from end to end of Y."""
+    """The saddle skews in its gib whenever X turns: a reversal that differs along Y."""
     skew, lever = rng.choice([-1, 1]) * rng.uniform(18, 35), rng.uniform(-150, 150)
     middle = 0.5 * machine.travel_mm["Y"][0] + 0.5 * machine.travel_mm["Y"][1]
 

@@ -1,6 +1,5 @@
 """Thermal bow: a bed, table or beam bends because one side of it is warm."""
 
-import numpy as np
 
 from vmach.effects.effect import along, linear
 from vmach.effects.gravity_sag import from_middle
