@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from vmach.added_effects import add_effects
 from vmach.diagnosis.contrived import is_contrived
 from vmach.diagnosis.diagnose import diagnose, prepare_search
 from vmach.diagnosis.findings import Finding
-from vmach.diagnosis.impossible_sizes import impossible_sizes
+from vmach.diagnosis.impossible_sizes import has_impossible_sizes, impossible_sizes
 from vmach.diagnosis.job_survey import survey_job
 from vmach.diagnosis.planned_tests import planned_tests, write_program
 from vmach.diagnosis.report import as_json, as_text
@@ -229,6 +230,41 @@ def test_a_size_surely_below_zero_is_no_finding(machine_um, is_possible):
     left, notes = impossible_sizes([finding])
     assert (not left) == is_possible
     assert all("machine_um = -9" in note for note in notes)
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "says"),
+    [
+        ("runout", {"runout_um": 4.0, "marks_share": 0.8}, ""),
+        ("runout", {"runout_um": 4.0, "marks_share": 9.0}, "cannot be above 1"),
+        ("runout", {"runout_um": 4.0, "marks_share": -7.0}, "below zero"),
+        ("tool_deflection", {"taper_um": 6.0}, ""),
+        ("tool_deflection", {"taper_um": -9.0}, "more than tool_um = 3"),
+        ("tool_deflection", {"climb_um": 9.0}, "more than tool_um = 3"),
+    ],
+)  # fmt: skip
+def test_nature_bounds_what_an_effect_can_be(name, parameters, says):
+    effect = catalogue()[name]
+    usual = {"tool_um": 3.0} | {p.name: 0.0 for p in effect.parameters if p.name != "tool_um"}
+    parameters = usual | parameters
+    u = dict.fromkeys(parameters, 1.0)
+    left, notes = impossible_sizes([Finding(effect, "", parameters, u, Rivals((), ()), None, {})])
+    assert bool(left) == bool(says)
+    assert says in "".join(notes)
+
+
+def test_what_makes_an_effect_has_to_be_there():
+    """Feed marks without a runout, and a part that only moves, are other things."""
+    for name, missing in (("runout", "runout_um"), ("workpiece_warming", "expansion_ppm")):
+        effect = catalogue()[name]
+        for size, is_none in ((0.0, True), (9.0, False)):
+            value = {p.name: 0.5 for p in effect.parameters} | {missing: size}
+            fit = SimpleNamespace(
+                terms=[SimpleNamespace(effect=effect)],
+                parameters=lambda k, v=value: v,
+                uncertainty=lambda k, v=value: dict.fromkeys(v, 1.0),
+            )
+            assert has_impossible_sizes(fit) == is_none
 
 
 @pytest.mark.parametrize(

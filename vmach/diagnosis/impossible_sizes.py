@@ -1,10 +1,12 @@
-"""Effects that fit only with a size that is none: no finding, however well they fit."""
+"""Effects that fit only with a size that nature does not have: no finding, whatever they fit."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
+from vmach.effects.effect import Effect, Parameter
 from vmach.fit.terms import JointFit
 
 if TYPE_CHECKING:
@@ -13,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["has_impossible_sizes", "impossible_sizes"]
 
-#: below zero by so many standard uncertainties
+#: beyond a bound by so many standard uncertainties
 _SURELY = 3.0
 
 
@@ -22,26 +24,24 @@ def impossible_sizes(
 ) -> tuple[dict[str, float], list[str]]:
     """Sizes that nature does not have: by how many standard uncertainties, and in words.
 
-    Amplitudes are fitted with either sign. A tool that bends towards the wall imitates something
-    else.
+    Amplitudes are fitted with either sign and any size. A tool that bends towards the wall
+    imitates something else.
     """
     left, notes = {}, []
     for finding in findings:
-        for parameter in finding.effect.parameters if finding.effect else ():
-            if not parameter.is_size:
-                continue
-            value, u = finding.parameters[parameter.name], finding.u[parameter.name]
-            if value < -_SURELY * u:
-                left["a size below zero"] = max(-value / u, left.get("a size below zero", 0.0))
-                notes.append(
-                    f"{finding.label} would fit with {parameter.name} = {value:.3g} "
-                    f"(u = {u:.2g}), which cannot be below zero"
-                )
+        effect = finding.effect
+        for parameter, ratio, why in _beyond(effect, finding.parameters, finding.u):
+            name = parameter.name
+            left["an impossible size"] = max(ratio, left.get("an impossible size", 0.0))
+            notes.append(
+                f"{finding.label} would fit with {name} = {finding.parameters[name]:.3g} "
+                f"(u = {finding.u[name]:.2g}), which cannot be {why}"
+            )
     return left, notes
 
 
 def has_impossible_sizes(fit: JointFit) -> bool:
-    """Whether a size is below zero in a fit, or what makes the effect is not there.
+    """Whether nature does not have a size in a fit, or what makes the effect is not there.
 
     A search need not follow it.
     """
@@ -49,10 +49,29 @@ def has_impossible_sizes(fit: JointFit) -> bool:
 
 
 def _is_impossible(fit: JointFit, k: int) -> bool:
-    judged = [p for p in fit.terms[k].effect.parameters if p.is_size or p.is_essential]
-    value, u = (fit.parameters(k), fit.uncertainty(k)) if judged else ({}, {})
-    ratios = [(p, value[p.name] / u[p.name]) for p in judged]
-    return any(
-        (p.is_size and ratio < -_SURELY) or (p.is_essential and abs(ratio) < _SURELY)
-        for p, ratio in ratios
-    )
+    effect = fit.terms[k].effect
+    if not any(p.is_bounded or p.is_essential for p in effect.parameters):
+        return False
+    value, u = fit.parameters(k), fit.uncertainty(k)
+    makes_it = [p.name for p in effect.parameters if p.is_essential]
+    is_missing = any(abs(value[name]) < _SURELY * u[name] for name in makes_it)
+    return is_missing or any(True for _ in _beyond(effect, value, u))
+
+
+def _beyond(
+    effect: Effect | None, value: Mapping[str, float], u: Mapping[str, float]
+) -> Iterator[tuple[Parameter, float, str]]:
+    """Parameters surely beyond a bound: by how many standard uncertainties, and which bound."""
+    for p in effect.parameters if effect else ():
+        here = value.get(p.name)
+        checks = []
+        if p.is_size:
+            checks.append((-here, u[p.name], "below zero"))
+        if math.isfinite(p.most):
+            checks.append((abs(here) - p.most, u[p.name], f"above {p.most:g}"))
+        if p.at_most:
+            over, both = abs(here) - abs(value[p.at_most]), math.hypot(u[p.name], u[p.at_most])
+            checks.append((over, both, f"more than {p.at_most} = {value[p.at_most]:.3g}"))
+        for over, spread, why in checks:
+            if over > _SURELY * spread:
+                yield p, over / spread, why

@@ -60,7 +60,7 @@ def rivals_of(search: Search, explanation: Explanation, k: int) -> Rivals:
 
 def _needs_impossible_size(search: Search, others: Explanation, i: int) -> bool:
     """Whether a candidate in place of the effect would fit with a size that nature has not."""
-    if not any(p.is_size or p.is_essential for p in search.candidates[i].effect.parameters):
+    if not any(p.is_bounded or p.is_essential for p in search.candidates[i].effect.parameters):
         return False
     fit = search.extend(others, i).fit
     return fit is not None and has_impossible_sizes(fit)

@@ -30,7 +30,7 @@ _LEFT = {
     "scatter": "the rest scatters more than the uncertainty allows",
     "further effects": "further effects would be needed",
     "offsets of single features": "a few features sit elsewhere, which no law ties together",
-    "a size below zero": "what would fit has a size that cannot be below zero",
+    "an impossible size": "what would fit has a size that nature does not have",
     "inexactness of the laws": "what would fit is inexact by more than its law is known to be",
     "as many numbers as places": "what would fit has as many free numbers as there are places",
 }

@@ -47,6 +47,10 @@ class Parameter:
         Values this far apart mean the same, as with angles.
     is_size : bool
         A size in nature, which cannot be below zero.
+    most : float
+        The largest amount that nature has.
+    at_most : str
+        Name of another amplitude of the effect that nature does not let it exceed.
     is_essential : bool
         What makes the effect: without it the others describe something else.
     """
@@ -61,7 +65,14 @@ class Parameter:
     optional: bool = False
     cycle: float = math.inf
     is_size: bool = False
+    most: float = math.inf
+    at_most: str = ""
     is_essential: bool = False
+
+    @property
+    def is_bounded(self) -> bool:
+        """Whether nature sets bounds to an amplitude."""
+        return self.is_size or math.isfinite(self.most) or bool(self.at_most)
 
     @property
     def is_linear(self) -> bool:

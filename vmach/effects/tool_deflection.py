@@ -1,5 +1,7 @@
 """Tool deflection: cutting force bends the tool away from the wall."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from gcode import MoveKind
@@ -34,8 +36,14 @@ class ToolDeflection(Effect):
             usual=1.0,
             is_size=True,
         ),
-        linear("taper_um", "bending at the tip minus bending at the top of the cut", usual=1.0),
-        linear("climb_um", "half of what down milling bends more than up milling", usual=1.0),
+        replace(
+            linear("taper_um", "bending at the tip minus bending at the top of the cut", usual=1.0),
+            at_most="tool_um",
+        ),
+        replace(
+            linear("climb_um", "half of what down milling bends more than up milling", usual=1.0),
+            at_most="tool_um",
+        ),
         linear("slot_um", "bending across the way where a slot is cut from the full", usual=1.0),
         inner(
             "feed_exponent",

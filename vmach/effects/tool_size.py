@@ -46,10 +46,15 @@ class Runout(OfOneTool):
     name = "runout"
     title = "runout of the tool"
     parameters = (
-        linear("runout_um", "growth of the cutting radius", usual=10.0, is_size=True),
+        replace(
+            linear("runout_um", "growth of the cutting radius", usual=10.0, is_size=True),
+            is_essential=True,
+        ),
         replace(
             linear("marks_share", "share of the marks of a single flute that is there", usual=1.0),
             optional=True,
+            is_size=True,
+            most=1.0,
         ),
     )
     needs_surface = True
