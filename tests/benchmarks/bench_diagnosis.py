@@ -78,12 +78,11 @@ class Simulation:
     def diagnosed(self, signal_mm: np.ndarray) -> Diagnosis:
         """The diagnosis of noise plus signal."""
         readings = signal_mm + self.noise_mm()
-        measurements, first = [], 0
-        for m in self.survey.measurements:
-            own = readings[first : first + len(m)]
-            measurements.append(replace(m, measured_mm=m.predicted_mm + own))
-            first += len(m)
-        return diagnose(Survey(self.survey.job, tuple(measurements)), like=self.search)
+        measurements = tuple(
+            replace(m, measured_mm=m.predicted_mm + readings[own])
+            for m, own in zip(self.survey.measurements, self.survey.rows, strict=True)
+        )
+        return diagnose(Survey(self.survey.job, measurements), like=self.search)
 
 
 def count(simulation: Simulation, kind: str, number: int) -> None:

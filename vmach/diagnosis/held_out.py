@@ -46,12 +46,11 @@ def _blocks(survey: Survey) -> np.ndarray:
     A test of three directions at once is cut across them: without any reading along X nothing
     could be foretold of it.
     """
-    blocks, first = survey.group.astype(object), 0
-    for k, m in enumerate(survey.measurements):
+    blocks = survey.group.astype(object)
+    for k, (m, rows) in enumerate(zip(survey.measurements, survey.rows, strict=True)):
         if m.kind in _IN_STRETCHES:
             stretch = np.arange(len(m)) * _STRETCHES // len(m)
-            blocks[first : first + len(m)] = [f"{k}:stretch {s}" for s in stretch]
-        first += len(m)
+            blocks[rows] = [f"{k}:stretch {s}" for s in stretch]
     return blocks.astype(str)
 
 

@@ -73,10 +73,7 @@ def instrument_pictures(residuals: Residuals) -> list[InstrumentPicture]:
 def _curves(residuals: Residuals) -> Iterator[_Curves]:
     survey = residuals.survey
     measured = residuals.aligned(np.concatenate([m.measured_mm for m in survey.measurements]))
-    first = 0
-    for measurement, path in zip(survey.measurements, survey.paths, strict=True):
-        own = slice(first, first + len(measurement))
-        first += len(measurement)
+    for measurement, path, own in zip(survey.measurements, survey.paths, survey.rows, strict=True):
         predicted = {
             state: um_from_mm(measured[own] - residuals.of(state)[own])
             for state in residuals.states

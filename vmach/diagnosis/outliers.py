@@ -52,12 +52,5 @@ def outlier_note(names: Sequence[str], count: int) -> str:
 
 def reading_names(survey: Survey, rows: np.ndarray) -> list[str]:
     """File and name of the readings in (n,) bool."""
-    return [_reading_name(survey, k) for k in np.flatnonzero(rows)]
-
-
-def _reading_name(survey: Survey, k: int) -> str:
-    for m in survey.measurements:
-        if k < len(m):
-            return f"{m.name} {m.id[k]}"
-        k -= len(m)
-    raise IndexError(k)
+    names = [f"{m.name} {own}" for m in survey.measurements for own in m.id]
+    return [names[k] for k in np.flatnonzero(rows)]

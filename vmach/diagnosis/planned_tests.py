@@ -146,15 +146,9 @@ def _tip_grid(low, high) -> PlannedTest:
 
 
 def _in_three_directions(name, text, settings, states: PathStates, *, nuisance) -> PlannedTest:
-    count = len(states)
-    thrice = PathStates(
-        states.moves,
-        states.tool_lengths_mm,
-        np.repeat(states.move, 3),
-        np.repeat(states.parameter, 3),
-        np.zeros((3 * count, 3)),
-    )
-    sensing = np.tile(np.eye(3), (count, 1))
+    """The test with a reading along each of X, Y and Z at every state."""
+    thrice = states[np.repeat(np.arange(len(states)), 3)]
+    sensing = np.tile(np.eye(3), (len(states), 1))
     return PlannedTest(name, text, settings, thrice, sensing, nuisance)
 
 

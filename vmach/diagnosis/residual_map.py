@@ -79,10 +79,8 @@ def residual_map(residuals: Residuals, nominal: Mesh | None) -> ResidualMap | No
 
 
 def _points(residuals: Residuals) -> InspectedPoints | None:
-    survey, first = residuals.survey, 0
-    for m, path in zip(survey.measurements, survey.paths, strict=True):
-        own = slice(first, first + len(m))
-        first += len(m)
+    survey = residuals.survey
+    for m, path, own in zip(survey.measurements, survey.paths, survey.rows, strict=True):
         if not m.on_part:
             continue
         cut = np.full(len(m), "cut")

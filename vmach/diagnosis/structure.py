@@ -34,15 +34,13 @@ def patterns(survey: Survey) -> dict[str, np.ndarray]:
     if (np.abs(survey.sensing).max(axis=0) > 0).sum() > 1:
         shapes += [survey.sensing[:, 0], survey.sensing[:, 1]]
     feature = np.hstack([inside * shape[:, None] for shape in shapes])
-    time, first = [], 0
-    for path, m in zip(survey.paths, survey.measurements, strict=True):
+    time = []
+    for path, m, rows in zip(survey.paths, survey.measurements, survey.rows, strict=True):
         seconds = path.time_s
         waves = wandering(seconds, max(float(np.ptp(seconds)), 1.0) / _WAVES_IN_TIME)
         block = np.zeros((len(survey), 3 * waves.shape[1]))
-        rows = slice(first, first + len(m))
         block[rows] = (m.sensing[:, :, None] * waves[:, None, :]).reshape(len(m), -1)
         time.append(block)
-        first += len(m)
     return {"feature": _SIZE_MM * feature, "time": _SIZE_MM * np.hstack(time)}
 
 

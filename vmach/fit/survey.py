@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import itertools
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -41,6 +42,12 @@ class Survey:
     def paths(self) -> tuple[Circumstances, ...]:
         """What each measurement's readings depend on."""
         return tuple(Circumstances(m.states, self.job) for m in self.measurements)
+
+    @cached_property
+    def rows(self) -> tuple[slice, ...]:
+        """Where the readings of each measurement stand among the n."""
+        ends = np.cumsum([0, *(len(m) for m in self.measurements)]).tolist()
+        return tuple(itertools.starmap(slice, itertools.pairwise(ends)))
 
     @cached_property
     def residual_mm(self) -> np.ndarray:
@@ -98,7 +105,13 @@ class Survey:
         self, effect: Effect, target: str, inner_values: Mapping[str, float]
     ) -> np.ndarray:
         """What one usual size of each coefficient of an effect does to the readings, (n, K) mm."""
-        return self._stack(effect, lambda path: effect.columns(path, target, inner_values))
+        sensed = [
+            m.sensed(effect.columns(path, target, inner_values)) if _can_show(m, effect) else None
+            for path, m in zip(self.paths, self.measurements, strict=True)
+        ]
+        terms = next((s.shape[1] for s in sensed if s is not None), 0)
+        blank = [np.zeros((len(m), terms)) for m in self.measurements]
+        return np.vstack([b if s is None else s for s, b in zip(sensed, blank, strict=True)])
 
     def slack(self, effect: Effect, target: str, parameters: Mapping[str, float]) -> np.ndarray:
         """Signatures of unit variance of what an effect's law leaves open, (n, K) mm.
@@ -107,32 +120,20 @@ class Survey:
         """
         if effect.slack_share == 0.0:
             return np.zeros((len(self), 0))
-        parts = []
-        for path, m in zip(self.paths, self.measurements, strict=True):
-            if effect.needs_surface and not m.on_part:
-                parts.append(np.zeros((len(m), 0)))
-            else:
-                moved = effect.slack(path, target, parameters)
-                parts.append(m.sensed(moved))
-        return block_diag(*parts)
-
-    def _stack(self, effect: Effect, columns: Callable[[Circumstances], np.ndarray]) -> np.ndarray:
-        parts = [
-            None
-            if effect.needs_surface and not m.on_part
-            else m.sensed(columns(path))
+        blocks = [
+            m.sensed(effect.slack(path, target, parameters))
+            if _can_show(m, effect)
+            else np.zeros((len(m), 0))
             for path, m in zip(self.paths, self.measurements, strict=True)
         ]
-        terms = next((p.shape[1] for p in parts if p is not None), 0)
-        blank = [np.zeros((len(m), terms)) for m in self.measurements]
-        return np.vstack([b if p is None else p for p, b in zip(parts, blank, strict=True)])
+        return block_diag(*blocks)
 
     def not_testable(self, effect: Effect, target: str) -> str | None:
         """Why none of the measurements can show the effect, or None."""
         reasons = [
-            "no machined surface was measured"
-            if effect.needs_surface and not m.on_part
-            else effect.not_testable(path, target)
+            effect.not_testable(path, target)
+            if _can_show(m, effect)
+            else "no machined surface was measured"
             for path, m in zip(self.paths, self.measurements, strict=True)
         ]
         return None if any(reason is None for reason in reasons) else reasons[0]
@@ -157,15 +158,21 @@ class Survey:
     def _paths_of(self, effect: Effect) -> list[Circumstances]:
         """Of the measurements that could show an effect."""
         pairs = zip(self.paths, self.measurements, strict=True)
-        return [path for path, m in pairs if m.on_part or not effect.needs_surface]
+        return [path for path, m in pairs if _can_show(m, effect)]
 
     def part_of(self, rows: Sequence[bool] | np.ndarray) -> Survey:
         """The survey with some of its readings, (n,) bool."""
-        rows = np.asarray(rows)
-        kept, first = [], 0
-        for m in self.measurements:
-            own = rows[first : first + len(m)]
-            first += len(m)
-            if own.any():
-                kept.append(m if own.all() else m.keep(own, ""))
-        return replace(self, measurements=tuple(kept))
+        wanted = [np.asarray(rows)[own] for own in self.rows]
+        return replace(
+            self,
+            measurements=tuple(
+                m if own.all() else m.keep(own, "")
+                for m, own in zip(self.measurements, wanted, strict=True)
+                if own.any()
+            ),
+        )
+
+
+def _can_show(measurement: Measurement, effect: Effect) -> bool:
+    """Whether it is of a machined surface, where the effect needs one."""
+    return measurement.on_part or not effect.needs_surface

@@ -9,7 +9,19 @@ import numpy as np
 
 from vmach.toolpath import PathStates
 
-__all__ = ["Measurement", "apart_from_neighbours", "group_offsets"]
+__all__ = ["Measurement"]
+
+#: what has an entry for every reading
+_WITH_ROWS = (
+    "id",
+    "states",
+    "sensing",
+    "measured_mm",
+    "predicted_mm",
+    "u_mm",
+    "group",
+    "nuisance",
+)
 
 
 @dataclass(frozen=True)
@@ -19,7 +31,7 @@ class Measurement:
     Attributes
     ----------
     kind : str
-        "part", "ballbar", "laser", "drift" or "tip".
+        "part", "ballbar", "laser", "diagonal", "drift" or "tip".
     name : str
         For people: the file's name.
     id : (P,) str
@@ -88,59 +100,5 @@ class Measurement:
 
     def keep(self, rows: np.ndarray, note: str) -> Measurement:
         """The measurement with some of its rows (bool or index), and a note why."""
-        states = self.states
-        normal = None if states.normal is None else states.normal[rows]
-        kept = PathStates(
-            moves=states.moves,
-            tool_lengths_mm=states.tool_lengths_mm,
-            move=states.move[rows],
-            parameter=states.parameter[rows],
-            contact_mm=states.contact_mm[rows],
-            normal=normal,
-        )
-        arrays = ("id", "sensing", "measured_mm", "predicted_mm", "u_mm", "group", "nuisance")
-        cut = {name: getattr(self, name)[rows] for name in arrays}
-        return replace(self, states=kept, notes=(*self.notes, note), **cut)
-
-
-def group_offsets(label: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
-    """One column of ones and zeros for every distinct label, (P, K), and the labels."""
-    names, number = np.unique(label, return_inverse=True)
-    return np.eye(len(names))[number], tuple(str(name) for name in names)
-
-
-#: neighbours on each side that a reading is compared with, and the fewest of one group
-_NEIGHBOURS = 3
-_FEWEST = 8
-
-
-def apart_from_neighbours(value: np.ndarray, group: np.ndarray) -> np.ndarray:
-    """How far each value lies from the median of its neighbours on the side that is nearer.
-
-    Parameters
-    ----------
-    value : (P,) float64
-    group : (P,) str
-        Neighbours are those next to each other within a group.
-
-    Returns
-    -------
-    (P,) float64
-        Zero in groups of fewer than eight.
-    """
-    apart = np.zeros(len(value))
-    for name in np.unique(group):
-        rows = np.flatnonzero(group == name)
-        if len(rows) >= _FEWEST:
-            before = _from_those_before(value[rows])
-            after = _from_those_before(value[rows][::-1])[::-1]
-            apart[rows] = np.minimum(before, after)
-    return apart
-
-
-def _from_those_before(value: np.ndarray) -> np.ndarray:
-    """Distance of each value from the median of the few before it; infinite for the first two."""
-    apart = np.full(len(value), np.inf)
-    for k in range(2, len(value)):
-        apart[k] = abs(value[k] - np.median(value[max(k - _NEIGHBOURS, 0) : k]))
-    return apart
+        kept = {name: getattr(self, name)[rows] for name in _WITH_ROWS}
+        return replace(self, notes=(*self.notes, note), **kept)

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from vmach.machine import Variant
-from vmach.measurements.measurement import Measurement, apart_from_neighbours
+from vmach.measurements.measurement import Measurement
+from vmach.measurements.neighbours import apart_from_neighbours
 from vmach.measurements.part_check import (
     check_aligned,
     check_cut,
