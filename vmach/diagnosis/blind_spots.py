@@ -9,7 +9,7 @@ import numpy as np
 from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.search import Search
 from vmach.diagnosis.words import with_unit
-from vmach.effects import Effect
+from vmach.effects import Effect, label_of
 
 __all__ = ["BlindSpot", "blind_spots"]
 
@@ -33,6 +33,11 @@ class BlindSpot:
     parameter: str
     from_size: float | None
     text: str
+
+    @property
+    def label(self) -> str:
+        """Name and target."""
+        return label_of(self.effect, self.target)
 
 
 def blind_spots(search: Search, explanation: Explanation) -> tuple[BlindSpot, ...]:

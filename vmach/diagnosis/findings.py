@@ -9,7 +9,7 @@ from vmach.diagnosis.next_measurement import NextMeasurement
 from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.rivals import Rivals
 from vmach.diagnosis.where_it_fails import Failure
-from vmach.effects import Effect
+from vmach.effects import Effect, label_of
 
 __all__ = ["CandidateScore", "Diagnosis", "Finding"]
 
@@ -50,7 +50,7 @@ class Finding:
     @property
     def label(self) -> str:
         """Name and target."""
-        return f"{self.name} {self.target}".rstrip()
+        return label_of(self.name, self.target)
 
     @property
     def teams(self) -> tuple[str, ...]:
@@ -74,6 +74,11 @@ class CandidateScore:
     score: float
     rms_after_um: float
     status: str
+
+    @property
+    def label(self) -> str:
+        """Name and target."""
+        return label_of(self.effect, self.target)
 
 
 @dataclass(frozen=True)

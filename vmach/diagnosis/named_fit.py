@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from vmach.diagnosis.diagnose import explanation_with_slack, prepare_search
 from vmach.diagnosis.search import Search
 from vmach.diagnosis.words import component_directions, component_parameters
-from vmach.effects import Effect, catalogue
+from vmach.effects import Effect, catalogue, label_of
 from vmach.effects.catalogue import unknown_effect_hint
 from vmach.effects.component import Component
 from vmach.errors import InputError
@@ -50,7 +50,7 @@ class NamedEffect:
     @property
     def label(self) -> str:
         """Name and target."""
-        return f"{self.effect.name} {self.target}".strip()
+        return label_of(self.effect.name, self.target)
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")
@@ -122,7 +122,7 @@ def _impossible(
     survey: Survey, effect: Effect, target: str | None, search: Search, chosen: Collection[str]
 ) -> InputError:
     """Why an effect cannot be fitted, and with which targets it could be."""
-    label = f"{effect.name} {target or ''}".rstrip()
+    label = label_of(effect.name, target or "")
     targets = effect.possible_targets(survey.job)
     reasons = {t: why for e, t, why in search.excluded if e is effect}
     free = [c for c in search.candidates if c.effect is effect and c.label not in chosen]

@@ -109,7 +109,7 @@ def _card(finding: Finding, found: Diagnosis) -> dict:
         return {"finding": finding, "rows": [], "rivals": [], "curve": None}
     own = finding.label
     meaning = {p.name: p.meaning for p in finding.effect.parameters}
-    alone = {f"{c.effect} {c.target}".rstrip(): c.rms_after_um for c in found.candidates}
+    alone = {c.label: c.rms_after_um for c in found.candidates}
     rows = [
         {
             "name": name,

@@ -89,7 +89,7 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
     unseen = [b for b in found.blind_spots if b.from_size is not None][:6]
     if unseen:
         lines.append("These measurements would not see:")
-        lines += [f"  {f'{b.effect} {b.target}'.rstrip()}: {b.text}" for b in unseen]
+        lines += [f"  {b.label}: {b.text}" for b in unseen]
     if found.next_measurement is not None:
         lines.append(f"Measure next: {found.next_measurement.text}")
         if program:

@@ -8,6 +8,7 @@ from vmach.effects.effect import (
     Parameter,
     along,
     inner,
+    label_of,
     linear,
 )
 from vmach.effects.effect_file import load_effect_file
@@ -22,6 +23,7 @@ __all__ = [
     "along",
     "catalogue",
     "inner",
+    "label_of",
     "linear",
     "load_effect_file",
     "read_effects",

@@ -16,7 +16,16 @@ from vmach.effects.wandering import wandering
 from vmach.job import Job
 from vmach.machine import LINEAR_AXES, RigidDisplacement
 
-__all__ = ["Displaced", "Effect", "Parameter", "along", "at_contact", "inner", "linear"]
+__all__ = [
+    "Displaced",
+    "Effect",
+    "Parameter",
+    "along",
+    "at_contact",
+    "inner",
+    "label_of",
+    "linear",
+]
 
 Displaced = RigidDisplacement | np.ndarray
 
@@ -109,6 +118,11 @@ def along(axis: str, amount_mm: np.ndarray) -> np.ndarray:
     shift = np.zeros((len(amount_mm), 3))
     shift[:, LINEAR_AXES.index(axis)] = amount_mm
     return shift
+
+
+def label_of(name: str, target: str) -> str:
+    """An effect's name and what it acts on, for people: ``backlash X``, ``servo_lag``."""
+    return f"{name} {target}".rstrip()
 
 
 class Effect(ABC):

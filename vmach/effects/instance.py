@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from vmach.effects.circumstances import Circumstances
-from vmach.effects.effect import Displaced, Effect, at_contact
+from vmach.effects.effect import Displaced, Effect, at_contact, label_of
 from vmach.errors import InputError
 from vmach.job import Job
 from vmach.machine import RigidDisplacement
@@ -38,8 +38,8 @@ class EffectInstance:
 
     @property
     def label(self) -> str:
-        """Name and target for people: ``backlash X``."""
-        return f"{self.effect.name} {self.target}".strip()
+        """Name and target."""
+        return label_of(self.effect.name, self.target)
 
     def displacement(self, states: PathStates) -> RigidDisplacement:
         """Rigid motion of the tool at the states; zero for effects bound to a surface."""
@@ -131,7 +131,7 @@ def check_fitted(job: Job, found: Sequence[EffectInstance]) -> None:
     """
     for name, target in job.fitted.keys() - {(e.effect.name, e.target) for e in found}:
         raise InputError(
-            f"[[fitted]] is of {f'{name} {target}'.rstrip()}, an effect that the job has not",
+            f"[[fitted]] is of {label_of(name, target)}, an effect that the job has not",
             file=job.path,
             line=line_of_key(read_text(job.path, what="job file"), ["fitted"]),
             accepted=", ".join(e.label for e in found) or "no [[fitted]]",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import logsumexp
 
-from vmach.effects import Effect, catalogue
+from vmach.effects import Effect, catalogue, label_of
 from vmach.fit.survey import Survey
 
 __all__ = ["Candidate", "gather_candidates"]
@@ -42,7 +42,7 @@ class Candidate:
     @property
     def label(self) -> str:
         """Name and target."""
-        return f"{self.effect.name} {self.target}".strip()
+        return label_of(self.effect.name, self.target)
 
 
 def gather_candidates(

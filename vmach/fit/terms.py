@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vmach.effects import Effect
+from vmach.effects import Effect, label_of
 from vmach.fit.whitening import Whitening
 
 __all__ = ["FREE", "JointFit", "Term"]
@@ -31,7 +31,7 @@ class Term:
     @property
     def label(self) -> str:
         """Name and target."""
-        return f"{self.effect.name} {self.target}".strip()
+        return label_of(self.effect.name, self.target)
 
     @property
     def is_curve(self) -> bool:
