@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vmach.fit.evidence import Evidence
-from vmach.fit.terms import JointFit
+from vmach.fit.terms import JointFit, Term
 
 __all__ = ["MARGIN", "Explanation", "may_beat", "simplest_of_the_best"]
 
@@ -43,15 +43,22 @@ class Explanation:
     degrees: int
 
     @property
+    def terms(self) -> tuple[Term, ...]:
+        """The effects in the set, as fitted."""
+        return self.fit.terms if self.fit else ()
+
+    @property
     def labels(self) -> frozenset[str]:
-        """Names and targets of the effects in the set."""
-        return frozenset(t.label for t in self.fit.terms) if self.fit else frozenset()
+        """Their names and targets."""
+        return frozenset(term.label for term in self.terms)
 
     def numbers(self, expected: Collection[str] = ()) -> float:
         """How many numbers of the set the readings determine; expected effects count as one."""
-        terms = self.fit.terms if self.fit else ()
+        if self.fit is None:
+            return 0.0
         return sum(
-            1.0 if term.label in expected else self.fit.numbers(k) for k, term in enumerate(terms)
+            1.0 if term.label in expected else self.fit.numbers(k)
+            for k, term in enumerate(self.terms)
         )
 
 

@@ -91,8 +91,7 @@ class _Shown:
 
 
 def _alone(search: Search, label: str) -> _Shown:
-    place = next(k for k, c in enumerate(search.candidates) if c.label == label)
-    return _Shown(*search.alone(place))
+    return _Shown(*search.alone(search.index_of(label)))
 
 
 def _best_test(
