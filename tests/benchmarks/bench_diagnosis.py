@@ -19,10 +19,9 @@ from pathlib import Path
 
 import numpy as np
 
-from vmach.diagnosis.diagnose import diagnose, prepare_search
-from vmach.diagnosis.findings import Diagnosis
+from vmach.diagnosis.diagnose import Diagnosis, diagnose
 from vmach.diagnosis.job_survey import survey_job
-from vmach.diagnosis.search import Search
+from vmach.diagnosis.search import Search, prepare_search
 from vmach.fit.survey import Survey
 
 SAMPLE = Path(__file__).parents[2] / "samples" / "missing_effect"
@@ -38,7 +37,7 @@ class Simulation:
     def __init__(self, survey: Survey, seed: int) -> None:
         self.survey, self.search = survey, prepare_search(survey)
         self.random = np.random.default_rng(seed)
-        self.factors = survey.factors(bend_share=1.0)
+        self.factors = survey.factors
         weight = 1.0 / survey.u_mm[:, None]
         self.basis, _ = np.linalg.qr(survey.nuisance * weight)
 

@@ -6,9 +6,9 @@ from scipy.linalg import null_space
 from scipy.stats import multivariate_normal
 
 from tests.unit.test_diagnosis_verdicts import stretched_and_loose, tip_job
-from vmach.diagnosis.diagnose import prepare_search
 from vmach.diagnosis.job_survey import survey_job
 from vmach.diagnosis.score import evidence_of_set
+from vmach.diagnosis.search import prepare_search
 from vmach.effects import catalogue
 from vmach.fit.evidence import WIDTHS
 
@@ -32,7 +32,7 @@ def test_evidence_is_the_ratio_of_two_normal_distributions(search):
     """Readings off the nuisance, with and without a scale of random size among their causes."""
     survey, fit = search.survey, explained(search, "scale X").fit
     free = null_space(survey.nuisance.T)
-    causes = survey.factors(bend_share=1.0)
+    causes = survey.factors
     noise = np.diag(survey.u_mm**2) + causes @ causes.T
     signature = fit.signatures_mm[0]
 

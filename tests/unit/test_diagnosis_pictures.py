@@ -10,7 +10,7 @@ from scipy.stats import chi2
 from tests.small_job import pocket_points, write_job, write_nominal_stl, write_points
 from tests.unit.test_diagnosis_verdicts import lost_motion, tip_job
 from vmach.diagnosis.covariate_panels import covariate_panels
-from vmach.diagnosis.diagnose import BEND_SHARE, diagnose
+from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.instrument_pictures import instrument_pictures
 from vmach.diagnosis.job_survey import survey_job
 from vmach.diagnosis.page_words import quantity
@@ -34,7 +34,7 @@ def measured_part(folder):
 
 
 def residuals_of(survey):
-    factors = survey.factors(bend_share=BEND_SHARE)
+    factors = survey.factors
     whiten = Whitening(survey.u_mm, factors, survey.nuisance)
     return Residuals(survey, whiten, factors, None)
 

@@ -13,13 +13,14 @@ import pytest
 from tests.small_job import write_job
 from vmach.added_effects import add_effects
 from vmach.diagnosis.contrived import is_contrived
-from vmach.diagnosis.diagnose import diagnose, prepare_search
+from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.impossible_sizes import has_impossible_sizes, impossible_sizes
 from vmach.diagnosis.job_survey import survey_job
 from vmach.diagnosis.planned_tests import planned_tests, write_program
 from vmach.diagnosis.report import as_json, as_text
 from vmach.diagnosis.rivals import Rivals
+from vmach.diagnosis.search import prepare_search
 from vmach.diagnosis.structure import patterns
 from vmach.diagnosis.words import what_is_left, with_unit
 from vmach.effects import catalogue

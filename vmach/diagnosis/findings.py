@@ -1,17 +1,20 @@
-"""What a diagnosis says: the effects found, how the candidates did, what is left."""
+"""Findings: the effects of an explanation, with all that is to be said of each."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from vmach.diagnosis.blind_spots import BlindSpot
-from vmach.diagnosis.next_measurement import NextMeasurement
-from vmach.diagnosis.residuals import Residuals
-from vmach.diagnosis.rivals import Rivals
+from vmach.diagnosis.explanation import Explanation
+from vmach.diagnosis.fitted_parameters import fitted_parameters
+from vmach.diagnosis.rivals import Rivals, rivals_of
+from vmach.diagnosis.search import Search
 from vmach.diagnosis.where_it_fails import Failure
+from vmach.diagnosis.words import where_component
 from vmach.effects import Effect, label_of
+from vmach.effects.component import Component
 
-__all__ = ["CandidateScore", "Diagnosis", "Finding"]
+__all__ = ["Finding", "findings_of", "something_unknown"]
 
 
 @dataclass(frozen=True)
@@ -65,52 +68,29 @@ class Finding:
         return (*others, *(f"{name} on all axes or tools at once" for name in self.teams))
 
 
-@dataclass(frozen=True)
-class CandidateScore:
-    """How a single effect does on its own."""
-
-    effect: str
-    target: str
-    score: float
-    rms_after_um: float
-    status: str
-
-    @property
-    def label(self) -> str:
-        """Name and target."""
-        return label_of(self.effect, self.target)
+def findings_of(search: Search, explanation: Explanation) -> tuple[Finding, ...]:
+    """A finding for every effect of an explanation; none for the empty set."""
+    return tuple(_finding(search, explanation, k) for k in range(len(explanation.terms)))
 
 
-@dataclass(frozen=True)
-class Diagnosis:
-    """What the measurements say about the model.
+def _finding(search: Search, explanation: Explanation, k: int) -> Finding:
+    assert explanation.fit is not None
+    effect, target = explanation.terms[k].effect, explanation.terms[k].target
+    fitted = fitted_parameters(search.survey, explanation.fit, k)
+    is_component = isinstance(effect, Component)
+    return Finding(
+        effect=effect,
+        target=target,
+        parameters=fitted.values,
+        u=fitted.u,
+        rivals=rivals_of(search, explanation, k),
+        where=where_component(fitted.values, fitted.u, target) if is_component else None,
+        interval_95=fitted.interval_95,
+        hardly_shown=fitted.hardly_shown,
+    )
 
-    Attributes
-    ----------
-    verdict : str
-        "named", "class", "unknown" or "nothing".
-    findings : tuple of Finding
-    rms_um : dict
-        "before", "after", "expected_noise": over all readings, alignment taken off.
-    candidates : tuple of CandidateScore
-    failures : tuple of Failure
-        Where the model fails, before anything is added.
-    blind_spots : tuple of BlindSpot
-    next_measurement : NextMeasurement or None
-    left : dict
-        What is left beyond noise by kind of pattern; empty where the rest is noise.
-    notes : tuple of str
-    residuals : Residuals
-        Measured minus predicted, to be looked at.
-    """
 
-    verdict: str
-    findings: tuple[Finding, ...]
-    rms_um: dict[str, float]
-    candidates: tuple[CandidateScore, ...]
-    failures: tuple[Failure, ...]
-    blind_spots: tuple[BlindSpot, ...]
-    next_measurement: NextMeasurement | None
-    left: dict[str, float]
-    notes: tuple[str, ...]
-    residuals: Residuals
+def something_unknown(failures: Sequence[Failure]) -> Finding:
+    """The finding that something is there which no effect explains, and where it shows most."""
+    where = "; ".join(f.text for f in failures[:3]) or None
+    return Finding(None, "", {}, {}, Rivals((), ()), where, {})

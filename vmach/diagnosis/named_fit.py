@@ -8,15 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from vmach.diagnosis.diagnose import explanation_with_slack, prepare_search
-from vmach.diagnosis.search import Search
-from vmach.diagnosis.words import component_directions, component_parameters
+from vmach.diagnosis.component_curve import component_directions
+from vmach.diagnosis.explanation import Explanation
+from vmach.diagnosis.fitted_parameters import fitted_parameters
+from vmach.diagnosis.search import Search, prepare_search
+from vmach.diagnosis.settling import refitted_with_slack
 from vmach.effects import Effect, catalogue, label_of
 from vmach.effects.catalogue import unknown_effect_hint
 from vmach.effects.component import Component
 from vmach.errors import InputError
 from vmach.fit.survey import Survey
-from vmach.fit.uncertainty import parameter_uncertainty
+from vmach.fit.terms import JointFit
 
 __all__ = ["NamedEffect", "fit_named"]
 
@@ -70,42 +72,47 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
     """
     wanted = [_parsed(name) for name in names]
     search = prepare_search(survey, {e.name: e for e, _ in wanted}.values())
-    candidates = search.candidates
     explanation = search.nothing
     for effect, target in wanted:
-        possible = [
-            k
-            for k, c in enumerate(candidates)
-            if c.effect is effect
-            and target in (c.target, None)
-            and c.label not in explanation.labels
-        ]
-        if not possible:
-            raise _impossible(survey, effect, target, search, explanation.labels)
-        gains = search.gains(explanation)
-        explanation = search.extend(explanation, max(possible, key=lambda k: gains[k]))
-    assert explanation.fit is not None
-    called_for = [
-        search.gain_of(explanation, k) > search.threshold for k in range(len(explanation.fit.terms))
-    ]
-    fit = explanation_with_slack(search, explanation).fit
+        explanation = _extended(search, explanation, effect, target)
+    terms = range(len(explanation.terms))
+    called_for = [search.gain_of(explanation, k) > search.threshold for k in terms]
+    fit = refitted_with_slack(search, explanation).fit
     assert fit is not None
-    found = []
-    for k, term in enumerate(fit.terms):
-        if isinstance(term.effect, Component):
-            parameters, u = component_parameters(fit, k, survey.paths[0])
-            one_sigma = component_directions(fit, k, survey.paths[0])
-        else:
-            parameters, one_sigma = fit.parameters(k), fit.directions(k)
-            spreads = parameter_uncertainty(survey, fit, k)
-            u = {name: spread.u for name, spread in spreads.items()}
-        explained = fit.explained_mm(k)
-        found.append(
-            NamedEffect(
-                term.effect, term.target, parameters, u, one_sigma, explained, called_for[k]
-            )
-        )
-    return tuple(found)
+    return tuple(_named_effect(survey, fit, k, is_called_for=called_for[k]) for k in terms)
+
+
+def _extended(
+    search: Search, explanation: Explanation, effect: Effect, target: str | None
+) -> Explanation:
+    """An explanation with a further effect; without a target the one that fits best is taken."""
+    possible = [
+        k
+        for k, c in enumerate(search.candidates)
+        if c.effect is effect and target in (c.target, None) and c.label not in explanation.labels
+    ]
+    if not possible:
+        raise _impossible(search, effect, target, explanation.labels)
+    gains = search.gains(explanation)
+    return search.extend(explanation, max(possible, key=lambda k: gains[k]))
+
+
+def _named_effect(survey: Survey, fit: JointFit, k: int, *, is_called_for: bool) -> NamedEffect:
+    """Term k of a fit, with the uncertainty that goes into a job."""
+    term, fitted = fit.terms[k], fitted_parameters(survey, fit, k)
+    if isinstance(term.effect, Component):
+        one_sigma = component_directions(fit, k, survey.paths[0])
+    else:
+        one_sigma = fit.directions(k)
+    return NamedEffect(
+        effect=term.effect,
+        target=term.target,
+        parameters=fitted.values,
+        u=fitted.u,
+        one_sigma=one_sigma,
+        explained_mm=fit.explained_mm(k),
+        is_called_for=is_called_for,
+    )
 
 
 def _parsed(name: str) -> tuple[Effect, str | None]:
@@ -119,11 +126,11 @@ def _parsed(name: str) -> tuple[Effect, str | None]:
 
 
 def _impossible(
-    survey: Survey, effect: Effect, target: str | None, search: Search, chosen: Collection[str]
+    search: Search, effect: Effect, target: str | None, chosen: Collection[str]
 ) -> InputError:
     """Why an effect cannot be fitted, and with which targets it could be."""
     label = label_of(effect.name, target or "")
-    targets = effect.possible_targets(survey.job)
+    targets = effect.possible_targets(search.survey.job)
     reasons = {t: why for e, t, why in search.excluded if e is effect}
     free = [c for c in search.candidates if c.effect is effect and c.label not in chosen]
     if target is not None and target not in targets:
@@ -136,4 +143,4 @@ def _impossible(
         why = reasons[targets[0] if target is None else target]
         what = f"the measurements cannot show {label}: {why}"
     accepted = [f"{effect.name}:{c.target}" if c.target else effect.name for c in free]
-    return InputError(what, file=survey.job.path, accepted=", ".join(accepted) or None)
+    return InputError(what, file=search.survey.job.path, accepted=", ".join(accepted) or None)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vmach.diagnosis.explanation import Explanation
+from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.planned_tests import MAP, U_MM, PlannedTest, planned_tests, write_program
 from vmach.diagnosis.search import Search
 from vmach.effects import Circumstances
@@ -52,7 +53,9 @@ class NextMeasurement:
     power: float
 
 
-def next_measurement(search: Search, explanation: Explanation, findings) -> NextMeasurement | None:
+def next_measurement(
+    search: Search, explanation: Explanation, findings: Sequence[Finding]
+) -> NextMeasurement | None:
     """The most powerful test for the first finding that has rivals; None where none helps.
 
     For something unknown it is the test that tells the candidates apart that came nearest to an
@@ -72,7 +75,7 @@ def next_measurement(search: Search, explanation: Explanation, findings) -> Next
     return None
 
 
-def _labels(search: Search, finding) -> list[str]:
+def _labels(search: Search, finding: Finding) -> list[str]:
     """The rivals of a finding; of those that rival it as a team, every member."""
     return [
         c.label

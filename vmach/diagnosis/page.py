@@ -11,7 +11,8 @@ from markupsafe import Markup
 
 from vmach.atomic import atomic_file
 from vmach.diagnosis.covariate_panels import covariate_panels
-from vmach.diagnosis.findings import Diagnosis, Finding
+from vmach.diagnosis.diagnose import Diagnosis
+from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.instrument_pictures import instrument_pictures
 from vmach.diagnosis.page_words import chance_words, headline, quantity, state_words
 from vmach.diagnosis.residual_map import ResidualMap, residual_map

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from vmach.diagnosis.findings import Diagnosis
+from vmach.diagnosis.diagnose import Diagnosis
 from vmach.diagnosis.words import beyond_noise, expected, what_is_left
 from vmach.effects import Effect
 from vmach.effects.component import Component

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from vmach.atomic import atomic_file
-from vmach.diagnosis.findings import Diagnosis, Finding
+from vmach.diagnosis.diagnose import Diagnosis
+from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.where_it_fails import Failure
 from vmach.diagnosis.words import beyond_noise, describe, expected, what_is_left
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from vmach.atomic import atomic_folder
-from vmach.diagnosis.findings import Diagnosis
+from vmach.diagnosis.diagnose import Diagnosis
 from vmach.diagnosis.page import write_diagnosis_page
 from vmach.diagnosis.report import write_figures
 from vmach.job import Job, job_name

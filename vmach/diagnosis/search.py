@@ -7,16 +7,19 @@ each other is found even where neither leads alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from vmach.diagnosis.explanation import Explanation, may_beat, simplest_of_the_best
 from vmach.diagnosis.impossible_sizes import has_impossible_sizes
 from vmach.diagnosis.weighing import Weighing
 from vmach.effects import Effect
+from vmach.fit.candidates import gather_candidates
+from vmach.fit.survey import Survey
 
-__all__ = ["Search"]
+__all__ = ["Search", "prepare_search"]
 
 #: sets followed side by side, and candidates tried on a set of so many effects
 _BEAM, _TRIED = 3, (5, 4, 2)
@@ -27,6 +30,13 @@ _EXCHANGES = 2
 _WORTH_TRYING = 0.25
 #: an effect whose law leaves no more open than this share ends the search when it explains all
 _STIFF = 0.05
+
+
+@threadpool_limits.wrap(limits=1, user_api="blas")
+def prepare_search(survey: Survey, effects: Iterable[Effect] | None = None) -> Search:
+    """The search over a survey; `effects` are its candidates, the catalogue where left out."""
+    candidates, excluded = gather_candidates(survey, effects)
+    return Search(survey, candidates, excluded=excluded)
 
 
 class Search(Weighing):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Self
 
@@ -37,8 +38,6 @@ class Weighing:
     ----------
     survey : Survey
     candidates : sequence of Candidate
-    whiten : Whitening
-        Of the survey.
     excluded : sequence of (Effect, target, why)
         What the survey cannot show.
     seed : int
@@ -46,6 +45,8 @@ class Weighing:
 
     Attributes
     ----------
+    whiten : Whitening
+        Of all readings of this design.
     bank : SignatureBank
         Of the candidates, in their order.
     nothing : Explanation
@@ -56,15 +57,14 @@ class Weighing:
         self,
         survey: Survey,
         candidates: Sequence[Candidate],
-        whiten: Whitening,
         *,
         excluded: Sequence[tuple[Effect, str, str]] = (),
         seed: int = 1,
     ) -> None:
-        self.candidates, self.whiten = list(candidates), whiten
+        self.candidates, self.whiten = list(candidates), survey.whiten
         self.excluded, self._seed = tuple(excluded), seed
         self.bank = SignatureBank(
-            [whiten(c.signatures_mm) for c in self.candidates],
+            [self.whiten(c.signatures_mm) for c in self.candidates],
             [c.log_prior for c in self.candidates],
         )
         self._read(survey)
@@ -80,6 +80,11 @@ class Weighing:
         other = copy.copy(self)
         other._read(survey)
         return other
+
+    def on_part(self, survey: Survey, rows: np.ndarray) -> Self:
+        """The same over a part of the survey, its `rows` (n,) bool; their signatures stay."""
+        candidates = [replace(c, signatures_mm=c.signatures_mm[rows]) for c in self.candidates]
+        return type(self)(survey, candidates, excluded=self.excluded, seed=self._seed)
 
     # what the design of the survey allows ------------------------------------------------------
 

@@ -6,15 +6,9 @@ import numpy as np
 
 from vmach.diagnosis.residuals import Residuals
 from vmach.effects import Effect
-from vmach.effects.circumstances import Circumstances
-from vmach.effects.component import Component
-from vmach.fit.terms import JointFit, Term
-from vmach.machine.component_errors import component_of
 
 __all__ = [
     "beyond_noise",
-    "component_directions",
-    "component_parameters",
     "describe",
     "expected",
     "what_is_left",
@@ -38,8 +32,6 @@ _LEFT = {
 _CLOSE = 1.1
 #: a correction counts as there where it exceeds this many standard uncertainties
 _CLEAR = 3.0
-#: changes of a curve with less than this share of the largest variance are not worth a line
-_NOTABLE = 0.003
 
 
 def describe(effect: Effect) -> dict[str, str]:
@@ -77,47 +69,6 @@ def beyond_noise(rms_um: dict[str, float]) -> str:
     if rms_um["after"] > _CLOSE * rms_um["expected_noise"]:
         return "; the rest is within what the effects' laws leave open"
     return ""
-
-
-def component_parameters(
-    fit: JointFit, k: int, path: Circumstances
-) -> tuple[dict[str, list[float]], dict[str, list[float]]]:
-    """Correction curve of a component, and its standard uncertainty, at positions in use."""
-    term, target = fit.terms[k], fit.terms[k].target
-    root, position = _curve_in_use(term, path)
-    value = root @ fit.coefficients[k]
-    u = np.sqrt(np.einsum("ij,jk,ik->i", root, fit.covariance[k], root))
-    key = _correction(target)
-    rounded = {
-        "position_mm": np.round(position, 3).tolist(),
-        key: np.round(value, 4).tolist(),
-    }
-    return rounded, {key: np.round(u, 4).tolist()}
-
-
-def component_directions(fit: JointFit, k: int, path: Circumstances) -> list[dict]:
-    """Independent changes of a component's correction, one standard uncertainty each."""
-    root, _ = _curve_in_use(fit.terms[k], path)
-    squared, axes = np.linalg.eigh(root @ fit.covariance[k] @ root.T)
-    notable = squared > _NOTABLE * squared.max()
-    changes = (axes * np.sqrt(np.maximum(squared, 0.0)))[:, notable].T
-    return [{_correction(fit.terms[k].target): np.round(c, 4).tolist()} for c in changes]
-
-
-def _curve_in_use(term: Term, path: Circumstances) -> tuple[np.ndarray, np.ndarray]:
-    """From coefficients of a component to its correction, (N, K), at positions in use (N,)."""
-    effect, target = term.effect, term.target
-    assert isinstance(effect, Component)
-    root = effect.curve(path, target, **term.inner)
-    knots = effect.knots_mm(path, target)
-    position = path.nose_mm[:, component_of(target)[1]]
-    step = knots[1] - knots[0]
-    used = (knots > position.min() - step) & (knots < position.max() + step)
-    return root[used], knots[used]
-
-
-def _correction(target: str) -> str:
-    return "correction_urad" if component_of(target)[2] else "correction_um"
 
 
 def where_component(

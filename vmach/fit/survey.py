@@ -12,7 +12,7 @@ from scipy.linalg import block_diag
 
 from vmach.effects import Circumstances, Effect, EffectInstance
 from vmach.fit.table_uncertainty import TableUncertainty
-from vmach.fit.whitening import orthonormal
+from vmach.fit.whitening import Whitening, orthonormal
 from vmach.job import Job
 from vmach.measurements import Measurement
 
@@ -86,7 +86,8 @@ class Survey:
         """Direction of each reading, (n, 3)."""
         return np.vstack([m.sensing for m in self.measurements])
 
-    def factors(self, *, bend_share: float) -> np.ndarray:
+    @cached_property
+    def factors(self) -> np.ndarray:
         """Signatures of what is not known of the model, of unit variance, (n, q) mm.
 
         The tables' uncertainty and that of the parameters of the job's effects are the same
@@ -94,12 +95,17 @@ class Survey:
         """
         pairs = list(zip(self.paths, self.measurements, strict=True))
         tables = TableUncertainty.of(self.job.machine)
-        parts = [np.vstack([tables.factors(p, m.sensing, bend_share=bend_share) for p, m in pairs])]
+        parts = [np.vstack([tables.factors(p, m.sensing) for p, m in pairs])]
         for effect in self.effects:
             parts.append(np.vstack([m.sensed(effect.of_parameters(p)) for p, m in pairs]))
             parts.append(block_diag(*(m.sensed(effect.unforeseen(p)) for p, m in pairs)))
         everything = np.hstack(parts)
         return everything[:, np.abs(everything).max(axis=0) > 1e-9]
+
+    @cached_property
+    def whiten(self) -> Whitening:
+        """Turns readings into plain unit noise, the tables' uncertainty counted."""
+        return Whitening(self.u_mm, self.factors, self.nuisance)
 
     def signature(
         self, effect: Effect, target: str, inner_values: Mapping[str, float]

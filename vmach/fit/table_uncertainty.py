@@ -63,9 +63,7 @@ class TableUncertainty:
         apart = {n: _root_mean_square(0.5 * np.diff(b, axis=0)) for n, b in bends.items()}
         return cls(reading[0], reading[1], height, apart)
 
-    def factors(
-        self, path: Circumstances, sensing: np.ndarray, *, bend_share: float = 1.0
-    ) -> np.ndarray:
+    def factors(self, path: Circumstances, sensing: np.ndarray) -> np.ndarray:
         """Signature of every unit cause on readings along `sensing` (P, 3), (P, Q) mm."""
         machine = path.job.machine
         parts = []
@@ -79,11 +77,10 @@ class TableUncertainty:
             position, knots = path.nose_mm[:, axis], table.position_mm
             hats = np.stack([np.interp(position, knots, e) for e in np.eye(len(knots))], axis=1)
             parts.append((self.reading_rad if angular else self.reading_mm) * lever * hats)
-            if bend_share > 0.0:
-                # one cause for all: where the curve bends one way, it does so over intervals
-                bumps = bend_share * lever * _bumps(position, knots)
-                parts.append(bumps @ self.bend[name][:, None])
-                parts.append(self.bend_apart[name] * bumps)
+            # one cause for all: where the curve bends one way, it does so over intervals
+            bumps = lever * _bumps(position, knots)
+            parts.append(bumps @ self.bend[name][:, None])
+            parts.append(self.bend_apart[name] * bumps)
         for axis, rotation in _SQUARENESSES:
             across = np.cross(np.eye(3)[rotation], np.eye(3)[axis])
             turned = path.nose_mm[:, axis] * (sensing @ across)

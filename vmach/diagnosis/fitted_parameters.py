@@ -1,0 +1,46 @@
+"""What a fit says of the parameters of one of its effects, and how surely."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from vmach.diagnosis.component_curve import component_parameters
+from vmach.effects.component import Component
+from vmach.fit.survey import Survey
+from vmach.fit.terms import JointFit
+from vmach.fit.uncertainty import parameter_uncertainty
+
+__all__ = ["FittedParameters", "fitted_parameters"]
+
+
+@dataclass(frozen=True)
+class FittedParameters:
+    """Parameters in the units of their names; those of a component are lists.
+
+    Attributes
+    ----------
+    values, u : dict
+        With their standard uncertainties.
+    interval_95 : dict
+        Of each parameter (low, high); empty for a component.
+    hardly_shown : tuple of str
+        Parameters of which the readings say hardly more than was known before.
+    """
+
+    values: dict
+    u: dict
+    interval_95: dict = field(default_factory=dict)
+    hardly_shown: tuple[str, ...] = ()
+
+
+def fitted_parameters(survey: Survey, fit: JointFit, k: int) -> FittedParameters:
+    """The parameters of term k of a fit to a survey."""
+    if isinstance(fit.terms[k].effect, Component):
+        return FittedParameters(*component_parameters(fit, k, survey.paths[0]))
+    spreads = parameter_uncertainty(survey, fit, k)
+    return FittedParameters(
+        values=fit.parameters(k),
+        u={name: spread.u for name, spread in spreads.items()},
+        interval_95={name: (spread.low, spread.high) for name, spread in spreads.items()},
+        hardly_shown=tuple(name for name, spread in spreads.items() if not spread.is_shown),
+    )
