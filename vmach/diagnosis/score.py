@@ -45,10 +45,8 @@ def _width_of(coefficients: np.ndarray) -> float:
 
 def _log_prior(survey: Survey, term: Term) -> float:
     """Of a term's width, and of its inner parameters where they were found."""
-    usual = {p.name: p.usual for p in term.effect.inner_parameters}
-    off = [np.log(term.inner[name] / usual[name]) for name in term.free_inner]
-    unusual = 0.5 * float(np.sum(np.square(off / term.spread_of_inner)))
-    return -unusual - price_of_looking(survey, term) - np.log(len(WIDTHS))
+    usual = -0.5 * float(np.sum(term.unusual**2))
+    return usual - price_of_looking(survey, term) - np.log(len(WIDTHS))
 
 
 def price_of_looking(survey: Survey, term: Term) -> float:

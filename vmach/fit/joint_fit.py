@@ -7,9 +7,9 @@ and zeros, is fitted at the same time.
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -20,13 +20,14 @@ from vmach.fit.whitening import Whitening, orthonormal
 
 __all__ = ["fit_terms"]
 
+#: step of logarithms in a derivative
 _STEP = 1e-3
 
 
 def fit_terms(
     survey: Survey,
     terms: Sequence[Term],
-    whiten: Whitening | Callable[[np.ndarray], np.ndarray],
+    whiten: Whitening,
     *,
     refine: bool = True,
 ) -> JointFit:
@@ -42,7 +43,7 @@ def fit_terms(
     refine : bool
         Whether inner parameters move from their starting values.
     """
-    problem = _Problem(survey, tuple(terms), whiten)
+    problem = _Problem(survey, tuple(terms), whiten, whiten(survey.residual_mm))
     if refine:
         problem = problem.at_best_places()
     start = problem.logarithms()
@@ -62,41 +63,52 @@ def fit_terms(
     return problem.solve()
 
 
+@dataclass(frozen=True)
 class _Problem:
-    """The fit as a function of the logarithms of all free inner parameters."""
+    """The fit as a function of the logarithms of all free inner parameters, I in all.
 
-    def __init__(self, survey: Survey, terms: tuple[Term, ...], whiten) -> None:
-        self.survey, self.terms, self.whiten = survey, terms, whiten
-        self.target = whiten(survey.residual_mm)
-        self._cache: dict[tuple, tuple[np.ndarray, np.ndarray]] = {}
+    Attributes
+    ----------
+    survey : Survey
+    terms : tuple of Term
+        Their coefficients are K in all.
+    whiten : Whitening
+    reading : (n,) float64
+        What is to be explained, whitened.
+    known : dict
+        Signatures that were worked out, for all problems that are made of this one.
+    """
+
+    survey: Survey
+    terms: tuple[Term, ...]
+    whiten: Whitening
+    reading: np.ndarray
+    known: dict[tuple, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
     def logarithms(self) -> np.ndarray:
+        """Where the free inner parameters are, (I,)."""
         values = [term.inner[name] for term in self.terms for name in term.free_inner]
         return np.log(np.maximum(values, 1e-9)) if values else np.zeros(0)
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        ends = []
-        for term in self.terms:
-            by_name = {p.name: p for p in term.effect.inner_parameters}
-            ends += [(by_name[n].low, by_name[n].high) for n in term.free_inner]
+        """Between which ends the logarithms may move, (I,) each."""
+        ends = [(p.low, p.high) for term in self.terms for p in term.free_parameters]
         low, high = np.log(np.array(ends)).T
         return low - 1e-9, high + 1e-9
 
     def at(self, logarithms: np.ndarray) -> _Problem:
-        moved, first = [], 0
-        for term in self.terms:
-            names = term.free_inner
-            values = np.exp(logarithms[first : first + len(names)])
-            first += len(names)
-            update = dict(zip(names, values.tolist(), strict=True))
+        """The problem with its free inner parameters at given logarithms, (I,)."""
+        places = _stretches([len(term.free_parameters) for term in self.terms])
+        moved = []
+        for term, own in zip(self.terms, places, strict=True):
+            values = np.exp(logarithms[own]).tolist()
+            update = dict(zip(term.free_inner, values, strict=True))
             moved.append(replace(term, inner={**term.inner, **update}))
         return self._of(moved)
 
     def _of(self, terms: Sequence[Term]) -> _Problem:
         """The same problem with other terms."""
-        other = copy.copy(self)
-        other.terms = tuple(terms)
-        return other
+        return replace(self, terms=tuple(terms))
 
     def at_best_places(self) -> _Problem:
         """Terms that have places to choose among at the best of them, given the others."""
@@ -112,96 +124,108 @@ class _Problem:
 
     def gains_of(self, term: Term, places: Sequence[Mapping[str, float]]) -> np.ndarray:
         """Half of what a further term at each of some places (G,) takes off the sum of squares."""
-        rows, target = self._system()
+        rows, reading = self._system()
         basis = orthonormal(rows)
-        target = target - basis @ (basis.T @ target)
+        left = reading - basis @ (basis.T @ reading)
         gains = []
         for inner in places:
             columns = self.columns(replace(term, inner=inner))[1]
-            columns = np.vstack([columns, np.zeros((len(rows) - len(columns), columns.shape[1]))])
+            columns = _with_zeros_below(columns, len(rows))
             columns = columns - basis @ (basis.T @ columns)
             precision = columns.T @ columns + np.eye(columns.shape[1]) / FREE**2
-            seen = columns.T @ target
+            seen = columns.T @ left
             gains.append(0.5 * seen @ np.linalg.solve(precision, seen))
         return np.array(gains)
 
-    def prior_residual(self) -> np.ndarray:
-        rows = []
-        for term in self.terms:
-            by_name = {p.name: p for p in term.effect.inner_parameters}
-            for name in term.free_inner:
-                p = by_name[name]
-                rows.append(np.log(term.inner[name] / p.usual) / p.spread)
-        return np.array(rows)
-
     def columns(self, term: Term) -> tuple[np.ndarray, np.ndarray]:
-        """Signatures in mm and whitened."""
+        """Signatures of a term in mm and whitened, (n, own K) each."""
         key = (term.label, *term.inner.values())
-        if key not in self._cache:
+        if key not in self.known:
             raw = self.survey.signature(term.effect, term.target, term.inner)
-            self._cache[key] = raw, self.whiten(raw)
-        return self._cache[key]
+            self.known[key] = raw, self.whiten(raw)
+        return self.known[key]
 
     def _system(self) -> tuple[np.ndarray, np.ndarray]:
-        white = [np.zeros((len(self.target), 0)), *(self.columns(t)[1] for t in self.terms)]
-        pairs = zip(self.terms, white[1:], strict=True)
-        widths = np.concatenate([[], *(np.full(w.shape[1], t.width or FREE) for t, w in pairs)])
-        rows = np.vstack([np.hstack(white), np.diag(1.0 / widths)])
-        return rows, np.concatenate([self.target, np.zeros(len(widths))])
+        """Rows of the least squares for the coefficients, (n + K, K), and their aim, (n + K,).
+
+        Below the whitened readings each coefficient has a row that holds it to its prior.
+        """
+        none = np.zeros((len(self.reading), 0))
+        white = [self.columns(term)[1] for term in self.terms]
+        widths = [
+            np.full(columns.shape[1], term.prior_width)
+            for term, columns in zip(self.terms, white, strict=True)
+        ]
+        prior = np.diag(1.0 / np.concatenate([[], *widths]))
+        rows = np.vstack([np.hstack([none, *white]), prior])
+        return rows, np.concatenate([self.reading, np.zeros(len(prior))])
 
     def residual(self, logarithms: np.ndarray) -> np.ndarray:
+        """What is left at given logarithms with the best coefficients, priors included."""
         here = self.at(logarithms)
-        rows, target = here._system()
-        solution = np.linalg.lstsq(rows, target, rcond=None)[0]
-        return np.concatenate([target - rows @ solution, here.prior_residual()])
+        rows, aim = here._system()
+        solution = np.linalg.lstsq(rows, aim, rcond=None)[0]
+        unusual = np.concatenate([term.unusual for term in here.terms])
+        return np.concatenate([aim - rows @ solution, unusual])
 
     def solve(self) -> JointFit:
-        rows, target = self._system()
-        solution = np.linalg.lstsq(rows, target, rcond=None)[0]
-        raw = [self.columns(term)[0] for term in self.terms]
-        ends = np.cumsum([r.shape[1] for r in raw])
-        coefficients = np.split(solution, ends[:-1])
+        """The best coefficients where the inner parameters are, with their covariance."""
+        rows, aim = self._system()
+        solution = np.linalg.lstsq(rows, aim, rcond=None)[0]
+        signatures = [self.columns(term)[0] for term in self.terms]
+        places = _stretches([s.shape[1] for s in signatures])
+        coefficients = tuple(solution[own] for own in places)
         tangents = [
-            self._tangents(term, c) for term, c in zip(self.terms, coefficients, strict=True)
+            self._tangents(term, own) for term, own in zip(self.terms, coefficients, strict=True)
         ]
         return JointFit(
             terms=self.terms,
-            coefficients=tuple(coefficients),
-            covariance=self._covariance(rows, raw, tangents),
-            signatures_mm=tuple(raw),
+            coefficients=coefficients,
+            covariance=self._covariance(rows, places, tangents),
+            signatures_mm=tuple(signatures),
             tangents_mm=tuple(tangents),
             whiten=self.whiten,
         )
 
     def _tangents(self, term: Term, coefficients: np.ndarray) -> np.ndarray:
+        """Change of a fitted term with each of its free inner logarithms, (n, own I) mm."""
         here = self.columns(term)[0]
         slopes = [np.zeros((len(here), 0))]
-        for name in term.free_inner:
-            moved = {**term.inner, name: term.inner[name] * np.exp(_STEP)}
-            near = self.survey.signature(term.effect, term.target, moved)
+        for unit in np.eye(len(term.free_parameters)):
+            near = self.survey.signature(term.effect, term.target, term.inner_at(_STEP * unit))
             slopes.append(((near - here) @ coefficients / _STEP)[:, None])
         return np.hstack(slopes)
 
-    def _covariance(self, rows, raw, tangents) -> tuple[np.ndarray, ...]:
-        """Covariance of every term's own coefficients and inner parameters, all free at once."""
+    def _covariance(
+        self, rows: np.ndarray, places: Sequence[slice], tangents: Sequence[np.ndarray]
+    ) -> tuple[np.ndarray, ...]:
+        """Covariance of every term's own coefficients and inner parameters, all free at once.
+
+        Parameters
+        ----------
+        rows : (n + K, K) float64
+            Of the least squares.
+        places : sequence of slice
+            Where among the K the coefficients of each term stand.
+        tangents : sequence of (n, own I) float64
+        """
         slope = np.hstack([self.whiten(t) for t in tangents])
-        spreads = []
-        for term in self.terms:
-            by_name = {p.name: p.spread for p in term.effect.inner_parameters}
-            spreads += [by_name[name] for name in term.free_inner]
-        padded = np.vstack([slope, np.zeros((len(rows) - len(slope), slope.shape[1]))])
-        prior = np.hstack(
-            [
-                np.zeros((len(spreads), rows.shape[1])),
-                np.diag(1.0 / np.array(spreads)) if spreads else np.zeros((0, 0)),
-            ]
-        )
-        full = np.vstack([np.hstack([rows, padded]), prior])
+        spreads = np.concatenate([term.spread_of_inner for term in self.terms])
+        held = np.hstack([np.zeros((len(spreads), rows.shape[1])), np.diag(1.0 / spreads)])
+        full = np.vstack([np.hstack([rows, _with_zeros_below(slope, len(rows))]), held])
         covariance = np.linalg.pinv(full.T @ full)
-        parts, first, first_inner = [], 0, rows.shape[1]
-        for r, t in zip(raw, tangents, strict=True):
-            own = [*range(first, first + r.shape[1]), *range(first_inner, first_inner + t.shape[1])]
-            parts.append(covariance[np.ix_(own, own)])
-            first += r.shape[1]
-            first_inner += t.shape[1]
-        return tuple(parts)
+        inner = _stretches([t.shape[1] for t in tangents], start=rows.shape[1])
+        number = np.arange(len(covariance))
+        own = [np.concatenate([number[c], number[i]]) for c, i in zip(places, inner, strict=True)]
+        return tuple(covariance[np.ix_(k, k)] for k in own)
+
+
+def _stretches(counts: Sequence[int], *, start: int = 0) -> list[slice]:
+    """Stretches of so many each, one behind the other."""
+    ends = np.cumsum([start, *counts]).tolist()
+    return [slice(*both) for both in itertools.pairwise(ends)]
+
+
+def _with_zeros_below(columns: np.ndarray, count: int) -> np.ndarray:
+    """Columns made `count` rows long, as those of a least squares with priors are."""
+    return np.vstack([columns, np.zeros((count - len(columns), columns.shape[1]))])

@@ -7,13 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vmach.effects import Effect, label_of
+from vmach.effects import Effect, Parameter, label_of
 from vmach.fit.whitening import Whitening
 
 __all__ = ["FREE", "JointFit", "Term"]
 
 #: prior standard deviation of amplitudes, in usual sizes; keeps twins apart
 FREE = 30.0
+#: step of coefficients and logarithms in a derivative
+_STEP = 1e-4
 
 
 @dataclass(frozen=True)
@@ -39,15 +41,38 @@ class Term:
         return self.width is not None
 
     @property
+    def prior_width(self) -> float:
+        """Prior standard deviation of its coefficients, in usual sizes."""
+        return self.width or FREE
+
+    @property
+    def free_parameters(self) -> tuple[Parameter, ...]:
+        """The inner parameters that a fit may move, by their logarithms; I of them."""
+        return tuple(p for p in self.effect.inner_parameters if p.low > 0)
+
+    @property
     def free_inner(self) -> list[str]:
-        """Names of the inner parameters that a fit may move."""
-        return [p.name for p in self.effect.inner_parameters if p.low > 0]
+        """Their names."""
+        return [p.name for p in self.free_parameters]
 
     @property
     def spread_of_inner(self) -> np.ndarray:
-        """Prior standard deviation of the logarithm of each free inner parameter, (I,)."""
-        spread = {p.name: p.spread for p in self.effect.inner_parameters}
-        return np.array([spread[name] for name in self.free_inner])
+        """Prior standard deviation of each of their logarithms, (I,)."""
+        return np.array([p.spread for p in self.free_parameters])
+
+    @property
+    def unusual(self) -> np.ndarray:
+        """How many of these each logarithm lies from its usual value, (I,)."""
+        off = [np.log(self.inner[p.name] / p.usual) / p.spread for p in self.free_parameters]
+        return np.array(off)
+
+    def inner_at(self, steps: np.ndarray) -> dict[str, float]:
+        """All inner parameters, the free ones with their logarithms moved by steps (I,)."""
+        moved = {
+            name: self.inner[name] * float(np.exp(step))
+            for name, step in zip(self.free_inner, steps, strict=True)
+        }
+        return {**self.inner, **moved}
 
 
 @dataclass(frozen=True)
@@ -100,28 +125,23 @@ class JointFit:
     def numbers(self, k: int) -> float:
         """Amplitudes and inner parameters of term k, each as far as the readings determine it."""
         term = self.terms[k]
-        amplitudes = np.full(len(self.coefficients[k]), term.width or FREE)
+        amplitudes = np.full(len(self.coefficients[k]), term.prior_width)
         before = np.concatenate([amplitudes, term.spread_of_inner])
         return float(np.sum(1.0 - np.diag(self.covariance[k]) / before**2))
 
     def _slope(self, k: int) -> np.ndarray:
         """Change of the parameters of term k with coefficients and logarithms, (K + I, N)."""
-        term, coefficients = self.terms[k], self.coefficients[k]
-        names = term.free_inner
-        start = np.concatenate([coefficients, np.zeros(len(names))])
+        term, count = self.terms[k], len(self.coefficients[k])
+        start = np.concatenate([self.coefficients[k], np.zeros(len(term.free_parameters))])
 
         def settled(x: np.ndarray) -> dict[str, float]:
-            moved = {
-                name: term.inner[name] * np.exp(step)
-                for name, step in zip(names, x[len(coefficients) :], strict=True)
-            }
-            return term.effect.settle(x[: len(coefficients)], {**term.inner, **moved})
+            return term.effect.settle(x[:count], term.inner_at(x[count:]))
 
         centre = settled(start)
         rows = []
         for unit in np.eye(len(start)):
-            near = settled(start + 1e-4 * unit)
-            rows.append([(near[name] - centre[name]) / 1e-4 for name in centre])
+            near = settled(start + _STEP * unit)
+            rows.append([(near[name] - centre[name]) / _STEP for name in centre])
         return np.array(rows)
 
     def explained_mm(self, k: int) -> np.ndarray:
