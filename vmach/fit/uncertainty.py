@@ -8,7 +8,7 @@ root of the mean square distance from the value that is stated.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,6 +31,9 @@ _NODES = {
 _PASSES = 4
 #: a grid is right when it finds the spread that it was made for, up to this factor
 _RIGHT = 1.3
+#: share of its width that the next grid has at least
+_NARROWEST = 0.2
+#: step of coefficients in a derivative
 _STEP = 1e-4
 #: share of what was open before; a parameter that stays that open is not shown by the readings
 _HARDLY = 0.8
@@ -68,29 +71,14 @@ def parameter_uncertainty(survey: Survey, fit: JointFit, k: int) -> dict[str, Sp
     term = fit.terms[k]
     places, log_prior = survey.places(term.effect, term.target, term.inner)
     if places:
-        return _spreads(fit, k, places, _Posterior.of(survey, fit, k).at(places, log_prior))
-    dimensions = len(fit.terms[k].free_inner)
-    if dimensions not in _NODES:
+        return _spreads(fit, k, _Posterior.of(survey, fit, k).at(places, log_prior))
+    if len(term.free_parameters) not in _NODES:
         return _straight(fit, k)
-    posterior = _Posterior.of(survey, fit, k)
-    spread = posterior.prior_spread
-    amplitudes = len(fit.coefficients[k])
-    covariance = fit.covariance[k][amplitudes:, amplitudes:]
-    centre, covariance = np.zeros(dimensions), np.minimum(covariance, np.outer(spread, spread))
-    for _ in range(_PASSES):
-        nodes = posterior.within(_grid(centre, covariance))
-        inner = [posterior.inner_at(step) for step in nodes]
-        weight, amount, amount_covariance = posterior.at(inner, posterior.log_prior(nodes))
-        before = np.sqrt(np.diag(covariance))
-        centre = weight @ nodes
-        apart = nodes - centre
-        covariance = (weight[:, None] * apart).T @ apart
-        after = np.sqrt(np.diag(covariance))
-        if np.all(np.abs(np.log(np.maximum(after, 1e-9) / before)) < np.log(_RIGHT)):
-            break
-        covariance += np.diag((0.2 * before) ** 2)
-    found = _spreads(fit, k, inner, (weight, amount, amount_covariance))
-    for name, share in zip(fit.terms[k].free_inner, after / spread, strict=True):
+    amplitudes, spread = len(fit.coefficients[k]), term.spread_of_inner
+    guess = np.minimum(fit.covariance[k][amplitudes:, amplitudes:], np.outer(spread, spread))
+    distribution, deviation = _Posterior.of(survey, fit, k).on_its_own_grid(guess)
+    found = _spreads(fit, k, distribution)
+    for name, share in zip(term.free_inner, deviation / spread, strict=True):
         found[name] = replace(found[name], is_shown=bool(share < _HARDLY))
     return found
 
@@ -119,8 +107,43 @@ def _grid(centre: np.ndarray, covariance: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
+class _Distribution:
+    """Probability of one term's parameters: a normal distribution at each of G places.
+
+    Attributes
+    ----------
+    inner : sequence of dict
+        The inner parameters at each place.
+    weight : (G,) float64
+        Its probability; they add up to one.
+    mean : (G, K) float64
+        Of the coefficients there.
+    covariance : (G, K, K) float64
+    """
+
+    inner: Sequence[Mapping[str, float]]
+    weight: np.ndarray
+    mean: np.ndarray
+    covariance: np.ndarray
+
+    def __iter__(self) -> Iterator[tuple[Mapping[str, float], np.ndarray, np.ndarray]]:
+        """Inner parameters, mean and covariance of the coefficients of every place."""
+        return zip(self.inner, self.mean, self.covariance, strict=True)
+
+
+@dataclass(frozen=True)
 class _Posterior:
-    """Probability of the inner parameters of one term, as steps of their logarithms."""
+    """Probability of the D inner parameters of one term, as steps of their logarithms.
+
+    Attributes
+    ----------
+    survey : Survey
+    term : Term
+    whiten : callable
+        Turns readings (n, ...) mm into unit noise without what the other terms can explain.
+    reading : (n,) float64
+        What is to be explained, whitened so.
+    """
 
     survey: Survey
     term: Term
@@ -129,7 +152,7 @@ class _Posterior:
 
     @classmethod
     def of(cls, survey: Survey, fit: JointFit, k: int) -> _Posterior:
-        """With the other terms of a fit eliminated, their inner parameters along tangents."""
+        """Of term k, the other terms eliminated, their inner parameters along tangents."""
         empty = np.zeros((len(survey), 0))
         free, random = [empty], [empty]
         for i, term in enumerate(fit.terms):
@@ -147,40 +170,50 @@ class _Posterior:
 
         return cls(survey, fit.terms[k], absorb, absorb(survey.residual_mm))
 
-    @property
-    def _free(self) -> list:
-        return [p for p in self.term.effect.inner_parameters if p.low > 0]
+    def on_its_own_grid(self, covariance: np.ndarray) -> tuple[_Distribution, np.ndarray]:
+        """The distribution on a grid that is as wide as itself, and its deviations (D,).
 
-    @property
-    def prior_spread(self) -> np.ndarray:
-        """Prior standard deviation of each logarithm, (D,)."""
-        return np.array([p.spread for p in self._free])
+        Parameters
+        ----------
+        covariance : (D, D) float64
+            Of the logarithms, as a first guess.
+        """
+        centre = np.zeros(len(covariance))
+        for _ in range(_PASSES):
+            nodes = self.within(_grid(centre, covariance))
+            inner = [self.term.inner_at(step) for step in nodes]
+            found = self.at(inner, self.log_prior(nodes))
+            before = np.sqrt(np.diag(covariance))
+            centre = found.weight @ nodes
+            apart = nodes - centre
+            covariance = (found.weight[:, None] * apart).T @ apart
+            after = np.sqrt(np.diag(covariance))
+            if np.all(np.abs(np.log(np.maximum(after, 1e-9) / before)) < np.log(_RIGHT)):
+                break
+            # where one node of a coarse grid has all the weight, no width is left
+            covariance += np.diag((_NARROWEST * before) ** 2)
+        return found, after
 
     def within(self, nodes: np.ndarray) -> np.ndarray:
-        """The nodes inside the parameters' bounds; the best fit itself among them."""
-        here = np.log([self.term.inner[p.name] for p in self._free])
-        low, high = np.log([(p.low, p.high) for p in self._free]).T
+        """The nodes (G, D) inside the parameters' bounds; the best fit alone where none is."""
+        low, high = np.log([(p.low, p.high) for p in self.term.free_parameters]).T
+        here = self._here
         inside = ((here + nodes >= low) & (here + nodes <= high)).all(axis=1)
         return nodes[inside] if inside.any() else np.zeros((1, nodes.shape[1]))
 
-    def inner_at(self, step: np.ndarray) -> dict[str, float]:
-        """Inner parameters at a node (D,)."""
-        moved = {
-            p.name: self.term.inner[p.name] * float(np.exp(s))
-            for p, s in zip(self._free, step, strict=True)
-        }
-        return {**self.term.inner, **moved}
-
     def log_prior(self, nodes: np.ndarray) -> np.ndarray:
         """Logarithm of how usual each node is, (G,)."""
-        usual = np.log([p.usual for p in self._free])
-        here = np.log([self.term.inner[p.name] for p in self._free])
-        return -0.5 * (((here + nodes - usual) / self.prior_spread) ** 2).sum(axis=1)
+        usual = np.log([p.usual for p in self.term.free_parameters])
+        off = (self._here + nodes - usual) / self.term.spread_of_inner
+        return -0.5 * (off**2).sum(axis=1)
 
-    def at(
-        self, inner: Sequence[Mapping[str, float]], log_prior: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Probability (G,), mean (G, K) and covariance (G, K, K) of the amplitudes at places."""
+    @property
+    def _here(self) -> np.ndarray:
+        """Logarithms of the best fit, (D,)."""
+        return np.log([self.term.inner[name] for name in self.term.free_inner])
+
+    def at(self, inner: Sequence[Mapping[str, float]], log_prior: np.ndarray) -> _Distribution:
+        """The distribution over G places whose log prior is (G,)."""
         effect, target = self.term.effect, self.term.target
         raw = [self.survey.signature(effect, target, values) for values in inner]
         white = self.whiten(np.stack(raw, axis=1))
@@ -192,27 +225,25 @@ class _Posterior:
         mean = np.einsum("gkl,gl->gk", covariance, seen)
         log = log_prior + 0.5 * np.einsum("gk,gk->g", seen, mean)
         weight = np.exp(log - log.max())
-        return weight / weight.sum(), mean, covariance
+        return _Distribution(inner, weight / weight.sum(), mean, covariance)
 
 
-def _spreads(
-    fit: JointFit, k: int, inner_at: Sequence[Mapping[str, float]], distribution
-) -> dict[str, Spread]:
+def _spreads(fit: JointFit, k: int, distribution: _Distribution) -> dict[str, Spread]:
     """Spread of every parameter: at each node a normal distribution, its weight the node's."""
     term, stated = fit.terms[k], fit.parameters(k)
     cycle = {p.name: p.cycle for p in term.effect.parameters}
-    weights, means, covariances = distribution
-    away = np.empty((len(weights), len(stated)))
+    weight = distribution.weight
+    away = np.empty((len(weight), len(stated)))
     local = np.empty_like(away)
-    for g, (inner, mean, covariance) in enumerate(zip(inner_at, means, covariances, strict=True)):
+    for g, (inner, mean, covariance) in enumerate(distribution):
         here = term.effect.settle(mean, inner)
         away[g] = [_apart(here[name], stated[name], cycle[name]) for name in stated]
         slope = _slopes(lambda c, i=inner: term.effect.settle(c, i), mean)
         local[g] = np.einsum("kj,kl,lj->j", slope, covariance, slope)
     found, prior = {}, _prior_u(term)
     for j, (name, value) in enumerate(stated.items()):
-        u = float(np.sqrt(weights @ (away[:, j] ** 2 + local[:, j])))
-        low, high = _quantiles(weights, away[:, j], np.sqrt(local[:, j]))
+        u = float(np.sqrt(weight @ (away[:, j] ** 2 + local[:, j])))
+        low, high = _quantiles(weight, away[:, j], np.sqrt(local[:, j]))
         # a value that lies at its bound lies at the interval's end
         low, high = value + min(low, 0.0), value + max(high, 0.0)
         found[name] = Spread(u, low, high, u < _HARDLY * prior[name])
@@ -220,6 +251,7 @@ def _spreads(
 
 
 def _apart(value: float, stated: float, cycle: float) -> float:
+    """How far a value lies from the stated one, the short way round where it is an angle."""
     away = value - stated
     return away - cycle * round(away / cycle) if np.isfinite(cycle) else away
 
