@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -12,20 +12,18 @@ from gcode import WORK_OFFSETS, Moves
 from vmach.effects.blank_depth import blank_depth_mm
 from vmach.effects.engagement import radial_depth_mm
 from vmach.effects.history_of_motion import MotionHistory
+from vmach.effects.levers import levers, tilts_of_axes_rad
 from vmach.effects.path_dynamics import corner_before, curvature_per_mm
 from vmach.job import Job
-from vmach.machine import COMPONENT_NAMES, ComponentError, RigidDisplacement, Variant
-from vmach.machine.component_errors import component_of
-from vmach.machine.displacement import contributions
+from vmach.machine import RigidDisplacement
 from vmach.toolpath import PathStates
 
-__all__ = ["DEAD_BAND_MM", "Circumstances"]
+__all__ = ["Circumstances"]
 
 #: an axis that moves less than this has not reversed
-DEAD_BAND_MM = 2e-3
+_DEAD_BAND_MM = 2e-3
 #: spindle speed that thermal amplitudes are stated at
-REFERENCE_RPM = 8000.0
-_EVERYWHERE_MM = np.array([-1e6, 1e6])
+_REFERENCE_RPM = 8000.0
 
 
 @dataclass(frozen=True)
@@ -113,7 +111,7 @@ class Circumstances:
     @cached_property
     def _play(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         key = self.states.move + self.states.parameter
-        return self.history.play(key, self.nose_mm, width_mm=DEAD_BAND_MM)
+        return self.history.play(key, self.nose_mm, width_mm=_DEAD_BAND_MM)
 
     @property
     def play_side(self) -> np.ndarray:
@@ -172,7 +170,7 @@ class Circumstances:
         """
 
         def warmth() -> np.ndarray:
-            drive = (np.abs(self.moves.spindle_rpm) / REFERENCE_RPM) ** exponent
+            drive = (np.abs(self.moves.spindle_rpm) / _REFERENCE_RPM) ** exponent
             return self.history.spindle_warmth(drive, time_constant_s, self.time_s)
 
         return self._once("spindle", (time_constant_s, exponent), warmth)
@@ -250,20 +248,10 @@ class Circumstances:
 
         Up to what earlier passes of the program left, or the blank where none went.
         """
-        lengths = self.states.tool_lengths_mm
-        radii = np.full(len(lengths), np.nan)
+        radii = np.full(len(self.states.tool_lengths_mm), np.nan)
         for number, tool in self.job.tools.items():
             radii[number] = 0.5 * tool.diameter_mm
-        depth = radial_depth_mm(
-            self.moves,
-            self.states.move,
-            parameter=self.states.parameter,
-            tip_mm=self.nose_mm + self.tool_mm,
-            tool_lengths_mm=lengths,
-            radii_mm=radii,
-            contact_mm=self.contact_mm,
-            normal=self.normal,
-        )
+        depth = radial_depth_mm(self.states, self.normal, radii)
         if self.job.blank is None:
             return depth
         across = np.linalg.norm(self.side_normal, axis=1, keepdims=True)
@@ -286,21 +274,9 @@ class Circumstances:
 
     @cached_property
     def _levers(self) -> dict[str, RigidDisplacement]:
-        known = self.job.machine.components
-        units = {}
-        for name in COMPONENT_NAMES:
-            unit = ComponentError(name, _EVERYWHERE_MM, np.ones(2), np.ones(2))
-            # a table that is not there was read nowhere: its point is the frame's origin
-            at = known[name].measured_at_mm if name in known else np.zeros(3)
-            units[name] = replace(unit, measured_at_mm=at)
-        changed = replace(self.job.machine, components=units)
-        return dict(contributions(changed, self.nose_mm, self.tool_mm, Variant.ABBE))
+        return levers(self.job.machine, self.nose_mm, self.tool_mm)
 
     @cached_property
     def axis_tilt_rad(self) -> np.ndarray:
         """Rotation of the tool by the angular tables of each axis, (3 axes, P, 3) rad."""
-        tilt = np.zeros((3, len(self), 3))
-        for name, part in contributions(self.job.machine, self.nose_mm, self.tool_mm, Variant.ABBE):
-            if name in COMPONENT_NAMES:
-                tilt[component_of(name)[1]] += part.tilt_rad
-        return tilt
+        return tilts_of_axes_rad(self.job.machine, self.nose_mm, self.tool_mm)

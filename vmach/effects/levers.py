@@ -1,0 +1,53 @@
+"""Levers: how far the machine's component errors move the tool where it stands."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from vmach.machine import COMPONENT_NAMES, ComponentError, Machine, RigidDisplacement, Variant
+from vmach.machine.component_errors import component_of
+from vmach.machine.displacement import contributions
+
+__all__ = ["levers", "tilts_of_axes_rad"]
+
+_EVERYWHERE_MM = np.array([-1e6, 1e6])
+
+
+def levers(
+    machine: Machine, nose_mm: np.ndarray, tool_mm: np.ndarray
+) -> dict[str, RigidDisplacement]:
+    """Displacement of the tool by one unit (mm or rad) of each component error everywhere.
+
+    Parameters
+    ----------
+    machine : Machine
+    nose_mm, tool_mm : (P, 3) float64
+        Axis positions, and the vector from nose to tip.
+    """
+    units = {}
+    for name in COMPONENT_NAMES:
+        unit = ComponentError(name, _EVERYWHERE_MM, np.ones(2), np.ones(2))
+        # a table that is not there was read nowhere: its point is the frame's origin
+        known = machine.components.get(name)
+        at = np.zeros(3) if known is None else known.measured_at_mm
+        units[name] = replace(unit, measured_at_mm=at)
+    changed = replace(machine, components=units)
+    return dict(contributions(changed, nose_mm, tool_mm, Variant.ABBE))
+
+
+def tilts_of_axes_rad(machine: Machine, nose_mm: np.ndarray, tool_mm: np.ndarray) -> np.ndarray:
+    """Rotation of the tool by the angular tables of each axis, (3 axes, P, 3) rad.
+
+    Parameters
+    ----------
+    machine : Machine
+    nose_mm, tool_mm : (P, 3) float64
+        Axis positions, and the vector from nose to tip.
+    """
+    tilt = np.zeros((3, len(nose_mm), 3))
+    for name, part in contributions(machine, nose_mm, tool_mm, Variant.ABBE):
+        if name in COMPONENT_NAMES:
+            tilt[component_of(name)[1]] += part.tilt_rad
+    return tilt
