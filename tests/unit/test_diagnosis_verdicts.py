@@ -17,7 +17,8 @@ from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.impossible_sizes import has_impossible_sizes, impossible_sizes
 from vmach.diagnosis.job_survey import survey_job
-from vmach.diagnosis.planned_tests import planned_tests, write_program
+from vmach.diagnosis.planned_program import write_program
+from vmach.diagnosis.planned_tests import planned_tests
 from vmach.diagnosis.report import as_json, as_text
 from vmach.diagnosis.rivals import Rivals
 from vmach.diagnosis.search import prepare_search

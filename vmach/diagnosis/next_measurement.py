@@ -15,7 +15,8 @@ import numpy as np
 
 from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.findings import Finding
-from vmach.diagnosis.planned_tests import MAP, U_MM, PlannedTest, planned_tests, write_program
+from vmach.diagnosis.planned_program import write_program
+from vmach.diagnosis.planned_tests import MAP, U_MM, PlannedTest, planned_tests
 from vmach.diagnosis.search import Search
 from vmach.effects import Circumstances
 from vmach.fit.terms import Term

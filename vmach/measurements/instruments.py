@@ -217,13 +217,7 @@ def _three_directions(
 ) -> Measurement:
     """One reading along each of X, Y and Z at every state."""
     count = len(states)
-    thrice = PathStates(
-        moves=states.moves,
-        tool_lengths_mm=states.tool_lengths_mm,
-        move=np.repeat(states.move, 3),
-        parameter=np.repeat(states.parameter, 3),
-        contact_mm=np.zeros((3 * count, 3)),
-    )
+    thrice = states[np.repeat(np.arange(count), 3)]
     sensing = np.tile(np.eye(3), (count, 1))
     return Measurement(
         kind=kind,
