@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -131,6 +132,13 @@ def write_job(
     (folder / "job.toml").write_text(JOB + more)
     write_points(folder / "points.csv")
     return folder / "job.toml"
+
+
+def measurement(kind: str, **settings) -> str:
+    """A ``[[measurements]]`` of a job; a tool of 100 mm and 0.3 um unless given."""
+    told = {"kind": kind, "file": f"{kind}.csv", "tool_length_mm": 100, "u_um": 0.3} | settings
+    lines = [f"{key} = {json.dumps(value)}" for key, value in told.items()]
+    return "\n".join(["", "[[measurements]]", *lines, ""])
 
 
 def write_nominal_stl(path: Path, *, shift_mm: tuple[float, float, float] = (0, 0, 0)) -> None:

@@ -42,6 +42,16 @@ class Site:
         """Tool point against workpiece, (M, 3)."""
         return 1e3 * displacement_mm(state, self.machine, self.hidden)
 
+    def state_at(self, journey: Journey, nodes: list[int], length_mm: float) -> State:
+        """The machine at the ends of these moves of a journey, with a tool of this length."""
+        return state_without_cut(
+            journey.path(),
+            node=np.array(nodes),
+            share=np.ones(len(nodes)),
+            tool_length_mm=length_mm,
+            zero_mm=self.zero_mm,
+        )
+
 
 def write_instrument(folder: Path, name: str, rng: np.random.Generator, site: Site) -> str:
     """Do one test out of `INSTRUMENTS`, write its file, return its lines of the job."""
@@ -110,6 +120,29 @@ def _ballbar_xy(rng, site: Site):
     return "run,feed_mm_min,angle_deg,t_s,radius_um", rows, settings
 
 
+def _there_and_back(site: Site, place, stops: np.ndarray, *, sign: int, length_mm: float):
+    """Stops along a line, both ways twice: the machine at each, and (run, stop, approach).
+
+    `place` gives the nose at a stop, `sign` the direction in which the first way goes.
+    """
+    journey, nodes, told = Journey(place(stops[0] - sign * 5.0)), [], []
+    for run in ("1", "2"):
+        for way, targets in ((sign, stops), (-sign, stops[::-1])):
+            journey.go(place(targets[0] - way * 5.0), feed_mm_min=6000)  # overrun
+            for stop in targets:
+                journey.go(place(stop), feed_mm_min=6000)
+                journey.wait(4.0)
+                nodes.append(journey.node - 1)
+                told.append((run, stop, float(way)))
+    return site.state_at(journey, nodes, length_mm), told
+
+
+def _line_rows(told: list, state: State, seen_um: np.ndarray) -> list[tuple]:
+    """Rows of a line's file: time and reading from those of the first stop."""
+    time, seen = state.time_s - state.time_s[0], seen_um - seen_um[0]
+    return [(*t, s, d) for t, s, d in zip(told, time, seen, strict=True)]
+
+
 def _laser(axis: str):
     """One axis there and back twice, with a stretch of fine steps."""
     k, length = "XYZ".index(axis), 180.0
@@ -126,29 +159,12 @@ def _laser(axis: str):
         def place(q: float) -> np.ndarray:
             return np.where(np.arange(3) == k, q, at)
 
-        journey, nodes, told = Journey(place(there[0] + 5.0)), [], []
-        for run in ("1", "2"):
-            for sign, targets in ((-1, there), (1, there[::-1])):
-                journey.go(place(targets[0] - sign * 5.0), feed_mm_min=6000)  # overrun
-                for q in targets:
-                    journey.go(place(q), feed_mm_min=6000)
-                    journey.wait(4.0)
-                    nodes.append(journey.node - 1)
-                    told.append((run, q, float(sign)))
-        share = np.ones(len(nodes))
-        state = state_without_cut(
-            journey.path(),
-            node=np.array(nodes),
-            share=share,
-            tool_length_mm=length,
-            zero_mm=site.zero_mm,
-        )
+        state, told = _there_and_back(site, place, there, sign=-1, length_mm=length)
         shorter = -0.5 * beam @ beam * 1e3 * (state.nose_mm[:, k] - there[0])
-        seen = site.seen_um(state)[:, k] + shorter + U_UM * rng.normal(size=len(nodes))
-        time = state.time_s - state.time_s[0]
-        rows = [(*t, s, d) for t, s, d in zip(told, time, seen - seen[0], strict=True)]
+        seen = site.seen_um(state)[:, k] + shorter + U_UM * rng.normal(size=len(told))
         settings = {"at_mm": at, "tool_length_mm": length, "u_um": U_UM}
-        return "run,position_mm,approach,t_s,deviation_um", rows, settings
+        header = "run,position_mm,approach,t_s,deviation_um"
+        return header, _line_rows(told, state, seen), settings
 
     return measure
 
@@ -163,27 +179,15 @@ def _diagonal(corner: int):
         start, end = (np.round(e, 3) for e in ends)
         way = float(np.linalg.norm(end - start))
         unit, stops = (end - start) / way, np.linspace(0.0, way, 25)
-        journey, nodes, told = Journey(start - 5.0 * unit), [], []
-        for run in ("1", "2"):
-            for sign, targets in ((1, stops), (-1, stops[::-1])):
-                journey.go(start + (targets[0] - sign * 5.0) * unit, feed_mm_min=6000)
-                for s in targets:
-                    journey.go(start + s * unit, feed_mm_min=6000)
-                    journey.wait(4.0)
-                    nodes.append(journey.node - 1)
-                    told.append((run, s, float(sign)))
-        state = state_without_cut(
-            journey.path(),
-            node=np.array(nodes),
-            share=np.ones(len(nodes)),
-            tool_length_mm=length,
-            zero_mm=site.zero_mm,
-        )
-        seen = site.seen_um(state) @ unit + U_UM * rng.normal(size=len(nodes))
-        time = state.time_s - state.time_s[0]
-        rows = [(*t, s, d) for t, s, d in zip(told, time, seen - seen[0], strict=True)]
+
+        def place(s: float) -> np.ndarray:
+            return start + s * unit
+
+        state, told = _there_and_back(site, place, stops, sign=1, length_mm=length)
+        seen = site.seen_um(state) @ unit + U_UM * rng.normal(size=len(told))
         settings = {"from_mm": start, "to_mm": end, "tool_length_mm": length, "u_um": U_UM}
-        return "run,distance_mm,approach,t_s,deviation_um", rows, settings
+        header = "run,distance_mm,approach,t_s,deviation_um"
+        return header, _line_rows(told, state, seen), settings
 
     return measure
 
@@ -196,13 +200,7 @@ def _drift(rng, site: Site):
         rpm.append(8000.0 if k < 120 else 0.0)
         journey.wait(1e-3 if k == 0 else 30.0, rpm=8000.0 if k <= 120 else 0.0)
         nodes.append(journey.node - 1)
-    state = state_without_cut(
-        journey.path(),
-        node=np.array(nodes),
-        share=np.ones(len(nodes)),
-        tool_length_mm=length,
-        zero_mm=site.zero_mm,
-    )
+    state = site.state_at(journey, nodes, length)
     seen = site.seen_um(state) + rng.uniform(-5, 5, 3) + U_UM * rng.normal(size=(len(nodes), 3))
     rows = [(t, n, *s) for t, n, s in zip(np.round(state.time_s), rpm, seen, strict=True)]
     settings = {"at_mm": at, "tool_length_mm": length, "u_um": U_UM}
@@ -217,13 +215,7 @@ def _tip(rng, site: Site):
         journey.go(place, feed_mm_min=4000)
         journey.wait(3.0)
         nodes.append(journey.node - 1)
-    state = state_without_cut(
-        journey.path(),
-        node=np.array(nodes),
-        share=np.ones(len(nodes)),
-        tool_length_mm=length,
-        zero_mm=site.zero_mm,
-    )
+    state = site.state_at(journey, nodes, length)
     turn = rng.uniform(-30, 30, 3) * 1e-3  # um per mm
     seen = site.seen_um(state) + rng.uniform(-20, 20, 3)
     seen += np.cross(turn, state.nose_mm - places.mean(axis=0))

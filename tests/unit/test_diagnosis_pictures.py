@@ -7,7 +7,13 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from tests.small_job import pocket_points, write_job, write_nominal_stl, write_points
+from tests.small_job import (
+    measurement,
+    pocket_points,
+    write_job,
+    write_nominal_stl,
+    write_points,
+)
 from tests.unit.test_diagnosis_verdicts import lost_motion, tip_job
 from vmach.diagnosis.covariate_panels import covariate_panels
 from vmach.diagnosis.diagnose import diagnose
@@ -180,48 +186,30 @@ def test_without_a_part_there_is_no_map(lost):
     assert residual_map(lost.residuals, None) is None
 
 
-BALLBAR = """
-[[measurements]]
-kind = "ballbar"
-file = "circle.csv"
-plane = "YZ"
-centre_mm = [-200, -150, -100]
-radius_mm = 80
-tool_length_mm = 100
-u_um = 0.3
-[[measurements]]
-kind = "laser"
-file = "line.csv"
-axis = "Y"
-at_mm = [-200, 0, -100]
-tool_length_mm = 100
-u_um = 0.3
-[[measurements]]
-kind = "drift"
-file = "drift.csv"
-at_mm = [-200, -150, -100]
-tool_length_mm = 100
-u_um = 0.3
-"""
+INSTRUMENTS = (
+    measurement("ballbar", plane="YZ", centre_mm=[-200, -150, -100], radius_mm=80)
+    + measurement("laser", axis="Y", at_mm=[-200, 0, -100])
+    + measurement("drift", at_mm=[-200, -150, -100])
+)
 
 
 @pytest.fixture(scope="module")
 def instruments(tmp_path_factory):
     """Readings without noise on a perfect machine: a clover of 5 um, a line, a growth in Z."""
     folder = tmp_path_factory.mktemp("instruments")
-    text = write_job(folder, more=BALLBAR).read_text().replace('measured = "points.csv"\n', "")
+    text = write_job(folder, more=INSTRUMENTS).read_text().replace('measured = "points.csv"\n', "")
     (folder / "job.toml").write_text(text)
     angle = np.arange(0.0, 360.0, 5.0)
     clover = 7.0 + 5.0 * np.cos(3 * np.radians(angle))
     rows = [f"ccw,1000,{a},{100 + a / 5},{r}" for a, r in zip(angle, clover, strict=True)]
-    (folder / "circle.csv").write_text(
+    (folder / "ballbar.csv").write_text(
         "\n".join(["run,feed_mm_min,angle_deg,t_s,radius_um", *rows])
     )
     y = np.arange(-290.0, 0.0, 20.0)
     there = [f"1,{p},1,{5 * k},{0.02 * p}" for k, p in enumerate(y)]
     back = [f"1,{p},-1,{100 + 5 * k},{0.02 * p + 3}" for k, p in enumerate(y[::-1])]
     heading = "run,position_mm,approach,t_s,deviation_um"
-    (folder / "line.csv").write_text("\n".join([heading, *there, *back]))
+    (folder / "laser.csv").write_text("\n".join([heading, *there, *back]))
     grown = [f"{60 * k},6000,0,0,{0.5 * k}" for k in range(30)]
     (folder / "drift.csv").write_text("\n".join(["t_s,spindle_rpm,dx_um,dy_um,dz_um", *grown]))
     survey = survey_job(folder / "job.toml")

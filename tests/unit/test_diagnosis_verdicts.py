@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.small_job import write_job
+from tests.small_job import measurement, write_job
 from vmach.added_effects import add_effects
 from vmach.diagnosis.contrived import is_contrived
 from vmach.diagnosis.diagnose import diagnose
@@ -33,14 +33,7 @@ from vmach.job import read_job
 from vmach.measurements import read_instruments
 from vmach.measurements.instrument_settings import settings_of
 
-TIP = """
-[[measurements]]
-kind = "tip"
-file = "tip.csv"
-frame = "rigid"
-tool_length_mm = 100
-u_um = 0.5
-"""
+TIP = measurement("tip", frame="rigid", u_um=0.5)
 
 
 def tip_job(folder, hidden, *, seed=1, count=70):

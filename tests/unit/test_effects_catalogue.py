@@ -166,6 +166,18 @@ def test_a_law_in_a_file_beside_the_user_is_told_with_its_line(tmp_path, monkeyp
         load_effect_file("mine.py")
 
 
+#: an effect of one's own; its law is still to come
+MINE = """\
+from vmach.effects import Effect, along, linear
+class Mine(Effect):
+    name = title = 'mine'
+    parameters = (linear('size_um', 'size', usual=1.0),)
+    targets = ('',)
+    usual_size = confirm = cure = ''
+    def displacement(self, path, target, size_um):
+        """
+
+
 def test_a_package_whose_effect_cannot_be_loaded_is_named(tmp_path, monkeypatch):
     about = tmp_path / "shop_effects-1.0.dist-info"
     about.mkdir()
@@ -176,16 +188,8 @@ def test_a_package_whose_effect_cannot_be_loaded_is_named(tmp_path, monkeypatch)
     module._installed.cache_clear()
     with pytest.raises(InputError, match=r"mine = shop_effects:Mine.*the package shop-effects"):
         catalogue()
-    (tmp_path / "shop_effects.py").write_text(
-        "from vmach.effects import Effect, along, linear\n"
-        "class Mine(Effect):\n"
-        "    name = title = 'mine'\n"
-        "    parameters = (linear('size_um', 'size', usual=1.0),)\n"
-        "    targets = ('',)\n"
-        "    usual_size = confirm = cure = ''\n"
-        "    def displacement(self, path, target, size_um):\n"
-        "        return along('Z', 1e-3 * size_um + 0 * path.time_s)\n"
-    )
+    law = "return along('Z', 1e-3 * size_um + 0 * path.time_s)"
+    (tmp_path / "shop_effects.py").write_text(MINE + law)
     invalidate_caches()
     assert catalogue()["mine"].title == "mine"
     module._installed.cache_clear()
@@ -202,16 +206,7 @@ def test_a_package_whose_effect_cannot_be_loaded_is_named(tmp_path, monkeypatch)
 )
 def test_a_law_that_fails_is_told_by_file_and_line(tmp_path, path, law, line, message):
     file = tmp_path / "mine.py"
-    file.write_text(
-        "from vmach.effects import Effect, linear\n"
-        "class Mine(Effect):\n"
-        "    name = title = 'mine'\n"
-        "    parameters = (linear('size_um', 'size', usual=1.0),)\n"
-        "    targets = ('',)\n"
-        "    usual_size = confirm = cure = ''\n"
-        "    def displacement(self, path, target, size_um):\n"
-        f"        {law}\n"
-    )
+    file.write_text(MINE + law)
     effect = load_effect_file(file)
     with pytest.raises(InputError, match=re.escape(message)) as caught:
         effect.displacement(path, "", size_um=1.0)

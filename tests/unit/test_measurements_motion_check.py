@@ -3,37 +3,14 @@
 import numpy as np
 import pytest
 
-from tests.small_job import write_job
+from tests.small_job import measurement, write_job
 from vmach.errors import InputError
 from vmach.job import read_job
 from vmach.measurements import read_instruments
 
-LASER = """
-[[measurements]]
-kind = "laser"
-file = "test.csv"
-axis = "X"
-at_mm = [0, -100, -50]
-tool_length_mm = 100
-u_um = 0.3
-"""
-BALLBAR = """
-[[measurements]]
-kind = "ballbar"
-file = "test.csv"
-centre_mm = [-200, -150, -100]
-radius_mm = 100
-tool_length_mm = 100
-u_um = 0.3
-"""
-DRIFT = """
-[[measurements]]
-kind = "drift"
-file = "test.csv"
-at_mm = [-200, -150, -100]
-tool_length_mm = 100
-u_um = 0.3
-"""
+LASER = measurement("laser", file="test.csv", axis="X", at_mm=[0, -100, -50])
+BALLBAR = measurement("ballbar", file="test.csv", centre_mm=[-200, -150, -100], radius_mm=100)
+DRIFT = measurement("drift", file="test.csv", at_mm=[-200, -150, -100])
 
 
 def laser(position_mm=lambda x: x, time_s=lambda t: t):

@@ -5,57 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.small_job import pocket_points, write_job, write_points
+from tests.small_job import measurement, pocket_points, write_job, write_points
 from vmach.effects import Circumstances, set_up_effect
 from vmach.errors import InputError
 from vmach.job import read_job
 from vmach.measurements import measure_part, read_instruments
 from vmach.preparation import prepare
 
-LASER = """
-[[measurements]]
-kind = "laser"
-file = "laser.csv"
-axis = "X"
-at_mm = [-100, -100, -50]
-tool_length_mm = 100
-u_um = 0.3
-"""
-DIAGONAL = """
-[[measurements]]
-kind = "diagonal"
-file = "diagonal.csv"
-from_mm = [-350, -50, -250]
-to_mm = [-50, -250, -50]
-tool_length_mm = 100
-u_um = 0.3
-"""
-BALLBAR = """
-[[measurements]]
-kind = "ballbar"
-file = "ballbar.csv"
-plane = "XY"
-centre_mm = [-200, -150, -100]
-radius_mm = 100
-tool_length_mm = 100
-u_um = 0.3
-"""
-TIP = """
-[[measurements]]
-kind = "tip"
-file = "tip.csv"
-frame = "rigid"
-tool_length_mm = 100
-u_um = 1
-"""
-DRIFT = """
-[[measurements]]
-kind = "drift"
-file = "drift.csv"
-at_mm = [-200, -150, -100]
-tool_length_mm = 100
-u_um = 0.3
-"""
+LASER = measurement("laser", axis="X", at_mm=[-100, -100, -50])
+DIAGONAL = measurement("diagonal", from_mm=[-350, -50, -250], to_mm=[-50, -250, -50])
+BALLBAR = measurement("ballbar", plane="XY", centre_mm=[-200, -150, -100], radius_mm=100)
+TIP = measurement("tip", frame="rigid", u_um=1)
+DRIFT = measurement("drift", at_mm=[-200, -150, -100])
 
 
 def laser_rows(readings):
