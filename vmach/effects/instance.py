@@ -10,14 +10,11 @@ import numpy as np
 
 from vmach.effects.circumstances import Circumstances
 from vmach.effects.effect import Displaced, Effect, at_contact, label_of
-from vmach.errors import InputError
 from vmach.job import Job
 from vmach.machine import RigidDisplacement
-from vmach.text_file import read_text
-from vmach.toml_file import line_of_key
 from vmach.toolpath import PathStates
 
-__all__ = ["EffectInstance", "check_fitted", "one_sigma"]
+__all__ = ["EffectInstance"]
 
 #: share of a standard uncertainty by which parameters are moved, where laws are straight
 _SHARE = 0.05
@@ -95,45 +92,3 @@ class EffectInstance:
     def _evaluate(self, states: PathStates) -> Displaced:
         path = Circumstances(states, self.job)
         return self.effect.displacement(path, self.target, **self.parameters)
-
-
-def one_sigma(
-    effect: Effect, target: str, parameters: Mapping[str, Any], job: Job
-) -> tuple[Mapping[str, Any], ...]:
-    """What the job says of the uncertainty of an effect's parameters, checked against them.
-
-    Raises
-    ------
-    InputError
-        It is of parameters that the effect has not, or of more values.
-    """
-    changes = job.fitted.get((effect.name, target), ())
-    for change in changes:
-        for name, value in change.items():
-            if np.shape(value) != np.shape(parameters.get(name, "")) or name not in parameters:
-                raise InputError(
-                    f"[[fitted]] of {effect.name} {target}: {name} does not match the effect",
-                    file=job.path,
-                    line=line_of_key(read_text(job.path, what="job file"), ["fitted"]),
-                    accepted="parameters of the effect, as many values as it has",
-                    hint="leave [[fitted]] as `vmach add` wrote it, or take it out",
-                )
-    return changes
-
-
-def check_fitted(job: Job, found: Sequence[EffectInstance]) -> None:
-    """Whether every [[fitted]] of a job belongs to one of its effects.
-
-    Raises
-    ------
-    InputError
-        It belongs to none.
-    """
-    for name, target in job.fitted.keys() - {(e.effect.name, e.target) for e in found}:
-        raise InputError(
-            f"[[fitted]] is of {label_of(name, target)}, an effect that the job has not",
-            file=job.path,
-            line=line_of_key(read_text(job.path, what="job file"), ["fitted"]),
-            accepted=", ".join(e.label for e in found) or "no [[fitted]]",
-            hint="take this [[fitted]] out with the effect that it belongs to",
-        )

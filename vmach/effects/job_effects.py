@@ -1,0 +1,195 @@
+"""The effects that a job adds to its machine's errors, checked, and how well they are known."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vmach.effects.catalogue import catalogue, unknown_effect_hint
+from vmach.effects.effect import Effect, Parameter, label_of
+from vmach.effects.instance import EffectInstance
+from vmach.errors import InputError
+from vmach.job import Job, read_job
+from vmach.text_file import read_text
+from vmach.toml_file import line_of_key
+
+__all__ = ["read_effects", "set_up_effect"]
+
+
+@dataclass(frozen=True)
+class _Entry:
+    """An effect's table in a job file, for messages."""
+
+    file: Path
+    name: str
+    target: str = ""
+
+    def error(
+        self, what: str, *, key: str = "", accepted: str, hint: str | None = None
+    ) -> InputError:
+        """What is wrong with it, or with one of its keys."""
+        path = ["effects", *filter(None, (self.name, self.target, key))]
+        line = line_of_key(read_text(self.file, what="job file"), path)
+        return InputError(what, file=self.file, line=line, accepted=accepted, hint=hint)
+
+
+def read_effects(
+    effects: Mapping[str, Any], *, file: Path, job: Job | None = None
+) -> tuple[EffectInstance, ...]:
+    """The effects that a job adds to its machine's errors.
+
+    Parameters
+    ----------
+    effects : mapping
+        The table ``[effects]`` of the job file. ``[effects.NAME]`` holds the parameters of an
+        effect without a target, or with the key ``target``; ``[effects.NAME.TARGET]`` holds
+        those for one of several targets.
+    file : Path
+        The job file, for messages.
+    job : Job, optional
+        The job itself; read from `file` where left out.
+
+    Raises
+    ------
+    InputError
+        Unknown effect, target or parameter, a parameter missing or outside its bounds.
+    """
+    if not effects and (job is None or not job.fitted):
+        return ()
+    job = job or read_job(file)
+    found = []
+    for name, table in effects.items():
+        if not isinstance(table, Mapping):
+            raise _Entry(file, name).error(f"effects.{name} = {table!r}", accepted="a table")
+        nested = {key: value for key, value in table.items() if isinstance(value, Mapping)}
+        plain = {key: value for key, value in table.items() if key not in nested}
+        if plain or not nested:
+            found.append(set_up_effect(name, str(plain.pop("target", "")), plain, job=job))
+        for target, parameters in nested.items():
+            found.append(set_up_effect(name, target, parameters, job=job))
+    _check_fitted(job, found)
+    return tuple(found)
+
+
+def set_up_effect(
+    name: str, target: str, parameters: Mapping[str, Any], *, job: Job
+) -> EffectInstance:
+    """An effect of a job, its target and parameters checked.
+
+    Raises
+    ------
+    InputError
+        Unknown effect, target or parameter, a parameter missing or outside its bounds.
+    """
+    known = catalogue()
+    if name not in known:
+        raise _Entry(job.path, name).error(
+            f"unknown effect '{name}'", accepted=", ".join(known), hint=unknown_effect_hint(name)
+        )
+    effect, entry = known[name], _Entry(job.path, name, target)
+    _check_target(entry, effect.possible_targets(job))
+    _check_names(entry, parameters, [p.name for p in effect.parameters])
+    values = _values(entry, effect, parameters)
+    return EffectInstance(effect, target, values, job, _one_sigma(effect, target, values, job))
+
+
+def _check_target(entry: _Entry, targets: Sequence[str]) -> None:
+    if entry.target in targets:
+        return
+    has = f"the target '{entry.target}'" if entry.target else "no target"
+    choice = ", ".join(targets) if targets != ("",) else "no target"
+    raise entry.error(f"effect '{entry.name}' has {has}", accepted=choice)
+
+
+def _check_names(entry: _Entry, parameters: Mapping[str, Any], names: Sequence[str]) -> None:
+    for key in parameters:
+        if key not in names:
+            close = difflib.get_close_matches(key, names, n=1)
+            raise entry.error(
+                f"effect '{entry.name}' has no parameter '{key}'",
+                key=key,
+                accepted=", ".join(names),
+                hint=f"did you mean '{close[0]}'?" if close else None,
+            )
+
+
+def _values(
+    entry: _Entry, effect: Effect, parameters: Mapping[str, Any]
+) -> dict[str, float | list[float]]:
+    """All parameters; those that may be left out have their usual value."""
+    needed = effect.needed(entry.target)
+    values: dict[str, float | list[float]] = {}
+    for parameter in effect.parameters:
+        name = parameter.name
+        if name in parameters:
+            values[name] = _value(entry, parameter, parameters[name])
+        elif parameter.optional:
+            values[name] = parameter.usual
+        elif name in needed:
+            raise entry.error(
+                f"effect '{entry.name}': '{name}' is missing ({parameter.meaning})",
+                key=name,
+                accepted=f"{parameter.low:g} .. {parameter.high:g}",
+            )
+    return values
+
+
+def _value(entry: _Entry, parameter: Parameter, given: Any) -> float | list[float]:
+    """A number or a list of numbers, within the parameter's bounds."""
+    what, key = f"{parameter.name} = {given!r}", parameter.name
+    accepted = f"{parameter.low:g} .. {parameter.high:g}"
+    values = given if isinstance(given, list) else [given]
+    if not all(type(one) in (int, float) for one in values):
+        raise entry.error(f"{what} is no number", key=key, accepted=accepted)
+    numbers = np.array(given, dtype=float)
+    good = np.isfinite(numbers) & (numbers >= parameter.low) & (numbers <= parameter.high)
+    if not good.all():
+        raise entry.error(f"{what} is out of bounds", key=key, accepted=accepted)
+    return numbers.tolist()
+
+
+def _one_sigma(
+    effect: Effect, target: str, parameters: Mapping[str, Any], job: Job
+) -> tuple[Mapping[str, Any], ...]:
+    """What the job says of the uncertainty of an effect's parameters, checked against them.
+
+    Raises
+    ------
+    InputError
+        It is of parameters that the effect has not, or of more values.
+    """
+    changes = job.fitted.get((effect.name, target), ())
+    for change in changes:
+        for name, value in change.items():
+            if np.shape(value) != np.shape(parameters.get(name, "")) or name not in parameters:
+                raise InputError(
+                    f"[[fitted]] of {effect.name} {target}: {name} does not match the effect",
+                    file=job.path,
+                    line=line_of_key(read_text(job.path, what="job file"), ["fitted"]),
+                    accepted="parameters of the effect, as many values as it has",
+                    hint="leave [[fitted]] as `vmach add` wrote it, or take it out",
+                )
+    return changes
+
+
+def _check_fitted(job: Job, found: Sequence[EffectInstance]) -> None:
+    """Whether every [[fitted]] of a job belongs to one of its effects.
+
+    Raises
+    ------
+    InputError
+        It belongs to none.
+    """
+    for name, target in job.fitted.keys() - {(e.effect.name, e.target) for e in found}:
+        raise InputError(
+            f"[[fitted]] is of {label_of(name, target)}, an effect that the job has not",
+            file=job.path,
+            line=line_of_key(read_text(job.path, what="job file"), ["fitted"]),
+            accepted=", ".join(e.label for e in found) or "no [[fitted]]",
+            hint="take this [[fitted]] out with the effect that it belongs to",
+        )
