@@ -10,8 +10,16 @@ from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.search import Search
 from vmach.diagnosis.words import with_unit
 from vmach.effects import Effect, label_of
+from vmach.fit.candidates import Candidate
 
 __all__ = ["BlindSpot", "blind_spots"]
+
+#: log evidence that an amplitude costs for being free, about
+_FREEDOM = 2.0
+#: a usual size of fewer standard uncertainties shows nothing at all
+_NONE = 1e-3
+#: so many usual sizes do not happen
+_NEVER = 1000
 
 
 @dataclass(frozen=True)
@@ -42,29 +50,37 @@ class BlindSpot:
 
 def blind_spots(search: Search, explanation: Explanation) -> tuple[BlindSpot, ...]:
     """Effects whose usual size would stay below the threshold, given what was found."""
-    found = [
+    untestable = [
         BlindSpot(effect.name, target, _first(effect), None, reason)
         for effect, target, reason in search.excluded
     ]
-    needed = 2.0 * (search.threshold + 2.0)
-    for candidate, evidence in zip(search.candidates, explanation.evidence, strict=True):
-        if candidate.label in explanation.labels or not candidate.effect.amplitudes:
-            continue
-        usual = candidate.effect.amplitudes[0].usual
-        seen = evidence.information
-        size = usual * np.sqrt(needed) / seen if seen > 1e-3 else np.inf
-        if size <= usual:
-            continue
-        name = _first(candidate.effect)
-        from_size = float(f"{size:.2g}") if size < 1000 * usual else None
-        text = (
-            f"would be seen from {with_unit(name, from_size)} on; "
-            f"usual are {with_unit(name, usual)}"
-            if from_size
-            else "these measurements do not show it at any size"
-        )
-        found.append(BlindSpot(candidate.effect.name, candidate.target, name, from_size, text))
-    return tuple(found)
+    # one amplitude that is z standard uncertainties large has an evidence of about z^2 / 2
+    needed_z = np.sqrt(2.0 * (search.threshold + _FREEDOM))
+    spots = [
+        _blind_spot(candidate, needed_z, evidence.information)
+        for candidate, evidence in zip(search.candidates, explanation.evidence, strict=True)
+        if candidate.label not in explanation.labels and candidate.effect.amplitudes
+    ]
+    return (*untestable, *(spot for spot in spots if spot is not None))
+
+
+def _blind_spot(candidate: Candidate, needed_z: float, usual_z: float) -> BlindSpot | None:
+    """From which size on a candidate is seen, where its usual size is not enough.
+
+    Sizes in standard uncertainties: the one that is needed, and the usual one.
+    """
+    effect, usual = candidate.effect, candidate.effect.amplitudes[0].usual
+    size = usual * needed_z / usual_z if usual_z > _NONE else np.inf
+    if size <= usual:
+        return None
+    name = _first(effect)
+    from_size = float(f"{size:.2g}") if size < _NEVER * usual else None
+    text = (
+        f"would be seen from {with_unit(name, from_size)} on; usual are {with_unit(name, usual)}"
+        if from_size
+        else "these measurements do not show it at any size"
+    )
+    return BlindSpot(effect.name, candidate.target, name, from_size, text)
 
 
 def _first(effect: Effect) -> str:

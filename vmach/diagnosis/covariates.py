@@ -14,6 +14,8 @@ from vmach.machine import LINEAR_AXES
 __all__ = ["Covariate", "covariates"]
 
 _ZONES = 8
+#: a direction nearer than this to square with an axis does not face it: sine of 22.5 degrees
+_FACES = 0.38
 
 
 @dataclass(frozen=True)
@@ -136,6 +138,6 @@ def _zones(by: str, title: str, value: np.ndarray, words: str, *, digits: int = 
 def _facing(survey: Survey) -> np.ndarray:
     """The axis that each reading's direction is nearest to: +X, -X, ... or between two: +X-Y."""
     sensing = np.round(survey.sensing, 9)
-    signs = np.where(np.abs(sensing) > 0.38, np.where(sensing > 0, "+", "-"), "")
+    signs = np.where(np.abs(sensing) > _FACES, np.where(sensing > 0, "+", "-"), "")
     parts = np.where(signs != "", np.char.add(signs, np.array(LINEAR_AXES)), "")
     return np.char.add(np.char.add(parts[:, 0], parts[:, 1]), parts[:, 2])

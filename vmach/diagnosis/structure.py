@@ -8,6 +8,7 @@ time, patterns of tool and feed. If one of them is there, something real is left
 from __future__ import annotations
 
 import numpy as np
+from scipy.linalg import block_diag
 from scipy.special import chdtrc
 
 from vmach.effects.wandering import wandering
@@ -27,21 +28,28 @@ _WAVES_IN_TIME = 12.0
 
 def patterns(survey: Survey) -> dict[str, np.ndarray]:
     """Signatures (n, K) mm of each kind of pattern, of usual size."""
+    return {"feature": _SIZE_MM * _of_features(survey), "time": _SIZE_MM * _in_time(survey)}
+
+
+def _of_features(survey: Survey) -> np.ndarray:
+    """Offset, slope, bend and shift of each group of readings, (n, K)."""
     names, number = np.unique(survey.group, return_inverse=True)
     inside = np.eye(len(names))[number]
     place = _place_within(number)
     shapes = [np.ones_like(place), place, place**2]
     if (np.abs(survey.sensing).max(axis=0) > 0).sum() > 1:
         shapes += [survey.sensing[:, 0], survey.sensing[:, 1]]
-    feature = np.hstack([inside * shape[:, None] for shape in shapes])
-    time = []
-    for path, m, rows in zip(survey.paths, survey.measurements, survey.rows, strict=True):
+    return np.hstack([inside * shape[:, None] for shape in shapes])
+
+
+def _in_time(survey: Survey) -> np.ndarray:
+    """Wandering of the tool along X, Y and Z, new in every measurement, (n, K)."""
+    blocks = []
+    for path, m in zip(survey.paths, survey.measurements, strict=True):
         seconds = path.time_s
         waves = wandering(seconds, max(float(np.ptp(seconds)), 1.0) / _WAVES_IN_TIME)
-        block = np.zeros((len(survey), 3 * waves.shape[1]))
-        block[rows] = (m.sensing[:, :, None] * waves[:, None, :]).reshape(len(m), -1)
-        time.append(block)
-    return {"feature": _SIZE_MM * feature, "time": _SIZE_MM * np.hstack(time)}
+        blocks.append((m.sensing[:, :, None] * waves[:, None, :]).reshape(len(m), -1))
+    return block_diag(*blocks)
 
 
 def _place_within(number: np.ndarray) -> np.ndarray:
