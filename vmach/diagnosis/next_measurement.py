@@ -94,10 +94,6 @@ class _Shown:
     coefficients: np.ndarray
 
 
-def _alone(search: Search, label: str) -> _Shown:
-    return _Shown(*search.alone(search.index_of(label)))
-
-
 def _best_test(
     search: Search, one: _Shown, rivals: Sequence[str], *, is_true: bool
 ) -> NextMeasurement | None:
@@ -106,13 +102,10 @@ def _best_test(
     Its power is that against the weakest of the rivals that it tells apart.
     """
     job, best = search.survey.job, None
-    others = {label: _alone(search, label) for label in rivals}
+    others = [_Shown(*search.alone(search.index_of(label))) for label in rivals]
     for test in planned_tests(job):
-        told = {}
-        for label, rival in others.items():
-            power = _power(job, test, *((one, rival) if is_true else (rival, one)))
-            if power > _USEFUL:
-                told[label] = power
+        powers = [_power(job, test, *((one, r) if is_true else (r, one))) for r in others]
+        told = {label: p for label, p in zip(rivals, powers, strict=True) if p > _USEFUL}
         worth = len(told), min(told.values(), default=0.0)
         if told and (best is None or worth > best[0]):
             best = worth, test, tuple(told)
@@ -128,28 +121,16 @@ def _best_test(
 
 
 def _for_unknown(search: Search) -> NextMeasurement:
-    """The test that tells the leading candidates apart best, its weakest pair counted.
-
-    Where nothing known comes near, the tool tip is mapped without cutting: it tells the machine
-    from the cut.
-    """
-    job, nothing = search.survey.job, search.nothing
-    gains = search.gains(nothing)
+    """The test that tells the leading candidates apart best, its weakest pair counted."""
+    job, gains = search.survey.job, search.gains(search.nothing)
     leading = [k for k in np.argsort(gains)[::-1] if gains[k] > search.threshold][:_LEADING]
-    shown = [_alone(search, search.candidates[k].label) for k in leading]
+    shown = [_Shown(*search.alone(k)) for k in leading]
     pairs = list(itertools.permutations(shown, 2))
-    best = (0.0, None)
-    for test in planned_tests(job):
-        powers = [_power(job, test, a, b) for a, b in pairs]
-        best = max(best, (min(powers, default=0.0), test), key=lambda pair: pair[0])
-    power, test = best
-    if test is None or power <= _USEFUL:
-        test = next(t for t in planned_tests(job) if t.name == MAP)
-        text = (
-            f"{test.text}: what shows again without cutting belongs to the machine, the rest to "
-            "tool, cut or part"
-        )
-        return NextMeasurement(("machine", "cut"), text, write_program(test, job), 0.0)
+    tests = list(planned_tests(job))
+    powers = [min((_power(job, test, a, b) for a, b in pairs), default=0.0) for test in tests]
+    power, test = max(zip(powers, tests, strict=True), key=lambda both: both[0])
+    if power <= _USEFUL:
+        return _map_without_cutting(job)
     labels = tuple(one.term.label for one in shown)
     text = (
         f"{test.text}: nothing known explains the readings; of what comes nearest "
@@ -158,14 +139,24 @@ def _for_unknown(search: Search) -> NextMeasurement:
     return NextMeasurement(labels, text, write_program(test, job), power)
 
 
+def _map_without_cutting(job: Job) -> NextMeasurement:
+    """Where nothing known comes near: it tells the machine from the cut."""
+    test = next(test for test in planned_tests(job) if test.name == MAP)
+    text = (
+        f"{test.text}: what shows again without cutting belongs to the machine, the rest to "
+        "tool, cut or part"
+    )
+    return NextMeasurement(("machine", "cut"), text, write_program(test, job), 0.0)
+
+
 def _power(job: Job, test: PlannedTest, one: _Shown, rival: _Shown) -> float:
     """What the rival, fitted anew, cannot imitate of an effect's signature, in uncertainties."""
     path = Circumstances(test.states, job)
     shown = _on_test(test, path, one.term, one.term.inner) @ one.coefficients
     places = _few(list(rival.term.effect.inner_grid(path, rival.term.target)))
-    imitations = [_on_test(test, path, rival.term, inner) for inner in places]
     least = np.inf
-    for imitation in imitations:
+    for inner in places:
+        imitation = _on_test(test, path, rival.term, inner)
         basis = orthonormal(np.hstack([test.nuisance, imitation]), tolerance=1e-7)
         left = shown - basis @ (basis.T @ shown)
         least = min(least, float(np.linalg.norm(left)))

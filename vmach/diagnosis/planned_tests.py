@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -60,6 +61,7 @@ def planned_tests(job: Job) -> Iterator[PlannedTest]:
 
 
 def _laser_line(k: int, low: np.ndarray, high: np.ndarray) -> PlannedTest:
+    """One axis through the middle of the others."""
     axis, middle = LINEAR_AXES[k], 0.5 * (low + high)
     margin = 0.05 * (high[k] - low[k])
     steps = np.linspace(low[k] + margin, high[k] - margin, 30)
@@ -82,43 +84,41 @@ def _laser_line(k: int, low: np.ndarray, high: np.ndarray) -> PlannedTest:
 
 
 def _ballbar(low: np.ndarray, high: np.ndarray) -> PlannedTest:
-    middle = 0.5 * (low + high)
-    radius = min(150.0, 0.4 * float((high - low)[:2].min()))
+    """Circles at two feeds, both ways round."""
+    middle, radius = 0.5 * (low + high), min(150.0, 0.4 * float((high - low)[:2].min()))
+    start = middle + np.array([radius, 0.0, 0.0])
     record = MotionRecord(middle, tool_length_mm=TOOL_LENGTH_MM)
     angle = np.radians(np.arange(0.5, 360.0, 2.0))
-    moves, places, out = [], [], []
-    clock = 10.0
-    for feed in (1000.0, 4000.0):
-        for turn in (1.0, -1.0):
-            duration = 2 * np.pi * radius / feed * 60.0
-            start = middle + np.array([radius, 0.0, 0.0])
-            record.line(start, until_s=clock)
-            # a turn and a half, so that the axes have reversed before the readings begin
-            move = record.arc(
-                2 * middle - start,
-                centre_mm=middle,
-                axis=np.array([0.0, 0.0, 1.0]),
-                sweep_rad=turn * 3 * np.pi,
-                until_s=clock + 1.5 * duration,
-            )
-            clock += 1.5 * duration + 10.0
-            moves.append(np.full(len(angle), move))
-            places.append((np.pi + angle) / (3 * np.pi))
-            facing = turn * (np.pi + angle)
-            out.append(np.column_stack([np.cos(facing), np.sin(facing), 0 * facing]))
+    moves, out, clock = [], [], 10.0
+    for feed, turn in itertools.product((1000.0, 4000.0), (1.0, -1.0)):
+        duration = 2 * np.pi * radius / feed * 60.0
+        record.line(start, until_s=clock)
+        # a turn and a half, so that the axes have reversed before the readings begin
+        move = record.arc(
+            2 * middle - start,
+            centre_mm=middle,
+            axis=np.array([0.0, 0.0, 1.0]),
+            sweep_rad=turn * 3 * np.pi,
+            until_s=clock + 1.5 * duration,
+        )
+        clock += 1.5 * duration + 10.0
+        moves.append(np.full(len(angle), move))
+        facing = turn * (np.pi + angle)
+        out.append(np.column_stack([np.cos(facing), np.sin(facing), 0 * facing]))
     sensing = np.vstack(out)
-    states = record.states(np.concatenate(moves), np.concatenate(places))
+    places = np.tile((np.pi + angle) / (3 * np.pi), len(moves))
     return PlannedTest(
         "ballbar XY",
         f"ballbar in XY, radius {radius:.0f} mm, both ways at 1000 and 4000 mm/min",
         {"kind": "ballbar", "plane": "XY", "centre_mm": middle, "radius_mm": radius},
-        states,
+        record.states(np.concatenate(moves), places),
         sensing,
         np.column_stack([np.ones(len(sensing)), sensing[:, :2]]),
     )
 
 
 def _drift(middle: np.ndarray) -> PlannedTest:
+    """The tool tip while the spindle warms, cools, and warms again."""
     time = np.arange(0.0, 9000.0, 60.0)
     rpm = np.where(time < 3600.0, 8000.0, np.where(time < 6300.0, 0.0, 4000.0))
     states = stop_and_go(
@@ -139,6 +139,7 @@ def _drift(middle: np.ndarray) -> PlannedTest:
 
 
 def _tip_grid(low: np.ndarray, high: np.ndarray) -> PlannedTest:
+    """Places at random, each approached from a side at random."""
     random = np.random.default_rng(7)
     nose = random.uniform(low + 0.03 * (high - low), high - 0.03 * (high - low), (120, 3))
     side = random.choice([-1.0, 1.0], (120, 3))
