@@ -78,8 +78,8 @@ def test_error_field_is_the_displacement_at_its_own_positions(monkeypatch):
     assert field.error_mm == pytest.approx(expected, abs=1e-15)
 
 
-def test_two_scale_errors_and_a_squareness_by_hand():
-    # 20 um/m in X, -10 um/m in Y, Y leaning by 30 urad towards -X, over 1000 x 800 x 600 mm
+def stretched_and_leaning():
+    """20 um/m in X, -10 um/m in Y, Y leaning by 30 urad towards -X, over 1000 x 800 x 600 mm."""
     x, y = np.array([-500.0, 500.0]), np.array([-400.0, 400.0])
     components = {
         "EXX": ComponentError("EXX", x, 20e-6 * x, 20e-6 * x),
@@ -87,7 +87,11 @@ def test_two_scale_errors_and_a_squareness_by_hand():
     }
     sigma = np.zeros((3, 3))
     sigma[1, 2] = 30e-6
-    machine = make_machine("t (C) Z Y b X' w", components, squareness_rad=sigma)
+    return make_machine("t (C) Z Y b X' w", components, squareness_rad=sigma)
+
+
+def test_two_scale_errors_and_a_squareness_by_hand():
+    machine = stretched_and_leaning()
     field = error_field(machine, CUBE, TOOL, Variant.HTM)
     result = assess(field)
     # corners: dx = 20e-6 * 1000 + 30e-6 * 800 = 0.044, dy = 0.008
@@ -178,14 +182,7 @@ def test_histogram_counts_every_pair_once():
 
 def test_diagonals_see_scale_and_squareness_as_they_must():
     # error along a face diagonal of a x b: (ex a + ey b - alpha a b ...) / length, closed form
-    x, y = np.array([-500.0, 500.0]), np.array([-400.0, 400.0])
-    components = {
-        "EXX": ComponentError("EXX", x, 20e-6 * x, 20e-6 * x),
-        "EYY": ComponentError("EYY", y, -10e-6 * y, -10e-6 * y),
-    }
-    sigma = np.zeros((3, 3))
-    sigma[1, 2] = 30e-6
-    machine = make_machine("t (C) Z Y b X' w", components, squareness_rad=sigma)
+    machine = stretched_and_leaning()
     found = {d.name: d.result for d in diagonals(machine, CUBE, TOOL, Variant.HTM)}
     a, b, c = 1000.0, 800.0, 600.0
     scale, lean = 20e-6 * a * a - 10e-6 * b * b, 30e-6 * a * b
