@@ -104,10 +104,14 @@ def inner(
     spread: float = 3.0,
     optional: bool = False,
     cycle: float = math.inf,
+    within: tuple[float, float] | None = None,
 ) -> Parameter:
-    """A parameter inside the function: time constant, pitch, exponent."""
+    """A parameter inside the function: time constant, pitch, exponent.
+
+    Accepted `within` bounds; up to four times beyond the grid where none are given.
+    """
     values = tuple(float(value) for value in grid)
-    low, high = 0.25 * min(values), 4.0 * max(values)
+    low, high = within or (0.25 * min(values), 4.0 * max(values))
     if math.isfinite(cycle):
         low, high = -cycle, cycle
     return Parameter(name, meaning, low, high, usual, values, spread, optional, cycle)

@@ -13,6 +13,8 @@ __all__ = ["ToolDeflection"]
 _SLOTTING = 0.15
 #: what another program left in a slot, in one slot against the next: standard deviation
 _ALLOWANCE_SPREAD_MM = 0.3
+#: of the force: between edges that only rub and chips that cost nothing extra
+_EXPONENTS = (0.3, 1.3)
 
 
 class ToolDeflection(Effect):
@@ -51,6 +53,7 @@ class ToolDeflection(Effect):
             (0.6, 0.8, 1.0),
             usual=0.8,
             spread=0.3,
+            within=_EXPONENTS,
         ),
         inner(
             "width_exponent",
@@ -59,6 +62,7 @@ class ToolDeflection(Effect):
             usual=0.9,
             spread=0.1,
             optional=True,
+            within=_EXPONENTS,
         ),
         inner(
             "allowance_mm",
