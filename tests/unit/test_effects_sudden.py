@@ -60,3 +60,21 @@ def test_moments_of_a_slip_lie_between_the_levels_of_that_tool(path):
     moments = [place["time_s"] for place in effect.inner_grid(path, target)]
     assert 0 < len(moments) <= len(np.unique(level)) - 1
     assert all(level.min() < moment < level.max() for moment in moments)
+
+
+def test_a_moment_is_as_uncertain_as_its_pause_is_long(path):
+    """Uniform within the pause: its length over the root of twelve."""
+    effect, target = catalogue()["tool_slip"], f"T{int(path.tool[-1])}"
+    level = np.unique(path.time_s[effect.sees(path, target)])
+    pause = int(np.argmax(np.diff(level)))
+    here = 0.5 * (level[pause] + level[pause + 1])
+    places = effect.places(path, target, {"time_s": here})
+    time = np.array([values["time_s"] for values, _ in places])
+    weight = np.array([weight for _, weight in places])
+    inside = (time > level[pause]) & (time < level[pause + 1])
+    weight = weight[inside] / weight[inside].sum()
+    mean = weight @ time[inside]
+    assert mean == pytest.approx(here)
+    spread = np.sqrt(weight @ (time[inside] - mean) ** 2)
+    assert spread == pytest.approx((level[pause + 1] - level[pause]) / np.sqrt(12.0))
+    assert time[inside][np.argmax(weight)] == pytest.approx(here)

@@ -10,6 +10,8 @@ __all__ = ["Sudden", "moment"]
 
 #: pauses between points in which a search begins
 _LONGEST = 60
+#: moments within a pause and their shares: all fit alike, together they are as spread as it is
+_WITHIN = ((0.0, 8 / 18), (-0.5 * math.sqrt(0.6), 5 / 18), (0.5 * math.sqrt(0.6), 5 / 18))
 
 
 def moment(meaning: str):
@@ -33,7 +35,8 @@ class Sudden(Effect):
     def places(self, path, target, inner_values):
         """The longest pauses, and every one between the two beside a moment.
 
-        It may have happened at any time, so that a pause is as likely as it is long.
+        It may have happened at any time, so that a pause is as likely as it is long, and three
+        moments stand for all of it.
         """
         middle, length, longest = self._pauses(path, target)
         tried = np.append(middle[longest], (-np.inf, np.inf))
@@ -41,7 +44,11 @@ class Sudden(Effect):
         low, high = tried[tried < here].max(), tried[tried > here].min()
         chosen = ((middle > low) & (middle < high)) | np.isin(middle, tried)
         pairs = zip(middle[chosen].tolist(), length[chosen].tolist(), strict=True)
-        return [({"time_s": when}, seconds) for when, seconds in pairs]
+        return [
+            ({"time_s": when + where * seconds}, share * seconds)
+            for when, seconds in pairs
+            for where, share in _WITHIN
+        ]
 
     def _pauses(self, path, target) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Middle and length of every pause between points, and the indices of the longest."""
