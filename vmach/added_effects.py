@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +30,11 @@ _PATHS = re.compile(
 
 
 def add_effects(
-    job_path: str | Path, effects: Sequence[str], *, out: Path | None = None
+    job_path: str | Path,
+    effects: Sequence[str],
+    *,
+    out: Path | None = None,
+    tell: Callable[[str], object] = lambda note: None,
 ) -> tuple[Path, tuple[NamedEffect, ...]]:
     """Fit effects to a job's measurements and write a job that holds them.
 
@@ -42,6 +46,8 @@ def add_effects(
         best is taken.
     out : Path, optional
         The job file to write; a new name beside the old one where left out.
+    tell : callable, optional
+        Told what was noticed of the measurements.
 
     Returns
     -------
@@ -78,6 +84,8 @@ def add_effects(
     text += _history_toml(job.path, target.parent, found, before=before, after=after)
     with atomic_file(target) as temporary:
         temporary.write_text(text, encoding="utf-8")
+    for note in survey.notes:
+        tell(note)
     return target, found
 
 

@@ -31,12 +31,15 @@ class Step:
         Of measured minus predicted, alignment taken off, on the points that were fitted.
     check_rms_um : float or None
         On a part that nothing was fitted to.
+    notes : tuple of str
+        What was noticed of the measurements.
     """
 
     job: Path
     added: tuple[str, ...]
     rms_um: float
     check_rms_um: float | None
+    notes: tuple[str, ...] = ()
 
 
 def history_of(job_path: str | Path, *, check: Job | None = None) -> list[Step]:
@@ -61,9 +64,16 @@ def history_of(job_path: str | Path, *, check: Job | None = None) -> list[Step]:
             raise InputError("the history goes round in a circle", file=job.path)
         seen.add(job.path.resolve())
         last = job.history[-1] if job.history else {}
-        on_other = None if check is None else rms_um(survey_part(check, job))
+        survey = survey_job(job.path)
+        other = None if check is None else survey_part(check, job)
         steps.append(
-            Step(job.path, tuple(last.get("added", ())), rms_um(survey_job(job.path)), on_other)
+            Step(
+                job=job.path,
+                added=tuple(last.get("added", ())),
+                rms_um=rms_um(survey),
+                check_rms_um=None if other is None else rms_um(other),
+                notes=survey.notes + (() if other is None else other.notes),
+            )
         )
         if "previous" not in last:
             return steps[::-1]

@@ -11,6 +11,7 @@ from gcode import WORK_OFFSETS, MachineLimits, MoveKind, Moves, Program, ToolEnt
 from stock import Tool, compile_ahead
 from vmach.errors import InputError
 from vmach.job import Job
+from vmach.tool_doubts import tool_notes
 from vmach.toolpath import NODE_SPACING_MM, Toolpath
 
 __all__ = ["Preparation", "prepare"]
@@ -93,6 +94,7 @@ def prepare(
         )
     zero = job.work_offsets_mm[_zero_name(job, moves, source)]
     _check_travel(job, path, source)
+    notes += tool_notes(job)
     index = np.full(max(job.tools) + 1, -1)
     index[list(job.tools)] = np.arange(len(job.tools))
     cutters = tuple(tool.cutter for tool in job.tools.values())

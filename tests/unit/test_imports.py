@@ -14,7 +14,7 @@ LAYERS = [
     {"units", "errors", "variant", "atomic", "stage_clock", "progress", "kernel_cache"},
     {"text_file", "toml_file", "points", "path_geometry", "alignment", "nominal"},
     {"machine", "accuracy", "iso230"},
-    {"job_schema", "job", "toolpath"},
+    {"job_schema", "job", "tool_doubts", "toolpath"},
     {"sweeping", "preparation", "effects"},
     {"prediction", "error_budget", "collisions", "measurements", "tip_errors", "program_text"},
     {"fit"},

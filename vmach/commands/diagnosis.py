@@ -120,9 +120,10 @@ def add(
     check_outputs([out])
     with progress_bar() as progress:
         progress("fit", 0, 1)
-        path, found = add_effects(job, effects, out=out)
+        noticed: list[str] = []
+        path, found = add_effects(job, effects, out=out, tell=noticed.append)
     rms = read_job(path).history[-1]
-    notes = [
+    notes = noticed + [
         f"these measurements do not call for {e.label}: clean ones would give it as much"
         for e in found
         if not e.is_called_for
@@ -197,6 +198,7 @@ def history(
                 "added": list(s.added),
                 "rms_um": s.rms_um,
                 "check_rms_um": s.check_rms_um,
+                "notes": list(s.notes),
             }
             for s in steps
         ]
@@ -209,6 +211,8 @@ def history(
         other = [] if s.check_rms_um is None else [f"{s.check_rms_um:.2f}"]
         table.add_row(name, ", ".join(s.added), f"{s.rms_um:.2f}", *other)
     Console().print(table)
+    for note in steps[-1].notes:
+        print(f"note: {note}")
     print(f"drawn in {picture}")
 
 

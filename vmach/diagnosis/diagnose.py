@@ -109,7 +109,7 @@ def diagnose(
         next_measurement=next_measurement(search, explanation, findings),
         left=left,
         notes=(
-            *(note for m in survey.measurements for note in m.notes if note),
+            *survey.notes,
             *left_out,
             *not_shown,
             *_wide_uncertainty(explanation),

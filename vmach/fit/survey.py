@@ -43,6 +43,11 @@ class Survey:
         """What each measurement's readings depend on."""
         return tuple(Circumstances(m.states, self.job) for m in self.measurements)
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was noticed of the measurements when they were read."""
+        return tuple(note for m in self.measurements for note in m.notes if note)
+
     @cached_property
     def rows(self) -> tuple[slice, ...]:
         """Where the readings of each measurement stand among the n."""

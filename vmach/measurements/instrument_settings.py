@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from collections.abc import Iterator
+from typing import Any, ClassVar, Literal
 
 from vmach.errors import InputError
 from vmach.job import Job
 from vmach.text_file import read_text
 from vmach.toml_file import FileSection, Point, Positive, check_section, line_of_key
+from vmach.tool_doubts import lengths_meant_mm
 
 __all__ = [
     "ALONG",
@@ -35,6 +37,11 @@ class InstrumentSettings(FileSection):
     tool_length_mm: Positive
     u_um: Positive
 
+    def mistaken(self) -> Iterator[dict[str, Any]]:
+        """Keys that may have been mistaken, each with what it may have to be."""
+        for length_mm in lengths_meant_mm(self.tool_length_mm):
+            yield {"tool_length_mm": length_mm}
+
 
 class Ballbar(InstrumentSettings):
     """Circles about a centre, both ways round."""
@@ -45,6 +52,11 @@ class Ballbar(InstrumentSettings):
     centre_mm: Point
     radius_mm: Positive
 
+    def mistaken(self) -> Iterator[dict[str, Any]]:
+        """Also the plane: which of its axes angles count from."""
+        yield from super().mistaken()
+        yield {"plane": self.plane[::-1]}
+
 
 class Laser(InstrumentSettings):
     """Positions of one axis, from both sides."""
@@ -53,6 +65,11 @@ class Laser(InstrumentSettings):
     kind: Literal["laser"]
     axis: Literal["X", "Y", "Z"]
     at_mm: Point
+
+    def mistaken(self) -> Iterator[dict[str, Any]]:
+        """Also the axis that moved."""
+        yield from super().mistaken()
+        yield from ({"axis": axis} for axis in "XYZ" if axis != self.axis)
 
 
 class Diagonal(InstrumentSettings):

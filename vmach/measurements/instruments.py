@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -29,10 +31,24 @@ from vmach.measurements.motion_check import (
     check_times,
     check_travel,
 )
-from vmach.measurements.sign_check import sign_notes
+from vmach.measurements.motion_doubts import (
+    approach_notes,
+    circle_notes,
+    drift_notes,
+    lost_motion_notes,
+    pace_notes,
+)
+from vmach.measurements.otherwise import (
+    Otherwise,
+    exchanged,
+    exchanged_tables,
+    is_doubtful,
+    otherwise_notes,
+)
 from vmach.measurements.test_motion import stop_and_go
 from vmach.measurements.unit_check import check_unit
 from vmach.prediction import ActingEffect
+from vmach.tool_doubts import doubtful_length
 from vmach.toolpath import PathStates
 from vmach.units import mm_from_um
 
@@ -55,8 +71,35 @@ def read_instruments(
         path = job.folder / settings.file
         test = _READERS[settings.kind](settings, path, _Model(job, variant, effects))
         check_unit(test, path)
-        found.append(test.noted(*sign_notes(test)))
+        if doubt := doubtful_length("tool_length_mm", settings.tool_length_mm):
+            test = test.noted(f"{test.name}: {doubt}")
+        if is_doubtful(test):
+            others = _otherwise(settings, path, job=job, variant=variant, effects=effects)
+            test = test.noted(*otherwise_notes(test, others))
+        found.append(test)
     return tuple(found)
+
+
+def _otherwise(
+    settings: InstrumentSettings,
+    path: Path,
+    *,
+    job: Job,
+    variant: Variant,
+    effects: Sequence[ActingEffect],
+) -> Iterator[Otherwise]:
+    """What the model says of a test if something that the job says of it were mistaken."""
+    read = _READERS[settings.kind]
+    for change in settings.mistaken():
+        ((key, value),) = change.items()
+        with suppress(InputError):  # it cannot have been so
+            other = read(settings.model_copy(update=change), path, _Model(job, variant, effects))
+            said = f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value:g}"
+            question = f"is {key} = {getattr(settings, key)} in the job right?"
+            yield Otherwise(said, question, other.predicted_mm)
+    for axes, machine in exchanged_tables(job.machine):
+        model = _Model(replace(job, machine=machine), variant, effects)
+        yield exchanged(axes, read(settings, path, model).predicted_mm)
 
 
 class _Model:
@@ -65,6 +108,7 @@ class _Model:
     def __init__(self, job: Job, variant: Variant, effects: Sequence[ActingEffect]) -> None:
         self._job, self._variant, self._effects = job, variant, effects
         self.travel_mm = np.asarray(job.machine.travel_mm)
+        self.rapid_mm_per_min = job.machine.motion.rapid_mm_per_min
 
     def predicted_mm(self, states: PathStates, sensing: np.ndarray) -> np.ndarray:
         machine = self._job.machine
@@ -109,6 +153,7 @@ def _ballbar(settings: Ballbar, path: Path, model: _Model) -> Measurement:
         u_mm=np.full(len(out), mm_from_um(settings.u_um)),
         group=group,
         nuisance=np.column_stack([np.ones(len(out)), np.cos(angle), np.sin(angle)]),
+        notes=_named(path, circle_notes(table.text["run"], angle, settings.plane)),
     )
 
 
@@ -117,7 +162,10 @@ def _laser(settings: Laser, path: Path, model: _Model) -> Measurement:
     axis = LINEAR_AXES.index(settings.axis)
     nose = np.tile(settings.at_mm, (len(table.numbers["t_s"]), 1))
     nose[:, axis] = table.numbers["position_mm"]
-    return _along_line(settings, table, nose, direction=np.eye(3)[axis], model=model)
+    test = _along_line(settings, table, nose, direction=np.eye(3)[axis], model=model)
+    if test.notes:
+        return test
+    return test.noted(*_named(path, lost_motion_notes(test, table.numbers["approach"])))
 
 
 def _diagonal(settings: Diagonal, path: Path, model: _Model) -> Measurement:
@@ -161,7 +209,21 @@ def _along_line(
         u_mm=np.full(count, mm_from_um(settings.u_um)),
         group=np.char.add("run ", table.text["run"]),
         nuisance=np.ones((count, 1)),
+        notes=_doubts_of_stops(nose_mm, side, table, model),
     )
+
+
+def _doubts_of_stops(
+    nose_mm: np.ndarray, side: np.ndarray, table: Columns, model: _Model
+) -> tuple[str, ...]:
+    """Notes on a test that drives from place to place."""
+    pace = pace_notes(nose_mm, table.numbers["t_s"], model.rapid_mm_per_min)
+    return _named(table.path, (*approach_notes(nose_mm, side), *pace))
+
+
+def _named(path: Path, notes: Sequence[str]) -> tuple[str, ...]:
+    """Notes with the file that they are about."""
+    return tuple(f"{path.name}: {note}" for note in notes)
 
 
 def _drift(settings: Drift, path: Path, model: _Model) -> Measurement:
@@ -184,6 +246,7 @@ def _drift(settings: Drift, path: Path, model: _Model) -> Measurement:
         states,
         model=model,
         nuisance=zero,
+        notes=_named(path, drift_notes(time)),
     )
 
 
@@ -192,18 +255,24 @@ def _tip(settings: Tip, path: Path, model: _Model) -> Measurement:
     nose = table.vectors("XYZ")
     check_travel(nose, table, model.travel_mm)
     check_extent(nose, table)
+    side = np.sign(table.vectors(("sx", "sy", "sz")))
     states = stop_and_go(
-        nose,
-        table.numbers["t_s"],
-        side=np.sign(table.vectors(("sx", "sy", "sz"))),
-        tool_length_mm=settings.tool_length_mm,
+        nose, table.numbers["t_s"], side=side, tool_length_mm=settings.tool_length_mm
     )
     unit = np.tile(np.eye(3), (len(nose), 1))
     nuisance = unit
     if settings.frame == "rigid":
         arm = np.repeat(nose - nose.mean(axis=0), 3, axis=0)
         nuisance = np.hstack([unit, np.cross(arm, unit)])
-    return _three_directions("tip", settings, table, states, model=model, nuisance=nuisance)
+    return _three_directions(
+        "tip",
+        settings,
+        table,
+        states,
+        model=model,
+        nuisance=nuisance,
+        notes=_doubts_of_stops(nose, side, table, model),
+    )
 
 
 def _three_directions(
@@ -214,6 +283,7 @@ def _three_directions(
     *,
     model: _Model,
     nuisance: np.ndarray,
+    notes: Sequence[str],
 ) -> Measurement:
     """One reading along each of X, Y and Z at every state."""
     count = len(states)
@@ -230,6 +300,7 @@ def _three_directions(
         u_mm=np.full(3 * count, mm_from_um(settings.u_um)),
         group=np.tile([f"along {axis}" for axis in LINEAR_AXES], count),
         nuisance=nuisance,
+        notes=tuple(notes),
     )
 
 

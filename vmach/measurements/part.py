@@ -11,14 +11,17 @@ import numpy as np
 from vmach.machine import Variant
 from vmach.measurements.measurement import Measurement
 from vmach.measurements.neighbours import apart_from_neighbours
+from vmach.measurements.otherwise import otherwise_notes
 from vmach.measurements.part_check import (
     check_aligned,
     check_cut,
     check_file,
     check_near,
     rounding_notes,
+    some_of,
 )
-from vmach.measurements.sign_check import sign_notes
+from vmach.measurements.part_otherwise import part_otherwise
+from vmach.measurements.tools_otherwise import tool_that_would_cut
 from vmach.points import SurfacePoints, read_points_csv
 from vmach.prediction import ActingEffect, Prediction, predict_surface
 from vmach.preparation import Preparation
@@ -64,11 +67,14 @@ def measure_part(
     check_near(part, path)
     part = _without_repeats(part, points.point_mm[cut])
     if points.u_mm is None:
-        note = "no uncertainty in the file: taken from the scatter between neighbouring points"
         u_mm = np.full(len(part), _scatter_of_neighbours_mm(part))
-        part = replace(part, u_mm=u_mm).noted(note)
+        part = replace(part, u_mm=u_mm).noted(
+            f"{path.name}: no uncertainty in the file: taken from the scatter between "
+            "neighbouring points"
+        )
     part = _without_outliers(part)
-    return part.noted(*_doubtful_uncertainty(part), *sign_notes(part)), prediction
+    others = part_otherwise(part, preparation, variant)
+    return part.noted(*_doubtful_uncertainty(part), *otherwise_notes(part, others)), prediction
 
 
 def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Measurement:
@@ -76,11 +82,7 @@ def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Meas
     cut = np.flatnonzero(prediction.is_cut)
     notes = (*prediction.preparation.notes, *points.notes, *rounding_notes(points))
     if len(cut) < len(points):
-        uncut = points.id[~prediction.is_cut]
-        note = f"left out, as no move cut them ({len(uncut)} of {len(points)}): {_listed(uncut)}"
-        if len(uncut) > _MANY * len(points):
-            note += "; so many: is this the measurement of this part, with the program's zero?"
-        notes = (*notes, note)
+        notes = (*notes, f"{name}: {_uncut_note(points, prediction)}")
     normal = points.normal[cut]
     arm = points.point_mm[cut] - points.point_mm[cut].mean(axis=0)
     return Measurement(
@@ -98,6 +100,18 @@ def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Meas
     )
 
 
+def _uncut_note(points: SurfacePoints, prediction: Prediction) -> str:
+    """Which points no move cut, and why that may be where they are many."""
+    uncut = points.id[~prediction.is_cut]
+    note = f"left out, as no move cut them ({len(uncut)} of {len(points)}): {_listed(uncut)}"
+    if len(uncut) <= _MANY * len(points):
+        return note
+    few = some_of(points, np.flatnonzero(~prediction.is_cut))
+    why = tool_that_would_cut(prediction.preparation, few)
+    why = why or "is this the measurement of this part, with the program's zero?"
+    return f"{note}; so many: {why}"
+
+
 def _without_repeats(part: Measurement, points_mm: np.ndarray) -> Measurement:
     rows = np.column_stack([points_mm, part.sensing, part.measured_mm])
     _, first = np.unique(rows, axis=0, return_index=True)
@@ -105,7 +119,7 @@ def _without_repeats(part: Measurement, points_mm: np.ndarray) -> Measurement:
         return part
     told = tuple(note for note in part.notes if "repeat an earlier point" not in note)
     count = len(part) - len(first)
-    note = f"{count} rows that repeat another row, reading and all, are left out"
+    note = f"{part.name}: {count} rows that repeat another row, reading and all, are left out"
     return replace(part, notes=told).keep(np.sort(first), note)
 
 
@@ -124,8 +138,8 @@ def _without_outliers(part: Measurement) -> Measurement:
     bad = part.id[~good]
     return part.keep(
         good,
-        "left out, as they stand out from their neighbours, as with a chip under the probe "
-        f"({len(bad)} of {len(part)}): {_listed(bad)}",
+        f"{part.name}: left out, as they stand out from their neighbours, as with a chip under "
+        f"the probe ({len(bad)} of {len(part)}): {_listed(bad)}",
     )
 
 

@@ -11,13 +11,21 @@ import numpy as np
 from vmach.errors import InputError
 from vmach.machine import Variant
 from vmach.measurements.measurement import Measurement
+from vmach.measurements.tools_otherwise import tool_that_would_cut
 from vmach.measurements.wrong_frame import wrong_frame
 from vmach.points import SurfacePoints
 from vmach.prediction import predict_surface
 from vmach.preparation import Preparation
 from vmach.units import um_from_mm
 
-__all__ = ["check_aligned", "check_cut", "check_file", "check_near", "rounding_notes"]
+__all__ = [
+    "check_aligned",
+    "check_cut",
+    "check_file",
+    "check_near",
+    "rounding_notes",
+    "some_of",
+]
 
 #: an alignment alone takes six points
 _FEWEST = 12
@@ -89,7 +97,7 @@ def check_cut(preparation: Preparation, points: SurfacePoints, count: int, *, pa
     """
     if count >= max(_FEWEST, _MOST_OF_THEM * len(points)):
         return
-    few = _some(points)
+    few = some_of(points, np.arange(len(points)))
     hints = (
         hint
         for hint, guess in _guesses(few, preparation)
@@ -99,9 +107,9 @@ def check_cut(preparation: Preparation, points: SurfacePoints, count: int, *, pa
         f"the program cuts {count} of the {len(points)} measured points",
         file=path,
         accepted=f"at least {_MOST_OF_THEM:.0%}, and no fewer than {_FEWEST}, of the points",
-        hint=next(
-            hints, "are the points in workpiece coordinates, and is this the part's program?"
-        ),
+        hint=next(hints, None)
+        or tool_that_would_cut(preparation, few)
+        or "are the points in workpiece coordinates, and is this the part's program?",
     )
 
 
@@ -165,9 +173,9 @@ def check_near(part: Measurement, path: Path) -> None:
         )
 
 
-def _some(points: SurfacePoints) -> SurfacePoints:
-    """A few of the points, from all over the file."""
-    rows = np.unique(np.linspace(0, len(points) - 1, _TRIED).astype(int))
+def some_of(points: SurfacePoints, rows: np.ndarray) -> SurfacePoints:
+    """Nominal places of a few of the points with indices `rows` (R,), from all over them."""
+    rows = rows[np.unique(np.linspace(0, len(rows) - 1, _TRIED).astype(int))]
     return SurfacePoints(
         points.id[rows], points.feature[rows], points.point_mm[rows], points.normal[rows]
     )
