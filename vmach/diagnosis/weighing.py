@@ -70,9 +70,11 @@ class Weighing:
         self._read(survey)
 
     def _read(self, survey: Survey) -> None:
+        """Take the readings of a survey of this design; all that depends on others goes."""
         self.survey = survey
         self._reading = self.whiten(survey.residual_mm)
         self.nothing = self.explanation_of(None)
+        # rivals, offsets and slack ask for the same sets again
         self._known_without: dict[tuple, Explanation] = {}
 
     def on(self, survey: Survey) -> Self:
