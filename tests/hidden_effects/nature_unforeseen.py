@@ -44,12 +44,22 @@ def press_next_door(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     size = rng.choice([-1, 1], 2) * rng.uniform(7.0, 13.0, 2)
     start = rng.uniform(0.0, 0.9, 4)
 
-    def move(state: State) -> np.ndarray:
+    def works(state: State) -> np.ndarray:
         share = state.time_s / max(float(state.time_s.max()), 1.0)
-        works = ((share[:, None] > start) & (share[:, None] < start + 0.08)).any(axis=1)
-        return UM * works[:, None] * np.array([size[0], size[1], 0.0])
+        return ((share[:, None] > start) & (share[:, None] < start + 0.08)).any(axis=1)
 
-    return Hidden("press_next_door", ("unknown",), {"size_um": size.tolist()}, move)
+    def move(state: State) -> np.ndarray:
+        return UM * works(state)[:, None] * np.array([size[0], size[1], 0.0])
+
+    def shows_as(state: State) -> tuple[str, ...]:
+        """Where it began or ended once between the walls, no more than a shift is to be seen."""
+        walls = np.flatnonzero(np.abs(state.normal[:, 2]) < 0.5)
+        in_turn = walls[np.argsort(state.time_s[walls])]
+        turns = np.count_nonzero(np.diff(works(state)[in_turn]))
+        return ("datum_shift",) if turns == 1 else ()
+
+    told = {"size_um": size.tolist()}
+    return Hidden("press_next_door", ("unknown",), told, move, shows_as=shows_as)
 
 
 def yaw_play(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
