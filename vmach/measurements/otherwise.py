@@ -20,13 +20,15 @@ __all__ = ["Otherwise", "exchanged", "exchanged_tables", "is_doubtful", "otherwi
 #: readings further away than so many standard uncertainties are worth a question
 _CLEAR_U = 2.0
 #: readings that agree so many times better the other way round are suspicious
-_BETTER = 3.0
+_BETTER = 2.0
+#: where they do not come as close as so many standard uncertainties, so many times better: an
+#: effect may have brought them there
+_CLOSE_U, _FAR_BETTER = 4.0, 5.0
 #: and so many times better once displacements that grow in proportion with the place are taken
 #: off: a scale or a squareness may bring readings of one axis near the tables of another
 _BETTER_BENT = 2.0
 #: readings beyond the number of what is free, below which nothing can be said
 _FEWEST_LEFT = 12
-_SIGN_BETTER = 2.0
 _MEANING = {
     "part": "a deviation is (m - p) along i, j, k and positive where material is left",
     "ballbar": "radius_um is positive where the tool is further out than programmed",
@@ -79,17 +81,18 @@ def otherwise_notes(test: Measurement, others: Iterable[Otherwise]) -> tuple[str
     """
     if not is_doubtful(test):
         return ()
-    sign = _other_sign(test)
     plain, bent = _apart_mm(test, test.predicted_mm)
-    found = [(sign, _apart_mm(test, sign.predicted_mm))]
-    found = [(o, by) for o, by in found if plain >= _SIGN_BETTER * by[0]]
-    for other in others:
-        by = _apart_mm(test, other.predicted_mm)
-        if plain >= _BETTER * by[0] and bent >= _BETTER_BENT * by[1]:
-            found.append((other, by))
+    close = _CLOSE_U * float(np.median(test.u_mm))
+    found = []
+    for other in (_other_sign(test), *others):
+        apart, apart_bent = _apart_mm(test, other.predicted_mm)
+        if apart > close and plain < _FAR_BETTER * apart:
+            continue
+        if plain >= _BETTER * apart and bent >= _BETTER_BENT * apart_bent:
+            found.append((apart, other))
     if not found:
         return ()
-    best, (apart, _) = min(found, key=lambda pair: pair[1][0])
+    apart, best = min(found, key=lambda pair: pair[0])
     return (
         f"{test.name}: with {best.what} the readings would agree with the model within "
         f"{um_from_mm(apart):.2f} um instead of {um_from_mm(plain):.2f} um (rms): {best.question}",
