@@ -1,5 +1,7 @@
 """Reflector: a measuring point of the error tables is documented wrongly."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from vmach.effects.effect import Effect, along, linear
@@ -7,6 +9,9 @@ from vmach.machine import LINEAR_AXES
 from vmach.machine.component_errors import component_of
 
 __all__ = ["Reflector"]
+
+#: what is farther from where it was written down is no slip of a ruler or of a sign
+_FARTHEST_MM = 1000.0
 
 
 class Reflector(Effect):
@@ -18,11 +23,12 @@ class Reflector(Effect):
 
     name = "reflector"
     title = "documented position of a reflector"
-    parameters = (
-        linear(
-            "first_mm", "first direction across the one measured (X: Y, Y: Z, Z: X)", usual=100.0
-        ),
-        linear("second_mm", "second direction across (X: Z, Y: X, Z: Y)", usual=100.0),
+    parameters = tuple(
+        replace(linear(name, meaning, usual=100.0), most=_FARTHEST_MM)
+        for name, meaning in (
+            ("first_mm", "first direction across the one measured (X: Y, Y: Z, Z: X)"),
+            ("second_mm", "second direction across (X: Z, Y: X, Z: Y)"),
+        )
     )
     targets = tuple(f"E{kind}{axis}" for axis in LINEAR_AXES for kind in LINEAR_AXES)
     rarity = 2.0
