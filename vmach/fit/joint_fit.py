@@ -22,6 +22,8 @@ __all__ = ["fit_terms"]
 
 #: step of logarithms in a derivative
 _STEP = 1e-3
+#: places whose signatures are whitened together
+_AT_ONCE = 64
 
 
 def fit_terms(
@@ -127,15 +129,22 @@ class _Problem:
         rows, reading = self._system()
         basis = orthonormal(rows)
         left = reading - basis @ (basis.T @ reading)
-        gains = []
-        for inner in places:
-            columns = self.columns(replace(term, inner=inner))[1]
-            columns = _with_zeros_below(columns, len(rows))
-            columns = columns - basis @ (basis.T @ columns)
-            precision = columns.T @ columns + np.eye(columns.shape[1]) / FREE**2
-            seen = columns.T @ left
-            gains.append(0.5 * seen @ np.linalg.solve(precision, seen))
-        return np.array(gains)
+        batches = (places[k : k + _AT_ONCE] for k in range(0, len(places), _AT_ONCE))
+        return np.concatenate([self._gains_at(term, some, basis, left) for some in batches])
+
+    def _gains_at(
+        self, term: Term, places: Sequence[Mapping[str, float]], basis: np.ndarray, left: np.ndarray
+    ) -> np.ndarray:
+        """The gains (g,) at a few places, beside a basis of what the other terms explain."""
+        raw = [self.survey.signature(term.effect, term.target, inner) for inner in places]
+        columns = self.whiten(np.hstack(raw))
+        columns = _with_zeros_below(columns, len(basis))
+        columns = columns - basis @ (basis.T @ columns)
+        each = columns.T.reshape(len(places), -1, len(basis))
+        precision = each @ each.transpose(0, 2, 1) + np.eye(each.shape[1]) / FREE**2
+        seen = each @ left
+        solved = np.linalg.solve(precision, seen[:, :, None])[:, :, 0]
+        return 0.5 * np.einsum("gk,gk->g", seen, solved)
 
     def columns(self, term: Term) -> tuple[np.ndarray, np.ndarray]:
         """Signatures of a term in mm and whitened, (n, own K) each."""
