@@ -126,6 +126,17 @@ def test_what_no_effect_explains_is_called_unknown(tmp_path):
     assert found.next_measurement.program.startswith("%")
 
 
+def test_what_comes_nearest_is_told_where_nothing_is_named(tmp_path):
+    def play_and_ripple(q, side, time):
+        return 3.0 * lost_motion(q, side, time) + foreign(q, side, time)
+
+    found = diagnose(survey_job(tip_job(tmp_path, play_and_ripple, count=80)))
+    assert found.verdict == "unknown"
+    nearest = as_json(found)["nearest"]
+    assert "backlash X" in nearest
+    assert f"What comes nearest ({', '.join(nearest)}) leaves" in as_text(found)
+
+
 def test_clean_data_are_left_alone(tmp_path):
     """Ten sets of readings drawn from the model's own uncertainty: no accusation."""
     survey = survey_job(tip_job(tmp_path, nothing))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from vmach.diagnosis.diagnose import Diagnosis
-from vmach.diagnosis.words import beyond_noise, expected, what_is_left
+from vmach.diagnosis.words import beyond_noise, expected, nearest, what_is_left
 from vmach.effects import Effect
 from vmach.effects.component import Component
 from vmach.machine import LINEAR_AXES
@@ -66,8 +66,8 @@ def headline(found: Diagnosis) -> tuple[str, str]:
         return (
             "Something real is left that no known effect explains",
             f"Measured minus predicted is {rms['before']:.2f} um RMS, {expected(found.residuals)} "
-            f"make {rms['expected_noise']:.2f} um. "
-            f"{_nearest(found)}No name is given: {what_is_left(found.left)}.",
+            f"make {rms['expected_noise']:.2f} um. {nearest(found.residuals, rms)} "
+            f"No name is given: {what_is_left(found.left)}.",
         )
     names = "; ".join(_named(f.effect, f.target) for f in found.findings if f.effect)
     if found.verdict == "class":
@@ -90,15 +90,6 @@ def state_words(found: Diagnosis) -> dict[str, str]:
     if found.verdict == "unknown":
         after = "with what comes nearest"
     return {"before": "before", "after": after}
-
-
-def _nearest(found: Diagnosis) -> str:
-    """What the best explanation by known effects leaves, where there is one."""
-    fit = found.residuals.fit
-    if fit is None:
-        return ""
-    labels = ", ".join(term.label for term in fit.terms)
-    return f"What comes nearest ({labels}) leaves {found.rms_um['after']:.2f} um. "
 
 
 def _named(effect: Effect, target: str) -> str:

@@ -10,7 +10,7 @@ from vmach.atomic import atomic_file
 from vmach.diagnosis.diagnose import Diagnosis
 from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.where_it_fails import Failure
-from vmach.diagnosis.words import beyond_noise, describe, expected, what_is_left
+from vmach.diagnosis.words import beyond_noise, describe, expected, nearest, what_is_left
 
 __all__ = ["as_json", "as_text", "write_figures"]
 
@@ -41,9 +41,16 @@ def as_json(found: Diagnosis, *, program: str | None = None) -> dict[str, Any]:
             "program": program,
         },
         "blind_spots": [vars(spot) for spot in found.blind_spots],
+        "nearest": _nearest(found),
         "left_unexplained": {name: round(value, 2) for name, value in found.left.items()},
         "notes": list(found.notes),
     }
+
+
+def _nearest(found: Diagnosis) -> list[str]:
+    """Effects that come nearest where none is named."""
+    fit = found.residuals.fit
+    return [] if fit is None or found.verdict != "unknown" else [t.label for t in fit.terms]
 
 
 def _finding(finding: Finding) -> dict[str, Any]:
@@ -76,6 +83,8 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
         lines += _finding_lines(finding)
     if found.verdict == "unknown":
         lines.append(f"  why: {what_is_left(found.left)}")
+        if near := nearest(found.residuals, rms):
+            lines.append(f"  {near} `vmach add` puts it into a job all the same, to look at")
     lines.append(
         f"RMS of measured minus predicted: {rms['before']:.2f} um before, {rms['after']:.2f} um "
         f"after; {expected(found.residuals)} make {rms['expected_noise']:.2f} um"

@@ -11,6 +11,7 @@ __all__ = [
     "beyond_noise",
     "describe",
     "expected",
+    "nearest",
     "what_is_left",
     "where_component",
     "with_unit",
@@ -62,6 +63,14 @@ def expected(residuals: Residuals) -> str:
     if residuals.survey.effects:
         return "noise, the tables' uncertainty and what the job's effects leave open"
     return "noise and the tables' uncertainty"
+
+
+def nearest(residuals: Residuals, rms_um: dict[str, float]) -> str:
+    """What the best explanation by known effects leaves, as a sentence; empty without one."""
+    if residuals.fit is None:
+        return ""
+    labels = ", ".join(term.label for term in residuals.fit.terms)
+    return f"What comes nearest ({labels}) leaves {rms_um['after']:.2f} um."
 
 
 def beyond_noise(rms_um: dict[str, float]) -> str:
