@@ -15,7 +15,7 @@ from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.findings import Finding, findings_of, something_unknown
 from vmach.diagnosis.impossible_sizes import impossible_sizes
 from vmach.diagnosis.next_measurement import NextMeasurement, next_measurement
-from vmach.diagnosis.outliers import without_outliers
+from vmach.diagnosis.outliers import without_outliers, without_suspects
 from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.search import Search, prepare_search
 from vmach.diagnosis.settling import settled
@@ -85,37 +85,88 @@ def diagnose(
     tell("signatures of all effects")
     search = like.on(survey) if like else prepare_search(survey)
     tell("search")
-    search, explanation, left_out = without_outliers(search)
+    found = _without_suspects(_examined(search))
+    search, explanation, findings = found.search, found.explanation, found.findings
     survey = search.survey
-    explanation = settled(search, explanation)
-    tell("is what is left noise?")
-    findings = findings_of(search, explanation)
-    left, not_shown = _objections(search, explanation, findings)
     residuals = Residuals(survey, search.whiten, survey.factors, explanation.fit)
     failures = where_it_fails(survey, search.whiten, survey.residual_mm)
-    verdict = _verdict(findings, left)
-    if verdict == "unknown":
+    if found.verdict == "unknown":
         left_mm = residuals.left_mm
-        remaining = () if not_shown else where_it_fails(survey, search.whiten, left_mm)
+        remaining = () if found.not_shown else where_it_fails(survey, search.whiten, left_mm)
         findings = (something_unknown(remaining or failures),)
     tell("what to measure next")
     return Diagnosis(
-        verdict=verdict,
+        verdict=found.verdict,
         findings=findings,
         rms_um=residuals.rms_um,
         candidates=candidate_scores(search, residuals.rms_um["before"]),
         failures=failures,
         blind_spots=blind_spots(search, explanation),
         next_measurement=next_measurement(search, explanation, findings),
-        left=left,
+        left=found.left,
         notes=(
             *survey.notes,
-            *left_out,
-            *not_shown,
+            *found.left_out,
+            *found.not_shown,
             *_wide_uncertainty(explanation),
         ),
         residuals=residuals,
     )
+
+
+@dataclass(frozen=True)
+class _Examined:
+    """An explanation with what speaks against it.
+
+    Attributes
+    ----------
+    search : Search
+        Over the readings that count.
+    explanation : Explanation
+    findings : tuple of Finding
+    left : dict
+        What is left beyond noise, or asked too much; empty where nothing is.
+    not_shown, left_out : tuple of str
+        Notes on laws that are not shown, and on readings that do not count.
+    """
+
+    search: Search
+    explanation: Explanation
+    findings: tuple[Finding, ...]
+    left: dict[str, float]
+    not_shown: tuple[str, ...]
+    left_out: tuple[str, ...]
+
+    @property
+    def verdict(self) -> str:
+        """Named, class, unknown or nothing."""
+        if self.left or is_contrived(self.findings):
+            return "unknown"
+        if not self.findings:
+            return "nothing"
+        return "class" if any(len(f.rivals.names) > 1 for f in self.findings) else "named"
+
+
+def _examined(search: Search, left_out: tuple[str, ...] = ()) -> _Examined:
+    search, explanation, outliers = without_outliers(search)
+    explanation = settled(search, explanation)
+    findings = findings_of(search, explanation)
+    left, not_shown = _objections(search, explanation, findings)
+    return _Examined(
+        search, explanation, findings, left, tuple(not_shown), (*left_out, *outliers)
+    )
+
+
+def _without_suspects(found: _Examined) -> _Examined:
+    """The same without a few readings that stand alone, where that makes all else plain."""
+    if found.verdict != "unknown":
+        return found
+    fewer = without_suspects(found.search, found.explanation)
+    if fewer is None:
+        return found
+    search, notes = fewer
+    again = _examined(search, (*found.left_out, *notes))
+    return found if again.verdict == "unknown" else again
 
 
 def _objections(
@@ -129,14 +180,6 @@ def _objections(
     if left:
         return left, notes
     return laws_not_shown(search, explanation)
-
-
-def _verdict(findings: tuple[Finding, ...], left: dict[str, float]) -> str:
-    if left or is_contrived(findings):
-        return "unknown"
-    if not findings:
-        return "nothing"
-    return "class" if any(len(f.rivals.names) > 1 for f in findings) else "named"
 
 
 def _wide_uncertainty(explanation: Explanation) -> tuple[str, ...]:

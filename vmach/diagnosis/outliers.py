@@ -15,7 +15,7 @@ from vmach.fit.survey import Survey
 from vmach.fit.terms import Term
 from vmach.measurements import apart_from_neighbours
 
-__all__ = ["without_outliers"]
+__all__ = ["without_outliers", "without_suspects"]
 
 #: at most this share of the readings may be left out as outliers after the fit
 _MOST = 0.05
@@ -24,6 +24,8 @@ _PASSES = 4
 #: readings this share of the worst one away are among the worst; of three readings at one place
 #: of which one is bad, the good ones stand out half as far
 _AMONG_WORST = 0.6
+#: and so many of them where leaving them out makes all else plain
+_MOST_SUSPECTS = 0.01
 
 
 def without_outliers(search: Search) -> tuple[Search, Explanation, tuple[str, ...]]:
@@ -50,6 +52,25 @@ def without_outliers(search: Search) -> tuple[Search, Explanation, tuple[str, ..
         return search, found, ()
     search = search.on_part(survey, kept)
     return search, search.run(), (_note(names, len(whole)),)
+
+
+def without_suspects(
+    search: Search, explanation: Explanation
+) -> tuple[Search, tuple[str, ...]] | None:
+    """The search without a few readings that may have led it astray, and a note on them.
+
+    A flexible effect can take up a single bad reading, which then is no outlier. So each effect
+    is taken away, and all of them, to see which readings stand alone. None where they are many,
+    or there are none.
+    """
+    survey = search.survey
+    suspect = _outliers(survey, explanation.residual) | _outliers(survey, search.nothing.residual)
+    for k in range(len(explanation.terms)):
+        suspect |= _outliers(survey, search.without(explanation, [k]).residual)
+    if not 0 < suspect.sum() <= _MOST_SUSPECTS * len(survey):
+        return None
+    note = _note(_reading_names(survey, suspect), len(survey))
+    return search.on_part(survey.part_of(~suspect), ~suspect), (note,)
 
 
 def _left_by(terms: Sequence[Term], survey: Survey) -> np.ndarray:

@@ -1,5 +1,7 @@
 """Effects of reversal that depend on the way, or the time, since it."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from vmach.effects.circumstances import Circumstances
@@ -11,6 +13,8 @@ __all__ = ["TAKE_UP_MM", "Hysteresis", "LateralPlay", "QuadrantGlitch", "taken_u
 
 #: ways over which lost motion may be taken up
 TAKE_UP_MM = (0.0025, 0.01, 0.03, 0.1)
+#: guides with more than this are broken; it then is a slope with the way that looks like a loop
+_WIDEST_LOOP_UM = 20.0
 
 
 def taken_up(path: Circumstances, axis: int, way_mm: float) -> np.ndarray:
@@ -51,8 +55,15 @@ class Hysteresis(Effect):
     name = "hysteresis"
     title = "hysteresis of guide and structure"
     parameters = (
-        linear("width_um", "width of the loop", usual=5.0),
-        inner("way_mm", "way over which it builds up to 63 %", (2, 4, 8, 16, 32, 64), usual=10.0),
+        replace(linear("width_um", "width of the loop", usual=5.0), most=_WIDEST_LOOP_UM),
+        inner(
+            "way_mm",
+            "way over which it builds up to 63 %",
+            (2, 4, 8, 16, 32, 64),
+            usual=10.0,
+            spread=1.0,
+            within=(0.5, 100.0),
+        ),
     )
     rarity = 1.0
     usual_size = "1 to 5 um over 5 to 50 mm"
