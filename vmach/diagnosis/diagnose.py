@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,16 +10,12 @@ from threadpoolctl import threadpool_limits
 
 from vmach.diagnosis.blind_spots import BlindSpot, blind_spots
 from vmach.diagnosis.candidate_scores import CandidateScore, candidate_scores
-from vmach.diagnosis.contrived import is_contrived
+from vmach.diagnosis.examination import examine
 from vmach.diagnosis.explanation import Explanation
-from vmach.diagnosis.findings import Finding, findings_of, something_unknown
-from vmach.diagnosis.impossible_sizes import impossible_sizes
+from vmach.diagnosis.findings import Finding, something_unknown
 from vmach.diagnosis.next_measurement import NextMeasurement, next_measurement
-from vmach.diagnosis.outliers import without_outliers, without_suspects
 from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.search import Search, prepare_search
-from vmach.diagnosis.settling import settled
-from vmach.diagnosis.shown_laws import laws_not_shown
 from vmach.diagnosis.where_it_fails import Failure, where_it_fails
 from vmach.fit.survey import Survey
 
@@ -85,7 +81,7 @@ def diagnose(
     tell("signatures of all effects")
     search = like.on(survey) if like else prepare_search(survey)
     tell("search")
-    found = _without_suspects(_examined(search))
+    found = examine(search)
     search, explanation, findings = found.search, found.explanation, found.findings
     survey = search.survey
     residuals = Residuals(survey, search.whiten, survey.factors, explanation.fit)
@@ -112,74 +108,6 @@ def diagnose(
         ),
         residuals=residuals,
     )
-
-
-@dataclass(frozen=True)
-class _Examined:
-    """An explanation with what speaks against it.
-
-    Attributes
-    ----------
-    search : Search
-        Over the readings that count.
-    explanation : Explanation
-    findings : tuple of Finding
-    left : dict
-        What is left beyond noise, or asked too much; empty where nothing is.
-    not_shown, left_out : tuple of str
-        Notes on laws that are not shown, and on readings that do not count.
-    """
-
-    search: Search
-    explanation: Explanation
-    findings: tuple[Finding, ...]
-    left: dict[str, float]
-    not_shown: tuple[str, ...]
-    left_out: tuple[str, ...]
-
-    @property
-    def verdict(self) -> str:
-        """Named, class, unknown or nothing."""
-        if self.left or is_contrived(self.findings):
-            return "unknown"
-        if not self.findings:
-            return "nothing"
-        return "class" if any(len(f.rivals.names) > 1 for f in self.findings) else "named"
-
-
-def _examined(search: Search, left_out: tuple[str, ...] = ()) -> _Examined:
-    search, explanation, outliers = without_outliers(search)
-    explanation = settled(search, explanation)
-    findings = findings_of(search, explanation)
-    left, not_shown = _objections(search, explanation, findings)
-    return _Examined(
-        search, explanation, findings, left, tuple(not_shown), (*left_out, *outliers)
-    )
-
-
-def _without_suspects(found: _Examined) -> _Examined:
-    """The same without a few readings that stand alone, where that makes all else plain."""
-    if found.verdict != "unknown":
-        return found
-    fewer = without_suspects(found.search, found.explanation)
-    if fewer is None:
-        return found
-    search, notes = fewer
-    again = _examined(search, (*found.left_out, *notes))
-    return found if again.verdict == "unknown" else again
-
-
-def _objections(
-    search: Search, explanation: Explanation, findings: Sequence[Finding]
-) -> tuple[dict[str, float], list[str]]:
-    """Why an explanation does not do: what it leaves or asks too much of, and notes in words."""
-    left = search.left_in(explanation)
-    if left:
-        return left, []
-    left, notes = impossible_sizes(findings)
-    if left:
-        return left, notes
-    return laws_not_shown(search, explanation)
 
 
 def _wide_uncertainty(explanation: Explanation) -> tuple[str, ...]:
