@@ -280,6 +280,10 @@ def test_what_makes_an_effect_has_to_be_there():
         (["tool_wear T2", "tool_slip T1", "runout T2"], False),
         (["backlash X", "scale X", "servo_lag"], False),
         (["backlash X", "scale X", "component EYX"], True),
+        (["backlash X", "component EYX"], False),
+        (["component EXX", "component EYX"], True),
+        (["component EXX", "component EAX"], False),  # EAX was never measured
+        (["component EXX", "datum_shift "], True),
     ],
 )
 def test_what_takes_too_much_at_once_is_no_explanation(labels, is_too_much):
@@ -288,7 +292,7 @@ def test_what_takes_too_much_at_once_is_no_explanation(labels, is_too_much):
         Finding(catalogue()[name], target, {}, {}, Rivals((), ()), None, {})
         for name, _, target in named
     ]
-    assert is_contrived(findings) == is_too_much
+    assert is_contrived(findings, expected=["component EAX"]) == is_too_much
 
 
 def test_the_next_program_says_how_its_readings_come_back(tmp_path):
