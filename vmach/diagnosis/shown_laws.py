@@ -8,8 +8,12 @@ from vmach.diagnosis.explanation import MARGIN, Explanation
 from vmach.diagnosis.score import numbers_determined
 from vmach.diagnosis.search import Search
 from vmach.diagnosis.single_features import AgainstOffsets, against_offsets
+from vmach.fit.terms import JointFit
 
 __all__ = ["laws_not_shown", "share_left_to_slack"]
+
+#: by so many standard deviations more than noise is taken up
+_SURELY = 2.0
 
 
 def laws_not_shown(search: Search, explanation: Explanation) -> tuple[dict[str, float], list[str]]:
@@ -20,9 +24,12 @@ def laws_not_shown(search: Search, explanation: Explanation) -> tuple[dict[str, 
     """
     left, notes = {}, []
     terms = explanation.fit.terms if explanation.fit else ()
+    needs_slack = _needs_slack(search, explanation)
     for k, term in enumerate(terms):
         found = against_offsets(search, explanation, [k])
-        if not found.is_shown:
+        # numbers of the slack are not counted, so a law that needs it has to show more clearly
+        is_vague = needs_slack and term.effect.slack_share > 0.0 and found.gain < MARGIN
+        if is_vague or not found.is_shown:
             left |= _why(found)
             notes.append(
                 f"{term.label} would fit, with {found.numbers:.0f} numbers for "
@@ -49,6 +56,22 @@ def _why(found: AgainstOffsets) -> dict[str, float]:
     return {"as many numbers as places": found.numbers}
 
 
+def _needs_slack(search: Search, explanation: Explanation) -> bool:
+    """Whether the inexactness of the laws surely takes up more than noise."""
+    fit = explanation.fit
+    if fit is None or fit.slack_mm is None:
+        return False
+    numbers = numbers_determined(search.whiten(fit.slack_mm))
+    taken = _square_by_law(search, fit) - float(explanation.residual @ explanation.residual)
+    return taken > numbers + _SURELY * np.sqrt(2.0 * numbers)
+
+
+def _square_by_law(search: Search, fit: JointFit) -> float:
+    """Sum of squares that the laws leave as they are stated."""
+    stated_mm = sum(fit.explained_mm(k) for k in range(len(fit.terms)))
+    return float(np.sum(search.whiten(search.survey.residual_mm - stated_mm) ** 2))
+
+
 def share_left_to_slack(search: Search, explanation: Explanation) -> tuple[float, float]:
     """What inexactness of the laws explains, as a share of what it and these laws do.
 
@@ -66,8 +89,7 @@ def share_left_to_slack(search: Search, explanation: Explanation) -> tuple[float
     inexact = [k for k, term in enumerate(fit.terms) if term.effect.slack_share > 0.0]
     left = search.without(explanation, inexact).residual
     without = float(left @ left)
-    stated_mm = sum(fit.explained_mm(k) for k in range(len(fit.terms)))
-    by_law = float(np.sum(search.whiten(search.survey.residual_mm - stated_mm) ** 2))
+    by_law = _square_by_law(search, fit)
     end = float(explanation.residual @ explanation.residual)
     open_causes = search.whiten(fit.slack_mm)
     explained = max(without - end - numbers_determined(open_causes), 1.0)
