@@ -26,6 +26,11 @@ class Sudden(Effect):
         """Which states could show it, (P,) bool."""
         return np.ones(len(path), dtype=bool)
 
+    def not_testable(self, path, target):
+        time = path.time_s[self.sees(path, target)]
+        few = f"no two places at different times show {target or 'it'}"
+        return None if len(np.unique(time)) > 1 else few
+
     def inner_grid(self, path, target):
         """Moments in the longest pauses between points."""
         middle, _, longest = self._pauses(path, target)

@@ -1,7 +1,5 @@
 """Tool chip: at one moment an edge of a tool breaks, and it cuts too little from then on."""
 
-import numpy as np
-
 from vmach.effects.effect import along, linear
 from vmach.effects.sudden import Sudden, moment
 from vmach.effects.tool_size import OfOneTool, by_tool
@@ -9,7 +7,7 @@ from vmach.effects.tool_size import OfOneTool, by_tool
 __all__ = ["ToolChip"]
 
 
-class ToolChip(OfOneTool, Sudden):
+class ToolChip(Sudden, OfOneTool):
     """The edge chips, and leaves material on every wall and on every floor that follow.
 
     A chip at the corner shortens the tool, one on the flank takes from its radius, most do both.
@@ -27,11 +25,6 @@ class ToolChip(OfOneTool, Sudden):
     usual_size = "5 to 50 um while it still cuts"
     confirm = "look at the edges under a magnifier; measure the tool's length and radius again"
     cure = "change the tool; less feed or engagement at entry, a tougher grade, less stick-out"
-
-    def not_testable(self, path, target):
-        time = path.time_s[self.sees(path, target)]
-        few = f"{target} cut no two places at different times"
-        return None if len(np.unique(time)) > 1 else few
 
     def sees(self, path, target):
         """A chip before the tool's first point, or after its last, is none to these points."""

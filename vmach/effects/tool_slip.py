@@ -12,7 +12,7 @@ __all__ = ["ToolSlip"]
 _LEVEL = 0.05
 
 
-class ToolSlip(OfOneTool, Sudden):
+class ToolSlip(Sudden, OfOneTool):
     """A collet lets go under load; what the tool cut before has the height that it should."""
 
     name = "tool_slip"
@@ -26,11 +26,6 @@ class ToolSlip(OfOneTool, Sudden):
     usual_size = "5 to 100 um"
     confirm = "measure the tool's length again and compare with the tool table"
     cure = "clean collet and shank, tighten to the stated torque, take a holder that grips harder"
-
-    def not_testable(self, path, target):
-        time = path.time_s[self.sees(path, target)]
-        few = f"{target} made no two levels of different time"
-        return None if len(np.unique(time)) > 1 else few
 
     def sees(self, path, target):
         """A slip before the tool's first level, or after its last, is none to these points."""
