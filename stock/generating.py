@@ -21,7 +21,7 @@ __all__ = ["Generation", "find_generating"]
 
 #: straight pieces that an arc is looked at in; the place found is then refined on the arc
 _CHORDS = 16
-#: distances that differ by less than this are equal
+#: outline points whose heights over the tangent differ by less than this are both touched
 _TIE_MM = 1e-9
 #: a normal with a smaller horizontal part than this is that of a floor
 _FLOOR = 1e-9
@@ -34,7 +34,7 @@ class Generation:
     Attributes
     ----------
     sweep : (P,) int64
-        The last of the sweeps that come closest; of a floor, the one whose axis passes nearest.
+        The last of the sweeps that come closest.
     parameter : (P,) float64
         Where on it, 0 to 1.
     contact_mm : (P, 3) float64
@@ -116,19 +116,13 @@ def _support(tool: Tool, normal: np.ndarray) -> np.ndarray:
 
 @njit_kernel()
 def _closest(point, chords, supports):
-    """The last chord whose tool comes closest to the point, and where on it.
-
-    The disc of a floor is as close with all of it: there the axis decides.
-    """
-    best, nearest, chord, share = np.inf, np.inf, 0, 0.0
+    """The last chord whose tool comes closest to the point, and where on it."""
+    best, chord, share = np.inf, 0, 0.0
     p = _vector(point)
     for k in range(len(chords)):
-        distance, s, beside = _approach(
-            p, _vector(chords[k, 0]), _vector(chords[k, 1]), supports[k]
-        )
-        is_tie = abs(distance - best) <= _TIE_MM
-        if distance < best - _TIE_MM or (is_tie and beside <= nearest + _TIE_MM):
-            best, nearest, chord, share = min(best, distance), beside, k, s
+        distance, s = _approach(p, _vector(chords[k, 0]), _vector(chords[k, 1]), supports[k])
+        if distance <= best + 1e-9:
+            best, chord, share = min(best, distance), k, s
     return chord, share
 
 
@@ -149,8 +143,7 @@ def _dot(a, b):
 
 @njit_part()
 def _approach(point, start, end, support):
-    """Least distance of the support on the chord from the point, where that is, and a floor's
-    distance from the axis there."""
+    """Least distance of the support on the chord from the point, and where that is."""
     way, offset = _less(end, start), _less(point, start)
     first, last = _vector(support), _vector(support[3:])
     if support[6] == 1.0:
@@ -159,9 +152,8 @@ def _approach(point, start, end, support):
         s = min(max(s, 0.0), 1.0)
         beside = math.hypot(offset[0] - s * way[0], offset[1] - s * way[1])
         below = offset[2] - first[2] - s * way[2]
-        return math.hypot(max(beside - last[0], 0.0), below), s, beside
-    distance, s = _between_segments(_less(offset, first), _less(last, first), way)
-    return distance, s, 0.0
+        return math.hypot(max(beside - last[0], 0.0), below), s
+    return _between_segments(_less(offset, first), _less(last, first), way)
 
 
 @njit_part()

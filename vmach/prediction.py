@@ -18,10 +18,6 @@ from vmach.toolpath import PathStates
 
 #: a tool that passes a surface point no closer than this does not generate it
 GENERATING_MISS_MM = 0.05
-#: a floor is not made by the outermost edge of an end mill, which is never that sharp
-_RIM_MM = 0.02
-#: tips at heights that differ by less than this cut the same floor
-_LEVEL_MM = 1e-6
 
 __all__ = ["ActingEffect", "Prediction", "displaced_sweeps", "displacement_of", "predict",
            "predict_surface"]  # fmt: skip
@@ -144,19 +140,13 @@ def predict(
         blank_mm=None if job.blank is None else (job.blank.min_mm, job.blank.max_mm),
         reach_mm=job.inspection.reach_mm,
     )
-    lost = np.zeros(len(points_mm), dtype=bool)
+    overcut = np.zeros(len(points_mm), dtype=bool)
     if known_surface is not None:
-        lost = known_surface & (edges.status == EdgeStatus.GOUGED)
-    grazed = _is_grazed(edges, normals, sweeps, preparation)
-    if (lost | grazed).any():
         meant = _path_displaced(sweeps) if is_compensated else sweeps
-        edges, moved = _generated(
-            edges, lost | grazed, points_mm, normals,
+        edges, overcut = _generated(
+            edges, known_surface, points_mm, normals,
             preparation=preparation, sweeps=sweeps, meant=meant,
         )  # fmt: skip
-    else:
-        moved = lost
-    overcut = moved & lost
     cut = np.flatnonzero(edges.status == EdgeStatus.CUT)
     states = _contact_states(preparation, edges, normals)
     at_contact = sweeps.displacement_at(edges.sweep[cut], edges.parameter[cut])
@@ -164,7 +154,7 @@ def predict(
     exact = displacement_of(preparation, states, variant, effects).at(states.contact_mm)
     for effect in effects:
         exact = exact + effect.at_surface(states)
-    correction = exact - np.where(moved[cut, None], 0.0, interpolated)
+    correction = exact - np.where(overcut[cut, None], 0.0, interpolated)
     deviation = edges.deviation_mm.copy()
     deviation[cut] += np.einsum("ij,ij->i", correction, normals[cut])
     return Prediction(variant, preparation, normals, deviation, edges, overcut, tuple(effects))
@@ -198,22 +188,9 @@ def predict_surface(
     )
 
 
-def _is_grazed(
-    edges: Edges, normals: np.ndarray, sweeps: Sweeps, preparation: Preparation
-) -> np.ndarray:
-    """Floor points that only the rim of an end mill reached, (P,) bool."""
-    grazed = (edges.status == EdgeStatus.CUT) & (normals[:, 2] > 1.0 - 1e-9)
-    floor = np.flatnonzero(grazed)
-    disc_mm = np.array([tool.corners[0].r_mm for tool in preparation.cutters])
-    disc_mm = disc_mm[sweeps.tool[edges.sweep[floor]]]
-    across_mm = np.hypot(*edges.contact_mm[floor, :2].T)
-    grazed[floor] = (disc_mm > 0.0) & (across_mm > disc_mm - _RIM_MM)
-    return grazed
-
-
 def _generated(
     edges: Edges,
-    sought: np.ndarray,
+    known_surface: np.ndarray,
     points_mm: np.ndarray,
     normals: np.ndarray,
     *,
@@ -221,38 +198,37 @@ def _generated(
     sweeps: Sweeps,
     meant: Sweeps,
 ) -> tuple[Edges, np.ndarray]:
-    """Give surface points `sought` (P,) bool the place on the path that makes them.
+    """Give known surface points that were gouged away the place on the path that makes them.
 
-    These are points that were gouged away, and floors that a rim has grazed where another place
-    at the same height passes over them. The place is looked for on the path that was meant.
+    The place is looked for on the path that was meant.
 
-    Returns the edges, with deviations of the perfect path there, and which points have moved.
+    Returns the edges, with deviations of the perfect path there, and which points these are.
     """
-    rows = np.flatnonzero(sought)
+    lost = np.flatnonzero(known_surface & (edges.status == EdgeStatus.GOUGED))
+    overcut = np.zeros(len(points_mm), dtype=bool)
+    if lost.size == 0:
+        return edges, overcut
     found = find_generating(
-        points_mm[rows], normals[rows], sweeps=meant, tools=preparation.cutters
+        points_mm[lost], normals[lost], sweeps=meant, tools=preparation.cutters
     )
-    tips = sweeps.nominal_tip_at(found.sweep, found.parameter)
-    before = sweeps.nominal_tip_at(edges.sweep[rows], edges.parameter[rows])
-    is_level = np.abs(tips[:, 2] - before[:, 2]) < _LEVEL_MM
-    is_lost = edges.status[rows] == EdgeStatus.GOUGED
-    near = (found.miss_mm < GENERATING_MISS_MM) & (is_lost | is_level)
-    moved = np.zeros(len(points_mm), dtype=bool)
-    moved[rows[near]] = True
-    own = np.einsum("ij,ij->i", tips + found.contact_mm - points_mm[rows], normals[rows])
+    near = found.miss_mm < GENERATING_MISS_MM
+    rows = lost[near]
+    overcut[rows] = True
+    tips = sweeps.nominal_tip_at(found.sweep[near], found.parameter[near])
+    own = np.einsum("ij,ij->i", tips + found.contact_mm[near] - points_mm[rows], normals[rows])
 
     def filled(values: np.ndarray, new: np.ndarray | int) -> np.ndarray:
         values = values.copy()
-        values[moved] = new
+        values[rows] = new
         return values
 
     return Edges(
-        deviation_mm=filled(edges.deviation_mm, own[near]),
+        deviation_mm=filled(edges.deviation_mm, own),
         status=filled(edges.status, EdgeStatus.CUT),
         sweep=filled(edges.sweep, found.sweep[near]),
         parameter=filled(edges.parameter, found.parameter[near]),
         contact_mm=filled(edges.contact_mm, found.contact_mm[near]),
-    ), moved
+    ), overcut
 
 
 def _path_displaced(sweeps: Sweeps) -> Sweeps:

@@ -119,19 +119,3 @@ def test_alternative_program_on_the_same_machine(tmp_path):
     )
     floor = NAMES == "floor"
     assert 1e3 * prediction.deviation_mm[floor] == pytest.approx(10.0, abs=1e-6)
-
-
-@pytest.mark.parametrize("urad", [40.0, -40.0])
-def test_a_floor_is_made_by_the_pass_over_it_and_not_by_a_rim(tmp_path, urad):
-    """Points one radius from where a slot begins and ends: the plunge's rim only reaches them."""
-    job = write_job(tmp_path, squareness=f"[squareness]\nEA0Y = {urad}\n")
-    start = "G21 G90 G94\nT1 M6\nS6000 M3\nG54 G43 H1 G0 X0 Y10 Z5\n"
-    (tmp_path / "part.nc").write_text(start + "G1 Z-8 F300\nY-10 F900\nG0 Z5\nM30\n")
-    y = np.array([5.0, 1.0, -5.0])
-    rows = [f"{k},floor,0,{v},-8,0,0,1,0,{v},-8,0.5" for k, v in enumerate(y)]
-    (tmp_path / "points.csv").write_text("id,feature,x,y,z,i,j,k,mx,my,mz,u_um\n" + "\n".join(rows))
-    _, prediction = predict_points(job, tmp_path / "points.csv", variant=Variant.ABBE)
-    np.testing.assert_allclose(prediction.states.nose_mm[:, 1], ZERO[1] + y, atol=1e-6)
-    # dz = +EA0Y y of the nose
-    expected = 1e-3 * urad * (ZERO[1] + y)
-    np.testing.assert_allclose(1e3 * prediction.deviation_mm, expected, atol=1e-3)
