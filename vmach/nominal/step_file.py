@@ -57,14 +57,20 @@ class StepEntity:
 class StepFile:
     """A STEP file whose entities are parsed when they are asked for.
 
+    Parameters
+    ----------
+    path : Path
+    unit_mm : float, optional
+        The unit of length, where the file names none.
+
     Raises
     ------
     InputError
         The file cannot be read, is no STEP file, is cut short or numbers an entity twice.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, unit_mm: float | None = None) -> None:
+        self.path, self.unit_mm = path, unit_mm
         self._text = _read_text(path)
         self._spans: dict[int, tuple[int, int]] = {}
         self._entities: dict[int, StepEntity] = {}
