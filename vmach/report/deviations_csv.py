@@ -10,6 +10,7 @@ import numpy as np
 from vmach.atomic import atomic_file
 from vmach.errors import InputError
 from vmach.report.result import Column, InspectedPoints
+from vmach.text_file import read_text
 from vmach.units import mm_from_um, um_from_mm
 
 __all__ = ["read_deviations_csv", "write_deviations_csv"]
@@ -64,10 +65,12 @@ def read_deviations_csv(path: str | Path) -> InspectedPoints:
         The file is missing, empty, or lacks a column, or a cell is not a number.
     """
     path = Path(path)
-    if not path.is_file():
+    if not path.exists():
         raise InputError("no such file", file=path, hint="vmach run writes it")
-    with path.open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
+    try:
+        rows = list(csv.DictReader(read_text(path, what="table of deviations").splitlines()))
+    except csv.Error as error:
+        raise InputError(str(error), file=path, accepted="what vmach run wrote") from None
     names = [
         n.removesuffix(_DEVIATION) for n in (rows[0] if rows else ()) if n.endswith(_DEVIATION)
     ]
