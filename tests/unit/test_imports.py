@@ -22,7 +22,7 @@ LAYERS = [
         "terminal",
         "text_file",
     },
-    {"toml_file", "points", "path_geometry", "alignment", "nominal"},
+    {"csv_table", "toml_file", "points", "path_geometry", "alignment", "nominal"},
     {"machine", "accuracy", "iso230"},
     {"job_schema", "job", "tool_doubts", "toolpath"},
     {"sweeping", "preparation", "effects"},
