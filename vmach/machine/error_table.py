@@ -25,7 +25,7 @@ import numpy as np
 
 from vmach.errors import InputError
 from vmach.machine.runs import Runs
-from vmach.text_file import column_hint, read_text
+from vmach.text_file import column_hint, decimal_number, read_text
 
 __all__ = ["MM_PER", "RAD_PER", "ErrorTable", "read_error_table"]
 
@@ -173,10 +173,7 @@ class _Header:
 
 def _numbers(cells: list[str], header: _Header, path: Path, line: int) -> np.ndarray:
     """One row in mm or rad; NaN for an empty cell."""
-    try:
-        numbers = np.array([float(cell) if cell else math.nan for cell in cells])
-    except ValueError:
-        numbers = np.array([math.inf])
+    numbers = np.array([decimal_number(cell) for cell in cells])
     given = [k for k, cell in enumerate(cells) if cell]
     keys = [header.position] if header.approach is None else [header.position, header.approach]
     if len(numbers) != len(header.names) or not np.isfinite(numbers[given]).all():
