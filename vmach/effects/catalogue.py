@@ -33,6 +33,7 @@ from vmach.effects import (
     workpiece_temperature,
     workpiece_warming,
 )
+from vmach.effects.declaration import check_declaration
 from vmach.effects.effect import Effect
 from vmach.errors import InputError
 
@@ -108,6 +109,7 @@ def _installed() -> dict[str, Effect]:
     for entry in entry_points(group=ENTRY_POINT):
         try:
             kind = entry.load()
+            check_declaration(kind)
             effects[kind.name] = kind()
         except Exception as error:
             raise InputError(

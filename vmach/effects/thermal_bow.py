@@ -1,6 +1,5 @@
 """Thermal bow: a bed, table or beam bends because one side of it is warm."""
 
-
 from vmach.effects.effect import along, linear
 from vmach.effects.gravity_sag import from_middle
 from vmach.effects.warm_by_time import OfWarmthByTime
