@@ -3,7 +3,9 @@
 import re
 
 import pytest
+from typer.testing import CliRunner
 
+from vmach.cli import app
 from vmach.effects import catalogue, load_effect_file
 from vmach.errors import InputError
 
@@ -105,3 +107,22 @@ def test_every_effect_of_the_catalogue_says_what_it_has_to():
 
     for effect in catalogue().values():
         check_declaration(type(effect))
+
+
+def test_the_command_says_what_an_effect_looks_like(tmp_path):
+    """A rise along X is a squareness of X, or a straightness; a bend over Y is neither."""
+    slope = written(tmp_path, (', linear("b_um", "size", usual=10.0)', ","), (", b_um", ""),
+                    ("a_um * x + b_um * y", "a_um * x"))  # fmt: skip
+    found = CliRunner().invoke(app, ["effects", "check", str(slope)])
+    assert found.exit_code == 0, found.output
+    assert "a_um: size; amplitude, usual 10" in found.stdout
+    assert "hardly told from squareness B0X: it leaves 0% of twist" in found.stdout
+    assert "note: 'source' is empty" in found.stdout and "no unit" not in found.stdout
+
+
+def test_a_factor_that_is_missing_is_asked_about(tmp_path):
+    with pytest.raises(InputError, match=r"at its usual size it moves the tool by .* 1 um is 1e-3"):
+        load_effect_file(written(tmp_path, ("1e-6 *", "1e-3 *")))
+    little = written(tmp_path, ("1e-6 *", "1e-12 *"))
+    found = CliRunner().invoke(app, ["effects", "check", str(little)])
+    assert "it moves nothing on the trial part" in found.stdout

@@ -18,7 +18,13 @@ from typing import Any
 from vmach.effects.effect import Effect, Parameter
 from vmach.errors import InputError
 
-__all__ = ["check_declaration"]
+__all__ = ["check_declaration", "has_unit"]
+
+#: units that end the names of parameters, perhaps followed by what they are counted per
+_UNIT = re.compile(
+    r"(?:^|_)(?:nm|um|mm|m|urad|mrad|rad|deg|ppm|percent|share|exponent|ms2|ms|s|min|h|K|degC|N|W|kg|"
+    r"rpm|Hz)(?:_per_\w+)?$"
+)
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 #: attributes that say yes or no; words; numbers
@@ -182,6 +188,11 @@ class _Declaration:
         if value is None:
             raise self.error(f"'{name}' is missing", accepted=accepted)
         return value
+
+
+def has_unit(name: str) -> bool:
+    """Whether the name of a parameter ends in a unit: ``rise_um_per_m``."""
+    return _UNIT.search(name) is not None
 
 
 def _is_target(target: object) -> bool:

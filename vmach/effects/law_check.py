@@ -11,8 +11,10 @@ from vmach.effects.circumstances import Circumstances
 from vmach.effects.effect import Effect, at_contact, label_of
 from vmach.errors import InputError
 
-__all__ = ["check_law"]
+__all__ = ["check_law", "largest_displacement_mm"]
 
+#: no effect moves the tool as far at its usual size (mm)
+_TOO_FAR_MM = 1.0
 #: times the usual size at which a law is tried; a fit goes up to 30
 _TRIED = (2.0, 30.0, -1.0)
 #: what rounding may leave of a proportion, as a share of the largest displacement; and in mm
@@ -62,6 +64,12 @@ class _Trial:
         effect = self.effect
         columns = effect.columns(self.path, self.target, self.inner)
         largest = float(np.abs(columns).max(initial=0.0))
+        if largest > _TOO_FAR_MM:
+            raise self._error(
+                f"at its usual size it moves the tool by {largest:.3g} mm",
+                f"displacements in mm, up to {_TOO_FAR_MM:g} mm",
+                hint="is a factor missing? 1 um is 1e-3 mm",
+            )
         self._check_zero(largest)
         for k in range(columns.shape[2]):
             for factor in _TRIED:
@@ -121,3 +129,14 @@ class _Trial:
             accepted=accepted,
             hint=hint,
         )
+
+
+def largest_displacement_mm(effect: Effect, path: Circumstances) -> float:
+    """How far the usual size of any amplitude of an effect moves the tool at most, mm."""
+    largest = 0.0
+    for target in effect.possible_targets(path.job):
+        if effect.not_testable(path, target) is None:
+            inner = next(iter(effect.inner_grid(path, target)), {})
+            columns = effect.columns(path, target, inner)
+            largest = max(largest, float(np.abs(columns).max(initial=0.0)))
+    return largest
