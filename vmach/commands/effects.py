@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vmach.progress import progress_bar
+from vmach.base.progress import progress_bar
 
 if TYPE_CHECKING:
     from vmach.effects import Effect, Parameter
@@ -57,12 +57,12 @@ def check(
     ] = None,
 ) -> None:
     """Check an effect of your own: what it says, its law, and what it looks like."""
-    from vmach.diagnosis.job_survey import survey_job
+    from vmach.base.units import um_from_mm
+    from vmach.diagnosis.residuals.job_survey import survey_job
     from vmach.effects import load_effect_file
     from vmach.effects.law_check import largest_displacement_mm
     from vmach.effects.trial_path import trial_path
     from vmach.fit.alike import alike_effects, trial_survey
-    from vmach.units import um_from_mm
 
     with progress_bar() as progress:
         progress("check", 0, 1)

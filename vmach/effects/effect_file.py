@@ -10,14 +10,14 @@ from pathlib import Path
 import numpy as np
 
 from vmach.effects.catalogue import add_effect, catalogue
-from vmach.effects.circumstances import Circumstances
 from vmach.effects.declaration import check_declaration
 from vmach.effects.effect import Displaced, Effect
 from vmach.effects.law_check import check_law
 from vmach.effects.trial_path import trial_path
 from vmach.errors import InputError
+from vmach.files.text_file import read_text
 from vmach.machine import RigidDisplacement
-from vmach.text_file import read_text
+from vmach.path.circumstances import Circumstances
 
 __all__ = ["load_effect_file"]
 

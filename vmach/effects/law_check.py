@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from vmach.effects.circumstances import Circumstances
 from vmach.effects.effect import Effect, at_contact, label_of
 from vmach.errors import InputError
+from vmach.path.circumstances import Circumstances
 
 __all__ = ["check_law", "largest_displacement_mm"]
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from vmach.effects.circumstances import Circumstances
 from vmach.job import read_job
-from vmach.toolpath import PathStates
+from vmach.path.circumstances import Circumstances
+from vmach.path.toolpath import PathStates
 
 __all__ = ["trial_path"]
 
@@ -22,7 +22,7 @@ def trial_path() -> Circumstances:
 
     Walls stand to the left of the motion; where there is none across Z, a floor is cut.
     """
-    from vmach.preparation import prepare  # late: it loads the control
+    from vmach.path.preparation import prepare  # late: it loads the control
 
     job = read_job(_JOB)
     nodes = prepare(job).path.nodes

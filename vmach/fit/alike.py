@@ -12,7 +12,7 @@ from vmach.fit.candidates import Candidate, gather_candidates
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import orthonormal
 from vmach.measurements import Measurement
-from vmach.toolpath import PathStates
+from vmach.path.toolpath import PathStates
 
 __all__ = ["Alike", "alike_effects", "trial_survey"]
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from vmach.base.units import mm_from_um
 from vmach.errors import InputError
 from vmach.measurements.columns import Columns
-from vmach.units import mm_from_um
 
 __all__ = [
     "check_readings",
