@@ -46,8 +46,7 @@ from vmach.measurements.plausibility.otherwise import (
     is_doubtful,
     otherwise_notes,
 )
-from vmach.measurements.plausibility.unit_check import check_unit
-from vmach.measurements.reading_check import (
+from vmach.measurements.plausibility.reading_check import (
     check_readings,
     check_signs,
     check_spindle,
@@ -55,6 +54,7 @@ from vmach.measurements.reading_check import (
     repeat_notes,
     still_notes,
 )
+from vmach.measurements.plausibility.unit_check import check_unit
 from vmach.measurements.test_motion import stop_and_go
 from vmach.path.toolpath import PathStates
 from vmach.prediction import ActingEffect
