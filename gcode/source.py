@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from gcode.errors import ProgramError
+from gcode.regular_file import read_regular_file
 
 __all__ = ["Source", "Word"]
 
@@ -28,6 +29,10 @@ _TOKEN = re.compile(
     r"|(?P<other>.)",
     re.DOTALL,
 )
+
+
+#: no length has so many digits; from 309 on a number is infinite, from 4,301 on Python refuses it
+_LONG_NUMBER = re.compile(rb"\d{100,}")
 
 
 @dataclass(frozen=True)
@@ -74,8 +79,8 @@ class Source:
 
     @classmethod
     def read(cls, path: str | Path) -> Source:
-        """Read a file from disk; raises ProgramError if it is no text."""
-        data = Path(path).read_bytes()
+        """Read a file from disk; raises ProgramError if it is no text or absurd."""
+        data = read_regular_file(path)
         if b"\0" in data:
             line = data[: data.index(b"\0")].count(b"\n") + 1
             raise ProgramError(
@@ -83,6 +88,14 @@ class Source:
                 file=path,
                 line=line,
                 accepted="a text in ASCII, Latin-1 or UTF-8",
+            )
+        long = _LONG_NUMBER.search(data)
+        if long:
+            raise ProgramError(
+                f"a number of {len(long[0])} digits",
+                file=path,
+                line=data[: long.start()].count(b"\n") + 1,
+                accepted="fewer than 100 digits",
             )
         return cls(data, path)
 

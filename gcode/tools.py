@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from gcode.errors import ProgramError
+from gcode.regular_file import read_regular_file
 
 __all__ = ["OffsetEntry", "ToolEntry", "offset_memory", "read_tool_table"]
 
@@ -115,7 +116,7 @@ def read_tool_table(path: str | Path, *, unit_mm: float = 1.0) -> dict[int, Tool
         For a row without T, or with two rows for one tool.
     """
     tools: dict[int, ToolEntry] = {}
-    text = Path(path).read_text(encoding="utf-8", errors="replace")
+    text = read_regular_file(path).decode("utf-8", errors="replace")
     for number, line in enumerate(text.splitlines(), 1):
         content = line.split(";")[0].strip()
         if not content:

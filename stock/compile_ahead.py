@@ -14,6 +14,7 @@ import time
 
 import numpy as np
 
+from stock.child_process import isolated_python
 from stock.compiled import read_only
 from stock.meeting import Cut
 from stock.motion import Motion
@@ -34,7 +35,7 @@ def compile_ahead() -> None:
         return
     silent = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
     with contextlib.suppress(OSError):  # what it would have compiled is compiled here
-        _begun.append(subprocess.Popen([sys.executable, "-m", "stock.compile_ahead"], **silent))
+        _begun.append(subprocess.Popen(isolated_python("stock.compile_ahead"), **silent))
 
 
 def await_compiled() -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import io
 import os
+import signal
 import sys
 import traceback
 from pathlib import Path
+
+from vmach.terminal import protect_terminal
 
 __all__ = ["main"]
 
@@ -17,9 +19,10 @@ def main() -> None:
     Exit status 130 after Ctrl-C, 70 after a fault of the program itself; with
     ``VMACH_TRACEBACK=1`` in the environment such a fault shows where it comes from.
     """
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # terminals without the sign for plus or minus
+    if hasattr(signal, "SIGPIPE") and sys.stdout is sys.__stdout__:  # not called by a program
+        # `vmach predict ... | head` ends as other tools do when the reader has seen enough
+        signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    protect_terminal()
     try:
         from vmach.cli import main as command_line  # so that Ctrl-C while it loads counts too
 

@@ -28,12 +28,15 @@ from vmach.kernel_cache import (
 
 __all__ = ["app", "main"]
 
+_LONGEST_MESSAGE = 2000
+
 app = typer.Typer(
     name="vmach",
     help="Predict the part that a real machine makes from an NC program.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # plain text: nothing of a command line is read as markup
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
@@ -70,11 +73,8 @@ def main() -> None:
     collect_less_often()
     try:
         app()
-    except BrokenPipeError:  # the reader of a pipe has seen enough
-        sys.stderr.close()
-        sys.exit(0)
     except OSError as error:
-        _complain(f"{error.filename or 'file'}: {error.strerror}")
+        _complain(f"{error.filename or 'standard output'}: {error.strerror}")
     except VmachError as error:
         _complain(error)
     except ValueError as error:
@@ -84,7 +84,11 @@ def main() -> None:
 
 
 def _complain(what: object) -> None:
-    print(f"vmach: {what}", file=sys.stderr)
+    text = str(what)
+    if len(text) > _LONGEST_MESSAGE:  # it quotes a cell or a line without an end
+        half = _LONGEST_MESSAGE // 2
+        text = f"{text[:half]} [...] {text[-half:]}"
+    print(f"vmach: {text}", file=sys.stderr)
     sys.exit(1)
 
 

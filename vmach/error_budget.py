@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from vmach.csv_table import fixed, rounded, whole, words, write_csv
 from vmach.machine.displacement import contributions
 from vmach.prediction import ActingEffect, Prediction
 from vmach.toolpath import PathStates
@@ -18,8 +18,6 @@ __all__ = ["PROGRAM", "ErrorBudget", "error_budget", "write_budget_csv"]
 
 #: the share that a perfect machine would leave too: cusps, rounding of the program
 PROGRAM = "program"
-#: rows of a file written at a time
-_ROWS = 10_000
 
 
 @dataclass(frozen=True)
@@ -82,22 +80,18 @@ def write_budget_csv(path: Path, ids: np.ndarray, states: PathStates, budget: Er
     Columns: id; line and tool; X, Y, Z of the spindle nose in machine coordinates; the sign of
     the last motion of each axis; feed; time; one column a source.
     """
-    header = "id line tool X_mm Y_mm Z_mm direction_X direction_Y direction_Z feed_mm_min time_s"
-    made = (
-        ids,
-        states.line,
-        states.tool,
-        *states.nose_mm.round(6).T,
-        *states.direction.astype(int).T,
-        states.feed_mm_per_min.round(3),
-        states.time_s.round(3),
-    )
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([*header.split(), *(f"{source}_um" for source in budget.sources)])
-        for begin in range(0, len(ids), _ROWS):  # as text, all rows would fill the memory
-            rows = slice(begin, begin + _ROWS)
-            columns = [values[rows].tolist() for values in made]
-            shares_um = um_from_mm(budget.share_mm[rows]).T.tolist()
-            columns += [[f"{value:.4f}" for value in share] for share in shares_um]
-            writer.writerows(zip(*columns, strict=True))
+    axes = "XYZ"
+    columns = {
+        "id": words(ids),
+        "line": whole(states.line),
+        "tool": whole(states.tool),
+        **{f"{axis}_mm": rounded(q, 6) for axis, q in zip(axes, states.nose_mm.T, strict=True)},
+        **{f"direction_{axis}": whole(sign)
+           for axis, sign in zip(axes, states.direction.T, strict=True)},
+        "feed_mm_min": rounded(states.feed_mm_per_min, 3),
+        "time_s": rounded(states.time_s, 3),
+        **{f"{source}_um": fixed(um_from_mm(share), 4)
+           for source, share in zip(budget.sources, budget.share_mm.T, strict=True)},
+    }  # fmt: skip
+    with path.open("wb") as file:
+        write_csv(file, columns)

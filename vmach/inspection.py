@@ -22,6 +22,7 @@ from vmach.units import um_from_mm, urad_from_rad
 __all__ = [
     "LABELS",
     "check_nominal_in_blank",
+    "check_some_cut",
     "inspected_points",
     "remainder_mm",
     "surface_points",
@@ -35,6 +36,13 @@ LABELS = {
 }
 #: how far the nominal part may stand out of the blank
 _BLANK_SLACK_MM = 0.05
+
+#: a part that is smaller than its blank by this factor in X, Y and Z alike is in another unit:
+#: 10 would be centimetres, 25.4 inches, 1000 metres
+_UNIT_DOUBT = 9.5
+
+#: share of the blank's volume that rounding may add to a part that fills it
+_VOLUME_SLACK = 1e-3
 
 
 def surface_points(
@@ -57,27 +65,91 @@ def surface_points(
         )
     check_nominal_in_blank(job, nominal)
     settings = job.inspection
-    return nominal.sample(settings.spacing_mm, edge_margin_mm=settings.edge_margin_mm)
+    points = nominal.sample(settings.spacing_mm, edge_margin_mm=settings.edge_margin_mm)
+    if not len(points):
+        raise InputError(
+            f"no face of the nominal part has room for a point: it measures "
+            f"{_size(nominal.bounds_mm)} mm, and points keep {settings.edge_margin_mm:g} mm from "
+            "edges",
+            file=job.nominal,
+            accepted="faces wider than twice [inspection] edge_margin_mm",
+            hint=_UNIT_HINT,
+        )
+    return points
+
+
+_UNIT_HINT = 'is the CAD in mm? otherwise nominal_unit = "inch", "m" or "cm" in the job'
+
+
+def check_some_cut(job: Job, points: SurfacePoints, prediction: Prediction) -> None:
+    """Refuse a report about nothing: no tool comes near any of the points."""
+    if prediction.is_cut.any():
+        return
+    low, high = points.point_mm.min(axis=0), points.point_mm.max(axis=0)
+    raise InputError(
+        f"the program cuts none of the {len(points)} points to inspect; they span "
+        f"{_box(low, high)} mm",
+        file=job.measured if points.measured_mm is not None else job.nominal,
+        accepted="points on surfaces that the program cuts",
+        hint="are workpiece zero, work offsets and tool lengths right, and is the CAD in mm?",
+    )
 
 
 def check_nominal_in_blank(job: Job, nominal: NominalPart) -> None:
     """Refuse a nominal part that could not have come out of the blank."""
     if job.blank is None:
         return
+    _check_unit(job, nominal)
+    _check_volume(job, nominal)
     low, high = nominal.bounds_mm
     outside = max((job.blank.min_mm - low).max(), (high - job.blank.max_mm).max())
     if outside > _BLANK_SLACK_MM:
-
-        def box(a: np.ndarray, b: np.ndarray) -> str:
-            return " x ".join(f"{x:g}..{y:g}" for x, y in zip(a, b, strict=True))
-
         raise InputError(
-            f"the nominal part spans {box(low, high)} mm and stands {outside:.3g} mm out of "
+            f"the nominal part spans {_box(low, high)} mm and stands {outside:.3g} mm out of "
             "the stock",
             file=job.nominal,
-            accepted=f"inside {box(job.blank.min_mm, job.blank.max_mm)} mm ([stock])",
+            accepted=f"inside {_box(job.blank.min_mm, job.blank.max_mm)} mm ([stock])",
             hint="is the CAD in workpiece coordinates, in mm?",
         )
+
+
+def _check_unit(job: Job, nominal: NominalPart) -> None:
+    """Ask for the unit where a part is far smaller than its blank in all three directions."""
+    size = np.ptp(nominal.bounds_mm, axis=0)
+    times = ((job.blank.max_mm - job.blank.min_mm) / np.maximum(size, 1e-12)).min()
+    if job.nominal_unit is None and times >= _UNIT_DOUBT:
+        raise InputError(
+            f"the nominal part measures {_size(nominal.bounds_mm)} mm, the stock at least "
+            f"{times:.4g} times as much in every direction",
+            file=job.nominal,
+            accepted=f"less than {_UNIT_DOUBT:g} times, or the unit said in the job",
+            hint='nominal_unit = "inch", "m" or "cm" in the job; "mm" if it is right',
+        )
+
+
+def _check_volume(job: Job, nominal: NominalPart) -> None:
+    """Refuse a part with more material than its blank."""
+    part_mm3, blank_mm3 = nominal.mesh.volume_mm3, job.blank.volume_mm3
+    if part_mm3 > (1.0 + _VOLUME_SLACK) * blank_mm3 and _fits(job, nominal):
+        raise InputError(
+            f"the nominal part has {part_mm3:.6g} mm3, the stock that it lies in {blank_mm3:.6g}",
+            file=job.nominal,
+            accepted="no more material than the stock has",
+            hint="do bodies of the CAD lie in each other?",
+        )
+
+
+def _fits(job: Job, nominal: NominalPart) -> bool:
+    low, high = nominal.bounds_mm
+    return bool((low >= job.blank.min_mm).all() and (high <= job.blank.max_mm).all())
+
+
+def _box(low: np.ndarray, high: np.ndarray) -> str:
+    return " x ".join(f"{x:g}..{y:g}" for x, y in zip(low, high, strict=True))
+
+
+def _size(bounds_mm: np.ndarray) -> str:
+    return " x ".join(f"{x:.4g}" for x in np.ptp(bounds_mm, axis=0))
 
 
 def inspected_points(

@@ -58,6 +58,12 @@ class Blank:
         """The blank as the removal engine takes it: two corners, or a mesh."""
         return (self.min_mm, self.max_mm) if self.mesh is None else self.mesh
 
+    @property
+    def volume_mm3(self) -> float:
+        """How much material there is."""
+        box = np.prod(self.max_mm - self.min_mm)
+        return float(box if self.mesh is None else self.mesh.volume)
+
 
 @dataclass(frozen=True)
 class JobTool:
@@ -112,6 +118,8 @@ class Job:
     dialect : str
         Of the program; "auto" to recognise it.
     nominal, measured : Path or None
+    nominal_unit : str or None
+        Unit of nominal CAD that does not say its own: um, mm, cm, m or inch.
     workpiece_zero : str or None
         The work offset that is the origin of the nominal CAD; None for the one in use.
     touched_off : bool
@@ -135,6 +143,7 @@ class Job:
     dialect: str
     nominal: Path | None
     measured: Path | None
+    nominal_unit: str | None
     workpiece_zero: str | None
     touched_off: bool
     work_offsets_mm: Mapping[str, np.ndarray]
@@ -215,6 +224,7 @@ def read_job(path: str | Path) -> Job:
         dialect=data.dialect,
         nominal=existing("nominal", data.nominal),
         measured=existing("measured", data.measured),
+        nominal_unit=data.nominal_unit,
         workpiece_zero=data.workpiece_zero,
         touched_off=data.tool_offsets == "touched off",
         work_offsets_mm={k: np.array(v) for k, v in data.work_offsets_mm.items()},
@@ -236,7 +246,7 @@ def _blank(data: JobSchema, path: Path, at: Any) -> Blank | None:
     if stock.file is not None:
         if stock.min_mm or stock.max_mm:
             raise InputError("[stock] has both a file and a box", **at("stock"), accepted="one")
-        return _blank_from_file(path.parent / stock.file, at("stock", "file"))
+        return _blank_from_file(path.parent / stock.file, stock.unit, at("stock", "file"))
     if stock.min_mm is None or stock.max_mm is None:
         raise InputError(
             "[stock] is incomplete", **at("stock"), accepted="min_mm and max_mm, or file"
@@ -251,14 +261,14 @@ def _blank(data: JobSchema, path: Path, at: Any) -> Blank | None:
     return Blank(low, high)
 
 
-def _blank_from_file(file: Path, where: dict[str, Any]) -> Blank:
+def _blank_from_file(file: Path, unit: str | None, where: dict[str, Any]) -> Blank:
     import trimesh  # late: it takes half a second, and only solids need it
 
     from vmach.nominal import read_nominal
 
     if not file.is_file():
         raise InputError(f"file = '{file.name}': no such file", **where)
-    part = read_nominal(file)
+    part = read_nominal(file, unit)
     low, high = part.bounds_mm
     mesh = trimesh.Trimesh(part.mesh.vertices_mm, part.mesh.triangles, process=False)
     return Blank(low, high, file, mesh)

@@ -37,12 +37,17 @@ def _known_dialect(name: str) -> str:
         raise ValueError(f"accepted: auto, {', '.join(DIALECTS)}") from None
 
 
+#: units of length that CAD without a unit of its own can be told
+LengthUnit = Literal["um", "mm", "cm", "m", "inch"]
+
+
 class StockEntry(FileSection):
     """[stock]: a box, or a solid in a file."""
 
     min_mm: Point | None = None
     max_mm: Point | None = None
     file: str | None = None
+    unit: LengthUnit | None = None
 
 
 class ToolEntry(FileSection):
@@ -106,6 +111,7 @@ class JobSchema(FileSection):
     program: str
     dialect: Annotated[str, AfterValidator(_known_dialect)] = "auto"
     nominal: str | None = None
+    nominal_unit: LengthUnit | None = None
     measured: str | None = None
     workpiece_zero: str | None = None
     tool_offsets: Literal["program", "touched off"] = "program"

@@ -27,12 +27,15 @@ _LOT = 100_000
 def find_room_for_kernels() -> None:
     """Give numba a folder where it finds none of its own, as on a read-only system.
 
-    Without one it refuses to work. Call it before numba is loaded.
+    Without one it refuses to work. Call it before numba is loaded. What lies in the folder is run:
+    so it is always named here, if only by an empty name (numba's own choice). Else numba would take
+    it from a file of settings in the current folder.
     """
     beside = Path(__file__).parent / "__pycache__"
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    if "NUMBA_CACHE_DIR" not in os.environ and not (_has_room(beside) or _has_room(cache)):
-        os.environ["NUMBA_CACHE_DIR"] = str(_temporary_folder())
+    if "NUMBA_CACHE_DIR" not in os.environ:
+        has_room = _has_room(beside) or _has_room(cache)
+        os.environ["NUMBA_CACHE_DIR"] = "" if has_room else str(_temporary_folder())
 
 
 def _has_room(folder: Path) -> bool:

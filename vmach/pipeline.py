@@ -18,7 +18,7 @@ from vmach.collisions import collision_notes, job_collisions
 from vmach.effects import read_effects
 from vmach.error_budget import ErrorBudget, error_budget
 from vmach.errors import InputError
-from vmach.inspection import inspected_points, surface_points, with_causes
+from vmach.inspection import check_some_cut, inspected_points, surface_points, with_causes
 from vmach.job import Job, read_job
 from vmach.machine import Variant
 from vmach.machine.audit import audit
@@ -105,7 +105,7 @@ def machine_part(
         blank = _blank_of(job)
         effects = read_effects(job.effects, file=job.path, job=job)
         preparation = prepare(job)
-        nominal = read_nominal(job.nominal) if job.nominal else None
+        nominal = read_nominal(job.nominal, job.nominal_unit) if job.nominal else None
         points = surface_points(job, nominal, prefer_measured=prefer_measured)
         if points.measured_mm is not None:
             check_file(points, job.measured)
@@ -118,6 +118,7 @@ def machine_part(
                 predict_surface(preparation, points, variant, effects, sweeps=sweeps[variant])
             )
             step(len(predictions), len(variants))
+        check_some_cut(job, points, predictions[-1])
         if points.measured_mm is not None:
             count = int(predictions[-1].is_cut.sum())
             check_cut(preparation, points, count, path=job.measured)

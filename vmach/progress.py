@@ -6,11 +6,11 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from vmach.stage_clock import Progress as Report
 from vmach.stage_clock import silent
+from vmach.terminal import console
 
 __all__ = ["progress_bar"]
 
@@ -24,12 +24,12 @@ def progress_bar() -> Iterator[Report]:
 
     The bar of a stage that begins with 0 of 1 runs to and fro until it is done or the next begins.
     """
-    console = Console(stderr=True)
-    if not console.is_terminal:
+    screen = console(stderr=True)
+    if not screen.is_terminal:
         yield silent
         return
     columns = TextColumn("{task.description:>9}"), BarColumn(), TimeElapsedColumn()
-    bar = Progress(*columns, console=console, transient=True)
+    bar = Progress(*columns, console=screen, transient=True)
     tasks: dict[str, int] = {}
 
     def report(stage: str, done: int, total: int) -> None:

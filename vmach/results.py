@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
+import io
 import platform
-from collections.abc import Iterator
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -15,6 +14,7 @@ import numpy as np
 
 from stock import write_part
 from vmach.atomic import atomic_file, atomic_folder
+from vmach.csv_table import Cells, fixed, whole, words, write_csv
 from vmach.error_budget import write_budget_csv
 from vmach.inspection import remainder_mm
 from vmach.job import job_name
@@ -40,7 +40,7 @@ __all__ = [
     "REMAINDER_FILE",
     "RESULT_FILES",
     "default_folder",
-    "prediction_rows",
+    "prediction_columns",
     "prediction_summary",
     "run_record",
     "write_coloured_part",
@@ -158,42 +158,37 @@ def default_folder(job_path: Path) -> Path:
     return Path("vmach-results") / job_name(Path(job_path))
 
 
-PREDICTION_COLUMNS = ("id", "deviation_um", "u_um", "line", "tool", "time_s", "status")
+def prediction_columns(points: SurfacePoints, prediction: Prediction) -> dict[str, Cells]:
+    """Columns of a prediction's table, a row a point; empty where no tool made the surface."""
+    cut, states = prediction.is_cut, prediction.states
 
+    def spread(values: np.ndarray) -> np.ndarray:
+        full = np.zeros(len(points), values.dtype)
+        full[cut] = values
+        return full
 
-def prediction_rows(points: SurfacePoints, prediction: Prediction) -> Iterator[list[str]]:
-    """Rows of `PREDICTION_COLUMNS`, one a point; empty cells where no tool made the surface."""
-    states, deviation_um = prediction.states, um_from_mm(prediction.deviation_mm)
-    u_um = um_from_mm(prediction_u_mm(prediction))
-    place = np.cumsum(prediction.is_cut) - 1
-    for k, name in enumerate(points.id):
-        status = STATUSES[prediction.edges.status[k]]
-        if not prediction.is_cut[k]:
-            yield [name, "", "", "", "", "", status]
-            continue
-        c = place[k]
-        yield [
-            name,
-            f"{deviation_um[k]:.6f}",
-            f"{u_um[c]:.4f}",
-            f"{states.line[c]}",
-            f"{states.tool[c]}",
-            f"{states.time_s[c]:.3f}",
-            status,
-        ]
+    return {
+        "id": words(points.id),
+        "deviation_um": fixed(um_from_mm(prediction.deviation_mm), 6, shown=cut),
+        "u_um": fixed(spread(um_from_mm(prediction_u_mm(prediction))), 4, shown=cut),
+        "line": whole(spread(states.line), shown=cut),
+        "tool": whole(spread(states.tool), shown=cut),
+        "time_s": fixed(spread(states.time_s), 3, shown=cut),
+        "status": words(STATUSES, prediction.edges.status),
+    }
 
 
 def write_prediction_csv(path: Path, points: SurfacePoints, prediction: Prediction) -> None:
-    """Write `prediction_rows` under their heading, the whole file or nothing."""
-    with atomic_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        write_prediction(file, points, prediction)
+    """Write `prediction_columns` to a file, the whole file or nothing."""
+    with atomic_file(path) as temporary, temporary.open("wb") as file:
+        write_csv(file, prediction_columns(points, prediction))
 
 
 def write_prediction(file: TextIO, points: SurfacePoints, prediction: Prediction) -> None:
-    """Write `prediction_rows` under their heading to an open file."""
-    writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(PREDICTION_COLUMNS)
-    writer.writerows(prediction_rows(points, prediction))
+    """Write `prediction_columns` to an open text file, such as the terminal."""
+    text = io.BytesIO()
+    write_csv(text, prediction_columns(points, prediction))
+    file.write(text.getvalue().decode())
 
 
 def prediction_summary(points: SurfacePoints, prediction: Prediction) -> dict:

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import csv
+import stat
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from vmach.errors import InputError
 
-__all__ = ["column_hint", "read_text"]
+__all__ = ["column_hint", "csv_rows", "read_bytes", "read_text"]
+
+#: of a file that is read whole: ten million rows of points have about as many bytes
+_LARGEST_BYTES = 2**30
 
 
-def read_text(path: Path, *, what: str) -> str:
+def read_text(path: Path, *, what: str, largest_bytes: int = _LARGEST_BYTES) -> str:
     """Text of a file, line ends as ``\\n``, without a byte order mark.
 
     Parameters
@@ -18,22 +23,81 @@ def read_text(path: Path, *, what: str) -> str:
     path : Path
     what : str
         What the file is, for messages: "job file", "error table".
+    largest_bytes : int
+        Size that is still read.
 
     Raises
     ------
     InputError
-        No such file, a folder, not readable, not UTF-8 (with the line).
+        As `read_bytes`; or not UTF-8 (with the line).
     """
     try:
-        return path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(f"{what} not found", file=path) from None
-    except IsADirectoryError:
-        raise InputError(f"{what} is a folder, not a file", file=path) from None
+        text = read_bytes(path, what=what, largest_bytes=largest_bytes).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise _not_utf8(path, what, error) from None
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def read_bytes(path: Path, *, what: str, largest_bytes: int = _LARGEST_BYTES) -> bytes:
+    """Content of a file. A device or a pipe, which may never end, is not opened.
+
+    Parameters
+    ----------
+    path : Path
+    what : str
+        What the file is, for messages.
+    largest_bytes : int
+        Size that is still read.
+
+    Raises
+    ------
+    InputError
+        No such file, a folder, a device, not readable, too large.
+    """
+    try:
+        mode = path.stat().st_mode
+        if stat.S_ISDIR(mode):
+            raise InputError(f"{what} is a folder, not a file", file=path)
+        if not stat.S_ISREG(mode):
+            raise InputError(
+                f"{what} is a device or a pipe, not a file",
+                file=path,
+                hint="save its content as a file first",
+            )
+        with path.open("rb") as file:
+            content = file.read(largest_bytes + 1)
+    except FileNotFoundError:
+        raise InputError(f"{what} not found", file=path) from None
     except OSError as error:
         raise InputError(f"{what} cannot be read: {error.strerror}", file=path) from None
+    except InputError:
+        raise
+    except ValueError:  # what the system says to a zero byte
+        raise InputError(f"{what} has a zero byte in its name", file=path) from None
+    if len(content) > largest_bytes:
+        accepted = f"at most {largest_bytes / 2**20:g} MiB"
+        raise InputError(f"{what} is too large", file=path, accepted=accepted)
+    return content
+
+
+def csv_rows(lines: Iterable[str], path: Path) -> Iterator[list[str]]:
+    """Rows of a CSV file, as `csv.reader` gives them.
+
+    Raises
+    ------
+    InputError
+        A cell of more than 131,072 characters; with the line.
+    """
+    reader = csv.reader(lines)
+    try:
+        yield from reader
+    except csv.Error as error:
+        raise InputError(
+            f"no row of a CSV file: {error}",
+            file=path,
+            line=reader.line_num,
+            hint="look for a quotation mark without its partner",
+        ) from None
 
 
 def column_hint(header: Sequence[str]) -> str | None:

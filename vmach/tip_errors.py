@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from vmach.csv_table import Cells, rounded, whole, write_csv
 from vmach.effects import read_effects
 from vmach.job import read_job
 from vmach.machine import Variant
@@ -16,9 +16,7 @@ from vmach.preparation import prepare
 from vmach.toolpath import PathStates
 from vmach.units import um_from_mm
 
-__all__ = ["TipErrors", "tip_errors", "write_tip_errors_csv"]
-
-_COLUMNS = ("line", "tool", "time_s", "X_mm", "Y_mm", "Z_mm", "dx_um", "dy_um", "dz_um")
+__all__ = ["TipErrors", "tip_error_columns", "tip_errors", "write_tip_errors_csv"]
 
 
 @dataclass(frozen=True)
@@ -68,14 +66,20 @@ def tip_errors(job_path: Path, variant: Variant) -> TipErrors:
     return TipErrors(nodes, moved.shift_mm, preparation.notes)
 
 
-def write_tip_errors_csv(path: Path, found: TipErrors) -> None:
-    """Write line, time, nose position in machine coordinates (mm) and error (um) of every node."""
+def tip_error_columns(found: TipErrors) -> dict[str, Cells]:
+    """Line, time, nose position in machine coordinates (mm) and error (um) of every node."""
     states = found.states
-    columns = (states.line, states.tool, states.time_s.round(4))
-    rows = zip(
-        *columns, *states.nose_mm.round(6).T, *um_from_mm(found.error_mm).round(4).T, strict=True
-    )
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(_COLUMNS)
-        writer.writerows(rows)
+    return {
+        "line": whole(states.line),
+        "tool": whole(states.tool),
+        "time_s": rounded(states.time_s, 4),
+        **{f"{axis}_mm": rounded(q, 6) for axis, q in zip("XYZ", states.nose_mm.T, strict=True)},
+        **{f"d{axis}_um": rounded(um_from_mm(error), 4)
+           for axis, error in zip("xyz", found.error_mm.T, strict=True)},
+    }  # fmt: skip
+
+
+def write_tip_errors_csv(path: Path, found: TipErrors) -> None:
+    """Write `tip_error_columns` to a file."""
+    with path.open("wb") as file:
+        write_csv(file, tip_error_columns(found))

@@ -11,8 +11,18 @@ ROOT = Path(__file__).parents[2]
 
 #: layer of every part of vmach; a part may import its own layer and lower ones
 LAYERS = [
-    {"units", "errors", "variant", "atomic", "stage_clock", "progress", "kernel_cache"},
-    {"text_file", "toml_file", "points", "path_geometry", "alignment", "nominal"},
+    {
+        "units",
+        "errors",
+        "variant",
+        "atomic",
+        "stage_clock",
+        "progress",
+        "kernel_cache",
+        "terminal",
+        "text_file",
+    },
+    {"csv_table", "toml_file", "points", "path_geometry", "alignment", "nominal"},
     {"machine", "accuracy", "iso230"},
     {"job_schema", "job", "tool_doubts", "toolpath"},
     {"sweeping", "preparation", "effects"},

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from dataclasses import dataclass
 from itertools import pairwise
@@ -13,7 +12,7 @@ import numpy as np
 from vmach.accuracy.farthest_pair import farthest_pair
 from vmach.errors import InputError
 from vmach.machine import Machine, Variant, displacement
-from vmach.text_file import column_hint, read_text
+from vmach.text_file import column_hint, csv_rows, read_text
 
 __all__ = ["Profile", "ProfileErrors", "read_profile"]
 
@@ -86,7 +85,7 @@ def read_profile(path: Path) -> Profile:
     InputError
         No such file, a column that is missing, a cell that is no finite number, no rows.
     """
-    rows = csv.reader(read_text(path, what="profile").splitlines())
+    rows = csv_rows(read_text(path, what="profile").splitlines(), path)
     header = [cell.strip().lower() for cell in next(rows, [])]
     if not {"x", "y", "z"} <= set(header):
         raise InputError(

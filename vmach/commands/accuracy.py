@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 
 from vmach.atomic import atomic_folder
 from vmach.commands.options import AsJson, Model
 from vmach.progress import progress_bar
+from vmach.terminal import console
 from vmach.variant import Variant
 
 __all__ = ["accuracy"]
@@ -71,7 +71,7 @@ def accuracy(
     if as_json:
         print(json.dumps(report, indent=1))
     else:
-        print_accuracy(Console(), report)
+        print_accuracy(console(), report)
 
 
 def _write(out: Path, report: dict[str, Any], pictures: dict[str, bytes]) -> None:

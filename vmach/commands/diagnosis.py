@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
 from vmach.atomic import atomic_file, check_folder, check_outputs
@@ -23,6 +22,7 @@ from vmach.commands.options import (
     input_files,
 )
 from vmach.progress import progress_bar
+from vmach.terminal import console
 
 if TYPE_CHECKING:
     from vmach.diagnosis.findings import Finding
@@ -210,7 +210,7 @@ def history(
     for name, s in zip(_names([s.job for s in steps]), steps, strict=True):
         other = [] if s.check_rms_um is None else [f"{s.check_rms_um:.2f}"]
         table.add_row(name, ", ".join(s.added), f"{s.rms_um:.2f}", *other)
-    Console().print(table)
+    console().print(table)
     for note in steps[-1].notes:
         print(f"note: {note}")
     print(f"drawn in {picture}")

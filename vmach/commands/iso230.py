@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 
 from vmach.atomic import atomic_folder
 from vmach.commands.options import AsJson
 from vmach.errors import InputError
 from vmach.progress import progress_bar
 from vmach.stage_clock import Progress
+from vmach.terminal import console
 
 if TYPE_CHECKING:
     from vmach.iso230.figures import EvaluatedTable
@@ -49,7 +49,7 @@ def iso230(
     if as_json:
         print(json.dumps(report, indent=1))
     else:
-        print_iso230(Console(), report)
+        print_iso230(console(), report)
 
 
 def _write(

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from vmach.atomic import check_folder, check_outputs
 from vmach.commands.options import AsJson, JobPath, Model, OutDir, command_line, input_files
 from vmach.progress import progress_bar
+from vmach.terminal import console
 from vmach.variant import Variant
 
 __all__ = ["compare", "run"]
@@ -80,9 +80,9 @@ def _machine(
     if as_json:
         print(json.dumps(figures, indent=1))
         return
-    console = Console()
-    console.print(columns_table(made.points, run_record(made, command_line())))
+    screen = console()
+    screen.print(columns_table(made.points, run_record(made, command_line())))
     for note in figures["run"]["warnings"]:
-        console.print(f"note: {note}", highlight=False, markup=False)
+        screen.print(f"note: {note}", highlight=False, markup=False)
     files = (*RESULT_FILES, *([REMAINDER_FILE] if made.points.remainders else []))
-    console.print(f"results in {out}: {', '.join(files)}", highlight=False, markup=False)
+    screen.print(f"results in {out}: {', '.join(files)}", highlight=False, markup=False)

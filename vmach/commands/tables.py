@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
-from rich.console import Console
 from typer.core import TyperCommand
 
 from vmach.atomic import atomic_folder
 from vmach.commands.options import AsJson, Model
 from vmach.errors import InputError
 from vmach.progress import progress_bar
+from vmach.terminal import console
 from vmach.units import mm_from_um
 from vmach.variant import Variant
 
@@ -86,7 +86,7 @@ def tables(
     if as_json:
         print(json.dumps(figures, indent=1))
         return
-    print_tables(Console(), figures)
+    print_tables(console(), figures)
     print(f"results in {out}: a folder for each format, README.md, tables.json")
 
 

@@ -110,7 +110,7 @@ def read_surface(job: Job, *, with_aim: bool = False) -> Surface | None:
         Take a second sample to aim a program at, so that the first one tells what came of it.
     """
     if job.nominal is not None:
-        nominal = read_nominal(job.nominal)
+        nominal = read_nominal(job.nominal, job.nominal_unit)
         surface = Surface(surface_points(job, nominal), nominal.mesh, "nominal CAD")
         return _with_aim(surface, nominal, job) if with_aim else surface
     if job.blank is None:

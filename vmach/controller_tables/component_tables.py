@@ -74,7 +74,7 @@ def read_components(folder: Path) -> RigidChain:
         record = json.loads(read_text(head, what="chain"))
         found = RigidChain(record["order"], squareness_rad=dict(record["squareness_rad"]))
         names = list(record["tables"])
-    except (json.JSONDecodeError, KeyError, TypeError) as error:
+    except (ValueError, RecursionError, KeyError, TypeError) as error:
         raise InputError(f"no chain: {error}", file=head) from None
     for name in names:
         found.tables[name] = _table(folder / f"{name}.csv")
@@ -89,7 +89,7 @@ def _table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     try:
         keys = ("position_mm", f"forward_{unit}", f"backward_{unit}")
         position, up, down = np.array([[float(row[key]) for key in keys] for row in rows]).T
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, csv.Error):
         raise InputError(
             "no error table", file=path, accepted="position_mm, forward_um, backward_um (or _urad)"
         ) from None

@@ -24,7 +24,7 @@ def read_nominal_mesh(job: Job) -> Mesh | None:
     InputError
         It cannot be read.
     """
-    return None if job.nominal is None else read_nominal(job.nominal).mesh
+    return None if job.nominal is None else read_nominal(job.nominal, job.nominal_unit).mesh
 
 
 def write_diagnosis(

@@ -14,7 +14,6 @@ cell is a reading that is missing.
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 from collections.abc import Iterable, Mapping
@@ -25,7 +24,7 @@ import numpy as np
 
 from vmach.errors import InputError
 from vmach.machine.runs import Runs
-from vmach.text_file import column_hint, read_text
+from vmach.text_file import column_hint, csv_rows, read_text
 
 __all__ = ["MM_PER", "RAD_PER", "ErrorTable", "read_error_table"]
 
@@ -92,7 +91,7 @@ def read_error_table(
     lines = read_text(path, what="error table").splitlines()
     rows = [
         (number, [cell.strip() for cell in cells])
-        for number, cells in enumerate(csv.reader(lines), 1)
+        for number, cells in enumerate(csv_rows(lines, path), 1)
         if any(cell.strip() for cell in cells) and not cells[0].lstrip().startswith("#")
     ]
     if not rows:

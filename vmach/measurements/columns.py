@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from vmach.errors import InputError
-from vmach.text_file import column_hint, read_text
+from vmach.text_file import column_hint, csv_rows, read_text
 
 __all__ = ["Columns", "read_columns"]
 
@@ -37,7 +36,7 @@ def read_columns(path: Path, *, numbers: Sequence[str], text: Sequence[str] = ()
     InputError
         No such file, a column missing, no rows, a cell that is no finite number.
     """
-    rows = list(csv.reader(read_text(path, what="measurement file").splitlines()))
+    rows = list(csv_rows(read_text(path, what="measurement file").splitlines(), path))
     header = [cell.strip() for cell in rows[0]] if rows else []
     for name in (*text, *numbers):
         if name not in header:

@@ -13,6 +13,9 @@ __all__ = ["check_closed", "count_intersections", "edge_sides", "merge_corners"]
 #: triangle pairs that the intersection check looks at before it gives up
 MAX_PAIRS = 20_000_000
 
+#: surfaces this many steps of a 32-bit coordinate apart, or less, lie on each other
+_ROUNDINGS = 8.0
+
 _HINT = "export the solid again, or repair it in the CAD system"
 
 
@@ -58,6 +61,8 @@ def edge_sides(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarra
 def _unpaired(triangles: np.ndarray) -> np.ndarray:
     """Sum of the directions in which each edge is run along, for all edges; 0 when closed."""
     edge, forward, _ = edge_sides(triangles)
+    if not len(edge):
+        return np.zeros(0, dtype=np.int64)
     first = _first_of_runs(edge)
     return np.add.reduceat(np.where(forward, 1, -1), first)
 
@@ -86,22 +91,60 @@ def check_closed(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> Non
 
 
 def count_intersections(vertices: np.ndarray, triangles: np.ndarray) -> int | None:
-    """How many pairs of triangles cut through each other; None when there are too many to look.
+    """How many pairs of triangles cut through or lie on each other; None: too many to look.
 
     Found are edges that pierce the inside of another triangle, which every transversal
-    intersection of closed surfaces has; triangles that overlap within one plane are not found.
+    intersection of closed surfaces has, and triangles that overlap within one plane.
     """
     corners = vertices[triangles]
     pairs = _overlapping_boxes(corners)
     if pairs is None:
         return None
     shared = (triangles[pairs[:, 0], :, None] == triangles[pairs[:, 1], None, :]).sum(axis=(1, 2))
-    pairs = pairs[shared < 2]
+    rounding = _ROUNDINGS * float(np.spacing(np.float32(np.abs(vertices).max())))
     hits = 0
-    for chunk in np.array_split(pairs, len(pairs) // 200_000 + 1):
-        one, other = corners[chunk[:, 0]], corners[chunk[:, 1]]
-        hits += int((_pierces(one, other) | _pierces(other, one)).sum())
+    for some in np.array_split(np.arange(len(pairs)), len(pairs) // 200_000 + 1):
+        one, other = corners[pairs[some, 0]], corners[pairs[some, 1]]
+        pierced = (_pierces(one, other) | _pierces(other, one)) & (shared[some] < 2)
+        hits += int((pierced | _overlap_in_plane(one, other, rounding)).sum())
     return hits
+
+
+def _overlap_in_plane(one: np.ndarray, other: np.ndarray, rounding_mm: float) -> np.ndarray:
+    """Whether two triangles of one plane share area, pair by pair.
+
+    By separating axes: no side of either triangle has all of the other one beyond it. Overlaps
+    no wider than the rounding of the coordinates do not count.
+    """
+    origin = one[:, :1]
+    a, b = one - origin, other - origin
+    normal, across = np.cross(a[:, 1], a[:, 2]), np.cross(b[:, 1] - b[:, 0], b[:, 2] - b[:, 0])
+    length, width = np.linalg.norm(normal, axis=1), np.linalg.norm(across, axis=1)
+    size = np.abs(np.concatenate([a, b], axis=1)).max(axis=(1, 2))
+    # a triangle that is not higher than the rounding has no plane
+    thick = np.minimum(length, width) > rounding_mm * size
+    unit = normal / np.maximum(length, 1e-300)[:, None]
+    flat = thick & (np.abs(np.einsum("pij,pj->pi", b, unit)) <= rounding_mm).all(axis=1)
+    overlap = np.zeros(len(one), dtype=bool)
+    rows = np.flatnonzero(flat)
+    if rows.size:
+        overlap[rows] = ~_separated(a[rows], b[rows], unit[rows], rounding_mm)
+    return overlap
+
+
+def _separated(
+    one: np.ndarray, other: np.ndarray, normal: np.ndarray, rounding_mm: float
+) -> np.ndarray:
+    """Whether a side of either triangle has the other one beyond it, within one plane."""
+    apart = np.zeros(len(one), dtype=bool)
+    for first, second in ((one, other), (other, one)):
+        for i in range(3):
+            axis = np.cross(normal, first[:, (i + 1) % 3] - first[:, i])
+            axis /= np.maximum(np.linalg.norm(axis, axis=1), 1e-300)[:, None]
+            x, y = (np.einsum("pij,pj->pi", t, axis) for t in (first, second))
+            room = np.maximum(y.min(axis=1) - x.max(axis=1), x.min(axis=1) - y.max(axis=1))
+            apart |= room >= -rounding_mm
+    return apart
 
 
 def _overlapping_boxes(corners: np.ndarray) -> np.ndarray | None:

@@ -11,13 +11,42 @@ import numpy as np
 from vmach.errors import InputError
 from vmach.points import SurfacePoints
 
-__all__ = ["EDGE_MARGIN_MM", "MAX_POINTS", "Face", "Mesh", "NominalPart"]
+__all__ = [
+    "EDGE_MARGIN_MM",
+    "LARGEST_MM",
+    "MAX_POINTS",
+    "Face",
+    "Mesh",
+    "NominalPart",
+    "check_size",
+]
+
+#: nothing of a part lies farther from the workpiece zero: more than the longest machines travel
+LARGEST_MM = 1e5
 
 #: at an edge the deviation along a normal is not defined, so points keep this distance
 EDGE_MARGIN_MM = 0.05
 
 #: more sampled points than this are refused before any work is done
 MAX_POINTS = 5_000_000
+
+
+def check_size(path: Path, points_mm: np.ndarray) -> None:
+    """Raise InputError where one of the points (P, 3) lies beyond `LARGEST_MM`.
+
+    A stray vertex, or a unit taken for another: a part of that size asks for more points and
+    triangles than a computer holds.
+    """
+    far = ~(np.abs(points_mm) <= LARGEST_MM).all(axis=1)
+    if far.any():
+        x, y, z = points_mm[np.argmax(far)]
+        raise InputError(
+            f"{int(far.sum())} of {len(points_mm)} points of the part lie outside, the first at "
+            f"({x:.6g}, {y:.6g}, {z:.6g}) mm",
+            file=path,
+            accepted=f"coordinates within {LARGEST_MM:g} mm of the workpiece zero",
+            hint="is a vertex astray, or the unit of the file another one?",
+        )
 
 
 class Face(Protocol):

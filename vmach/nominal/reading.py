@@ -9,18 +9,28 @@ from vmach.nominal.part import NominalPart
 from vmach.nominal.step_part import read_step_part
 from vmach.nominal.stl_part import read_stl_part
 
-__all__ = ["read_nominal"]
+__all__ = ["LENGTH_UNITS_MM", "read_nominal"]
 
 _READERS = {".step": read_step_part, ".stp": read_step_part, ".stl": read_stl_part}
 
+#: units of length that a job can name for CAD that does not say its own
+LENGTH_UNITS_MM = {"um": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1e3, "inch": 25.4}
 
-def read_nominal(path: str | Path) -> NominalPart:
+
+def read_nominal(path: str | Path, unit: str | None = None) -> NominalPart:
     """Read the nominal CAD of a part from a STEP or an STL file, by its ending.
+
+    Parameters
+    ----------
+    path : path
+    unit : str, optional
+        One of `LENGTH_UNITS_MM`: the unit of an STL file (mm where not given), or of a STEP file
+        that names none.
 
     Raises
     ------
     InputError
-        Another ending, or a file that does not hold a closed solid.
+        Another ending, a file that does not hold a closed solid, or one whose unit is not known.
     """
     path = Path(path)
     reader = _READERS.get(path.suffix.lower())
@@ -28,4 +38,10 @@ def read_nominal(path: str | Path) -> NominalPart:
         raise InputError(
             f"nominal CAD with the ending {path.suffix!r}", file=path, accepted=", ".join(_READERS)
         )
-    return reader(path)
+    try:
+        return reader(path, None if unit is None else LENGTH_UNITS_MM[unit])
+    except InputError as error:
+        if error.file is not None:
+            raise
+        # of the geometry, which does not know its file
+        raise InputError(error.what, file=path, accepted=error.accepted, hint=error.hint) from None

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from vmach.errors import InputError
+from vmach.text_file import read_bytes
 
 __all__ = ["Reference", "StepEntity", "StepFile"]
 
@@ -57,14 +58,20 @@ class StepEntity:
 class StepFile:
     """A STEP file whose entities are parsed when they are asked for.
 
+    Parameters
+    ----------
+    path : Path
+    unit_mm : float, optional
+        The unit of length, where the file names none.
+
     Raises
     ------
     InputError
         The file cannot be read, is no STEP file, is cut short or numbers an entity twice.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, unit_mm: float | None = None) -> None:
+        self.path, self.unit_mm = path, unit_mm
         self._text = _read_text(path)
         self._spans: dict[int, tuple[int, int]] = {}
         self._entities: dict[int, StepEntity] = {}
@@ -123,12 +130,7 @@ class StepFile:
 
 
 def _read_text(path: Path) -> str:
-    try:
-        text = path.read_text(encoding="latin-1")
-    except OSError as error:
-        raise InputError(
-            f"cannot read the nominal CAD: {error.strerror}", file=path, accepted="a STEP file"
-        ) from None
+    text = read_bytes(path, what="nominal CAD").decode("latin-1").replace("\r\n", "\n")
     if not text.lstrip().startswith("ISO-10303-21"):
         raise InputError(
             "not a STEP file", file=path, accepted="a file that begins with ISO-10303-21;"

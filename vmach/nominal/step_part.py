@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from vmach.nominal.part import Mesh, NominalPart
+from vmach.nominal.mesh_solidity import check_encloses_once
+from vmach.nominal.part import Mesh, NominalPart, check_size
 from vmach.nominal.step_assembly import read_solids
 from vmach.nominal.step_file import StepFile
 from vmach.nominal.step_solids import CHORD_MM, Solid
@@ -18,8 +19,10 @@ from vmach.units import um_from_mm
 __all__ = ["read_step_part"]
 
 
-def read_step_part(path: Path) -> NominalPart:
+def read_step_part(path: Path, unit_mm: float | None = None) -> NominalPart:
     """Read the solids of a STEP file (AP203, AP214, AP242) as exact surfaces, in mm.
+
+    `unit_mm` is the unit of length of a file that names none.
 
     Raises
     ------
@@ -27,7 +30,10 @@ def read_step_part(path: Path) -> NominalPart:
         Not a STEP file, cut short, without a closed solid, or with geometry that is not
         supported.
     """
-    solids = read_solids(StepFile(path))
+    solids = read_solids(StepFile(path, unit_mm))
+    for solid in solids:
+        for edge in solid.edges.values():
+            check_size(path, edge.points_mm)
     notes = [f"{len(solids)} solids are taken together"] if len(solids) > 1 else []
     gap_mm = max(solid.gap_mm for solid in solids)
     if gap_mm > 1e-4:
@@ -41,10 +47,13 @@ def read_step_part(path: Path) -> NominalPart:
             notes.append("a solid was inside out and has been turned")
         faces += solid_faces
         meshes.append(mesh)
+    mesh = _joined(meshes)
+    if len(solids) > 1:
+        check_encloses_once(path, mesh.vertices_mm, mesh.triangles, bodies_touch=True)
     return NominalPart(
         path=path,
         faces=tuple(faces),
-        mesh=_joined(meshes),
+        mesh=mesh,
         mesh_chord_mm=CHORD_MM,
         chord_error_mm=0.0,
         notes=tuple(notes),

@@ -16,22 +16,51 @@ _PREFIX = {
 }
 
 
+#: relative difference of two units that are the same
+_SAME = 1e-9
+
+
 def length_unit_mm(step: StepFile, context: StepEntity) -> float:
-    """Unit of length in mm; metres where the context names none, as the standard has it."""
-    return 1e3 * _unit(step, context, "LENGTH_UNIT")
+    """Unit of length in mm: what the context says, or `step.unit_mm` where it says nothing.
+
+    Raises
+    ------
+    InputError
+        Neither names a unit, or both do and differ: a part 1000 times too large or too small
+        would follow.
+    """
+    written, told_mm = _unit(step, context, "LENGTH_UNIT"), step.unit_mm
+    if written is None and told_mm is None:
+        raise step.error(
+            context,
+            "the file names no unit of length",
+            'LENGTH_UNIT in the context of the shape, or nominal_unit = "mm" (um, cm, m, inch) '
+            "in the job",
+        )
+    if written is None:
+        return told_mm
+    if told_mm is not None and abs(told_mm / (1e3 * written) - 1.0) > _SAME:
+        raise step.error(
+            context,
+            f"the file's unit of length is {1e3 * written:g} mm, the job's nominal_unit "
+            f"{told_mm:g} mm",
+            "one unit; leave nominal_unit out",
+        )
+    return 1e3 * written
 
 
 def angle_unit_rad(step: StepFile, context: StepEntity) -> float:
-    """Unit of plane angle in rad."""
-    return _unit(step, context, "PLANE_ANGLE_UNIT")
+    """Unit of plane angle in rad; radians where the context names none, as the standard has it."""
+    written = _unit(step, context, "PLANE_ANGLE_UNIT")
+    return 1.0 if written is None else written
 
 
-def _unit(step: StepFile, context: StepEntity, kind: str) -> float:
+def _unit(step: StepFile, context: StepEntity, kind: str) -> float | None:
     for reference in context.parts.get("GLOBAL_UNIT_ASSIGNED_CONTEXT", [[]])[0]:
         unit = step.entity(reference)
         if unit.is_a(kind):
             return _in_si(step, unit)
-    return 1.0
+    return None
 
 
 def _in_si(step: StepFile, unit: StepEntity) -> float:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from vmach.errors import InputError
+from vmach.text_file import read_bytes
 
 __all__ = ["read_stl"]
 
@@ -25,12 +26,7 @@ def read_stl(path: Path) -> np.ndarray:
         The file cannot be read, is cut short, holds no triangle or a coordinate that is not a
         finite number.
     """
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(
-            f"cannot read the nominal CAD: {error.strerror}", file=path, accepted="an STL file"
-        ) from None
+    data = read_bytes(path, what="nominal CAD")
     corners = _ascii(path, data) if _is_ascii(data) else _binary(path, data)
     if not len(corners):
         raise InputError("no triangle in the file", file=path, accepted="an STL file of a solid")

@@ -11,7 +11,8 @@ from scipy.sparse.csgraph import connected_components
 
 from vmach.errors import InputError
 from vmach.nominal.mesh_checks import check_closed, count_intersections, edge_sides, merge_corners
-from vmach.nominal.part import Mesh, NominalPart
+from vmach.nominal.mesh_solidity import check_each_triangle_once, check_encloses_once
+from vmach.nominal.part import Mesh, NominalPart, check_size
 from vmach.nominal.stl import read_stl
 from vmach.nominal.thinning import near_segments, spread
 from vmach.units import um_from_mm
@@ -72,8 +73,8 @@ class MeshRegion:
         return a + s[:, None] * (b - a) + t[:, None] * (c - a), facet
 
 
-def read_stl_part(path: Path) -> NominalPart:
-    """Read an STL file (mm) of one or more solids.
+def read_stl_part(path: Path, unit_mm: float | None = None) -> NominalPart:
+    """Read an STL file of one or more solids; `unit_mm` is the file's unit, mm where not given.
 
     Raises
     ------
@@ -81,9 +82,16 @@ def read_stl_part(path: Path) -> NominalPart:
         Not an STL file, or its triangles are not the closed, consistently wound surface of a
         solid that does not cut through itself.
     """
-    vertices, triangles, merged_within = merge_corners(read_stl(path))
+    corners = read_stl(path) * (1.0 if unit_mm is None else unit_mm)
+    check_size(path, corners.reshape(-1, 3))
+    vertices, triangles, merged_within = merge_corners(corners)
     if not len(triangles):
-        raise InputError("every triangle of the mesh is degenerate", file=path)
+        raise InputError(
+            "every triangle of the mesh is degenerate: two of its corners are one",
+            file=path,
+            accepted="triangles with an area",
+        )
+    check_each_triangle_once(path, triangles)
     check_closed(path, vertices, triangles)
     notes = ["STL holds facets: its normals and its surface are off by the chord error"]
     if merged_within > 0.0:
@@ -92,6 +100,7 @@ def read_stl_part(path: Path) -> NominalPart:
     if mesh.volume_mm3 < 0.0:
         triangles = triangles[:, ::-1]
         notes.append("the mesh was inside out and has been turned")
+    check_encloses_once(path, vertices, triangles)
     notes += _check_intersections(path, vertices, triangles)
 
     corners = vertices[triangles]
@@ -122,7 +131,7 @@ def _check_intersections(path: Path, vertices: np.ndarray, triangles: np.ndarray
         return ["the mesh is too large to look for self-intersections"]
     if count:
         raise InputError(
-            f"the mesh cuts through itself: {count} pairs of triangles",
+            f"the mesh cuts through itself or lies on itself: {count} pairs of triangles",
             file=path,
             accepted="the surface of a solid",
             hint="unite the bodies in the CAD system and export again",

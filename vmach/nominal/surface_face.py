@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vmach.errors import InputError
+from vmach.nominal.part import MAX_POINTS
 from vmach.nominal.surfaces import Surface, unit_normals
 from vmach.nominal.thinning import near_segments
 from vmach.nominal.trimming import Trim
@@ -65,13 +67,15 @@ def sample_uv(trim: Trim, row_mm: float, point_mm: float) -> np.ndarray:
     `point_mm` apart, divide each row's intervals inside the face evenly, so that narrow faces
     have their points in the middle.
     """
-    rows = []
+    rows, total = [], 0
     for number, v in enumerate(_row_levels(trim, row_mm)):
         for low, high in trim.row_intervals(v):
             closed = bool(trim.surface.u_period) and high - low >= trim.surface.u_period
             u = _divide_row(trim.surface, v, (low, high), point_mm, closed)
             if closed:
                 u = u + (number * _GOLDEN % 1.0) * trim.surface.u_period / len(u)
+            total += len(u)
+            _check_count(total)
             rows.append(np.column_stack([u, np.full_like(u, v)]))
     return np.vstack(rows) if rows else np.empty((0, 2))
 
@@ -98,4 +102,14 @@ def _divide(
     pieces = np.diff(parameter) * (speed[:-1] + speed[1:]) / 2.0
     length = np.r_[0.0, np.cumsum(pieces)]
     count = max(round(length[-1] / spacing_mm), at_least)
+    _check_count(count)
     return np.interp((np.arange(count) + 0.5) * (length[-1] / count), length, parameter)
+
+
+def _check_count(count: int) -> None:
+    if count > MAX_POINTS:
+        raise InputError(
+            f"one face of the part asks for {count:.3g} points or more",
+            accepted=f"at most {MAX_POINTS}",
+            hint="is the unit of the file right? otherwise a larger [inspection] spacing_mm",
+        )

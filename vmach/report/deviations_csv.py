@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from vmach.atomic import atomic_file
+from vmach.csv_table import Cells, fixed, whole, words, write_csv
 from vmach.errors import InputError
 from vmach.report.result import Column, InspectedPoints
+from vmach.text_file import read_text
 from vmach.units import mm_from_um, um_from_mm
 
 __all__ = ["read_deviations_csv", "write_deviations_csv"]
@@ -29,29 +31,23 @@ def write_deviations_csv(path: str | Path, points: InspectedPoints) -> None:
     InputError
         The folder cannot be written to.
     """
-    header = list(_POINT_COLUMNS)
-    for column in points.columns:
-        header += [column.name + _DEVIATION, column.name + _STATUS]
-    with atomic_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
-        writer.writerows(zip(*_columns(points), strict=True))
+    with atomic_file(path) as temporary, temporary.open("wb") as file:
+        write_csv(file, _columns(points))
 
 
-def _columns(points: InspectedPoints) -> list[list]:
-    blank = [""] * len(points)
-    fields = [points.id.tolist(), points.feature.tolist()]
-    fields += [[f"{x:.9g}" for x in column] for column in points.point_mm.T]
-    fields += [[f"{x:.9g}" for x in column] for column in points.normal.T]
-    fields += [points.line.tolist(), points.tool.tolist(), points.move.tolist()]
-    fields += [[f"{t:.3f}" for t in points.time_s]]
-    fields += [blank if points.u_mm is None else [f"{um_from_mm(u):.6g}" for u in points.u_mm]]
+def _columns(points: InspectedPoints) -> dict[str, Cells]:
+    count, u_mm = len(points), points.u_mm
+    places = zip("xyzijk", [*points.point_mm.T, *points.normal.T], strict=True)
+    fields = {"id": words(points.id), "feature": words(points.feature)}
+    fields |= {name: words([f"{x:.9g}" for x in column.tolist()]) for name, column in places}
+    fields |= {name: whole(getattr(points, name)) for name in ("line", "tool", "move")}
+    fields["time_s"] = fixed(points.time_s, 3)
+    u_um = [""] * count if u_mm is None else [f"{u:.6g}" for u in um_from_mm(u_mm).tolist()]
+    fields["u_um"] = words(u_um)
     for column in points.columns:
-        deviation_um = um_from_mm(column.deviation_mm).tolist()
-        fields.append(
-            [f"{d:.6f}" if c else "" for d, c in zip(deviation_um, column.is_cut, strict=True)]
-        )
-        fields.append(column.status.tolist())
+        deviation_um = um_from_mm(column.deviation_mm)
+        fields[column.name + _DEVIATION] = fixed(deviation_um, 6, shown=column.is_cut)
+        fields[column.name + _STATUS] = words(column.status)
     return fields
 
 
@@ -64,10 +60,12 @@ def read_deviations_csv(path: str | Path) -> InspectedPoints:
         The file is missing, empty, or lacks a column, or a cell is not a number.
     """
     path = Path(path)
-    if not path.is_file():
+    if not path.exists():
         raise InputError("no such file", file=path, hint="vmach run writes it")
-    with path.open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
+    try:
+        rows = list(csv.DictReader(read_text(path, what="table of deviations").splitlines()))
+    except csv.Error as error:
+        raise InputError(str(error), file=path, accepted="what vmach run wrote") from None
     names = [
         n.removesuffix(_DEVIATION) for n in (rows[0] if rows else ()) if n.endswith(_DEVIATION)
     ]
