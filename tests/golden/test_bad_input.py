@@ -293,7 +293,7 @@ def test_a_terminal_that_lacks_a_sign_shows_another(monkeypatch):
 def test_wrong_control_is_refused_before_anything_is_solved(
     name, expected, job, tmp_path, monkeypatch, capsys
 ):
-    monkeypatch.setattr("vmach.compensation.surface.read_surface", None)  # what comes first
+    monkeypatch.setattr("vmach.compensation.aim.surface.read_surface", None)  # what comes first
     arguments = ("compensate", job, "-o", tmp_path / "out.nc", "--dialect", name)
     status, _, message = run_vmach(monkeypatch, capsys, *arguments)
     assert status == 1

@@ -6,7 +6,7 @@ import pytest
 from gcode import OffsetEntry, ProgramError, Source, ToolEntry, read_program
 from tests.small_job import write_job
 from vmach.job import read_job
-from vmach.preparation import prepare
+from vmach.path.preparation import prepare
 
 TOOLS = {1: ToolEntry(length_mm=100.0, diameter_mm=10.0)}
 OFFSETS = {

@@ -82,7 +82,7 @@ def test_the_command_line_loads_nothing_that_takes_long():
 def test_predictions_wait_for_no_pictures_and_no_solids():
     heavy = ["matplotlib", "trimesh", "pyvista", "scipy.stats"]
     code = (
-        "import sys, vmach.pipeline, vmach.diagnosis.diagnose; "
+        "import sys, vmach.run.pipeline, vmach.diagnosis.diagnose; "
         f"print([name for name in {heavy} if name in sys.modules])"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
