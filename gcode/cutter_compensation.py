@@ -65,10 +65,10 @@ def _cutter(controller: Controller, block: Values, code: int) -> tuple[float, in
     number = whole(words["d"], f"D word of {name}") if "d" in words else controller.loaded
     if number < 0:
         raise ProgramError(f"negative D word D{number}")
-    entry = controller.find_tool(number, word="D" if "d" in words else f"{name} with tool T")
+    entry = controller.find_offset(number, word="D" if "d" in words else f"{name} with tool T")
     if controller.plane != XZ and entry.orientation not in (0, 9):
         raise ProgramError(f"{name} with a lathe tool outside G18")
-    return entry.diameter_mm / controller.unit_mm, entry.orientation
+    return entry.offset_diameter_mm / controller.unit_mm, entry.orientation
 
 
 def flush(controller: Controller) -> None:

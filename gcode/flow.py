@@ -13,7 +13,7 @@ from gcode.expressions import value_of
 from gcode.flow_state import Flow, Label, Place, SkipReason
 from gcode.interpreter import execute
 from gcode.lexer import Block, OWord, compact, is_control, read_block
-from gcode.loop_guard import LoopGuard, check_count
+from gcode.loop_guard import BlockBudget, LoopGuard
 from gcode.loops import LOOPS
 from gcode.source import Source
 from gcode.state import Controller
@@ -56,8 +56,9 @@ class _Runner:
         self, controller: Controller, source: Source, *, block_delete: bool, max_blocks: int
     ) -> None:
         self.controller, self.data = controller, source.data
-        self.block_delete, self.max_blocks = block_delete, max_blocks
-        self.flow = Flow(controller, (0, source.mark))
+        self.block_delete = block_delete
+        self.budget = BlockBudget(max_blocks)
+        self.flow = Flow(controller, (0, source.mark), self.budget)
         self.guard = LoopGuard(controller)
         self.keep = len(source.data) <= _KEEP_UP_TO
         self.texts: dict[int, tuple[str, int]] = {}
@@ -67,16 +68,16 @@ class _Runner:
     def run(self) -> None:
         """Execute until the program ends."""
         controller, flow, size = self.controller, self.flow, len(self.data)
+        budget = self.budget
         record = controller.record
         opened = self._skip_percent()
-        executed = 0
         while flow.next[1] < size:
             here = flow.here = flow.next
             if self.fast is not None and flow.skip is None:
                 flow.next = self.fast.run(here)
                 if flow.next != here:
-                    executed += flow.next[0] - here[0]
-                    self._check_count(executed, flow.next[0])
+                    budget.executed += flow.next[0] - here[0]
+                    self._check_count(flow.next[0])
                     continue
             line = here[0]
             text, end = self.texts.get(line) or self._text(here)
@@ -86,8 +87,8 @@ class _Runner:
                 controller.trace.begin(line + 1)
             if opened and text == "%":
                 break
-            executed += 1
-            self._check_count(executed, line + 1)
+            budget.executed += 1
+            self._check_count(line + 1)
             if not text or (self.block_delete and text[0] == "/"):
                 continue
             if flow.skip is not None and not is_control(text):
@@ -96,14 +97,15 @@ class _Runner:
             if self._obey(line, text):
                 return
             if flow.next <= here and len(flow.frames) == level:
-                self.guard.jumped_back(flow.next[0] + 1, level=level, executed=executed,
+                self.guard.jumped_back(flow.next[0] + 1, level=level, executed=budget.executed,
                                        flow=flow.memory())  # fmt: skip
         self._finish()
 
-    def _check_count(self, executed: int, line: int) -> None:
+    def _check_count(self, line: int) -> None:
         """Give up where too many lines have been obeyed, `line` (1-based) the last of them."""
-        self.controller.line = line - max(executed - self.max_blocks - 1, 0)
-        check_count(executed, self.max_blocks)
+        budget = self.budget
+        self.controller.line = line - max(budget.executed - budget.largest - 1, 0)
+        budget.check()
 
     def _finish(self) -> None:
         skip, frames = self.flow.skip, self.flow.frames
@@ -148,6 +150,7 @@ class _Runner:
     def _control(self, block: Block, control: OWord) -> None:
         """Obey an O-word, M98 or M99, unless it stands among lines that are skipped."""
         keyword, skip = control.keyword, self.flow.skip
+        self.flow.controls += 1
         if skip is not None and skip.reason is SkipReason.DEFINED:
             if keyword in ("sub", "program"):
                 raise ProgramError("subroutine defined inside a subroutine")

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import NamedTuple
 
 from gcode.errors import ProgramError
 from gcode.expressions import value_of
 from gcode.lexer import Block
+from gcode.loop_guard import BlockBudget
 from gcode.state import Controller
 
 __all__ = ["Flow", "Frame", "Label", "Opening", "Place", "Skip", "SkipReason"]
@@ -67,6 +68,7 @@ class Opening:
     keyword: str
     place: Place
     repeats: int | None = None  #: rounds that a REPEAT still has to go; None outside it
+    begun: tuple[int, int] = field(default=(0, 0), compare=False)  #: `Flow.work` at its round
 
 
 @dataclass
@@ -78,6 +80,7 @@ class Frame:
     return_to: Place
     arguments: list[float]
     repeats: int = 1
+    begun: int = field(default=0, compare=False)  #: blocks obeyed when its repetition began
 
 
 class Flow:
@@ -93,18 +96,28 @@ class Flow:
         Calls, the innermost last.
     openings : dict of Label to Opening
         Subroutines, loops and IFs that have been met.
+    budget : BlockBudget
+        Blocks obeyed, and how many may be.
+    controls : int
+        O-words, M98 and M99 that have been met.
     broken : bool
         A BREAK has been met since a DO ended; the next DO, whichever it is, has no second round.
         That this outlives a WHILE loop is LinuxCNC's way.
     """
 
-    def __init__(self, controller: Controller, start: Place) -> None:
-        self.controller = controller
+    def __init__(self, controller: Controller, start: Place, budget: BlockBudget) -> None:
+        self.controller, self.budget = controller, budget
         self.here = self.next = start
         self.skip: Skip | None = None
         self.frames: list[Frame] = []
         self.openings: dict[Label, Opening] = {}
         self.broken = False
+        self.controls = 0
+
+    @property
+    def work(self) -> tuple[int, int]:
+        """Blocks that have been obeyed, and how many of them steer the flow."""
+        return self.budget.executed, self.controls
 
     def memory(self) -> tuple:
         """All that a jump back leaves to tell one round from another; nothing is skipped then."""

@@ -100,7 +100,7 @@ def _execute_modes(controller: Controller, values: Values) -> None:
     if "t" in words:
         number = int(words["t"])
         if controller.tools:
-            controller.find_tool(number, word="T")
+            controller.check_tool(number, word="T")
         controller.selected_tool = number
 
 
@@ -149,7 +149,7 @@ def _change_tool(controller: Controller, code: int, words: dict[str, float]) -> 
         if number < 0:
             raise ProgramError("M61 without Q word", accepted="Q with the tool's number")
         if controller.tools:
-            controller.find_tool(number, word="Q")
+            controller.check_tool(number, word="Q")
         record.event("change_tool_number", number)
     else:
         if controller.selected_tool is None:

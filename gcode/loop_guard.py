@@ -7,21 +7,69 @@ from copy import deepcopy
 from gcode.errors import ProgramError
 from gcode.state import Controller
 
-__all__ = ["LoopGuard", "check_count"]
+__all__ = ["BlockBudget", "LoopGuard"]
 
 #: A loop that searches or computes for longer than this would leave the tool standing in its cut
 #: on any control; reading so many blocks takes a few seconds.
 _BLOCKS_WITHOUT_MOVE = 1_000_000
 
+#: A count whose rounds may differ is refused where its cheapest round so far, repeated as often
+#: as is left, exceeds the budget by this factor.
+_DOUBT = 10
+
 #: What a controller keeps and no later block depends on.
 _WRITTEN_ONLY = frozenset(("record", "line", "notes", "trace"))
 
 
-def check_count(executed: int, max_blocks: int) -> None:
-    """Raise ProgramError where a program has run more than `max_blocks` blocks."""
-    if executed > max_blocks:
-        raise ProgramError(f"program runs more than {max_blocks} blocks",
-                           hint="look for a loop without end")
+class BlockBudget:
+    """How many blocks a program may run, and whether what it has begun can end within them.
+
+    Attributes
+    ----------
+    executed : int
+        Blocks obeyed so far.
+    largest : int
+        The budget.
+    """
+
+    def __init__(self, largest: int) -> None:
+        self.executed, self.largest = 0, largest
+
+    def check(self) -> None:
+        """Raise ProgramError where the program has run more blocks than it may."""
+        if self.executed > self.largest:
+            raise ProgramError(f"program runs more than {self.largest} blocks",
+                               hint="look for a loop without end")
+
+    def check_rounds(
+        self, rounds: int, blocks: int, *, exact: bool = True, line: int | None = None
+    ) -> None:
+        """Refuse a count of rounds that will exceed the budget, before they are run.
+
+        Parameters
+        ----------
+        rounds : float
+            Rounds that are left.
+        blocks : int
+            Fewest blocks of a round.
+        exact : bool
+            No round can have fewer; otherwise the next ones may.
+        line : int, optional
+            1-based line that asks for the rounds, where it is not the one that is obeyed.
+
+        Raises
+        ------
+        ProgramError
+            With the count.
+        """
+        wanted = rounds * blocks
+        if wanted > (self.largest - self.executed) * (1 if exact else _DOUBT):
+            raise ProgramError(
+                f"program runs more than {self.largest} blocks: {rounds} further rounds "
+                f"of {blocks} blocks",
+                line=line,
+                hint="is the number of repetitions right?",
+            )
 
 
 class LoopGuard:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from gcode.flow_state import Flow, Label, SkipReason
+from gcode.flow_state import Flow, Label, Opening, SkipReason
 from gcode.lexer import Block
 
 __all__ = ["LOOPS"]
+
+#: Its head and its end: a round of REPEAT that has no other O-word is like all the others.
+_CONTROLS = 2
 
 
 def _do(flow: Flow, label: Label, block: Block) -> None:
@@ -34,6 +37,7 @@ def _repeat(flow: Flow, label: Label, block: Block) -> None:
     if opening.repeats is None:
         value = flow.value(block)
         opening.repeats = int(value + (0.5 if value >= 0.0 else -0.5))
+        opening.begun = flow.work
     if opening.repeats > 0:
         opening.repeats -= 1
     else:
@@ -48,6 +52,16 @@ def _end(flow: Flow, label: Label, block: Block) -> None:
     flow.skip = None
     if not over:
         flow.next = opening.place
+        if opening.repeats is not None:
+            _check_repeats(flow, opening)
+
+
+def _check_repeats(flow: Flow, opening: Opening) -> None:
+    """Refuse a REPEAT whose rounds, as far as they are known, are too many."""
+    blocks, controls = (now - then for now, then in zip(flow.work, opening.begun, strict=True))
+    opening.begun = flow.work
+    flow.budget.check_rounds(opening.repeats, blocks, exact=controls <= _CONTROLS,
+                             line=opening.place[0] + 1)  # fmt: skip
 
 
 def _break(flow: Flow, label: Label, block: Block) -> None:

@@ -113,7 +113,7 @@ def write_tables(controller: Controller, block: Values) -> None:
 
 def _write_tool(controller: Controller, block: Values, number: int, form: int) -> None:
     """G10 L1, L10, L11: write the tool table."""
-    entry = controller.find_tool(number, word="P")
+    entry = controller.find_offset(number, word="P")
     words = _axis_words(block)
     if not words and not {"r", "q", "i", "j"} & block.words.keys():
         raise ProgramError(f"G10 L{form} without offsets has no effect")
@@ -125,15 +125,16 @@ def _write_tool(controller: Controller, block: Values, number: int, form: int) -
     else:
         _measure_tool(controller, words, offset, form)
     entry = replace(entry, x_mm=offset[0] * unit, y_mm=offset[1] * unit,
-                    length_mm=offset[2] * unit, rotary_deg=tuple(offset[3:]))  # fmt: skip
+                    length_mm=offset[2] * unit - entry.length_wear_mm,
+                    rotary_deg=tuple(offset[3:]))  # fmt: skip
     if "r" in block.words:
-        entry = replace(entry, diameter_mm=block.words["r"] * unit * 2.0)
+        entry = replace(entry, diameter_mm=block.words["r"] * unit * 2.0 - entry.diameter_wear_mm)
     if "q" in block.words:
         orientation = whole(block.words["q"], "Q word of G10")
         if orientation > 9:
             raise ProgramError(f"tool orientation Q{orientation}", accepted="0 to 9")
         entry = replace(entry, orientation=orientation)
-    controller.tools[number] = entry
+    controller.offsets[number] = entry
     controller.set_tool_parameters()
 
 

@@ -12,7 +12,7 @@ from gcode.state import Controller
 
 __all__ = ["run_program"]
 
-_TRANSLATED = {"fanuc": Fanuc, "heidenhain": Heidenhain, "sinumerik": Sinumerik}
+_TRANSLATED = {"fanuc": Fanuc, "haas": Fanuc, "heidenhain": Heidenhain, "sinumerik": Sinumerik}
 
 
 def run_program(
@@ -43,7 +43,7 @@ def run_program(
     """
     max_blocks += len(source)
     try:
-        if dialect == "rs274":
+        if dialect == "linuxcnc":
             run_rs274(controller, source, block_delete=block_delete, max_blocks=max_blocks,
                       fast=fast)  # fmt: skip
         else:

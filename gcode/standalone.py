@@ -18,7 +18,7 @@ def after_tool_change(controller: Controller) -> None:
     controller.loaded = controller.tool
     if controller.preview:
         controller.position = list(controller.record.last_straight)
-        controller.tools = dict(controller.tool_table)
+        controller.offsets = dict(controller.first_offsets)
 
 
 def keep_tool_offset(controller: Controller, factor: float) -> None:

@@ -56,7 +56,7 @@ class Controller:
     offsets are X Y Z A B C.
     """
 
-    tools: dict[int, ToolEntry]
+    tools: dict[int, ToolEntry]  #: in the magazine
     tolerance: ArcTolerance
     machine_unit_mm: float = 1.0
     parameters: Parameters = field(default_factory=Parameters)
@@ -103,12 +103,14 @@ class Controller:
     queue: CompensationQueue = field(default_factory=CompensationQueue)
     preview: bool = False  #: show the quirks in `standalone`
     refresh: bool = False  #: a tool has been changed in the block before
-    tool_table: dict[int, ToolEntry] = field(init=False)
+    offsets: dict[int, ToolEntry] = field(default_factory=dict)  #: what H and D mean
+    first_offsets: dict[int, ToolEntry] = field(init=False)
     notes: dict[tuple[int, str], str] = field(default_factory=dict)
     trace: Trace | None = None  #: what is obeyed, where somebody asks for it
 
     def __post_init__(self) -> None:
-        self.tool_table = dict(self.tools)
+        self.offsets = self.offsets or dict(self.tools)
+        self.first_offsets = dict(self.offsets)
 
     def note(self, word: str, meaning: str) -> None:
         """List a word as irrelevant to geometry."""
@@ -149,31 +151,43 @@ class Controller:
         if self.spindle == 0:
             raise ProgramError(f"{name} with the spindle standing", hint="start it with M3 or M4")
 
-    def find_tool(self, number: int, *, word: str) -> ToolEntry:
-        """Look up the tool table; number 0 means the tool in the spindle."""
-        if number == 0:
-            return self.tools.get(self.loaded, ToolEntry())
-        if number not in self.tools:
+    def check_tool(self, number: int, *, word: str) -> None:
+        """Raise UnknownToolError for a tool that is not in the magazine; 0 stands for none."""
+        if number and number not in self.tools:
             known = ", ".join(str(n) for n in sorted(self.tools)) or "none"
             raise UnknownToolError(f"{word}{number}: tool {number} is not in the tool table",
                                    accepted=f"tools {known}", hint="add the tool to the table")
-        return self.tools[number]
+
+    def find_offset(self, number: int, *, word: str) -> ToolEntry:
+        """Look up the offset memory; number 0 means the tool in the spindle."""
+        if number == 0:
+            return self.offsets.get(self.loaded, ToolEntry())
+        if self.offsets.keys() == self.tools.keys():
+            self.check_tool(number, word=word)
+        if number not in self.offsets:
+            known = ", ".join(str(n) for n in sorted(self.offsets))
+            raise UnknownToolError(
+                f"{word}{number}: there is neither a tool nor an offset {number}",
+                accepted=f"numbers {known}",
+                hint=f"add tool {number}, or a row {number} of the offset memory",
+            )
+        return self.offsets[number]
 
     def set_tool_parameters(self) -> None:
         """Publish the tool in the spindle as #5400 ... #5413, machine units."""
-        entry = self.tools.get(self.tool, ToolEntry())
+        entry = self.offsets.get(self.tool, ToolEntry())
         scale = 1.0 / self.machine_unit_mm
-        lengths = [entry.x_mm * scale, entry.y_mm * scale, entry.length_mm * scale]
+        lengths = [entry.x_mm * scale, entry.y_mm * scale, entry.offset_length_mm * scale]
         numbers = self.parameters.numbered
         numbers[5400] = float(self.tool)
         self.parameters.set_vector(5401, [*lengths, *entry.rotary_deg])
-        numbers[5410] = entry.diameter_mm * scale
+        numbers[5410] = entry.offset_diameter_mm * scale
         numbers[5413] = float(entry.orientation)
 
     def tool_offset_of(self, number: int, *, word: str) -> list[float]:
-        """Offset X Y Z A B C of a tool of the table, program units and degrees."""
-        entry = self.find_tool(number, word=word)
-        lengths = (entry.x_mm, entry.y_mm, entry.length_mm)
+        """Offset X Y Z A B C of a row of the offset memory, program units and degrees."""
+        entry = self.find_offset(number, word=word)
+        lengths = (entry.x_mm, entry.y_mm, entry.offset_length_mm)
         scale = self.machine_unit_mm
         return self.to_program([v / scale for v in lengths] + list(entry.rotary_deg))
 

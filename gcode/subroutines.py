@@ -53,7 +53,7 @@ def _m98(flow: Flow, label: Label, block: Block) -> None:
     if "l" in words:
         repeats = whole(value_of(words["l"], flow.controller.parameters), "L word of M98")
     if repeats != 0:
-        _push(flow, Frame(label, "m98", flow.next, [], repeats))
+        _push(flow, Frame(label, "m98", flow.next, [], repeats, flow.budget.executed))
         _jump(flow, label)
 
 
@@ -93,6 +93,8 @@ def _m99(flow: Flow, label: Label, block: Block) -> None:
         raise ProgramError("M99 inside a subroutine called by O-word", accepted="O... endsub")
     frame.repeats -= 1
     if frame.repeats > 0:
+        blocks, frame.begun = flow.budget.executed - frame.begun, flow.budget.executed
+        flow.budget.check_rounds(frame.repeats, blocks, exact=False, line=frame.return_to[0])
         flow.controller.parameters.locals[-1] = {}
         _jump(flow, frame.label)
     else:

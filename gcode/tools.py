@@ -1,15 +1,16 @@
-"""Tool table: the offsets and diameters that G43, G41 and G42 look up."""
+"""Tool table and offset memory: the lengths and diameters that G43, G41 and G42 look up."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from gcode.errors import ProgramError
 from gcode.regular_file import read_regular_file
 
-__all__ = ["ToolEntry", "read_tool_table"]
+__all__ = ["OffsetEntry", "ToolEntry", "offset_memory", "read_tool_table"]
 
 _ENTRY = re.compile(r"([A-Za-z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
 
@@ -30,6 +31,8 @@ class ToolEntry:
         Offsets of A, B, C in degrees.
     orientation : int
         Lathe tool orientation 1 ... 9, 0 for a mill.
+    length_wear_mm, diameter_wear_mm : float
+        Added to length and diameter.
     """
 
     length_mm: float = 0.0
@@ -38,6 +41,58 @@ class ToolEntry:
     y_mm: float = 0.0
     rotary_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
     orientation: int = 0
+    length_wear_mm: float = 0.0
+    diameter_wear_mm: float = 0.0
+
+    @property
+    def offset_length_mm(self) -> float:
+        """What G43 applies along Z."""
+        return self.length_mm + self.length_wear_mm
+
+    @property
+    def offset_diameter_mm(self) -> float:
+        """What G41 and G42 apply."""
+        return self.diameter_mm + self.diameter_wear_mm
+
+
+@dataclass(frozen=True)
+class OffsetEntry:
+    """One row of the offset memory: what the words H and D of its number mean.
+
+    Controls keep geometry and wear apart for both (Fanuc's tool compensation memory C; Haas'
+    offset page: H length geometry and wear, D diameter geometry and wear).
+
+    Attributes
+    ----------
+    length_mm, diameter_mm : float or None
+        Geometry of H and D; None for that of the tool with the same number.
+    length_wear_mm, diameter_wear_mm : float
+        Added to them.
+    """
+
+    length_mm: float | None = None
+    length_wear_mm: float = 0.0
+    diameter_mm: float | None = None
+    diameter_wear_mm: float = 0.0
+
+
+def offset_memory(
+    tools: Mapping[int, ToolEntry], offsets: Mapping[int, OffsetEntry]
+) -> dict[int, ToolEntry]:
+    """What H and D of every number mean: the tools' own dimensions, and over them the offsets.
+
+    A row that gives neither geometry nor a tool's number is zero there.
+    """
+    memory = dict(tools)
+    for number, row in offsets.items():
+        given = {"length_mm": row.length_mm, "diameter_mm": row.diameter_mm}
+        memory[number] = replace(
+            memory.get(number, ToolEntry()),
+            length_wear_mm=row.length_wear_mm,
+            diameter_wear_mm=row.diameter_wear_mm,
+            **{name: value for name, value in given.items() if value is not None},
+        )
+    return memory
 
 
 def read_tool_table(path: str | Path, *, unit_mm: float = 1.0) -> dict[int, ToolEntry]:

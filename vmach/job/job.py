@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gcode import OffsetEntry
 from stock import StockError, Tool, make_tool
 from vmach.base.units import mm_from_um
 from vmach.errors import InputError
@@ -126,6 +127,8 @@ class Job:
     work_offsets_mm : mapping of "G54" ... to (3,) float64
     blank : Blank or None
     tools : mapping of tool number to JobTool
+    offsets : mapping of number to OffsetEntry
+        What H and D of a number mean where it is not the tool of that number.
     inspection : Inspection
     effects, measurements, history
         As in the file; read by the parts of the program that know them.
@@ -146,6 +149,7 @@ class Job:
     work_offsets_mm: Mapping[str, np.ndarray]
     blank: Blank | None
     tools: Mapping[int, JobTool]
+    offsets: Mapping[int, OffsetEntry]
     inspection: Inspection
     effects: Mapping[str, Any]
     measurements: Sequence[Mapping[str, Any]]
@@ -229,6 +233,7 @@ def read_job(path: Job | str | Path) -> Job:
         work_offsets_mm={k: np.array(v) for k, v in data.work_offsets_mm.items()},
         blank=_blank(data, path, at),
         tools={k: _tool(k, tool, at("tools", str(k))) for k, tool in data.tools.items()},
+        offsets={k: OffsetEntry(**row.model_dump()) for k, row in data.offsets.items()},
         inspection=_inspection(data.inspection, at("inspection", "alignment")),
         effects=data.effects,
         measurements=data.measurements,
