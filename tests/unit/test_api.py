@@ -41,7 +41,7 @@ def test_a_machine_from_arrays_leans_and_stretches_as_it_is_told():
         errors={"EXX": (x, 0.02 * x)},
         squareness_urad={"EC0Y": 30.0},
     )
-    found = vmach.accuracy(machine, grid=(11, 3, 3))
+    found = vmach.volumetric(machine, grid=(11, 3, 3))
     assert found.largest_difference_mm == pytest.approx(1e-3 * (0.02 * 500 + 0.03 * 400), rel=1e-12)
 
 
