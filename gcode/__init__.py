@@ -1,9 +1,9 @@
 """NC programs: from text to resolved moves. Knows neither machines' errors nor stock."""
 
+from gcode.canon import canon_calls, canon_lines
 from gcode.dialects import DIALECTS, dialect_name, dialect_of
 from gcode.errors import ProgramError, UnknownToolError
 from gcode.geometry.arc_tolerance import ARC_TOLERANCES, ArcTolerance
-from gcode.moves.canon import canon_calls, canon_lines
 from gcode.moves.clock import MachineLimits
 from gcode.moves.moves import MoveKind, Moves
 from gcode.program import Note, Program, read_program

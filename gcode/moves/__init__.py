@@ -1,1 +1,1 @@
-"""The record resolved: moves in machine coordinates with a clock, and canonical calls."""
+"""The record resolved: moves in machine coordinates, with a clock."""
