@@ -101,6 +101,8 @@ class HistoryEntry(FileSection):
     added: list[str] = []
     rms_before_um: NonNegative | None = None
     rms_after_um: NonNegative | None = None
+    #: name of an effect of a user's own, and the file that it is in
+    effect_files: dict[str, str] = {}
 
 
 class JobSchema(FileSection):
