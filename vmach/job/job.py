@@ -177,19 +177,22 @@ def job_name(path: Path) -> str:
     return path.parent.name if path.name == "job.toml" else path.stem
 
 
-def read_job(path: str | Path) -> Job:
+def read_job(path: Job | str | Path) -> Job:
     """Read a job file, its machine and its tools.
 
     Parameters
     ----------
-    path : path
-        The job file, or the folder that holds a ``job.toml``.
+    path : path or Job
+        The job file, or the folder that holds a ``job.toml``. A job that was read is given back,
+        so that programs may change one in between.
 
     Raises
     ------
     InputError
         Anything wrong with the files, with file, line, key, value and what is accepted.
     """
+    if isinstance(path, Job):
+        return path
     path = Path(path)
     path = path / "job.toml" if path.is_dir() else path
     data = read_toml(path, JobSchema, what="job file")
