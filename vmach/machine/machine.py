@@ -133,7 +133,7 @@ class Machine:
                     f"machine '{self.name}': {name} has no measured_at_mm",
                     accepted="three numbers: where the reflector stood, in the frame of the body "
                     "that the axis carries",
-                    hint="the Abbe-consistent model needs it; '--model htm' does not",
+                    hint="the Abbe-consistent model needs it; commands with '--model htm' do not",
                 )
         return points
 
