@@ -5,6 +5,7 @@ Knows neither NC programs nor machines.
 
 from stock.collision import Collision, find_collisions
 from stock.compile_ahead import compile_ahead
+from stock.difference import Difference, Surface, find_differences
 from stock.edge import Edges, EdgeStatus, find_edges
 from stock.errors import StockError
 from stock.export import write_part
@@ -18,16 +19,19 @@ __all__ = [
     "TOOL_SHAPES",
     "Collision",
     "Corner",
+    "Difference",
     "EdgeStatus",
     "Edges",
     "Generation",
     "StockError",
+    "Surface",
     "Sweeps",
     "Tool",
     "VirtualPart",
     "compile_ahead",
     "cut_part",
     "find_collisions",
+    "find_differences",
     "find_edges",
     "find_generating",
     "make_tool",
