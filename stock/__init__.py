@@ -5,12 +5,12 @@ Knows neither NC programs nor machines.
 
 from stock.collision import Collision, find_collisions
 from stock.compile_ahead import compile_ahead
-from stock.difference import Difference, Surface, find_differences
-from stock.edge import Edges, EdgeStatus, find_edges
 from stock.errors import StockError
-from stock.export import write_part
-from stock.generating import Generation, find_generating
+from stock.exact.edge import Edges, EdgeStatus, find_edges
+from stock.exact.generating import Generation, find_generating
 from stock.solid import BLANK, VirtualPart, cut_part
+from stock.solid.difference import Difference, Surface, find_differences
+from stock.solid.export import write_part
 from stock.sweeps import Sweeps
 from stock.tools import TOOL_SHAPES, Corner, Tool, make_tool
 

@@ -16,11 +16,11 @@ import numpy as np
 
 from stock.child_process import isolated_python
 from stock.compiled import read_only
-from stock.meeting import Cut
-from stock.motion import Motion
-from stock.outline import Outlines
-from stock.tree import Trees
-from stock.walk import Work, is_walk_compiled, walk_lines
+from stock.exact.meeting import Cut
+from stock.exact.motion import Motion
+from stock.exact.outline import Outlines
+from stock.exact.tree import Trees
+from stock.exact.walk import Work, is_walk_compiled, walk_lines
 
 __all__ = ["await_compiled", "compile_ahead", "compile_walk"]
 

@@ -4,7 +4,7 @@ from importlib import import_module
 
 import pytest
 
-from vmach.kernel_cache import collect_less_often, forget_stale_kernels
+from vmach.base.kernel_cache import collect_less_often, forget_stale_kernels
 
 forget_stale_kernels()
 collect_less_often()

@@ -8,7 +8,7 @@ import sys
 import traceback
 from pathlib import Path
 
-from vmach.terminal import protect_terminal
+from vmach.base.terminal import protect_terminal
 
 __all__ = ["main"]
 

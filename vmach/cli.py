@@ -9,6 +9,11 @@ from typing import Annotated
 import typer
 
 from vmach import __version__
+from vmach.base.kernel_cache import (
+    collect_less_often,
+    find_room_for_kernels,
+    forget_stale_kernels,
+)
 from vmach.commands.accuracy import accuracy
 from vmach.commands.canon import canon
 from vmach.commands.compensate import compensate
@@ -20,11 +25,6 @@ from vmach.commands.predict import predict
 from vmach.commands.tables import HelpWithFormats, tables
 from vmach.commands.view import view
 from vmach.errors import VmachError
-from vmach.kernel_cache import (
-    collect_less_often,
-    find_room_for_kernels,
-    forget_stale_kernels,
-)
 
 __all__ = ["app", "main"]
 

@@ -19,8 +19,8 @@ import numpy as np
 from gcode import MoveKind
 from vmach.job import read_job
 from vmach.machine import ComponentError, Machine, Variant, displacement, read_machine
-from vmach.preparation import prepare
-from vmach.toolpath import PathStates
+from vmach.path.preparation import prepare
+from vmach.path.toolpath import PathStates
 
 FOLDER = Path(__file__).resolve().parent
 PRINTED_UM = {"toolpath1": (8.5, 24.3, 26.7), "toolpath2": (12.7, 24.4, 27.6)}

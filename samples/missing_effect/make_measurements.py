@@ -14,8 +14,8 @@ import numpy as np
 from vmach.job import read_job
 from vmach.machine import Variant
 from vmach.nominal import read_nominal
+from vmach.path.preparation import prepare
 from vmach.prediction import predict
-from vmach.preparation import prepare
 
 FOLDER = Path(__file__).parent
 LOST_MOTION_UM, NOISE_UM, SPACING_MM = 7.0, 0.8, 11.0

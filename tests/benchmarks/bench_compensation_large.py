@@ -19,7 +19,7 @@ from vmach.compensation import compensate
 from vmach.compensation.model import TipModel
 from vmach.job import read_job
 from vmach.machine import Variant
-from vmach.preparation import prepare
+from vmach.path.preparation import prepare
 
 SAMPLE = Path(__file__).parents[2] / "samples" / "iso10791_7"
 JOB = """schema = 1

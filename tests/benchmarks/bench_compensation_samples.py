@@ -25,18 +25,18 @@ import numpy as np
 from numba import njit
 
 from gcode import MoveKind
+from vmach.compensation.aim.part_view import PartView
+from vmach.compensation.aim.probes import surface_probes
+from vmach.compensation.aim.surface import check_surface, read_surface
 from vmach.compensation.compensate import finish, solve
+from vmach.compensation.grid.rounding import Rounding
 from vmach.compensation.model import TipModel
-from vmach.compensation.part_view import PartView
-from vmach.compensation.probes import surface_probes
-from vmach.compensation.rounding import Rounding
-from vmach.compensation.sampling import sample_error
-from vmach.compensation.surface import check_surface, read_surface
-from vmach.compensation.tube import fewest_pieces
+from vmach.compensation.pieces.sampling import sample_error
+from vmach.compensation.pieces.tube import fewest_pieces
 from vmach.effects import read_effects
 from vmach.job import read_job
 from vmach.machine import Variant
-from vmach.preparation import prepare
+from vmach.path.preparation import prepare
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 TOLERANCE_MM = 1e-4

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from vmach.diagnosis.diagnose import Diagnosis, diagnose
-from vmach.diagnosis.job_survey import survey_job
+from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.diagnosis.search import Search, prepare_search
 from vmach.fit.survey import Survey
 

@@ -15,9 +15,9 @@ from scipy.spatial.distance import cdist
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from tests.machine_cases import make_machine, random_components, random_squareness
-from vmach.accuracy import assess, error_field, farthest_pair, measured_volume
 from vmach.machine import Variant, displacement
 from vmach.machine.exact import exact_displacement
+from vmach.volumetric import assess, error_field, farthest_pair, measured_volume
 
 POINTS = 1_000_000
 LOOP_POINTS = 2_000

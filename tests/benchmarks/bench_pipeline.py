@@ -72,7 +72,7 @@ def write_grid(path: Path, points: int = 10_000) -> None:
 
 def measure(job: str) -> None:
     """Run the main job and print its stage times and this process' peak memory as JSON."""
-    from vmach.pipeline import machine_part
+    from vmach.run.pipeline import machine_part
 
     made = machine_part(job)
     peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024

@@ -26,7 +26,7 @@ from manifold3d import Manifold, OpType
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from stock import Sweeps, cut_part, find_collisions, make_tool
-from stock.ring_stack import ring_stack
+from stock.solid.ring_stack import ring_stack
 from tests.stock_solid_cases import polyline, wavy_raster
 
 BALL = make_tool("ball", diameter_mm=6.0, length_mm=30.0)

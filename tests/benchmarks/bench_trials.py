@@ -16,10 +16,10 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from vmach.added_effects import add_effects
 from vmach.diagnosis.diagnose import diagnose
-from vmach.diagnosis.job_survey import survey_job
+from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.history import history_of
+from vmach.history.added_effects import add_effects
 from vmach.job import read_job
 
 

@@ -111,7 +111,9 @@ def test_a_sound_machine_has_a_page_too(tmp_path, monkeypatch, capsys):
 def test_a_folder_that_cannot_be_filled_is_refused_at_once(
     job, tmp_path, target, monkeypatch, capsys
 ):
-    monkeypatch.setattr("vmach.diagnosis.job_survey.survey_job", lambda job: pytest.fail("late"))
+    monkeypatch.setattr(
+        "vmach.diagnosis.residuals.job_survey.survey_job", lambda job: pytest.fail("late")
+    )
     (tmp_path / "file").write_text("mine")
     replace(job, "part.nc", "next.nc")
     (job.parent / "part.nc").rename(job.parent / "next.nc")

@@ -15,7 +15,7 @@ from tests.oracle.linuxcnc_interpreter import judge
 from vmach.compensation import compensate
 from vmach.effects import read_effects
 from vmach.job import read_job
-from vmach.path_geometry import position_at
+from vmach.path.geometry import position_at
 from vmach.program_text import Target
 
 __all__ = ["Outcome", "compensated", "corpus_programs", "judged", "straight_machine",

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from scipy.spatial.distance import pdist
 
 from tests.machine_cases import constant, make_machine, random_components, random_squareness
-from vmach.accuracy import (
+from vmach.machine import ComponentError, Variant, displacement
+from vmach.volumetric import (
     Volume,
     assess,
     compare_variants,
@@ -21,9 +22,8 @@ from vmach.accuracy import (
     farthest_pair,
     group_vectors,
 )
-from vmach.accuracy.grouping import comparisons
-from vmach.accuracy.histogram import difference_histogram
-from vmach.machine import ComponentError, Variant, displacement
+from vmach.volumetric.grouping import comparisons
+from vmach.volumetric.histogram import difference_histogram
 
 TOOL = np.array([0.0, 0.0, -150.0])
 CUBE = Volume(np.array([-500.0, -400.0, -300.0]), np.array([500.0, 400.0, 300.0]), (7, 6, 5))
@@ -61,7 +61,7 @@ def test_farthest_pair_is_that_of_all_comparisons(kind, seed, count):
 
 @pytest.mark.parametrize("kind", ["ball", "sphere", "needle", "plane", "line", "grid"])
 def test_thinning_of_large_sets_loses_nothing(kind, monkeypatch):
-    module = import_module("vmach.accuracy.farthest_pair")
+    module = import_module("vmach.volumetric.farthest_pair")
     vectors = cloud(kind, np.random.default_rng(8), 3000)
     monkeypatch.setattr(module, "_THIN_ABOVE", 50)
     assert farthest_pair(vectors)[2] == pytest.approx(pdist(vectors).max(), rel=1e-9)
@@ -70,7 +70,7 @@ def test_thinning_of_large_sets_loses_nothing(kind, monkeypatch):
 def test_error_field_is_the_displacement_at_its_own_positions(monkeypatch):
     rng = np.random.default_rng(3)
     machine = make_machine("t (C) Z Y b X' w", random_components(rng))
-    monkeypatch.setattr("vmach.accuracy.field._STATES_AT_ONCE", 70)  # several slabs
+    monkeypatch.setattr("vmach.volumetric.field._STATES_AT_ONCE", 70)  # several slabs
     field = error_field(machine, CUBE, TOOL, Variant.ABBE)
     nose = field.nose_mm(np.arange(7 * 6 * 5))
     assert len(np.unique(nose, axis=0)) == 7 * 6 * 5

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from vmach.alignment import align, fit_alignment
 from vmach.errors import InputError
-from vmach.points import SurfacePoints
+from vmach.nominal.alignment import align, fit_alignment
+from vmach.nominal.points import SurfacePoints
 
 SHIFT, TURN = np.array([0.012, -0.007, 0.021]), np.array([30e-6, -55e-6, 80e-6])
 

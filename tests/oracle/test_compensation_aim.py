@@ -13,7 +13,7 @@ from tests.oracle.test_compensation_programs import BODY, SCALE, job_with, numbe
 from tests.oracle.test_compensation_surface import AROUND, STOCK, job_of_walls
 from vmach.cli import app
 from vmach.compensation import compensate
-from vmach.compensation.surface import check_surface, read_surface
+from vmach.compensation.aim.surface import check_surface, read_surface
 from vmach.effects import read_effects
 from vmach.errors import InputError
 from vmach.job import read_job
@@ -192,7 +192,7 @@ def test_shifts_count_against_the_limit(tmp_path):
 
 
 def test_a_path_shifted_the_wrong_way_is_refused(tmp_path, monkeypatch):
-    from vmach.compensation import part_aim
+    from vmach.compensation.aim import part_aim
 
     right = part_aim.centred
 

@@ -11,9 +11,9 @@ from scipy.optimize import linprog
 from gcode import MoveKind
 from tests.oracle.test_compensation_programs import HEAD, JOB, MACHINE, job_with
 from vmach.compensation import compensate
-from vmach.compensation.tube import fewest_pieces
+from vmach.compensation.pieces.tube import fewest_pieces
 from vmach.job import read_job
-from vmach.preparation import prepare
+from vmach.path.preparation import prepare
 
 FREE = np.array([[-1.0], [1.0]])
 

@@ -8,8 +8,8 @@ import pytest
 from tests.oracle.test_compensation_programs import job_with
 from tests.oracle.test_compensation_surface import STOCK
 from vmach.compensation import compensate
-from vmach.compensation.grid_choice import Course, Points, best_sequence
-from vmach.compensation.surface import check_surface, read_surface
+from vmach.compensation.aim.surface import check_surface, read_surface
+from vmach.compensation.grid.choice import Course, Points, best_sequence
 from vmach.effects import read_effects
 from vmach.job import read_job
 

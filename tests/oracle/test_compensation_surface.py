@@ -7,7 +7,7 @@ import pytest
 
 from tests.oracle.test_compensation_programs import SCALE, SCALE_PPM, job_with
 from vmach.compensation import compensate
-from vmach.compensation.surface import check_surface, read_surface
+from vmach.compensation.aim.surface import check_surface, read_surface
 from vmach.effects import read_effects
 from vmach.job import read_job
 

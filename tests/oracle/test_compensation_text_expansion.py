@@ -13,7 +13,7 @@ import pytest
 from gcode import Source, read_program, read_tool_table
 from tests.oracle.linuxcnc_interpreter import ARC, INCH_MM, is_installed, judge, rows_of
 from vmach.errors import InputError
-from vmach.program_text.expansion import expanded
+from vmach.program_text.expanding.expansion import expanded
 
 FOLDER = Path(__file__).parents[1] / "golden" / "gcode"
 #: what plain blocks cannot do, by the reason that is given
@@ -152,6 +152,6 @@ def test_fanuc_macros_and_branches_run_in_order():
 
 
 def test_a_program_that_runs_too_long_is_refused(monkeypatch):
-    monkeypatch.setattr("vmach.program_text.unrolling._MOST_LINES", 100)
+    monkeypatch.setattr("vmach.program_text.expanding.unrolling._MOST_LINES", 100)
     with pytest.raises(InputError, match="lines"):
         text_of("#1=0\nO1 WHILE [#1 LT 50]\nG0 X#1\n#1=[#1+1]\nO1 ENDWHILE\nM2\n")

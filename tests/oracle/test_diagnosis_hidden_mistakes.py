@@ -6,7 +6,7 @@ import shutil
 import pytest
 
 from tests.hidden_effects.experiment import make_experiment
-from vmach.diagnosis.job_survey import survey_job
+from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.errors import InputError
 from vmach.job import read_job
 from vmach.measurements import read_instruments

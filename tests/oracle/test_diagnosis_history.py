@@ -7,8 +7,8 @@ from typer.testing import CliRunner
 
 from tests.hidden_effects import program_runs
 from tests.hidden_effects.experiment import make_experiment
-from vmach.added_effects import add_effects
 from vmach.cli import app
+from vmach.history.added_effects import add_effects
 
 
 def run(*words):

@@ -6,7 +6,7 @@ from scipy.linalg import null_space
 from scipy.stats import multivariate_normal
 
 from tests.unit.test_diagnosis_verdicts import stretched_and_loose, tip_job
-from vmach.diagnosis.job_survey import survey_job
+from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.diagnosis.score import evidence_of_set
 from vmach.diagnosis.search import prepare_search
 from vmach.effects import catalogue

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from vmach.added_effects import add_effects
 from vmach.diagnosis.diagnose import diagnose
-from vmach.diagnosis.job_survey import survey_job
+from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.history import history_of
+from vmach.history.added_effects import add_effects
 
 SAMPLE = Path(__file__).parents[2] / "samples" / "missing_effect"
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from vmach.effects.blank_depth import blank_depth_mm
 from vmach.job import Blank
+from vmach.path.blank_depth import blank_depth_mm
 
 LOW, HIGH = np.array([0.0, 0.0, -30.0]), np.array([100.0, 60.0, 0.0])
 BOX = Blank(LOW, HIGH)

@@ -13,8 +13,8 @@ from tests.small_job import write_job
 from vmach.effects import Circumstances, catalogue
 from vmach.job import read_job
 from vmach.measurements.test_motion import MotionRecord, stop_and_go
-from vmach.preparation import prepare
-from vmach.toolpath import PathStates
+from vmach.path.preparation import prepare
+from vmach.path.toolpath import PathStates
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from vmach.errors import InputError
 from vmach.iso230 import Budget, evaluate, expanded, parameter_uncertainties
 from vmach.iso230.uncertainty import root_sum
 from vmach.machine import read_machine
-from vmach.machine.runs import Runs
+from vmach.machine.tables.runs import Runs
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 

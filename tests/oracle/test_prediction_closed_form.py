@@ -5,7 +5,7 @@ import pytest
 
 from tests.small_job import BORE_MM, pocket_points, write_job
 from vmach.machine import Variant
-from vmach.pipeline import predict_points
+from vmach.run.pipeline import predict_points
 
 NAMES, POINTS, NORMALS = pocket_points()
 ZERO = np.array([-200.0, -150.0, -200.0])

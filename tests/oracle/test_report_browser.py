@@ -10,7 +10,7 @@ import pytest
 from tests.report_case import block, points, run
 from tests.small_job import write_job
 from vmach.diagnosis.diagnose import diagnose
-from vmach.diagnosis.job_survey import survey_job
+from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.diagnosis.results import write_diagnosis
 from vmach.report import build_display_mesh, write_report_html
 

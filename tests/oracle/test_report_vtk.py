@@ -5,10 +5,10 @@ import pytest
 
 from tests.report_case import block, points
 from vmach.report import build_display_mesh
-from vmach.report.camera import isometric_camera
-from vmach.report.colours import colours_of
-from vmach.report.rasterise import rasterise
-from vmach.report.vtk_picture import vtk_pictures
+from vmach.report.pictures.camera import isometric_camera
+from vmach.report.pictures.colours import colours_of
+from vmach.report.pictures.rasterise import rasterise
+from vmach.report.pictures.vtk_picture import vtk_pictures
 
 
 def test_rasteriser_and_vtk_agree():

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from vmach.machine import Variant
-from vmach.pipeline import predict_points
+from vmach.run.pipeline import predict_points
 
 SAMPLES = Path(__file__).resolve().parents[2] / "samples"
 FINISHING_RADIUS_MM = 8.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from stock.difference import Surface, find_differences
+from stock.solid.difference import Surface, find_differences
 
 
 def surface(mesh):
@@ -60,7 +60,7 @@ def test_a_hole_that_is_missing_is_one_excess():
 def chamfered(size):
     """A wedge of the given leg along the upper edge at x = 0."""
     leg = np.array([[-1, -1, 10 - size - 1], [size + 1, -1, 11], [-1, -1, 11]], float)
-    both = np.vstack([leg, leg + [0, 42, 0]])
+    both = np.vstack([leg, np.add(leg, [0, 42, 0])])
     return without(PLATE, trimesh.convex.convex_hull(both))
 
 

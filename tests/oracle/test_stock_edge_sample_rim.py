@@ -9,8 +9,8 @@ from stock import Sweeps, find_edges, make_tool
 from tests.oracle import stock_brute_force as brute
 from vmach.job import read_job
 from vmach.machine import Variant
+from vmach.path.preparation import prepare
 from vmach.prediction import displaced_sweeps
-from vmach.preparation import prepare
 
 JOB = Path(__file__).resolve().parents[2] / "samples" / "mazak_ajv25" / "toolpath1.toml"
 TOOL = {"shape": "flat", "diameter_mm": 20.0, "length_mm": 200.0}

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vmach import units
+from vmach.base import units
 
 PAIRS = [
     (units.mm_from_um, units.um_from_mm, 1500.0, 1.5),

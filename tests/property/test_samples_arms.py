@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from vmach.machine import Variant
-from vmach.pipeline import predict_points
+from vmach.run.pipeline import predict_points
 
 FOLDER = Path(__file__).resolve().parents[2] / "samples" / "spline_slot"
 

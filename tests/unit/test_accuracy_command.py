@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vmach.accuracy.profile import Profile, read_profile
 from vmach.commands.accuracy import accuracy
 from vmach.errors import InputError
 from vmach.machine import Variant
+from vmach.volumetric.profile import Profile, read_profile
 
 MACHINE = Path(__file__).parents[2] / "samples/mazak_ajv25/machine.toml"
 

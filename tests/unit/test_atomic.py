@@ -3,8 +3,8 @@
 import pytest
 
 from tests.report_case import points, run
-from vmach.atomic import atomic_file, atomic_folder, check_outputs
 from vmach.errors import InputError
+from vmach.files.atomic import atomic_file, atomic_folder, check_outputs
 from vmach.report import write_summary
 
 

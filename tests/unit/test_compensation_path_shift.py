@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from gcode import read_program
-from vmach.compensation.path_shift import no_shift
-from vmach.compensation.plan import Plan
-from vmach.compensation.shift_fit import centred
-from vmach.compensation.surface_demand import SurfaceDemand
-from vmach.path_geometry import position_at
-from vmach.program_text.pieces import Piece, circle_through
+from vmach.compensation.aim.path_shift import no_shift
+from vmach.compensation.aim.shift_fit import centred
+from vmach.compensation.aim.surface_demand import SurfaceDemand
+from vmach.compensation.pieces.plan import Plan
+from vmach.path.geometry import position_at
+from vmach.program_text.blocks.pieces import Piece, circle_through
 
 PROGRAM = "G21 G90 G17\nG0 X10 Y0 Z5\nG1 Z0 F500\nG3 X0 Y10 I-10 J0\nG1 X-20\nM30\n"
 RAPID, PLUNGE, ARC, LINE = range(4)

@@ -14,8 +14,8 @@ from vmach.controller_tables.linuxcnc import read_linuxcnc, write_linuxcnc
 from vmach.controller_tables.projection import AxisTable, Term, scaled
 from vmach.controller_tables.sinumerik import read_cec, read_enc_comp, write_cec, write_enc_comp
 from vmach.errors import InputError
-from vmach.machine.error_table import RAD_PER, read_error_table
-from vmach.machine.volumetric_file import read_volumetric_file
+from vmach.machine.files.volumetric_file import read_volumetric_file
+from vmach.machine.tables.error_table import RAD_PER, read_error_table
 
 NO_TOOL = np.zeros(3)
 FORWARD, BACKWARD = np.ones((1, 3)), -np.ones((1, 3))

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from vmach import csv_table
-from vmach.csv_table import fixed, rounded, whole, words, write_csv
+from vmach.files import csv_table
+from vmach.files.csv_table import fixed, rounded, whole, words, write_csv
 
 RNG = np.random.default_rng(5)
 #: sizes of all orders, ties of the rounding, zeros of both signs, what has no digits
@@ -74,7 +74,7 @@ def test_a_table_without_rows_has_its_heading():
 def test_whole_columns_of_a_prediction_are_made_once(monkeypatch):
     """Every property of a prediction is asked a fixed number of times, however many the points."""
     from stock import EdgeStatus
-    from vmach import results
+    from vmach.run import results
 
     class Counted:
         asked = 0
@@ -101,7 +101,7 @@ def test_whole_columns_of_a_prediction_are_made_once(monkeypatch):
 
 
 def _points(count):
-    from vmach.points import SurfacePoints
+    from vmach.nominal.points import SurfacePoints
 
     normal = np.tile([0.0, 0.0, 1.0], (count, 1))
     ids = np.arange(count).astype(str)

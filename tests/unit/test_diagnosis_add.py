@@ -7,11 +7,11 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.unit.test_diagnosis_verdicts import lost_motion, nothing, tip_job
-from vmach.added_effects import add_effects
 from vmach.cli import app
-from vmach.diagnosis.job_survey import survey_job
 from vmach.diagnosis.named_fit import fit_named
+from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.errors import InputError
+from vmach.history.added_effects import add_effects
 
 
 def add(*words):

@@ -15,16 +15,16 @@ from tests.small_job import (
     write_points,
 )
 from tests.unit.test_diagnosis_verdicts import lost_motion, tip_job
-from vmach.diagnosis.covariate_panels import covariate_panels
 from vmach.diagnosis.diagnose import diagnose
-from vmach.diagnosis.instrument_pictures import instrument_pictures
-from vmach.diagnosis.job_survey import survey_job
-from vmach.diagnosis.page_words import quantity
-from vmach.diagnosis.residual_map import residual_map
+from vmach.diagnosis.page.covariate_panels import covariate_panels
+from vmach.diagnosis.page.heading import quantity
+from vmach.diagnosis.page.instrument_pictures import instrument_pictures
+from vmach.diagnosis.page.residual_map import residual_map
 from vmach.diagnosis.residuals import Residuals
+from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.fit.whitening import Whitening
 from vmach.nominal import read_nominal
-from vmach.report.svg_plot import Frame, number_text, ticks
+from vmach.report.page.svg_plot import Frame, number_text, ticks
 
 ERRORS = {"EXX": (lambda x: 3.0 * np.sin(x / 40.0), (0, 0, -100))}
 

@@ -11,24 +11,24 @@ import numpy as np
 import pytest
 
 from tests.small_job import measurement, write_job
-from vmach.added_effects import add_effects
-from vmach.diagnosis.contrived import is_contrived
 from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.findings import Finding
-from vmach.diagnosis.impossible_sizes import has_impossible_sizes, impossible_sizes
-from vmach.diagnosis.job_survey import survey_job
-from vmach.diagnosis.planned_program import write_program
-from vmach.diagnosis.planned_tests import planned_tests
+from vmach.diagnosis.gates.contrived import is_contrived
+from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossible_sizes
+from vmach.diagnosis.next_test.planned_program import write_program
+from vmach.diagnosis.next_test.planned_tests import planned_tests
 from vmach.diagnosis.report import as_json, as_text
+from vmach.diagnosis.residuals.job_survey import survey_job
+from vmach.diagnosis.residuals.structure import patterns
 from vmach.diagnosis.rivals import Rivals
 from vmach.diagnosis.search import prepare_search
-from vmach.diagnosis.structure import patterns
 from vmach.diagnosis.words import what_is_left, with_unit
 from vmach.effects import catalogue
 from vmach.errors import InputError
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import Whitening
 from vmach.history import draw_history, history_of
+from vmach.history.added_effects import add_effects
 from vmach.job import read_job
 from vmach.measurements import read_instruments
 from vmach.measurements.instrument_settings import settings_of

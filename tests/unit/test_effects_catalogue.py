@@ -15,8 +15,8 @@ from vmach.effects.skeleton import write_skeleton
 from vmach.errors import InputError
 from vmach.job import read_job
 from vmach.machine import RigidDisplacement
-from vmach.preparation import prepare
-from vmach.toolpath import PathStates
+from vmach.path.preparation import prepare
+from vmach.path.toolpath import PathStates
 
 UNITS = {"um", "urad", "ppm", "mm", "s", "ms", "ms2", "rad", "m", "exponent", "share"}
 

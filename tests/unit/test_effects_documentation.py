@@ -13,7 +13,7 @@ import vmach.effects.effect
 from tests.small_job import write_job
 from vmach.effects import Circumstances, catalogue, load_effect_file
 from vmach.job import read_job
-from vmach.preparation import prepare
+from vmach.path.preparation import prepare
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "effects.md"
 

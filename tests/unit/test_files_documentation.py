@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from vmach.job_schema import JobSchema
-from vmach.machine.machine_schema import MachineSchema
+from vmach.files.toml_file import FileSection
+from vmach.job.schema import JobSchema
+from vmach.machine.files.machine_schema import MachineSchema
 from vmach.measurements.instrument_settings import Ballbar, Diagonal, Drift, Laser, Tip
-from vmach.toml_file import FileSection
 
 DOCS = Path(__file__).parents[2] / "docs"
 

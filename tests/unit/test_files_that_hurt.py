@@ -11,13 +11,13 @@ import pytest
 from gcode import ProgramError
 from gcode.source import Source
 from gcode.tools import read_tool_table
+from vmach.base.terminal import printable
 from vmach.errors import InputError
+from vmach.files.text_file import read_bytes, read_text
+from vmach.files.toml_file import FileSection, read_toml
 from vmach.measurements.columns import read_columns
 from vmach.nominal import read_nominal
-from vmach.points import read_points_csv
-from vmach.terminal import printable
-from vmach.text_file import read_bytes, read_text
-from vmach.toml_file import FileSection, read_toml
+from vmach.nominal.points import read_points_csv
 
 
 class Schema(FileSection):

@@ -3,39 +3,33 @@
 import ast
 import subprocess
 import sys
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
 
-#: layer of every part of vmach; a part may import its own layer and lower ones
+#: layer of every room of vmach; a room may import its own layer and lower ones, never in a circle
 LAYERS = [
-    {
-        "units",
-        "errors",
-        "variant",
-        "atomic",
-        "stage_clock",
-        "progress",
-        "kernel_cache",
-        "terminal",
-        "text_file",
-    },
-    {"csv_table", "toml_file", "points", "path_geometry", "alignment", "nominal"},
-    {"machine", "accuracy", "iso230"},
-    {"job_schema", "job", "tool_doubts", "toolpath"},
-    {"sweeping", "preparation", "effects"},
-    {"prediction", "error_budget", "collisions", "measurements", "tip_errors", "program_text"},
+    {"base", "errors"},
+    {"files"},
+    {"nominal", "machine", "report"},
+    {"job", "iso230"},
+    {"tool_doubts", "plausibility", "volumetric"},
+    {"path"},
+    {"effects", "program_text"},
+    {"prediction"},
+    {"measurements", "instruments", "controller_tables"},
     {"fit"},
-    {"prediction_uncertainty"},
-    {"diagnosis", "controller_tables", "report", "history", "added_effects"},
-    {"inspection"},
-    {"pipeline"},
-    {"results", "compensation"},
+    {"diagnosis", "run"},
+    {"history", "compensation"},
+    {"api"},
     {"commands"},
     {"cli", "__main__", "__init__"},
 ]
+#: Python files directly in vmach/, and in any one room, at most
+TOP_LEVEL_FILES, ROOM_FILES = 5, 20
 
 
 def imported_modules(path):
@@ -60,16 +54,47 @@ def test_lower_packages_know_nobody(package):
             assert module.split(".")[0] not in others, f"{path} imports {module}"
 
 
-def test_vmach_imports_point_down():
-    wrong = []
+def room_of(path):
+    return path.relative_to(ROOT / "vmach").parts[0].removesuffix(".py")
+
+
+def arrows_between_rooms():
+    """(room, imported room, where), the door of the package left out."""
     for path in (ROOT / "vmach").rglob("*.py"):
-        part = path.relative_to(ROOT / "vmach").parts[0].removesuffix(".py")
         for module in imported_modules(path):
             names = module.split(".")
-            is_inner = names[0] == "vmach" and len(names) > 1
-            if is_inner and layer_of(names[1]) > layer_of(part):
-                wrong.append(f"{path.relative_to(ROOT)} imports {module}")
+            if names[0] == "vmach" and len(names) > 1 and names[1] != room_of(path):
+                yield room_of(path), names[1], f"{path.relative_to(ROOT)} imports {module}"
+
+
+def test_vmach_imports_point_down():
+    wrong = [
+        where
+        for room, imported, where in arrows_between_rooms()
+        if layer_of(imported) > layer_of(room)
+    ]
     assert not wrong, "\n".join(wrong)
+
+
+def test_no_rooms_import_each_other_in_a_circle():
+    graph = {}
+    for room, imported, _ in arrows_between_rooms():
+        if room != "__init__":
+            graph.setdefault(room, set()).add(imported)
+    tuple(TopologicalSorter(graph).static_order())  # raises CycleError with the circle
+
+
+def test_rooms_stay_small():
+    crowded = {
+        str(folder.relative_to(ROOT)): count
+        for package in ("vmach", "gcode", "stock")
+        for folder in (ROOT / package, *(ROOT / package).rglob("*/"))
+        if (count := len(list(folder.glob("*.py")))) > ROOM_FILES
+        and (folder / "__init__.py").exists()
+    }
+    crowded.pop("gcode", None)
+    assert not crowded
+    assert len(list((ROOT / "vmach").glob("*.py"))) <= TOP_LEVEL_FILES
 
 
 def test_the_command_line_loads_nothing_that_takes_long():
@@ -82,7 +107,7 @@ def test_the_command_line_loads_nothing_that_takes_long():
 def test_predictions_wait_for_no_pictures_and_no_solids():
     heavy = ["matplotlib", "trimesh", "pyvista", "scipy.stats"]
     code = (
-        "import sys, vmach.pipeline, vmach.diagnosis.diagnose; "
+        "import sys, vmach.run.pipeline, vmach.diagnosis.diagnose; "
         f"print([name for name in {heavy} if name in sys.modules])"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -4,8 +4,8 @@ import os
 import tempfile
 from pathlib import Path
 
-from vmach import kernel_cache
-from vmach.kernel_cache import _forget_in, find_room_for_kernels
+from vmach.base import kernel_cache
+from vmach.base.kernel_cache import _forget_in, find_room_for_kernels
 
 
 def make_package(folder):

@@ -12,7 +12,7 @@ from tests.machine_cases import make_machine
 from vmach.machine import COMPONENT_NAMES, ComponentError, Variant, displacement
 from vmach.machine.audit import audit
 from vmach.machine.double_counting import double_counting
-from vmach.machine.interpolation import Extrapolation
+from vmach.machine.tables.interpolation import Extrapolation
 
 POSITION = np.linspace(-500.0, 0.0, 11)
 

@@ -7,8 +7,8 @@ import pytest
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from vmach.errors import InputError
-from vmach.machine.cross_validation import CANDIDATES, choose, cross_validate
-from vmach.machine.interpolation import Extrapolation, Interpolation, Method
+from vmach.machine.tables.cross_validation import CANDIDATES, choose, cross_validate
+from vmach.machine.tables.interpolation import Extrapolation, Interpolation, Method
 
 X = np.array([-800.0, -640.0, -610.0, -450.0, -300.0, -220.0, -100.0, -50.0])
 Y = np.array([3.0, 1.0, 4.0, 1.0, -5.0, -9.0, 2.0, 6.0])

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from vmach.errors import InputError
-from vmach.machine.error_table import MM_PER, RAD_PER, read_error_table
-from vmach.machine.volumetric_file import read_volumetric_file
+from vmach.machine.files.volumetric_file import read_volumetric_file
+from vmach.machine.tables.error_table import MM_PER, RAD_PER, read_error_table
 
 
 def read(tmp_path, text, units=MM_PER, unit="um"):

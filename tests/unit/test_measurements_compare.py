@@ -4,7 +4,7 @@ import pytest
 
 from tests.small_job import write_job
 from vmach.errors import InputError
-from vmach.pipeline import machine_part
+from vmach.run.pipeline import machine_part
 
 
 def compare(folder, change):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vmach.measurements.motion_doubts import (
+from vmach.measurements.plausibility.motion_doubts import (
     approach_notes,
     circle_notes,
     drift_notes,

@@ -7,7 +7,7 @@ from tests.small_job import pocket_points, write_job
 from vmach.errors import InputError
 from vmach.job import read_job
 from vmach.measurements import measure_part
-from vmach.preparation import prepare
+from vmach.path.preparation import prepare
 
 ZERO = np.array([-200.0, -150.0, -200.0])  #: G54 of the small job
 

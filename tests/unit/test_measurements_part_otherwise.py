@@ -10,7 +10,7 @@ import pytest
 from tests.small_job import pocket_points, write_job, write_points
 from vmach.job import read_job
 from vmach.measurements import measure_part
-from vmach.preparation import prepare
+from vmach.path.preparation import prepare
 
 TOOL_RADIUS_MM = 5.0
 LOW, HIGH = -400.0, 400.0

@@ -10,7 +10,7 @@ from vmach.effects import Circumstances, set_up_effect
 from vmach.errors import InputError
 from vmach.job import read_job
 from vmach.measurements import measure_part, read_instruments
-from vmach.preparation import prepare
+from vmach.path.preparation import prepare
 
 LASER = measurement("laser", axis="X", at_mm=[-100, -100, -50])
 DIAGONAL = measurement("diagonal", from_mm=[-350, -50, -250], to_mm=[-50, -250, -50])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from vmach.measurements.wrong_frame import wrong_frame
+from vmach.measurements.plausibility.wrong_frame import wrong_frame
 
 SHIFT = np.array([-940.0, 1.25, 0.0])
 POINTS = np.random.default_rng(2).uniform([-80, -50, -30], [80, 50, 0], (60, 3))

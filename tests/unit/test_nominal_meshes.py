@@ -8,10 +8,10 @@ import pytest
 import trimesh
 
 from vmach.errors import InputError
-from vmach.inspection import check_nominal_in_blank
 from vmach.job import read_job
 from vmach.nominal import read_nominal
-from vmach.nominal.mesh_solidity import winding_numbers
+from vmach.nominal.mesh.mesh_solidity import winding_numbers
+from vmach.run.inspection import check_nominal_in_blank
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 PLATE = SAMPLES / "freecad_pocket"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vmach.errors import InputError
-from vmach.points import read_points_csv
+from vmach.nominal.points import read_points_csv
 
 HEAD = "id,feature,x,y,z,i,j,k,mx,my,mz,u_um\n"
 ROW = "1,top,10,20,-5,0,0,1,10,20,-4.998,0.8\n"

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from gcode import MoveKind, Moves
-from vmach.path_geometry import last_direction, move_length_mm, position_at, tangent_at
-from vmach.toolpath import Toolpath
+from vmach.path.geometry import last_direction, move_length_mm, position_at, tangent_at
+from vmach.path.toolpath import Toolpath
 
 
 def make_moves(*rows):

@@ -6,7 +6,7 @@ import pytest
 from rich.console import Console
 from rich.progress import Progress
 
-from vmach import progress
+from vmach.base import progress
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import trimesh
 
 from tests.report_case import block, field_mm, points
 from vmach.report import Column, DisplayMesh, build_display_mesh, interpolate_to_mesh
-from vmach.report.display_mesh import sharp_edges, vertex_normals
+from vmach.report.pictures.display_mesh import sharp_edges, vertex_normals
 
 
 def solid(mesh: DisplayMesh) -> trimesh.Trimesh:

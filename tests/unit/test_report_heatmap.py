@@ -8,16 +8,12 @@ import trimesh
 from PIL import Image
 
 from tests.report_case import block, points, run
-from vmach.report import (
-    Colouring,
-    DisplayMesh,
-    build_display_mesh,
-    vtk_picture,
-)
-from vmach.report.camera import Camera, isometric_camera
-from vmach.report.colours import COLOUR_STOPS, colour_range, colours_of, nice_ceiling
-from vmach.report.heatmap import draw_heatmap
-from vmach.report.rasterise import rasterise
+from vmach.report import Colouring, DisplayMesh, build_display_mesh
+from vmach.report.pictures import vtk_picture
+from vmach.report.pictures.camera import Camera, isometric_camera
+from vmach.report.pictures.colours import COLOUR_STOPS, colour_range, colours_of, nice_ceiling
+from vmach.report.pictures.heatmap import draw_heatmap
+from vmach.report.pictures.rasterise import rasterise
 
 FRONT = Camera(np.eye(3), np.zeros(3), width_mm=100.0, height_mm=50.0)
 

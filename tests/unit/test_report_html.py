@@ -17,7 +17,7 @@ from vmach.report import (
     build_display_mesh,
     write_report_html,
 )
-from vmach.report.heatmap import draw_heatmap
+from vmach.report.pictures.heatmap import draw_heatmap
 
 
 def written(path, case, record, **options):

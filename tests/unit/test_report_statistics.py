@@ -5,7 +5,7 @@ import pytest
 
 from tests.report_case import points, run
 from vmach.report import Column, InspectedPoints, RunRecord, column_statistics, worst_places
-from vmach.report.statistics import feature_statistics, worst_apart_mm
+from vmach.report.figures.statistics import feature_statistics, worst_apart_mm
 
 
 def column(deviation_um, status=None):

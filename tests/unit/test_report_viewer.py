@@ -7,7 +7,7 @@ import trimesh
 from tests.report_case import block, points
 from vmach.errors import InputError
 from vmach.report import open_viewer, write_deviations_csv
-from vmach.report.viewer import _coloured_surface
+from vmach.report.pictures.viewer import _coloured_surface
 
 
 def test_without_a_display_the_message_points_to_the_report(tmp_path, monkeypatch):

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vmach.inspection import check_nominal_in_blank
 from vmach.job import read_job
 from vmach.machine import Variant, read_machine
 from vmach.nominal import read_nominal
-from vmach.preparation import prepare
+from vmach.path.preparation import prepare
+from vmach.run.inspection import check_nominal_in_blank
 
 SAMPLES = Path(__file__).resolve().parents[2] / "samples"
 JOBS = [

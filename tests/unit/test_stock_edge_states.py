@@ -5,8 +5,8 @@ import pytest
 
 from stock import EdgeStatus, StockError, Sweeps, find_edges, make_tool
 from stock.compile_ahead import compile_walk
-from stock.tree import _fill_morton_codes
-from stock.walk import _walk_part, is_walk_compiled
+from stock.exact.tree import _fill_morton_codes
+from stock.exact.walk import _walk_part, is_walk_compiled
 from tests.oracle.stock_edge_cases import joined, polyline, sweeps_of
 
 FLAT = make_tool("flat", diameter_mm=10.0, length_mm=30.0)

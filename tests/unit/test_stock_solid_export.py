@@ -89,7 +89,7 @@ def test_an_interrupt_leaves_the_old_file(part, tmp_path, monkeypatch):
     def interrupted(source, destination):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("stock.export.os.replace", interrupted)
+    monkeypatch.setattr("stock.solid.export.os.replace", interrupted)
     with pytest.raises(KeyboardInterrupt):
         write_part(part, target)
     assert [path.name for path in tmp_path.iterdir()] == ["part.stl"]

@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 
 from stock import StockError
-from stock.seams import PieceMesh, join_pieces
+from stock.solid.seams import PieceMesh, join_pieces
 from tests.stock_solid_cases import edge_uses, mesh_volume
 
 #: a unit cube's lower half: the seam is the square at z = 1, vertices 4 to 7
 CORNERS = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
-SIDES = [
-    t for i in range(4) for j in [(i + 1) % 4] for t in ((i, j, 4 + j), (i, 4 + j, 4 + i))
-]
+SIDES = [t for i in range(4) for j in [(i + 1) % 4] for t in ((i, j, 4 + j), (i, 4 + j, 4 + i))]
 BOTTOM = [(0, 2, 1), (0, 3, 2)]
 
 

@@ -6,8 +6,8 @@ import pytest
 from gcode import MoveKind
 from tests.unit.test_path_geometry import HELIX, LINE, make_moves
 from vmach.machine import RigidDisplacement
-from vmach.sweeping import build_sweeps
-from vmach.toolpath import Toolpath
+from vmach.path.toolpath import Toolpath
+from vmach.prediction.sweeping import build_sweeps
 
 ZERO_MM = np.array([3.0, -2.0, -200.0])
 

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from vmach.errors import InputError
-from vmach.toml_file import FileSection, Finite, Point, line_of_key, read_toml
+from vmach.files.toml_file import FileSection, Finite, Point, line_of_key, read_toml
 
 
 class Inner(FileSection):

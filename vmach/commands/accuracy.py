@@ -8,11 +8,11 @@ from typing import Annotated, Any
 
 import typer
 
-from vmach.atomic import atomic_folder
+from vmach.base.progress import progress_bar
+from vmach.base.terminal import console
+from vmach.base.variant import Variant
 from vmach.commands.options import AsJson, Model
-from vmach.progress import progress_bar
-from vmach.terminal import console
-from vmach.variant import Variant
+from vmach.files.atomic import atomic_folder
 
 __all__ = ["accuracy"]
 
@@ -39,12 +39,12 @@ def accuracy(
     """Largest difference of the errors at any two points, and what it comes from."""
     import numpy as np
 
-    from vmach.accuracy.field import error_field
-    from vmach.accuracy.figures import accuracy_figures, arms_compared, profile_figures
-    from vmach.accuracy.printing import print_accuracy
-    from vmach.accuracy.profile import read_profile
-    from vmach.accuracy.volume_text import volume_of
     from vmach.machine import read_machine
+    from vmach.volumetric.field import error_field
+    from vmach.volumetric.figures import accuracy_figures, arms_compared, profile_figures
+    from vmach.volumetric.printing import print_accuracy
+    from vmach.volumetric.profile import read_profile
+    from vmach.volumetric.volume_text import volume_of
 
     known = read_machine(machine)
     tool_mm = np.array([0.0, 0.0, -tool_length])
@@ -60,7 +60,7 @@ def accuracy(
         if path is not None:
             report["profile"] = profile_figures(profile, path)
         if out is not None:
-            from vmach.accuracy.pictures import accuracy_pictures, draw_profile
+            from vmach.volumetric.pictures import accuracy_pictures, draw_profile
 
             pictures = accuracy_pictures(known, field, comparison, tool_mm, model=model)
             if path is not None:

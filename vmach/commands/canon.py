@@ -9,9 +9,9 @@ from typing import Annotated, Literal
 
 import typer
 
+from vmach.base.progress import progress_bar
 from vmach.commands.options import AsJson
 from vmach.errors import InputError
-from vmach.progress import progress_bar
 
 __all__ = ["canon"]
 

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vmach.atomic import atomic_file, check_outputs
+from vmach.base.progress import progress_bar
+from vmach.base.stage_clock import StageClock
+from vmach.base.units import mm_from_um
+from vmach.base.variant import Variant
 from vmach.commands.options import JobPath, Model, command_line
 from vmach.errors import InputError
-from vmach.progress import progress_bar
-from vmach.stage_clock import StageClock
-from vmach.units import mm_from_um
-from vmach.variant import Variant
+from vmach.files.atomic import atomic_file, check_outputs
 
 if TYPE_CHECKING:
-    from vmach.compensation.surface import Surface
+    from vmach.compensation.aim.surface import Surface
     from vmach.job import Job
 
 __all__ = ["Aim", "compensate"]
@@ -58,10 +58,10 @@ def compensate(
     json_: Annotated[bool, typer.Option("--json", help="print the figures as JSON")] = False,
 ) -> None:
     """Move the program against the predicted error of the tool, and verify it."""
+    from vmach.compensation.aim.surface import check_surface, read_surface
     from vmach.compensation.compensate import compensate as compensate_job
     from vmach.compensation.figures import as_json, as_text
     from vmach.compensation.report import write_compensation_report
-    from vmach.compensation.surface import check_surface, read_surface
     from vmach.effects import read_effects
     from vmach.job import read_job
 

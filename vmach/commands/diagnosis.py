@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
-from vmach.atomic import atomic_file, check_folder, check_outputs
+from vmach.base.progress import progress_bar
+from vmach.base.terminal import console
 from vmach.commands.options import (
     AsJson,
     JobPath,
@@ -21,8 +22,7 @@ from vmach.commands.options import (
     command_line,
     input_files,
 )
-from vmach.progress import progress_bar
-from vmach.terminal import console
+from vmach.files.atomic import atomic_file, check_folder, check_outputs
 
 if TYPE_CHECKING:
     from vmach.diagnosis.findings import Finding
@@ -45,8 +45,8 @@ def diagnose(
 ) -> None:
     """Compare with the measurements and say what the model lacks."""
     from vmach.diagnosis.diagnose import diagnose as diagnose_survey
-    from vmach.diagnosis.job_survey import survey_job
     from vmach.diagnosis.report import as_text, write_figures
+    from vmach.diagnosis.residuals.job_survey import survey_job
 
     _load(effect_file)
     next_path = next_file or (json_file.with_name("next.nc") if json_file else None)
@@ -112,8 +112,8 @@ def add(
     as_json: AsJson = False,
 ) -> None:
     """Fit effects to the measurements and put them into a new job; the old one stays."""
-    from vmach.added_effects import add_effects
-    from vmach.diagnosis.impossible_sizes import impossible_sizes
+    from vmach.diagnosis.gates.impossible_sizes import impossible_sizes
+    from vmach.history.added_effects import add_effects
     from vmach.job import read_job
 
     _load(effect_file)

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vmach.atomic import atomic_folder
+from vmach.base.progress import progress_bar
+from vmach.base.stage_clock import Progress
+from vmach.base.terminal import console
 from vmach.commands.options import AsJson
 from vmach.errors import InputError
-from vmach.progress import progress_bar
-from vmach.stage_clock import Progress
-from vmach.terminal import console
+from vmach.files.atomic import atomic_folder
 
 if TYPE_CHECKING:
     from vmach.iso230.figures import EvaluatedTable

@@ -8,11 +8,11 @@ from typing import Annotated
 
 import typer
 
-from vmach.atomic import check_folder, check_outputs
+from vmach.base.progress import progress_bar
+from vmach.base.terminal import console
+from vmach.base.variant import Variant
 from vmach.commands.options import AsJson, JobPath, Model, OutDir, command_line, input_files
-from vmach.progress import progress_bar
-from vmach.terminal import console
-from vmach.variant import Variant
+from vmach.files.atomic import check_folder, check_outputs
 
 __all__ = ["compare", "run"]
 
@@ -53,9 +53,9 @@ def _machine(
     part_file: Path | None = None,
     prefer_measured: bool = False,
 ) -> None:
-    from vmach.pipeline import machine_part
     from vmach.report import columns_table
-    from vmach.results import (
+    from vmach.run.pipeline import machine_part
+    from vmach.run.results import (
         REMAINDER_FILE,
         RESULT_FILES,
         default_folder,

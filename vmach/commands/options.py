@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from vmach.variant import Variant
+from vmach.base.variant import Variant
 
 __all__ = ["AsJson", "JobPath", "Model", "OutDir", "OwnEffects", "command_line", "input_files"]
 

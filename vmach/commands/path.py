@@ -9,10 +9,10 @@ from typing import Annotated
 
 import typer
 
-from vmach.atomic import atomic_file, check_outputs
+from vmach.base.progress import progress_bar
+from vmach.base.variant import Variant
 from vmach.commands.options import AsJson, JobPath, Model, input_files
-from vmach.progress import progress_bar
-from vmach.variant import Variant
+from vmach.files.atomic import atomic_file, check_outputs
 
 __all__ = ["path"]
 
@@ -24,7 +24,7 @@ def path(
     as_json: AsJson = False,
 ) -> None:
     """Error of the tool tip along the program, whatever it cuts."""
-    from vmach.tip_errors import tip_errors, write_tip_errors_csv
+    from vmach.prediction.tip_errors import tip_errors, write_tip_errors_csv
 
     check_outputs([out], inputs=input_files(job))
     with progress_bar() as progress:

@@ -9,10 +9,10 @@ from typing import Annotated
 
 import typer
 
-from vmach.atomic import check_outputs
+from vmach.base.progress import progress_bar
+from vmach.base.variant import Variant
 from vmach.commands.options import AsJson, JobPath, Model, input_files
-from vmach.progress import progress_bar
-from vmach.variant import Variant
+from vmach.files.atomic import check_outputs
 
 __all__ = ["predict"]
 
@@ -26,8 +26,8 @@ def predict(
     as_json: AsJson = False,
 ) -> None:
     """Predicted deviation at given surface points, with the NC line that made each."""
-    from vmach.pipeline import predict_points
-    from vmach.results import prediction_summary, write_prediction, write_prediction_csv
+    from vmach.run.pipeline import predict_points
+    from vmach.run.results import prediction_summary, write_prediction, write_prediction_csv
 
     inputs = [*input_files(job), points, *([program] if program else [])]
     check_outputs([out], inputs=inputs)

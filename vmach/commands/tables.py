@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 from typer.core import TyperCommand
 
-from vmach.atomic import atomic_folder
+from vmach.base.progress import progress_bar
+from vmach.base.terminal import console
+from vmach.base.units import mm_from_um
+from vmach.base.variant import Variant
 from vmach.commands.options import AsJson, Model
 from vmach.errors import InputError
-from vmach.progress import progress_bar
-from vmach.terminal import console
-from vmach.units import mm_from_um
-from vmach.variant import Variant
+from vmach.files.atomic import atomic_folder
 
 if TYPE_CHECKING:
     from vmach.controller_tables import MadeTables

@@ -8,19 +8,19 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from gcode import MoveKind
+from vmach.compensation.aim.part_aim import PartAim, aim_at_part
+from vmach.compensation.aim.part_view import PartView
+from vmach.compensation.grid.part_rounding import round_program
 from vmach.compensation.iteration import Iteration, Solution
 from vmach.compensation.model import TipModel
-from vmach.compensation.part_aim import PartAim, aim_at_part
-from vmach.compensation.part_rounding import round_program
-from vmach.compensation.part_view import PartView
 from vmach.compensation.residual import Residual
 from vmach.compensation.safety import check_corrections, check_part, check_result
 from vmach.compensation.uncorrected import largest_tilt, uncorrected
 from vmach.job import Job
 from vmach.machine import Variant
-from vmach.points import SurfacePoints
+from vmach.nominal.points import SurfacePoints
+from vmach.path.preparation import Preparation, prepare
 from vmach.prediction import ActingEffect
-from vmach.preparation import Preparation, prepare
 from vmach.program_text import (
     BlockModes,
     Rewriter,

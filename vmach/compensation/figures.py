@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from vmach.base.units import um_from_mm, urad_from_rad
+from vmach.compensation.aim.part_aim import PartAim
+from vmach.compensation.aim.surface import SurfaceCheck
 from vmach.compensation.compensate import Compensation
-from vmach.compensation.part_aim import PartAim
 from vmach.compensation.safety import lines_text
-from vmach.compensation.surface import SurfaceCheck
-from vmach.units import um_from_mm, urad_from_rad
 
 __all__ = ["as_json", "as_text", "remarks", "rows"]
 

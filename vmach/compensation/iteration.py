@@ -8,17 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcode import MoveKind
-from vmach.compensation.arc_pieces import LARGEST_SWEEP_RAD
+from vmach.compensation.aim.path_shift import PathShift
 from vmach.compensation.model import TipModel
-from vmach.compensation.path_shift import PathShift
-from vmach.compensation.plan import Plan
-from vmach.compensation.planning import plan_pieces
+from vmach.compensation.pieces.arcs import LARGEST_SWEEP_RAD
+from vmach.compensation.pieces.plan import Plan
+from vmach.compensation.pieces.planning import plan_pieces
+from vmach.compensation.pieces.sampling import sample_error
 from vmach.compensation.residual import Residual
-from vmach.compensation.sampling import sample_error
 from vmach.compensation.written_run import WrittenRun
 from vmach.errors import InputError
-from vmach.path_geometry import position_at
-from vmach.preparation import Preparation
+from vmach.path.geometry import position_at
+from vmach.path.preparation import Preparation
 from vmach.program_text import Expanded, Rewriter, Target, Written
 
 __all__ = ["Iteration", "Solution"]

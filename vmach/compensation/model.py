@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from vmach.machine import RigidDisplacement, Variant
+from vmach.path.preparation import Preparation
+from vmach.path.toolpath import PathStates
 from vmach.prediction import ActingEffect, displacement_of
-from vmach.preparation import Preparation
-from vmach.toolpath import PathStates
 
 __all__ = ["TipModel"]
 

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
+from vmach.compensation.aim.surface import SurfaceCheck
 from vmach.compensation.compensate import Compensation
 from vmach.compensation.figures import remarks, rows
-from vmach.compensation.surface import SurfaceCheck
 from vmach.job import Job
 from vmach.machine import Variant
 from vmach.report import (
@@ -42,7 +42,7 @@ def write_compensation_report(
     InputError
         The file cannot be written.
     """
-    from vmach.report.heatmap import draw_heatmap  # late: it loads matplotlib
+    from vmach.report.pictures.heatmap import draw_heatmap  # late: it loads matplotlib
 
     points, mesh = _inspected(surface), surface.surface.mesh
     display = build_display_mesh(mesh.vertices_mm, mesh.triangles, points)

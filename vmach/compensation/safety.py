@@ -6,13 +6,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from vmach.compensation.part_aim import PartAim
-from vmach.compensation.part_view import PartDeviation
+from vmach.base.units import um_from_mm
+from vmach.compensation.aim.part_aim import PartAim
+from vmach.compensation.aim.part_view import PartDeviation
 from vmach.compensation.written_run import WrittenRun
 from vmach.errors import InputError
-from vmach.preparation import Preparation
+from vmach.path.preparation import Preparation
 from vmach.program_text import Expanded, Target
-from vmach.units import um_from_mm
 
 __all__ = ["check_corrections", "check_part", "check_result", "lines_text"]
 

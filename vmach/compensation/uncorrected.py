@@ -7,7 +7,7 @@ import numpy as np
 from gcode import MoveKind
 from vmach.compensation.iteration import Iteration, Solution
 from vmach.compensation.model import TipModel
-from vmach.preparation import Preparation
+from vmach.path.preparation import Preparation
 
 __all__ = ["largest_tilt", "uncorrected"]
 

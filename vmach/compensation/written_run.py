@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from gcode import MoveKind
+from vmach.compensation.aim.path_shift import PathShift
 from vmach.compensation.model import TipModel
-from vmach.compensation.path_shift import PathShift
-from vmach.compensation.plan import Plan
+from vmach.compensation.pieces.plan import Plan
 from vmach.compensation.residual import Residual
 from vmach.errors import InputError
-from vmach.path_geometry import across, position_at, tangent_at
-from vmach.preparation import Preparation, prepare
+from vmach.path.geometry import across, position_at, tangent_at
+from vmach.path.preparation import Preparation, prepare
 from vmach.program_text import Expanded, Written
 
 __all__ = ["WrittenRun"]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from vmach.base.units import um_from_mm
 from vmach.controller_tables.make_tables import MadeTables, Residual
 from vmach.controller_tables.table_task import TableTask
 from vmach.machine import Machine
-from vmach.units import um_from_mm
 
 __all__ = ["tables_figures"]
 

@@ -18,11 +18,11 @@ from scipy.interpolate import RegularGridInterpolator
 from scipy.sparse import csr_matrix, diags, identity
 from scipy.sparse.linalg import splu
 
+from vmach.base.units import mm_from_um, um_from_mm
 from vmach.controller_tables.knots import Knots, hat_matrix
 from vmach.controller_tables.samples import ErrorSamples
 from vmach.errors import InputError
-from vmach.text_file import read_text
-from vmach.units import mm_from_um, um_from_mm
+from vmach.files.text_file import read_text
 
 __all__ = ["SpatialGrid", "fit_grid", "read_grid", "write_grid"]
 

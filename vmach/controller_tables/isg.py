@@ -21,7 +21,7 @@ import numpy as np
 
 from vmach.controller_tables.rigid_chain import RigidChain
 from vmach.errors import InputError
-from vmach.text_file import read_text
+from vmach.files.text_file import read_text
 
 __all__ = ["read_isg", "write_isg"]
 

@@ -22,7 +22,7 @@ import numpy as np
 
 from vmach.controller_tables.projection import AxisTable
 from vmach.errors import InputError
-from vmach.text_file import read_text
+from vmach.files.text_file import read_text
 
 __all__ = ["MOST_ENTRIES", "ScrewCompensation", "read_linuxcnc", "write_linuxcnc"]
 

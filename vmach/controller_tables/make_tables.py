@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from vmach.base.stage_clock import Progress, silent
 from vmach.controller_tables.knots import Knots
 from vmach.controller_tables.projection import Projection
 from vmach.controller_tables.samples import ErrorSamples
 from vmach.controller_tables.table_formats import FORMATS, AppliedTables, TableFormat, projected
 from vmach.controller_tables.table_task import TableTask
-from vmach.stage_clock import Progress, silent
 
 __all__ = ["MadeTables", "Residual", "make_tables"]
 

@@ -19,10 +19,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from vmach.accuracy.field import measured_volume
 from vmach.controller_tables.knots import Knots
 from vmach.machine import Machine, Variant
 from vmach.machine.component_errors import component_of
+from vmach.volumetric.field import measured_volume
 
 __all__ = ["RigidChain", "chain_of"]
 

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcode import MoveKind
-from vmach.accuracy.field import Volume
 from vmach.controller_tables.knots import Knots
 from vmach.effects import read_effects
 from vmach.errors import InputError
 from vmach.job import Job
 from vmach.machine import Machine, Variant, contributions, displacement
+from vmach.path.preparation import prepare
 from vmach.prediction import displacement_of
-from vmach.preparation import prepare
+from vmach.volumetric.field import Volume
 
 __all__ = ["ErrorSamples", "job_samples", "joined", "lattice_samples", "volume_samples"]
 

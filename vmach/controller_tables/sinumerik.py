@@ -29,7 +29,7 @@ import numpy as np
 from vmach.controller_tables.knots import Knots
 from vmach.controller_tables.projection import AxisTable, scaled
 from vmach.errors import InputError
-from vmach.text_file import read_text
+from vmach.files.text_file import read_text
 
 __all__ = ["MOST_ENTRIES", "CrossCompensation", "EncoderCompensation", "read_cec", "read_enc_comp",
            "write_cec", "write_enc_comp"]  # fmt: skip

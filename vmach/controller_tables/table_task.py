@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vmach.accuracy.field import Volume, measured_volume
 from vmach.controller_tables.knots import Knots, choose_intervals
 from vmach.controller_tables.samples import (
     ErrorSamples,
@@ -18,6 +17,7 @@ from vmach.controller_tables.samples import (
 from vmach.errors import InputError
 from vmach.job import Job
 from vmach.machine import LINEAR_AXES, Machine, Variant
+from vmach.volumetric.field import Volume, measured_volume
 
 __all__ = ["TableTask", "task_of_job", "task_of_machine"]
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vmach.base.units import um_from_mm
 from vmach.diagnosis.search import Search
 from vmach.effects import label_of
-from vmach.units import um_from_mm
 
 __all__ = ["CandidateScore", "candidate_scores"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from vmach.effects import Circumstances
-from vmach.effects.component import Component
+from vmach.effects.laws.geometry.component import Component
 from vmach.fit.terms import JointFit, Term
 from vmach.machine.component_errors import component_of
 

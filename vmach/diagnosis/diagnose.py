@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from vmach.diagnosis.blind_spots import BlindSpot, blind_spots
 from vmach.diagnosis.candidate_scores import CandidateScore, candidate_scores
 from vmach.diagnosis.examination import examine
 from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.findings import Finding, something_unknown
-from vmach.diagnosis.next_measurement import NextMeasurement, next_measurement
+from vmach.diagnosis.next_test.blind_spots import BlindSpot, blind_spots
+from vmach.diagnosis.next_test.next_measurement import NextMeasurement, next_measurement
 from vmach.diagnosis.residuals import Residuals
+from vmach.diagnosis.residuals.where_it_fails import Failure, where_it_fails
 from vmach.diagnosis.search import Search, prepare_search
-from vmach.diagnosis.where_it_fails import Failure, where_it_fails
 from vmach.fit.survey import Survey
 
 __all__ = ["Diagnosis", "diagnose"]

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from vmach.diagnosis.contrived import is_contrived
 from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.findings import Finding, findings_of
-from vmach.diagnosis.impossible_sizes import impossible_sizes
-from vmach.diagnosis.outliers import without_outliers, without_suspects
+from vmach.diagnosis.gates.contrived import is_contrived
+from vmach.diagnosis.gates.impossible_sizes import impossible_sizes
+from vmach.diagnosis.gates.settling import settled
+from vmach.diagnosis.gates.shown_laws import laws_not_shown
+from vmach.diagnosis.residuals.outliers import without_outliers, without_suspects
 from vmach.diagnosis.search import Search
-from vmach.diagnosis.settling import settled
-from vmach.diagnosis.shown_laws import laws_not_shown
 
 __all__ = ["Examination", "examine"]
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.fitted_parameters import fitted_parameters
+from vmach.diagnosis.residuals.where_it_fails import Failure
 from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.search import Search
-from vmach.diagnosis.where_it_fails import Failure
 from vmach.diagnosis.words import where_component
 from vmach.effects import Effect, label_of
-from vmach.effects.component import Component
+from vmach.effects.laws.geometry.component import Component
 
 __all__ = ["Finding", "findings_of", "something_unknown"]
 

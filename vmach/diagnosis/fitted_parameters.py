@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from vmach.diagnosis.component_curve import component_parameters
-from vmach.effects.component import Component
+from vmach.effects.laws.geometry.component import Component
 from vmach.fit.survey import Survey
 from vmach.fit.terms import JointFit
 from vmach.fit.uncertainty import parameter_uncertainty

@@ -11,11 +11,11 @@ from threadpoolctl import threadpool_limits
 from vmach.diagnosis.component_curve import component_directions
 from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.fitted_parameters import fitted_parameters
+from vmach.diagnosis.gates.settling import refitted_with_slack
 from vmach.diagnosis.search import Search, prepare_search
-from vmach.diagnosis.settling import refitted_with_slack
 from vmach.effects import Effect, catalogue, label_of
 from vmach.effects.catalogue import unknown_effect_hint
-from vmach.effects.component import Component
+from vmach.effects.laws.geometry.component import Component
 from vmach.errors import InputError
 from vmach.fit.survey import Survey
 from vmach.fit.terms import JointFit

@@ -6,11 +6,11 @@ import json
 from pathlib import Path
 from typing import Any
 
-from vmach.atomic import atomic_file
 from vmach.diagnosis.diagnose import Diagnosis
 from vmach.diagnosis.findings import Finding
-from vmach.diagnosis.where_it_fails import Failure
+from vmach.diagnosis.residuals.where_it_fails import Failure
 from vmach.diagnosis.words import beyond_noise, describe, expected, nearest, what_is_left
+from vmach.files.atomic import atomic_file
 
 __all__ = ["as_json", "as_text", "write_figures"]
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from vmach.atomic import atomic_folder
 from vmach.diagnosis.diagnose import Diagnosis
 from vmach.diagnosis.page import write_diagnosis_page
 from vmach.diagnosis.report import write_figures
+from vmach.files.atomic import atomic_folder
 from vmach.job import Job, job_name
 from vmach.nominal import Mesh, read_nominal
 

@@ -9,9 +9,9 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from vmach.diagnosis.explanation import MARGIN, Explanation
-from vmach.diagnosis.impossible_sizes import has_impossible_sizes
+from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes
 from vmach.diagnosis.search import Search
-from vmach.effects.sudden import Sudden
+from vmach.effects.laws.tool.sudden import Sudden
 
 __all__ = ["Rivals", "rivals_of"]
 

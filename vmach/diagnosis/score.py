@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vmach.diagnosis.absorbing import slack_of
+from vmach.diagnosis.gates.absorbing import slack_of
 from vmach.fit.evidence import WIDTHS, evidence_of_unit
 from vmach.fit.survey import Survey
 from vmach.fit.terms import JointFit, Term

@@ -13,7 +13,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from vmach.diagnosis.explanation import Explanation, may_beat, simplest_of_the_best
-from vmach.diagnosis.impossible_sizes import has_impossible_sizes
+from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes
 from vmach.diagnosis.weighing import Weighing
 from vmach.effects import Effect
 from vmach.fit.candidates import gather_candidates

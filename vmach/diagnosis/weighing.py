@@ -10,10 +10,10 @@ from typing import Self
 
 import numpy as np
 
-from vmach.diagnosis.absorbing import absorbing
 from vmach.diagnosis.explanation import Explanation
+from vmach.diagnosis.gates.absorbing import absorbing
+from vmach.diagnosis.residuals.structure import Structure
 from vmach.diagnosis.score import evidence_of_set
-from vmach.diagnosis.structure import Structure
 from vmach.effects import Effect
 from vmach.fit.candidates import Candidate
 from vmach.fit.evidence import WIDTHS, SignatureBank

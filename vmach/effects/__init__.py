@@ -1,7 +1,6 @@
 """Physical effects beyond the error tables: one file an effect, joined by the catalogue."""
 
 from vmach.effects.catalogue import catalogue
-from vmach.effects.circumstances import Circumstances
 from vmach.effects.effect import (
     Displaced,
     Effect,
@@ -14,6 +13,7 @@ from vmach.effects.effect import (
 from vmach.effects.effect_file import load_effect_file
 from vmach.effects.instance import EffectInstance
 from vmach.effects.job_effects import read_effects, set_up_effect
+from vmach.path.circumstances import Circumstances
 
 __all__ = [
     "Circumstances",

@@ -6,34 +6,32 @@ import difflib
 from functools import lru_cache
 from importlib.metadata import entry_points
 
-from vmach.effects import (
-    ambient_drift,
-    axis_expansion,
-    backlash,
+from vmach.effects.effect import Effect
+from vmach.effects.laws.geometry import (
     component,
     cyclic_pitch,
-    datum,
     gravity_sag,
     head_tilt,
-    inertia,
-    probe_radius,
     reflector,
-    reversal,
     rotary_location,
     scale,
-    servo,
-    spindle_growth,
     squareness,
+)
+from vmach.effects.laws.heat import (
+    ambient_drift,
+    axis_expansion,
+    spindle_growth,
     thermal_bow,
-    tool_chip,
-    tool_deflection,
     tool_growth,
-    tool_size,
-    tool_slip,
+)
+from vmach.effects.laws.servo import backlash, inertia, reversal, servo
+from vmach.effects.laws.tool import tool_chip, tool_deflection, tool_size, tool_slip
+from vmach.effects.laws.workpiece import (
+    datum,
+    probe_radius,
     workpiece_temperature,
     workpiece_warming,
 )
-from vmach.effects.effect import Effect
 from vmach.errors import InputError
 
 __all__ = [

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from vmach.effects.catalogue import add_effect
-from vmach.effects.circumstances import Circumstances
 from vmach.effects.effect import Displaced, Effect
 from vmach.errors import InputError
+from vmach.files.text_file import read_text
 from vmach.machine import RigidDisplacement
-from vmach.text_file import read_text
+from vmach.path.circumstances import Circumstances
 
 __all__ = ["load_effect_file"]
 

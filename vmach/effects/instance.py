@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from vmach.effects.circumstances import Circumstances
 from vmach.effects.effect import Displaced, Effect, at_contact, label_of
 from vmach.job import Job
 from vmach.machine import RigidDisplacement
-from vmach.toolpath import PathStates
+from vmach.path.circumstances import Circumstances
+from vmach.path.toolpath import PathStates
 
 __all__ = ["EffectInstance"]
 

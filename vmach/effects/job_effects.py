@@ -14,9 +14,9 @@ from vmach.effects.catalogue import catalogue, unknown_effect_hint
 from vmach.effects.effect import Effect, Parameter, label_of
 from vmach.effects.instance import EffectInstance
 from vmach.errors import InputError
+from vmach.files.text_file import read_text
+from vmach.files.toml_file import line_of_key
 from vmach.job import Job, read_job
-from vmach.text_file import read_text
-from vmach.toml_file import line_of_key
 
 __all__ = ["read_effects", "set_up_effect"]
 

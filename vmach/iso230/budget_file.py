@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from vmach.base.units import mm_from_um, rad_from_urad
+from vmach.files.toml_file import FileSection, NonNegative, read_toml
 from vmach.iso230.uncertainty import Budget
-from vmach.toml_file import FileSection, NonNegative, read_toml
-from vmach.units import mm_from_um, rad_from_urad
 
 __all__ = ["read_budget"]
 

@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from vmach.base.units import with_micro_sign
 from vmach.iso230.evaluation import Evaluation
-from vmach.units import with_micro_sign
 
 __all__ = ["draw_evaluation"]
 

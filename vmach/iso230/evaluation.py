@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from vmach.errors import InputError
-from vmach.machine.runs import Runs
+from vmach.machine.tables.runs import Runs
 
 __all__ = ["Evaluation", "evaluate"]
 

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from vmach.base.units import um_from_mm
 from vmach.errors import InputError
 from vmach.iso230.evaluation import Evaluation, evaluate
 from vmach.iso230.uncertainty import Budget, expanded, parameter_uncertainties
 from vmach.machine.component_errors import ComponentError
-from vmach.machine.error_table import MM_PER, RAD_PER, ErrorTable, read_error_table
-from vmach.machine.machine_file import read_machine
-from vmach.machine.runs import Runs
-from vmach.units import um_from_mm
+from vmach.machine.files.machine_file import read_machine
+from vmach.machine.tables.error_table import MM_PER, RAD_PER, ErrorTable, read_error_table
+from vmach.machine.tables.runs import Runs
 
 __all__ = ["EvaluatedTable", "evaluated_tables", "iso230_figures"]
 

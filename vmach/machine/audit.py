@@ -12,12 +12,12 @@ from itertools import combinations
 
 import numpy as np
 
+from vmach.base.units import um_from_mm, urad_from_rad
 from vmach.machine.chain import LINEAR_AXES
 from vmach.machine.component_errors import COMPONENT_NAMES, SetUp, component_of
-from vmach.machine.interpolation import Extrapolation
 from vmach.machine.machine import Machine
 from vmach.machine.squareness import squareness_name
-from vmach.units import um_from_mm, urad_from_rad
+from vmach.machine.tables.interpolation import Extrapolation
 
 __all__ = ["Finding", "audit"]
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from vmach.errors import InputError
 from vmach.machine.chain import LINEAR_AXES
-from vmach.machine.cross_validation import Score
-from vmach.machine.interpolation import LINEAR, Extrapolation, Interpolation, PiecewiseCubic
-from vmach.machine.runs import Runs
+from vmach.machine.tables.cross_validation import Score
+from vmach.machine.tables.interpolation import LINEAR, Extrapolation, Interpolation, PiecewiseCubic
+from vmach.machine.tables.runs import Runs
 
 __all__ = ["COMPONENT_NAMES", "ComponentError", "SetUp", "component_of"]
 

@@ -15,13 +15,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vmach.base.variant import Variant
 from vmach.machine.component_errors import component_of
 from vmach.machine.kernel import compile_errors, displace
 from vmach.machine.machine import Machine
 from vmach.machine.rotary_displacement import rotary_displacement
 from vmach.machine.single_errors import single_errors
 from vmach.machine.squareness import lean_direction, squareness_name
-from vmach.variant import Variant
 
 __all__ = ["RigidDisplacement", "contributions", "displacement"]
 

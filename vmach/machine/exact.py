@@ -10,11 +10,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from vmach.base.variant import Variant
 from vmach.machine.chain import LINEAR_AXES, ROTARY_AXES
 from vmach.machine.component_errors import component_of
 from vmach.machine.displacement import RigidDisplacement
 from vmach.machine.machine import Machine
-from vmach.variant import Variant
 
 __all__ = ["body_motion", "exact_displacement"]
 

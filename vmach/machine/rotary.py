@@ -10,7 +10,7 @@ import numpy as np
 
 from vmach.errors import InputError
 from vmach.machine.chain import ROTARY_AXES
-from vmach.machine.interpolation import LINEAR, Extrapolation, Interpolation, PiecewiseCubic
+from vmach.machine.tables.interpolation import LINEAR, Extrapolation, Interpolation, PiecewiseCubic
 
 __all__ = ["RotaryAxis", "RotaryError", "location_of"]
 

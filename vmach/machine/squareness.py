@@ -12,7 +12,7 @@ import numpy as np
 
 from vmach.errors import InputError
 from vmach.machine.chain import LINEAR_AXES
-from vmach.machine.error_table import RAD_PER
+from vmach.machine.tables.error_table import RAD_PER
 
 __all__ = ["agreed_value", "lean_direction", "squareness_name", "squareness_vectors"]
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from vmach.errors import InputError
 from vmach.measurements.test_motion import MotionRecord
-from vmach.toolpath import PathStates
+from vmach.path.toolpath import PathStates
 
 __all__ = ["Circle", "circles"]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from vmach.errors import InputError
-from vmach.text_file import column_hint, csv_rows, read_text
+from vmach.files.text_file import column_hint, csv_rows, read_text
 
 __all__ = ["Columns", "read_columns"]
 

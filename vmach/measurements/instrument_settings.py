@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
 from vmach.errors import InputError
+from vmach.files.text_file import read_text
+from vmach.files.toml_file import FileSection, Point, Positive, check_section, line_of_key
 from vmach.job import Job
-from vmach.text_file import read_text
-from vmach.toml_file import FileSection, Point, Positive, check_section, line_of_key
 from vmach.tool_doubts import lengths_meant_mm
 
 __all__ = [

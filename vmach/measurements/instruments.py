@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from vmach.base.units import mm_from_um
 from vmach.errors import InputError
 from vmach.job import Job
 from vmach.machine import LINEAR_AXES, Variant, displacement
@@ -25,32 +26,31 @@ from vmach.measurements.instrument_settings import (
     settings_of,
 )
 from vmach.measurements.measurement import Measurement
-from vmach.measurements.motion_check import (
+from vmach.measurements.plausibility.motion_check import (
     check_extent,
     check_feed,
     check_times,
     check_travel,
 )
-from vmach.measurements.motion_doubts import (
+from vmach.measurements.plausibility.motion_doubts import (
     approach_notes,
     circle_notes,
     drift_notes,
     lost_motion_notes,
     pace_notes,
 )
-from vmach.measurements.otherwise import (
+from vmach.measurements.plausibility.otherwise import (
     Otherwise,
     exchanged,
     exchanged_tables,
     is_doubtful,
     otherwise_notes,
 )
+from vmach.measurements.plausibility.unit_check import check_unit
 from vmach.measurements.test_motion import stop_and_go
-from vmach.measurements.unit_check import check_unit
+from vmach.path.toolpath import PathStates
 from vmach.prediction import ActingEffect
 from vmach.tool_doubts import doubtful_length
-from vmach.toolpath import PathStates
-from vmach.units import mm_from_um
 
 __all__ = ["read_instruments"]
 

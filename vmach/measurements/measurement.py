@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from vmach.toolpath import PathStates
+from vmach.path.toolpath import PathStates
 
 __all__ = ["Measurement"]
 

@@ -8,11 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
+from vmach.base.units import um_from_mm
 from vmach.machine import Variant
 from vmach.measurements.measurement import Measurement
 from vmach.measurements.neighbours import apart_from_neighbours
-from vmach.measurements.otherwise import otherwise_notes
-from vmach.measurements.part_check import (
+from vmach.measurements.plausibility.otherwise import otherwise_notes
+from vmach.measurements.plausibility.part_check import (
     check_aligned,
     check_cut,
     check_file,
@@ -20,12 +21,11 @@ from vmach.measurements.part_check import (
     rounding_notes,
     some_of,
 )
-from vmach.measurements.part_otherwise import part_otherwise
-from vmach.measurements.tools_otherwise import tool_that_would_cut
-from vmach.points import SurfacePoints, read_points_csv
+from vmach.measurements.plausibility.part_otherwise import part_otherwise
+from vmach.measurements.plausibility.tools_otherwise import tool_that_would_cut
+from vmach.nominal.points import SurfacePoints, read_points_csv
+from vmach.path.preparation import Preparation
 from vmach.prediction import ActingEffect, Prediction, predict_surface
-from vmach.preparation import Preparation
-from vmach.units import um_from_mm
 
 __all__ = ["measure_part"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcode import MoveKind, Moves
-from vmach.toolpath import PathStates
+from vmach.path.toolpath import PathStates
 
 __all__ = ["MotionRecord", "stop_and_go"]
 

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from vmach.errors import InputError
-from vmach.points import SurfacePoints
+from vmach.nominal.points import SurfacePoints
 
 __all__ = [
     "EDGE_MARGIN_MM",

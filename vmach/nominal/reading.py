@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from vmach.errors import InputError
+from vmach.nominal.mesh.stl_part import read_stl_part
 from vmach.nominal.part import NominalPart
-from vmach.nominal.step_part import read_step_part
-from vmach.nominal.stl_part import read_stl_part
+from vmach.nominal.step.part import read_step_part
 
 __all__ = ["LENGTH_UNITS_MM", "read_nominal"]
 

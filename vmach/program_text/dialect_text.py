@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 
 from gcode import Program, Word
-from vmach.program_text.block_text import BlockText
+from vmach.program_text.blocks.block_text import BlockText
+from vmach.program_text.blocks.line_edit import LineEdit
 from vmach.program_text.klartext import KlartextEdit, KlartextText
-from vmach.program_text.line_edit import LineEdit
 
 __all__ = ["block_text", "line_edit"]
 

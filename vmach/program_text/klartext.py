@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from functools import cached_property
 
 from gcode import Word
-from vmach.program_text.block_text import BlockText, Labels, Style
-from vmach.program_text.line_edit import BlockMotion, LineEdit
+from vmach.program_text.blocks.block_text import BlockText, Labels, Style
+from vmach.program_text.blocks.line_edit import BlockMotion, LineEdit
 
 __all__ = ["KlartextEdit", "KlartextText"]
 

@@ -7,8 +7,8 @@ from collections import deque
 import numpy as np
 
 from gcode import MoveKind, Program, Step
-from vmach.path_geometry import move_length_mm, position_at
-from vmach.program_text.block_modes import BlockModes
+from vmach.path.geometry import move_length_mm, position_at
+from vmach.program_text.blocks.block_modes import BlockModes
 from vmach.program_text.control import CONTROLS, TargetControl
 from vmach.program_text.dialect_text import block_text
 from vmach.program_text.frame_shift import rotation_of_moves, turned_about_z, zero_settings

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vmach.program_text.move_writer import Goal, MoveWriter
-from vmach.program_text.pieces import Piece
+from vmach.program_text.blocks.move_writer import Goal, MoveWriter
+from vmach.program_text.blocks.pieces import Piece
 from vmach.program_text.plain_program import PlainProgram
 from vmach.program_text.standing import Standing
 

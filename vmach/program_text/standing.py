@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from gcode import Step
+from vmach.program_text.blocks.line_edit import AS_PROGRAMMED
 from vmach.program_text.frame_shift import FrameShift
-from vmach.program_text.line_edit import AS_PROGRAMMED
 
 __all__ = ["Standing"]
 

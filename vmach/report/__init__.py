@@ -1,13 +1,17 @@
 """What a run leaves to read and look at; docs/report.md describes the files.
 
 The pipeline fills `InspectedPoints` and `RunRecord`, gets a `DisplayMesh` from
-`build_display_mesh` and calls the writers inside `vmach.atomic.atomic_folder`.
+`build_display_mesh` and calls the writers inside `vmach.files.atomic.atomic_folder`.
 """
 
-from vmach.report.coloured_part import part_colours
-from vmach.report.deviations_csv import read_deviations_csv, write_deviations_csv
-from vmach.report.display_mesh import build_display_mesh, interpolate_to_mesh
-from vmach.report.html import write_report_html
+from vmach.report.figures.deviations_csv import read_deviations_csv, write_deviations_csv
+from vmach.report.figures.statistics import Statistics, column_statistics, worst_places
+from vmach.report.figures.summary import SIGN_CONVENTION, summary, write_summary
+from vmach.report.figures.table import columns_table
+from vmach.report.page.page import write_report_html
+from vmach.report.pictures.coloured_part import part_colours
+from vmach.report.pictures.display_mesh import build_display_mesh, interpolate_to_mesh
+from vmach.report.pictures.viewer import open_viewer
 from vmach.report.result import (
     STATUSES,
     Colouring,
@@ -17,10 +21,6 @@ from vmach.report.result import (
     InspectedPoints,
     RunRecord,
 )
-from vmach.report.statistics import Statistics, column_statistics, worst_places
-from vmach.report.summary import SIGN_CONVENTION, summary, write_summary
-from vmach.report.table import columns_table
-from vmach.report.viewer import open_viewer
 
 __all__ = [
     "SIGN_CONVENTION",

@@ -1,0 +1,1 @@
+"""The exact engine: edges of the material along surface normals."""

@@ -1,0 +1,51 @@
+"""A progress bar on the terminal for work that takes a while."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+from vmach.base.stage_clock import Progress as Report
+from vmach.base.stage_clock import silent
+from vmach.base.terminal import console
+
+__all__ = ["progress_bar"]
+
+#: work that is over sooner shows nothing
+_PATIENCE_S = 2.0
+
+
+@contextmanager
+def progress_bar() -> Iterator[Report]:
+    """Give a function to report progress to; it draws on standard error if that is a terminal.
+
+    The bar of a stage that begins with 0 of 1 runs to and fro until it is done or the next begins.
+    """
+    screen = console(stderr=True)
+    if not screen.is_terminal:
+        yield silent
+        return
+    columns = TextColumn("{task.description:>9}"), BarColumn(), TimeElapsedColumn()
+    bar = Progress(*columns, console=screen, transient=True)
+    tasks: dict[str, int] = {}
+
+    def report(stage: str, done: int, total: int) -> None:
+        if stage not in tasks:
+            for task in bar.tasks:
+                if task.total is None:
+                    bar.update(task.id, completed=1, total=1)
+            tasks[stage] = bar.add_task(stage, total=None)
+        bar.update(tasks[stage], completed=done, total=total if done or total > 1 else None)
+
+    # a clock of its own: a long first stage reports nothing for a while
+    patience = threading.Timer(_PATIENCE_S, bar.start)
+    patience.start()
+    try:
+        yield report
+    finally:
+        patience.cancel()
+        patience.join()
+        bar.stop()

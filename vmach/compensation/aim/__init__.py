@@ -1,0 +1,1 @@
+"""Aiming at the part: what its surface asks of the path."""

@@ -1,0 +1,187 @@
+"""Ends rounded together: of the grid points around every end, those that leave least."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from gcode import MoveKind
+from vmach.compensation.aim.path_shift import arc_frames
+from vmach.compensation.aim.probes import Probes
+from vmach.compensation.grid.choice import Course, Points, best_points, best_sequence
+from vmach.compensation.grid.places import Grid, GridPlaces
+from vmach.compensation.pieces.plan import Plan
+from vmach.path.geometry import position_at
+from vmach.program_text import Rewriter, Target
+
+__all__ = ["Rounding"]
+
+#: grid points of every end that the best sequence is taken from
+_POINTS = 24
+#: ends whose points are compared at once
+_AT_ONCE = 4096
+#: weight of the eighth power beside the second, in steps: keeps the largest small
+_LARGE = 16.0
+#: weight of the whole distance of an end, and the way that a piece has at least for it
+_STAYS, _LEAST_WAY_MM = 0.02, 0.1
+#: weight of a step of an axis that stands in the user's program, and of one that is to stand
+_A_STEP, _NO_STEP = 0.01, 1e4
+#: an axis that moves by no more stands
+_STANDING_MM = 2e-7
+_NO_SPAN = 1e-12
+
+
+class Rounding:
+    """Chooses the grid points of a target's ends.
+
+    Rounding an end to the nearest point moves the tool by up to 0.9 steps. What counts is less:
+    along the path next to nothing, and across it what is left at the probes, all along the
+    pieces, as the error of a straight move goes linearly from one end's to the other's, and
+    that of an arc likewise in radius, tangent and axis. Ends that are not the user's may stand
+    for other places of their move, where the grid comes nearer to the path.
+
+    Of the points around every end those are kept that leave least between exact neighbours; the
+    best sequence of these is found by dynamic programming.
+
+    Parameters
+    ----------
+    rewriter : Rewriter
+    plan : Plan
+    target : Target
+        With ends anywhere.
+    resolution_mm : float
+        Of the words X Y Z; in inch programs one decimal more.
+    """
+
+    def __init__(
+        self, rewriter: Rewriter, plan: Plan, target: Target, resolution_mm: float
+    ) -> None:
+        self.rewriter, self.plan, self.target = rewriter, plan, target
+        self.step_mm = _steps(rewriter, plan, resolution_mm)
+        self.grid = Grid(rewriter, plan, target, self.step_mm)
+        self.is_arc = np.array([p.is_arc for p in plan.pieces], bool)
+        self.first, self.last = plan.parameter(0.0), plan.parameter(1.0)
+        feed = rewriter.moves.kind[plan.move] != MoveKind.RAPID
+        self.way_mm = np.maximum(np.where(feed, self.grid.length_mm, 0.0), _LEAST_WAY_MM)
+
+    def rounded(self, probes: Probes) -> tuple[Plan, Target]:
+        """Plan and target with ends on the grid, that leave least at some probes.
+
+        Parameters
+        ----------
+        probes : Probes
+        """
+        probes = probes.in_order()
+        course, places = self.candidates(probes)
+        points = self.points(probes, places, np.arange(len(self.first)))
+        choice = best_sequence(course, self.exact(probes), points)
+        return self._taken(places.taken(choice[:, None]))
+
+    def candidates(self, probes: Probes) -> tuple[Course, GridPlaces]:
+        """Costs, and the points of every end that leave least between exact neighbours."""
+        course, exact = self._course(probes), self.exact(probes)
+        found = GridPlaces.empty(len(self.first), _POINTS)
+        inserted = self.grid.inserted
+        for mask, near in (inserted, self.grid.of_inserted), (~inserted, self.grid.of_programmed):
+            rows = np.flatnonzero(mask)
+            for first in range(0, len(rows), _AT_ONCE):
+                ends = rows[first : first + _AT_ONCE]
+                places = near(ends)
+                best = best_points(course, exact, self.points(probes, places, ends), ends, _POINTS)
+                found.put(ends, places.taken(best))
+        found.off_mm[self.plan.is_kept] = 0.0
+        return course, found
+
+    def _taken(self, chosen: GridPlaces) -> tuple[Plan, Target]:
+        pieces = list(self.plan.pieces)
+        for k in np.flatnonzero(self.grid.inserted).tolist():
+            place = float(chosen.parameter[k, 0])
+            pieces[k] = replace(pieces[k], end=place)
+            pieces[k + 1] = replace(pieces[k + 1], start=place)
+        ends_mm = (chosen.wanted_mm + chosen.off_mm)[:, 0]
+        return Plan(pieces, self.plan.aim_mm), Target(pieces, ends_mm, self.target.middles_mm)
+
+    def _course(self, probes: Probes) -> Course:
+        """Probes in steps: what is left there by the corrections at both ends of their piece.
+
+        On arcs only what the ends are off counts, in the frame of the place.
+        """
+        plan, first, last = self.plan, self.first, self.last
+        inside = np.concatenate([[False], plan.move[1:] == plan.move[:-1]])
+        piece = np.searchsorted(plan.move + first, probes.key, side="right") - 1
+        piece = np.maximum(piece, 0)
+        share = (probes.parameter - first[piece]) / np.maximum(last - first, _NO_SPAN)[piece]
+        end = self.target.ends_mm
+        start = np.vstack([np.zeros(3), end[:-1]])[piece]
+        wanted = start + share[:, None] * (end[piece] - start)
+        wanted[self.is_arc[piece]] = 0.0
+        normal, arc = probes.normal.copy(), self.is_arc[piece]
+        frames = arc_frames(self.rewriter.moves, probes.move[arc], probes.parameter[arc])
+        normal[arc] = np.einsum("pvi,pi->pv", frames, probes.normal[arc])
+        return Course(
+            normal=normal / self.step_mm[piece][:, None],
+            base=(probes.left_mm - np.einsum("pi,pi->p", probes.normal, wanted))
+            / self.step_mm[piece],
+            weight=probes.way_mm,
+            parameter=probes.parameter,
+            only_below=probes.only_below,
+            begin=np.where(inside, -1, np.searchsorted(probes.key, plan.move + first)),
+            start=first,
+            stays=_STAYS * self.way_mm / self.step_mm**2,
+            still=self._still(),
+            large=_LARGE,
+        )
+
+    def _still(self) -> np.ndarray:
+        """Weight against motion of axes that stand in a piece, and so need no word, (K, 3)."""
+        moves, move, step = self.rewriter.moves, self.plan.move, self.step_mm[:, None]
+        way = position_at(moves, move, self.last) - position_at(moves, move, self.first)
+        stands = (np.abs(way) < _STANDING_MM) & (self.rewriter.angle[move] == 0.0)[:, None]
+        asked = np.abs(np.diff(self.target.ends_mm, axis=0, prepend=np.inf))
+        weight = np.where(asked < 0.5 * step, _A_STEP * self.way_mm[:, None], 0.0)
+        weight = np.where(asked < _STANDING_MM, _NO_STEP, weight)
+        return np.where(stands, weight / step**2, 0.0)
+
+    def exact(self, probes: Probes) -> Points:
+        """Ends without rounding, and a start in front of them."""
+        count = len(self.first)
+        here = GridPlaces(self.last[:, None], self.target.ends_mm[:, None], np.zeros((count, 1, 3)))
+        points = self.points(probes, here, np.arange(count))
+        return Points(*(np.concatenate([np.zeros_like(a[:1]), a]) for a in points))
+
+    def points(self, probes: Probes, places: GridPlaces, ends: np.ndarray) -> Points:
+        """What places of some ends do to the pieces on both sides of them."""
+        following = np.minimum(ends + 1, len(self.first) - 1)
+        same = self.plan.move[following] == self.plan.move[ends]
+        there = np.where(same[:, None], places.parameter, self.first[following][:, None])
+        return Points(
+            parameter=places.parameter,
+            bound=np.searchsorted(probes.key, self.plan.move[ends][:, None] + places.parameter),
+            at_end=self._in_frames(places, ends, places.parameter),
+            at_start=self._in_frames(places, following, there),
+            off=places.off_mm,
+            corrected=places.wanted_mm + places.off_mm,
+        )
+
+    def _in_frames(
+        self, places: GridPlaces, piece: np.ndarray, parameter: np.ndarray
+    ) -> np.ndarray:
+        """Corrections of lines; what is off on arcs, along radius, tangent and axis."""
+        value = places.wanted_mm + places.off_mm
+        arc = np.flatnonzero(self.is_arc[piece])
+        move = np.repeat(self.plan.move[piece[arc]], parameter.shape[1])
+        frames = arc_frames(self.rewriter.moves, move, parameter[arc].ravel())
+        off = places.off_mm[arc]
+        value[arc] = np.einsum("pvi,pi->pv", frames, off.reshape(-1, 3)).reshape(off.shape)
+        return value
+
+
+def _steps(rewriter: Rewriter, plan: Plan, resolution_mm: float) -> np.ndarray:
+    """Step of the words of every piece, (K,) mm."""
+    units = {}
+    for move in set(plan.move.tolist()):
+        units[move] = rewriter.modes[int(rewriter.moves.line[move])].unit_mm
+    return np.array(
+        [units[k] * 10.0 ** -rewriter.control.decimals(resolution_mm, units[k]) for k in plan.move]
+    )

@@ -1,0 +1,1 @@
+"""Pieces of corrected moves: where points are inserted, arcs that stay arcs."""

@@ -1,0 +1,86 @@
+"""Arcs that stay arcs: the fewest that pass the corrected points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+
+import numpy as np
+
+from gcode import Moves
+from vmach.path.geometry import position_at
+from vmach.program_text import Piece, circle_through
+
+__all__ = ["LARGEST_SWEEP_RAD", "split_arc"]
+
+#: an arc is cut into arcs of no more than this, so that start and end stay apart
+LARGEST_SWEEP_RAD = np.radians(181.0)
+
+
+def split_arc(
+    moves: Moves,
+    move: int,
+    parameter: np.ndarray,
+    correction_mm: np.ndarray,
+    *,
+    tolerance_mm: float,
+) -> Iterator[Piece]:
+    """Cut an arc into arcs, each as long as the tolerance allows.
+
+    Every arc passes the corrected points at its ends and its middle. What is left is the third
+    order of the error along the arc, odd about the middle, so that this is nearly the best arc.
+
+    Parameters
+    ----------
+    moves : Moves
+    move : int
+    parameter : (n,) float64
+        Samples of the move.
+    correction_mm : (n, 3) float64
+    tolerance_mm : float
+        Largest distance of the samples from the arc.
+    """
+    nominal = position_at(moves, np.full(len(parameter), move), parameter)
+    points, axis = nominal + correction_mm, moves.axis[move]
+    sweep = abs(moves.sweep_rad[move]) * (parameter - parameter[0])
+    last, here = len(parameter) - 1, 0
+    while here < last:
+        most = int(np.searchsorted(sweep, sweep[here] + LARGEST_SWEEP_RAD, side="right")) - 1
+        fits = partial(_fits, points, parameter, axis, tolerance_mm, here)
+        stop = here + 2 * _farthest(fits, 1, (most - here) // 2)
+        stop = last if stop + 1 >= last and sweep[last] - sweep[here] <= LARGEST_SWEEP_RAD else (
+            min(stop, last))  # fmt: skip
+        yield Piece(move, float(parameter[here]), float(parameter[stop]), is_arc=True)
+        here = stop
+
+
+def _fits(
+    points: np.ndarray, parameter: np.ndarray, axis: np.ndarray, tolerance_mm: float, here: int,
+    half: int,
+) -> bool:  # fmt: skip
+    """Whether samples ``here`` to ``here + 2 * half`` are within tolerance of one arc."""
+    part = slice(here, here + 2 * half + 1)
+    return half <= 1 or _circle_miss(points[part], parameter[part], axis) <= tolerance_mm
+
+
+def _farthest(fits: Callable[[int], bool], good: int, most: int) -> int:
+    """Largest number that fits, by bisection from one that does."""
+    if good >= most or fits(most):
+        return max(good, most)
+    while most - good > 1:
+        middle = (good + most) // 2
+        good, most = (middle, most) if fits(middle) else (good, middle)
+    return good
+
+
+def _circle_miss(points: np.ndarray, parameter: np.ndarray, axis: np.ndarray) -> float:
+    """Largest distance of points (K, 3) from the helix through first, middle and last."""
+    side = [k for k in range(3) if abs(axis[k]) < 0.5]
+    flat, height = points[:, side], points @ axis
+    centre = circle_through(flat[0], flat[len(flat) // 2], flat[-1])
+    if centre is None:
+        return np.inf
+    radius = np.linalg.norm(flat - centre, axis=1)
+    share = (parameter - parameter[0]) / (parameter[-1] - parameter[0])
+    rise = height[0] + share * (height[-1] - height[0])
+    return float(np.hypot(radius - radius[0], height - rise).max())

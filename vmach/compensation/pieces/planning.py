@@ -1,0 +1,233 @@
+"""Where points are inserted: as few as hold the tool within the tolerance."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from gcode import MoveKind, Moves
+from vmach.compensation.pieces.arcs import split_arc
+from vmach.compensation.pieces.plan import Plan
+from vmach.compensation.pieces.reversals import reversals_of_arc, settled, turned_at_start
+from vmach.compensation.pieces.sampling import ErrorAlongMoves, ErrorAt
+from vmach.compensation.pieces.tube import fewest_pieces
+from vmach.path.geometry import across, move_length_mm, tangent_at
+from vmach.program_text import Piece
+
+__all__ = ["plan_pieces"]
+
+#: an error smaller than this is none
+_NOTHING_MM = 1e-9
+#: lost motion is taken up by this share halfway, and does not go on after that
+_SUDDEN = 0.75
+#: parameters that are nearer than this are one place
+_ASIDE = 1e-5
+#: share of the tolerance by which a corner may be off, across either of its two moves
+_AT_CORNERS = np.sqrt(0.5)
+#: sides of the rectangular tubes that are tried inside the round one, over its radius
+_RECTANGLES = (0.7, 0.95, 0.3, 0.99, 0.1)
+_BOTH_WAYS = np.array([[-1.0], [1.0]])
+#: sine of a turn that counts as a corner
+_CORNER = 1e-3
+
+
+def plan_pieces(
+    moves: Moves, found: ErrorAlongMoves, error_at: ErrorAt, *, tolerance_mm: np.ndarray,
+    rewritten: np.ndarray, unknown_start: np.ndarray,
+) -> Plan:  # fmt: skip
+    """Cut every move into the pieces that its error asks for.
+
+    What counts is the distance across the path: a shift along it between two programmed points
+    only changes when the tool is where. Vertices lie off the corrected curve, inside the
+    tolerance, where that saves pieces; so do the ends of moves, by no more than 0.7 of the
+    tolerance across either move.
+
+    Parameters
+    ----------
+    moves : Moves
+    found : ErrorAlongMoves
+        Error of the moves that may be rewritten.
+    error_at : callable
+        Error of the tool, (P, 3) mm, at moves (P,) and parameters (P,).
+    tolerance_mm : (M,) float64
+        For every move.
+    rewritten : (M,) bool
+        Moves whose blocks cannot stay, see `Rewriter`.
+    unknown_start : (M,) bool
+        Moves that begin where the program does not say: they get no points.
+    """
+    planner = _Planner(moves, found, error_at, tolerance_mm, rewritten, unknown_start)
+    for index in range(len(found.move)):
+        planner.add(index)
+    return Plan(planner.pieces, np.array(planner.aim_mm).reshape(-1, 3))
+
+
+@dataclass
+class _Planner:
+    """Goes through the moves and keeps where the last piece ends."""
+
+    moves: Moves
+    found: ErrorAlongMoves
+    error_at: ErrorAt
+    tolerance_mm: np.ndarray
+    rewritten: np.ndarray
+    unknown_start: np.ndarray
+    pieces: list[Piece] = field(default_factory=list)
+    aim_mm: list[np.ndarray] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        found, kind = self.found, self.moves.kind[self.found.move]
+        straight = (kind == MoveKind.LINE) & (found.length_mm > 0) & ~self.unknown_start
+        self.is_whole = self.unknown_start | (kind == MoveKind.RAPID) | (found.length_mm == 0)
+        self.length_mm = move_length_mm(self.moves)
+        self.is_bent = straight & (found.off_chord_mm() > self.tolerance_mm)
+        self.size = found.largest_mm()
+        start = np.zeros(len(found.move))
+        tangent = tangent_at(self.moves, found.move, start)
+        length = np.linalg.norm(tangent, axis=1, keepdims=True)
+        self.direction = tangent / np.maximum(length, _NOTHING_MM)
+        turned = turned_at_start(self.moves, found.move)
+        start = np.zeros(len(found.move))
+        self.settled, self.settled_error = self._settled(
+            found.move, start, turned, self.tolerance_mm
+        )
+        self.in_tube = self.is_bent.copy()  # moves that may begin off the corrected curve
+        self.in_tube[1:] |= straight[1:] & self.is_bent[:-1]
+
+    def add(self, index: int) -> None:
+        """Append the pieces of one move."""
+        move, found = int(self.found.move[index]), self.found
+        kind, (parameter, error) = self.moves.kind[move], found.of(index)
+        previous = found.error_mm[found.first[index] - 1] if index else np.zeros(3)
+        nothing = max(self.size[index], np.abs(previous).max()) < _NOTHING_MM
+        if nothing and not self.rewritten[index]:
+            self._put(Piece(move, 0.0, 1.0, kept=True))
+        elif self.is_whole[index]:
+            self._put(Piece(move, 0.0, 1.0, is_arc=kind == MoveKind.ARC))
+        else:
+            jump = across(self.settled_error[index] - previous, self.direction[index])
+            steps = np.linalg.norm(jump) > self.tolerance_mm[index]
+            if steps:
+                self._put(Piece(move, 0.0, 0.0, settled=float(self.settled[index])))
+                unsettled = (parameter < self.settled[index])[:, None]
+                error = np.where(unsettled, self.settled_error[index], error)
+            if kind == MoveKind.ARC:
+                self._arc(index, error)
+            elif self.in_tube[index]:
+                self._tube(index, error)
+            else:
+                self._put(Piece(move, 0.0, 1.0))
+
+    def _settled(
+        self, move: np.ndarray, place: np.ndarray, turned: np.ndarray, tolerance_mm: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Where the error after reversals is there in full, (P,), and that error, (P, 3)."""
+        length = self.length_mm[move]
+        soon = settled(self.moves, move, place, np.zeros_like(turned), length_mm=length)
+        later = settled(self.moves, move, place, turned, length_mm=length)
+        at_once, in_full = self.error_at(move, soon), self.error_at(move, later)
+        halfway = self.error_at(move, 0.5 * (place + later))
+        farther = self.error_at(move, np.minimum(2.0 * later - place, 1.0))
+        growth = np.linalg.norm(in_full - at_once, axis=1)
+        grows = growth > 3.0 * tolerance_mm
+        grows &= np.linalg.norm(halfway - at_once, axis=1) > _SUDDEN * growth
+        grows &= np.linalg.norm(farther - in_full, axis=1) < (1.0 - _SUDDEN) * growth
+        return np.where(grows, later, soon), np.where(grows[:, None], in_full, at_once)
+
+    def _put(self, piece: Piece, aim_mm: np.ndarray | None = None) -> None:
+        self.pieces.append(piece)
+        self.aim_mm.append(np.zeros(3) if aim_mm is None else aim_mm)
+
+    def _arc(self, index: int, error: np.ndarray) -> None:
+        """Arcs between the places where an axis turns back and the error jumps."""
+        move, parameter = int(self.found.move[index]), self.found.of(index)[0]
+        places, axes = reversals_of_arc(self.moves, move)
+        row = np.full(len(places), move)
+        later, after = self._settled(row, places, axes, self.tolerance_mm[index])
+        before = self.error_at(row, places - _ASIDE)
+        jump = across(after - before, tangent_at(self.moves, row, places))
+        jumps = np.flatnonzero(np.linalg.norm(jump, axis=1) > self.tolerance_mm[index])
+        cuts = [0.0, *places[jumps], 1.0]
+        for number, (start, end) in enumerate(pairwise(cuts)):
+            ready = later[jumps[number - 1]] if number else start
+            inside = (parameter > ready + _ASIDE) & (parameter < end - _ASIDE)
+            first = after[jumps[number - 1]] if number else error[0]
+            last = error[-1] if number == len(jumps) else before[jumps[number]]
+            if number:
+                self._put(Piece(move, float(start), float(start), settled=float(ready)))
+            places_here = np.concatenate([[start], parameter[inside], [end]])
+            errors_here = np.vstack([first, error[inside], last])
+            for piece in split_arc(self.moves, move, places_here, -errors_here,
+                                   tolerance_mm=self.tolerance_mm[index]):  # fmt: skip
+                self._put(piece)
+
+    def _tube(self, index: int, error: np.ndarray) -> None:
+        """A line whose error bends, as a polyline inside the tolerance."""
+        parameter = self.found.of(index)[0]
+        frame, start, end = self._ends(index)
+        curve = -error @ frame.T
+        vertex, off = min(
+            (
+                fewest_pieces(parameter, curve, width, start=_inside(start, width),
+                              end=_BOTH_WAYS * end * width)
+                for width in _widths(self.tolerance_mm[index], start)
+            ),
+            key=lambda polyline: len(polyline[0]),
+        )  # fmt: skip
+        move = int(self.found.move[index])
+        if self.pieces:
+            self._shift_corner(index, frame, off[0])
+        for piece in range(len(vertex) - 1):
+            first, last = parameter[vertex[piece]], parameter[vertex[piece + 1]]
+            self._put(Piece(move, float(first), float(last)), off[piece + 1] @ frame)
+
+    def _ends(self, index: int) -> tuple[np.ndarray, np.ndarray, float]:
+        """Two directions across the move; range of its start along them; share of the width at
+        its end.
+
+        The end of the move before may still be shifted along that move's own direction, which
+        is the first of the two directions as far as the corner turns.
+        """
+        own, before = self.direction[index], self._direction_before(index)
+        side = across(before, own)
+        turn = float(np.linalg.norm(side))
+        if turn < _CORNER:
+            side = across(np.eye(3)[np.argmin(np.abs(own))], own)
+        side = side / np.linalg.norm(side)
+        frame = np.stack([side, np.cross(own, side)])
+        carried = self.aim_mm[-1] if self.pieces else np.zeros(3)
+        reach = _AT_CORNERS * self.tolerance_mm[index] * (turn if turn >= _CORNER else 0.0)
+        slack = np.array([reach, 0.0])
+        value = frame @ carried
+        follows = index + 1 < len(self.in_tube) and self.in_tube[index + 1]
+        return frame, np.stack([value - slack, value + slack]), _AT_CORNERS if follows else 0.0
+
+    def _direction_before(self, index: int) -> np.ndarray:
+        """Direction along which the start may be shifted; zero for none."""
+        if index == 0 or not self.pieces or self.pieces[-1].is_step:
+            return np.zeros(3)
+        kind = self.moves.kind[self.found.move[index - 1]]
+        return self.direction[index - 1] if kind == MoveKind.LINE else np.zeros(3)
+
+    def _shift_corner(self, index: int, frame: np.ndarray, off: np.ndarray) -> None:
+        """Shift the end of the move before along its own direction to where this one begins."""
+        before = self._direction_before(index)
+        turn = float(frame[0] @ before)
+        if turn >= _CORNER:
+            missing = off[0] - frame[0] @ self.aim_mm[-1]
+            self.aim_mm[-1] = self.aim_mm[-1] + missing / turn * before
+
+
+def _widths(tolerance_mm: float, start: np.ndarray) -> Iterator[np.ndarray]:
+    """Half sides (2,) of rectangles inside the circle of the tolerance, wide enough to begin in."""
+    fixed = abs(start[:, 1]).max()
+    for share in _RECTANGLES:
+        second = max(share * tolerance_mm, fixed)
+        yield np.array([np.sqrt(max(tolerance_mm**2 - second**2, _NOTHING_MM**2)), second])
+
+
+def _inside(start: np.ndarray, width: np.ndarray) -> np.ndarray:
+    return np.clip(start, -width, width)

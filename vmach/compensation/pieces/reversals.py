@@ -1,0 +1,71 @@
+"""Where axes turn back, and how far on the lost motion is taken up."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcode import Moves
+from vmach.path.geometry import last_direction, position_at
+
+__all__ = ["reversals_of_arc", "settled", "turned_at_start"]
+
+#: way of an axis after which its lost motion counts as taken up
+_TAKE_UP_MM = 0.03
+#: one looks no farther from a reversal
+_FARTHEST_MM = 2.5
+#: parameters, from a reversal on, at which one looks whether it is taken up
+_LADDER = np.geomspace(1e-5, 0.5, 41)
+
+
+def turned_at_start(moves: Moves, move: np.ndarray) -> np.ndarray:
+    """Axes that turn back where moves (M,), in their order, begin; (M, 3) bool."""
+    now = last_direction(moves, move, np.full(len(move), _LADDER[0]))
+    before = np.zeros_like(now)
+    before[1:] = last_direction(moves, move[:-1], np.ones(max(len(move) - 1, 0)))
+    return now * before < 0.0
+
+
+def reversals_of_arc(moves: Moves, move: int) -> tuple[np.ndarray, np.ndarray]:
+    """Parameters (K,) between 0 and 1 at which axes turn back on an arc, and which, (K, 3)."""
+    start = moves.start_mm[move] - moves.centre_mm[move]
+    onward, sweep = np.cross(moves.axis[move], start), moves.sweep_rad[move]
+    half_turns = np.pi * np.arange(-1.0, abs(sweep) / np.pi + 1.0) * np.sign(sweep)
+    places, axes = [], []
+    for axis in range(3):
+        if abs(moves.axis[move][axis]) < 0.5:
+            found = (np.arctan2(onward[axis], start[axis]) + half_turns) / sweep
+            places.append(found)
+            axes.append(np.tile(np.arange(3) == axis, (len(found), 1)))
+    place, axis = np.concatenate(places), np.concatenate(axes)
+    inside = np.flatnonzero((place > _LADDER[0]) & (place < 1.0 - _LADDER[0]))
+    order = inside[np.argsort(place[inside])]
+    return place[order], axis[order]
+
+
+def settled(
+    moves: Moves, move: np.ndarray, place: np.ndarray, turned: np.ndarray, *, length_mm: np.ndarray
+) -> np.ndarray:
+    """Parameters, (P,), from which on the play of axes that turned back is taken up.
+
+    Parameters
+    ----------
+    moves : Moves
+    move : (P,) int64
+    place : (P,) float64
+        Where they turned back.
+    turned : (P, 3) bool
+        Which did; just after the place where none.
+    length_mm : (P,) float64
+        Of the moves' paths.
+    """
+    found = np.minimum(place + _LADDER[0], 1.0)
+    rows = np.flatnonzero(turned.any(axis=1))
+    later = np.minimum(place[rows, None] + _LADDER, 0.5 * (1.0 + place[rows, None]))
+    owner = np.repeat(move[rows], len(_LADDER))
+    there = position_at(moves, owner, later.ravel()).reshape(len(rows), len(_LADDER), 3)
+    way = np.abs(there - position_at(moves, move[rows], place[rows])[:, None])
+    ready = ((way >= _TAKE_UP_MM) | ~turned[rows, None]).all(axis=2)
+    ready |= _LADDER * length_mm[rows, None] > _FARTHEST_MM
+    first = np.where(ready.any(axis=1), np.argmax(ready, axis=1), len(_LADDER) - 1)
+    found[rows] = later[np.arange(len(rows)), first]
+    return found

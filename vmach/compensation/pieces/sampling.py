@@ -1,0 +1,104 @@
+"""The error along every move that the program makes, at places close enough to see it bend."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from gcode import MoveKind, Moves
+from vmach.path.geometry import move_length_mm
+
+__all__ = ["ErrorAlongMoves", "sample_error"]
+
+#: first distance of the places; where the error bends, they move closer by this factor, so often
+_SPACING_MM = 1.0
+_CLOSER = 4
+_TIMES = 2
+#: fewest intervals of an arc; a multiple of two, so that there is a middle
+_FEWEST_ON_ARC = 32
+
+#: error of the tool at moves and parameters, (P, 3) mm
+ErrorAt = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+@dataclass(frozen=True)
+class ErrorAlongMoves:
+    """Samples of M moves, one after the other.
+
+    Attributes
+    ----------
+    move : (M,) int64
+        Rows of the nominal moves.
+    length_mm : (M,) float64
+    first : (M + 1,) int64
+        Samples of move k are ``first[k]`` to ``first[k + 1] - 1``, equally spaced.
+    parameter : (P,) float64
+    error_mm : (P, 3) float64
+    """
+
+    move: np.ndarray
+    length_mm: np.ndarray
+    first: np.ndarray
+    parameter: np.ndarray
+    error_mm: np.ndarray
+
+    def of(self, index: int) -> tuple[np.ndarray, np.ndarray]:
+        """Parameters and errors of one move."""
+        part = slice(self.first[index], self.first[index + 1])
+        return self.parameter[part], self.error_mm[part]
+
+    @property
+    def owner(self) -> np.ndarray:
+        """Index of the move of every sample, (P,)."""
+        return np.repeat(np.arange(len(self.move)), np.diff(self.first))
+
+    def off_chord_mm(self) -> np.ndarray:
+        """Largest distance of every move's error from the straight line between its ends, (M,)."""
+        owner, start, stop = self.owner, self.first[:-1], self.first[1:] - 1
+        begin, end = self.error_mm[start][owner], self.error_mm[stop][owner]
+        chord = begin + self.parameter[:, None] * (end - begin)
+        off = np.linalg.norm(self.error_mm - chord, axis=1)
+        return np.maximum.reduceat(off, start) if len(start) else np.zeros(0)
+
+    def largest_mm(self) -> np.ndarray:
+        """Largest component of every move's error, (M,)."""
+        size = np.abs(self.error_mm).max(axis=1, initial=0.0)
+        return np.maximum.reduceat(size, self.first[:-1]) if len(self.move) else np.zeros(0)
+
+
+def sample_error(
+    moves: Moves, used: np.ndarray, error_at: ErrorAt, *, tolerance_mm: float
+) -> ErrorAlongMoves:
+    """Sample the error so closely that between two samples it is straight within a thirtieth."""
+    length = move_length_mm(moves)[used]
+    count = np.maximum(np.ceil(0.5 * length / _SPACING_MM).astype(np.int64), 1) * 2
+    count = np.where(moves.kind[used] == MoveKind.ARC, np.maximum(count, _FEWEST_ON_ARC), count)
+    count[(moves.kind[used] == MoveKind.RAPID) | (length == 0)] = 1
+    found = _sampled(used, length, count, error_at)
+    for _ in range(_TIMES):
+        bent = _bend_between_samples(found) > tolerance_mm / 30.0
+        if not bent.any():
+            break
+        count = np.where(bent, count * _CLOSER, count)
+        found = _sampled(used, length, count, error_at)
+    return found
+
+
+def _sampled(
+    used: np.ndarray, length: np.ndarray, count: np.ndarray, error_at: ErrorAt
+) -> ErrorAlongMoves:
+    first = np.concatenate([[0], np.cumsum(count + 1)])
+    within = np.arange(first[-1]) - np.repeat(first[:-1], count + 1)
+    parameter = within / np.repeat(count, count + 1)
+    error = error_at(np.repeat(used, count + 1), parameter)
+    return ErrorAlongMoves(used, length, first, parameter, error)
+
+
+def _bend_between_samples(found: ErrorAlongMoves) -> np.ndarray:
+    """Largest sagitta between neighbouring samples of every move, (M,) mm."""
+    bend = np.zeros(len(found.parameter))
+    bend[1:-1] = np.linalg.norm(np.diff(found.error_mm, n=2, axis=0), axis=1) / 8.0
+    bend[found.first[:-1]] = bend[found.first[1:] - 1] = 0.0
+    return np.maximum.reduceat(bend, found.first[:-1]) if len(found.move) else np.zeros(0)

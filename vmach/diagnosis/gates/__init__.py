@@ -1,0 +1,1 @@
+"""Gates that an explanation has to pass before anything is named."""

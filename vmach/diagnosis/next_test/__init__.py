@@ -1,0 +1,1 @@
+"""What to measure next, and what these measurements cannot see."""

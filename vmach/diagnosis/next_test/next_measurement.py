@@ -1,0 +1,176 @@
+"""The next measurement: the test that tells best apart what is still open, as an NC program.
+
+Every runnable test is simulated on the machine. Of two rivals, one is fitted to what the other
+would show there; what it cannot imitate, in units of the instrument's uncertainty, is the test's
+power to separate them (a T-optimal design chosen among tests that exist).
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vmach.diagnosis.explanation import Explanation
+from vmach.diagnosis.findings import Finding
+from vmach.diagnosis.next_test.planned_program import write_program
+from vmach.diagnosis.next_test.planned_tests import MAP, U_MM, PlannedTest, planned_tests
+from vmach.diagnosis.search import Search
+from vmach.effects import Circumstances
+from vmach.fit.terms import Term
+from vmach.fit.whitening import orthonormal
+from vmach.job import Job
+
+__all__ = ["NextMeasurement", "next_measurement"]
+
+#: a test that separates by less than this, in standard uncertainties, is not worth its time
+_USEFUL = 3.0
+#: candidates that a test for something unknown is to tell apart
+_LEADING = 3
+
+
+@dataclass(frozen=True)
+class NextMeasurement:
+    """The test to run next.
+
+    Attributes
+    ----------
+    separates : tuple of str
+        The effect found and the rivals that the test tells it from; of something unknown the
+        candidates that came nearest.
+    text : str
+        What to do, in words.
+    program : str
+        The test as an NC program.
+    power : float
+        By how many standard uncertainties they differ in it, at least.
+    """
+
+    separates: tuple[str, ...]
+    text: str
+    program: str
+    power: float
+
+
+def next_measurement(
+    search: Search, explanation: Explanation, findings: Sequence[Finding]
+) -> NextMeasurement | None:
+    """The most powerful test for the first finding that has rivals; None where none helps.
+
+    For something unknown it is the test that tells the candidates apart that came nearest to an
+    explanation, whichever of them is true.
+    """
+    for k, finding in enumerate(findings):
+        if finding.effect is None:
+            return _for_unknown(search)
+        assert explanation.fit is not None
+        rivals = _labels(search, finding)
+        one = _Shown(explanation.fit.terms[k], explanation.fit.coefficients[k])
+        # as if the effect found were true; where no test shows it, as if the rival were
+        for is_true in (True, False):
+            best = _best_test(search, one, rivals, is_true=is_true)
+            if best is not None:
+                return best
+    return None
+
+
+def _labels(search: Search, finding: Finding) -> list[str]:
+    """The rivals of a finding; of those that rival it as a team, every member."""
+    return [
+        c.label
+        for c in search.candidates
+        if c.effect.name != finding.name
+        and (c.label in finding.rivals.labels or c.effect.name in finding.teams)
+    ]
+
+
+@dataclass(frozen=True)
+class _Shown:
+    """An effect with its fitted coefficients (K,), to be simulated in a test."""
+
+    term: Term
+    coefficients: np.ndarray
+
+
+def _best_test(
+    search: Search, one: _Shown, rivals: Sequence[str], *, is_true: bool
+) -> NextMeasurement | None:
+    """The test that tells an effect from most of its rivals; of equals, the more powerful one.
+
+    Its power is that against the weakest of the rivals that it tells apart.
+    """
+    job, best = search.survey.job, None
+    others = [_Shown(*search.alone(search.index_of(label))) for label in rivals]
+    for test in planned_tests(job):
+        powers = [_power(job, test, *((one, r) if is_true else (r, one))) for r in others]
+        told = {label: p for label, p in zip(rivals, powers, strict=True) if p > _USEFUL}
+        worth = len(told), min(told.values(), default=0.0)
+        if told and (best is None or worth > best[0]):
+            best = worth, test, tuple(told)
+    if best is None:
+        return None
+    (_, power), test, labels = best
+    text = (
+        f"{test.text}: {one.term.label} and {' or '.join(labels)} differ there by "
+        f"{power:.0f} standard uncertainties{' or more' if len(labels) > 1 else ''}"
+    )
+    separates = (one.term.label, *labels)
+    return NextMeasurement(separates, text, write_program(test, job), power)
+
+
+def _for_unknown(search: Search) -> NextMeasurement:
+    """The test that tells the leading candidates apart best, its weakest pair counted."""
+    job, gains = search.survey.job, search.gains(search.nothing)
+    leading = [k for k in np.argsort(gains)[::-1] if gains[k] > search.threshold][:_LEADING]
+    shown = [_Shown(*search.alone(k)) for k in leading]
+    pairs = list(itertools.permutations(shown, 2))
+    tests = list(planned_tests(job))
+    powers = [min((_power(job, test, a, b) for a, b in pairs), default=0.0) for test in tests]
+    power, test = max(zip(powers, tests, strict=True), key=lambda both: both[0])
+    if power <= _USEFUL:
+        return _map_without_cutting(job)
+    labels = tuple(one.term.label for one in shown)
+    text = (
+        f"{test.text}: nothing known explains the readings; of what comes nearest "
+        f"({', '.join(labels)}) any two differ there by {power:.0f} standard uncertainties or more"
+    )
+    return NextMeasurement(labels, text, write_program(test, job), power)
+
+
+def _map_without_cutting(job: Job) -> NextMeasurement:
+    """Where nothing known comes near: it tells the machine from the cut."""
+    test = next(test for test in planned_tests(job) if test.name == MAP)
+    text = (
+        f"{test.text}: what shows again without cutting belongs to the machine, the rest to "
+        "tool, cut or part"
+    )
+    return NextMeasurement(("machine", "cut"), text, write_program(test, job), 0.0)
+
+
+def _power(job: Job, test: PlannedTest, one: _Shown, rival: _Shown) -> float:
+    """What the rival, fitted anew, cannot imitate of an effect's signature, in uncertainties."""
+    path = Circumstances(test.states, job)
+    shown = _on_test(test, path, one.term, one.term.inner) @ one.coefficients
+    places = _few(list(rival.term.effect.inner_grid(path, rival.term.target)))
+    least = np.inf
+    for inner in places:
+        imitation = _on_test(test, path, rival.term, inner)
+        basis = orthonormal(np.hstack([test.nuisance, imitation]), tolerance=1e-7)
+        left = shown - basis @ (basis.T @ shown)
+        least = min(least, float(np.linalg.norm(left)))
+    return least / U_MM if np.isfinite(least) else 0.0
+
+
+def _few(grid: list, most: int = 40) -> list:
+    return grid[:: max(1, len(grid) // most)]
+
+
+def _on_test(test: PlannedTest, path: Circumstances, term: Term, inner) -> np.ndarray:
+    """What one usual size of each coefficient does to the test's readings, (n, K) mm."""
+    effect = term.effect
+    if effect.needs_surface:
+        return np.zeros((len(test.sensing), max(len(effect.amplitudes), 1)))
+    moved = effect.columns(path, term.target, inner)
+    return np.einsum("pi,pik->pk", test.sensing, moved)

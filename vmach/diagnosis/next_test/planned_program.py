@@ -1,0 +1,94 @@
+"""A planned test as an NC program, with what to do with its readings in comments at its head."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gcode import MoveKind, Moves
+from vmach.base.units import um_from_mm
+from vmach.diagnosis.next_test.planned_tests import TOOL_LENGTH_MM, U_MM, PlannedTest
+from vmach.job import Job
+from vmach.measurements.instrument_settings import KINDS
+
+__all__ = ["write_program"]
+
+
+def write_program(test: PlannedTest, job: Job) -> str:
+    """The test's motion as an NC program in the job's first work offset, without tool length.
+
+    It comes to its first place from above, Z first drawn back to the end of its travel. Comments
+    at its head say which columns its readings make, and what the job says of them.
+    """
+    name, offset = next(iter(job.work_offsets_mm.items()))
+    moves = test.states.moves
+    start = moves.start_mm[0] - offset
+    lines = [
+        "%",
+        f"({test.text})",
+        "(part and fixtures off the table: the places are all over the work space)",
+        f"(places of the spindle nose in {name} of the job, tool length off)",
+        *(f"({line})" for line in _how_to_diagnose_again(test)),
+        f"G21 G90 G94 G17 G40 G49 G80 {name}",
+        f"G53 G0 Z{job.machine.travel_mm[1][2]:.4f}",
+        f"G0 X{start[0]:.4f} Y{start[1]:.4f}",
+        f"G0 Z{start[2]:.4f}",
+    ]
+    rpm = None
+    for k in range(len(moves)):
+        if moves.spindle_rpm[k] != rpm:
+            rpm = moves.spindle_rpm[k]
+            lines.append(f"S{rpm:.0f} M3" if rpm > 0 else "M5")
+        lines += _lines_of_move(moves, k, offset)
+    return "\n".join([*lines, "M5", "M30", "%", ""])
+
+
+def _how_to_diagnose_again(test: PlannedTest) -> list[str]:
+    """What to do with the readings: the columns of their file, and the job's section."""
+    kind = test.settings["kind"]
+    stated = {
+        **test.settings,
+        "file": f"{kind}.csv",
+        "tool_length_mm": TOOL_LENGTH_MM,
+        "u_um": um_from_mm(U_MM),
+    }
+    return [
+        f"readings into {kind}.csv: {','.join(KINDS[kind].columns)}",
+        "then into the job, with the length and the uncertainty that were used:",
+        "[[measurements]]",
+        *(f"{key} = {_toml(value)}" for key, value in stated.items()),
+    ]
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, str):
+        return f'"{value}"'
+    return "[" + ", ".join(f"{v:g}" for v in value) + "]" if np.ndim(value) else f"{value:g}"
+
+
+def _lines_of_move(moves: Moves, k: int, offset: np.ndarray) -> list[str]:
+    if moves.kind[k] == MoveKind.DWELL:
+        return [f"G4 P{moves.duration_s[k]:.1f}"]
+    if moves.kind[k] == MoveKind.ARC:
+        return _arc_lines(moves, k, offset)
+    x, y, z = moves.end_mm[k] - offset
+    way = np.linalg.norm(moves.end_mm[k] - moves.start_mm[k])
+    feed = min(max(60.0 * way / moves.duration_s[k], 100.0), 10000.0)
+    return [f"G1 X{x:.4f} Y{y:.4f} Z{z:.4f} F{feed:.0f}"]
+
+
+def _arc_lines(moves: Moves, k: int, offset: np.ndarray) -> list[str]:
+    """An arc as half turns."""
+    centre, sweep = moves.centre_mm[k], moves.sweep_rad[k]
+    radius = np.linalg.norm(moves.start_mm[k] - centre)
+    feed = 60.0 * abs(sweep) * radius / moves.duration_s[k]
+    word = "G3" if sweep > 0 else "G2"
+    lines, here = [], moves.start_mm[k]
+    for _ in range(round(abs(sweep) / np.pi)):
+        there = 2 * centre - here
+        x, y, z = there - offset
+        i, j, _ = centre - here
+        lines.append(f"{word} X{x:.4f} Y{y:.4f} Z{z:.4f} I{i:.4f} J{j:.4f} F{feed:.0f}")
+        here = there
+    return lines

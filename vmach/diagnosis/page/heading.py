@@ -1,0 +1,101 @@
+"""The words of diagnosis.html: its heading, what it means, values with their units."""
+
+from __future__ import annotations
+
+import math
+
+from vmach.diagnosis.diagnose import Diagnosis
+from vmach.diagnosis.words import beyond_noise, expected, nearest, what_is_left
+from vmach.effects import Effect
+from vmach.effects.laws.geometry.component import Component
+from vmach.machine import LINEAR_AXES
+
+__all__ = ["chance_words", "headline", "quantity", "state_words"]
+
+#: units that stand at the end of a parameter's name, as a page shows them
+_UNITS = {
+    "um": "µm",
+    "mm": "mm",
+    "ppm": "ppm",
+    "urad": "µrad",
+    "rad": "rad",
+    "s": "s",
+    "ms": "ms",
+    "ms2": "ms²",
+}
+
+
+def chance_words(p: float) -> str:
+    """How often chance alone would look like this."""
+    if p < 1e-9:
+        return "p < 10⁻⁹"
+    return f"p = {p:.1g}" if p < 0.1 else f"p = {p:.2f}"
+
+
+def quantity(
+    parameter: str, value: float, interval: tuple[float, float]
+) -> tuple[str, str, str, str]:
+    """A value, the ends of its interval, and the unit that stands at the end of its name.
+
+    Two digits of the interval's half width count.
+    """
+    half = max(0.5 * (interval[1] - interval[0]), 1e-3 * abs(value), 1e-12)
+    digits = 1 - math.floor(math.log10(half))
+    unit = _UNITS.get(parameter.rsplit("_", 1)[-1], "")
+    shown = [f"{round(x, digits):.{max(digits, 0)}f}" for x in (value, *interval)]
+    value_text, low, high = (text.replace("-", "−") for text in shown)
+    return value_text, low, high, unit
+
+
+def headline(found: Diagnosis) -> tuple[str, str]:
+    """The verdict as a heading, and what it means in a sentence or two."""
+    rms = found.rms_um
+    fell = (
+        f"Measured minus predicted falls from {rms['before']:.2f} to {rms['after']:.2f} um RMS"
+        f", where {expected(found.residuals)} make {rms['expected_noise']:.2f} um"
+    )
+    fell += beyond_noise(rms)
+    if found.verdict == "nothing":
+        return (
+            "The measurements agree with the model",
+            f"Nothing is missing that they could show: measured minus predicted is "
+            f"{rms['before']:.2f} um RMS, {expected(found.residuals)} make "
+            f"{rms['expected_noise']:.2f} um.",
+        )
+    if found.verdict == "unknown":
+        return (
+            "Something real is left that no known effect explains",
+            f"Measured minus predicted is {rms['before']:.2f} um RMS, {expected(found.residuals)} "
+            f"make {rms['expected_noise']:.2f} um. {nearest(found.residuals, rms)} "
+            f"No name is given: {what_is_left(found.left)}.",
+        )
+    names = "; ".join(_named(f.effect, f.target) for f in found.findings if f.effect)
+    if found.verdict == "class":
+        return (
+            f"Missing in the model: {names}, or an effect like it",
+            f"{fell}. These readings narrow the cause down to a class; the next measurement "
+            "tells its members apart."
+            if found.next_measurement
+            else f"{fell}. These readings narrow the cause down to a class.",
+        )
+    return f"Missing in the model: {names}", f"{fell}. No other known effect comes near."
+
+
+def state_words(found: Diagnosis) -> dict[str, str]:
+    """What the model holds in each state that is looked at."""
+    fit = found.residuals.fit
+    if fit is None:
+        return {"before": "measured minus predicted"}
+    after = "with the effects found"
+    if found.verdict == "unknown":
+        after = "with what comes nearest"
+    return {"before": "before", "after": after}
+
+
+def _named(effect: Effect, target: str) -> str:
+    if isinstance(effect, Component):
+        return f"the error table {target} as it is now"
+    title = effect.title.split(" (")[0]
+    if target in LINEAR_AXES:
+        return f"{title} in {target}"
+    return f"{title}, {target}" if target else title

@@ -1,0 +1,72 @@
+"""Everything that was measured for a job, ready to be compared with its model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from vmach.effects import Circumstances, read_effects
+from vmach.errors import InputError
+from vmach.fit.survey import Survey
+from vmach.job import Job, read_job
+from vmach.measurements import Measurement, measure_part, read_instruments
+from vmach.path.preparation import Preparation, prepare
+
+__all__ = ["survey_job", "survey_part"]
+
+
+def survey_job(job_path: str | Path) -> Survey:
+    """The measured part and all instruments of a job, with the job's own effects in the model.
+
+    Raises
+    ------
+    InputError, gcode.ProgramError
+        Anything wrong with the files; or the job has no measurement.
+    """
+    job = read_job(job_path)
+    effects = read_effects(job.effects, file=job.path, job=job)
+    found: list[Measurement] = []
+    if job.measured is not None:
+        preparation = prepare(job)
+        _compile_circumstances(preparation)
+        found.append(measure_part(preparation, job.measured, effects=effects)[0])
+    found += read_instruments(job, effects=effects)
+    if not found:
+        raise InputError(
+            "nothing was measured",
+            file=job.path,
+            accepted="measured = a CSV of CMM points, or [[measurements]]",
+        )
+    return Survey(job, tuple(found), effects)
+
+
+def _compile_circumstances(preparation: Preparation) -> None:
+    """Ask once for what effects ask for.
+
+    Where kernels are new, another process is busy with those of the engine, and this one would
+    wait for it.
+    """
+    node = preparation.path.nodes[:1]
+    path = Circumstances(replace(node, normal=np.eye(3)[:1]), preparation.job)
+    path.warmth_of_spindle(1.0, 1.0)
+    _ = path.radial_depth_mm, path.play_side
+
+
+def survey_part(other: Job, model: Job) -> Survey:
+    """The measured part of another job, with the machine and the effects of `model`.
+
+    Raises
+    ------
+    InputError, gcode.ProgramError
+        Anything wrong with the files; or the other job has no measured points.
+    """
+    if other.measured is None:
+        raise InputError(
+            "no part was measured", file=other.path, accepted="measured = a CSV of CMM points"
+        )
+    job = replace(other, machine=model.machine, effects=model.effects, fitted=model.fitted)
+    effects = read_effects(model.effects, file=model.path, job=job)
+    part, _ = measure_part(prepare(job), other.measured, effects=effects)
+    return Survey(job, (part,), effects)

@@ -1,0 +1,125 @@
+"""Measured minus predicted, before and after the effects that a diagnosis found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from vmach.base.units import um_from_mm
+from vmach.diagnosis.gates.absorbing import absorbing, slack_of
+from vmach.fit.survey import Survey
+from vmach.fit.terms import JointFit
+from vmach.fit.whitening import Whitening
+
+__all__ = ["Residuals"]
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """What the model misses in each of n readings, alone and with the effects of a fit.
+
+    Attributes
+    ----------
+    survey : Survey
+    whiten : Whitening
+        Of the survey's readings.
+    factors_mm : (n, q) float64
+        Signatures of the tables' uncertainty.
+    fit : JointFit or None
+        Of the effects found.
+    """
+
+    survey: Survey
+    whiten: Whitening
+    factors_mm: np.ndarray
+    fit: JointFit | None
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """What there is to look at: "before", and "after" where effects were fitted."""
+        return ("before",) if self.fit is None else ("before", "after")
+
+    def of(self, state: str) -> np.ndarray:
+        """Measured minus predicted, aligned, "before" or "after", (n,) mm."""
+        return self.before_mm if state == "before" else self.after_mm
+
+    @cached_property
+    def explained_mm(self) -> np.ndarray:
+        """What the effects do to the readings, (n,)."""
+        if self.fit is None:
+            return np.zeros(len(self.survey))
+        return np.sum([self.fit.explained_mm(k) for k in range(len(self.fit.terms))], axis=0)
+
+    @property
+    def left_mm(self) -> np.ndarray:
+        """Measured minus predicted with the effects, nothing aligned, (n,)."""
+        return self.survey.residual_mm - self.explained_mm
+
+    @cached_property
+    def before_mm(self) -> np.ndarray:
+        """Measured minus predicted, alignment and zeros taken off, (n,)."""
+        return self.aligned(self.survey.residual_mm)
+
+    @cached_property
+    def after_mm(self) -> np.ndarray:
+        """The same with the effects in the prediction, (n,)."""
+        return self.aligned(self.left_mm)
+
+    def aligned(self, values_mm: np.ndarray) -> np.ndarray:
+        """Values (n,) or (n, k) without what the instruments leave free."""
+        columns = values_mm if values_mm.ndim == 2 else values_mm[:, None]
+        return (columns - self.survey.aligned(columns)).reshape(values_mm.shape)
+
+    @cached_property
+    def _slack_mm(self) -> np.ndarray:
+        """Signatures of unit variance of what the effects' laws leave open, (n, k)."""
+        return (
+            np.zeros((len(self.survey), 0)) if self.fit is None else slack_of(self.survey, self.fit)
+        )
+
+    @property
+    def open_mm(self) -> np.ndarray:
+        """Standard uncertainty that the effects' laws leave each aligned reading, (n,)."""
+        return np.sqrt((self.aligned(self._slack_mm) ** 2).sum(axis=1))
+
+    def class_u_mm(self, mean: np.ndarray, *, after: bool) -> np.ndarray:
+        """Standard uncertainty of weighted sums of the aligned residual, (c,).
+
+        Parameters
+        ----------
+        mean : (c, n) float64
+            A row of weights for each sum, such as the mean over a class of readings.
+        after : bool
+            Whether what the effects' laws leave open counts.
+        """
+        squared = self.survey.u_mm**2
+        # an alignment is symmetric in readings divided by their uncertainty
+        rows = self.aligned((mean * squared).T).T / squared
+        causes = np.hstack([self.factors_mm, self._slack_mm]) if after else self.factors_mm
+        return np.sqrt(rows**2 @ squared + ((rows @ causes) ** 2).sum(axis=1))
+
+    @cached_property
+    def _absorb(self) -> Whitening | None:
+        return None if self.fit is None else absorbing(self.survey, self.whiten, self.fit)
+
+    def white(self, values_mm: np.ndarray, *, after: bool) -> np.ndarray:
+        """Values (n,) or (n, k) in unit noise without what is free: zeros, and after the effects.
+
+        Parameters
+        ----------
+        values_mm : (n,) or (n, k) float64
+        after : bool
+            Whether the effects found are taken out too, with all that is open about them.
+        """
+        white = self.whiten(values_mm)
+        return self._absorb(white) if after and self._absorb is not None else white
+
+    @cached_property
+    def rms_um(self) -> dict[str, float]:
+        """RMS before, after, and what noise and the tables' uncertainty make."""
+        factors = self.aligned(self.factors_mm)
+        noise = self.survey.u_mm**2 + (factors**2).sum(axis=1)
+        squares = {"before": self.before_mm**2, "after": self.after_mm**2, "expected_noise": noise}
+        return {k: float(um_from_mm(np.sqrt(np.mean(v)))) for k, v in squares.items()}

@@ -1,0 +1,1 @@
+"""Laws of geometry: guides, scales, right angles, weight."""

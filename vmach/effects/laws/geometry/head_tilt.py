@@ -1,0 +1,45 @@
+"""Head tilt: column or head bend when one side of them is warm."""
+
+import numpy as np
+
+from vmach.effects.effect import inner, linear
+from vmach.effects.laws.heat.warm_spindle import SPEED_EXPONENT, OfWarmSpindle
+from vmach.machine import RigidDisplacement
+
+__all__ = ["HeadTilt"]
+
+
+class HeadTilt(OfWarmSpindle):
+    """The tool turns with the spindle's warmth: longer tools move further."""
+
+    name = "head_tilt"
+    title = "thermal tilt of head or column"
+    parameters = (
+        linear("tilt_urad", "rotation when warm at 8000 rpm, right-handed", usual=40.0),
+        linear("shift_um", "sideways motion of the spindle nose when warm", usual=10.0),
+        inner(
+            "time_constant_s",
+            "time to reach 63 % of the final tilt",
+            (300, 600, 1000, 1600, 2500, 4000, 7000),
+            usual=3000.0,
+            spread=0.8,
+        ),
+        SPEED_EXPONENT,
+    )
+    targets = ("A", "B")
+    rarity = 0.5
+    slack_share = 0.15
+    usual_size = "50 urad above 5000 rpm, time constant 0.5 to 4 hours"
+    confirm = "drift test with two tool lengths, or with a nest of five probes"
+    cure = "warm up before finishing; cool the head; compensate by temperature"
+    source = "ISO 230-3"
+
+    def displacement(self, path, target, tilt_urad, shift_um, time_constant_s, speed_exponent):
+        warmth = path.warmth_of_spindle(time_constant_s, speed_exponent)[:, None]
+        turned = np.zeros(3)
+        turned["AB".index(target)] = 1.0
+        tilt = 1e-6 * tilt_urad * warmth * turned
+        sideways = np.cross(turned, [0.0, 0.0, -1.0])
+        return RigidDisplacement(
+            np.cross(tilt, path.tool_mm) + 1e-3 * shift_um * warmth * sideways, tilt
+        )

@@ -1,0 +1,1 @@
+"""Laws of heat: spindle, screws, columns, the shop."""

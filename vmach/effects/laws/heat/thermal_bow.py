@@ -1,0 +1,27 @@
+"""Thermal bow: a bed, table or beam bends because one side of it is warm."""
+
+from vmach.effects.effect import along, linear
+from vmach.effects.laws.geometry.gravity_sag import from_middle
+from vmach.effects.laws.heat.warm_by_time import OfWarmthByTime
+
+__all__ = ["ThermalBow"]
+
+
+class ThermalBow(OfWarmthByTime):
+    """An arch over the travel of an axis that rises with warmth; its ends stay where they are."""
+
+    name = "thermal_bow"
+    title = "bed or beam that bows as one side of it warms"
+    parameters = (
+        linear("bow_um", "rise of the tool against the part at mid-travel when warm", usual=10.0),
+        OfWarmthByTime.time_constant("time to reach 63 % of the final bow"),
+    )
+    targets = ("X", "Y")
+    rarity = 1.5
+    usual_size = "10 um over a metre for 1 K between top and bottom of a bed 140 mm high"
+    confirm = "straightness of the axis cold and after an hour; thermometers above and below"
+    cure = "keep warm chips and coolant off the bed; warm up before finishing"
+
+    def displacement(self, path, target, bow_um, time_constant_s):
+        arch = 1.0 - from_middle(path, target) ** 2
+        return along("Z", 1e-3 * bow_um * arch * self.warmth(path, time_constant_s))

@@ -1,0 +1,1 @@
+"""Laws of drives: lost motion, lag, inertia."""

@@ -1,0 +1,36 @@
+"""Backlash: the carriage follows its drive only after the lost motion is taken up."""
+
+from vmach.effects.effect import Effect, along, inner, linear
+from vmach.effects.laws.servo.reversal import TAKE_UP_MM, taken_up
+from vmach.machine import LINEAR_AXES
+
+__all__ = ["Backlash"]
+
+
+class Backlash(Effect):
+    """The axis stays behind by half the reversal value, on the side that it comes from."""
+
+    name = "backlash"
+    title = "backlash (lost motion at reversal)"
+    parameters = (
+        linear("reversal_um", "reversal value B of ISO 230-2", usual=10.0),
+        inner(
+            "take_up_mm",
+            "way over which the lost motion is taken up to 63 %",
+            TAKE_UP_MM,
+            usual=0.005,
+            spread=1.5,
+            optional=True,
+        ),
+    )
+    usual_size = "3 to 15 um on a machining centre, 30 um and more when worn"
+    confirm = (
+        "approach one position from both sides with a dial gauge or laser; the difference does "
+        "not depend on the feed"
+    )
+    cure = "preload the nut or the bearing, or set the control's backlash compensation"
+    source = "ISO 230-2, reversal value"
+
+    def displacement(self, path, target, reversal_um, take_up_mm):
+        side = taken_up(path, LINEAR_AXES.index(target), take_up_mm)
+        return along(target, -0.5e-3 * reversal_um * side)

@@ -1,0 +1,1 @@
+"""Laws of tools: size, wear, bending, slipping, chipping."""

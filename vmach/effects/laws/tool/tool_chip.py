@@ -1,0 +1,36 @@
+"""Tool chip: at one moment an edge of a tool breaks, and it cuts too little from then on."""
+
+from vmach.effects.effect import along, linear
+from vmach.effects.laws.tool.sudden import Sudden, moment
+from vmach.effects.laws.tool.tool_size import OfOneTool, by_tool
+
+__all__ = ["ToolChip"]
+
+
+class ToolChip(Sudden, OfOneTool):
+    """The edge chips, and leaves material on every wall and on every floor that follow.
+
+    A chip at the corner shortens the tool, one on the flank takes from its radius, most do both.
+    """
+
+    name = "tool_chip"
+    title = "tool whose edge chipped"
+    parameters = (
+        linear("radius_um", "loss of cutting radius", usual=10.0, is_size=True),
+        linear("length_um", "loss of length", usual=10.0, is_size=True),
+        moment("when it chipped"),
+    )
+    needs_surface = True
+    rarity = 1.0
+    usual_size = "5 to 50 um while it still cuts"
+    confirm = "look at the edges under a magnifier; measure the tool's length and radius again"
+    cure = "change the tool; less feed or engagement at entry, a tougher grade, less stick-out"
+
+    def sees(self, path, target):
+        """A chip before the tool's first point, or after its last, is none to these points."""
+        return by_tool(path, target) > 0.0
+
+    def displacement(self, path, target, radius_um, length_um, time_s):
+        chipped = by_tool(path, target) * (path.time_s > time_s)
+        walls = 1e-3 * radius_um * chipped[:, None] * path.side_normal
+        return walls + along("Z", 1e-3 * length_um * chipped)

@@ -1,0 +1,1 @@
+"""Laws of the workpiece and of measuring it: datum, temperature, probe."""

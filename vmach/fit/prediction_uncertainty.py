@@ -1,0 +1,40 @@
+"""How far a predicted deviation can be trusted: error tables, and the effects of the job."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vmach.effects import Circumstances
+from vmach.fit.table_uncertainty import TableUncertainty
+from vmach.machine import Variant
+from vmach.path.toolpath import PathStates
+from vmach.prediction import Prediction
+
+__all__ = ["prediction_u_mm"]
+
+#: points looked at in one go; a few hundred causes each
+_BATCH = 2000
+
+
+def prediction_u_mm(prediction: Prediction) -> np.ndarray:
+    """Standard uncertainty of the deviation of every point that was cut, (C,) mm.
+
+    It holds the noise of the tables' readings, the curve between their points and the
+    squareness, and of every effect of the job what its law leaves open and what is not known of
+    its parameters; not what the model lacks. A perfect machine has the effects' share alone.
+    """
+    states, normals = prediction.states, prediction.normals[prediction.is_cut]
+    batches = np.array_split(np.arange(len(states)), len(states) // _BATCH + 1)
+    variances = [_variance(prediction, states[rows], normals[rows]) for rows in batches]
+    return np.sqrt(np.concatenate(variances))
+
+
+def _variance(prediction: Prediction, states: PathStates, normals: np.ndarray) -> np.ndarray:
+    job = prediction.preparation.job
+    parts = [
+        np.einsum("pi,pik->pk", normals, effect.left_open(states)) for effect in prediction.effects
+    ]
+    if prediction.variant is not Variant.NONE:
+        tables = TableUncertainty.of(job.machine)
+        parts.append(tables.factors(Circumstances(states, job), normals))
+    return sum((np.square(part).sum(axis=1) for part in parts), start=np.zeros(len(states)))

@@ -1,0 +1,155 @@
+"""Effects fitted to a job's measurements and written into a new job; the old one stays."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vmach.diagnosis.named_fit import NamedEffect, fit_named
+from vmach.diagnosis.residuals.job_survey import survey_job
+from vmach.errors import InputError
+from vmach.files.atomic import atomic_file
+from vmach.files.text_file import read_text
+from vmach.files.toml_file import line_of_key
+from vmach.history import rms_um
+from vmach.job import read_job
+
+__all__ = ["add_effects"]
+
+_PATHS = re.compile(
+    r"""^(?P<key>\s*(?:machine|program|nominal|measured|file)\s*=\s*)"""
+    r"""(?P<quote>["'])(?P<path>(?:(?!(?P=quote)).)+)(?P=quote)""",
+    re.MULTILINE,
+)
+
+
+def add_effects(
+    job_path: str | Path,
+    effects: Sequence[str],
+    *,
+    out: Path | None = None,
+    tell: Callable[[str], object] = lambda note: None,
+) -> tuple[Path, tuple[NamedEffect, ...]]:
+    """Fit effects to a job's measurements and write a job that holds them.
+
+    Parameters
+    ----------
+    job_path : path
+    effects : sequence of str
+        Names, with the target where it matters: ``backlash:X``; without it the target that fits
+        best is taken.
+    out : Path, optional
+        The job file to write; a new name beside the old one where left out.
+    tell : callable, optional
+        Told what was noticed of the measurements.
+
+    Returns
+    -------
+    path of the new job, and the effects with their parameters
+
+    Raises
+    ------
+    InputError
+        Unknown effect or target, an effect that the job has already, a file that is there already.
+    """
+    job = read_job(job_path)
+    twice = [name for name in effects if list(effects).count(name) > 1]
+    if twice:
+        raise InputError(f"{twice[0]} is named twice", accepted="every effect once")
+    survey = survey_job(job.path)
+    found = fit_named(survey, effects)
+    text = read_text(job.path, what="job file")
+    for effect in found:
+        if _is_there(job.effects, effect):
+            raise InputError(
+                f"the job has the effect {effect.label} already",
+                file=job.path,
+                line=line_of_key(text, ["effects", effect.effect.name, effect.target]),
+                hint="take it out of the job first, or go on from the job before it",
+            )
+    target = out or _free_name(job.path)
+    if target.exists():
+        raise InputError("file is there already", file=target, hint="choose another name with -o")
+    text = _moved(text, job.folder, target.parent)
+    before = rms_um(survey)
+    after = rms_um(survey, sum(effect.explained_mm for effect in found))
+    text = text.rstrip() + "\n\n" + "\n".join(_effect_toml(e) for e in found)
+    text += "".join(_fitted_toml(e) for e in found)
+    text += _history_toml(job.path, target.parent, found, before=before, after=after)
+    with atomic_file(target) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    for note in survey.notes:
+        tell(note)
+    return target, found
+
+
+def _effect_toml(effect: NamedEffect) -> str:
+    """The table of an effect as it stands in a job file."""
+    header = f"effects.{effect.effect.name}" + (f".{effect.target}" if effect.target else "")
+    lines = [f"[{header}]", *(f"{k} = {_value(v)}" for k, v in effect.parameters.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _fitted_toml(effect: NamedEffect) -> str:
+    """What is not known of an effect's parameters: changes of one standard uncertainty each."""
+    target = f'target = "{effect.target}"\n' if effect.target else ""
+    changes = [
+        ", ".join(f"{name} = {_value(v)}" for name, v in change.items() if np.any(v))
+        for change in effect.one_sigma
+    ]
+    rows = "".join(f"    {{{change}}},\n" for change in changes if change)
+    return f'\n[[fitted]]\neffect = "{effect.effect.name}"\n{target}one_sigma = [\n{rows}]\n'
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, list):
+        return "[" + ", ".join(_value(v) for v in value) + "]"
+    return f"{value:.6g}"
+
+
+def _history_toml(
+    old: Path, folder: Path, found: Sequence[NamedEffect], *, before: float, after: float
+) -> str:
+    previous = os.path.relpath(old.resolve(), folder.resolve())
+    return (
+        "\n[[history]]\n"
+        f"previous = {json.dumps(previous)}\n"
+        f"added = {json.dumps([effect.label for effect in found])}\n"
+        f"rms_before_um = {before:.4g}\n"
+        f"rms_after_um = {after:.4g}\n"
+    )
+
+
+def _is_there(effects: Mapping[str, Any], new: NamedEffect) -> bool:
+    table = effects.get(new.effect.name)
+    if table is None:
+        return False
+    return new.target in table or table.get("target", "") == new.target
+
+
+def _free_name(path: Path) -> Path:
+    number = 2
+    stem = re.sub(r"-\d+$", "", path.stem)
+    while (candidate := path.with_name(f"{stem}-{number}.toml")).exists():
+        number += 1
+    return candidate
+
+
+def _moved(text: str, old: Path, new: Path) -> str:
+    """The job's text with its relative paths seen from another folder."""
+    if old.resolve() == new.resolve():
+        return text
+
+    def rebased(match: re.Match) -> str:
+        path = Path(match["path"])
+        if not path.is_absolute():
+            path = Path(os.path.relpath((old / path).resolve(), new.resolve()))
+        return f"{match['key']}{match['quote']}{path.as_posix()}{match['quote']}"
+
+    return _PATHS.sub(rebased, text)

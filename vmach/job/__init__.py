@@ -1,0 +1,12 @@
+"""The job file: one machining job with its machine, program, stock, tools and nominal CAD."""
+
+from vmach.job.job import Blank, Inspection, Job, JobTool, job_name, read_job
+
+__all__ = [
+    "Blank",
+    "Inspection",
+    "Job",
+    "JobTool",
+    "job_name",
+    "read_job",
+]

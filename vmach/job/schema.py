@@ -1,0 +1,115 @@
+"""The tables and keys of ``job.toml``."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, Field
+
+from gcode import WORK_OFFSETS
+from gcode.dialects import DIALECTS
+from vmach.files.toml_file import FileSection, Finite, NonNegative, Point, Positive, Whole
+
+__all__ = [
+    "FittedEntry",
+    "HistoryEntry",
+    "InspectionEntry",
+    "JobSchema",
+    "StockEntry",
+    "ToolEntry",
+]
+
+#: largest number of a tool
+_LARGEST_TOOL = 99_999
+
+
+def _known_offsets(offsets: dict[str, Point]) -> dict[str, Point]:
+    for name in offsets:
+        if name not in WORK_OFFSETS:
+            raise ValueError(f"accepted: {', '.join(WORK_OFFSETS)}")
+    return offsets
+
+
+def _known_dialect(name: str) -> str:
+    if name not in ("auto", *DIALECTS):
+        raise ValueError(f"accepted: auto, {', '.join(DIALECTS)}")
+    return name
+
+
+#: units of length that CAD without a unit of its own can be told
+LengthUnit = Literal["um", "mm", "cm", "m", "inch"]
+
+
+class StockEntry(FileSection):
+    """[stock]: a box, or a solid in a file."""
+
+    min_mm: Point | None = None
+    max_mm: Point | None = None
+    file: str | None = None
+    unit: LengthUnit | None = None
+
+
+class ToolEntry(FileSection):
+    """[tools.N]; which dimensions a shape needs is the business of `stock.make_tool`."""
+
+    shape: Literal["flat", "ball", "bull", "chamfer", "drill", "profile"]
+    diameter_mm: Positive
+    length_mm: Positive
+    corner_radius_mm: NonNegative | None = None
+    tip_diameter_mm: NonNegative | None = None
+    angle_deg: Positive | None = None
+    flute_length_mm: Positive | None = None
+    shank_diameter_mm: Positive | None = None
+    holder_mm: list[tuple[NonNegative, Finite]] | None = None
+    profile_mm: list[tuple[NonNegative, Finite]] | None = None
+    flutes: Whole | None = None
+
+
+class InspectionEntry(FileSection):
+    """[inspection]."""
+
+    spacing_mm: Positive = 2.0
+    edge_margin_mm: NonNegative = 0.1
+    reach_mm: Positive = 1.0
+    tolerance_um: Positive = 10.0
+    alignment: Literal["none", "best-fit", "datum"] = "none"
+    datums: list[list[str]] = []
+
+
+class FittedEntry(FileSection):
+    """[[fitted]]: what ``vmach add`` left open of an effect's parameters."""
+
+    effect: str
+    target: str = ""
+    one_sigma: list[dict[str, Finite | list[Finite]]]
+
+
+class HistoryEntry(FileSection):
+    """[[history]]: what ``vmach add`` notes of the job before."""
+
+    previous: str
+    added: list[str] = []
+    rms_before_um: NonNegative | None = None
+    rms_after_um: NonNegative | None = None
+
+
+class JobSchema(FileSection):
+    """A whole job file."""
+
+    schema_: Literal[1] = Field(alias="schema")
+    machine: str
+    program: str
+    dialect: Annotated[str, AfterValidator(_known_dialect)] = "auto"
+    nominal: str | None = None
+    nominal_unit: LengthUnit | None = None
+    measured: str | None = None
+    workpiece_zero: str | None = None
+    tool_offsets: Literal["program", "touched off"] = "program"
+    work_offsets_mm: Annotated[dict[str, Point], AfterValidator(_known_offsets)]
+    stock: StockEntry | None = None
+    tools: dict[Annotated[int, Field(ge=1, le=_LARGEST_TOOL)], ToolEntry]
+    inspection: InspectionEntry = InspectionEntry()
+    effects: dict[str, Any] = {}
+    measurements: list[dict[str, Any]] = []
+    history: list[HistoryEntry] = []
+    fitted: list[FittedEntry] = []

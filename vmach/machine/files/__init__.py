@@ -1,0 +1,1 @@
+"""Machine files: what stands in them, checked and read."""

@@ -1,0 +1,228 @@
+"""Reading ``machine.toml`` with its error tables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from vmach.errors import InputError
+from vmach.files.text_file import read_text
+from vmach.files.toml_file import line_of_key, read_toml
+from vmach.machine.chain import LINEAR_AXES, Chain
+from vmach.machine.component_errors import COMPONENT_NAMES, ComponentError, component_of
+from vmach.machine.files.machine_schema import CROSS_VALIDATION, MachineSchema, TableEntry
+from vmach.machine.files.rotary_file import is_rotary_error, read_rotary_axes
+from vmach.machine.files.volumetric_file import VolumetricFile, read_volumetric_file
+from vmach.machine.machine import Axis, Machine, Motion
+from vmach.machine.sign_convention import SignConvention
+from vmach.machine.squareness import agreed_value, squareness_vectors
+from vmach.machine.tables.cross_validation import choose, cross_validate
+from vmach.machine.tables.error_table import MM_PER, RAD_PER, ErrorTable, read_error_table
+from vmach.machine.tables.interpolation import Extrapolation, Interpolation, Method
+
+__all__ = ["read_machine"]
+
+
+def read_machine(path: str | Path) -> Machine:
+    """Read a machine file and the tables that it names.
+
+    Raises
+    ------
+    InputError
+        Anything wrong with the files, with file, line, key, value and what is accepted.
+    """
+    path = Path(path)
+    data = read_toml(path, MachineSchema, what="machine file")
+    source = _Source(path, data, read_text(path, what="machine file"))
+    chain = source.chain()
+    source.check_travel()
+    volumetric = VolumetricFile()
+    files = [entry.table for entry in data.errors.values() if entry.table]
+    if data.volumetric is not None:
+        volumetric = read_volumetric_file(
+            path.parent / data.volumetric.file, data.volumetric.format
+        )
+        files.append(data.volumetric.file)
+    linear = [name for name in data.errors if not is_rotary_error(name)]
+    names = dict.fromkeys((*linear, *volumetric.tables))
+    tables = {name: source.table(name, volumetric) for name in names}
+    squareness = {name: source.squareness_rad(name) for name in data.squareness}
+    return Machine(
+        name=data.name,
+        chain=chain,
+        axes={name: Axis(*data.axes[name].travel_mm) for name in LINEAR_AXES},
+        motion=Motion(
+            data.motion.rapid_mm_min, data.motion.tool_change_s, data.motion.acceleration_mm_s2
+        ),
+        components={name: source.component(name, table, chain) for name, table in tables.items()},
+        squareness_rad=squareness_vectors(volumetric.squareness_rad | squareness),
+        sign=SignConvention(data.convention.sign),
+        separate_directions=data.tables.directions == "separate",
+        rotary=read_rotary_axes(data, chain.rotary_axes, folder=path.parent, fail=source.fail),
+        reference_axes=data.convention.reference_axes or "",
+        files=(path, *(path.parent / name for name in dict.fromkeys(files))),
+        notes=tuple(f"{name}: {note}" for name, table in tables.items() for note in table.notes),
+    )
+
+
+@dataclass(frozen=True)
+class _Source:
+    """A machine file that was read, and complaints about it with file and line."""
+
+    path: Path
+    data: MachineSchema
+    text: str
+
+    def fail(
+        self, keys: list[str], what: str, accepted: str | None = None, hint: str | None = None
+    ) -> InputError:
+        line = line_of_key(self.text, keys)
+        return InputError(what, file=self.path, line=line, accepted=accepted, hint=hint)
+
+    def chain(self) -> Chain:
+        try:
+            return Chain.parse(self.data.chain)
+        except InputError as error:
+            raise self.fail(["chain"], error.what, error.accepted) from None
+
+    def check_travel(self) -> None:
+        for axis in LINEAR_AXES:
+            if axis not in self.data.axes or self.data.axes[axis].travel_mm is None:
+                raise self.fail(
+                    ["axes", *self.data.axes],
+                    f"axis {axis} has no travel",
+                    "[axes.X], [axes.Y], [axes.Z]",
+                )
+            low, high = self.data.axes[axis].travel_mm
+            if low >= high:
+                raise self.fail(
+                    ["axes", axis, "travel_mm"], f"travel {low} .. {high} mm", "[low, high]"
+                )
+
+    def table(self, name: str, volumetric: VolumetricFile) -> ErrorTable:
+        """The values of one component error, from its own or from the volumetric file."""
+        if name not in COMPONENT_NAMES:
+            raise self.fail(
+                ["errors", name], f"component error '{name}'", ", ".join(COMPONENT_NAMES)
+            )
+        entry = self.data.errors.get(name, TableEntry())
+        if entry.table and name in volumetric.tables:
+            raise self.fail(
+                ["errors", name, "table"],
+                f"{name} is in '{entry.table}' and in '{self.data.volumetric.file}'",
+                "one of them",
+            )
+        if entry.table:
+            unit = entry.unit or self._unit(name)
+            units = RAD_PER if component_of(name)[2] else MM_PER
+            if unit not in units:
+                raise self.fail(
+                    ["errors", name, "unit"], f"unit '{unit}' of {name}", ", ".join(units)
+                )
+            return read_error_table(self.path.parent / entry.table, units, unit)
+        if name not in volumetric.tables:
+            raise self.fail(["errors", name], f"{name} has no table", 'table = "errors/NAME.csv"')
+        position_mm, value = volumetric.tables[name]
+        return ErrorTable(position_mm, value, value, None, ())
+
+    def component(self, name: str, table: ErrorTable, chain: Chain) -> ComponentError:
+        """The component error with its set-up and its curve."""
+        entry = self.data.errors.get(name, TableEntry())
+        common = self.data.tables
+        interpolation, evidence = self._interpolation(name, entry, table)
+        component = ComponentError(
+            name,
+            table.position,
+            table.forward,
+            table.backward,
+            self._measured_at(name, entry, chain),
+            set_up=entry.set_up or self.data.convention.set_up,
+            slope_removed=entry.slope_removed,
+            interpolation=interpolation,
+            extrapolation=entry.extrapolation or common.extrapolation or Extrapolation.REFUSE,
+            evidence=evidence,
+            runs=table.runs,
+            provenance=entry.provenance or common.provenance or "",
+            measured_on=entry.measured_on or common.measured_on,
+            source=str(self.path.parent / (entry.table or self.data.volumetric.file)),
+        )
+        try:
+            _ = component.curves
+        except InputError as error:
+            keys = ["errors", name, "interpolation"]
+            raise self.fail(keys, f"{name}: {error.what}", error.accepted, error.hint) from None
+        return component
+
+    def _interpolation(self, name: str, entry: TableEntry, table: ErrorTable):
+        """The method asked for, or the one that cross-validation chooses, with its evidence."""
+        common = self.data.tables
+        own = entry.interpolation is not None
+        method = entry.interpolation or common.interpolation or Method.LINEAR
+        if method == CROSS_VALIDATION:
+            scores = cross_validate(table.position, 0.5 * (table.forward + table.backward))
+            return choose(scores), scores
+        order = entry.order or (None if own else common.order)
+        period = entry.period_mm or (None if own else common.period_mm)
+        if (order is not None) != (method in (Method.LEGENDRE, Method.FOURIER)):
+            raise self.fail(
+                ["errors", name, "interpolation"],
+                f"{name}: interpolation '{method}' "
+                + ("without an order" if order is None else f"with order {order}"),
+                "order = 1, 2 ... with 'legendre' and 'fourier', with no other",
+            )
+        return Interpolation(Method(method), order, period), ()
+
+    def _measured_at(self, name: str, entry: TableEntry, chain: Chain) -> np.ndarray | None:
+        """Measuring point in the frame of the body that the axis carries."""
+        _, axis, angular = component_of(name)
+        keys = ["errors", name]
+        by_state = entry.nose_at_mm is not None or entry.stick_out_mm is not None
+        if angular and (entry.measured_at_mm is not None or by_state):
+            raise self.fail(
+                [*keys, "measured_at_mm" if entry.measured_at_mm else "nose_at_mm"],
+                f"{name} is an angle, which is the same at every point of the body",
+                "a measuring point for positioning and straightness only",
+            )
+        if by_state:
+            if entry.measured_at_mm or entry.nose_at_mm is None or entry.stick_out_mm is None:
+                raise self.fail(
+                    keys,
+                    f"{name} does not say in one way where it was measured",
+                    "measured_at_mm, or nose_at_mm together with stick_out_mm",
+                )
+            tip = np.array([0.0, 0.0, -entry.stick_out_mm])
+            return tip + chain.arm_masks[axis] * np.array(entry.nose_at_mm)
+        if entry.measured_at_mm is not None:
+            return np.array(entry.measured_at_mm, dtype=float)
+        if angular or self.data.volumetric is None or entry.table:
+            return None
+        return np.array(self.data.volumetric.measured_at_mm, dtype=float)
+
+    def squareness_rad(self, name: str) -> float:
+        """One squareness, stated in the file's unit or in two units that have to agree."""
+        keys = ["squareness", name]
+        rotation, zero, axis = (name[1:2], name[2:3], name[3:]) if name[:1] == "E" else ("",) * 3
+        if (
+            rotation not in tuple("ABC")
+            or zero != "0"
+            or axis not in LINEAR_AXES
+            or ("ABC".index(rotation) == LINEAR_AXES.index(axis))
+        ):
+            raise self.fail(
+                keys,
+                f"squareness '{name}'",
+                "E, a rotation A, B or C, 0, the axis that is out of square across it: EC0Y",
+            )
+        value = self.data.squareness[name]
+        if isinstance(value, float):
+            return value * RAD_PER[self.data.convention.angle]
+        try:
+            return agreed_value(value.um_per_m, value.arcsec, value.use)
+        except InputError as error:
+            raise self.fail(keys, f"{name}: {error.what}", error.accepted, error.hint) from None
+
+    def _unit(self, name: str) -> str:
+        convention = self.data.convention
+        return convention.angle if component_of(name)[2] else convention.length

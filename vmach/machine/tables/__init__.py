@@ -1,0 +1,1 @@
+"""Error tables: readings, runs, and the curves between them."""

@@ -1,0 +1,263 @@
+"""Reading error tables: one file an error, as means or as single runs.
+
+Three headers are understood, in any order of columns and of rows:
+
+* ``position_mm, forward, backward``: means of both directions of approach;
+* ``position_mm, forward_1, backward_1, forward_2, ...``: single runs side by side;
+* ``run, position_mm, approach, deviation``: single readings below each other, `approach` being
+  the sign of the motion into the position.
+
+The position may also be in ``position_m`` or ``position_inch``; a unit at the end of any other
+column (``forward_um``, ``deviation_arcsec``) goes before the unit of the machine file. An empty
+cell is a reading that is missing.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from vmach.errors import InputError
+from vmach.files.text_file import column_hint, csv_rows, read_text
+from vmach.machine.tables.runs import Runs
+
+__all__ = ["MM_PER", "RAD_PER", "ErrorTable", "read_error_table"]
+
+MM_PER = {"um": 1e-3, "mm": 1.0, "m": 1e3, "inch": 25.4}
+RAD_PER = {
+    "urad": 1e-6, "rad": 1.0, "mrad": 1e-3, "arcsec": math.pi / 648000, "deg": math.pi / 180,
+    "um/m": 1e-6, "um/mm": 1e-3,
+}  # fmt: skip
+_ACCEPTED = (
+    "position_mm, forward, backward | position_mm, forward_1, backward_1, ... | "
+    "run, position_mm, approach, deviation"
+)
+POSITION_MM_PER = {unit: MM_PER[unit] for unit in ("mm", "m", "inch")}
+_SAME_POSITION = 1e-3  #: in the unit of the file
+
+
+@dataclass(frozen=True)
+class ErrorTable:
+    """What one file of errors says, in mm or rad.
+
+    Attributes
+    ----------
+    position, forward, backward : (K,) float64
+        Means, sorted by position, gaps filled. Positions in mm, of a rotary axis in rad.
+    runs : Runs or None
+        The single runs, where the file has them.
+    notes : tuple of str
+        What was done to the file's rows: sorted, gaps filled.
+    """
+
+    position: np.ndarray
+    forward: np.ndarray
+    backward: np.ndarray
+    runs: Runs | None
+    notes: tuple[str, ...]
+
+
+def read_error_table(
+    path: Path,
+    units: Mapping[str, float],
+    unit: str,
+    *,
+    positions: Mapping[str, float] = POSITION_MM_PER,
+) -> ErrorTable:
+    """Read a table of one error.
+
+    Parameters
+    ----------
+    path : Path
+    units : mapping of unit to its size in mm or rad
+        `MM_PER` or `RAD_PER`.
+    unit : str
+        Of the columns that do not name their own.
+    positions : mapping of unit to its size
+        Of the column ``position_UNIT``; for a rotary axis in rad, and the table's positions are
+        then in rad too.
+
+    Raises
+    ------
+    InputError
+        No such file, wrong header or unit, a cell that is no finite number, fewer than two
+        positions, a position twice, an end position without a reading.
+    """
+    lines = read_text(path, what="error table").splitlines()
+    rows = [
+        (number, [cell.strip() for cell in cells])
+        for number, cells in enumerate(csv_rows(lines, path), 1)
+        if any(cell.strip() for cell in cells) and not cells[0].lstrip().startswith("#")
+    ]
+    if not rows:
+        raise InputError("the table is empty", file=path, accepted=_ACCEPTED)
+    header = _Header(path, rows[0][0], rows[0][1], units=units, unit=unit, positions=positions)
+    values = np.array([_numbers(cells, header, path, line) for line, cells in rows[1:]])
+    if len(values) == 0:
+        raise InputError("the table has no rows below its header", file=path)
+    notes = [] if np.all(np.diff(values[:, header.position]) >= 0) else ["rows sorted by position"]
+    runs = _long_runs(values, header) if header.approach is not None else _wide_runs(values, header)
+    _check_positions(runs.position_mm, header)
+    forward, backward = (
+        _filled(getattr(runs, way), runs.position_mm, header, notes=notes, way=way)
+        for way in ("forward", "backward")
+    )
+    single = max(len(runs.forward), len(runs.backward)) > 1 or header.approach is not None
+    return ErrorTable(runs.position_mm, forward, backward, runs if single else None, tuple(notes))
+
+
+class _Header:
+    """Which column holds what, and its factor to mm or rad."""
+
+    def __init__(
+        self,
+        path: Path,
+        line: int,
+        names: list[str],
+        *,
+        units: Mapping[str, float],
+        unit: str,
+        positions: Mapping[str, float],
+    ) -> None:
+        self.path, self.line, self.names = path, line, names
+        self.largest, self.size_unit = (10.0, "mm") if "mm" in units else (0.1, "rad")
+        self.position, self.position_unit = self._find_position(positions)
+        self.position_scale = positions[self.position_unit]
+        self.approach = names.index("approach") if "approach" in names else None
+        self.forward: list[int] = []
+        self.backward: list[int] = []
+        self.scale = np.ones(len(names))
+        self.scale[self.position] = self.position_scale
+        for column, name in enumerate(names):
+            found = re.fullmatch(r"(forward|backward|deviation|error)(_\d+)?(?:_([a-z/]+))?", name)
+            if column in (self.position, self.approach) or name in ("run", "t_s"):
+                continue
+            if found is None or (found[1] == "deviation") != (self.approach is not None):
+                raise self._wrong()
+            own = found[3] or unit
+            if own not in units:
+                raise InputError(
+                    f"column '{name}': unit '{own}'", file=path, line=line,
+                    accepted=", ".join(units),
+                )  # fmt: skip
+            self.scale[column] = units[own]
+            if found[1] != "backward":
+                self.forward.append(column)
+            if found[1] != "forward":
+                self.backward.append(column)
+        if not self.forward or not self.backward or len(set(names)) < len(names):
+            raise self._wrong()
+
+    def _find_position(self, positions: Mapping[str, float]) -> tuple[int, str]:
+        for column, name in enumerate(self.names):
+            unit = name.removeprefix("position_")
+            if unit != name and unit in positions:
+                return column, unit
+        raise self._wrong()
+
+    def _wrong(self) -> InputError:
+        return InputError(
+            f"header '{', '.join(self.names)}'",
+            file=self.path,
+            line=self.line,
+            accepted=_ACCEPTED,
+            hint=column_hint(self.names),
+        )
+
+
+def _numbers(cells: list[str], header: _Header, path: Path, line: int) -> np.ndarray:
+    """One row in mm or rad; NaN for an empty cell."""
+    try:
+        numbers = np.array([float(cell) if cell else math.nan for cell in cells])
+    except ValueError:
+        numbers = np.array([math.inf])
+    given = [k for k, cell in enumerate(cells) if cell]
+    keys = [header.position] if header.approach is None else [header.position, header.approach]
+    if len(numbers) != len(header.names) or not np.isfinite(numbers[given]).all():
+        raise InputError(
+            f"row '{', '.join(cells)}'", file=path, line=line,
+            accepted=f"{len(header.names)} finite numbers, or an empty cell for a missing reading",
+        )  # fmt: skip
+    if not np.isfinite(numbers[keys]).all():
+        raise InputError(f"row '{', '.join(cells)}' has no position", file=path, line=line)
+    if header.approach is not None and numbers[header.approach] == 0:
+        raise InputError("approach 0", file=path, line=line, accepted="1 or -1")
+    values = numbers * header.scale
+    sizes = np.abs(values[[*header.forward, *header.backward]])
+    if (sizes > header.largest).any():
+        raise InputError(
+            f"row '{', '.join(cells)}' holds an error of {np.nanmax(sizes):g} {header.size_unit}",
+            file=path, line=line, accepted=f"{header.largest:g} {header.size_unit} at most",
+            hint="the unit of the column, or [convention] in the machine file, may be another",
+        )  # fmt: skip
+    return values
+
+
+def _wide_runs(values: np.ndarray, header: _Header) -> Runs:
+    values = values[np.argsort(values[:, header.position], kind="stable")]
+    return Runs(
+        values[:, header.position], values[:, header.forward].T, values[:, header.backward].T
+    )
+
+
+def _long_runs(values: np.ndarray, header: _Header) -> Runs:
+    """The n-th reading of a position in a direction belongs to the n-th run."""
+    position = values[:, header.position]
+    step = _SAME_POSITION * header.position_scale
+    targets, target = np.unique(np.round(position / step), return_inverse=True)
+    sides = []
+    for sign in (1.0, -1.0):
+        mine = np.sign(values[:, header.approach]) == sign
+        count = np.bincount(target[mine], minlength=len(targets))
+        side = np.full((max(1, count.max(initial=1)), len(targets)), np.nan)
+        for k in range(len(targets)):
+            readings = values[mine & (target == k), header.forward[0]]
+            side[: len(readings), k] = readings
+        sides.append(side)
+    return Runs(targets * step, *sides)
+
+
+def _check_positions(position: np.ndarray, header: _Header) -> None:
+    if len(position) < 2:
+        raise InputError(f"{len(position)} position", file=header.path, accepted="two or more")
+    twice = np.flatnonzero(np.diff(position) < _SAME_POSITION * header.position_scale)
+    if twice.size:
+        raise InputError(
+            f"position {position[twice[0]] / header.position_scale:g} stands there twice",
+            file=header.path,
+            hint="single runs go into columns forward_1, forward_2, ...",
+        )
+
+
+def _filled(
+    side: np.ndarray, position: np.ndarray, header: _Header, *, notes: list[str], way: str
+) -> np.ndarray:
+    """Mean over the runs; an inner position without a reading lies on the line between its
+    neighbours, and a note says so."""
+    known = np.isfinite(side)
+    count = known.sum(axis=0)
+    if not (count[0] and count[-1]):
+        at = position[0] if not count[0] else position[-1]
+        raise InputError(
+            f"no {way} reading at {_listed([at], header)}, the end of the table", file=header.path,
+            accepted="both directions at either end",
+        )  # fmt: skip
+    mean = np.where(known, side, 0.0).sum(axis=0) / np.maximum(count, 1)
+    gaps = np.flatnonzero(count == 0)
+    if gaps.size:
+        there = count > 0
+        mean[gaps] = np.interp(position[gaps], position[there], mean[there])
+        listed = _listed(position[gaps], header)
+        notes.append(f"no {way} reading at {listed}: taken from the neighbours")
+    return mean
+
+
+def _listed(position: Iterable[float], header: _Header) -> str:
+    """Positions in the unit of the file."""
+    numbers = ", ".join(f"{x / header.position_scale:g}" for x in position)
+    return f"{numbers} {header.position_unit}"

@@ -1,0 +1,1 @@
+"""Measurements that may be wrong by mistake: units, signs, axes, frames, clocks."""

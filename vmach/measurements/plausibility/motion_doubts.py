@@ -1,0 +1,129 @@
+"""Places, approaches and times of a test that hardly belong together: questions to its user.
+
+They are notes and no errors: unusual tests exist.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from vmach.base.units import mm_per_s_from_mm_per_min, um_from_mm
+from vmach.measurements.measurement import Measurement
+
+__all__ = ["approach_notes", "circle_notes", "drift_notes", "lost_motion_notes", "pace_notes"]
+
+#: share of the ways that have to contradict, and of these on either side
+_NEARLY_ALL, _OF_EITHER = 0.9, 0.25
+#: fewer ways than this say nothing
+_FEWEST = 8
+#: share of the way that is enough to doubt the times
+_MUCH = 0.25
+#: lost motion the wrong way round, mm and in standard uncertainties; a carriage that yaws when it
+#: turns back may bring a little of it
+_CLEAR_MM, _CLEAR_U = 5e-3, 5.0
+#: no drift test is over sooner
+_SHORTEST_DRIFT_S = 300.0
+#: planes in which an angle that grows goes counterclockwise, seen against the third axis
+_RIGHT_HANDED = ("XY", "YZ", "ZX")
+
+
+def approach_notes(nose_mm: np.ndarray, side: np.ndarray) -> tuple[str, ...]:
+    """A note where places are approached against the way to them, whichever way it goes.
+
+    Parameters
+    ----------
+    nose_mm : (P, 3) float64
+        Places in the order of time.
+    side : (P, 3) number
+        Sign of the last motion of each axis, as the file says; 0 where it does not.
+    """
+    way, said = np.sign(np.diff(np.round(nose_mm, 6), axis=0)), np.asarray(side)[1:]
+    moved = (way != 0) & (said != 0)
+    against = moved & (way != said)
+    count = int(against.sum())
+    if count < max(_FEWEST, _NEARLY_ALL * moved.sum()):
+        return ()
+    if not _OF_EITHER < np.mean(said[against] > 0) < 1.0 - _OF_EITHER:
+        return ()  # always from one side: that may be meant
+    return (
+        f"{count} of {int(moved.sum())} approaches go against the way from the place before: are "
+        "the signs exchanged? They are those of the last motion, 1 towards +",
+    )
+
+
+def lost_motion_notes(test: Measurement, side: np.ndarray) -> tuple[str, ...]:
+    """A note where an axis stops further along its motion than the model says, on either side.
+
+    It compares readings one after the other at the same place, so that no heat comes between.
+
+    Parameters
+    ----------
+    test : Measurement
+        Along one axis; where several move, one may shift another when it reverses.
+    side : (P,) number
+        Sign of the motion into each place.
+    """
+    nose_mm, side = np.round(test.states.nose_mm, 6), np.asarray(side)
+    turned = np.all(nose_mm[1:] == nose_mm[:-1], axis=1) & (side[1:] * side[:-1] < 0)
+    residual = test.measured_mm - test.predicted_mm
+    ahead = (np.diff(residual) * np.sign(side[1:]))[turned]
+    if len(ahead) == 0:
+        return ()
+    mean, u_mm = float(ahead.mean()), float(np.median(test.u_mm) * np.sqrt(2.0 / len(ahead)))
+    if mean < max(_CLEAR_MM, _CLEAR_U * u_mm):
+        return ()
+    return (
+        f"approached with 1 the axis stops {um_from_mm(mean):.1f} um further towards + than with "
+        "-1, and lost motion does the opposite: are the signs of approach exchanged, or does the "
+        "control compensate too much backlash?",
+    )
+
+
+def pace_notes(nose_mm: np.ndarray, time_s: np.ndarray, rapid_mm_per_min: float) -> tuple[str, ...]:
+    """A note where places are reached sooner than rapid motion of every axis would."""
+    way = np.abs(np.diff(nose_mm, axis=0)).max(axis=1)
+    fast = way > mm_per_s_from_mm_per_min(rapid_mm_per_min) * np.diff(time_s)
+    if way[fast].sum() <= _MUCH * way.sum():
+        return ()
+    return (
+        f"{way.sum():.0f} mm in {np.ptp(time_s):.4g} s, much of it faster than the machine's "
+        f"rapid motion of {rapid_mm_per_min:g} mm/min: is t_s in seconds?",
+    )
+
+
+def drift_notes(time_s: np.ndarray) -> tuple[str, ...]:
+    """A note where a drift test, (P,) s, is over before anything warms."""
+    if np.ptp(time_s) >= _SHORTEST_DRIFT_S:
+        return ()
+    return (f"the test lasts {np.ptp(time_s):.4g} s: is t_s in seconds?",)
+
+
+def circle_notes(runs: Sequence[str], angle_rad: np.ndarray, plane: str) -> tuple[str, ...]:
+    """A note where circles called cw or ccw turn the other way.
+
+    Parameters
+    ----------
+    runs : (P,) str
+        Name of the run of each row; other names say nothing.
+    angle_rad : (P,) float64
+    plane : str
+        Its two axes; angles count from the first to the second.
+    """
+    if plane not in _RIGHT_HANDED:
+        return ()
+    names = np.char.lower(np.asarray(runs, dtype=str))
+    wrong = []
+    for name, turn in (("ccw", 1.0), ("cw", -1.0)):
+        rows = np.flatnonzero(names == name)
+        steps = np.diff(angle_rad[rows])
+        steps = (steps + np.pi) % (2.0 * np.pi) - np.pi
+        if len(steps) and np.sign(np.median(steps)) == -turn:
+            wrong.append(name)
+    if not wrong:
+        return ()
+    return (
+        f"run {' and '.join(wrong)} turns the other way in the plane {plane}: does angle_deg "
+        f"count from {plane[0]} towards {plane[1]}?",
+    )

@@ -1,0 +1,146 @@
+"""Would readings agree with the model far better if one thing in the files were otherwise?
+
+A sign, a letter or a unit that is wrong gives readings which no effect explains. Each of these
+mistakes is tried: the model is asked again with it put right.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vmach.base.units import um_from_mm
+from vmach.machine import LINEAR_AXES, Machine
+from vmach.measurements.measurement import Measurement
+
+__all__ = ["Otherwise", "exchanged", "exchanged_tables", "is_doubtful", "otherwise_notes"]
+
+#: readings further away than so many standard uncertainties are worth a question
+_CLEAR_U = 2.0
+#: readings that agree so many times better the other way round are suspicious
+_BETTER = 2.0
+#: where they do not come as close as so many standard uncertainties, so many times better: an
+#: effect may have brought them there
+_CLOSE_U, _FAR_BETTER = 4.0, 5.0
+#: and so many times better once displacements that grow in proportion with the place are taken
+#: off: a scale or a squareness may bring readings of one axis near the tables of another
+_BETTER_BENT = 2.0
+#: readings beyond the number of what is free, below which nothing can be said
+_FEWEST_LEFT = 12
+_MEANING = {
+    "part": "a deviation is (m - p) along i, j, k and positive where material is left",
+    "ballbar": "radius_um is positive where the tool is further out than programmed",
+    "laser": "deviation_um is positive where the tool is further along + than programmed",
+    "diagonal": "deviation_um is positive where the tool is further towards to_mm than programmed",
+}
+_DISPLACEMENT = "a displacement is that of the tool relative to the workpiece"
+
+
+@dataclass(frozen=True)
+class Otherwise:
+    """What the model would say if one thing in the files were otherwise.
+
+    Attributes
+    ----------
+    what : str
+        The thing put right, after "with".
+    question : str
+        What the user should look at.
+    predicted_mm : (P,) float64
+        Of the readings.
+    """
+
+    what: str
+    question: str
+    predicted_mm: np.ndarray
+
+
+def is_doubtful(test: Measurement) -> bool:
+    """Whether readings are further from the model than their uncertainty says."""
+    if test.degrees < _FEWEST_LEFT:
+        return False
+    apart = test.variation_mm(test.measured_mm - test.predicted_mm)
+    return apart >= _CLEAR_U * float(np.median(test.u_mm))
+
+
+def otherwise_notes(test: Measurement, others: Iterable[Otherwise]) -> tuple[str, ...]:
+    """A note where readings would agree far better if something were otherwise.
+
+    Parameters
+    ----------
+    test : Measurement
+    others : iterable of Otherwise
+        What may be wrong beside the sign of the readings.
+
+    Returns
+    -------
+    tuple of str
+        Empty where all looks right, or where the model says too little to tell.
+    """
+    if not is_doubtful(test):
+        return ()
+    plain, bent = _apart_mm(test, test.predicted_mm)
+    close = _CLOSE_U * float(np.median(test.u_mm))
+    found = []
+    for other in (_other_sign(test), *others):
+        apart, apart_bent = _apart_mm(test, other.predicted_mm)
+        if apart > close and plain < _FAR_BETTER * apart:
+            continue
+        if plain >= _BETTER * apart and bent >= _BETTER_BENT * apart_bent:
+            found.append((apart, other))
+    if not found:
+        return ()
+    apart, best = min(found, key=lambda pair: pair[0])
+    return (
+        f"{test.name}: with {best.what} the readings would agree with the model within "
+        f"{um_from_mm(apart):.2f} um instead of {um_from_mm(plain):.2f} um (rms): {best.question}",
+    )
+
+
+def _other_sign(test: Measurement) -> Otherwise:
+    meaning = f"{_MEANING.get(test.kind, _DISPLACEMENT)}, and so do the error tables count"
+    return Otherwise("the other sign", meaning, -test.predicted_mm)
+
+
+def _apart_mm(test: Measurement, predicted_mm: np.ndarray) -> tuple[float, float]:
+    """Root mean square of measured minus predicted: what is free taken off; and what is even."""
+    residual = test.measured_mm - predicted_mm
+    place = test.states.nose_mm - test.states.nose_mm.mean(axis=0)
+    even = [test.sensing[:, :1] * place, test.sensing[:, 1:2] * place, test.sensing[:, 2:] * place]
+    free = np.hstack([test.nuisance, *even])
+    left = residual - free @ np.linalg.lstsq(free, residual, rcond=None)[0]
+    degrees = max(len(test) - int(np.linalg.matrix_rank(free)), 1)
+    return test.variation_mm(residual), float(np.sqrt(left @ left / degrees))
+
+
+def exchanged_tables(machine: Machine) -> Iterator[tuple[str, Machine]]:
+    """The machine with forward and backward exchanged in the tables of one axis, or of all.
+
+    None where the mean of both acts.
+    """
+    if not machine.separate_directions:
+        return
+    for axes in (*LINEAR_AXES, LINEAR_AXES):
+        yield " and ".join(axes), _exchanged(machine, axes)
+
+
+def exchanged(axes: str, predicted_mm: np.ndarray) -> Otherwise:
+    """What the model says with such tables, (P,) mm."""
+    return Otherwise(
+        f"forward and backward of {axes} exchanged",
+        "is approach the sign of the last motion, and are the columns of the error tables in "
+        "their order?",
+        predicted_mm,
+    )
+
+
+def _exchanged(machine: Machine, axes: Sequence[str]) -> Machine:
+    components = {
+        name: replace(table, forward=table.backward, backward=table.forward)
+        if name[-1] in axes
+        else table
+        for name, table in machine.components.items()
+    }
+    return replace(machine, components=components)

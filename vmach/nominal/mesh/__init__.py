@@ -1,0 +1,1 @@
+"""Triangle meshes as nominal CAD: reading, checks, faces."""

@@ -1,0 +1,272 @@
+"""Surface points: where a part is inspected, and what was measured there."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from vmach.base.units import mm_from_um
+from vmach.errors import InputError
+from vmach.files.text_file import column_hint, read_text
+
+__all__ = ["SurfacePoints", "read_points_csv"]
+
+#: how far the length of a normal in a file may be from 1
+UNIT_TOLERANCE = 1e-3
+
+#: beyond this, mm or um, a number in a file is a slip
+_LARGEST = 1e6
+
+_NOMINAL = ("x", "y", "z", "i", "j", "k")
+_MEASURED = ("mx", "my", "mz")
+_KNOWN = ("id", "feature", *_NOMINAL, *_MEASURED, "u_um")
+
+
+@dataclass(frozen=True)
+class SurfacePoints:
+    """P points of the nominal surface, in workpiece coordinates. Arrays are read-only.
+
+    Attributes
+    ----------
+    id : (P,) str
+        Name of each point, as the file or the sampling gave it.
+    feature : (P,) str
+        Which face or feature of the part the point lies on; may be empty.
+    point_mm : (P, 3) float64
+        The nominal point.
+    normal : (P, 3) float64
+        Outward unit normal of the nominal surface, away from the material.
+    measured_mm : (P, 3) float64, optional
+        Where a CMM found the surface.
+    u_mm : (P,) float64, optional
+        Standard uncertainty of the measured deviation.
+    notes : tuple of str
+        What the reader noticed and survived, one sentence each.
+    """
+
+    id: np.ndarray
+    feature: np.ndarray
+    point_mm: np.ndarray
+    normal: np.ndarray
+    measured_mm: np.ndarray | None = None
+    u_mm: np.ndarray | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        count = len(self.point_mm)
+        shapes = {
+            "point_mm": (count, 3),
+            "normal": (count, 3),
+            "measured_mm": (count, 3),
+            "u_mm": (count,),
+        }
+        for name, shape in shapes.items():
+            value = getattr(self, name)
+            if value is not None:
+                self._freeze(name, np.ascontiguousarray(value, dtype=np.float64), shape)
+        for name in ("id", "feature"):
+            self._freeze(name, np.asarray(getattr(self, name), dtype=str), (count,))
+        if count and np.abs(np.linalg.norm(self.normal, axis=1) - 1.0).max() > 1e-9:
+            raise ValueError("SurfacePoints.normal holds vectors that are not unit vectors")
+        object.__setattr__(self, "notes", tuple(self.notes))
+
+    def _freeze(self, name: str, array: np.ndarray, shape: tuple[int, ...]) -> None:
+        if array.shape != shape:
+            raise ValueError(f"SurfacePoints.{name} has shape {array.shape}; expected {shape}")
+        if array.dtype == np.float64 and not np.isfinite(array).all():
+            raise ValueError(f"SurfacePoints.{name} holds values that are not finite")
+        array = array.copy() if array.flags.writeable else array
+        array.setflags(write=False)
+        object.__setattr__(self, name, array)
+
+    def __len__(self) -> int:
+        return len(self.point_mm)
+
+    @property
+    def measured_deviation_mm(self) -> np.ndarray:
+        """Measured deviation (m - p).n, (P,) mm, positive where material is left."""
+        if self.measured_mm is None:
+            raise InputError(
+                "these surface points were not measured",
+                accepted="a points file with the columns mx, my, mz",
+            )
+        return np.einsum("ij,ij->i", self.measured_mm - self.point_mm, self.normal)
+
+
+def read_points_csv(path: str | Path) -> SurfacePoints:
+    """Read surface points from ``id, feature, x, y, z, i, j, k[, mx, my, mz][, u_um]``.
+
+    Lengths in mm, normals unit vectors (length within 1e-3 of 1, then normalised), uncertainty
+    in um. The order of the columns is free; empty lines and lines that begin with ``#`` are
+    skipped. Points that occur twice, names that occur twice and unknown columns are kept or
+    ignored and said in `notes`.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, a column is missing, or a row holds a value that is not a
+        finite number, a normal that is no unit vector or an uncertainty that is not positive.
+    """
+    path = Path(path)
+    columns, rows, lines = _read_rows(path)
+    table = _Table(path, columns, rows, lines)
+    normal = table.vectors(_NOMINAL[3:])
+    length = np.linalg.norm(normal, axis=1)
+    table.check(
+        np.abs(length - 1.0) <= UNIT_TOLERANCE,
+        lambda row: f"the normal i, j, k has length {length[row]:.6g}",
+        accepted="a unit vector, length 1 within 0.001",
+    )
+    measured_mm = table.vectors(_MEASURED) if table.has_all(_MEASURED) else None
+    points = SurfacePoints(
+        id=table.text("id"),
+        feature=table.text("feature"),
+        point_mm=table.vectors(_NOMINAL[:3]),
+        normal=normal / length[:, None],
+        measured_mm=measured_mm,
+        u_mm=_read_uncertainty(table),
+    )
+    return _with_notes(points, [n for n in columns if n not in _KNOWN])
+
+
+def _read_uncertainty(table: _Table) -> np.ndarray | None:
+    if not table.has_all(("u_um",)):
+        return None
+    u_um = table.vectors(("u_um",))[:, 0]
+    table.check(
+        u_um > 0.0,
+        lambda row: f"the standard uncertainty u_um is {u_um[row]:g}",
+        accepted="a number above 0, in um",
+    )
+    return mm_from_um(u_um)
+
+
+def _read_rows(path: Path) -> tuple[list[str], list[list[str]], np.ndarray]:
+    """Names of the columns, the rows' cells and the line that each row ends on."""
+    text = read_text(path, what="points file")
+    try:
+        reader = csv.reader(io.StringIO(text), strict=True)
+        numbered = [
+            (reader.line_num, row)
+            for row in reader
+            if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
+        ]
+    except csv.Error as error:
+        raise InputError(f"no CSV text: {error}", file=path, line=reader.line_num) from None
+    if len(numbered) < 2:
+        raise InputError(
+            "no points in the file", file=path, accepted=f"a heading {', '.join(_KNOWN)} and rows"
+        )
+    header = [cell.strip().lower() for cell in numbered[0][1]]
+    missing = [name for name in ("id", *_NOMINAL) if name not in header]
+    missing += [n for n in _MEASURED if n not in header and set(_MEASURED) & set(header)]
+    if missing:
+        raise InputError(
+            f"column {', '.join(missing)} is missing",
+            file=path,
+            line=numbered[0][0],
+            accepted=", ".join(_KNOWN),
+            hint=column_hint(header),
+        )
+    repeated = [name for name, times in Counter(header).items() if times > 1 and name in _KNOWN]
+    if repeated:
+        raise InputError(
+            f"column {', '.join(repeated)} occurs twice", file=path, line=numbered[0][0]
+        )
+    lines = np.array([line for line, _ in numbered[1:]])
+    return header, [row for _, row in numbered[1:]], lines
+
+
+class _Table:
+    """Cells of one points file, turned into numbers with the line at fault in every error."""
+
+    def __init__(
+        self, path: Path, columns: list[str], rows: list[list[str]], lines: np.ndarray
+    ) -> None:
+        self._path, self._lines = path, lines
+        for row, line in zip(rows, lines, strict=True):
+            if len(row) != len(columns):
+                raise InputError(
+                    f"{len(row)} values in the row",
+                    file=path,
+                    line=int(line),
+                    accepted=f"{len(columns)} values, one for each column of the heading",
+                )
+        self._cells = dict(zip(columns, zip(*rows, strict=True), strict=True))
+
+    def has_all(self, names: tuple[str, ...]) -> bool:
+        return all(name in self._cells for name in names)
+
+    def text(self, name: str) -> np.ndarray:
+        cells = self._cells.get(name, ("",) * len(self._lines))
+        return np.array([cell.strip() for cell in cells], dtype=str)
+
+    def vectors(self, names: tuple[str, ...]) -> np.ndarray:
+        return np.column_stack([self._numbers(name) for name in names])
+
+    def check(self, good: np.ndarray, what, *, accepted: str) -> None:
+        """Raise for the first row that is not good; `what` words it from the row's index."""
+        if not good.all():
+            row = int(np.argmin(good))
+            raise InputError(
+                what(row), file=self._path, line=int(self._lines[row]), accepted=accepted
+            )
+
+    def _numbers(self, name: str) -> np.ndarray:
+        cells = self._cells[name]
+        try:
+            values = np.array(cells, dtype=np.float64)
+        except ValueError:
+            values = np.array([_number_or_nan(cell) for cell in cells])
+        self.check(
+            np.abs(values) <= _LARGEST,
+            lambda row: f"{name} is {cells[row].strip()!r}",
+            accepted=f"a finite number, {_LARGEST:g} at most",
+        )
+        return values
+
+
+def _number_or_nan(cell: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        return float("nan")
+
+
+def _with_notes(points: SurfacePoints, unknown: list[str]) -> SurfacePoints:
+    notes = [f"column {name!r} is not used" for name in unknown]
+    repeated = [name for name, times in Counter(points.id.tolist()).items() if times > 1]
+    if repeated:
+        notes.append(f"{len(repeated)} ids occur more than once, the first is {repeated[0]!r}")
+    distinct = np.unique(np.hstack([points.point_mm, points.normal]), axis=0)
+    if len(distinct) < len(points):
+        notes.append(f"{len(points) - len(distinct)} points repeat an earlier point; all are kept")
+    if points.measured_mm is not None:
+        notes.extend(_notes_on_units(points))
+    return SurfacePoints(
+        points.id,
+        points.feature,
+        points.point_mm,
+        points.normal,
+        measured_mm=points.measured_mm,
+        u_mm=points.u_mm,
+        notes=tuple(notes),
+    )
+
+
+def _notes_on_units(points: SurfacePoints) -> list[str]:
+    """Say it when the measured points look scaled against the nominal ones."""
+    size = np.linalg.norm(np.ptp(points.point_mm, axis=0))
+    measured = np.linalg.norm(np.ptp(points.measured_mm, axis=0))
+    for unit, factor in (("metres", 1e-3), ("inches", 1 / 25.4), ("um", 1e3)):
+        if size > 0.0 and abs(measured / (size * factor) - 1.0) < 0.05:
+            return [f"the measured points look like {unit}, the nominal ones like mm"]
+    far = np.median(np.linalg.norm(points.measured_mm - points.point_mm, axis=1))
+    if far > 1.0:
+        return [f"the measured points are {far:.3g} mm from the nominal ones (median)"]
+    return []

@@ -1,0 +1,138 @@
+"""Which solids a STEP file holds, and where its assembly structure places them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from vmach.errors import InputError
+from vmach.nominal.frame import Frame
+from vmach.nominal.step.exchange_file import StepEntity, StepFile
+from vmach.nominal.step.geometry import GeometryReader
+from vmach.nominal.step.length_unit import angle_unit_rad, length_unit_mm
+from vmach.nominal.step.solids import Solid, SolidReader
+
+__all__ = ["read_solids"]
+
+_SOLIDS = ("MANIFOLD_SOLID_BREP", "BREP_WITH_VOIDS", "SHELL_BASED_SURFACE_MODEL")
+_REPRESENTATIONS = (
+    "SHAPE_REPRESENTATION",
+    "ADVANCED_BREP_SHAPE_REPRESENTATION",
+    "MANIFOLD_SURFACE_SHAPE_REPRESENTATION",
+)
+
+#: an assembly in an assembly ... more often than this is taken for a circle
+_DEEPEST = 50
+
+_WORLD = Frame(np.zeros(3), np.eye(3))
+
+
+def read_solids(step: StepFile) -> list[Solid]:
+    """All solids of the file in the workpiece frame, mm.
+
+    Raises
+    ------
+    InputError
+        The file has no solid, or one that cannot be read.
+    """
+    found = _Assembly(step)
+    solids = [
+        SolidReader(step, geometry).read(entity)
+        for root in found.roots()
+        for entity, geometry in found.solids(root, _WORLD)
+    ]
+    if not solids:
+        raise InputError(
+            "no solid in the STEP file",
+            file=step.path,
+            accepted=", ".join(_SOLIDS),
+            hint="export the body as a solid (AP203, AP214 or AP242), not as wires or a mesh",
+        )
+    return solids
+
+
+class _Assembly:
+    """Representations (lists of items in one context of units) and how they are related.
+
+    A plain relationship says that two representations are the same thing in the same place; one
+    with a transformation puts the first into the second.
+    """
+
+    def __init__(self, step: StepFile) -> None:
+        self._step = step
+        self._same: dict[int, set[int]] = {}
+        self._parts: dict[int, list[tuple[int, StepEntity]]] = {}
+        self._placed: set[int] = set()
+        for entity in step.of_type("REPRESENTATION_RELATIONSHIP"):
+            self._relate(entity, entity.parts["REPRESENTATION_RELATIONSHIP"])
+        for entity in step.of_type("SHAPE_REPRESENTATION_RELATIONSHIP"):
+            if len(entity.parts) == 1:
+                self._relate(entity, entity.arguments)
+        self._shapes = [e.number for kind in _REPRESENTATIONS for e in step.of_type(kind)]
+        # mapped items in other representations are views and notes, not parts
+        for number in self._shapes:
+            for item in self._items(number):
+                if item.is_a("MAPPED_ITEM"):
+                    self._placed.add(int(step.entity(item.arguments[1]).arguments[1]))
+
+    def _items(self, number: int) -> list[StepEntity]:
+        return [self._step.entity(item) for item in self._step.entity(number).arguments[1]]
+
+    def _relate(self, entity: StepEntity, arguments: list) -> None:
+        one, other = (int(reference) for reference in arguments[2:4])
+        placing = entity.parts.get("REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION")
+        if placing is None:
+            self._same.setdefault(one, {one}).add(other)
+            self._same.setdefault(other, {other}).add(one)
+        else:
+            self._parts.setdefault(other, []).append((one, self._step.entity(placing[0])))
+            self._placed.add(one)
+
+    def _group(self, number: int) -> frozenset[int]:
+        """All representations that are the same thing as this one."""
+        group, waiting = {number}, [number]
+        while waiting:
+            new = self._same.get(waiting.pop(), set()) - group
+            group |= new
+            waiting += new
+        return frozenset(group)
+
+    def roots(self) -> list[frozenset[int]]:
+        """Groups of representations that no other one contains."""
+        groups = dict.fromkeys(self._group(number) for number in sorted(self._shapes))
+        return [group for group in groups if not group & self._placed]
+
+    def solids(
+        self, group: frozenset[int], placement: Frame, depth: int = 0
+    ) -> Iterator[tuple[StepEntity, GeometryReader]]:
+        """Solids of a group and of all that it contains, each with its geometry."""
+        if depth > _DEEPEST:
+            raise InputError("an assembly contains itself", file=self._step.path)
+        for number in sorted(group):
+            geometry = self._geometry(number, placement)
+            for item in self._items(number):
+                if any(item.is_a(kind) for kind in _SOLIDS):
+                    yield item, geometry
+                elif item.is_a("MAPPED_ITEM"):
+                    _, source, target = item.arguments
+                    origin, child, *_ = self._step.entity(source).arguments
+                    inside = self._between(child, origin, number, target).after(placement)
+                    yield from self.solids(self._group(int(child)), inside, depth + 1)
+            for child, operator in self._parts.get(number, ()):
+                _, _, origin, target, *_ = operator.arguments
+                inside = self._between(child, origin, number, target).after(placement)
+                yield from self.solids(self._group(child), inside, depth + 1)
+
+    def _between(self, child: int, origin: int, parent: int, target: int) -> Frame:
+        """Where the child's world frame lies in the parent when `origin` is put on `target`."""
+        inner = self._geometry(child, _WORLD).frame(origin)
+        outer = self._geometry(parent, _WORLD).frame(target)
+        axes = inner.axes.T @ outer.axes
+        return Frame(outer.origin - inner.origin @ axes, axes)
+
+    def _geometry(self, number: int, placement: Frame) -> GeometryReader:
+        context = self._step.entity(self._step.entity(number).arguments[2])
+        length_mm = length_unit_mm(self._step, context)
+        angle_rad = angle_unit_rad(self._step, context)
+        return GeometryReader(self._step, length_mm, angle_rad, placement)

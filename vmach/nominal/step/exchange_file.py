@@ -1,0 +1,214 @@
+"""The exchange structure of ISO 10303-21 (STEP): text to entities that refer to each other."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from vmach.errors import InputError
+from vmach.files.text_file import read_bytes
+
+__all__ = ["Reference", "StepEntity", "StepFile"]
+
+_STRING = r"'(?:[^']|'')*'"
+_COMMENT = re.compile(rf"({_STRING})|/\*.*?\*/", re.DOTALL)
+_INSTANCE = re.compile(rf"#(\d+)\s*=\s*((?:{_STRING}|[^';])*);")
+_TOKEN = re.compile(
+    rf"\s*(?:(?P<string>{_STRING})|\#(?P<reference>\d+)|\.(?P<word>\w+)\."
+    r"|(?P<real>[-+]?\d+\.\d*(?:[eE][-+]?\d+)?)|(?P<integer>[-+]?\d+)"
+    r'|(?P<keyword>!?[A-Za-z_]\w*)|(?P<binary>"[0-9A-Fa-f]*")|(?P<mark>[(),*$]))'
+)
+_KEYWORD = re.compile(r"\s*([A-Za-z_]\w*)")
+_TRUTH = {"T": True, "F": False, "U": None}
+
+
+class Reference(int):
+    """The number of another entity, ``#12``."""
+
+
+@dataclass(frozen=True)
+class StepEntity:
+    """One instance: its number and, for each of its types, the list of arguments.
+
+    Simple instances have one type; complex ones (such as rational B-splines) several.
+    Arguments are numbers, text, booleans, enumeration words (text), `Reference`, lists, None
+    for ``$`` and ``*``, and pairs (type, arguments) for typed values.
+    """
+
+    number: int
+    parts: dict[str, list]
+
+    @property
+    def kind(self) -> str:
+        """Name of the type, of the first one for complex instances."""
+        return next(iter(self.parts))
+
+    @property
+    def arguments(self) -> list:
+        """Arguments of the first type."""
+        return self.parts[self.kind]
+
+    def is_a(self, name: str) -> bool:
+        """Whether the instance has the given type."""
+        return name in self.parts
+
+
+class StepFile:
+    """A STEP file whose entities are parsed when they are asked for.
+
+    Parameters
+    ----------
+    path : Path
+    unit_mm : float, optional
+        The unit of length, where the file names none.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is no STEP file, is cut short or numbers an entity twice.
+    """
+
+    def __init__(self, path: Path, unit_mm: float | None = None) -> None:
+        self.path, self.unit_mm = path, unit_mm
+        self._text = _read_text(path)
+        self._spans: dict[int, tuple[int, int]] = {}
+        self._entities: dict[int, StepEntity] = {}
+        self._numbers_of: dict[str, list[int]] = {}
+        for match in _INSTANCE.finditer(self._text):
+            number = int(match[1])
+            if number in self._spans:
+                raise InputError(
+                    f"entity #{number} occurs twice", file=path, line=self.line(number)
+                )
+            self._spans[number] = match.span(2)
+            keyword = _KEYWORD.match(match[2])
+            names = [keyword[1].upper()] if keyword else [*self._parse(number).parts]
+            for name in names:
+                self._numbers_of.setdefault(name, []).append(number)
+        if not self._spans:
+            raise InputError("no entity in the STEP file", file=path)
+
+    def entity(self, reference: int) -> StepEntity:
+        """The entity with a number."""
+        if reference not in self._entities:
+            if reference not in self._spans:
+                raise InputError(
+                    f"entity #{reference} is referred to but missing",
+                    file=self.path,
+                    hint="the file is damaged; export it again",
+                )
+            self._entities[reference] = self._parse(reference)
+        return self._entities[reference]
+
+    def of_type(self, name: str) -> Iterator[StepEntity]:
+        """All entities that have a type, in the order of the file."""
+        return (self.entity(number) for number in self._numbers_of.get(name, ()))
+
+    def error(self, entity: StepEntity, what: str, accepted: str | None = None) -> InputError:
+        """An error that names the entity and its line."""
+        return InputError(
+            f"#{entity.number} {entity.kind}: {what}",
+            file=self.path,
+            line=self.line(entity.number),
+            accepted=accepted,
+        )
+
+    def line(self, number: int) -> int:
+        """Line of the text on which an entity begins."""
+        return self._text.count("\n", 0, self._spans[number][0]) + 1
+
+    def _parse(self, number: int) -> StepEntity:
+        start, end = self._spans[number]
+        try:
+            return StepEntity(number, _parse_instance(self._text[start:end]))
+        except (ValueError, IndexError):
+            raise InputError(
+                f"entity #{number} cannot be parsed", file=self.path, line=self.line(number)
+            ) from None
+
+
+def _read_text(path: Path) -> str:
+    text = read_bytes(path, what="nominal CAD").decode("latin-1").replace("\r\n", "\n")
+    if not text.lstrip().startswith("ISO-10303-21"):
+        raise InputError(
+            "not a STEP file", file=path, accepted="a file that begins with ISO-10303-21;"
+        )
+    if "END-ISO-10303-21" not in text[-2000:]:
+        raise InputError(
+            "the STEP file is cut short: END-ISO-10303-21 is missing",
+            file=path,
+            line=text.count("\n") + 1,
+            hint="copy or export it again",
+        )
+    if "/*" in text:
+        # line numbers stay right: a comment leaves its line breaks
+        text = _COMMENT.sub(lambda m: m[1] or "\n" * m[0].count("\n") or " ", text)
+    return text
+
+
+def _parse_instance(text: str) -> dict[str, list]:
+    tokens = _tokens(text)
+    kind, value = tokens[0]
+    if kind == "keyword":
+        arguments, end = _parse_list(tokens, 1)
+        parts = {value.upper(): arguments}
+    else:
+        parts, end = {}, 1
+        while tokens[end] != ("mark", ")"):
+            if tokens[end][0] != "keyword":
+                raise ValueError("a type was expected")
+            name = tokens[end][1].upper()
+            parts[name], end = _parse_list(tokens, end + 1)
+        end += 1
+    if end != len(tokens) or not parts:
+        raise ValueError("text after the entity")
+    return parts
+
+
+def _tokens(text: str) -> list[tuple[str, str]]:
+    tokens, position, text = [], 0, text.rstrip()
+    while position < len(text):
+        match = _TOKEN.match(text, position)
+        if match is None:
+            raise ValueError("unknown token")
+        tokens.append((match.lastgroup, match[match.lastgroup]))
+        position = match.end()
+    return tokens
+
+
+def _parse_list(tokens: list[tuple[str, str]], at: int) -> tuple[list, int]:
+    """Values between the bracket at `at` and the one that closes it, and the place after it."""
+    if tokens[at] != ("mark", "("):
+        raise ValueError("a bracket was expected")
+    at, values = at + 1, []
+    while tokens[at] != ("mark", ")"):
+        if values and tokens[at] == ("mark", ","):
+            at += 1
+        value, at = _parse_value(tokens, at)
+        values.append(value)
+    return values, at + 1
+
+
+def _parse_value(tokens: list[tuple[str, str]], at: int) -> tuple[object, int]:
+    kind, text = tokens[at]
+    if kind == "keyword":
+        values, end = _parse_list(tokens, at + 1)
+        return (text.upper(), values), end
+    if (kind, text) == ("mark", "("):
+        return _parse_list(tokens, at)
+    if kind == "mark" and text not in "*$":
+        raise ValueError("a value was expected")
+    return _VALUES[kind](text), at + 1
+
+
+_VALUES = {
+    "string": lambda text: text[1:-1].replace("''", "'"),
+    "reference": lambda text: Reference(text),
+    "word": lambda text: _TRUTH.get(text.upper(), text.upper()),
+    "real": float,
+    "integer": int,
+    "binary": str,
+    "mark": lambda text: None,
+}

@@ -1,0 +1,284 @@
+"""Curves and surfaces of a STEP file (ISO 10303-42) in the workpiece frame, mm and rad."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vmach.errors import InputError
+from vmach.nominal.frame import Frame
+from vmach.nominal.step.exchange_file import StepEntity, StepFile
+from vmach.nominal.surfaces import (
+    Cone,
+    Cylinder,
+    Extrusion,
+    Offset,
+    Plane,
+    Revolution,
+    Sphere,
+    Surface,
+    Torus,
+)
+from vmach.nominal.surfaces.bspline_surface import BSplineSurface
+from vmach.nominal.surfaces.curves import BSplineCurve, Curve, Ellipse, Hyperbola, Line, Parabola
+
+__all__ = ["GeometryReader"]
+
+
+class GeometryReader:
+    """Reads geometry in one context of units, placed by one frame.
+
+    Parameters
+    ----------
+    step : StepFile
+    length_mm : float
+        The context's unit of length in mm.
+    angle_rad : float
+        The context's unit of plane angle in rad.
+    placement : Frame
+        Where the coordinates of the file lie in the workpiece frame.
+    """
+
+    def __init__(
+        self, step: StepFile, length_mm: float, angle_rad: float, placement: Frame
+    ) -> None:
+        self._step, self._length_mm, self._angle_rad = step, length_mm, angle_rad
+        self._placement = placement
+        self._curves: dict[int, Curve] = {}
+        self._surfaces: dict[int, Surface] = {}
+
+    def point(self, reference: int) -> np.ndarray:
+        """A CARTESIAN_POINT or VERTEX_POINT, (3,) mm."""
+        entity = self._step.entity(reference)
+        if entity.is_a("VERTEX_POINT"):
+            return self.point(entity.arguments[1])
+        return self._placement.world(self._length_mm * self._triple(entity, "CARTESIAN_POINT"))
+
+    def frame(self, reference: int) -> Frame:
+        """An AXIS2_PLACEMENT_3D or AXIS1_PLACEMENT."""
+        entity = self._step.entity(reference)
+        if entity.kind not in ("AXIS2_PLACEMENT_3D", "AXIS1_PLACEMENT"):
+            raise self._step.error(entity, "not a placement", "AXIS2_PLACEMENT_3D")
+        origin, axis, *other = entity.arguments[1:]
+        z = self._placement.axes[2] if axis is None else self._direction(axis)
+        x = self._direction(other[0]) if other and other[0] is not None else None
+        if x is None and axis is None:
+            x = self._placement.axes[0]
+        return Frame.from_axis(self.point(origin), z, x)
+
+    def curve(self, reference: int) -> Curve:
+        """Any supported curve in space."""
+        if reference not in self._curves:
+            entity = self._step.entity(reference)
+            self._curves[reference] = self._read(entity, _CURVES, "curve")
+        return self._curves[reference]
+
+    def surface(self, reference: int) -> Surface:
+        """Any supported surface."""
+        if reference not in self._surfaces:
+            entity = self._step.entity(reference)
+            self._surfaces[reference] = self._read(entity, _SURFACES, "surface")
+        return self._surfaces[reference]
+
+    def _read(self, entity: StepEntity, readers: dict, what: str):
+        for name, reader in readers.items():
+            if entity.is_a(name):
+                try:
+                    return reader(self, entity)
+                except (TypeError, ValueError, IndexError, KeyError) as error:
+                    if isinstance(error, InputError):
+                        raise
+                    raise self._step.error(entity, f"damaged {what} ({error})") from None
+        raise self._step.error(entity, f"this kind of {what} is not supported", ", ".join(readers))
+
+    def _triple(self, entity: StepEntity, kind: str) -> np.ndarray:
+        values = entity.arguments[1] if entity.is_a(kind) and len(entity.arguments) > 1 else ()
+        try:
+            triple = np.array(values, dtype=np.float64)
+        except (TypeError, ValueError):
+            triple = np.empty(0)
+        if triple.shape != (3,) or not np.isfinite(triple).all():
+            raise self._step.error(entity, "coordinates", f"a {kind} with three numbers")
+        return triple
+
+    def _direction(self, reference: int) -> np.ndarray:
+        entity = self._step.entity(reference)
+        vector = self._triple(entity, "DIRECTION")
+        length = np.linalg.norm(vector)
+        if length == 0.0:
+            raise self._step.error(entity, "a direction of no length")
+        return self._placement.direction(vector / length)
+
+    def _length(self, value: float) -> float:
+        length = self._length_mm * float(value)
+        if not np.isfinite(length) or length <= 0.0:
+            raise ValueError(f"a length of {value}")
+        return length
+
+    # --- curves -------------------------------------------------------------------------------
+
+    def _line(self, entity: StepEntity) -> Line:
+        vector = self._step.entity(entity.arguments[2])
+        return Line(self.point(entity.arguments[1]), self._direction(vector.arguments[1]))
+
+    def _circle(self, entity: StepEntity) -> Ellipse:
+        _, frame, radius = entity.arguments
+        return Ellipse(self.frame(frame), self._length(radius), self._length(radius))
+
+    def _conic(self, entity: StepEntity) -> Ellipse | Hyperbola:
+        _, frame, a, b = entity.arguments
+        make = Ellipse if entity.is_a("ELLIPSE") else Hyperbola
+        return make(self.frame(frame), self._length(a), self._length(b))
+
+    def _parabola(self, entity: StepEntity) -> Parabola:
+        _, frame, focal = entity.arguments
+        return Parabola(self.frame(frame), self._length(focal))
+
+    def _polyline(self, entity: StepEntity) -> BSplineCurve:
+        points = self._points(entity.arguments[1])
+        knots = np.r_[0, np.arange(len(points)), len(points) - 1].astype(np.float64)
+        return BSplineCurve(points, np.ones(len(points)), knots, 1)
+
+    def _wrapped_curve(self, entity: StepEntity) -> Curve:
+        # the ends and the sense of a trimmed curve are those of the edge that lies on it
+        return self.curve(entity.arguments[1])
+
+    def _spline_curve(self, entity: StepEntity) -> BSplineCurve:
+        form, named = _spline_arguments(entity, "B_SPLINE_CURVE", 5)
+        degree, control = form[0], self._points(form[1])
+        knots = _knots(entity, [degree], [len(control)], named)
+        weights = np.ones(len(control))
+        if entity.is_a("RATIONAL_B_SPLINE_CURVE"):
+            weights = np.array(entity.parts["RATIONAL_B_SPLINE_CURVE"][0], dtype=np.float64)
+        return BSplineCurve(control, _positive(weights), knots[0], degree)
+
+    # --- surfaces -----------------------------------------------------------------------------
+
+    def _plane(self, entity: StepEntity) -> Plane:
+        return Plane(self.frame(entity.arguments[1]))
+
+    def _round(self, entity: StepEntity) -> Cylinder | Sphere:
+        _, frame, radius = entity.arguments
+        make = Cylinder if entity.is_a("CYLINDRICAL_SURFACE") else Sphere
+        return make(self.frame(frame), self._length(radius))
+
+    def _cone(self, entity: StepEntity) -> Cone:
+        _, frame, radius, angle = entity.arguments
+        half_angle = self._angle_rad * float(angle)
+        if not 0.0 < abs(half_angle) < np.pi / 2.0:
+            raise ValueError(f"a semi-angle of {angle}")
+        return Cone(self.frame(frame), self._length_mm * float(radius), half_angle)
+
+    def _torus(self, entity: StepEntity) -> Torus:
+        major, minor = entity.arguments[2:4]
+        return Torus(self.frame(entity.arguments[1]), self._length(major), self._length(minor))
+
+    def _extrusion(self, entity: StepEntity) -> Extrusion:
+        _, curve, vector = entity.arguments
+        direction = self._direction(self._step.entity(vector).arguments[1])
+        return Extrusion(self.curve(curve), direction)
+
+    def _revolution(self, entity: StepEntity) -> Revolution:
+        _, curve, axis = entity.arguments
+        return Revolution(self.curve(curve), self.frame(axis))
+
+    def _offset(self, entity: StepEntity) -> Offset:
+        _, basis, distance, *_ = entity.arguments
+        return Offset(self.surface(basis), self._length_mm * float(distance))
+
+    def _wrapped_surface(self, entity: StepEntity) -> Surface:
+        return self.surface(entity.arguments[1])
+
+    def _spline_surface(self, entity: StepEntity) -> BSplineSurface:
+        form, named = _spline_arguments(entity, "B_SPLINE_SURFACE", 7)
+        degrees, rows = form[:2], form[2]
+        control = np.array([self._points(row) for row in rows])
+        knots = _knots(entity, degrees, control.shape[:2], named)
+        weights = np.ones(control.shape[:2])
+        if entity.is_a("RATIONAL_B_SPLINE_SURFACE"):
+            weights = np.array(entity.parts["RATIONAL_B_SPLINE_SURFACE"][0], dtype=np.float64)
+        return BSplineSurface(control, _positive(weights), tuple(knots), tuple(degrees))
+
+    def _points(self, references: list[int]) -> np.ndarray:
+        return np.array([self.point(reference) for reference in references])
+
+
+def _spline_arguments(entity: StepEntity, base: str, count: int) -> tuple[list, list]:
+    """Arguments of the base type, and of the subtype that says the knots.
+
+    A complex instance holds both apart; a simple one has a name and all of them in a row.
+    """
+    if len(entity.parts) > 1:
+        return entity.parts[base], entity.parts.get(f"{base}_WITH_KNOTS", [])
+    return entity.arguments[1 : count + 1], entity.arguments[count + 1 :]
+
+
+def _knots(
+    entity: StepEntity, degrees: list[int], counts: list[int], named: list
+) -> list[np.ndarray]:
+    """Knots repeated by their multiplicity, one array for each direction."""
+    directions = len(degrees)
+    if any(degree < 1 for degree in degrees):
+        raise ValueError(f"degree {min(degrees)}")
+    if named:
+        pairs = zip(named[directions : 2 * directions], named[:directions], strict=True)
+        knots = [np.repeat(np.array(t, dtype=np.float64), times) for t, times in pairs]
+    else:
+        knots = [_implied_knots(entity, k, n) for k, n in zip(degrees, counts, strict=True)]
+    for t, degree, count in zip(knots, degrees, counts, strict=True):
+        if len(t) != count + degree + 1 or (np.diff(t) < 0.0).any():
+            raise ValueError(f"{len(t)} knots for {count} control points of degree {degree}")
+    return knots
+
+
+def _implied_knots(entity: StepEntity, degree: int, count: int) -> np.ndarray:
+    """Knots of the subtypes that do not list them."""
+    if any(name.startswith("BEZIER") for name in entity.parts):
+        inner = np.repeat(np.arange(1, (count - 1) // degree), degree)
+        return np.r_[[0] * (degree + 1), inner, [(count - 1) // degree] * (degree + 1)] * 1.0
+    if any(name.startswith("QUASI_UNIFORM") for name in entity.parts):
+        spans = count - degree
+        return np.r_[[0] * degree, np.arange(spans + 1), [spans] * degree] * 1.0
+    return np.arange(-degree, count + 1.0)
+
+
+def _positive(weights: np.ndarray) -> np.ndarray:
+    if not (np.isfinite(weights) & (weights > 0.0)).all():
+        raise ValueError("weights that are not positive")
+    return weights
+
+
+_CURVES = {
+    "LINE": GeometryReader._line,
+    "CIRCLE": GeometryReader._circle,
+    "ELLIPSE": GeometryReader._conic,
+    "HYPERBOLA": GeometryReader._conic,
+    "PARABOLA": GeometryReader._parabola,
+    "POLYLINE": GeometryReader._polyline,
+    "TRIMMED_CURVE": GeometryReader._wrapped_curve,
+    "SURFACE_CURVE": GeometryReader._wrapped_curve,
+    "SEAM_CURVE": GeometryReader._wrapped_curve,
+    "INTERSECTION_CURVE": GeometryReader._wrapped_curve,
+    "B_SPLINE_CURVE": GeometryReader._spline_curve,
+    "B_SPLINE_CURVE_WITH_KNOTS": GeometryReader._spline_curve,
+    "BEZIER_CURVE": GeometryReader._spline_curve,
+    "UNIFORM_CURVE": GeometryReader._spline_curve,
+    "QUASI_UNIFORM_CURVE": GeometryReader._spline_curve,
+}
+
+_SURFACES = {
+    "PLANE": GeometryReader._plane,
+    "CYLINDRICAL_SURFACE": GeometryReader._round,
+    "CONICAL_SURFACE": GeometryReader._cone,
+    "SPHERICAL_SURFACE": GeometryReader._round,
+    "TOROIDAL_SURFACE": GeometryReader._torus,
+    "DEGENERATE_TOROIDAL_SURFACE": GeometryReader._torus,
+    "SURFACE_OF_LINEAR_EXTRUSION": GeometryReader._extrusion,
+    "SURFACE_OF_REVOLUTION": GeometryReader._revolution,
+    "OFFSET_SURFACE": GeometryReader._offset,
+    "RECTANGULAR_TRIMMED_SURFACE": GeometryReader._wrapped_surface,
+    "B_SPLINE_SURFACE": GeometryReader._spline_surface,
+    "B_SPLINE_SURFACE_WITH_KNOTS": GeometryReader._spline_surface,
+    "BEZIER_SURFACE": GeometryReader._spline_surface,
+    "UNIFORM_SURFACE": GeometryReader._spline_surface,
+    "QUASI_UNIFORM_SURFACE": GeometryReader._spline_surface,
+}

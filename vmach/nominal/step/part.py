@@ -1,0 +1,104 @@
+"""A nominal part from a STEP file: exact faces, and triangles of them to look at."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from vmach.base.units import um_from_mm
+from vmach.nominal.mesh.mesh_solidity import check_encloses_once
+from vmach.nominal.part import Mesh, NominalPart, check_size
+from vmach.nominal.step.assembly import read_solids
+from vmach.nominal.step.exchange_file import StepFile
+from vmach.nominal.step.solids import CHORD_MM, Solid
+from vmach.nominal.surfaces.face import SurfaceFace
+from vmach.nominal.surfaces.tessellation import tessellate
+
+__all__ = ["read_step_part"]
+
+
+def read_step_part(path: Path, unit_mm: float | None = None) -> NominalPart:
+    """Read the solids of a STEP file (AP203, AP214, AP242) as exact surfaces, in mm.
+
+    `unit_mm` is the unit of length of a file that names none.
+
+    Raises
+    ------
+    InputError
+        Not a STEP file, cut short, without a closed solid, or with geometry that is not
+        supported.
+    """
+    solids = read_solids(StepFile(path, unit_mm))
+    for solid in solids:
+        for edge in solid.edges.values():
+            check_size(path, edge.points_mm)
+    notes = [f"{len(solids)} solids are taken together"] if len(solids) > 1 else []
+    gap_mm = max(solid.gap_mm for solid in solids)
+    if gap_mm > 1e-4:
+        notes.append(f"edges of the CAD miss their vertices by up to {um_from_mm(gap_mm):.3g} um")
+    faces, meshes = [], []
+    for solid in solids:
+        solid_faces, mesh = _build(solid, first=len(faces))
+        if mesh.volume_mm3 < 0.0:
+            solid_faces = [replace(face, outward=-face.outward) for face in solid_faces]
+            mesh = Mesh(mesh.vertices_mm, mesh.triangles[:, ::-1], mesh.face)
+            notes.append("a solid was inside out and has been turned")
+        faces += solid_faces
+        meshes.append(mesh)
+    mesh = _joined(meshes)
+    if len(solids) > 1:
+        check_encloses_once(path, mesh.vertices_mm, mesh.triangles, bodies_touch=True)
+    return NominalPart(
+        path=path,
+        faces=tuple(faces),
+        mesh=mesh,
+        mesh_chord_mm=CHORD_MM,
+        chord_error_mm=0.0,
+        notes=tuple(notes),
+    )
+
+
+def _build(solid: Solid, first: int) -> tuple[list[SurfaceFace], Mesh]:
+    """Faces of one solid, numbered on from `first`, and their mesh."""
+    faces, vertices, triangles, owner, count = [], [], [], [], 0
+    for index, (raw, trim, points, corners) in enumerate(tessellate(solid), first):
+        if raw.outward < 0.0:
+            corners = corners[:, ::-1]
+        name = f"face {index + 1} {trim.surface.label}"
+        area = _area(points[corners])
+        faces.append(SurfaceFace(name, trim.surface.kind, trim, raw.outward, area))
+        vertices.append(points)
+        triangles.append(corners + count)
+        owner.append(np.full(len(corners), index))
+        count += len(points)
+    mesh = _welded(np.vstack(vertices), np.vstack(triangles), np.concatenate(owner))
+    return faces, mesh
+
+
+def _welded(vertices: np.ndarray, triangles: np.ndarray, face: np.ndarray) -> Mesh:
+    """Mesh with equal vertices made one: faces share the points of their edges bit by bit."""
+    welded, place = np.unique(vertices, axis=0, return_inverse=True)
+    triangles = place.reshape(-1)[triangles]
+    whole = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
+    # at a pole two triangles may lie back to back
+    _, which, times = np.unique(
+        np.sort(triangles, axis=1), axis=0, return_inverse=True, return_counts=True
+    )
+    whole &= times[which.reshape(-1)] == 1
+    return Mesh(welded, triangles[whole], face[whole])
+
+
+def _area(corners: np.ndarray) -> float:
+    a, b, c = np.moveaxis(corners, 1, 0)
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)
+
+
+def _joined(meshes: list[Mesh]) -> Mesh:
+    offsets = np.cumsum([0] + [len(mesh.vertices_mm) for mesh in meshes])
+    return Mesh(
+        np.vstack([mesh.vertices_mm for mesh in meshes]),
+        np.vstack([mesh.triangles + start for mesh, start in zip(meshes, offsets, strict=False)]),
+        np.concatenate([mesh.face for mesh in meshes]),
+    )

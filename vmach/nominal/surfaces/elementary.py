@@ -1,0 +1,348 @@
+"""The surfaces that faces lie on, after ISO 10303-42.
+
+Parameters are arrays (N, 2) of u and v, points (N, 3) mm. The surface's own normal is
+dS/du x dS/dv. Angles are measured about the z axis of the surface's frame. `parameters` is the
+inverse for points on the surface; where u is not defined (pole, apex) it is NaN.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from vmach.nominal.frame import Frame
+from vmach.nominal.surfaces.curves import Curve
+
+__all__ = [
+    "Cone",
+    "Cylinder",
+    "Extrusion",
+    "Offset",
+    "Plane",
+    "Revolution",
+    "Sphere",
+    "Surface",
+    "Torus",
+    "unit_normals",
+]
+
+_TURN = 2.0 * np.pi
+_ENDLESS = (-np.inf, np.inf)
+
+#: nearer than this to an axis the angle about it is not defined
+_AXIS_MM = 1e-7
+
+
+class Surface(Protocol):
+    """What every surface can do; `v_limits` are where the surface itself ends, as at a pole."""
+
+    kind: str
+    label: str
+    u_period: float
+    v_period: float
+    v_limits: tuple[float, float]
+
+    def evaluate(self, uv: np.ndarray) -> np.ndarray:
+        """Points, (N, 3) mm."""
+        ...
+
+    def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """dS/du and dS/dv, (N, 3) each."""
+        ...
+
+    def parameters(self, points: np.ndarray) -> np.ndarray:
+        """u and v of points on the surface, (N, 2)."""
+        ...
+
+
+def unit_normals(surface: Surface, uv: np.ndarray) -> np.ndarray:
+    """The surface's own unit normals dS/du x dS/dv, (N, 3)."""
+    if isinstance(surface, Offset):  # parallel surfaces share their normals
+        return unit_normals(surface.basis, uv)
+    normal = np.cross(*surface.derivatives(uv))
+    return normal / np.linalg.norm(normal, axis=1)[:, None]
+
+
+def _angle(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    return np.where(np.hypot(x, y) < _AXIS_MM, np.nan, np.arctan2(y, x))
+
+
+@dataclass(frozen=True)
+class Plane:
+    """u x + v y."""
+
+    frame: Frame
+    kind = label = "plane"
+    u_period = v_period = 0.0
+    v_limits = _ENDLESS
+
+    def evaluate(self, uv: np.ndarray) -> np.ndarray:
+        return self.frame.origin + uv @ self.frame.axes[:2]
+
+    def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        shape = (len(uv), 3)
+        return tuple(np.broadcast_to(axis, shape) for axis in self.frame.axes[:2])
+
+    def parameters(self, points: np.ndarray) -> np.ndarray:
+        return self.frame.local(points)[:, :2]
+
+
+@dataclass(frozen=True)
+class _AboutAxis:
+    """Surfaces with the angle u about z: radius and height are functions of v alone."""
+
+    frame: Frame
+    u_period = _TURN
+
+    def _profile(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Radius and height at v."""
+        raise NotImplementedError
+
+    def _profile_slope(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """d radius/dv and d height/dv."""
+        raise NotImplementedError
+
+    def evaluate(self, uv: np.ndarray) -> np.ndarray:
+        u, v = uv.T
+        radius, height = self._profile(v)
+        return self.frame.world(np.column_stack([radius * np.cos(u), radius * np.sin(u), height]))
+
+    def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        u, v = uv.T
+        cos, sin = np.cos(u), np.sin(u)
+        radius, _ = self._profile(v)
+        outward, upward = self._profile_slope(v)
+        along_u = np.column_stack([-radius * sin, radius * cos, np.zeros_like(u)])
+        along_v = np.column_stack([outward * cos, outward * sin, upward])
+        return self.frame.direction(along_u), self.frame.direction(along_v)
+
+
+@dataclass(frozen=True)
+class Cylinder(_AboutAxis):
+    """v is the height."""
+
+    radius: float
+    kind = "cylinder"
+    v_period = 0.0
+    v_limits = _ENDLESS
+
+    @property
+    def label(self) -> str:
+        return f"cylinder R{self.radius:.6g}"
+
+    def _profile(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return np.full_like(v, self.radius), v
+
+    def _profile_slope(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return np.zeros_like(v), np.ones_like(v)
+
+    def parameters(self, points: np.ndarray) -> np.ndarray:
+        x, y, z = self.frame.local(points).T
+        return np.column_stack([_angle(x, y), z])
+
+
+@dataclass(frozen=True)
+class Cone(_AboutAxis):
+    """v is the height; the radius there is `radius` + v tan(half_angle)."""
+
+    radius: float
+    half_angle: float
+    kind = "cone"
+    v_period = 0.0
+
+    @property
+    def label(self) -> str:
+        return f"cone {2.0 * np.degrees(self.half_angle):.6g} deg"
+
+    @property
+    def v_limits(self) -> tuple[float, float]:
+        apex = -self.radius / np.tan(self.half_angle)
+        return (apex, np.inf) if self.half_angle > 0.0 else (-np.inf, apex)
+
+    def _profile(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return self.radius + v * np.tan(self.half_angle), v
+
+    def _profile_slope(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return np.full_like(v, np.tan(self.half_angle)), np.ones_like(v)
+
+    def parameters(self, points: np.ndarray) -> np.ndarray:
+        x, y, z = self.frame.local(points).T
+        return np.column_stack([_angle(x, y), z])
+
+
+@dataclass(frozen=True)
+class Sphere(_AboutAxis):
+    """v is the latitude."""
+
+    radius: float
+    kind = "sphere"
+    v_period = 0.0
+    v_limits = (-np.pi / 2.0, np.pi / 2.0)
+
+    @property
+    def label(self) -> str:
+        return f"sphere R{self.radius:.6g}"
+
+    def _profile(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return self.radius * np.cos(v), self.radius * np.sin(v)
+
+    def _profile_slope(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return -self.radius * np.sin(v), self.radius * np.cos(v)
+
+    def parameters(self, points: np.ndarray) -> np.ndarray:
+        x, y, z = self.frame.local(points).T
+        return np.column_stack([_angle(x, y), np.arctan2(z, np.hypot(x, y))])
+
+    def away_from(self, points: np.ndarray) -> Sphere:
+        """The same sphere with its poles turned away from the points (the edges of a face)."""
+        if not len(points):
+            return self
+        seen = self.frame.local(points) / self.radius
+        steps = np.arange(200)
+        z = 1.0 - (steps + 0.5) / len(steps)  # half a sphere of directions, on a golden spiral
+        turn = steps * np.pi * (3.0 - np.sqrt(5.0))
+        ring = np.sqrt(1.0 - z**2)
+        axes = np.column_stack([ring * np.cos(turn), ring * np.sin(turn), z])
+        axis = axes[np.argmin(np.abs(axes @ seen.T).max(axis=1))]
+        turned = Frame.from_axis(self.frame.origin, self.frame.direction(axis), None)
+        return Sphere(turned, self.radius)
+
+
+@dataclass(frozen=True)
+class Torus(_AboutAxis):
+    """v is the angle around the tube of radius `minor`."""
+
+    major: float
+    minor: float
+    kind = "torus"
+    v_period = _TURN
+    v_limits = _ENDLESS
+
+    @property
+    def label(self) -> str:
+        return f"torus R{self.major:.6g} r{self.minor:.6g}"
+
+    def _profile(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return self.major + self.minor * np.cos(v), self.minor * np.sin(v)
+
+    def _profile_slope(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return -self.minor * np.sin(v), self.minor * np.cos(v)
+
+    def parameters(self, points: np.ndarray) -> np.ndarray:
+        x, y, z = self.frame.local(points).T
+        return np.column_stack([_angle(x, y), np.arctan2(z, np.hypot(x, y) - self.major)])
+
+
+@dataclass(frozen=True)
+class Extrusion:
+    """A curve (u) moved along a unit vector (v)."""
+
+    curve: Curve
+    direction: np.ndarray
+    kind = label = "extrusion"
+    v_period = 0.0
+    v_limits = _ENDLESS
+
+    @property
+    def u_period(self) -> float:
+        return self.curve.period
+
+    def evaluate(self, uv: np.ndarray) -> np.ndarray:
+        return self.curve.evaluate(uv[:, 0]) + uv[:, 1:] * self.direction
+
+    def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return self.curve.derivative(uv[:, 0]), np.broadcast_to(self.direction, (len(uv), 3))
+
+    def parameters(self, points: np.ndarray) -> np.ndarray:
+        # alternate between the nearest point of the curve and the height above it
+        height = np.zeros(len(points))
+        for _ in range(50):
+            u = self.curve.parameter(points - height[:, None] * self.direction)
+            step = (points - self.curve.evaluate(u)) @ self.direction - height
+            height = height + step
+            if np.abs(step).max(initial=0.0) < 1e-12:
+                break
+        return np.column_stack([u, height])
+
+
+@dataclass(frozen=True)
+class Revolution:
+    """A curve (v) turned about the z axis of a frame by the angle u."""
+
+    curve: Curve
+    frame: Frame
+    kind = label = "revolution"
+    u_period = _TURN
+    v_limits = _ENDLESS
+
+    @property
+    def v_period(self) -> float:
+        return self.curve.period
+
+    def _turned(self, local: np.ndarray, u: np.ndarray) -> np.ndarray:
+        x, y, z = local.T
+        cos, sin = np.cos(u), np.sin(u)
+        return np.column_stack([cos * x - sin * y, sin * x + cos * y, z])
+
+    def evaluate(self, uv: np.ndarray) -> np.ndarray:
+        local = self.frame.local(self.curve.evaluate(uv[:, 1]))
+        return self.frame.world(self._turned(local, uv[:, 0]))
+
+    def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        u, v = uv.T
+        x, y, z = self._turned(self.frame.local(self.curve.evaluate(v)), u).T
+        slope = self.curve.derivative(v) @ self.frame.axes.T
+        along_u = np.column_stack([-y, x, np.zeros_like(z)])
+        return self.frame.direction(along_u), self.frame.direction(self._turned(slope, u))
+
+    def parameters(self, points: np.ndarray) -> np.ndarray:
+        local = self.frame.local(points)
+        u = np.zeros(len(points))
+        for _ in range(50):
+            v = self.curve.parameter(self.frame.world(self._turned(local, -u)))
+            on_curve = self.frame.local(self.curve.evaluate(v))
+            angle = _angle(*local.T[:2]) - _angle(*on_curve.T[:2])
+            step = np.angle(np.exp(1j * (np.nan_to_num(angle) - u)))
+            u = u + step
+            if np.abs(step).max(initial=0.0) < 1e-12:
+                break
+        return np.column_stack([np.where(np.isnan(angle), np.nan, u), v])
+
+
+@dataclass(frozen=True)
+class Offset:
+    """Another surface moved by a distance along its own normal."""
+
+    basis: Surface
+    distance: float
+    kind = "offset"
+    v_limits = _ENDLESS
+
+    @property
+    def label(self) -> str:
+        return f"offset of {self.basis.label}"
+
+    @property
+    def u_period(self) -> float:
+        return self.basis.u_period
+
+    @property
+    def v_period(self) -> float:
+        return self.basis.v_period
+
+    def evaluate(self, uv: np.ndarray) -> np.ndarray:
+        return self.basis.evaluate(uv) + self.distance * unit_normals(self.basis, uv)
+
+    def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """By central differences, good enough for lengths."""
+        step = 1e-5 * np.maximum(np.ptp(uv, axis=0), 1e-3)
+        across = [np.array([step[0], 0.0]), np.array([0.0, step[1]])]
+        return tuple(
+            (self.evaluate(uv + h) - self.evaluate(uv - h)) / (2.0 * np.linalg.norm(h))
+            for h in across
+        )
+
+    def parameters(self, points: np.ndarray) -> np.ndarray:
+        return self.basis.parameters(points)

@@ -1,0 +1,220 @@
+"""Triangles to look at for exact faces: closed, and about as near to them as the edges' chords."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial import Delaunay, QhullError, cKDTree
+
+from vmach.nominal.mesh.thinning import near_segments
+from vmach.nominal.step.solids import CHORD_MM, Edge, Solid, SolidFace
+from vmach.nominal.surfaces import Sphere, Surface, unit_normals
+from vmach.nominal.surfaces.face import sample_uv
+from vmach.nominal.surfaces.trimming import Trim, is_pole
+
+__all__ = ["tessellate"]
+
+#: triangles may be this much longer along a flat direction than across the bend
+_STRETCH = 20.0
+
+#: so often edges are split; each pass halves what is still crowded
+_PASSES = 12
+
+#: how far points are moved to tell triangulations of equal quality apart, relative to all
+_SHAKE = 1e-8
+
+
+def tessellate(solid: Solid) -> list[tuple[SolidFace, Trim, np.ndarray, np.ndarray]]:
+    """Each face with its trim, vertices (V, 3) mm and triangles (T, 3).
+
+    Triangles run counter-clockwise about dS/du x dS/dv. Vertices on an edge are the same, bit
+    by bit, for both faces that meet there. A face whose normal contradicts its edges, as some
+    CAD systems write them, is returned with the side that the edges say.
+    """
+    faces, patches = [], []
+    for face in solid.faces:
+        trim = _trim(solid.edges, face, face.surface)
+        if trim.inside_out():
+            face, trim = face.turned(), trim.turned()
+        faces.append(face)
+        patches.append(_Patch.of(trim))
+    patches = _conforming(replace(solid, faces=tuple(faces)), patches)
+    return [
+        (face, patch.trim, *patch.triangles()) for face, patch in zip(faces, patches, strict=True)
+    ]
+
+
+def _trim(edges: dict[int, Edge], face: SolidFace, surface: Surface) -> Trim:
+    """The face's edges on its surface; a sphere's poles are turned away from them."""
+    lines = [
+        edges[number].points_mm if left else edges[number].points_mm[::-1]
+        for number, left in face.edges
+    ]
+    if surface is face.surface and isinstance(surface, Sphere) and lines:
+        surface = surface.away_from(np.vstack(lines))
+    return Trim.from_polylines(surface, lines)
+
+
+def _conforming(solid: Solid, patches: list[_Patch]) -> list[_Patch]:
+    """Patches whose edges are split until Delaunay triangles follow them.
+
+    A segment is sure to be a side of a triangle if no other point of the face lies in the
+    circle over it; so segments are halved until that holds, on both faces of the edge alike.
+    """
+    edges, patches = dict(solid.edges), list(patches)
+    stale = set(range(len(patches)))
+    for _ in range(_PASSES):
+        marked: dict[int, set[int]] = {}
+        for index in stale:
+            for number, segment in _crowded(edges, solid.faces[index], patches[index]):
+                marked.setdefault(number, set()).add(segment)
+        for number, segments in marked.items():
+            edges[number] = edges[number].split(np.array(sorted(segments)))
+        stale = {i for i, f in enumerate(solid.faces) if any(n in marked for n, _ in f.edges)}
+        for index in stale:
+            trim = _trim(edges, solid.faces[index], patches[index].trim.surface)
+            patches[index] = replace(patches[index], trim=trim)
+    return patches
+
+
+def _crowded(edges: dict[int, Edge], face: SolidFace, patch: _Patch) -> Iterator[tuple[int, int]]:
+    """Edges of a face, and their segments whose circle holds another point."""
+    crowded, first = patch.crowded(), 0
+    for number, left in face.edges:
+        count = len(edges[number].t) - 1
+        for segment in np.flatnonzero(crowded[first : first + count]):
+            yield number, int(segment if left else count - 1 - segment)
+        first += count
+
+
+@dataclass(frozen=True)
+class _Patch:
+    """A face about to be cut into triangles.
+
+    Attributes
+    ----------
+    trim : Trim
+    inner : (P, 2) float64
+        u and v of the vertices inside.
+    scale : (2,) float64
+        Times u and v it gives coordinates in which the triangles should be equilateral.
+    """
+
+    trim: Trim
+    inner: np.ndarray
+    scale: np.ndarray
+
+    @classmethod
+    def of(cls, trim: Trim) -> _Patch:
+        """Patch with inner points near enough for the chord, none very near to an edge."""
+        bend, speed = _bend_and_speed(trim)
+        if not bend.any():
+            return cls(trim, np.empty((0, 2)), speed)
+        step = np.sqrt(4.0 * CHORD_MM / np.maximum(bend, bend.max() / _STRETCH**2))
+        inner = sample_uv(trim, step[1], step[0])
+        near = near_segments(trim.surface.evaluate(inner), trim.segments_mm, step.min() / 2.0)
+        return cls(trim, _wrapped(trim.surface, inner[~near]), speed / step)
+
+    @property
+    def _periods(self) -> np.ndarray:
+        return np.array([self.trim.surface.u_period, self.trim.surface.v_period])
+
+    def crowded(self) -> np.ndarray:
+        """Mask of the segments whose circle holds another point, (S,)."""
+        segments = self.trim.segments_uv
+        if not len(segments):
+            return np.zeros(0, dtype=bool)
+        box = self._periods * self.scale
+        points = np.vstack([_wrapped(self.trim.surface, segments[:, 0]), self.inner]) * self.scale
+        tree = cKDTree(points, boxsize=box)
+        middle = _wrapped(self.trim.surface, segments.mean(axis=1)) * self.scale
+        radius = np.linalg.norm((segments[:, 1] - segments[:, 0]) * self.scale, axis=1) / 2.0
+        length = np.linalg.norm(np.diff(self.trim.segments_mm, axis=1)[:, 0], axis=1)
+        return (tree.query(middle)[0] < radius * (1.0 - 1e-6)) & (length > CHORD_MM)
+
+    def triangles(self) -> tuple[np.ndarray, np.ndarray]:
+        """Vertices (V, 3) mm and Delaunay triangles (T, 3); periodic directions are tiled."""
+        uv, vertices = self._nodes()
+        periods = self._periods
+        copies, owner = _tiled(uv, periods)
+        try:
+            triangles = Delaunay(_shaken(copies * self.scale, owner)).simplices
+        except (QhullError, ValueError):  # fewer than three points, or all on one line
+            return vertices, np.empty((0, 3), dtype=np.int64)
+        a, b, c = np.moveaxis(copies[triangles] * self.scale, 1, 0)
+        one, other = b - a, c - a
+        area = (one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]) / 2.0
+        sides = [np.linalg.norm(x - y, axis=1) for x, y in ((a, b), (b, c), (c, a))]
+        triangles = np.where((area < 0.0)[:, None], triangles[:, ::-1], triangles)
+        centre = copies[triangles].mean(axis=1)
+        # one copy of each triangle has its centre in the window, whose border meets no symmetry
+        start = -0.0741 * periods
+        window = ((centre >= start) & (centre < start + periods) | (periods == 0.0)).all(axis=1)
+        flat = 3.0 * _SHAKE * np.ptp(copies * self.scale, axis=0).max()
+        keep = window & (np.abs(area) > flat * np.max(sides, axis=0))
+        keep[keep] = self.trim.contains(centre[keep])
+        return vertices, owner[triangles[keep]]
+
+    def _nodes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Corners of the triangles: u and v within one period (V, 2), and points (V, 3) mm."""
+        trim = self.trim
+        border = _wrapped(trim.surface, trim.segments_uv.reshape(-1, 2))
+        _, first = np.unique(np.round(border, 9), axis=0, return_index=True)
+        poles = [pole for pole in (_pole(trim, v) for v in trim.v_range()) if len(pole)]
+        ends = [np.repeat(trim.surface.evaluate(pole[:1]), len(pole), axis=0) for pole in poles]
+        points = [trim.segments_mm.reshape(-1, 3)[first], trim.surface.evaluate(self.inner)]
+        return np.vstack([border[first], self.inner, *poles]), np.vstack([*points, *ends])
+
+
+def _wrapped(surface: Surface, uv: np.ndarray) -> np.ndarray:
+    """u and v moved into [0, period)."""
+    uv = uv.copy()
+    for axis, period in enumerate((surface.u_period, surface.v_period)):
+        if period:
+            uv[:, axis] = np.mod(uv[:, axis], period)
+            uv[period - uv[:, axis] < 1e-9, axis] = 0.0
+    return uv
+
+
+def _pole(trim: Trim, v: float) -> np.ndarray:
+    """Copies of the pole at the end v of the surface, if the face reaches it."""
+    if v not in trim.surface.v_limits or not is_pole(trim.surface, v):
+        return np.empty((0, 2))
+    u = np.linspace(0.0, trim.surface.u_period, 24, endpoint=False)
+    return np.column_stack([u, np.full_like(u, v)])
+
+
+def _bend_and_speed(trim: Trim) -> tuple[np.ndarray, np.ndarray]:
+    """Along u and v: largest turn of the normal per length (1/mm), mean length per parameter."""
+    grid = trim.grid(9)
+    flat = grid.reshape(-1, 2)
+    points = trim.surface.evaluate(flat).reshape(*grid.shape[:2], 3)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        normals = unit_normals(trim.surface, flat).reshape(points.shape)
+    bend = np.zeros(2)
+    for axis in range(2):
+        turn = np.linalg.norm(np.diff(normals, axis=axis), axis=2)
+        length = np.linalg.norm(np.diff(points, axis=axis), axis=2)
+        # at a pole there is neither a length nor a normal
+        usable = (length > 1e-2 * length.max()) & np.isfinite(turn)
+        bend[axis] = (turn[usable] / length[usable]).max(initial=0.0)
+    speed = [np.linalg.norm(slope, axis=1).mean() for slope in trim.surface.derivatives(flat)]
+    return np.where(bend > 1e-9, bend, 0.0), np.array(speed)
+
+
+def _tiled(uv: np.ndarray, periods: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The points with copies half a period beyond either end, and whose copy each is."""
+    shifts = [(-1, 0, 1) if period else (0,) for period in periods]
+    turns = np.array([(i, j) for i in shifts[0] for j in shifts[1]])
+    copies = (uv + (turns * periods)[:, None]).reshape(-1, 2)
+    owner = np.tile(np.arange(len(uv)), len(turns))
+    near = (np.abs(copies - periods / 2.0) <= periods) | (periods == 0.0)
+    return copies[near.all(axis=1)], owner[near.all(axis=1)]
+
+
+def _shaken(points: np.ndarray, owner: np.ndarray) -> np.ndarray:
+    """Points moved a little, all copies alike, so that no four lie on one circle."""
+    shake = np.random.default_rng(0).uniform(-1.0, 1.0, (owner.max(initial=0) + 1, 2))
+    return points + _SHAKE * np.ptp(points, axis=0).max() * shake[owner]

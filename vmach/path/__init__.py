@@ -1,0 +1,1 @@
+"""The path of the tool: split, with its circumstances and the histories behind it."""

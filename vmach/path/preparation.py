@@ -1,0 +1,235 @@
+"""From a job to everything that does not depend on the error model: program, path, tools."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from gcode import WORK_OFFSETS, MachineLimits, MoveKind, Moves, Program, ToolEntry, read_program
+from stock import Tool, compile_ahead
+from vmach.errors import InputError
+from vmach.job import Job
+from vmach.path.toolpath import NODE_SPACING_MM, Toolpath
+from vmach.tool_doubts import tool_notes
+
+__all__ = ["Preparation", "prepare"]
+
+#: rounding of positions beyond the travel that is not worth a complaint
+_TRAVEL_SLACK_MM = 1e-6
+
+
+@dataclass(frozen=True)
+class Preparation:
+    """A job's program, read and split.
+
+    Attributes
+    ----------
+    job : Job
+    program : Program
+    path : Toolpath
+    zero_mm : (3,) float64
+        Workpiece zero in machine coordinates.
+    cutters : tuple of stock.Tool
+        For the removal engine.
+    tool_index : (T,) int64
+        Index into `cutters` of tool number k; -1 where the job has no such tool.
+    notes : tuple of str
+        What the user should know about how the program was understood.
+    """
+
+    job: Job
+    program: Program
+    path: Toolpath
+    zero_mm: np.ndarray
+    cutters: tuple[Tool, ...]
+    tool_index: np.ndarray
+    notes: tuple[str, ...]
+
+
+def prepare(
+    job: Job, *, program_path: Path | None = None, spacing_mm: float = NODE_SPACING_MM
+) -> Preparation:
+    """Read the program as the machine of the job would, and split it into pieces.
+
+    Parameters
+    ----------
+    job : Job
+    program_path : Path, optional
+        Another program on the same machine with the same tools.
+    spacing_mm : float
+        Largest distance of the nodes at which errors are evaluated.
+
+    Raises
+    ------
+    InputError, gcode.ProgramError
+        The program cannot be read or has no motion, cuts with a tool that the job lacks, or
+        leaves the travel.
+    """
+    source = program_path or job.program
+    if not source.is_file():
+        raise InputError("NC program not found", file=source)
+    compile_ahead()
+    program = read_program(
+        source,
+        work_offsets_mm=job.work_offsets_mm,
+        tools={k: ToolEntry(t.length_mm, t.diameter_mm) for k, t in job.tools.items()},
+        limits=_limits(job),
+        dialect=job.dialect,
+    )
+    moves, notes = _with_only_tool(program.moves, job, source)
+    _check_tools(job, moves, source)
+    _check_no_rotary_motion(moves, source)
+    if job.touched_off:
+        moves = _with_tool_lengths(moves, job)
+    else:
+        notes += _offsets_that_differ(job, moves, source)
+    path = Toolpath.split(moves, _lengths(job), spacing_mm)
+    if len(path.first_node) == 0:
+        raise InputError(
+            "the program moves no tool",
+            file=source,
+            hint="a T word with M6 puts one in, or a job with one tool only",
+        )
+    zero = job.work_offsets_mm[_zero_name(job, moves, source)]
+    _check_travel(job, path, source)
+    notes += tool_notes(job)
+    index = np.full(max(job.tools) + 1, -1)
+    index[list(job.tools)] = np.arange(len(job.tools))
+    cutters = tuple(tool.cutter for tool in job.tools.values())
+    return Preparation(job, program, path, zero, cutters, index, notes)
+
+
+def _limits(job: Job) -> MachineLimits:
+    motion = job.machine.motion
+    return MachineLimits(
+        rapid_mm_per_min=motion.rapid_mm_per_min,
+        acceleration_mm_per_s2=motion.acceleration_mm_per_s2,
+        tool_change_s=motion.tool_change_s,
+    )
+
+
+def _lengths(job: Job) -> np.ndarray:
+    """Length of tool number k at index k; NaN where the job has no such tool."""
+    lengths = np.full(max(job.tools) + 1, np.nan)
+    for number, tool in job.tools.items():
+        lengths[number] = tool.length_mm
+    return lengths
+
+
+def _with_only_tool(moves: Moves, job: Job, source: Path) -> tuple[Moves, tuple[str, ...]]:
+    """A program that never changes tools uses the job's tool, if that has just one."""
+    if len(job.tools) != 1 or moves.tool.any() or len(moves) == 0:
+        return moves, ()
+    number = next(iter(job.tools))
+    note = f"{source.name} changes no tool: T{number} is taken to be in the spindle all along"
+    return replace(moves, tool=np.full(len(moves), number)), (note,)
+
+
+def _check_tools(job: Job, moves: Moves, source: Path) -> None:
+    cutting = (moves.kind != MoveKind.DWELL) & (moves.tool > 0)
+    for number in np.unique(moves.tool[cutting]):
+        if int(number) not in job.tools:
+            line = int(moves.line[cutting & (moves.tool == number)][0])
+            known = ", ".join(f"T{k}" for k in job.tools)
+            raise InputError(
+                f"tool T{number} is not in {job.path.name}",
+                file=source,
+                line=line,
+                accepted=known,
+                hint=f"add a table [tools.{number}]",
+            )
+
+
+def _check_no_rotary_motion(moves: Moves, source: Path) -> None:
+    turned = np.any((moves.rotary_start_deg != 0) | (moves.rotary_end_deg != 0), axis=1)
+    if turned.any():
+        row = int(np.argmax(turned))
+        turn = np.maximum(abs(moves.rotary_start_deg[row]), abs(moves.rotary_end_deg[row]))
+        axis = int(np.argmax(turn))
+        raise InputError(
+            f"{'ABC'[axis]} turns to {moves.rotary_end_deg[row, axis]:g} degrees",
+            file=source,
+            line=int(moves.line[row]),
+            accepted="three-axis motion: A, B and C stay at 0",
+            hint="parts are cut with three axes; the errors of rotary axes are in the machine "
+            "model ('vmach accuracy')",
+        )
+
+
+def _with_tool_lengths(moves: Moves, job: Job) -> Moves:
+    """The same moves with every tool's length applied instead of the program's tool offsets."""
+    lengths = np.nan_to_num(_lengths(job))
+    wanted = np.zeros((len(moves), 3))
+    wanted[:, 2] = lengths[np.minimum(moves.tool, len(lengths) - 1)]
+    shift = wanted - moves.tool_offset_mm
+    arc = (moves.kind == MoveKind.ARC)[:, None]
+    return replace(
+        moves,
+        start_mm=moves.start_mm + shift,
+        end_mm=moves.end_mm + shift,
+        centre_mm=np.where(arc, moves.centre_mm + shift, 0.0),
+        tool_offset_mm=wanted,
+    )
+
+
+def _offsets_that_differ(job: Job, moves: Moves, source: Path) -> tuple[str, ...]:
+    """One note for every tool that cuts with an offset other than its length."""
+    notes = []
+    feeding = moves.at_feed
+    for number, tool in job.tools.items():
+        offset = moves.tool_offset_mm[:, 2]
+        wrong = feeding & (moves.tool == number) & (np.abs(offset - tool.length_mm) > 1e-6)
+        if wrong.any():
+            first = int(np.argmax(wrong))
+            notes.append(
+                f"{source.name}:{moves.line[first]}: tool {number} is {tool.length_mm:g} mm long "
+                f"but cuts with a length offset of {offset[first]:g} mm, so its tip is "
+                f"{offset[first] - tool.length_mm:+g} mm from the programmed height "
+                '(tool_offsets = "touched off" in the job if the offsets hold for the tip)'
+            )
+    return tuple(notes)
+
+
+def _check_travel(job: Job, path: Toolpath, source: Path) -> None:
+    nose = path.nodes.nose_mm
+    low, high = job.machine.travel_mm
+    outside = (nose < low - _TRAVEL_SLACK_MM) | (nose > high + _TRAVEL_SLACK_MM)
+    if not outside.any():
+        return
+    node, axis = np.argwhere(outside)[0]
+    along = nose[path.nodes.move == path.nodes.move[node], axis]
+    farthest = along.max() if nose[node, axis] > high[axis] else along.min()
+    raise InputError(
+        f"{'XYZ'[axis]} goes to {farthest:.3f} mm in machine coordinates, outside the travel",
+        file=source,
+        line=int(path.nodes.line[node]),
+        accepted=f"{low[axis]:g} .. {high[axis]:g} mm",
+        hint="check work_offsets_mm and the tool's length_mm in the job",
+    )
+
+
+def _zero_name(job: Job, moves: Moves, source: Path) -> str:
+    """The work offset that is the workpiece zero."""
+    if job.workpiece_zero is not None:
+        return job.workpiece_zero
+    feeding = moves.at_feed
+    used = [WORK_OFFSETS[k - 1] for k in np.unique(moves.work_offset[feeding])]
+    known = ", ".join(job.work_offsets_mm)
+    if len(used) > 1:
+        raise InputError(
+            f"the program cuts in {' and '.join(used)}; which one the part's CAD refers to is "
+            "not said",
+            file=job.path,
+            accepted=f"workpiece_zero = one of {known}",
+        )
+    if used and used[0] not in job.work_offsets_mm:
+        line = int(moves.line[feeding][0])
+        raise InputError(
+            f"the program cuts in {used[0]}, which [work_offsets_mm] of {job.path.name} lacks",
+            file=source,
+            line=line,
+            accepted=known,
+        )
+    return used[0] if used else next(iter(job.work_offsets_mm))

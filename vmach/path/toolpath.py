@@ -1,0 +1,175 @@
+"""The toolpath: states of the machine along the program, at nodes at most 5 mm apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from gcode import MoveKind, Moves
+from vmach.path.geometry import last_direction, move_length_mm, position_at, tangent_at
+
+__all__ = ["NODE_SPACING_MM", "PathStates", "Toolpath"]
+
+#: spacing of the nodes at which the errors are evaluated; arcs stay arcs in between
+NODE_SPACING_MM = 5.0
+
+
+@dataclass(frozen=True)
+class PathStates:
+    """P states of the machine while it runs a program: which move, and where on it.
+
+    Everything that an error can depend on is derived from these and the moves' history.
+
+    Attributes
+    ----------
+    moves : Moves
+        The whole program, so that effects can look back in time.
+    tool_lengths_mm : (T,) float64
+        Length of tool number k at index k; NaN where there is no such tool.
+    move : (P,) int64
+        Index into `moves`.
+    parameter : (P,) float64
+        0 at the start of the move, 1 at its end.
+    contact_mm : (P, 3) float64
+        The tool point of interest from the tip, workpiece axes; zero for the tip itself.
+    normal : (P, 3) float64 or None
+        Outward normal of the surface being cut, where a surface is looked at.
+    """
+
+    moves: Moves
+    tool_lengths_mm: np.ndarray
+    move: np.ndarray
+    parameter: np.ndarray
+    contact_mm: np.ndarray
+    normal: np.ndarray | None = None
+
+    def __len__(self) -> int:
+        return len(self.move)
+
+    def __getitem__(self, rows: np.ndarray) -> PathStates:
+        """Some of the states, by index or mask."""
+        return PathStates(
+            moves=self.moves,
+            tool_lengths_mm=self.tool_lengths_mm,
+            move=self.move[rows],
+            parameter=self.parameter[rows],
+            contact_mm=self.contact_mm[rows],
+            normal=None if self.normal is None else self.normal[rows],
+        )
+
+    @cached_property
+    def nose_mm(self) -> np.ndarray:
+        """Axis positions q, (P, 3): the spindle nose in machine coordinates."""
+        return position_at(self.moves, self.move, self.parameter)
+
+    @cached_property
+    def tool_mm(self) -> np.ndarray:
+        """Vector from nose to tip, (P, 3)."""
+        length = self.tool_lengths_mm[self.tool]
+        return np.column_stack([np.zeros((len(self), 2)), -length])
+
+    @property
+    def tool(self) -> np.ndarray:
+        """Tool number, (P,) int32."""
+        return self.moves.tool[self.move]
+
+    @property
+    def line(self) -> np.ndarray:
+        """Line of the program, (P,) int32, 1-based."""
+        return self.moves.line[self.move]
+
+    @cached_property
+    def direction(self) -> np.ndarray:
+        """Sign of the last motion of each axis, (P, 3); 0 before an axis first moved."""
+        return last_direction(self.moves, self.move, self.parameter)
+
+    @cached_property
+    def velocity_mm_per_s(self) -> np.ndarray:
+        """Velocity of the nose, (P, 3); zero while standing."""
+        duration = self.moves.duration_s[self.move][:, None]
+        tangent = tangent_at(self.moves, self.move, self.parameter)
+        return np.divide(tangent, duration, out=np.zeros_like(tangent), where=duration > 0)
+
+    @property
+    def feed_mm_per_min(self) -> np.ndarray:
+        """Feed along the path, (P,)."""
+        return self.moves.feed_mm_per_min[self.move]
+
+    @property
+    def time_s(self) -> np.ndarray:
+        """Seconds since the program's start, (P,)."""
+        return self.moves.start_s[self.move] + self.parameter * self.moves.duration_s[self.move]
+
+    @property
+    def spindle_rpm(self) -> np.ndarray:
+        """Spindle speed, (P,), positive clockwise (M3)."""
+        return self.moves.spindle_rpm[self.move]
+
+
+@dataclass(frozen=True)
+class Toolpath:
+    """A program's moves cut into pieces of at most the node spacing.
+
+    A piece lies between two neighbouring nodes of one move; E is the number of pieces.
+
+    Attributes
+    ----------
+    nodes : PathStates
+        The tool tip at every node, K states.
+    first_node : (E,) int64
+        Piece e goes from node ``first_node[e]`` to ``first_node[e] + 1``.
+    """
+
+    nodes: PathStates
+    first_node: np.ndarray
+
+    @classmethod
+    def split(
+        cls, moves: Moves, tool_lengths_mm: np.ndarray, spacing_mm: float = NODE_SPACING_MM
+    ) -> Toolpath:
+        """Split every move that carries a tool into equal pieces no longer than `spacing_mm`.
+
+        An arc's piece is an arc: the spacing is that of the nodes at which errors are evaluated.
+        """
+        length = move_length_mm(moves)
+        moving = (moves.kind != MoveKind.DWELL) & (length > 0) & (moves.tool > 0)
+        used = np.flatnonzero(moving)
+        pieces = np.maximum(np.ceil(length[used] / spacing_mm - 1e-9), 1).astype(np.int64)
+        nodes = pieces + 1
+        first = np.concatenate([[0], np.cumsum(nodes)])
+        within = np.arange(first[-1]) - np.repeat(first[:-1], nodes)
+        states = PathStates(
+            moves=moves,
+            tool_lengths_mm=tool_lengths_mm,
+            move=np.repeat(used, nodes),
+            parameter=within / np.repeat(pieces, nodes),
+            contact_mm=np.zeros((first[-1], 3)),
+        )
+        return cls(states, np.flatnonzero(within < np.repeat(pieces, nodes)))
+
+    @property
+    def piece_move(self) -> np.ndarray:
+        """Move that each piece belongs to, (E,) int64."""
+        return self.nodes.move[self.first_node]
+
+    def states_on_pieces(
+        self,
+        piece: np.ndarray,
+        parameter: np.ndarray,
+        *,
+        contact_mm: np.ndarray,
+        normal: np.ndarray | None = None,
+    ) -> PathStates:
+        """States at given places: piece (P,) and parameter (P,) from 0 to 1 along it."""
+        first = self.first_node[piece]
+        start, end = self.nodes.parameter[first], self.nodes.parameter[first + 1]
+        return PathStates(
+            moves=self.nodes.moves,
+            tool_lengths_mm=self.nodes.tool_lengths_mm,
+            move=self.nodes.move[first],
+            parameter=start + parameter * (end - start),
+            contact_mm=contact_mm,
+            normal=normal,
+        )

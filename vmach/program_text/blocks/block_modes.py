@@ -1,0 +1,107 @@
+"""What is modally in force in every block of a program in plain blocks."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+
+from gcode import MoveKind, Program, Step
+from vmach.errors import InputError
+
+__all__ = ["PLANE_AXES", "BlockModes", "block_modes"]
+
+#: number of the plane, as in `gcode.Modes` -> first and second axis in it, and the one across
+PLANE_AXES = {1: (0, 1, 2), 2: (1, 2, 0), 3: (2, 0, 1)}
+
+
+#: machine coordinates, reference points, and tapping that turns back by itself: they stay
+_LEFT = {280, 300, 530, 331}
+_RIGID_TAP = 331
+
+
+@dataclass(frozen=True)
+class BlockModes:
+    """Modes of one block that moves the axes.
+
+    Attributes
+    ----------
+    unit_mm : float
+    incremental : bool
+        G91.
+    absolute_centre : bool
+        G90.1.
+    left : bool
+        The block stays as it is: its position is none of the part's (G53, G28, G30), or the
+        control taps (G33.1).
+    inverse_time : bool
+        G93.
+    plane : int
+        1 XY, 2 YZ, 3 XZ.
+    """
+
+    unit_mm: float
+    incremental: bool
+    absolute_centre: bool
+    left: bool
+    inverse_time: bool
+    plane: int
+
+
+def block_modes(program: Program) -> dict[int, BlockModes]:
+    """Modes of every line that moves the axes, by 1-based line.
+
+    Parameters
+    ----------
+    program : Program
+        In plain blocks (`vmach.program_text.expanding.expansion.expanded`).
+
+    Raises
+    ------
+    InputError
+        A line has more than one motion, or runs out of order.
+    """
+    moving = program.moves.line[program.moves.kind != MoveKind.DWELL]
+    rows = Counter(moving.tolist())
+    modes: dict[int, BlockModes] = {}
+    refused: dict[int, str] = {}
+    for step in program.steps:
+        line = step.line
+        if line not in rows:
+            continue
+        found = _modes(step)
+        if rows[line] > 1 and not found.left:
+            refused.setdefault(line, "several motions of one block")
+        if step.modes.motion == _RIGID_TAP and found.incremental:
+            refused.setdefault(line, "tapping by G33.1 in G91")
+        modes[line] = found
+    for line in moving[1:][np.diff(moving) < 0].tolist():
+        refused.setdefault(line, "motion out of the order of the lines")
+    _refuse(program, refused)
+    return modes
+
+
+def _modes(step: Step) -> BlockModes:
+    modes, codes = step.modes, {round(10 * g) for g in step.g_codes}
+    return BlockModes(
+        unit_mm=modes.unit_mm,
+        incremental=not modes.absolute,
+        absolute_centre=modes.arc_absolute,
+        left=bool((codes | {modes.motion}) & _LEFT),
+        inverse_time=modes.feed_mode == "inverse",
+        plane=modes.plane,
+    )
+
+
+def _refuse(program: Program, refused: dict[int, str]) -> None:
+    if not refused:
+        return
+    first = min(refused)
+    lines = ", ".join(map(str, sorted(refused)[:10])) + (" ..." if len(refused) > 10 else "")
+    raise InputError(
+        f"{refused[first]} cannot be compensated (lines {lines})",
+        file=program.path,
+        line=first,
+        accepted="G0, G1, G2, G3",
+    )

@@ -1,0 +1,1 @@
+"""What cannot be rewritten word by word, written out first."""

@@ -1,0 +1,292 @@
+"""Canned cycles, cutter compensation and polar words written out as G0, G1, G2, G3 and G4."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from gcode import Modes, MoveKind, Program, Step, Word
+from vmach.errors import InputError
+from vmach.program_text.blocks.block_modes import PLANE_AXES
+from vmach.program_text.expanding.expanded_text import Expanded, LineBuilder, number_text
+from vmach.program_text.frame_shift import rotation_of_moves, turned_about_z
+
+__all__ = ["plain"]
+
+_TAPPING = {740, 840}
+_CYCLES = {730, 740, 810, 820, 830, 840, 850, 860, 890}
+#: G codes in tenths whose motion cannot be written in plain blocks
+_REFUSED = {50: "spline", 51: "spline", 52: "spline", 53: "spline", 330: "threading",
+            382: "probing", 383: "probing",
+            384: "probing", 385: "probing", 760: "threading", 870: "back boring",
+            880: "boring with retraction by hand"}  # fmt: skip
+_DIAMETER = "diameter mode"
+_GONE = {0, 10, 20, 30, 530, 980, 990} | {400, 410, 420, 411, 421} | _CYCLES | {800}
+_GONE_WORDS = frozenset("XYZIJKRPQLD@^")
+_AXES = "XYZ"
+_STILL_MM = 1e-9
+_REFERENCE = {280, 300}
+
+
+def plain(program: Program, *, floating_tap: bool) -> Expanded | None:
+    """Write out what is not plain motion; None where everything is.
+
+    Parameters
+    ----------
+    program : Program
+        Every line obeyed at most once, in order, with numbers only.
+    floating_tap : bool
+        The control taps by reversing the spindle at feed, so that this can be written out.
+
+    Raises
+    ------
+    InputError
+        Splines, threading, probing, and cycles that plain blocks cannot do.
+    """
+    if program.dialect not in ("rs274", "fanuc"):
+        return None
+    writer = _Writer(program, LineBuilder(program))
+    of_line = {step.line: step for step in program.steps}
+    for line in range(1, len(program.source) + 1):
+        step = of_line.get(line)
+        why = None if step is None else _why(step, writer.rows_of(line))
+        if step is not None and why in {_DIAMETER, *_REFUSED.values()}:
+            raise InputError(f"{why} cannot be compensated", file=program.path, line=line)
+        if step is not None and why and step.modes.motion in _TAPPING and not floating_tap:
+            raise InputError(
+                "tapping cycle cannot be written out for this control",
+                file=program.path,
+                line=line,
+                accepted="LinuxCNC, whose G84 feeds and reverses the spindle",
+            )
+        writer.line(line, step, why)
+    writer.end_exact_path()
+    return writer.lines.result() if writer.lines.reasons else None
+
+
+def _why(step: Step, rows: np.ndarray) -> str | None:
+    """Why a line is to be written out; None where it may stay."""
+    codes = {round(10 * g) for g in step.g_codes}
+    modes, switched = step.modes, step.before.side != step.modes.side
+    for code in (*codes, *([modes.motion] if len(rows) else [])):
+        if code in _REFUSED:
+            return _REFUSED[code]
+    if len(rows) and modes.diameter:
+        return _DIAMETER
+    if modes.motion in _CYCLES and (len(rows) or codes & _CYCLES):
+        return "canned cycle: plain motion"
+    if modes.side or step.before.side or switched or codes & {410, 420, 411, 421}:
+        return "cutter compensation: the compensated path"
+    if len(rows) and step.words.keys() & {"@", "^"}:
+        return "polar coordinates: X and Y"
+    return None
+
+
+@dataclass
+class _Writer:
+    """Writes line after line."""
+
+    program: Program
+    lines: LineBuilder
+    motion: int | None = None  #: G code in force in the new text; None where it is the old one's
+    resume: str | None = None  #: words that end the exact stops of a run of cycles
+    said_control: str = "G64"
+    ended_compensation: bool = False
+
+    def __post_init__(self) -> None:
+        self.path = self.program.record.path()
+        self.moves = self.program.moves
+        order = self.path.line
+        if (np.diff(order) < 0).any():
+            raise InputError("moves out of the order of the lines", file=self.program.path)
+        moving = np.flatnonzero(self.moves.kind != MoveKind.DWELL)
+        self.first_row = int(moving[0]) if len(moving) else -1
+        self.angle = rotation_of_moves(self.program)
+        self.arcs = {arc[0]: arc for arc in self.program.record.arcs}
+        self.seconds = dict(self.program.record.dwells)
+
+    def rows_of(self, line: int) -> np.ndarray:
+        """Rows of the record that a line makes."""
+        first, stop = np.searchsorted(self.path.line, [line, line + 1])
+        return np.arange(first, stop)
+
+    def motion_of(self, row: int) -> np.ndarray:
+        """Motion of a row in the axes of the program, mm; frames may change between rows."""
+        motion = self.moves.end_mm[row] - self.moves.start_mm[row]
+        return turned_about_z(motion, -self.angle[row])
+
+    def line(self, line: int, step: Step | None, why: str | None) -> None:
+        """Copy a line, or write it out."""
+        rows = self.rows_of(line)
+        if step is not None and any(round(10 * g) in (610, 611, 640) for g in step.g_codes):
+            self.said_control = " ".join(
+                [f"{w.letter}{w.text[1:].strip()}" for w in self.program.source.words(line)
+                 if w.letter in "GPQ" and (w.letter != "G" or w.value in (61, 61.1, 64))]
+            )  # fmt: skip
+        self.ended_compensation |= step is not None and bool(step.before.side)
+        cycle = why is not None and step.modes.motion in _CYCLES
+        if len(rows) and not cycle:
+            self.end_exact_path()
+        if why is None and step is not None and len(rows):
+            if self._loses_motion(step):
+                why = "modal motion of the lines before it"
+            elif self._goes_elsewhere(step, rows):
+                why = "cutter compensation: the programmed point after its end"
+        if why is None:
+            self.lines.keep(line)
+            if step is not None and {round(10 * g) for g in step.g_codes} & {0, 10, 20, 30, 800}:
+                self.motion = None
+        else:
+            self._write_out(line, step, rows, why)
+
+    def _loses_motion(self, step: Step) -> bool:
+        """A line that relies on a motion word that the new text has changed."""
+        own = any(round(10 * g) in (0, 10, 20, 30) for g in step.g_codes)
+        return not own and self.motion not in (None, step.modes.motion)
+
+    def _goes_elsewhere(self, step: Step, rows: np.ndarray) -> bool:
+        """The first line after G40 also moves the axes that it does not name."""
+        row, codes = int(rows[0]), {round(10 * g) for g in step.g_codes}
+        if not self.ended_compensation or codes & _REFERENCE:
+            return False
+        self.ended_compensation = False
+        motion, unit_mm = self.motion_of(row), step.modes.unit_mm
+        said = np.array([unit_mm * step.words.get(letter, 0.0) for letter in _AXES])
+        if step.modes.absolute or 530 in codes:
+            said = np.where([letter in step.words for letter in _AXES], motion, 0.0)
+        return bool((np.abs(motion - said) > _STILL_MM).any())
+
+    def _write_out(self, line: int, step: Step, rows: np.ndarray, why: str) -> None:
+        blocks = [b for b in _Blocks(self, step, rows) if b]
+        exact = step.modes.motion in _CYCLES and step.modes.path_control == 640 and len(blocks)
+        if exact and self.resume is None:
+            blocks[0], self.resume = f"G61 {blocks[0]}", self.said_control
+        head = self._head(line, step, blocks[0] if blocks else "")
+        lower = head != head.upper() and head == head.lower()
+        if head.strip(" \t/"):
+            self.lines.write(line, head, why)
+        else:
+            self.lines.drop(line, why)
+        deleted = "/" if head.lstrip().startswith("/") else ""
+        for block in blocks[1:]:
+            self.lines.write(line, deleted + (block.lower() if lower else block), why)
+
+    def _head(self, line: int, step: Step, block: str) -> str:
+        """The line with its motion words replaced by a block."""
+        source, start = self.program.source, int(self.program.source.line_starts[line - 1])
+        words = [w for w in source.words(line) if self._goes(w, step)]
+        text = source.lines[line - 1]
+        if step.modes.feed_mode == "inverse":
+            words += [w for w in source.words(line) if w.letter == "F"]
+            words.sort(key=lambda w: w.span)
+        lower = any(w.text[0].islower() for w in source.words(line))
+        block = block.lower() if lower else block
+        if not words and block:
+            last = source.words(line)[-1].span[1] - start if source.words(line) else 0
+            return f"{text[:last]} {block}{text[last:]}"
+        pieces, position = [], 0
+        for word in words:
+            before = text[position : word.span[0] - start]
+            first = word is words[0] and block
+            pieces += [before, block] if first else [before.rstrip(" \t") if position else before]
+            position = word.span[1] - start
+        return "".join([*pieces, text[position:]]).rstrip(" \t")
+
+    def _goes(self, word: Word, step: Step) -> bool:
+        if word.letter == "G":
+            return word.value is not None and round(10 * word.value) in _GONE
+        return word.letter in _GONE_WORDS and not (
+            word.letter in "PQ" and {round(g) for g in step.g_codes} & {64, 4, 10}
+        )
+
+    def end_exact_path(self) -> None:
+        """Let the corners be rounded again after a run of cycles."""
+        if self.resume is not None:
+            self.lines.write(self.lines.origin[-1], self.resume, "canned cycle: plain motion",
+                             numbers=False)  # fmt: skip
+            self.resume = None
+
+
+class _Blocks:
+    """Blocks of the rows of one line, in its modes."""
+
+    def __init__(self, writer: _Writer, step: Step, rows: np.ndarray) -> None:
+        self.writer, self.step, self.rows = writer, step, rows
+        self.modes: Modes = step.modes
+
+    def __iter__(self) -> Iterator[str]:
+        """Blocks of text."""
+        pending: str | None = None  # M code after the next move
+        for row in self.rows.tolist():
+            kind = self.writer.moves.kind[row]
+            if kind == MoveKind.DWELL:
+                if self.modes.motion not in _CYCLES:  # the block with G4 stays
+                    continue
+                before, after, pending = self._at_the_bottom()
+                yield from before
+                seconds = self.writer.seconds.get(row, 0.0)
+                if seconds:
+                    yield "G4 P" + number_text("P", seconds).removesuffix(".")
+                yield from after
+            else:
+                yield self._move(row)
+                if pending:
+                    yield pending
+                    pending = None
+
+    def _at_the_bottom(self) -> tuple[list[str], list[str], str | None]:
+        """M codes before and after the pause, and after the move that follows it."""
+        forward, backward = ("M3", "M4") if self.modes.spindle > 0 else ("M4", "M3")
+        if self.modes.motion in _TAPPING:
+            return [backward], [], forward
+        if self.modes.motion == 860:
+            return [], ["M5"], forward
+        return [], [], None
+
+    def _move(self, row: int) -> str:
+        writer = self.writer
+        end = writer.path.point_mm[row]
+        start = end - writer.motion_of(row)
+        arc = writer.arcs.get(row)
+        kind = writer.moves.kind[row]
+        texts = self._axis_words(row, start, end)
+        if arc is not None:
+            code = 3 if arc[6] > 0 else 2
+            texts += self._centre_words(start, arc)
+        elif not texts:
+            return ""
+        else:
+            code = 0 if kind == MoveKind.RAPID else 1
+        writer.motion = 10 * code
+        if self.modes.feed_mode == "inverse" and code:
+            texts.append("F" + self._inverse_feed(row))
+        return " ".join([f"G{code}", *texts])
+
+    def _axis_words(self, row: int, start: np.ndarray, end: np.ndarray) -> list[str]:
+        is_arc = row in self.writer.arcs
+        moved = np.abs(end - start) > _STILL_MM
+        if row == self.writer.first_row:  # nobody knows where the machine stands before it
+            moved |= [a in self.step.words for a in _AXES]
+            moved[:2] |= bool(self.step.words.keys() & {"@", "^"})
+        if is_arc:
+            moved[list(PLANE_AXES[self.modes.plane][:2])] = True
+        values = (end if self.modes.absolute else end - start) / self.modes.unit_mm
+        return [a + number_text(a, v) for a, v, m in zip(_AXES, values, moved, strict=True) if m]
+
+    def _centre_words(self, start: np.ndarray, arc: tuple) -> list[str]:
+        first, second, _ = PLANE_AXES[self.modes.plane]
+        centre = {first: arc[4], second: arc[5]}
+        words = []
+        for axis in sorted(centre):
+            value = centre[axis] - (0.0 if self.modes.arc_absolute else start[axis])
+            words.append("IJK"[axis] + number_text("I", value / self.modes.unit_mm))
+        turns = abs(arc[6])
+        return [*words, f"P{turns}"] if turns > 1 else words
+
+    def _inverse_feed(self, row: int) -> str:
+        """One over the minutes that the move takes."""
+        moves = self.writer.moves
+        minutes = moves.duration_s[row] / 60.0
+        return number_text("F", 1.0 / minutes if minutes > 0 else 1.0)

@@ -1,0 +1,122 @@
+"""Figures that describe one column of deviations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vmach.report.pictures.colours import colour_range, nice_ceiling
+from vmach.report.result import STATUSES, Column, InspectedPoints
+
+__all__ = [
+    "Statistics",
+    "column_statistics",
+    "common_range_mm",
+    "feature_statistics",
+    "worst_apart_mm",
+    "worst_places",
+]
+
+#: share of the part's size that two worst places of one feature are apart
+_APART = 0.05
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Statistics over the cut points; lengths in mm, NaN where there is no cut point.
+
+    Attributes
+    ----------
+    count : int
+        Cut points, the ones that the other figures are over.
+    status_counts : dict
+        Number of all points by status.
+    mean_mm, rms_mm, min_mm, max_mm : float
+        `rms_mm` is about zero, not about the mean.
+    outside_count : int
+        Cut points with abs(deviation) above the tolerance.
+    """
+
+    count: int
+    status_counts: dict[str, int]
+    mean_mm: float
+    rms_mm: float
+    min_mm: float
+    max_mm: float
+    outside_count: int
+
+    @property
+    def peak_to_valley_mm(self) -> float:
+        """Largest minus smallest deviation."""
+        return self.max_mm - self.min_mm
+
+    @property
+    def outside_share(self) -> float:
+        """Share of the cut points outside the tolerance, 0 to 1; NaN without cut points."""
+        return self.outside_count / self.count if self.count else np.nan
+
+
+def column_statistics(
+    column: Column, tolerance_mm: float, *, among: np.ndarray | None = None
+) -> Statistics:
+    """Return the statistics of a column, optionally `among` (P,) bool points only."""
+    chosen = np.ones(len(column.status), bool) if among is None else among
+    status = column.status[chosen]
+    deviation = column.deviation_mm[chosen & column.is_cut]
+    mean, rms, low, high = (
+        (deviation.mean(), np.sqrt(np.mean(deviation**2)), deviation.min(), deviation.max())
+        if deviation.size
+        else (np.nan,) * 4
+    )
+    return Statistics(
+        count=deviation.size,
+        status_counts={name: int((status == name).sum()) for name in STATUSES},
+        mean_mm=float(mean),
+        rms_mm=float(rms),
+        min_mm=float(low),
+        max_mm=float(high),
+        outside_count=int((np.abs(deviation) > tolerance_mm).sum()),
+    )
+
+
+def feature_statistics(
+    points: InspectedPoints, column: Column, tolerance_mm: float
+) -> dict[str, Statistics]:
+    """Return the statistics of a column by feature, in order of first appearance."""
+    names, first = np.unique(points.feature, return_index=True)
+    return {
+        str(name): column_statistics(column, tolerance_mm, among=points.feature == name)
+        for name in names[np.argsort(first)]
+    }
+
+
+def worst_apart_mm(points: InspectedPoints) -> float:
+    """Distance that two worst places of one feature keep: a round 5 % of the part's size."""
+    size_mm = np.linalg.norm(np.ptp(points.point_mm, axis=0)) if len(points) else 0.0
+    return nice_ceiling(max(_APART * float(size_mm), 1e-6))
+
+
+def worst_places(points: InspectedPoints, column: Column, count: int = 10) -> np.ndarray:
+    """Indices of the `count` worst places of the part, worst first.
+
+    A place is the cut point of largest abs(deviation) among its neighbours: points of its feature
+    within `worst_apart_mm` are not named beside it. Ties keep the order of the points, so that the
+    answer is the same on every run.
+    """
+    cut = np.flatnonzero(column.is_cut)
+    left = cut[np.argsort(-np.abs(column.deviation_mm[cut]), kind="stable")]
+    apart_mm, chosen = worst_apart_mm(points), []
+    while left.size and len(chosen) < count:
+        worst = left[0]
+        chosen.append(worst)
+        away_mm = np.linalg.norm(points.point_mm[left] - points.point_mm[worst], axis=1)
+        near = (points.feature[left] == points.feature[worst]) & (away_mm <= apart_mm)
+        left = left[~near]
+    return np.array(chosen, dtype=np.int64)
+
+
+def common_range_mm(columns: Sequence[Column]) -> float:
+    """Return the end of the colour scale that columns share."""
+    return colour_range([column.deviation_mm[column.is_cut] for column in columns])

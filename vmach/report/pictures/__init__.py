@@ -1,0 +1,1 @@
+"""Pictures of the part: colours, camera, meshes to show."""

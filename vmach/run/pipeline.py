@@ -1,0 +1,190 @@
+"""The main job: from an NC program to the predicted part and its deviations.
+
+`machine_part` reads like the description of the program; everything it calls is a stage that can
+be used on its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stock import VirtualPart, cut_part
+from vmach.base.stage_clock import Progress, StageClock, silent
+from vmach.effects import read_effects
+from vmach.errors import InputError
+from vmach.job import Job, read_job
+from vmach.machine import Variant
+from vmach.machine.audit import audit
+from vmach.measurements.plausibility.part_check import check_cut, check_file
+from vmach.nominal import NominalPart, read_nominal
+from vmach.nominal.points import SurfacePoints, read_points_csv
+from vmach.path.preparation import Preparation, prepare
+from vmach.path.toolpath import PathStates
+from vmach.prediction import Prediction, displaced_sweeps, predict_surface
+from vmach.prediction.error_budget import ErrorBudget, error_budget
+from vmach.report import InspectedPoints
+from vmach.run.collisions import collision_notes, job_collisions
+from vmach.run.inspection import check_some_cut, inspected_points, surface_points, with_causes
+
+if TYPE_CHECKING:
+    import trimesh
+
+__all__ = ["MachinedPart", "machine_part", "predict_points"]
+
+
+@dataclass(frozen=True)
+class MachinedPart:
+    """What the main job found.
+
+    Attributes
+    ----------
+    job : Job
+    preparation : Preparation
+    points : InspectedPoints
+        Deviations of every variant, aligned as the job asks.
+    states : PathStates
+        How the points that were cut under the last variant were made.
+    budget : ErrorBudget
+        Of the same points and variant, without alignment.
+    part : VirtualPart
+        The solid that the displaced tools leave.
+    nominal : NominalPart or None
+    model : Variant
+        The error model that the solid was cut with.
+    stages_s : dict of str to float
+    notes : tuple of str
+        What the user should know before trusting the numbers.
+    """
+
+    job: Job
+    preparation: Preparation
+    points: InspectedPoints
+    states: PathStates
+    budget: ErrorBudget
+    part: VirtualPart
+    nominal: NominalPart | None
+    model: Variant
+    stages_s: dict[str, float]
+    notes: tuple[str, ...]
+
+
+def machine_part(
+    job_path: str | Path,
+    *,
+    model: Variant = Variant.ABBE,
+    variants: Sequence[Variant] = (Variant.NONE, Variant.ABBE),
+    prefer_measured: bool = False,
+    progress: Progress = silent,
+) -> MachinedPart:
+    """Machine the job's part virtually and inspect it.
+
+    Parameters
+    ----------
+    job_path : path
+        The job file, or its folder.
+    model : Variant
+        Error model that the solid is cut with.
+    variants : sequence of Variant
+        Error models to inspect, side by side.
+    prefer_measured : bool
+        Inspect the measured points of the job, where it has them, and not the nominal CAD.
+    progress : Progress
+
+    Raises
+    ------
+    InputError, gcode.ProgramError, stock.StockError
+    """
+    clock = StageClock(progress)
+    with clock.stage("read"):
+        job = read_job(job_path)
+        blank = _blank_of(job)
+        effects = read_effects(job.effects, file=job.path, job=job)
+        preparation = prepare(job)
+        nominal = read_nominal(job.nominal, job.nominal_unit) if job.nominal else None
+        points = surface_points(job, nominal, prefer_measured=prefer_measured)
+        if points.measured_mm is not None:
+            check_file(points, job.measured)
+    with clock.stage("displace"):
+        sweeps = {v: displaced_sweeps(preparation, v, effects) for v in {*variants, model}}
+    with clock.stage("compare") as step:
+        predictions: list[Prediction] = []
+        for variant in variants:
+            predictions.append(
+                predict_surface(preparation, points, variant, effects, sweeps=sweeps[variant])
+            )
+            step(len(predictions), len(variants))
+        check_some_cut(job, points, predictions[-1])
+        if points.measured_mm is not None:
+            count = int(predictions[-1].is_cut.sum())
+            check_cut(preparation, points, count, path=job.measured)
+    with clock.stage("cut") as step:
+        part = cut_part(sweeps[model], preparation.cutters, blank, progress=step)
+    with clock.stage("collide") as step:
+        collisions = job_collisions(preparation, sweeps[model], progress=step)
+    inspected, notes = inspected_points(job, points, predictions)
+    budget = error_budget(predictions[-1], effects)
+    return MachinedPart(
+        job=job,
+        preparation=preparation,
+        points=with_causes(inspected, budget),
+        states=predictions[-1].states,
+        budget=budget,
+        part=part,
+        nominal=nominal,
+        model=model,
+        stages_s=clock.seconds,
+        notes=(
+            *collision_notes(preparation, collisions),
+            *_machine_notes(job),
+            *preparation.notes,
+            *points.notes,
+            *notes,
+        ),
+    )
+
+
+def _machine_notes(job: Job) -> list[str]:
+    """What in the machine file does not add up, or was assumed, one sentence each."""
+    name = job.machine_path.name
+    return [f"{name}: {str(one).removeprefix('note: ')}" for one in audit(job.machine)]
+
+
+def _blank_of(job: Job) -> tuple[np.ndarray, np.ndarray] | trimesh.Trimesh:
+    """The blank that the virtual part is cut from, two corners or a mesh."""
+    if job.blank is None:
+        raise InputError(
+            "the virtual part needs a blank",
+            file=job.path,
+            accepted="[stock] with min_mm and max_mm, or file",
+        )
+    return job.blank.solid
+
+
+def predict_points(
+    job_path: str | Path,
+    points_path: str | Path,
+    *,
+    program_path: str | Path | None = None,
+    variant: Variant = Variant.ABBE,
+    progress: Progress = silent,
+) -> tuple[SurfacePoints, Prediction]:
+    """Predicted deviation at given surface points, of the job's program or of another.
+
+    Raises
+    ------
+    InputError, gcode.ProgramError, stock.StockError
+    """
+    clock = StageClock(progress)
+    with clock.stage("read"):
+        job = read_job(job_path)
+        effects = read_effects(job.effects, file=job.path, job=job)
+        points = read_points_csv(points_path)
+        preparation = prepare(job, program_path=Path(program_path) if program_path else None)
+    with clock.stage("predict"):
+        prediction = predict_surface(preparation, points, variant, effects)
+    return points, prediction

@@ -1,0 +1,96 @@
+"""The figures of volumetric accuracy as text and tables."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+__all__ = ["print_accuracy"]
+
+
+def print_accuracy(console: Console, report: dict[str, Any]) -> None:
+    """Print the figures of ``accuracy.json`` for people."""
+
+    def say(text: str) -> None:
+        console.print(text, highlight=False, markup=False, soft_wrap=True)
+
+    figures, volume = report["volumetric"], report["volume"]
+    box = ", ".join(
+        f"{axis} {low:g} .. {high:g}"
+        for axis, low, high in zip("XYZ", volume["low_mm"], volume["high_mm"], strict=True)
+    )
+    say(f"{report['machine']}   {report['chain']}   arms: {report['model']}")
+    say(f"nose {box} mm, grid {' x '.join(map(str, volume['grid']))}, "
+        f"tool length {report['tool_length_mm']:g} mm")  # fmt: skip
+    say(f"volumetric accuracy {figures['largest_difference_um']:.1f} um: the largest of "
+        f"{figures['pairs']} differences, between")  # fmt: skip
+    for end in figures["between"]:
+        say(f"   nose {end['nose_mm']} mm with error {end['error_um']} um")
+    say(f"error of the tip: largest {figures['largest_error_um']:.1f}, mean "
+        f"{figures['mean_error_um']:.1f}, RMS {figures['rms_error_um']:.1f} um")  # fmt: skip
+    console.print(_shares_table(report))
+    console.print(_grouping_table(report))
+    console.print(_diagonal_table(report))
+    if report["variants"]:
+        variants = report["variants"]
+        say(f"mean error with conventional arms {variants['mean_htm_um']:.1f} um, Abbe-consistent "
+            f"{variants['mean_abbe_um']:.1f} um: {variants['in_words']} "
+            f"({variants['note']})")  # fmt: skip
+    if "profile" in report:
+        profile = report["profile"]
+        say(f"profile {profile['file']}: largest error {profile['largest_error_um']:.1f} um, "
+            f"largest difference {profile['largest_difference_um']:.1f} um")  # fmt: skip
+    for line in report["findings"]:
+        say(line)
+
+
+def _table(title: str, headings: tuple[str, ...], rows: list[list[str]]) -> Table:
+    table = Table(title=title, title_justify="left")
+    for place, heading in enumerate(headings):
+        table.add_column(heading, justify="right" if place else "left")
+    for row in rows:
+        table.add_row(*row)
+    return table
+
+
+def _shares_table(report: dict[str, Any]) -> Table:
+    counted = {one["component"]: one for one in report["double_counting"]}
+    rows = [
+        [name, f"{share:.1f}", *_share_cells(counted.get(name))]
+        for name, share in report["contributions_percent"].items()
+    ]
+    return _table(
+        "between the two worst points; angles in the readings",
+        ("error", "share, %", "reading, um", "of it angle x arm, um"),
+        rows,
+    )
+
+
+def _share_cells(counted: dict[str, Any] | None) -> list[str]:
+    if counted is None:
+        return ["", ""]
+    return [f"{counted['reading_um']:.1f}", f"{counted['angular_share_um']:.1f}"]
+
+
+def _grouping_table(report: dict[str, Any]) -> Table:
+    exact = report["volumetric"]
+    rows = [["exact", str(exact["points"]), str(exact["pairs"]),
+             f"{exact['largest_difference_um']:.1f}"]]  # fmt: skip
+    rows += [
+        [str(row["angular_tolerance"]), str(row["records"]), str(row["comparisons"]),
+         f"{row['largest_difference_um']:.1f}"]
+        for row in report["grouping"]
+    ]  # fmt: skip
+    headings = ("grouping", "vectors", "comparisons", "largest difference, um")
+    return _table("grouping by direction beside the exact result", headings, rows)
+
+
+def _diagonal_table(report: dict[str, Any]) -> Table:
+    rows = [
+        [row["diagonal"], f"{row['length_mm']:.0f}",
+         *(f"{row[key]:.1f}" for key in ("E_um", "M_um", "B_um"))]
+        for row in report["diagonals"]
+    ]  # fmt: skip
+    return _table("diagonals, ISO 230-6", ("diagonal", "mm", "E, um", "M, um", "B, um"), rows)
