@@ -33,6 +33,9 @@ _NEAREST = (32, 128)
 #: point-to-triangle distances that are computed at a time
 _AT_ONCE = 400_000
 
+#: points of this share of the largest depth may tell which triangles are at fault
+_AS_DEEP = 0.9
+
 #: triangles whose distances differ by less, relative, are equally near
 _TIE = 1e-6
 
@@ -116,6 +119,10 @@ def find_differences(part: Surface, nominal: Surface, threshold_mm: float) -> li
     for number in range(place.max() + 1):
         here = np.flatnonzero(place == number)
         worst = here[np.argmax(np.abs(depth[here]))]
+        # at an edge several triangles are the nearest: a point within a triangle knows its own
+        deep = here[np.abs(depth[here]) >= _AS_DEEP * abs(depth[worst])]
+        within = deep[area[deep, 0] > 0.0]
+        knows = within[np.argmax(np.abs(depth[within]))] if within.size else worst
         low, high = at[here].min(axis=0), at[here].max(axis=0)
         found.append(
             Difference(
@@ -127,8 +134,8 @@ def find_differences(part: Surface, nominal: Surface, threshold_mm: float) -> li
                 volume_mm3=volume.within(
                     low - threshold_mm, high + threshold_mm, excess=depth[worst] > 0.0
                 ),
-                part_triangle=int(of_part[worst]),
-                nominal_triangle=int(of_nominal[worst]),
+                part_triangle=int(of_part[knows]),
+                nominal_triangle=int(of_nominal[knows]),
             )
         )
     return sorted(found, key=lambda one: -abs(one.depth_mm))

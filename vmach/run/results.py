@@ -144,6 +144,7 @@ def run_record(made: MachinedPart, command: str, *hints: str) -> RunRecord:
         },
         warnings=(*made.notes, *hints),
         program_lines=tuple(program.source.lines),
+        comparison=made.comparison,
     )
 
 
