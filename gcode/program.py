@@ -9,21 +9,21 @@ from pathlib import Path
 
 import numpy as np
 
-from gcode.arc_tolerance import ArcTolerance, arc_tolerance
-from gcode.clock import MachineLimits
+from gcode.control.predefined import install_predefined
 from gcode.dialects.detect import choose_dialect
 from gcode.errors import ProgramError
-from gcode.moves import Moves
-from gcode.offsets import load_offsets
-from gcode.parameters import system_base
-from gcode.predefined import install_predefined
-from gcode.record import Record
-from gcode.resolve import to_moves
+from gcode.geometry.arc_tolerance import ArcTolerance, arc_tolerance
+from gcode.motion.frames import load_offsets
+from gcode.moves.clock import MachineLimits
+from gcode.moves.moves import Moves
+from gcode.moves.resolve import to_moves
 from gcode.run import run_program
-from gcode.source import Source
-from gcode.state import Controller, mapping_of_systems
-from gcode.tools import ToolEntry
-from gcode.trace import Step, Trace
+from gcode.state.controller import Controller, mapping_of_systems
+from gcode.state.record import Record
+from gcode.state.tools import OffsetEntry, ToolEntry, offset_memory
+from gcode.state.trace import Step, Trace
+from gcode.text.parameters import system_base
+from gcode.text.source import Source
 
 #: Smaller programs are read before the compiled reader would be loaded, bytes.
 _FAST_FROM = 50_000
@@ -59,7 +59,7 @@ class Program:
     path : Path
         Where it came from.
     dialect : str
-        ``rs274``, ``fanuc``, ``heidenhain`` or ``sinumerik``.
+        One of `DIALECTS`.
     source : Source
         Exact text; `Source.words` gives the words of a line, `Source.rewritten` writes back.
     notes : tuple of Note
@@ -105,6 +105,7 @@ def read_program(
     *,
     work_offsets_mm: Mapping[str, Sequence[float]] | None = None,
     tools: Mapping[int, ToolEntry] | None = None,
+    offsets: Mapping[int, OffsetEntry] | None = None,
     limits: MachineLimits | None = None,
     home_mm: Sequence[float] | None = None,
     dialect: str = "auto",
@@ -126,6 +127,8 @@ def read_program(
         ``G54`` ... ``G59.3`` -> machine coordinates of the workpiece zero, mm.
     tools : mapping, optional
         Tool number -> entry of the tool table.
+    offsets : mapping, optional
+        Number of H and D -> row of the offset memory; numbers that it lacks mean the tools.
     limits : MachineLimits, optional
         Rapid, acceleration, tool change; for the clock.
     home_mm : sequence of float, optional
@@ -133,7 +136,7 @@ def read_program(
         machine stands at the end of the first move, which so takes no time, and the program
         starts reading as if at machine zero.
     dialect : str
-        ``auto`` (from the text), or a dialect's name.
+        ``auto`` (from the text), one of `DIALECTS` or a synonym.
     arc_tolerances : str or ArcTolerance
         Which control's limits for arcs whose radii differ: ``linuxcnc``, ``grbl``,
         ``sinumerik``, ``heidenhain``.
@@ -162,6 +165,7 @@ def read_program(
     options = {name: value for name, value in locals().items() if name not in ("path", "steps")}
     source = path if isinstance(path, Source) else Source.read(path)
     controller = Controller(dict(tools or {}), arc_tolerance(arc_tolerances), machine_unit_mm,
+                            offsets=offset_memory(tools or {}, offsets or {}),
                             preview=preview)  # fmt: skip
     _prepare(controller, work_offsets_mm or {}, home_mm)
     fast = len(source.data) >= _FAST_FROM if fast is None else fast

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from gcode.control.flow import run_rs274
 from gcode.dialects.fanuc import Fanuc
 from gcode.dialects.heidenhain import Heidenhain
 from gcode.dialects.sinumerik import Sinumerik
 from gcode.errors import ProgramError
-from gcode.flow import run_rs274
-from gcode.source import Source
-from gcode.state import Controller
+from gcode.state.controller import Controller
+from gcode.text.source import Source
 
 __all__ = ["run_program"]
 
-_TRANSLATED = {"fanuc": Fanuc, "heidenhain": Heidenhain, "sinumerik": Sinumerik}
+_TRANSLATED = {"fanuc": Fanuc, "haas": Fanuc, "heidenhain": Heidenhain, "sinumerik": Sinumerik}
 
 
 def run_program(
@@ -43,7 +43,7 @@ def run_program(
     """
     max_blocks += len(source)
     try:
-        if dialect == "rs274":
+        if dialect == "linuxcnc":
             run_rs274(controller, source, block_delete=block_delete, max_blocks=max_blocks,
                       fast=fast)  # fmt: skip
         else:

@@ -17,7 +17,8 @@ from vmach.base.kernel_cache import (
 from vmach.commands.accuracy import accuracy
 from vmach.commands.canon import canon
 from vmach.commands.compensate import compensate
-from vmach.commands.diagnosis import add, diagnose, effects_app, history
+from vmach.commands.diagnosis import add, diagnose, history
+from vmach.commands.effects import effects_app
 from vmach.commands.iso230 import iso230
 from vmach.commands.machining import compare, run
 from vmach.commands.path import path

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 from gcode.errors import ProgramError
 
-__all__ = ["DIALECTS", "choose_dialect", "detect_dialect"]
+__all__ = ["DIALECTS", "SYNONYMS", "choose_dialect", "detect_dialect", "dialect_name",
+           "dialect_of"]  # fmt: skip
 
-DIALECTS = ("rs274", "fanuc", "heidenhain", "sinumerik")
+#: Controls by name: whose language a program is written in.
+DIALECTS = ("linuxcnc", "fanuc", "haas", "sinumerik", "heidenhain")
+
+#: Other names that are accepted: of the language, of the maker.
+SYNONYMS = {"rs274": "linuxcnc", "siemens": "sinumerik", "klartext": "heidenhain"}
 
 #: Only so much of a program is searched for the words of a dialect, bytes.
 _HEAD = 30_000
@@ -35,13 +41,30 @@ def detect_dialect(text: str) -> str:
         return "heidenhain"
     if _FANUC.search(text):
         return "fanuc"
-    return "sinumerik" if _SINUMERIK.search(text) else "rs274"
+    return "sinumerik" if _SINUMERIK.search(text) else "linuxcnc"
+
+
+def dialect_name(name: str) -> str:
+    """The one name of a dialect, or ``auto``.
+
+    Raises
+    ------
+    ProgramError
+        There is no such dialect.
+    """
+    found = SYNONYMS.get(name.lower(), name.lower())
+    if found not in ("auto", *DIALECTS):
+        raise ProgramError(f"unknown dialect '{name}'", accepted="auto, " + ", ".join(DIALECTS))
+    return found
+
+
+def dialect_of(path: str | Path, name: str = "auto") -> str:
+    """The dialect in which `read_program` will read a file; arguments and errors as there."""
+    with Path(path).open("rb") as file:
+        return choose_dialect(name, file.read(_HEAD))
 
 
 def choose_dialect(name: str, data: bytes) -> str:
     """Return the dialect asked for, or detect it for ``auto``; raises ProgramError."""
-    if name == "auto":
-        return detect_dialect(data[:_HEAD].decode("latin-1"))
-    if name not in DIALECTS:
-        raise ProgramError(f"unknown dialect '{name}'", accepted="auto, " + ", ".join(DIALECTS))
-    return name
+    found = dialect_name(name)
+    return detect_dialect(data[:_HEAD].decode("latin-1")) if found == "auto" else found

@@ -7,16 +7,16 @@ are <null> on the control, where a word with such a value does not exist; here t
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from gcode.block_values import whole
+from gcode.control.interpreter import execute
+from gcode.control.loop_guard import LoopGuard
 from gcode.dialects.translate import Translated
 from gcode.errors import ProgramError
-from gcode.expressions import Reader, value_of
-from gcode.interpreter import execute
-from gcode.lexer import Block, compact, read_block
-from gcode.loop_guard import LoopGuard
-from gcode.state import Controller
+from gcode.state.block_values import whole
+from gcode.state.controller import Controller
+from gcode.text.expressions import Reader, value_of
+from gcode.text.lexer import Block, compact, read_block
 
 __all__ = ["Fanuc"]
 
@@ -37,6 +37,7 @@ class _Call:
     program: int
     repeats: int
     saved: dict[int, float] | None  #: locals of the caller; None for M98, which shares them
+    begun: int = field(compare=False)  #: blocks obeyed when the present repetition began
 
 
 class Fanuc(Translated):
@@ -155,7 +156,7 @@ class Fanuc(Translated):
     def _jump(self, index: int) -> None:
         """Go on at another line of the running program."""
         if index < self.next:
-            self.guard.jumped_back(index + 1, level=len(self.calls), executed=self.executed,
+            self.guard.jumped_back(index + 1, level=len(self.calls), executed=self.budget.executed,
                                    flow=(self.calls, self.radius_offset))  # fmt: skip
         self.next = index
 
@@ -228,7 +229,7 @@ class Fanuc(Translated):
                                accepted="A-F H-K M Q-Z without G L N O P")
         parameters = self.controller.parameters
         saved = {i: parameters.numbered[i] for i in _LOCALS if i not in parameters.computed}
-        self._push(_Call(self.next, program, repeats, saved))
+        self._push(_Call(self.next, program, repeats, saved, self.budget.executed))
         self._set_locals({_ARGUMENTS[letter]: value for letter, value in words.items()})
 
     def _set_locals(self, values: dict[int, float]) -> None:
@@ -245,7 +246,8 @@ class Fanuc(Translated):
             raise ProgramError("M98 without P word")
         repeats = whole(words.get("l", 1.0), "L word")
         if repeats > 0:
-            self._push(_Call(self.next, self._find(words["p"]), repeats, None))
+            program = self._find(words["p"])
+            self._push(_Call(self.next, program, repeats, None, self.budget.executed))
 
     def _return(self) -> None:
         if not self.calls:
@@ -253,6 +255,8 @@ class Fanuc(Translated):
         call = self.calls[-1]
         call.repeats -= 1
         if call.repeats > 0:
+            blocks, call.begun = self.budget.executed - call.begun, self.budget.executed
+            self.budget.check_rounds(call.repeats, blocks, exact=False, line=call.return_to)
             self.next = call.program
             return
         self.calls.pop()

@@ -6,7 +6,7 @@ import re
 
 from gcode.dialects.translate import Translated, number
 from gcode.errors import ProgramError
-from gcode.state import Controller
+from gcode.state.controller import Controller
 
 __all__ = ["Heidenhain"]
 
@@ -27,7 +27,9 @@ class Heidenhain(Translated):
         self.pole: tuple[float, float] | None = None
         self.feed: float | None = None
         self.labels: dict[int, int] = {}
-        self.calls: list[tuple[int, int, int]] = []  #: label line, return line, repeats left
+        self.begun: dict[int, int] = {}  #: blocks obeyed when what stands below a label began
+        #: label line, return line, repeats left, what `begun` was before the repeats
+        self.calls: list[tuple[int, int, int, int]] = []
 
     def obey(self, text: str) -> None:
         """Obey one line."""
@@ -197,9 +199,9 @@ class Heidenhain(Translated):
     def _label(self, content: str) -> None:
         label = int(self._integer(content, r"LBL\s+(\d+)"))
         if label:
-            self.labels[label] = self.next - 1
+            self.labels[label], self.begun[label] = self.next - 1, self.budget.executed
         elif self.calls and self.calls[-1][2] < 0:
-            _, self.next, _ = self.calls.pop()
+            self.next = self.calls.pop()[1]
 
     def _integer(self, content: str, pattern: str) -> str:
         match = re.match(pattern, content)
@@ -220,7 +222,7 @@ class Heidenhain(Translated):
             raise ProgramError(f"LBL {label} does not exist")
         if len(self.calls) >= 19:
             raise ProgramError("subprograms nested deeper than 19")
-        self.calls.append((target, self.next, -1))
+        self.calls.append((target, self.next, -1, 0))
         self.next = target + 1
 
     def _repeat(self, label: int, repeats: int) -> None:
@@ -228,10 +230,12 @@ class Heidenhain(Translated):
         if label not in self.labels:
             raise ProgramError(f"LBL {label} does not stand above")
         if self.calls and self.calls[-1][:2] == (self.labels[label], here):
-            start, stop, left = self.calls.pop()
-            if left > 0:
-                self.calls.append((start, stop, left - 1))
-                self.next = start + 1
-        elif repeats > 0:
-            self.calls.append((self.labels[label], here, repeats - 1))
-            self.next = self.labels[label] + 1
+            *_, left, begun = self.calls.pop()
+        else:
+            left, begun = repeats, self.begun[label]
+            self.budget.check_rounds(repeats, self.budget.executed - begun)
+        if left > 0:
+            self.calls.append((self.labels[label], here, left - 1, begun))
+            self.next, self.begun[label] = self.labels[label] + 1, self.budget.executed
+        else:
+            self.begun[label] = begun

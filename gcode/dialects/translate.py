@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from gcode.cutter_compensation import flush
-from gcode.interpreter import execute
-from gcode.lexer import compact, read_block
-from gcode.loop_guard import check_count
-from gcode.state import Controller
+from gcode.control.interpreter import execute
+from gcode.control.loop_guard import BlockBudget
+from gcode.motion.cutter_compensation import flush
+from gcode.state.controller import Controller
+from gcode.text.lexer import compact, read_block
 
 __all__ = ["Translated", "number"]
 
@@ -31,8 +31,9 @@ class Translated:
     """
 
     def __init__(self, controller: Controller, lines: list[str], *, max_blocks: int) -> None:
-        self.controller, self.lines, self.max_blocks = controller, lines, max_blocks
-        self.next = self.executed = 0
+        self.controller, self.lines = controller, lines
+        self.budget = BlockBudget(max_blocks)
+        self.next = 0
         self.ended = False
 
     def run(self) -> None:
@@ -44,8 +45,8 @@ class Translated:
             controller.line = controller.record.line = here + 1
             if controller.trace is not None:
                 controller.trace.begin(here + 1)
-            self.executed += 1
-            check_count(self.executed, self.max_blocks)
+            self.budget.executed += 1
+            self.budget.check()
             self.obey(self.lines[here])
         flush(controller)
 

@@ -8,6 +8,7 @@ import pytest
 from tests.small_job import write_job, write_nominal_stl
 from vmach import cli
 from vmach.__main__ import main
+from vmach.job import read_job
 
 
 @pytest.fixture
@@ -282,3 +283,27 @@ def test_a_terminal_that_lacks_a_sign_shows_another(monkeypatch):
         main()
     print("\N{PLUS-MINUS SIGN}10 um", flush=True)
     assert sys.stdout.buffer.getvalue().endswith(b"?10 um\n")
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [("simens", "accepted: linuxcnc, fanuc, haas, sinumerik, heidenhain"),
+     ("siemens", "part.nc: a linuxcnc program cannot be written for sinumerik")],
+)  # fmt: skip
+def test_wrong_control_is_refused_before_anything_is_solved(
+    name, expected, job, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setattr("vmach.compensation.aim.surface.read_surface", None)  # what comes first
+    arguments = ("compensate", job, "-o", tmp_path / "out.nc", "--dialect", name)
+    status, _, message = run_vmach(monkeypatch, capsys, *arguments)
+    assert status == 1
+    assert expected in message
+
+
+def test_a_job_has_the_same_names_of_dialects(job, monkeypatch, capsys):
+    replace(job, "measured", 'dialect = "siemens"\nmeasured')
+    assert read_job(job).dialect == "sinumerik"
+    replace(job, "siemens", "simens")
+    status, _, message = run_vmach(monkeypatch, capsys, "predict", job, "--points", job)
+    assert status == 1
+    assert "accepted: auto, linuxcnc, fanuc, haas, sinumerik, heidenhain" in message

@@ -13,7 +13,7 @@ from tests.oracle.linuxcnc_interpreter import ARC, AXES_OF_PLANE, LINE, RAPID, V
 __all__ = ["read_klartext", "read_sinumerik"]
 
 #: radii at the start and the end of an arc differ by no more, mm: refused otherwise
-RADII = {"heidenhain": 0.016, "siemens": 0.01}
+RADII = {"heidenhain": 0.016, "sinumerik": 0.01}
 
 
 class Drawing:
@@ -133,5 +133,6 @@ def read_sinumerik(text, zero_mm):
         else:
             centre = drawing.here + [words.get(letter, 0.0) for letter in "IJK"]
         drawing.add_arc(number, place, centre=centre, axis=AXES_OF_PLANE[plane][2], sense=sense,
-                        largest=RADII["siemens"], turns=1 + int(words.get("TURN", 0)))  # fmt: skip
+                        largest=RADII["sinumerik"],
+                        turns=1 + int(words.get("TURN", 0)))  # fmt: skip
     return drawing.verdict

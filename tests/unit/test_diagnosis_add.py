@@ -1,6 +1,8 @@
 """What `vmach add` says: what it brought, what is not called for, and why something cannot be."""
 
 import json
+import re
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -10,7 +12,9 @@ from tests.unit.test_diagnosis_verdicts import lost_motion, nothing, tip_job
 from vmach.cli import app
 from vmach.diagnosis.named_fit import fit_named
 from vmach.diagnosis.residuals.job_survey import survey_job
+from vmach.effects import load_effect_file
 from vmach.errors import InputError
+from vmach.history import history_of
 from vmach.history.added_effects import add_effects
 
 
@@ -79,3 +83,35 @@ def test_a_correction_is_told_by_its_place(tmp_path):
 
     said = add(tip_job(tmp_path, dent, count=150), "component:EZX")
     assert "component EZX: a correction curve, X -" in said and "most at -1" in said
+
+
+SLOPE = """\
+from vmach.effects import Effect, along, linear
+class Slope(Effect):
+    name = "bed_slope"
+    title = "slope of the bed"
+    parameters = (linear("rise_um_per_m", "rise along X", usual=10.0),)
+    targets = ("",)
+    def displacement(self, path, target, rise_um_per_m):
+        return along("Z", 1e-6 * rise_um_per_m * path.nose_mm[:, 0])
+"""
+
+
+@pytest.mark.usefixtures("no_effects_added")
+def test_a_job_says_which_file_its_own_effect_is_in(loose, tmp_path, monkeypatch):
+    """The file is named by the history, as seen from each job of the chain."""
+    shop = tmp_path / "shop"
+    shop.mkdir()
+    (shop / "slope.py").write_text(SLOPE)
+    load_effect_file(shop / "slope.py")
+    second, _ = add_effects(loose, ["bed_slope"], out=tmp_path / "second.toml")
+    third, _ = add_effects(second, ["backlash:X"], out=shop / "third.toml")
+    assert 'effect_files = {bed_slope = "shop/slope.py"}' in second.read_text()
+    assert third.read_text().endswith('effect_files = {bed_slope = "slope.py"}\n')
+    monkeypatch.setattr(import_module("vmach.effects.catalogue"), "_added", {})
+    for job, file in ((third, shop / "slope.py"), (second, tmp_path / "shop" / "slope.py")):
+        with pytest.raises(InputError, match=rf"it is in {re.escape(str(file))}: vmach --effect-f"):
+            history_of(job)
+    (shop / "slope.py").unlink()
+    with pytest.raises(InputError, match=r"it was in .*slope\.py, which is not there"):
+        history_of(third)

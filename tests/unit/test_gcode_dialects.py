@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gcode import MoveKind, ProgramError, Source, ToolEntry, read_program
+from gcode import MoveKind, ProgramError, Source, ToolEntry, dialect_name, read_program
 from gcode.dialects import detect_dialect
 
 TOOLS = {1: ToolEntry(100.0, 10.0), 2: ToolEntry(80.0, 6.0)}
@@ -33,9 +33,9 @@ def refusal(text, **options):
         ("%_N_PART_MPF\nG0 X10\n", "sinumerik"),
         ("N10 G2 X10 Y0 CR=5\nM30\n", "sinumerik"),
         ("DEF REAL A\n", "sinumerik"),
-        ("O100 if [#1 GT 2]\nG0 X1\nO100 endif\nM2\n", "rs274"),
-        ("(CR=5) G0 X1\n#<x>=5 G1 X#<x>\nM2\n", "rs274"),
-        ("G10 L2 P1 X0\n; Y=3\nM2\n", "rs274"),
+        ("O100 if [#1 GT 2]\nG0 X1\nO100 endif\nM2\n", "linuxcnc"),
+        ("(CR=5) G0 X1\n#<x>=5 G1 X#<x>\nM2\n", "linuxcnc"),
+        ("G10 L2 P1 X0\n; Y=3\nM2\n", "linuxcnc"),
     ],
 )
 def test_recognised_by_the_text(text, dialect):
@@ -241,3 +241,14 @@ def test_sinumerik_lines_without_motion():
     assert program.moves.end_mm[-2:, 0].tolist() == [107.0, 107.0]
     assert program.moves.end_mm[-1, 2] == 0.0, "SUPA: machine coordinates"
     assert {"MSG", "WORKPIECE", "CYCLE832", "SOFT"} <= {note.word for note in program.notes}
+
+
+@pytest.mark.parametrize(
+    ("name", "known"), [("siemens", "sinumerik"), ("RS274", "linuxcnc"), ("klartext", "heidenhain"),
+                        ("Haas", "haas"), ("auto", "auto")]
+)  # fmt: skip
+def test_synonyms_mean_one_name(name, known):
+    assert dialect_name(name) == known
+    text = b"BEGIN PGM A MM\nEND PGM A MM\n" if known == "heidenhain" else b"G0 X1\nM30\n"
+    found = read_program(Source(text), dialect=name).dialect
+    assert found == known.replace("auto", "linuxcnc")

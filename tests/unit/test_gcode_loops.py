@@ -1,8 +1,12 @@
 """Loops without end are refused at their first line; loops that end are not."""
 
+from unittest.mock import patch
+
 import pytest
 
-from gcode import ProgramError, Source, loop_guard, read_program
+from gcode import ProgramError, Source, ToolEntry, read_program
+from gcode.control import loop_guard
+from gcode.state.record import Record
 
 SEARCH = """
 O1 while [#1 LT 5000]
@@ -54,3 +58,40 @@ def test_lines_do_not_count_against_the_limit_of_blocks():
 def test_blanks_inside_keywords_are_ignored():
     text = "o <a b> w h i l e [#1 L T 2]\n# 1 = [#1 + 1]\nG 0 X 1 0\no <ab> e n d while\nM2\n"
     assert read_program(Source(text.encode())).moves.end_mm[:, 0].tolist() == [10.0, 10.0]
+
+
+SUBPROGRAM = "O5\nG1 X1\nM99\n"
+COUNTED = {
+    "repeat": ("F9\nO1 repeat [100000000]\nG1 X1\nO1 endrepeat\nM2\n", 2),
+    "nested": ("F9\nO1 repeat [9000]\nO2 repeat [9000]\nG1 X1\nO2 endrepeat\nO1 endrepeat\nM2\n",
+               2),
+    "calls": ("F9\nO5 sub\nG1 X1\nO5 endsub\nO1 repeat [100000000]\nO5 call\nO1 endrepeat\nM2\n",
+              5),
+    "M98": (f"F9\nM98 P5 L100000000\nM2\n{SUBPROGRAM}", 2),
+    "G65": (f"O1\nF9\nG65 P5 L100000000\nM30\n{SUBPROGRAM}", 3),
+    "Fanuc M98": (f"O1\nF9\nIF [1 EQ 2] GOTO 5\nM98 P5 L100000000\nM30\n{SUBPROGRAM}", 4),
+    "REP of REP": ("BEGIN PGM A MM\nTOOL CALL 1 Z S1\nLBL 1\nL IX+1 FMAX\n"
+                   "CALL LBL 1 REP 9000\nCALL LBL 1 REP 65534\nEND PGM A MM\n", 6),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", COUNTED)
+def test_too_many_counted_rounds_are_refused_after_the_first(name):
+    text, line = COUNTED[name]
+    run = []
+    with patch.object(Record, "straight", lambda self, *_, **__: run.append(1)), pytest.raises(
+        ProgramError, match=r"runs more than .* further rounds"
+    ) as error:
+        read_program(Source(text.encode()), tools={1: ToolEntry(100, 10)})
+    assert error.value.line == line
+    assert len(run) < 10_000
+
+
+def test_counted_rounds_that_the_limit_allows_are_run():
+    for inner in ("REP 99", "REP 0"):
+        text = ("BEGIN PGM A MM\nTOOL CALL 1 Z S1\nLBL 1\nL IX+1 FMAX\n"
+                f"CALL LBL 1 {inner}\nCALL LBL 1 REP 99\nEND PGM A MM\n")  # fmt: skip
+        source = Source(text.encode())
+        found = read_program(source, tools={1: ToolEntry(100, 10)}, max_blocks=30_000)
+        rounds = 100 * (1 + int(inner.split()[1]))
+        assert found.moves.end_mm[-1, 0] == pytest.approx(rounds)

@@ -16,7 +16,7 @@ DRIFT = measurement("drift", file="test.csv", at_mm=[-200, -150, -100])
 def laser(position_mm=lambda x: x, time_s=lambda t: t):
     rows = ["run,position_mm,approach,t_s,deviation_um"]
     for k, x in enumerate(np.linspace(-390.0, -10.0, 9)):
-        rows.append(f"1,{position_mm(x):.6f},1,{time_s(5.0 * k)},0")
+        rows.append(f"1,{position_mm(x):.6f},1,{time_s(5.0 * k)},{k % 2}")
     return "\n".join(rows)
 
 
@@ -26,7 +26,7 @@ def ballbar(*, degrees=1.0, seconds=1.0, feed_mm_min=1000):
     rows = ["run,feed_mm_min,angle_deg,t_s,radius_um"]
     for run, start, way in (("ccw", 0.0, turn), ("cw", 50.0, turn[::-1])):
         rows += [
-            f"{run},{feed_mm_min},{degrees * a:.6f},{seconds * (start + 0.5236 * k):.6f},0"
+            f"{run},{feed_mm_min},{degrees * a:.6f},{seconds * (start + 0.5236 * k):.6f},{k % 2}"
             for k, a in enumerate(way)
         ]
     return "\n".join(rows)

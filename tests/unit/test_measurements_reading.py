@@ -41,7 +41,7 @@ def test_laser_sees_backlash_from_both_sides(tmp_path):
 def diagonal_rows(distances, ways):
     rows = ["run,distance_mm,approach,t_s,deviation_um"]
     pairs = zip(distances, ways, strict=True)
-    return "\n".join([*rows, *(f"1,{d},{w},{5.0 * k},0.0" for k, (d, w) in enumerate(pairs))])
+    return "\n".join([*rows, *(f"1,{d},{w},{5.0 * k},{k % 2}" for k, (d, w) in enumerate(pairs))])
 
 
 def test_diagonal_sees_scales_and_the_side_of_each_axis(tmp_path):
@@ -79,7 +79,7 @@ def test_ballbar_turns_both_ways(tmp_path):
     rows = ["run,feed_mm_min,angle_deg,t_s,radius_um"]
     seconds = 2 * np.pi * 100 / 1000 * 60
     for run, start, way in (("ccw", 0.0, angles), ("cw", 100.0, angles[::-1])):
-        rows += [f"{run},1000,{a},{start + seconds * k / 72},0.0" for k, a in enumerate(way)]
+        rows += [f"{run},1000,{a},{start + seconds * k / 72},{k % 2}" for k, a in enumerate(way)]
     (tmp_path / "ballbar.csv").write_text("\n".join(rows))
     job = read_job(job_path)
     scale = set_up_effect("scale", "X", {"scale_ppm": 50.0}, job=job)
@@ -100,7 +100,7 @@ def test_the_pause_between_ballbar_runs_is_run_out_and_run_up(tmp_path):
     angles = np.arange(0.0, 361.0, 5.0)
     rows = ["run,feed_mm_min,angle_deg,t_s,radius_um"]
     for run, start, way in (("ccw", 0.0, angles), ("cw", 18.0, angles[::-1])):
-        rows += [f"{run},3770,{a % 360},{start + 10 * k / 72},0" for k, a in enumerate(way)]
+        rows += [f"{run},3770,{a % 360},{start + 10 * k / 72},{k % 2}" for k, a in enumerate(way)]
     (tmp_path / "ballbar.csv").write_text("\n".join(rows))
     (bar,) = read_instruments(read_job(job_path))
     sweeps = bar.states.moves.sweep_rad / (2 * np.pi)
@@ -112,14 +112,14 @@ def test_the_pause_between_ballbar_runs_is_run_out_and_run_up(tmp_path):
 def test_drift_follows_the_spindle_and_tip_its_sides(tmp_path):
     job_path = write_job(tmp_path, more=DRIFT + TIP)
     rows = ["t_s,spindle_rpm,dx_um,dy_um,dz_um"]
-    rows += [f"{60.0 * k},{8000 if k < 30 else 0},0,0,0" for k in range(60)]
+    rows += [f"{60.0 * k},{8000 if k < 30 else 0},{k % 2},0,0" for k in range(60)]
     (tmp_path / "drift.csv").write_text("\n".join(rows))
     random = np.random.default_rng(5)
     rows = ["id,t_s,X,Y,Z,sx,sy,sz,dx_um,dy_um,dz_um"]
     sides = random.choice([-1, 1], (40, 3))
     for k, side in enumerate(sides):
         x, y, z = random.uniform(-250, -50, 3)
-        rows.append(f"{k},{8.0 * k},{x},{y},{z},{side[0]},{side[1]},{side[2]},0,0,0")
+        rows.append(f"{k},{8.0 * k},{x},{y},{z},{side[0]},{side[1]},{side[2]},{k % 2},0,0")
     (tmp_path / "tip.csv").write_text("\n".join(rows))
     job = read_job(job_path)
     drift, tip = read_instruments(job)

@@ -69,3 +69,11 @@ def test_arrays_are_read_only(tmp_path):
     points = read_points_csv(written(tmp_path, HEAD + ROW))
     with pytest.raises(ValueError, match="read-only"):
         points.point_mm[0] = np.zeros(3)
+
+
+@pytest.mark.parametrize("cell", ["1_000", "\u0661\u0662", "\uff11"])
+def test_digits_that_only_python_takes_for_a_number_are_refused(tmp_path, cell):
+    file = tmp_path / "points.csv"
+    file.write_text(f"id,feature,x,y,z,i,j,k\n1,top,{cell},0,0,0,0,1\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"points\.csv:2: x is .*; accepted: a finite number"):
+        read_points_csv(file)

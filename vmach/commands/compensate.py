@@ -52,22 +52,25 @@ def compensate(
     ] = 5.0,
     dialect: Annotated[
         str | None,
-        typer.Option(help="target control: linuxcnc, fanuc, haas, siemens, heidenhain"),
+        typer.Option(help="target control: linuxcnc, fanuc, haas, sinumerik, heidenhain"),
     ] = None,
     report: Annotated[Path | None, typer.Option(help="HTML file to write")] = None,
     json_: Annotated[bool, typer.Option("--json", help="print the figures as JSON")] = False,
 ) -> None:
     """Move the program against the predicted error of the tool, and verify it."""
+    from gcode import dialect_of
     from vmach.compensation.aim.surface import check_surface, read_surface
     from vmach.compensation.compensate import compensate as compensate_job
     from vmach.compensation.figures import as_json, as_text
     from vmach.compensation.report import write_compensation_report
     from vmach.effects import read_effects
     from vmach.job import read_job
+    from vmach.program_text import target_control
 
     _check_numbers(resolution_mm, {"--tolerance-um": tolerance_um, "--limit-um": limit_um,
                                    "--residual-limit-um": residual_limit_um})  # fmt: skip
     read = read_job(job)
+    target_control(dialect_of(read.program, read.dialect), dialect, file=read.program)
     check_outputs([out, report], inputs=[path for _, path in read.files()])
     effects = read_effects(read.effects, file=read.path, job=read)
     with progress_bar() as progress:

@@ -1,4 +1,4 @@
-"""Commands: diagnose, add, history, effects."""
+"""Commands: diagnose, add, history."""
 
 from __future__ import annotations
 
@@ -29,9 +29,7 @@ if TYPE_CHECKING:
     from vmach.diagnosis.named_fit import NamedEffect
     from vmach.job import Job
 
-__all__ = ["add", "diagnose", "effects_app", "history"]
-
-effects_app = typer.Typer(help="The physical effects that can be added.", no_args_is_help=True)
+__all__ = ["add", "diagnose", "history"]
 
 
 def diagnose(
@@ -239,30 +237,6 @@ def _other_part(
     if program is None:
         return None
     return replace(read_job(job), program=program, measured=points)
-
-
-@effects_app.command("list")
-def list_effects() -> None:
-    """Every effect with its targets and parameters."""
-    from vmach.effects import catalogue
-
-    for effect in catalogue().values():
-        targets = " ".join(filter(None, effect.targets))
-        print(f"{effect.name}  {targets}".rstrip())
-        print(f"    {effect.title}; usual: {effect.usual_size}")
-        print(f"    {', '.join(p.name for p in effect.parameters)}")
-
-
-@effects_app.command()
-def new(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="lower_case_name")],
-    folder: Annotated[Path, typer.Option(help="where to write it")] = Path("."),
-) -> None:
-    """Write the skeleton of an effect of your own."""
-    from vmach.effects.skeleton import write_skeleton
-
-    path = write_skeleton(name, folder)
-    print(f"{path}: edit it, then  vmach diagnose JOB --effect-file {path}")
 
 
 def _load(files: list[Path] | None) -> None:

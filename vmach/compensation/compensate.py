@@ -207,7 +207,7 @@ def solve(
     """The first part of `compensate`, with its parameters; None where there is nothing to do."""
     model = TipModel(variant, tuple(effects))
     preparation = prepare(job)
-    control = target_control(preparation.program, dialect)
+    control = target_control(preparation.program.dialect, dialect, file=preparation.program.path)
     if model.is_none(preparation) and aim_points is None:
         return None
     preparation, expansion = prepare_plain(preparation, floating_tap=control.floating_tap)

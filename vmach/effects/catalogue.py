@@ -6,6 +6,7 @@ import difflib
 from functools import lru_cache
 from importlib.metadata import entry_points
 
+from vmach.effects.declaration import check_declaration
 from vmach.effects.effect import Effect
 from vmach.effects.laws.geometry import (
     component,
@@ -33,6 +34,7 @@ from vmach.effects.laws.workpiece import (
     workpiece_warming,
 )
 from vmach.errors import InputError
+from vmach.job import Job
 
 __all__ = [
     "ENTRY_POINT",
@@ -106,6 +108,7 @@ def _installed() -> dict[str, Effect]:
     for entry in entry_points(group=ENTRY_POINT):
         try:
             kind = entry.load()
+            check_declaration(kind)
             effects[kind.name] = kind()
         except Exception as error:
             raise InputError(
@@ -117,8 +120,22 @@ def _installed() -> dict[str, Effect]:
     return effects
 
 
-def unknown_effect_hint(name: str) -> str:
-    """What to do about a name that no effect has: a slip, or an effect of the user's own."""
+def unknown_effect_hint(name: str, job: Job | None = None) -> str:
+    """What to do about a name that no effect has: a slip, or an effect of the user's own.
+
+    A job's history says in which file an effect of the user's own was when it was added.
+    """
+    if job is not None:
+        last = job.history[-1] if job.history else {}
+        kept = last.get("effect_files", {}).get(name)
+        file = job.folder / (kept or f"{name}.py")
+        if file.is_file():
+            return f"it is in {file}: vmach --effect-file {file} COMMAND ..."
+        if kept:
+            return (
+                f"it was in {file}, which is not there: where is the file now? Say it with "
+                "vmach --effect-file FILE COMMAND ..."
+            )
     close = difflib.get_close_matches(name, catalogue(), n=1, cutoff=_CLOSE)
     if close:
         return f"did you mean '{close[0]}'?"

@@ -7,6 +7,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -172,6 +173,8 @@ class Effect(ABC):
     confirm: ClassVar[str] = ""
     cure: ClassVar[str] = ""
     source: ClassVar[str] = ""
+    #: where it was loaded from, for an effect of a user's own
+    file: Path | None = None
 
     @abstractmethod
     def displacement(self, path: Circumstances, target: str, **parameters: float) -> Displaced:

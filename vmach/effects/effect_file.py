@@ -9,8 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from vmach.effects.catalogue import add_effect
+from vmach.effects.catalogue import add_effect, catalogue
+from vmach.effects.declaration import check_declaration
 from vmach.effects.effect import Displaced, Effect
+from vmach.effects.law_check import check_law
+from vmach.effects.trial_path import trial_path
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.machine import RigidDisplacement
@@ -25,7 +28,9 @@ def load_effect_file(path: str | Path) -> Effect:
     Raises
     ------
     InputError
-        No such file, an error inside it, or not exactly one subclass of `Effect`.
+        No such file, an error inside it, not exactly one subclass of `Effect`, a class that does
+        not say what it has to, a name that another effect has, or a law that is not proportional
+        to its amplitudes.
     """
     path = Path(path)
     read_text(path, what="effect file")
@@ -50,15 +55,36 @@ def load_effect_file(path: str | Path) -> Effect:
         raise InputError(
             f"{len(kinds)} effects in the file", file=path, accepted="one subclass of Effect"
         )
+    check_declaration(kinds[0], path)
+    _check_name(kinds[0].name, path)
     effect = kinds[0]()
     effect.displacement = _guarded(effect, path)
+    effect.file = path
+    check_law(effect, trial_path(), file=path)
     add_effect(effect)
     return effect
+
+
+def _check_name(name: str, path: Path) -> None:
+    """Refuse the name of an effect that is there; a file may be loaded again."""
+    other = catalogue().get(name)
+    if other is None or (other.file is not None and other.file.resolve() == path.resolve()):
+        return
+    where = f"in {other.file}" if other.file else f"already: {other.title}"
+    text = read_text(path, what="effect file").splitlines()
+    raise InputError(
+        f"name = '{name}': there is an effect of this name {where}",
+        file=path,
+        line=next((n for n, row in enumerate(text, 1) if "name" in row and name in row), None),
+        accepted="a name of its own",
+        hint=f"call it 'own_{name}'",
+    )
 
 
 def _guarded(effect: Effect, file: Path) -> Callable[..., Displaced]:
     """The user's own law; what goes wrong in it is told by file and line."""
     law = effect.displacement
+    line = type(effect).displacement.__code__.co_firstlineno
 
     def displacement(path: Circumstances, target: str, **parameters: float) -> Displaced:
         try:
@@ -74,6 +100,7 @@ def _guarded(effect: Effect, file: Path) -> Callable[..., Displaced]:
             raise InputError(
                 f"displacement() of effect '{effect.name}' gives an array of {np.shape(moved)}",
                 file=file,
+                line=line,
                 accepted=f"(P, 3) mm, one row a state: here {shape}",
             )
         shift = moved.shift_mm if isinstance(moved, RigidDisplacement) else moved
@@ -81,6 +108,7 @@ def _guarded(effect: Effect, file: Path) -> Callable[..., Displaced]:
             raise InputError(
                 f"displacement() of effect '{effect.name}' gives values that are no numbers",
                 file=file,
+                line=line,
                 accepted="finite displacements, for " + _told(parameters),
             )
         return moved

@@ -89,7 +89,9 @@ def set_up_effect(
     known = catalogue()
     if name not in known:
         raise _Entry(job.path, name).error(
-            f"unknown effect '{name}'", accepted=", ".join(known), hint=unknown_effect_hint(name)
+            f"unknown effect '{name}'",
+            accepted=", ".join(known),
+            hint=unknown_effect_hint(name, job),
         )
     effect, entry = known[name], _Entry(job.path, name, target)
     _check_target(entry, effect.possible_targets(job))

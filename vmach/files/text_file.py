@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import csv
+import math
+import re
 import stat
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from vmach.errors import InputError
 
-__all__ = ["column_hint", "csv_rows", "read_bytes", "read_text"]
+__all__ = ["column_hint", "csv_rows", "decimal_number", "read_bytes", "read_text"]
+
+#: a number as instruments and CMMs write it; Python's own reading takes 1_000 and other digits too
+_DECIMAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 #: of a file that is read whole: ten million rows of points have about as many bytes
 _LARGEST_BYTES = 2**30
@@ -105,6 +110,12 @@ def column_hint(header: Sequence[str]) -> str | None:
     if any(separator in cell for cell in header for separator in ";\t"):
         return "separate the columns by commas, with a decimal point"
     return None
+
+
+def decimal_number(cell: str) -> float:
+    """Value of a cell that holds a decimal number in plain digits; NaN where it does not."""
+    text = cell.strip()
+    return float(text) if _DECIMAL.fullmatch(text) else math.nan
 
 
 def _not_utf8(path: Path, what: str, error: UnicodeDecodeError) -> InputError:

@@ -18,7 +18,7 @@ from vmach.files.atomic import atomic_file
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import line_of_key
 from vmach.history import rms_um
-from vmach.job import read_job
+from vmach.job import Job, read_job
 
 __all__ = ["add_effects"]
 
@@ -81,7 +81,7 @@ def add_effects(
     after = rms_um(survey, sum(effect.explained_mm for effect in found))
     text = text.rstrip() + "\n\n" + "\n".join(_effect_toml(e) for e in found)
     text += "".join(_fitted_toml(e) for e in found)
-    text += _history_toml(job.path, target.parent, found, before=before, after=after)
+    text += _history_toml(job, target.parent, found, before=before, after=after)
     with atomic_file(target) as temporary:
         temporary.write_text(text, encoding="utf-8")
     for note in survey.notes:
@@ -114,15 +114,22 @@ def _value(value: Any) -> str:
 
 
 def _history_toml(
-    old: Path, folder: Path, found: Sequence[NamedEffect], *, before: float, after: float
+    old: Job, folder: Path, found: Sequence[NamedEffect], *, before: float, after: float
 ) -> str:
-    previous = os.path.relpath(old.resolve(), folder.resolve())
+    def seen_from_folder(path: Path) -> str:
+        return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
+
+    last = old.history[-1] if old.history else {}
+    files = {n: seen_from_folder(old.folder / f) for n, f in last.get("effect_files", {}).items()}
+    files |= {e.effect.name: seen_from_folder(e.effect.file) for e in found if e.effect.file}
+    own = ", ".join(f"{name} = {json.dumps(file)}" for name, file in files.items())
+    previous = seen_from_folder(old.path)
     return (
         "\n[[history]]\n"
         f"previous = {json.dumps(previous)}\n"
         f"added = {json.dumps([effect.label for effect in found])}\n"
         f"rms_before_um = {before:.4g}\n"
-        f"rms_after_um = {after:.4g}\n"
+        f"rms_after_um = {after:.4g}\n" + (f"effect_files = {{{own}}}\n" if own else "")
     )
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gcode import OffsetEntry
 from stock import StockError, Tool, make_tool
 from vmach.base.units import mm_from_um
 from vmach.errors import InputError
@@ -127,6 +128,8 @@ class Job:
     work_offsets_mm : mapping of "G54" ... to (3,) float64
     blank : Blank or None
     tools : mapping of tool number to JobTool
+    offsets : mapping of number to OffsetEntry
+        What H and D of a number mean where it is not the tool of that number.
     inspection : Inspection
     effects, measurements, history
         As in the file; read by the parts of the program that know them.
@@ -147,6 +150,7 @@ class Job:
     work_offsets_mm: Mapping[str, np.ndarray]
     blank: Blank | None
     tools: Mapping[int, JobTool]
+    offsets: Mapping[int, OffsetEntry]
     inspection: Inspection
     effects: Mapping[str, Any]
     measurements: Sequence[Mapping[str, Any]]
@@ -174,19 +178,22 @@ def job_name(path: Path) -> str:
     return path.parent.name if path.name == "job.toml" else path.stem
 
 
-def read_job(path: str | Path) -> Job:
+def read_job(path: Job | str | Path) -> Job:
     """Read a job file, its machine and its tools.
 
     Parameters
     ----------
-    path : path
-        The job file, or the folder that holds a ``job.toml``.
+    path : path or Job
+        The job file, or the folder that holds a ``job.toml``. A job that was read is given back,
+        so that programs may change one in between.
 
     Raises
     ------
     InputError
         Anything wrong with the files, with file, line, key, value and what is accepted.
     """
+    if isinstance(path, Job):
+        return path
     path = Path(path)
     path = path / "job.toml" if path.is_dir() else path
     data = read_toml(path, JobSchema, what="job file")
@@ -227,6 +234,7 @@ def read_job(path: str | Path) -> Job:
         work_offsets_mm={k: np.array(v) for k, v in data.work_offsets_mm.items()},
         blank=_blank(data, path, at),
         tools={k: _tool(k, tool, at("tools", str(k))) for k, tool in data.tools.items()},
+        offsets={k: OffsetEntry(**row.model_dump()) for k, row in data.offsets.items()},
         inspection=_inspection(data.inspection, at("inspection", "alignment")),
         effects=data.effects,
         measurements=data.measurements,

@@ -6,8 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field
 
-from gcode import WORK_OFFSETS
-from gcode.dialects import DIALECTS
+from gcode import DIALECTS, WORK_OFFSETS, ProgramError, dialect_name
 from vmach.files.toml_file import FileSection, Finite, NonNegative, Point, Positive, Whole
 
 __all__ = [
@@ -15,11 +14,12 @@ __all__ = [
     "HistoryEntry",
     "InspectionEntry",
     "JobSchema",
+    "OffsetRow",
     "StockEntry",
     "ToolEntry",
 ]
 
-#: largest number of a tool
+#: largest number of a tool, and of a row of the offset memory
 _LARGEST_TOOL = 99_999
 
 
@@ -31,9 +31,10 @@ def _known_offsets(offsets: dict[str, Point]) -> dict[str, Point]:
 
 
 def _known_dialect(name: str) -> str:
-    if name not in ("auto", *DIALECTS):
-        raise ValueError(f"accepted: auto, {', '.join(DIALECTS)}")
-    return name
+    try:
+        return dialect_name(name)
+    except ProgramError:
+        raise ValueError(f"accepted: auto, {', '.join(DIALECTS)}") from None
 
 
 #: units of length that CAD without a unit of its own can be told
@@ -65,6 +66,15 @@ class ToolEntry(FileSection):
     flutes: Whole | None = None
 
 
+class OffsetRow(FileSection):
+    """[offsets.N]: what H and D of a number mean on the control."""
+
+    length_mm: Finite | None = None
+    length_wear_mm: Finite = 0.0
+    diameter_mm: Finite | None = None
+    diameter_wear_mm: Finite = 0.0
+
+
 class InspectionEntry(FileSection):
     """[inspection]."""
 
@@ -92,6 +102,8 @@ class HistoryEntry(FileSection):
     added: list[str] = []
     rms_before_um: NonNegative | None = None
     rms_after_um: NonNegative | None = None
+    #: name of an effect of a user's own, and the file that it is in
+    effect_files: dict[str, str] = {}
 
 
 class JobSchema(FileSection):
@@ -109,6 +121,7 @@ class JobSchema(FileSection):
     work_offsets_mm: Annotated[dict[str, Point], AfterValidator(_known_offsets)]
     stock: StockEntry | None = None
     tools: dict[Annotated[int, Field(ge=1, le=_LARGEST_TOOL)], ToolEntry]
+    offsets: dict[Annotated[int, Field(ge=1, le=_LARGEST_TOOL)], OffsetRow] = {}
     inspection: InspectionEntry = InspectionEntry()
     effects: dict[str, Any] = {}
     measurements: list[dict[str, Any]] = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from vmach.errors import InputError
-from vmach.files.text_file import column_hint, csv_rows, read_text
+from vmach.files.text_file import column_hint, csv_rows, decimal_number, read_text
 
 __all__ = ["Columns", "read_columns"]
 
@@ -27,6 +28,10 @@ class Columns:
         """Several columns side by side, (P, K) float64."""
         return np.column_stack([self.numbers[name] for name in names])
 
+    def line_of(self, rows: np.ndarray) -> int:
+        """Line of the first of some rows, (P,) bool."""
+        return int(self.lines[np.argmax(rows)])
+
 
 def read_columns(path: Path, *, numbers: Sequence[str], text: Sequence[str] = ()) -> Columns:
     """Read a CSV file with a header; the order of the columns is free.
@@ -34,7 +39,7 @@ def read_columns(path: Path, *, numbers: Sequence[str], text: Sequence[str] = ()
     Raises
     ------
     InputError
-        No such file, a column missing, no rows, a cell that is no finite number.
+        No such file, a column missing or there twice, no rows, a cell that is no finite number.
     """
     rows = list(csv_rows(read_text(path, what="measurement file").splitlines(), path))
     header = [cell.strip() for cell in rows[0]] if rows else []
@@ -47,6 +52,14 @@ def read_columns(path: Path, *, numbers: Sequence[str], text: Sequence[str] = ()
                 accepted=", ".join((*text, *numbers)),
                 hint=column_hint(header),
             )
+    twice = [n for n, times in Counter(header).items() if times > 1 and n in (*text, *numbers)]
+    if twice:
+        raise InputError(
+            f"column '{twice[0]}' is there {header.count(twice[0])} times",
+            file=path,
+            line=1,
+            accepted="every column once",
+        )
     body = [(line, row) for line, row in enumerate(rows[1:], 2) if any(row)]
     if not body:
         raise InputError("no rows of data", file=path)
@@ -64,12 +77,12 @@ def read_columns(path: Path, *, numbers: Sequence[str], text: Sequence[str] = ()
 def _numbers(cells: list[str], name: str, path: Path, body) -> np.ndarray:
     values = np.empty(len(cells))
     for k, cell in enumerate(cells):
-        try:
-            values[k] = float(cell)
-        except ValueError:
-            values[k] = np.nan
+        values[k] = decimal_number(cell)
         if not np.isfinite(values[k]):
             raise InputError(
-                f"{name} is '{cell}'", file=path, line=body[k][0], accepted="a finite number"
+                f"{name} is '{cell}'",
+                file=path,
+                line=body[k][0],
+                accepted="a finite number such as -1.25",
             )
     return values

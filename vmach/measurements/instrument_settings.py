@@ -29,9 +29,14 @@ ALONG = ("dx_um", "dy_um", "dz_um")
 
 
 class InstrumentSettings(FileSection):
-    """Keys of every ``[[measurements]]``, and the columns of its file."""
+    """Keys of every ``[[measurements]]``, and the columns of its file.
+
+    `readings` names those that hold what was read, `signs` those of the last motions.
+    """
 
     columns: ClassVar[tuple[str, ...]]
+    readings: ClassVar[tuple[str, ...]]
+    signs: ClassVar[tuple[str, ...]] = ()
 
     file: str
     tool_length_mm: Positive
@@ -47,6 +52,7 @@ class Ballbar(InstrumentSettings):
     """Circles about a centre, both ways round."""
 
     columns = ("run", "feed_mm_min", "angle_deg", "t_s", "radius_um")
+    readings = ("radius_um",)
     kind: Literal["ballbar"]
     plane: Literal["XY", "YZ", "ZX", "XZ", "YX", "ZY"] = "XY"
     centre_mm: Point
@@ -62,6 +68,8 @@ class Laser(InstrumentSettings):
     """Positions of one axis, from both sides."""
 
     columns = ("run", "position_mm", "approach", "t_s", "deviation_um")
+    readings = ("deviation_um",)
+    signs = ("approach",)
     kind: Literal["laser"]
     axis: Literal["X", "Y", "Z"]
     at_mm: Point
@@ -76,6 +84,8 @@ class Diagonal(InstrumentSettings):
     """Distances along a line that several axes make together."""
 
     columns = ("run", "distance_mm", "approach", "t_s", "deviation_um")
+    readings = ("deviation_um",)
+    signs = ("approach",)
     kind: Literal["diagonal"]
     from_mm: Point
     to_mm: Point
@@ -85,6 +95,7 @@ class Drift(InstrumentSettings):
     """The tool tip at one place against time."""
 
     columns = ("t_s", "spindle_rpm", *ALONG)
+    readings = ALONG
     kind: Literal["drift"]
     at_mm: Point
 
@@ -93,6 +104,8 @@ class Tip(InstrumentSettings):
     """The tool tip at places all over the volume."""
 
     columns = ("t_s", *"XYZ", "sx", "sy", "sz", *ALONG)
+    readings = ALONG
+    signs = ("sx", "sy", "sz")
     kind: Literal["tip"]
     frame: Literal["offset", "rigid"] = "offset"
 

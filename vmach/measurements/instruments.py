@@ -46,6 +46,14 @@ from vmach.measurements.plausibility.otherwise import (
     is_doubtful,
     otherwise_notes,
 )
+from vmach.measurements.plausibility.reading_check import (
+    check_readings,
+    check_signs,
+    check_spindle,
+    clock_notes,
+    repeat_notes,
+    still_notes,
+)
 from vmach.measurements.plausibility.unit_check import check_unit
 from vmach.measurements.test_motion import stop_and_go
 from vmach.path.toolpath import PathStates
@@ -69,12 +77,14 @@ def read_instruments(
     for number in range(len(job.measurements)):
         settings = settings_of(job, number)
         path = job.folder / settings.file
-        test = _READERS[settings.kind](settings, path, _Model(job, variant, effects))
+        table, noticed = _read(settings, path)
+        test = _READERS[settings.kind](settings, table, _Model(job, variant, effects))
         check_unit(test, path)
+        test = test.noted(*_named(path, noticed), *_twice(test, found))
         if doubt := doubtful_length("tool_length_mm", settings.tool_length_mm):
             test = test.noted(f"{test.name}: {doubt}")
         if is_doubtful(test):
-            others = _otherwise(settings, path, job=job, variant=variant, effects=effects)
+            others = _otherwise(settings, table, job=job, variant=variant, effects=effects)
             test = test.noted(*otherwise_notes(test, others))
         found.append(test)
     return tuple(found)
@@ -82,7 +92,7 @@ def read_instruments(
 
 def _otherwise(
     settings: InstrumentSettings,
-    path: Path,
+    table: Columns,
     *,
     job: Job,
     variant: Variant,
@@ -93,13 +103,13 @@ def _otherwise(
     for change in settings.mistaken():
         ((key, value),) = change.items()
         with suppress(InputError):  # it cannot have been so
-            other = read(settings.model_copy(update=change), path, _Model(job, variant, effects))
+            other = read(settings.model_copy(update=change), table, _Model(job, variant, effects))
             said = f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value:g}"
             question = f"is {key} = {getattr(settings, key)} in the job right?"
             yield Otherwise(said, question, other.predicted_mm)
     for axes, machine in exchanged_tables(job.machine):
         model = _Model(replace(job, machine=machine), variant, effects)
-        yield exchanged(axes, read(settings, path, model).predicted_mm)
+        yield exchanged(axes, read(settings, table, model).predicted_mm)
 
 
 class _Model:
@@ -121,30 +131,46 @@ class _Model:
         return np.einsum("ij,ij->i", sensing, moved.shift_mm)
 
 
-def _read(settings: InstrumentSettings, path: Path) -> Columns:
-    """Columns of a test's file, in the order of time; only names of runs are text."""
+def _read(settings: InstrumentSettings, path: Path) -> tuple[Columns, tuple[str, ...]]:
+    """Columns of a test's file, in the order of time, and what is odd about them.
+
+    Only names of runs are text.
+    """
     text = [name for name in settings.columns if name == "run"]
     numbers = [name for name in settings.columns if name != "run"]
     table = read_columns(path, numbers=numbers, text=text)
     check_times(table)
-    return table
+    notes = clock_notes(table)
+    if settings.signs:
+        notes += check_signs(table, settings.signs)
+    if "spindle_rpm" in settings.columns:
+        check_spindle(table)
+    check_readings(table, settings.readings)
+    return table, (*notes, *still_notes(table, settings.readings), *repeat_notes(table))
 
 
-def _ballbar(settings: Ballbar, path: Path, model: _Model) -> Measurement:
-    table = _read(settings, path)
+def _twice(test: Measurement, others: Sequence[Measurement]) -> tuple[str, ...]:
+    """A note where an earlier test of the job has the same readings."""
+    same = [o.name for o in others if np.array_equal(o.measured_mm, test.measured_mm)]
+    if not same:
+        return ()
+    return (f"{test.name}: the readings are those of {same[0]}: is one test named twice?",)
+
+
+def _ballbar(settings: Ballbar, table: Columns, model: _Model) -> Measurement:
     across, upward = (np.eye(3)[LINEAR_AXES.index(axis)] for axis in settings.plane)
     circle = Circle(
         np.array(settings.centre_mm), across, upward, settings.radius_mm, settings.tool_length_mm
     )
     angle, feed = np.radians(table.numbers["angle_deg"]), table.numbers["feed_mm_min"]
     group = np.char.add(np.char.add(table.text["run"], " "), feed.astype(str))
-    states = circles(circle, angle, table.numbers["t_s"], group=group, path=path)
+    states = circles(circle, angle, table.numbers["t_s"], group=group, path=table.path)
     out = circle.outward(angle)
     check_feed(table, group, settings.radius_mm)
     check_travel(circle.centre_mm + circle.radius_mm * out, table, model.travel_mm)
     return Measurement(
         kind="ballbar",
-        name=path.name,
+        name=table.path.name,
         id=np.arange(1, len(out) + 1).astype(str),
         states=states,
         sensing=out,
@@ -153,28 +179,28 @@ def _ballbar(settings: Ballbar, path: Path, model: _Model) -> Measurement:
         u_mm=np.full(len(out), mm_from_um(settings.u_um)),
         group=group,
         nuisance=np.column_stack([np.ones(len(out)), np.cos(angle), np.sin(angle)]),
-        notes=_named(path, circle_notes(table.text["run"], angle, settings.plane)),
+        notes=_named(table.path, circle_notes(table.text["run"], angle, settings.plane)),
     )
 
 
-def _laser(settings: Laser, path: Path, model: _Model) -> Measurement:
-    table = _read(settings, path)
+def _laser(settings: Laser, table: Columns, model: _Model) -> Measurement:
     axis = LINEAR_AXES.index(settings.axis)
     nose = np.tile(settings.at_mm, (len(table.numbers["t_s"]), 1))
     nose[:, axis] = table.numbers["position_mm"]
     test = _along_line(settings, table, nose, direction=np.eye(3)[axis], model=model)
     if test.notes:
         return test
-    return test.noted(*_named(path, lost_motion_notes(test, table.numbers["approach"])))
+    return test.noted(*_named(table.path, lost_motion_notes(test, table.numbers["approach"])))
 
 
-def _diagonal(settings: Diagonal, path: Path, model: _Model) -> Measurement:
-    table = _read(settings, path)
+def _diagonal(settings: Diagonal, table: Columns, model: _Model) -> Measurement:
     start, end = np.array(settings.from_mm), np.array(settings.to_mm)
     length = float(np.linalg.norm(end - start))
     if length == 0.0:
         raise InputError(
-            "from_mm and to_mm are the same place", file=path, accepted="two ends of a diagonal"
+            "from_mm and to_mm are the same place",
+            file=table.path,
+            accepted="two ends of a diagonal",
         )
     direction = (end - start) / length
     nose = start + table.numbers["distance_mm"][:, None] * direction
@@ -226,8 +252,7 @@ def _named(path: Path, notes: Sequence[str]) -> tuple[str, ...]:
     return tuple(f"{path.name}: {note}" for note in notes)
 
 
-def _drift(settings: Drift, path: Path, model: _Model) -> Measurement:
-    table = _read(settings, path)
+def _drift(settings: Drift, table: Columns, model: _Model) -> Measurement:
     time = table.numbers["t_s"]
     nose = np.tile(settings.at_mm, (len(time), 1))
     check_travel(nose, table, model.travel_mm)
@@ -246,12 +271,11 @@ def _drift(settings: Drift, path: Path, model: _Model) -> Measurement:
         states,
         model=model,
         nuisance=zero,
-        notes=_named(path, drift_notes(time)),
+        notes=_named(table.path, drift_notes(time)),
     )
 
 
-def _tip(settings: Tip, path: Path, model: _Model) -> Measurement:
-    table = _read(settings, path)
+def _tip(settings: Tip, table: Columns, model: _Model) -> Measurement:
     nose = table.vectors("XYZ")
     check_travel(nose, table, model.travel_mm)
     check_extent(nose, table)

@@ -12,7 +12,7 @@ import numpy as np
 
 from vmach.base.units import mm_from_um
 from vmach.errors import InputError
-from vmach.files.text_file import column_hint, read_text
+from vmach.files.text_file import column_hint, decimal_number, read_text
 
 __all__ = ["SurfacePoints", "read_points_csv"]
 
@@ -219,23 +219,19 @@ class _Table:
 
     def _numbers(self, name: str) -> np.ndarray:
         cells = self._cells[name]
+        everything = "".join(cells)
         try:
+            if "_" in everything or not everything.isascii():
+                raise ValueError("digits that Python alone takes for a number")
             values = np.array(cells, dtype=np.float64)
         except ValueError:
-            values = np.array([_number_or_nan(cell) for cell in cells])
+            values = np.array([decimal_number(cell) for cell in cells])
         self.check(
             np.abs(values) <= _LARGEST,
             lambda row: f"{name} is {cells[row].strip()!r}",
             accepted=f"a finite number, {_LARGEST:g} at most",
         )
         return values
-
-
-def _number_or_nan(cell: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
-        return float("nan")
 
 
 def _with_notes(points: SurfacePoints, unknown: list[str]) -> SurfacePoints:

@@ -75,6 +75,7 @@ def prepare(
         source,
         work_offsets_mm=job.work_offsets_mm,
         tools={k: ToolEntry(t.length_mm, t.diameter_mm) for k, t in job.tools.items()},
+        offsets=job.offsets,
         limits=_limits(job),
         dialect=job.dialect,
     )

@@ -10,7 +10,7 @@ import numpy as np
 from vmach.base.units import um_from_mm
 from vmach.effects import read_effects
 from vmach.files.csv_table import Cells, rounded, whole, write_csv
-from vmach.job import read_job
+from vmach.job import Job, read_job
 from vmach.machine import Variant
 from vmach.path.preparation import prepare
 from vmach.path.toolpath import PathStates
@@ -51,7 +51,7 @@ class TipErrors:
         }
 
 
-def tip_errors(job_path: Path, variant: Variant) -> TipErrors:
+def tip_errors(job_path: Job | str | Path, variant: Variant) -> TipErrors:
     """Error of the tip along the job's program by the machine's errors and the job's effects.
 
     Raises

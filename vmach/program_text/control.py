@@ -5,11 +5,15 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from pathlib import Path
 
-from gcode import ARC_TOLERANCES, ArcTolerance, Program
+from gcode import ARC_TOLERANCES, ArcTolerance, Program, ProgramError, dialect_name
 from vmach.errors import InputError
 
-__all__ = ["CONTROLS", "TargetControl", "check_words", "target_control"]
+__all__ = ["CONTROLS", "LETTER_DIALECTS", "TargetControl", "check_words", "target_control"]
+
+#: Dialects whose blocks are letters with numbers and expressions.
+LETTER_DIALECTS = ("linuxcnc", "fanuc", "haas")
 
 
 @dataclass(frozen=True)
@@ -57,17 +61,15 @@ _CAUTIOUS = ArcTolerance(0.005, 0.005, 0.0, 1.0)
 CONTROLS = {
     control.name: control
     for control in (
-        TargetControl("linuxcnc", ("rs274",), 2, ARC_TOLERANCES["linuxcnc"], _STOP, True),
-        TargetControl("fanuc", ("rs274", "fanuc"), 1, _CAUTIOUS, _STOP_AND_OFF),
-        TargetControl("haas", ("rs274", "fanuc"), 1, _CAUTIOUS, _STOP_AND_OFF),
-        TargetControl("siemens", ("sinumerik",), 2, ARC_TOLERANCES["sinumerik"], _STOP_AND_OFF),
+        TargetControl("linuxcnc", ("linuxcnc",), 2, ARC_TOLERANCES["linuxcnc"], _STOP, True),
+        TargetControl("fanuc", LETTER_DIALECTS, 1, _CAUTIOUS, _STOP_AND_OFF),
+        TargetControl("haas", LETTER_DIALECTS, 1, _CAUTIOUS, _STOP_AND_OFF),
+        TargetControl("sinumerik", ("sinumerik",), 2, ARC_TOLERANCES["sinumerik"], _STOP_AND_OFF),
         TargetControl(
             "heidenhain", ("heidenhain",), 2, ARC_TOLERANCES["heidenhain"], _STOP_AND_OFF
         ),
     )
 }
-_OF_DIALECT = {"rs274": "linuxcnc", "fanuc": "fanuc", "sinumerik": "siemens",
-               "heidenhain": "heidenhain"}  # fmt: skip
 
 #: words of LinuxCNC that other controls with letters and numbers do not read, or read otherwise
 _OWN_WORDS = re.compile(
@@ -78,24 +80,33 @@ _OWN_WORDS = re.compile(
 )
 
 
-def target_control(program: Program, name: str | None) -> TargetControl:
+def target_control(own: str, name: str | None, *, file: Path) -> TargetControl:
     """The control asked for, or the one whose dialect the program is written in.
+
+    Parameters
+    ----------
+    own : str
+        Dialect of the program.
+    name : str or None
+        The control asked for.
+    file : Path
+        The program, for messages.
 
     Raises
     ------
     InputError
         There is no such control, or it does not read the program's text.
     """
-    if name is None:
-        return CONTROLS[_OF_DIALECT[program.dialect]]
-    if name not in CONTROLS:
-        raise InputError(f"dialect '{name}'", accepted=", ".join(CONTROLS))
-    control = CONTROLS[name]
-    if program.dialect not in control.reads:
-        own = _OF_DIALECT[program.dialect]
+    try:
+        found = dialect_name(name or "auto")
+    except ProgramError:
+        raise InputError(f"--dialect {name}", accepted=", ".join(CONTROLS)) from None
+    control = CONTROLS[own if found == "auto" else found]
+    if own not in control.reads:
         raise InputError(
-            f"a {own} program cannot be written for {name}: words are corrected, not translated",
-            file=program.path,
+            f"a {own} program cannot be written for {control.name}: "
+            "words are corrected, not translated",
+            file=file,
             accepted=f"--dialect {own}",
         )
     return control
@@ -109,7 +120,7 @@ def check_words(program: Program, control: TargetControl) -> None:
     InputError
         With the first such line.
     """
-    if program.dialect != "rs274" or control.name == "linuxcnc":
+    if program.dialect != "linuxcnc" or control.name == "linuxcnc":
         return
     for line, text in enumerate(program.source.lines, 1):
         code = re.sub(r"\([^)]*\)|;.*", "", text)

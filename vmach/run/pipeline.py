@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stock import VirtualPart, cut_part
+from stock import Sweeps, VirtualPart, cut_part
 from vmach.base.stage_clock import Progress, StageClock, silent
 from vmach.effects import read_effects
 from vmach.errors import InputError
@@ -35,7 +35,38 @@ from vmach.run.solid_comparison import compare_solids, comparison_notes
 if TYPE_CHECKING:
     import trimesh
 
-__all__ = ["MachinedPart", "machine_part", "predict_points"]
+__all__ = ["MachinedPart", "PartInspection", "inspect_part", "machine_part", "predict_points"]
+
+
+@dataclass(frozen=True)
+class PartInspection:
+    """The surface of a job's part under several error models, without a solid.
+
+    Attributes
+    ----------
+    job : Job
+    preparation : Preparation
+    points : InspectedPoints
+        Deviations of every variant, aligned as the job asks.
+    states : PathStates
+        How the points that were cut under the last variant were made.
+    budget : ErrorBudget
+        Of the same points and variant, without alignment.
+    nominal : NominalPart or None
+    sweeps : dict of Variant to Sweeps
+        The displaced path of every variant.
+    notes : tuple
+        What the user should know before trusting the numbers.
+    """
+
+    job: Job
+    preparation: Preparation
+    points: InspectedPoints
+    states: PathStates
+    budget: ErrorBudget
+    nominal: NominalPart | None
+    sweeps: dict[Variant, Sweeps]
+    notes: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -78,7 +109,7 @@ class MachinedPart:
 
 
 def machine_part(
-    job_path: str | Path,
+    job_path: Job | str | Path,
     *,
     model: Variant = Variant.ABBE,
     variants: Sequence[Variant] = (Variant.NONE, Variant.ABBE),
@@ -89,8 +120,8 @@ def machine_part(
 
     Parameters
     ----------
-    job_path : path
-        The job file, or its folder.
+    job_path : Job or path
+        A job, its file, or its folder.
     model : Variant
         Error model that the solid is cut with.
     variants : sequence of Variant
@@ -104,9 +135,68 @@ def machine_part(
     InputError, gcode.ProgramError, stock.StockError
     """
     clock = StageClock(progress)
+    job = read_job(job_path)
+    blank = _blank_of(job)
+    found = inspect_part(
+        job, variants=variants, prefer_measured=prefer_measured, also=model, clock=clock
+    )
+    with clock.stage("cut") as step:
+        part = cut_part(found.sweeps[model], found.preparation.cutters, blank, progress=step)
+    comparison = None
+    if found.nominal is not None:
+        with clock.stage("solids"):
+            limit_mm = job.inspection.difference_mm
+            comparison = compare_solids(found.preparation, part, found.nominal, limit_mm)
+    with clock.stage("collide") as step:
+        collisions = job_collisions(found.preparation, found.sweeps[model], progress=step)
+    return MachinedPart(
+        job=job,
+        preparation=found.preparation,
+        points=found.points,
+        states=found.states,
+        budget=found.budget,
+        part=part,
+        nominal=found.nominal,
+        model=model,
+        comparison=comparison,
+        stages_s=clock.seconds,
+        notes=(
+            *collision_notes(found.preparation, collisions),
+            *comparison_notes(comparison),
+            *found.notes,
+        ),
+    )
+
+
+def inspect_part(
+    job_path: Job | str | Path,
+    *,
+    variants: Sequence[Variant] = (Variant.NONE, Variant.ABBE),
+    prefer_measured: bool = False,
+    also: Variant | None = None,
+    clock: StageClock | None = None,
+) -> PartInspection:
+    """Inspect the part that a job makes: deviations of its surface, without a solid.
+
+    Parameters
+    ----------
+    job_path : Job or path
+    variants : sequence of Variant
+        Error models to inspect, side by side.
+    prefer_measured : bool
+        Inspect the measured points of the job, where it has them, and not the nominal CAD.
+    also : Variant, optional
+        Displace the path by this error model too.
+    clock : StageClock, optional
+        Told of the stages.
+
+    Raises
+    ------
+    InputError, gcode.ProgramError, stock.StockError
+    """
+    clock = clock or StageClock(silent)
     with clock.stage("read"):
         job = read_job(job_path)
-        blank = _blank_of(job)
         effects = read_effects(job.effects, file=job.path, job=job)
         preparation = prepare(job)
         nominal = read_nominal(job.nominal, job.nominal_unit) if job.nominal else None
@@ -114,7 +204,8 @@ def machine_part(
         if points.measured_mm is not None:
             check_file(points, job.measured)
     with clock.stage("displace"):
-        sweeps = {v: displaced_sweeps(preparation, v, effects) for v in {*variants, model}}
+        wanted = {*variants, *([also] if also else [])}
+        sweeps = {v: displaced_sweeps(preparation, v, effects) for v in wanted}
     with clock.stage("compare") as step:
         predictions: list[Prediction] = []
         for variant in variants:
@@ -126,36 +217,17 @@ def machine_part(
         if points.measured_mm is not None:
             count = int(predictions[-1].is_cut.sum())
             check_cut(preparation, points, count, path=job.measured)
-    with clock.stage("cut") as step:
-        part = cut_part(sweeps[model], preparation.cutters, blank, progress=step)
-    comparison = None
-    if nominal is not None:
-        with clock.stage("solids"):
-            limit_mm = job.inspection.difference_mm
-            comparison = compare_solids(preparation, part, nominal, limit_mm)
-    with clock.stage("collide") as step:
-        collisions = job_collisions(preparation, sweeps[model], progress=step)
     inspected, notes = inspected_points(job, points, predictions)
     budget = error_budget(predictions[-1], effects)
-    return MachinedPart(
+    return PartInspection(
         job=job,
         preparation=preparation,
         points=with_causes(inspected, budget),
         states=predictions[-1].states,
         budget=budget,
-        part=part,
         nominal=nominal,
-        model=model,
-        comparison=comparison,
-        stages_s=clock.seconds,
-        notes=(
-            *collision_notes(preparation, collisions),
-            *comparison_notes(comparison),
-            *_machine_notes(job),
-            *preparation.notes,
-            *points.notes,
-            *notes,
-        ),
+        sweeps=sweeps,
+        notes=(*_machine_notes(job), *preparation.notes, *points.notes, *notes),
     )
 
 
@@ -177,8 +249,8 @@ def _blank_of(job: Job) -> tuple[np.ndarray, np.ndarray] | trimesh.Trimesh:
 
 
 def predict_points(
-    job_path: str | Path,
-    points_path: str | Path,
+    job_path: Job | str | Path,
+    points_path: SurfacePoints | str | Path,
     *,
     program_path: str | Path | None = None,
     variant: Variant = Variant.ABBE,
@@ -194,7 +266,9 @@ def predict_points(
     with clock.stage("read"):
         job = read_job(job_path)
         effects = read_effects(job.effects, file=job.path, job=job)
-        points = read_points_csv(points_path)
+        points = points_path
+        if not isinstance(points, SurfacePoints):
+            points = read_points_csv(points)
         preparation = prepare(job, program_path=Path(program_path) if program_path else None)
     with clock.stage("predict"):
         prediction = predict_surface(preparation, points, variant, effects)

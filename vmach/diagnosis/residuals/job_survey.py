@@ -17,7 +17,7 @@ from vmach.path.preparation import Preparation, prepare
 __all__ = ["survey_job", "survey_part"]
 
 
-def survey_job(job_path: str | Path) -> Survey:
+def survey_job(job_path: Job | str | Path) -> Survey:
     """The measured part and all instruments of a job, with the job's own effects in the model.
 
     Raises

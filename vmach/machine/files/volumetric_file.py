@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from vmach.errors import InputError
-from vmach.files.text_file import read_text
+from vmach.files.text_file import decimal_number, read_text
 from vmach.machine.component_errors import COMPONENT_NAMES
 
 __all__ = ["FORMATS", "VolumetricFile", "read_volumetric_file"]
@@ -151,10 +151,7 @@ def _isg_block(
 
 
 def _row(path: Path, line: int, cells: list[str], *, width: int) -> list[float]:
-    try:
-        numbers = [float(cell) for cell in cells]
-    except ValueError:
-        numbers = []
+    numbers = [decimal_number(cell) for cell in cells]
     if len(numbers) != width or not all(map(math.isfinite, numbers)):
         raise InputError(
             f"row '{' '.join(cells)}'", file=path, line=line,

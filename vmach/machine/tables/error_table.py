@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from vmach.errors import InputError
-from vmach.files.text_file import column_hint, csv_rows, read_text
+from vmach.files.text_file import column_hint, csv_rows, decimal_number, read_text
 from vmach.machine.tables.runs import Runs
 
 __all__ = ["MM_PER", "RAD_PER", "ErrorTable", "read_error_table"]
@@ -172,10 +172,7 @@ class _Header:
 
 def _numbers(cells: list[str], header: _Header, path: Path, line: int) -> np.ndarray:
     """One row in mm or rad; NaN for an empty cell."""
-    try:
-        numbers = np.array([float(cell) if cell else math.nan for cell in cells])
-    except ValueError:
-        numbers = np.array([math.inf])
+    numbers = np.array([decimal_number(cell) for cell in cells])
     given = [k for k, cell in enumerate(cells) if cell]
     keys = [header.position] if header.approach is None else [header.position, header.approach]
     if len(numbers) != len(header.names) or not np.isfinite(numbers[given]).all():

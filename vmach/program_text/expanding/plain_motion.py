@@ -10,6 +10,7 @@ import numpy as np
 from gcode import Modes, MoveKind, Program, Step, Word
 from vmach.errors import InputError
 from vmach.program_text.blocks.block_modes import PLANE_AXES
+from vmach.program_text.control import LETTER_DIALECTS
 from vmach.program_text.expanding.expanded_text import Expanded, LineBuilder, number_text
 from vmach.program_text.frame_shift import rotation_of_moves, turned_about_z
 
@@ -45,7 +46,7 @@ def plain(program: Program, *, floating_tap: bool) -> Expanded | None:
     InputError
         Splines, threading, probing, and cycles that plain blocks cannot do.
     """
-    if program.dialect not in ("rs274", "fanuc"):
+    if program.dialect not in LETTER_DIALECTS:
         return None
     writer = _Writer(program, LineBuilder(program))
     of_line = {step.line: step for step in program.steps}

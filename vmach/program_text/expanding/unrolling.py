@@ -8,6 +8,7 @@ from itertools import pairwise
 
 from gcode import Program, ProgramError, Step, block_items
 from vmach.errors import InputError
+from vmach.program_text.control import LETTER_DIALECTS
 from vmach.program_text.expanding.expanded_text import Expanded, LineBuilder, number_text
 
 __all__ = ["unrolled"]
@@ -55,7 +56,7 @@ def _code(program: Program, line: int) -> str:
 
 
 def _has_expression(program: Program, step: Step) -> bool:
-    if program.dialect not in ("rs274", "fanuc") or not step.blocks:
+    if program.dialect not in LETTER_DIALECTS or not step.blocks:
         return False
     code = _code(program, step.line)
     return ("#" in code or "[" in code) and bool(step.words or step.g_codes or step.m_codes)

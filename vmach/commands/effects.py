@@ -1,0 +1,108 @@
+"""Commands: effects list, new, check."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vmach.base.progress import progress_bar
+
+if TYPE_CHECKING:
+    from vmach.effects import Effect, Parameter
+
+__all__ = ["effects_app"]
+
+effects_app = typer.Typer(help="The physical effects that can be added.", no_args_is_help=True)
+
+#: effects that are told as looking alike, at most
+_MOST_TOLD = 8
+#: a usual size that moves the tool by less (mm) is hardly meant
+_VERY_LITTLE_MM = 1e-6
+#: what a user should be told of every effect
+_WORDS = ("usual_size", "confirm", "cure", "source")
+
+
+@effects_app.command("list")
+def list_effects() -> None:
+    """Every effect with its targets and parameters."""
+    from vmach.effects import catalogue
+
+    for effect in catalogue().values():
+        targets = " ".join(filter(None, effect.targets))
+        print(f"{effect.name}  {targets}".rstrip())
+        print(f"    {effect.title}; usual: {effect.usual_size}")
+        print(f"    {', '.join(p.name for p in effect.parameters)}")
+
+
+@effects_app.command()
+def new(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="lower_case_name")],
+    folder: Annotated[Path, typer.Option(help="where to write it")] = Path("."),
+) -> None:
+    """Write the skeleton of an effect of your own."""
+    from vmach.effects.skeleton import write_skeleton
+
+    path = write_skeleton(name, folder)
+    print(f"{path}: edit it, then  vmach diagnose JOB --effect-file {path}")
+
+
+@effects_app.command()
+def check(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Python file with an effect")],
+    job: Annotated[
+        Path | None,
+        typer.Option(help="measured job: what its readings cannot tell the effect from"),
+    ] = None,
+) -> None:
+    """Check an effect of your own: what it says, its law, and what it looks like."""
+    from vmach.base.units import um_from_mm
+    from vmach.diagnosis.residuals.job_survey import survey_job
+    from vmach.effects import load_effect_file
+    from vmach.effects.law_check import largest_displacement_mm
+    from vmach.effects.trial_path import trial_path
+    from vmach.fit.alike import alike_effects, trial_survey
+
+    with progress_bar() as progress:
+        progress("check", 0, 1)
+        effect = load_effect_file(file)
+        largest_mm = largest_displacement_mm(effect, trial_path())
+        survey = trial_survey() if job is None else survey_job(job)
+        found = alike_effects(survey, effect)
+    print(f"{effect.name}: {effect.title}")
+    for parameter in effect.parameters:
+        print(f"    {_told(parameter)}")
+    where = f"{len(trial_path())} states of the trial part"
+    print(f"law: finite, (P, 3) mm, in proportion to its amplitudes, zero without them ({where})")
+    print(f"size: up to {um_from_mm(largest_mm):.3g} um there at the usual size")
+    rows = "the readings of the job" if job else "surfaces and tool tip of the trial part"
+    if not found:
+        print(f"looks like no other effect ({rows})")
+    for one in found[:_MOST_TOLD]:
+        target = f" {one.target}" if one.target else ""
+        print(
+            f"hardly told from {one.label}: it leaves {one.share_left:.0%} of "
+            f"{effect.name}{target} ({rows})"
+        )
+    for note in _notes(effect, largest_mm):
+        print(f"note: {note}")
+
+
+def _told(parameter: Parameter) -> str:
+    kind = "amplitude" if parameter.is_linear else "inner"
+    return (
+        f"{parameter.name}: {parameter.meaning}; {kind}, usual {parameter.usual:g}, "
+        f"accepted {parameter.low:g} .. {parameter.high:g}"
+    )
+
+
+def _notes(effect: Effect, largest_mm: float) -> list[str]:
+    """What is no mistake, but might have been meant otherwise."""
+    from vmach.effects.declaration import has_unit
+
+    notes = [f"{p.name} ends in no unit" for p in effect.parameters if not has_unit(p.name)]
+    notes += [f"'{word}' is empty" for word in _WORDS if not getattr(effect, word)]
+    if largest_mm < _VERY_LITTLE_MM:
+        notes.append("it moves nothing on the trial part: is a factor missing? 1 um is 1e-3 mm")
+    return notes

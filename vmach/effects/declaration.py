@@ -1,0 +1,220 @@
+"""What the class of an effect has to say of itself, checked before anything asks for it.
+
+What is missing, unknown or misspelt is an error with the line in the file that says it.
+"""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import inspect
+import math
+import re
+from collections.abc import Iterable
+from numbers import Real
+from pathlib import Path
+from typing import Any
+
+from vmach.effects.effect import Effect, Parameter
+from vmach.errors import InputError
+
+__all__ = ["check_declaration", "has_unit"]
+
+#: units that end the names of parameters, perhaps followed by what they are counted per
+_UNIT = re.compile(
+    r"(?:^|_)(?:nm|um|mm|m|urad|mrad|rad|deg|ppm|percent|share|exponent|ms2|ms|s|min|h|K|degC|N|W|kg|"
+    r"rpm|Hz)(?:_per_\w+)?$"
+)
+
+_NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+#: attributes that say yes or no; words; numbers
+_YES_OR_NO = ("needs_surface", "is_flexible", "is_slow", "has_untold")
+_WORDS = ("usual_size", "confirm", "cure", "source")
+_NUMBERS = ("rarity", "slack_share", "slack_time_s")
+#: likeness (0 to 1) from which on an attribute, or a function, is a slip of a known one
+_LIKE = (0.6, 0.8)
+
+
+def check_declaration(kind: type[Effect], file: Path | None = None) -> None:
+    """Refuse a class that does not say what an effect has to say.
+
+    Parameters
+    ----------
+    kind : subclass of Effect
+    file : Path, optional
+        Where it stands.
+
+    Raises
+    ------
+    InputError
+        With the file and the line of what is missing, unknown or wrong.
+    """
+    _Declaration(kind, file).check()
+
+
+def _of_base(name: str) -> object:
+    return getattr(Effect, name, None)
+
+
+class _Declaration:
+    """A class, and where each of its attributes is written."""
+
+    def __init__(self, kind: type[Effect], file: Path | None) -> None:
+        self.kind, self.file = kind, file
+        self._lines = {} if file is None else _lines_of(kind, file)
+
+    def check(self) -> None:
+        self._check_known()
+        self._check_words()
+        self._check_targets()
+        self._check_parameters()
+        self._check_law()
+
+    def error(
+        self, what: str, *, key: str = "", accepted: str, hint: str | None = None
+    ) -> InputError:
+        line = self._lines.get(key, self._lines.get(""))
+        what = f"effect class {self.kind.__name__}: {what}"
+        return InputError(what, file=self.file, line=line, accepted=accepted, hint=hint)
+
+    def _check_known(self) -> None:
+        """Attributes that nobody asks for are slips; those of one's own begin with _."""
+        known = [name for name in dir(Effect) if not name.startswith("_")]
+        known += list(Effect.__annotations__)
+        for name, value in vars(self.kind).items():
+            if name.startswith("_") or name in known:
+                continue
+            alike = [other for other in known if callable(value) <= callable(_of_base(other))]
+            close = difflib.get_close_matches(name, alike, n=1, cutoff=_LIKE[callable(value)])
+            if callable(value) and not close:
+                continue
+            raise self.error(
+                f"unknown attribute '{name}'",
+                key=name,
+                accepted=", ".join(sorted(set(known))),
+                hint=f"did you mean '{close[0]}'?"
+                if close
+                else f"what is the class's own is called _{name}",
+            )
+
+    def _check_words(self) -> None:
+        name = self._given("name", "lower-case words joined by underscores")
+        if not isinstance(name, str) or not _NAME.fullmatch(name):
+            accepted = "lower-case words joined by underscores"
+            raise self.error(f"name = {name!r}", key="name", accepted=accepted)
+        title = self._given("title", "a few words that say what it is")
+        if not isinstance(title, str) or not title.strip():
+            raise self.error(f"title = {title!r}", key="title", accepted="a few words")
+        self._check_types(_YES_OR_NO, bool, "True or False")
+        self._check_types(_WORDS, str, "text in quotes")
+        self._check_types(_NUMBERS, Real, "a number, 0 or more")
+
+    def _check_types(self, names: Iterable[str], kind: type, accepted: str) -> None:
+        for name in names:
+            value = getattr(self.kind, name)
+            if not isinstance(value, kind) or (kind is Real and not 0.0 <= value < math.inf):
+                raise self.error(f"{name} = {value!r}", key=name, accepted=accepted)
+
+    def _check_targets(self) -> None:
+        targets = self.kind.targets
+        if targets == () and self.kind.possible_targets is not Effect.possible_targets:
+            return
+        if isinstance(targets, tuple) and targets and all(map(_is_target, targets)):
+            return
+        raise self.error(
+            f"targets = {targets!r}",
+            key="targets",
+            accepted='a tuple of words such as ("X", "Y"), or ("",) where there is no choice',
+            hint=f'a comma after it: targets = ("{targets}",)'
+            if isinstance(targets, str)
+            else None,
+        )
+
+    def _check_parameters(self) -> None:
+        parameters = self._given("parameters", "a tuple of linear(...) and inner(...)")
+        accepted = "a tuple of linear(...) and inner(...)"
+        if isinstance(parameters, Parameter):
+            hint = "a comma after it: parameters = (linear(...),)"
+            raise self.error(
+                f"parameters = {parameters.name} alone", key="parameters", accepted=accepted,
+                hint=hint,
+            )  # fmt: skip
+        good = isinstance(parameters, tuple) and all(isinstance(p, Parameter) for p in parameters)
+        if not good or not parameters:
+            raise self.error(f"parameters = {parameters!r}", key="parameters", accepted=accepted)
+        names = [p.name for p in parameters]
+        if twice := [n for n in names if names.count(n) > 1]:
+            what = f"two parameters are called {twice[0]}"
+            raise self.error(what, key="parameters", accepted="every name once")
+        for parameter in parameters:
+            self._check_parameter(parameter)
+        if self.kind.columns is Effect.columns and not any(p.is_linear for p in parameters):
+            what = f"no amplitude among {', '.join(names)}"
+            raise self.error(what, key="parameters", accepted="at least one linear(...)")
+
+    def _check_parameter(self, p: Parameter) -> None:
+        wrong = {
+            f"is called {p.name!r}": not (isinstance(p.name, str) and p.name.isidentifier()),
+            f"is accepted from {p.low!r} to {p.high!r}": not p.low < p.high,
+            f"is usually {p.usual!r}": not (0.0 < p.usual <= p.high and math.isfinite(p.usual)),
+            f"starts from {p.grid!r}": not all(p.low <= value <= p.high for value in p.grid),
+        }
+        for what, is_wrong in wrong.items():
+            if is_wrong:
+                raise self.error(
+                    f"parameter {p.name} {what}",
+                    key="parameters",
+                    accepted="a name with its unit at the end, low below high, a usual size above "
+                    "0 and starting values within the bounds",
+                )
+
+    def _check_law(self) -> None:
+        names = [p.name for p in self.kind.parameters]
+        call = f"def displacement(self, path, target, {', '.join(names)})"
+        if inspect.isabstract(self.kind):
+            raise self.error("displacement() is missing", accepted=call)
+        signature = inspect.signature(self.kind.displacement)
+        try:
+            signature.bind(None, None, "", **dict.fromkeys(names, 0.0))
+        except TypeError as error:
+            raise self.error(
+                f"displacement{signature} does not fit its parameters: {error}",
+                key="displacement",
+                accepted=call,
+            ) from None
+
+    def _given(self, name: str, accepted: str) -> Any:
+        value = getattr(self.kind, name, None)
+        if value is None:
+            raise self.error(f"'{name}' is missing", accepted=accepted)
+        return value
+
+
+def has_unit(name: str) -> bool:
+    """Whether the name of a parameter ends in a unit: ``rise_um_per_m``."""
+    return _UNIT.search(name) is not None
+
+
+def _is_target(target: object) -> bool:
+    return isinstance(target, str) and not re.search(r"\s", target)
+
+
+def _lines_of(kind: type[Effect], file: Path) -> dict[str, int]:
+    """Line of the class under "", and of each of its attributes and functions."""
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8-sig"))):
+        if isinstance(node, ast.ClassDef) and node.name == kind.__name__:
+            lines = {"": node.lineno}
+            for part in node.body:
+                lines |= dict.fromkeys(_names_in(part), part.lineno)
+            return lines
+    return {}
+
+
+def _names_in(part: ast.stmt) -> list[str]:
+    if isinstance(part, ast.FunctionDef):
+        return [part.name]
+    if isinstance(part, ast.AnnAssign):
+        return [part.target.id] if isinstance(part.target, ast.Name) else []
+    if isinstance(part, ast.Assign):
+        return [target.id for target in part.targets if isinstance(target, ast.Name)]
+    return []

@@ -1,0 +1,142 @@
+"""Does a law do what its class says: in proportion to its amplitudes, nothing without them?"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from vmach.effects.effect import Effect, at_contact, label_of
+from vmach.errors import InputError
+from vmach.path.circumstances import Circumstances
+
+__all__ = ["check_law", "largest_displacement_mm"]
+
+#: no effect moves the tool as far at its usual size (mm)
+_TOO_FAR_MM = 1.0
+#: times the usual size at which a law is tried; a fit goes up to 30
+_TRIED = (2.0, 30.0, -1.0)
+#: what rounding may leave of a proportion, as a share of the largest displacement; and in mm
+_ROUNDING, _ROUNDING_MM = 1e-6, 1e-12
+
+
+def check_law(effect: Effect, path: Circumstances, *, file: Path | None = None) -> None:
+    """Refuse a law that is not proportional to its amplitudes, on any target of a path.
+
+    An effect with columns of its own is held against these.
+
+    Parameters
+    ----------
+    effect : Effect
+    path : Circumstances
+        Where it is tried.
+    file : Path, optional
+        Where the law stands.
+
+    Raises
+    ------
+    InputError
+        With the line of the law, the parameter, and by how much it is off.
+    """
+    for target in effect.possible_targets(path.job):
+        if effect.not_testable(path, target) is not None:
+            continue
+        inner = next(iter(effect.inner_grid(path, target)), {})
+        _Trial(effect, path, target, inner, file).check()
+
+
+class _Trial:
+    """A law on one target, with inner parameters chosen."""
+
+    def __init__(
+        self,
+        effect: Effect,
+        path: Circumstances,
+        target: str,
+        inner: Mapping[str, float],
+        file: Path | None,
+    ) -> None:
+        self.effect, self.path, self.target = effect, path, target
+        self.inner, self.file = inner, file
+
+    def check(self) -> None:
+        effect = self.effect
+        columns = effect.columns(self.path, self.target, self.inner)
+        largest = float(np.abs(columns).max(initial=0.0))
+        if largest > _TOO_FAR_MM:
+            raise self._error(
+                f"at its usual size it moves the tool by {largest:.3g} mm",
+                f"displacements in mm, up to {_TOO_FAR_MM:g} mm",
+                hint="is a factor missing? 1 um is 1e-3 mm",
+            )
+        self._check_zero(largest)
+        for k in range(columns.shape[2]):
+            for factor in _TRIED:
+                self._check_proportion(columns, k, factor)
+        together = np.linspace(0.5, 1.5, columns.shape[2])
+        off = np.abs(self._moved(together) - columns @ together).max(initial=0.0)
+        if off > self._allowed(2.0 * largest):
+            raise self._error(
+                f"its amplitudes together move by {off:.3g} mm otherwise than one by one",
+                "displacements that add up",
+            )
+
+    def _check_zero(self, largest_mm: float) -> None:
+        count = self.effect.columns(self.path, self.target, self.inner).shape[2]
+        rest = np.abs(self._moved(np.zeros(count))).max(initial=0.0)
+        if rest > _ROUNDING_MM:
+            names = ", ".join(p.name for p in self.effect.amplitudes)
+            raise self._error(
+                f"with {names} = 0 it still moves by up to {rest:.3g} mm "
+                f"({largest_mm:.3g} mm at the usual size)",
+                "no displacement without the amplitudes",
+            )
+
+    def _check_proportion(self, columns: np.ndarray, k: int, factor: float) -> None:
+        if factor < 0.0 and any(p.is_size for p in self.effect.amplitudes):
+            return
+        coefficients = np.zeros(columns.shape[2])
+        coefficients[k] = factor
+        wanted = factor * columns[:, :, k]
+        off = float(np.abs(self._moved(coefficients) - wanted).max(initial=0.0))
+        if off <= self._allowed(float(np.abs(wanted).max(initial=0.0))):
+            return
+        is_plain = type(self.effect).columns is Effect.columns
+        name = self.effect.amplitudes[k].name if is_plain else f"column {k + 1}"
+        raise self._error(
+            f"it is not proportional to {name}: at {factor:g} times the usual size it is off by "
+            f"{off:.3g} mm",
+            "a displacement in proportion to every linear(...) parameter",
+            hint="what is not proportional is an inner(..., grid=...) parameter",
+        )
+
+    def _moved(self, coefficients: np.ndarray) -> np.ndarray:
+        parameters = self.effect.settle(coefficients, self.inner)
+        moved = self.effect.displacement(self.path, self.target, **parameters)
+        return at_contact(moved, self.path)
+
+    def _allowed(self, largest_mm: float) -> float:
+        return max(_ROUNDING * largest_mm, _ROUNDING_MM)
+
+    def _error(self, what: str, accepted: str, hint: str | None = None) -> InputError:
+        label = label_of(self.effect.name, self.target)
+        law = type(self.effect).displacement
+        return InputError(
+            f"displacement() of effect '{label}': {what}",
+            file=self.file,
+            line=law.__code__.co_firstlineno if self.file else None,
+            accepted=accepted,
+            hint=hint,
+        )
+
+
+def largest_displacement_mm(effect: Effect, path: Circumstances) -> float:
+    """How far the usual size of any amplitude of an effect moves the tool at most, mm."""
+    largest = 0.0
+    for target in effect.possible_targets(path.job):
+        if effect.not_testable(path, target) is None:
+            inner = next(iter(effect.inner_grid(path, target)), {})
+            columns = effect.columns(path, target, inner)
+            largest = max(largest, float(np.abs(columns).max(initial=0.0)))
+    return largest
