@@ -12,7 +12,8 @@ from vmach.compensation.compensate import Compensation
 from vmach.compensation.compensate import compensate as compensate_job
 from vmach.effects import read_effects
 from vmach.job import Job, read_job
-from vmach.machine import Machine, Variant, read_machine
+from vmach.machine import Machine, Variant
+from vmach.plausibility import admitted_machine
 from vmach.volumetric.field import Volume, error_field, measured_volume
 from vmach.volumetric.volumetric import VolumetricAccuracy, assess
 
@@ -93,7 +94,7 @@ def accuracy(
     ------
     InputError
     """
-    known = machine if isinstance(machine, Machine) else read_machine(machine)
+    known = machine if isinstance(machine, Machine) else admitted_machine(machine)
     space = measured_volume(known, grid)
     if volume_mm is not None:
         low, high = np.asarray(volume_mm, dtype=float).T
