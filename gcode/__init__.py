@@ -1,17 +1,17 @@
 """NC programs: from text to resolved moves. Knows neither machines' errors nor stock."""
 
-from gcode.arc_tolerance import ARC_TOLERANCES, ArcTolerance
 from gcode.canon import canon_calls, canon_lines
-from gcode.clock import MachineLimits
 from gcode.dialects import DIALECTS, dialect_name, dialect_of
 from gcode.errors import ProgramError, UnknownToolError
-from gcode.items import block_items
-from gcode.moves import MoveKind, Moves
+from gcode.geometry.arc_tolerance import ARC_TOLERANCES, ArcTolerance
+from gcode.moves.clock import MachineLimits
+from gcode.moves.moves import MoveKind, Moves
 from gcode.program import Note, Program, read_program
-from gcode.source import Source, Word
-from gcode.state import WORK_OFFSETS
-from gcode.tools import OffsetEntry, ToolEntry, read_tool_table
-from gcode.trace import Modes, Step
+from gcode.state.controller import WORK_OFFSETS
+from gcode.state.tools import OffsetEntry, ToolEntry, read_tool_table
+from gcode.state.trace import Modes, Step
+from gcode.text.items import block_items
+from gcode.text.source import Source, Word
 
 __all__ = ["ARC_TOLERANCES", "DIALECTS", "WORK_OFFSETS", "ArcTolerance", "MachineLimits", "Modes",
            "MoveKind", "Moves", "Note", "OffsetEntry", "Program", "ProgramError", "Source", "Step",

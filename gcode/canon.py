@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from gcode.program import Program, read_program
-from gcode.record import Call
+from gcode.state.record import Call
 
 __all__ = ["canon_calls", "canon_lines"]
 

@@ -9,21 +9,21 @@ from pathlib import Path
 
 import numpy as np
 
-from gcode.arc_tolerance import ArcTolerance, arc_tolerance
-from gcode.clock import MachineLimits
+from gcode.control.predefined import install_predefined
 from gcode.dialects.detect import choose_dialect
 from gcode.errors import ProgramError
-from gcode.moves import Moves
-from gcode.offsets import load_offsets
-from gcode.parameters import system_base
-from gcode.predefined import install_predefined
-from gcode.record import Record
-from gcode.resolve import to_moves
+from gcode.geometry.arc_tolerance import ArcTolerance, arc_tolerance
+from gcode.motion.frames import load_offsets
+from gcode.moves.clock import MachineLimits
+from gcode.moves.moves import Moves
+from gcode.moves.resolve import to_moves
 from gcode.run import run_program
-from gcode.source import Source
-from gcode.state import Controller, mapping_of_systems
-from gcode.tools import OffsetEntry, ToolEntry, offset_memory
-from gcode.trace import Step, Trace
+from gcode.state.controller import Controller, mapping_of_systems
+from gcode.state.record import Record
+from gcode.state.tools import OffsetEntry, ToolEntry, offset_memory
+from gcode.state.trace import Step, Trace
+from gcode.text.parameters import system_base
+from gcode.text.source import Source
 
 #: Smaller programs are read before the compiled reader would be loaded, bytes.
 _FAST_FROM = 50_000

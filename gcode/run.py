@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from gcode.control.flow import run_rs274
 from gcode.dialects.fanuc import Fanuc
 from gcode.dialects.heidenhain import Heidenhain
 from gcode.dialects.sinumerik import Sinumerik
 from gcode.errors import ProgramError
-from gcode.flow import run_rs274
-from gcode.source import Source
-from gcode.state import Controller
+from gcode.state.controller import Controller
+from gcode.text.source import Source
 
 __all__ = ["run_program"]
 

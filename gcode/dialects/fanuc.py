@@ -9,14 +9,14 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 
-from gcode.block_values import whole
+from gcode.control.interpreter import execute
+from gcode.control.loop_guard import LoopGuard
 from gcode.dialects.translate import Translated
 from gcode.errors import ProgramError
-from gcode.expressions import Reader, value_of
-from gcode.interpreter import execute
-from gcode.lexer import Block, compact, read_block
-from gcode.loop_guard import LoopGuard
-from gcode.state import Controller
+from gcode.state.block_values import whole
+from gcode.state.controller import Controller
+from gcode.text.expressions import Reader, value_of
+from gcode.text.lexer import Block, compact, read_block
 
 __all__ = ["Fanuc"]
 

@@ -6,7 +6,7 @@ import re
 
 from gcode.dialects.translate import Translated, number
 from gcode.errors import ProgramError
-from gcode.state import Controller
+from gcode.state.controller import Controller
 
 __all__ = ["Heidenhain"]
 

@@ -6,8 +6,8 @@ import re
 
 from gcode.dialects.translate import Translated, number
 from gcode.errors import ProgramError
-from gcode.lexer import read_block
-from gcode.state import Controller
+from gcode.state.controller import Controller
+from gcode.text.lexer import read_block
 
 __all__ = ["Sinumerik"]
 

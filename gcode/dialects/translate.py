@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from gcode.cutter_compensation import flush
-from gcode.interpreter import execute
-from gcode.lexer import compact, read_block
-from gcode.loop_guard import BlockBudget
-from gcode.state import Controller
+from gcode.control.interpreter import execute
+from gcode.control.loop_guard import BlockBudget
+from gcode.motion.cutter_compensation import flush
+from gcode.state.controller import Controller
+from gcode.text.lexer import compact, read_block
 
 __all__ = ["Translated", "number"]
 

@@ -4,7 +4,7 @@ import warnings
 
 import pytest
 
-from gcode.codes import G_GROUPS, M_GROUPS
+from gcode.state.codes import G_GROUPS, M_GROUPS
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")

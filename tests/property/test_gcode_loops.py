@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gcode import ProgramError, Source, read_program
-from gcode.loop_guard import LoopGuard
+from gcode.control.loop_guard import LoopGuard
 
 CONDITIONS = ["#1 LT 5", "#1 NE 3", "#1 GE 0", "#2 LT 7", "[#1+#2] LT 9", "1", "0"]
 STATEMENTS = ["#1=[#1+1]", "#1=[[#1+1] MOD 4]", "#2=[#2+#1]", "#1=0", "G1 X#1", "G1 X0 Y#2",

@@ -9,7 +9,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gcode import Moves, ProgramError, Source, ToolEntry, fast_lane, read_program
+from gcode import Moves, ProgramError, Source, ToolEntry, read_program
+from gcode.fast import fast_lane
 
 FOLDER = Path(__file__).parents[1] / "golden" / "gcode"
 PROGRAMS = sorted(FOLDER.glob("*.ngc"))

@@ -9,8 +9,8 @@ import sys
 import pytest
 
 from gcode import ProgramError
-from gcode.source import Source
-from gcode.tools import read_tool_table
+from gcode.state.tools import read_tool_table
+from gcode.text.source import Source
 from vmach.base.terminal import printable
 from vmach.errors import InputError
 from vmach.files.text_file import read_bytes, read_text

@@ -4,8 +4,9 @@ from unittest.mock import patch
 
 import pytest
 
-from gcode import ProgramError, Source, ToolEntry, loop_guard, read_program
-from gcode.record import Record
+from gcode import ProgramError, Source, ToolEntry, read_program
+from gcode.control import loop_guard
+from gcode.state.record import Record
 
 SEARCH = """
 O1 while [#1 LT 5000]

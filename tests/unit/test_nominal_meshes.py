@@ -10,7 +10,7 @@ import trimesh
 from vmach.errors import InputError
 from vmach.job import read_job
 from vmach.nominal import read_nominal
-from vmach.nominal.mesh_solidity import winding_numbers
+from vmach.nominal.mesh.mesh_solidity import winding_numbers
 from vmach.run.inspection import check_nominal_in_blank
 
 SAMPLES = Path(__file__).parents[2] / "samples"

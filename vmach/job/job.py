@@ -101,6 +101,7 @@ class Inspection:
     edge_margin_mm: float
     reach_mm: float
     tolerance_mm: float
+    difference_mm: float
     alignment: str
     datums: tuple[tuple[str, ...], ...]
 
@@ -315,6 +316,7 @@ def _inspection(data: InspectionEntry, where: dict[str, Any]) -> Inspection:
         edge_margin_mm=data.edge_margin_mm,
         reach_mm=data.reach_mm,
         tolerance_mm=mm_from_um(data.tolerance_um),
+        difference_mm=data.difference_mm,
         alignment=data.alignment,
         datums=tuple(map(tuple, data.datums)),
     )

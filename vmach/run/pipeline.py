@@ -27,9 +27,10 @@ from vmach.path.preparation import Preparation, prepare
 from vmach.path.toolpath import PathStates
 from vmach.prediction import Prediction, displaced_sweeps, predict_surface
 from vmach.prediction.error_budget import ErrorBudget, error_budget
-from vmach.report import InspectedPoints
+from vmach.report import InspectedPoints, SolidComparison
 from vmach.run.collisions import collision_notes, job_collisions
 from vmach.run.inspection import check_some_cut, inspected_points, surface_points, with_causes
+from vmach.run.solid_comparison import compare_solids, comparison_notes
 
 if TYPE_CHECKING:
     import trimesh
@@ -87,6 +88,8 @@ class MachinedPart:
     nominal : NominalPart or None
     model : Variant
         The error model that the solid was cut with.
+    comparison : SolidComparison or None
+        The solid against the nominal CAD.
     stages_s : dict of str to float
     notes : tuple of str
         What the user should know before trusting the numbers.
@@ -100,6 +103,7 @@ class MachinedPart:
     part: VirtualPart
     nominal: NominalPart | None
     model: Variant
+    comparison: SolidComparison | None
     stages_s: dict[str, float]
     notes: tuple[str, ...]
 
@@ -138,6 +142,11 @@ def machine_part(
     )
     with clock.stage("cut") as step:
         part = cut_part(found.sweeps[model], found.preparation.cutters, blank, progress=step)
+    comparison = None
+    if found.nominal is not None:
+        with clock.stage("solids"):
+            limit_mm = job.inspection.difference_mm
+            comparison = compare_solids(found.preparation, part, found.nominal, limit_mm)
     with clock.stage("collide") as step:
         collisions = job_collisions(found.preparation, found.sweeps[model], progress=step)
     return MachinedPart(
@@ -149,8 +158,13 @@ def machine_part(
         part=part,
         nominal=found.nominal,
         model=model,
+        comparison=comparison,
         stages_s=clock.seconds,
-        notes=(*collision_notes(found.preparation, collisions), *found.notes),
+        notes=(
+            *collision_notes(found.preparation, collisions),
+            *comparison_notes(comparison),
+            *found.notes,
+        ),
     )
 
 

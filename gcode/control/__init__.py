@@ -1,0 +1,1 @@
+"""One block after the other: modal groups, order of execution, program flow."""

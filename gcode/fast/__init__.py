@@ -1,0 +1,1 @@
+"""Plain motion read by compiled code, equal to the interpreter to the bit."""

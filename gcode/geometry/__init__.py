@@ -1,0 +1,1 @@
+"""Arcs in a plane, and how exact a control wants them."""

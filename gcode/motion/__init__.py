@@ -1,0 +1,1 @@
+"""What a block makes the machine do: frames, lines, arcs, cycles, cutter compensation."""

@@ -1,0 +1,1 @@
+"""The record resolved: moves in machine coordinates, with a clock."""

@@ -1,0 +1,198 @@
+"""Canonical record to moves: frames, geometry of arcs, clock."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcode.errors import ProgramError
+from gcode.moves.clock import Geometry, MachineLimits, durations
+from gcode.moves.moves import MoveKind, Moves
+from gcode.state.record import Call, Path, Record
+
+__all__ = ["to_moves"]
+
+#: An angle below this is a full circle rather than nothing, rad.
+_FULL_CIRCLE = 1e-6
+
+_KIND = {Call.TRAVERSE: MoveKind.RAPID, Call.FEED: MoveKind.LINE, Call.ARC: MoveKind.ARC,
+         Call.DWELL: MoveKind.DWELL, Call.CHANGE_TOOL: MoveKind.DWELL, Call.PROBE: MoveKind.LINE,
+         Call.TAP: MoveKind.LINE}  # fmt: skip
+
+
+class _Modal:
+    """Values of events as columns over the rows."""
+
+    def __init__(self, record: Record, count: int) -> None:
+        self.count = count
+        self.events: dict[str, list[tuple]] = {}
+        for event in record.events:
+            self.events.setdefault(event[2], []).append(event)
+
+    def column(self, name: str, width: int = 1, *, skip: int = 0) -> np.ndarray:
+        """(N, width) last values of an event before each row, zero before the first.
+
+        Parameters
+        ----------
+        name : str
+            Event.
+        width : int
+            How many values.
+        skip : int
+            How many values to leave out before them.
+        """
+        events = self.events.get(name, [])
+        values = np.zeros((len(events) + 1, width))
+        for index, event in enumerate(events, 1):
+            values[index] = event[3 + skip : 3 + skip + width]
+        rows = np.array([0] + [event[0] for event in events] + [self.count])
+        return np.repeat(values, np.diff(rows, prepend=0)[1:], axis=0)
+
+
+def to_moves(
+    record: Record, *, limits: MachineLimits, home_mm: np.ndarray | None
+) -> Moves:
+    """Resolve a record to moves in machine coordinates.
+
+    Parameters
+    ----------
+    record : Record
+        Rows and events.
+    limits : MachineLimits
+        For the clock.
+    home_mm : (3,) array or None
+        Nose position at the start; None where it is unknown, then the first rapid starts where
+        it ends.
+
+    Raises
+    ------
+    ProgramError
+        Where a move has no speed, so that it has no end.
+    """
+    path = record.path()
+    count = len(path.call)
+    modal = _Modal(record, count)
+    offset = modal.column("tool_offset", 6)
+    end, rotary = _machine_ends(path, modal, offset)
+    still = (path.call == Call.DWELL) | (path.call == Call.CHANGE_TOOL)
+    start_point = _start_point(path, end, home_mm)
+    end = _hold(end, still, start_point)
+    rotary = _hold(rotary, still, np.zeros(3))
+    start = np.concatenate((start_point[None], end[:-1])) if count else end
+    rotary_start = np.concatenate((np.zeros((1, 3)), rotary[:-1])) if count else rotary
+    kind = np.array([_KIND[call] for call in Call], np.int8)[path.call]
+    centre, axis, sweep = _arcs(record, modal, start=start, end=end, offset=offset)
+    feed = np.where(kind == MoveKind.RAPID, limits.rapid_mm_per_min, path.feed_mm_per_min)
+    feed[still] = 0.0
+    turned = np.sqrt(((rotary - rotary_start) ** 2).sum(axis=1))
+    path_control, tolerance = modal.column("path_control", 2).T
+    duration = durations(Geometry(start, end, centre, axis, sweep, turned), feed,
+                         rapid=kind == MoveKind.RAPID, path_control=path_control,
+                         blend_mm=tolerance, limits=limits)  # fmt: skip
+    _set_pauses(duration, record, path, limits)
+    if not np.isfinite(duration).all():
+        line = int(path.line[np.flatnonzero(~np.isfinite(duration))[0]])
+        raise ProgramError("move with feed zero never ends", line=line,
+                           hint="give the spindle a speed, or the move a feed")
+    return Moves(
+        kind=kind,
+        line=path.line,
+        start_mm=start,
+        end_mm=end,
+        centre_mm=centre,
+        axis=axis,
+        sweep_rad=sweep,
+        rotary_start_deg=rotary_start,
+        rotary_end_deg=rotary,
+        feed_mm_per_min=feed,
+        spindle_rpm=modal.column("spindle")[:, 0],
+        tool=modal.column("change_tool")[:, 0],
+        tool_offset_mm=offset[:, :3],
+        work_offset=modal.column("set_g5x_offset")[:, 0],
+        exact_stop=path_control == 611,
+        start_s=np.concatenate(([0.0], np.cumsum(duration)[:-1])) if count else duration,
+        duration_s=duration,
+    )
+
+
+def _rotations(angle_deg: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
+
+
+def _machine_ends(
+    path: Path, modal: _Modal, offset: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Ends in machine coordinates: R (program + G92) + G5x + tool offset."""
+    origin = modal.column("set_g5x_offset", 6, skip=1)
+    g92 = modal.column("set_g92_offset", 6)
+    point = path.point_mm + g92[:, :3]
+    angle = modal.column("set_xy_rotation")[:, 0]
+    if angle.any():
+        cosine, sine = _rotations(angle)
+        x, y = point[:, 0].copy(), point[:, 1].copy()
+        point[:, 0] = x * cosine - y * sine
+        point[:, 1] = x * sine + y * cosine
+    rotary = path.rotary_deg + g92[:, 3:] + origin[:, 3:] + offset[:, 3:]
+    return point + origin[:, :3] + offset[:, :3], rotary
+
+
+def _start_point(path: Path, end: np.ndarray, home_mm: np.ndarray | None) -> np.ndarray:
+    if home_mm is not None:
+        return np.asarray(home_mm, np.float64)
+    moving = np.flatnonzero((path.call != Call.DWELL) & (path.call != Call.CHANGE_TOOL))
+    return end[moving[0]] if len(moving) else np.zeros(3)
+
+
+def _hold(end: np.ndarray, still: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Give rows that stand still the end of the last row that moves."""
+    last = np.maximum.accumulate(np.where(still, -1, np.arange(len(still))))
+    return np.where((last >= 0)[:, None], end[last], start) if len(end) else end
+
+
+def _arcs(
+    record: Record, modal: _Modal, *, start: np.ndarray, end: np.ndarray, offset: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Centre, axis and swept angle of every arc; zero elsewhere."""
+    count = len(start)
+    centre, axis, sweep = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
+    if not record.arcs:
+        return centre, axis, sweep
+    table = np.array(record.arcs)
+    rows, plane = table[:, 0].astype(int), table[:, 1].astype(int)
+    first = np.array([0, 0, 1, 2])[plane]
+    normal = (first + 2) % 3
+    along = np.zeros((len(rows), 3))
+    along[np.arange(len(rows)), normal] = 1.0
+    middle = np.zeros((len(rows), 3))
+    middle[np.arange(len(rows)), first] = table[:, 4]
+    middle[np.arange(len(rows)), (first + 1) % 3] = table[:, 5]
+    middle += modal.column("set_g92_offset", 3)[rows]
+    cosine, sine = _rotations(modal.column("set_xy_rotation")[rows, 0])
+    for vector in (middle, along):
+        x, y = vector[:, 0].copy(), vector[:, 1].copy()
+        vector[:, 0], vector[:, 1] = x * cosine - y * sine, x * sine + y * cosine
+    middle += modal.column("set_g5x_offset", 3, skip=1)[rows] + offset[rows, :3]
+    rise = np.einsum("ij,ij->i", start[rows] - middle, along)
+    middle += along * rise[:, None]
+    centre[rows], axis[rows] = middle, along
+    sweep[rows] = _sweeps(start[rows] - middle, end[rows] - middle, along=along, turns=table[:, 6])
+    return centre, axis, sweep
+
+
+def _sweeps(
+    from_centre: np.ndarray, to_centre: np.ndarray, *, along: np.ndarray, turns: np.ndarray
+) -> np.ndarray:
+    """Signed swept angles, (K,) rad; start and end at one place make a full circle."""
+    cross = np.einsum("ij,ij->i", np.cross(from_centre, to_centre), along)
+    flat = to_centre - along * np.einsum("ij,ij->i", to_centre, along)[:, None]
+    sense = np.sign(turns)
+    angle = sense * np.arctan2(cross, np.einsum("ij,ij->i", from_centre, flat))
+    angle = np.where(angle < _FULL_CIRCLE, angle + 2.0 * np.pi, angle)
+    return sense * (angle + (np.abs(turns) - 1.0) * 2.0 * np.pi)
+
+
+def _set_pauses(
+    duration: np.ndarray, record: Record, path: Path, limits: MachineLimits
+) -> None:
+    duration[path.call == Call.CHANGE_TOOL] = limits.tool_change_s
+    for row, seconds in record.dwells:
+        duration[row] = seconds

@@ -1,0 +1,122 @@
+"""What was obeyed, line by line: values of the words and the modes that were in force."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from gcode.text.comments import expand_comment
+from gcode.text.expressions import value_of
+
+if TYPE_CHECKING:
+    from gcode.state.controller import Controller
+    from gcode.text.lexer import Block
+
+__all__ = ["Modes", "Step", "Trace"]
+
+_SHOWN = re.compile(r"\s*(?:msg|debug|print|log)\s*,[^#]*#", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class Modes:
+    """Modes in force while a line moved the axes.
+
+    Attributes
+    ----------
+    unit_mm : float
+    absolute, arc_absolute : bool
+        G90, G90.1.
+    feed_mode : str
+        ``inverse``, ``minute`` or ``revolution``.
+    plane : int
+        1 XY, 2 YZ, 3 XZ.
+    motion : int or None
+        G code of the motion times ten.
+    side : int
+        Cutter compensation: 1 left, -1 right, 0 off.
+    path_control : int
+        610, 611 or 640.
+    spindle : int
+        1 clockwise, -1 counter-clockwise, 0 standing.
+    diameter : bool
+        G7.
+    """
+
+    unit_mm: float
+    absolute: bool
+    arc_absolute: bool
+    feed_mode: str
+    plane: int
+    motion: int | None
+    side: int
+    path_control: int
+    spindle: int
+    diameter: bool
+
+    @classmethod
+    def of(cls, controller: Controller) -> Modes:
+        """Modes of a controller now."""
+        c = controller
+        return cls(c.unit_mm, c.absolute, c.arc_absolute, c.feed_mode, c.plane, c.motion, c.side,
+                   c.path_control, c.spindle, c.diameter_mode)  # fmt: skip
+
+
+@dataclass(slots=True)
+class Step:
+    """One line that was obeyed once.
+
+    Attributes
+    ----------
+    line : int
+        1-based.
+    words : dict
+        Upper-case letter -> number; G and M apart.
+    g_codes, m_codes : list of float
+        In the order of the text.
+    comment : str or None
+        Comment with parameters in it, as the control would show it.
+    blocks : int
+        Blocks of RS274/NGC that the line became; 0 for control flow and empty lines.
+    before, modes : Modes
+        Before the line and after it.
+    """
+
+    line: int
+    before: Modes
+    words: dict[str, float] = field(default_factory=dict)
+    g_codes: list[float] = field(default_factory=list)
+    m_codes: list[float] = field(default_factory=list)
+    comment: str | None = None
+    blocks: int = 0
+    modes: Modes | None = None
+
+
+class Trace:
+    """Steps of one run in the order in which they were made."""
+
+    def __init__(self, controller: Controller, steps: list[Step]) -> None:
+        self.controller, self.steps = controller, steps
+
+    def begin(self, line: int) -> None:
+        """Begin a line."""
+        self.end()
+        before = self.steps[-1].modes if self.steps else Modes.of(self.controller)
+        self.steps.append(Step(line, before))
+
+    def take(self, block: Block) -> None:
+        """Note the values of a block that is about to be obeyed."""
+        if not self.steps:  # what a control does before the first line
+            return
+        step, parameters = self.steps[-1], self.controller.parameters
+        step.blocks += 1
+        step.words |= {k.upper(): value_of(v, parameters) for k, v in block.words.items()}
+        step.g_codes += [value_of(v, parameters) for v in block.g_codes]
+        step.m_codes += [value_of(v, parameters) for v in block.m_codes]
+        if block.comment is not None and _SHOWN.match(block.comment):
+            step.comment = expand_comment(block.comment, parameters)
+
+    def end(self) -> None:
+        """Note the modes that the last line leaves."""
+        if self.steps:
+            self.steps[-1].modes = Modes.of(self.controller)

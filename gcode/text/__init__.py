@@ -1,0 +1,1 @@
+"""The text of a program: exact bytes, words, expressions and parameters."""
