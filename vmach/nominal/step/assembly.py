@@ -1,4 +1,4 @@
-"""Which solids a STEP file holds, and where its assembly structure places them."""
+"""Which bodies a STEP file holds, and where its assembly structure places them."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ import numpy as np
 
 from vmach.errors import InputError
 from vmach.nominal.frame import Frame
-from vmach.nominal.step.exchange_file import StepEntity, StepFile
+from vmach.nominal.step.exchange_file import Reference, StepEntity, StepFile
 from vmach.nominal.step.geometry import GeometryReader
 from vmach.nominal.step.length_unit import angle_unit_rad, length_unit_mm
-from vmach.nominal.step.solids import Solid, SolidReader
 
-__all__ = ["read_solids"]
+__all__ = ["SOLIDS", "SURFACE_MODELS", "placed_bodies"]
 
-_SOLIDS = ("MANIFOLD_SOLID_BREP", "BREP_WITH_VOIDS", "SHELL_BASED_SURFACE_MODEL")
+SOLIDS = ("MANIFOLD_SOLID_BREP", "BREP_WITH_VOIDS")
+SURFACE_MODELS = ("SHELL_BASED_SURFACE_MODEL",)
 _REPRESENTATIONS = (
     "SHAPE_REPRESENTATION",
     "ADVANCED_BREP_SHAPE_REPRESENTATION",
@@ -25,31 +25,45 @@ _REPRESENTATIONS = (
 #: an assembly in an assembly ... more often than this is taken for a circle
 _DEEPEST = 50
 
+#: an assembly of more parts than this is refused before it fills the memory
+_MOST_PARTS = 100_000
+
 _WORLD = Frame(np.zeros(3), np.eye(3))
 
 
-def read_solids(step: StepFile) -> list[Solid]:
-    """All solids of the file in the workpiece frame, mm.
+def placed_bodies(step: StepFile) -> list[tuple[StepEntity, GeometryReader]]:
+    """Solids and surface models of the file, each with its geometry in the workpiece frame.
+
+    A body that several representations list, as exporters do to say its volume or its colour, is
+    returned once for each place that the assembly gives it.
 
     Raises
     ------
     InputError
-        The file has no solid, or one that cannot be read.
+        Representations that are damaged, or that contain themselves.
     """
-    found = _Assembly(step)
-    solids = [
-        SolidReader(step, geometry).read(entity)
-        for root in found.roots()
-        for entity, geometry in found.solids(root, _WORLD)
-    ]
-    if not solids:
+    try:
+        assembly = _Assembly(step)
+        found = [
+            (root, *body) for root in assembly.roots() for body in assembly.bodies(root, _WORLD)
+        ]
+    except (TypeError, ValueError, IndexError, KeyError, RecursionError) as error:
+        if isinstance(error, InputError):
+            raise
         raise InputError(
-            "no solid in the STEP file",
+            f"the structure of the STEP file is damaged ({error})",
             file=step.path,
-            accepted=", ".join(_SOLIDS),
-            hint="export the body as a solid (AP203, AP214 or AP242), not as wires or a mesh",
-        )
-    return solids
+            hint="export it again",
+        ) from None
+    # a root that places nothing and lists what is placed elsewhere only says something about it
+    owner = {body.number: root for root, body, _ in found if assembly.is_assembly(root)}
+    for root, entity, _ in found:
+        owner.setdefault(entity.number, root)
+    return [
+        (entity, geometry)
+        for root, entity, geometry in found
+        if owner[entity.number] is root or assembly.is_assembly(root)
+    ]
 
 
 class _Assembly:
@@ -64,20 +78,35 @@ class _Assembly:
         self._same: dict[int, set[int]] = {}
         self._parts: dict[int, list[tuple[int, StepEntity]]] = {}
         self._placed: set[int] = set()
+        self._visits = 0
         for entity in step.of_type("REPRESENTATION_RELATIONSHIP"):
             self._relate(entity, entity.parts["REPRESENTATION_RELATIONSHIP"])
         for entity in step.of_type("SHAPE_REPRESENTATION_RELATIONSHIP"):
             if len(entity.parts) == 1:
                 self._relate(entity, entity.arguments)
-        self._shapes = [e.number for kind in _REPRESENTATIONS for e in step.of_type(kind)]
+        self._shapes = [
+            e.number
+            for kind in _REPRESENTATIONS
+            for e in step.of_type(kind)
+            if not e.is_a("DRAUGHTING_MODEL")  # a view, which shows the part once more
+        ]
         # mapped items in other representations are views and notes, not parts
         for number in self._shapes:
             for item in self._items(number):
                 if item.is_a("MAPPED_ITEM"):
                     self._placed.add(int(step.entity(item.arguments[1]).arguments[1]))
 
+    def _arguments(self, number: int) -> list:
+        """Name, items and context of a representation."""
+        entity = self._step.entity(number)
+        arguments = entity.parts.get("REPRESENTATION", entity.arguments)
+        if len(arguments) < 3 or not isinstance(arguments[1], list):
+            raise self._step.error(entity, "no representation", "a name, items and a context")
+        return arguments
+
     def _items(self, number: int) -> list[StepEntity]:
-        return [self._step.entity(item) for item in self._step.entity(number).arguments[1]]
+        items = self._arguments(number)[1]
+        return [self._step.entity(item) for item in items if isinstance(item, Reference)]
 
     def _relate(self, entity: StepEntity, arguments: list) -> None:
         one, other = (int(reference) for reference in arguments[2:4])
@@ -103,26 +132,42 @@ class _Assembly:
         groups = dict.fromkeys(self._group(number) for number in sorted(self._shapes))
         return [group for group in groups if not group & self._placed]
 
-    def solids(
+    def is_assembly(self, group: frozenset[int]) -> bool:
+        """Whether a group places others."""
+        return any(number in self._parts for number in group) or any(
+            item.is_a("MAPPED_ITEM") for number in group for item in self._items(number)
+        )
+
+    def bodies(
         self, group: frozenset[int], placement: Frame, depth: int = 0
     ) -> Iterator[tuple[StepEntity, GeometryReader]]:
-        """Solids of a group and of all that it contains, each with its geometry."""
+        """Bodies of a group and of all that it contains, each with its geometry."""
+        self._visits += 1
         if depth > _DEEPEST:
             raise InputError("an assembly contains itself", file=self._step.path)
+        if self._visits > _MOST_PARTS:
+            raise InputError(
+                "too many parts in the assembly",
+                file=self._step.path,
+                accepted=f"at most {_MOST_PARTS}",
+            )
+        seen: set[int] = set()
         for number in sorted(group):
             geometry = self._geometry(number, placement)
             for item in self._items(number):
-                if any(item.is_a(kind) for kind in _SOLIDS):
-                    yield item, geometry
+                if any(item.is_a(kind) for kind in SOLIDS + SURFACE_MODELS):
+                    if item.number not in seen:
+                        seen.add(item.number)
+                        yield item, geometry
                 elif item.is_a("MAPPED_ITEM"):
                     _, source, target = item.arguments
                     origin, child, *_ = self._step.entity(source).arguments
                     inside = self._between(child, origin, number, target).after(placement)
-                    yield from self.solids(self._group(int(child)), inside, depth + 1)
+                    yield from self.bodies(self._group(int(child)), inside, depth + 1)
             for child, operator in self._parts.get(number, ()):
                 _, _, origin, target, *_ = operator.arguments
                 inside = self._between(child, origin, number, target).after(placement)
-                yield from self.solids(self._group(child), inside, depth + 1)
+                yield from self.bodies(self._group(child), inside, depth + 1)
 
     def _between(self, child: int, origin: int, parent: int, target: int) -> Frame:
         """Where the child's world frame lies in the parent when `origin` is put on `target`."""
@@ -132,7 +177,7 @@ class _Assembly:
         return Frame(outer.origin - inner.origin @ axes, axes)
 
     def _geometry(self, number: int, placement: Frame) -> GeometryReader:
-        context = self._step.entity(self._step.entity(number).arguments[2])
+        context = self._step.entity(self._arguments(number)[2])
         length_mm = length_unit_mm(self._step, context)
         angle_rad = angle_unit_rad(self._step, context)
         return GeometryReader(self._step, length_mm, angle_rad, placement)

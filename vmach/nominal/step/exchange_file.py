@@ -2,25 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from vmach.errors import InputError
-from vmach.files.text_file import read_bytes
+from vmach.nominal.step.lexer import Statement, read_text, statements, tokens
 
 __all__ = ["Reference", "StepEntity", "StepFile"]
 
-_STRING = r"'(?:[^']|'')*'"
-_COMMENT = re.compile(rf"({_STRING})|/\*.*?\*/", re.DOTALL)
-_INSTANCE = re.compile(rf"#(\d+)\s*=\s*((?:{_STRING}|[^';])*);")
-_TOKEN = re.compile(
-    rf"\s*(?:(?P<string>{_STRING})|\#(?P<reference>\d+)|\.(?P<word>\w+)\."
-    r"|(?P<real>[-+]?\d+\.\d*(?:[eE][-+]?\d+)?)|(?P<integer>[-+]?\d+)"
-    r'|(?P<keyword>!?[A-Za-z_]\w*)|(?P<binary>"[0-9A-Fa-f]*")|(?P<mark>[(),*$]))'
-)
-_KEYWORD = re.compile(r"\s*([A-Za-z_]\w*)")
 _TRUTH = {"T": True, "F": False, "U": None}
 
 
@@ -72,23 +62,25 @@ class StepFile:
 
     def __init__(self, path: Path, unit_mm: float | None = None) -> None:
         self.path, self.unit_mm = path, unit_mm
-        self._text = _read_text(path)
+        self._text = read_text(path)
         self._spans: dict[int, tuple[int, int]] = {}
         self._entities: dict[int, StepEntity] = {}
         self._numbers_of: dict[str, list[int]] = {}
-        for match in _INSTANCE.finditer(self._text):
-            number = int(match[1])
-            if number in self._spans:
-                raise InputError(
-                    f"entity #{number} occurs twice", file=path, line=self.line(number)
-                )
-            self._spans[number] = match.span(2)
-            keyword = _KEYWORD.match(match[2])
-            names = [keyword[1].upper()] if keyword else [*self._parse(number).parts]
-            for name in names:
-                self._numbers_of.setdefault(name, []).append(number)
+        for statement in statements(self._text, path):
+            self._add(statement)
         if not self._spans:
             raise InputError("no entity in the STEP file", file=path)
+
+    def _add(self, statement: Statement) -> None:
+        number = statement.number
+        if number in self._spans:
+            raise InputError(
+                f"entity #{number} occurs twice", file=self.path, line=self.line(number)
+            )
+        self._spans[number] = statement.start, statement.end
+        names = [statement.keyword] if statement.keyword else self._parse(number).parts
+        for name in names:
+            self._numbers_of.setdefault(name, []).append(number)
 
     def entity(self, reference: int) -> StepEntity:
         """The entity with a number."""
@@ -123,81 +115,51 @@ class StepFile:
         start, end = self._spans[number]
         try:
             return StepEntity(number, _parse_instance(self._text[start:end]))
-        except (ValueError, IndexError):
+        except (ValueError, IndexError, RecursionError):
             raise InputError(
                 f"entity #{number} cannot be parsed", file=self.path, line=self.line(number)
             ) from None
 
 
-def _read_text(path: Path) -> str:
-    text = read_bytes(path, what="nominal CAD").decode("latin-1").replace("\r\n", "\n")
-    if not text.lstrip().startswith("ISO-10303-21"):
-        raise InputError(
-            "not a STEP file", file=path, accepted="a file that begins with ISO-10303-21;"
-        )
-    if "END-ISO-10303-21" not in text[-2000:]:
-        raise InputError(
-            "the STEP file is cut short: END-ISO-10303-21 is missing",
-            file=path,
-            line=text.count("\n") + 1,
-            hint="copy or export it again",
-        )
-    if "/*" in text:
-        # line numbers stay right: a comment leaves its line breaks
-        text = _COMMENT.sub(lambda m: m[1] or "\n" * m[0].count("\n") or " ", text)
-    return text
-
-
 def _parse_instance(text: str) -> dict[str, list]:
-    tokens = _tokens(text)
-    kind, value = tokens[0]
+    found = tokens(text)
+    kind, value = found[0]
     if kind == "keyword":
-        arguments, end = _parse_list(tokens, 1)
+        arguments, end = _parse_list(found, 1)
         parts = {value.upper(): arguments}
     else:
         parts, end = {}, 1
-        while tokens[end] != ("mark", ")"):
-            if tokens[end][0] != "keyword":
+        while found[end] != ("mark", ")"):
+            if found[end][0] != "keyword":
                 raise ValueError("a type was expected")
-            name = tokens[end][1].upper()
-            parts[name], end = _parse_list(tokens, end + 1)
+            name = found[end][1].upper()
+            parts[name], end = _parse_list(found, end + 1)
         end += 1
-    if end != len(tokens) or not parts:
+    if end != len(found) or not parts:
         raise ValueError("text after the entity")
     return parts
 
 
-def _tokens(text: str) -> list[tuple[str, str]]:
-    tokens, position, text = [], 0, text.rstrip()
-    while position < len(text):
-        match = _TOKEN.match(text, position)
-        if match is None:
-            raise ValueError("unknown token")
-        tokens.append((match.lastgroup, match[match.lastgroup]))
-        position = match.end()
-    return tokens
-
-
-def _parse_list(tokens: list[tuple[str, str]], at: int) -> tuple[list, int]:
+def _parse_list(found: list[tuple[str, str]], at: int) -> tuple[list, int]:
     """Values between the bracket at `at` and the one that closes it, and the place after it."""
-    if tokens[at] != ("mark", "("):
+    if found[at] != ("mark", "("):
         raise ValueError("a bracket was expected")
     at, values = at + 1, []
-    while tokens[at] != ("mark", ")"):
-        if values and tokens[at] == ("mark", ","):
+    while found[at] != ("mark", ")"):
+        if values and found[at] == ("mark", ","):
             at += 1
-        value, at = _parse_value(tokens, at)
+        value, at = _parse_value(found, at)
         values.append(value)
     return values, at + 1
 
 
-def _parse_value(tokens: list[tuple[str, str]], at: int) -> tuple[object, int]:
-    kind, text = tokens[at]
+def _parse_value(found: list[tuple[str, str]], at: int) -> tuple[object, int]:
+    kind, text = found[at]
     if kind == "keyword":
-        values, end = _parse_list(tokens, at + 1)
+        values, end = _parse_list(found, at + 1)
         return (text.upper(), values), end
     if (kind, text) == ("mark", "("):
-        return _parse_list(tokens, at)
+        return _parse_list(found, at)
     if kind == "mark" and text not in "*$":
         raise ValueError("a value was expected")
     return _VALUES[kind](text), at + 1

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from vmach.base.units import um_from_mm
-from vmach.nominal.mesh_solidity import check_encloses_once
+from vmach.nominal.mesh.mesh_solidity import check_encloses_once
 from vmach.nominal.part import Mesh, NominalPart, check_size
-from vmach.nominal.step.assembly import read_solids
+from vmach.nominal.step.bodies import read_bodies
 from vmach.nominal.step.exchange_file import StepFile
 from vmach.nominal.step.solids import CHORD_MM, Solid
 from vmach.nominal.surfaces.face import SurfaceFace
@@ -30,11 +30,10 @@ def read_step_part(path: Path, unit_mm: float | None = None) -> NominalPart:
         Not a STEP file, cut short, without a closed solid, or with geometry that is not
         supported.
     """
-    solids = read_solids(StepFile(path, unit_mm))
+    solids, notes = read_bodies(StepFile(path, unit_mm))
     for solid in solids:
         for edge in solid.edges.values():
             check_size(path, edge.points_mm)
-    notes = [f"{len(solids)} solids are taken together"] if len(solids) > 1 else []
     gap_mm = max(solid.gap_mm for solid in solids)
     if gap_mm > 1e-4:
         notes.append(f"edges of the CAD miss their vertices by up to {um_from_mm(gap_mm):.3g} um")

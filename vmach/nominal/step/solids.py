@@ -13,7 +13,7 @@ from vmach.nominal.step.geometry import GeometryReader
 from vmach.nominal.surfaces import Surface
 from vmach.nominal.surfaces.curves import Curve, Line, polyline
 
-__all__ = ["CHORD_MM", "Edge", "Solid", "SolidFace", "SolidReader"]
+__all__ = ["CHORD_MM", "Edge", "OpenShellError", "Solid", "SolidFace", "SolidReader"]
 
 #: chords of edges, and of the triangles to look at, leave the exact shape by no more than this
 CHORD_MM = 0.01
@@ -23,6 +23,10 @@ VERTEX_GAP_MM = 0.1
 
 #: straight edges are straight in u and v on these
 _RULED = ("plane", "cylinder", "cone")
+
+
+class OpenShellError(InputError):
+    """Shells that do not enclose a volume."""
 
 
 @dataclass(frozen=True)
@@ -70,11 +74,22 @@ class SolidFace:
 
 @dataclass(frozen=True)
 class Solid:
-    """Faces of one solid, the edges they refer to, and the largest gap at a vertex."""
+    """Faces of one solid and the edges they refer to.
+
+    Attributes
+    ----------
+    faces : tuple of SolidFace
+    edges : dict of int to Edge
+    gap_mm : float
+        Largest distance of a vertex from the curve of its edge.
+    touching_edges : int
+        Edges along which the solid touches itself: four faces or more meet there.
+    """
 
     faces: tuple[SolidFace, ...]
     edges: dict[int, Edge]
     gap_mm: float
+    touching_edges: int = 0
 
 
 class SolidReader:
@@ -84,6 +99,7 @@ class SolidReader:
         self._step, self._geometry = step, geometry
         self._edges: dict[int, Edge] = {}
         self._sides: Counter[tuple[int, bool]] = Counter()
+        self._bounds: set[frozenset[tuple[int, bool]]] = set()
         self._gap_mm = 0.0
 
     def read(self, entity: StepEntity) -> Solid:
@@ -92,18 +108,21 @@ class SolidReader:
         Raises
         ------
         InputError
-            Geometry that is not supported, damaged references, or shells that are open.
+            Geometry that is not supported, or damaged references.
+        OpenShellError
+            An edge that does not bound as many faces in one direction as in the other.
         """
         try:
             faces = [f for shell in _shells(entity) for f in self._shell(self._step.entity(shell))]
-        except (TypeError, ValueError, IndexError, KeyError) as error:
+        except (TypeError, ValueError, IndexError, KeyError, RecursionError) as error:
             if isinstance(error, InputError):
                 raise
             raise self._step.error(entity, f"the solid is damaged ({error})") from None
         if not faces:
             raise self._step.error(entity, "a solid without faces")
         self._check_closed(entity)
-        return Solid(tuple(faces), self._edges, self._gap_mm)
+        touching = sum(times > 1 for (_, forward), times in self._sides.items() if forward)
+        return Solid(tuple(faces), self._edges, self._gap_mm, touching)
 
     def _shell(self, shell: StepEntity, inverted: bool = False) -> list[SolidFace]:
         if shell.is_a("ORIENTED_CLOSED_SHELL"):
@@ -122,6 +141,10 @@ class SolidReader:
         _, bounds, surface_number, same_sense = face.arguments
         surface = self._geometry.surface(surface_number)
         sides = [side for bound in bounds for side in self._bound(self._step.entity(bound))]
+        bounds_seen = frozenset((edge, forward ^ inverted) for edge, forward in sides)
+        if bounds_seen and bounds_seen in self._bounds:
+            raise self._step.error(face, "another face of the solid has the same edges")
+        self._bounds.add(bounds_seen)
         self._sides.update((edge, forward ^ inverted) for edge, forward in sides)
         times = Counter(edge for edge, _ in sides)
         kept = [(edge, forward == same_sense) for edge, forward in sides if times[edge] == 1]
@@ -176,13 +199,13 @@ class SolidReader:
                 self._edges[number] = edge
 
     def _check_closed(self, entity: StepEntity) -> None:
-        """Every edge has to bound one face in each direction."""
+        """Every edge has to bound as many faces in one direction as in the other."""
         numbers = {number for number, _ in self._sides}
-        bad = [n for n in numbers if not self._sides[n, True] == self._sides[n, False] == 1]
+        bad = [n for n in numbers if self._sides[n, True] != self._sides[n, False]]
         if bad:
             first = self._step.entity(min(bad))
             middle = self._edges[min(bad)].points_mm.mean(axis=0)
-            raise InputError(
+            raise OpenShellError(
                 f"the solid #{entity.number} is open: {len(bad)} of {len(numbers)} edges do not "
                 f"join two faces, the first is #{first.number} near "
                 f"({middle[0]:.3f}, {middle[1]:.3f}, {middle[2]:.3f})",
