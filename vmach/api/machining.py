@@ -18,8 +18,9 @@ from vmach.effects import read_effects
 from vmach.files.atomic import atomic_folder
 from vmach.iso230 import Evaluation, evaluate
 from vmach.job import Job, read_job
-from vmach.machine import Machine, Variant, read_machine
+from vmach.machine import Machine, Variant
 from vmach.machine.tables.runs import Runs
+from vmach.plausibility import admitted_machine
 from vmach.volumetric.field import Volume, error_field, measured_volume
 from vmach.volumetric.volumetric import VolumetricAccuracy, assess
 
@@ -100,7 +101,7 @@ def accuracy(
     ------
     InputError
     """
-    known = machine if isinstance(machine, Machine) else read_machine(machine)
+    known = machine if isinstance(machine, Machine) else admitted_machine(machine)
     space = measured_volume(known, grid)
     if volume_mm is not None:
         low, high = np.asarray(volume_mm, dtype=float).T

@@ -41,14 +41,14 @@ def accuracy(
     """Largest difference of the errors at any two points, and what it comes from."""
     import numpy as np
 
-    from vmach.machine import read_machine
+    from vmach.plausibility import admitted_machine
     from vmach.volumetric.field import error_field
     from vmach.volumetric.figures import accuracy_figures, arms_compared, profile_figures
     from vmach.volumetric.printing import print_accuracy
     from vmach.volumetric.profile import read_profile
     from vmach.volumetric.volume_text import volume_of
 
-    known = read_machine(machine)
+    known = admitted_machine(machine)
     if out is not None:
         check_folder(out, _FILES, inputs=[*known.files, *([profile] if profile else [])])
     tool_mm = np.array([0.0, 0.0, -tool_length])

@@ -113,7 +113,7 @@ def _task(
 ) -> TableTask:
     from vmach.controller_tables.table_task import task_of_job, task_of_machine
     from vmach.job import read_job
-    from vmach.machine import read_machine
+    from vmach.plausibility import admitted_machine
 
     if (job is None) == (machine is None):
         raise InputError(
@@ -124,7 +124,7 @@ def _task(
     if job is None:
         length = 0.0 if tool_length is None else tool_length
         return task_of_machine(
-            read_machine(machine), model, tool_length_mm=length, tolerance_mm=tolerance_mm
+            admitted_machine(machine), model, tool_length_mm=length, tolerance_mm=tolerance_mm
         )
     if tool_length is not None:
         raise InputError("--tool-length goes with --machine", hint="a job names its own tools")

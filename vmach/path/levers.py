@@ -29,10 +29,10 @@ def levers(
     units = {}
     for name in COMPONENT_NAMES:
         unit = ComponentError(name, _EVERYWHERE_MM, np.ones(2), np.ones(2))
-        # a table that is not there was read nowhere: its point is the frame's origin
+        # read nowhere, or at a place that no angle of the machine asked for: the frame's origin
         known = machine.components.get(name)
-        at = np.zeros(3) if known is None else known.measured_at_mm
-        units[name] = replace(unit, measured_at_mm=at)
+        at = None if known is None else known.measured_at_mm
+        units[name] = replace(unit, measured_at_mm=np.zeros(3) if at is None else at)
     changed = replace(machine, components=units)
     return dict(contributions(changed, nose_mm, tool_mm, Variant.ABBE))
 

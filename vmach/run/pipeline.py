@@ -19,12 +19,12 @@ from vmach.effects import read_effects
 from vmach.errors import InputError
 from vmach.job import Job, read_job
 from vmach.machine import Variant
-from vmach.machine.audit import audit
 from vmach.measurements.plausibility.part_check import check_cut, check_file
 from vmach.nominal import NominalPart, read_nominal
 from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.path.preparation import Preparation, prepare
 from vmach.path.toolpath import PathStates
+from vmach.plausibility import Level, machine_notes, sentences
 from vmach.prediction import Prediction, displaced_sweeps, predict_surface
 from vmach.prediction.error_budget import ErrorBudget, error_budget
 from vmach.report import InspectedPoints, SolidComparison
@@ -227,14 +227,14 @@ def inspect_part(
         budget=budget,
         nominal=nominal,
         sweeps=sweeps,
-        notes=(*_machine_notes(job), *preparation.notes, *points.notes, *notes),
+        notes=(*preparation.notes, *_assumptions(job), *points.notes, *notes),
     )
 
 
-def _machine_notes(job: Job) -> list[str]:
-    """What in the machine file does not add up, or was assumed, one sentence each."""
-    name = job.machine_path.name
-    return [f"{name}: {str(one).removeprefix('note: ')}" for one in audit(job.machine)]
+def _assumptions(job: Job) -> tuple[str, ...]:
+    """What was assumed of the machine; what is doubtful stands in the preparation's notes."""
+    assumed = [note for note in machine_notes(job.machine) if note.level is Level.NOTE]
+    return sentences(assumed, job.machine_path)
 
 
 def _blank_of(job: Job) -> tuple[np.ndarray, np.ndarray] | trimesh.Trimesh:
