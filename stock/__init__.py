@@ -9,6 +9,7 @@ from stock.errors import StockError
 from stock.exact.edge import Edges, EdgeStatus, find_edges
 from stock.exact.generating import Generation, find_generating
 from stock.solid import BLANK, VirtualPart, cut_part
+from stock.solid.difference import Difference, Surface, find_differences
 from stock.solid.export import write_part
 from stock.sweeps import Sweeps
 from stock.tools import TOOL_SHAPES, Corner, Tool, make_tool
@@ -18,16 +19,19 @@ __all__ = [
     "TOOL_SHAPES",
     "Collision",
     "Corner",
+    "Difference",
     "EdgeStatus",
     "Edges",
     "Generation",
     "StockError",
+    "Surface",
     "Sweeps",
     "Tool",
     "VirtualPart",
     "compile_ahead",
     "cut_part",
     "find_collisions",
+    "find_differences",
     "find_edges",
     "find_generating",
     "make_tool",

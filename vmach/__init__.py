@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from vmach.api.comparison import ModelComparison, compare
-    from vmach.api.machining import accuracy, compensate
+    from vmach.api.machining import accuracy, compensate, control_tables, evaluate_axis
     from vmach.api.measuring import add, diagnose
     from vmach.api.path import PathErrors, path_errors
     from vmach.api.points import PointDeviations, predict, surface_points
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from vmach.effects.catalogue import add_effect
     from vmach.errors import InputError, VmachError
     from vmach.job import Job, read_job
-    from vmach.machine import Machine, Variant, read_machine
+    from vmach.machine import Machine, Variant, displacement, read_machine
     from vmach.machine.from_arrays import machine_from_arrays
     from vmach.nominal.points import SurfacePoints
     from vmach.run.pipeline import MachinedPart, machine_part
@@ -49,7 +49,10 @@ __all__ = [
     "along",
     "compare",
     "compensate",
+    "control_tables",
     "diagnose",
+    "displacement",
+    "evaluate_axis",
     "inner",
     "linear",
     "machine_from_arrays",
@@ -85,7 +88,10 @@ _HOMES = {
     "along": "vmach.effects",
     "compare": "vmach.api.comparison",
     "compensate": "vmach.api.machining",
+    "control_tables": "vmach.api.machining",
     "diagnose": "vmach.api.measuring",
+    "displacement": "vmach.machine",
+    "evaluate_axis": "vmach.api.machining",
     "inner": "vmach.effects",
     "linear": "vmach.effects",
     "machine_from_arrays": "vmach.machine.from_arrays",

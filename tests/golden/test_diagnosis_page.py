@@ -11,6 +11,8 @@ from tests.report_case import HOSTILE
 from tests.report_page import Page, assert_asks_for_nothing
 from tests.small_job import pocket_points, write_job_with_nominal, write_points
 from tests.unit.test_diagnosis_verdicts import nothing, stretched_and_loose, tip_job
+from vmach.files.atomic import atomic_folder
+from vmach.files.written_files import files_in
 
 ERRORS = {"EXX": (lambda x: 3.0 * np.sin(x / 40.0), (0, 0, -100))}
 
@@ -39,7 +41,7 @@ def test_folder_holds_figures_page_and_program(job, tmp_path, monkeypatch, capsy
     text = diagnosed(job, out, monkeypatch, capsys, "--json", beside)
     figures = json.loads((out / "diagnosis.json").read_text())
     assert figures == json.loads(beside.read_text())
-    names = {path.name for path in out.iterdir()}
+    names = {path.name for path in files_in(out)}
     assert names == {"diagnosis.json", "diagnosis.html"} | (
         {"next.nc"} if figures["next_measurement"] else set()
     )
@@ -97,7 +99,8 @@ def test_named_effects_have_their_card(tmp_path, monkeypatch, capsys):
 def test_a_sound_machine_has_a_page_too(tmp_path, monkeypatch, capsys):
     out = tmp_path / "out"
     out.mkdir()
-    (out / "next.nc").write_text("of yesterday")
+    with atomic_folder(out) as earlier:
+        (earlier / "next.nc").write_text("of yesterday")
     text = diagnosed(tip_job(tmp_path, nothing), out, monkeypatch, capsys)
     page = Page((out / "diagnosis.html").read_text(encoding="utf-8"))
     assert "The measurements agree with the model" in page.text

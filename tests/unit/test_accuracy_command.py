@@ -10,6 +10,7 @@ import pytest
 
 from vmach.commands.accuracy import accuracy
 from vmach.errors import InputError
+from vmach.files.written_files import files_in
 from vmach.machine import Variant
 from vmach.volumetric.profile import Profile, read_profile
 
@@ -44,7 +45,7 @@ def test_pictures_and_profile(tmp_path, capsys):
     profile = tmp_path / "profile.csv"
     profile.write_text("x,y,z\n-700,-50,-200\n-300,-50,-200\n\n-300,-400,-200\n")
     accuracy(MACHINE, grid="5", profile=profile, out=tmp_path / "out")
-    names = {path.name for path in (tmp_path / "out").iterdir()}
+    names = {path.name for path in files_in(tmp_path / "out")}
     assert names == {
         "accuracy.json", "cones.png", "histogram.png", "htm_abbe.png", "profile.png",
     }  # fmt: skip

@@ -1,8 +1,10 @@
 """What ``import vmach`` offers, used as a program of a user's own would."""
 
 import importlib
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -41,7 +43,7 @@ def test_a_machine_from_arrays_leans_and_stretches_as_it_is_told():
         errors={"EXX": (x, 0.02 * x)},
         squareness_urad={"EC0Y": 30.0},
     )
-    found = vmach.volumetric(machine, grid=(11, 3, 3))
+    found = vmach.accuracy(machine, grid=(11, 3, 3))
     assert found.largest_difference_mm == pytest.approx(1e-3 * (0.02 * 500 + 0.03 * 400), rel=1e-12)
 
 
@@ -94,3 +96,17 @@ def test_an_unknown_model_is_refused_with_its_name(tmp_path):
 def test_normals_without_length_are_refused():
     with pytest.raises(ValueError, match="longer than zero"):
         vmach.surface_points([[0, 0, 0]], [0, 0, 0])
+
+
+def test_the_page_names_every_public_name():
+    page = (Path(__file__).parents[2] / "docs" / "api.md").read_text()
+    results = {"Variant"}  # the page speaks of the models by their names
+    assert [name for name in sorted(set(vmach.__all__) - results) if name not in page] == [
+        "SurfacePoints", "__version__",
+    ]  # fmt: skip
+
+
+def test_the_reference_has_every_public_name():
+    page = (Path(__file__).parents[2] / "docs" / "reference.md").read_text()
+    listed = set(re.findall(r"^\.\. auto(?:class|function):: vmach\.(\w+)$", page, re.MULTILINE))
+    assert listed == set(vmach.__all__) - {"__version__"}

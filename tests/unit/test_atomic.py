@@ -1,10 +1,19 @@
 """Nothing half-written is left, whatever goes wrong."""
 
+import errno
+import os
+import random
+import subprocess
+import sys
+import time
+
 import pytest
 
 from tests.report_case import points, run
 from vmach.errors import InputError
-from vmach.files.atomic import atomic_file, atomic_folder, check_outputs
+from vmach.files import workplace
+from vmach.files.atomic import atomic_file, atomic_folder, check_folder, check_outputs
+from vmach.files.written_files import FILES_LIST, RESULTS_LIST, files_in
 from vmach.report import write_summary
 
 
@@ -18,16 +27,159 @@ def test_new_folder_appears_whole_with_its_parents(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["a"]
 
 
+def fill(out, **texts):
+    with atomic_folder(out) as folder:
+        for name, text in texts.items():
+            (folder / f"{name}.txt").write_text(text)
+
+
+def contents(folder):
+    return {path.relative_to(folder).as_posix(): path.read_text() for path in files_in(folder)}
+
+
 def test_existing_folder_keeps_other_files(tmp_path):
     out = tmp_path / "out"
-    out.mkdir()
-    (out / "old.txt").write_text("old")
-    (out / "x.txt").write_text("before")
-    with atomic_folder(out) as folder:
-        (folder / "x.txt").write_text("after")
-    assert (out / "old.txt").read_text() == "old"
-    assert (out / "x.txt").read_text() == "after"
+    fill(out, x="before", old="old")
+    (out / "user").mkdir()
+    (out / "user" / "notes").write_text("a user's")
+    (out / "link").symlink_to("old.txt")
+    fill(out, x="after")
+    kept = {"old.txt": "old", "x.txt": "after", "user/notes": "a user's", "link": "old"}
+    assert contents(out) == kept
+    assert (out / "link").is_symlink()
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
+    fill(out, old="new")  # still known after a run that did not write it
+    assert contents(out) == kept | {"old.txt": "new", "link": "new"}
+
+
+def test_what_vmach_wrote_is_known_to_sha256sum(tmp_path):
+    fill(tmp_path / "out", x="x", y="y")
+    check = ["sha256sum", "--check", "--strict", RESULTS_LIST]
+    assert subprocess.run(check, cwd=tmp_path / "out", capture_output=True).returncode == 0
+
+
+def test_a_folder_with_files_of_others_is_no_place_for_results(tmp_path, monkeypatch):
+    (tmp_path / "thesis.txt").write_text("")
+    with pytest.raises(InputError, match=r"holds 'thesis.txt', which vmach did not write"):
+        fill(tmp_path, x="x")
+    (tmp_path / "in").mkdir()
+    monkeypatch.chdir(tmp_path / "in")
+    for folder in (".", ".."):
+        with pytest.raises(InputError, match="is the current folder, or holds it"):
+            fill(folder, x="x")
+    with pytest.raises(InputError, match="file system is mounted"):
+        fill("/proc", x="x")
+
+
+def test_a_file_that_vmach_did_not_write_stays(tmp_path):
+    out = tmp_path / "out"
+    fill(out, x="before", y="before")
+    (out / "x.txt").write_text("edited by its user")
+    (out / "sub").mkdir()
+    (out / "sub" / "z.txt").write_text("a user's")
+    before = contents(out)
+    for names in (["x.txt"], ["y.txt", "sub"]):
+        with pytest.raises(InputError, match="vmach did not write it, or it was changed since"):
+            check_folder(out, names)
+    with pytest.raises(InputError, match=r"x\.txt: is there already"):
+        fill(out, x="after", y="after")
+    (tmp_path / "single").write_text("a user's")
+    with pytest.raises(InputError, match="single: is there already"):
+        write(tmp_path / "single", "after")
+    assert contents(out) == before
+    assert (tmp_path / "single").read_text() == "a user's"
+
+
+def write(path, text):
+    with atomic_file(path) as temporary:
+        temporary.write_text(text)
+
+
+def test_a_single_result_may_be_made_again(tmp_path):
+    for text in ("one", "two", "two"):
+        check_outputs([tmp_path / "x.csv"])
+        write(tmp_path / "x.csv", text)
+        write(tmp_path / "y.csv", text)
+    assert contents(tmp_path) == {"x.csv": "two", "y.csv": "two"}
+
+
+def test_single_results_do_not_make_a_folder_one_of_users(tmp_path):
+    write(tmp_path / "x.csv", "x")
+    (tmp_path / "job.toml").write_text("a user's")
+    with pytest.raises(InputError, match=r"holds 'job\.toml'"):
+        fill(tmp_path, y="y")
+
+
+def test_a_full_disk_names_the_result(tmp_path):
+    for place in (atomic_file(tmp_path / "x"), atomic_folder(tmp_path / "x")):
+        with pytest.raises(OSError, match="No space") as caught, place:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        assert caught.value.filename == str(tmp_path / "x")
+    with pytest.raises(OSError, match="No space") as caught, atomic_folder(tmp_path / "x") as out:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(out / "sub" / "y"))
+    assert caught.value.filename == str(tmp_path / "x" / "sub" / "y")
+
+
+_WRITER = """
+import sys, time
+from pathlib import Path
+from vmach.files.atomic import atomic_file, atomic_folder
+
+print("ready", flush=True)
+for count in range(10**9):
+    with atomic_folder(sys.argv[1]) as folder:
+        for name in range(8):
+            (folder / f"{name}.txt").write_text(str(count))
+    with atomic_file(sys.argv[1] + ".csv") as temporary:
+        temporary.write_text(str(count))
+"""
+
+
+def test_a_kill_leaves_one_whole_result(tmp_path, monkeypatch):
+    """Killed at a dozen moments: all files of the folder come from one run, the user's stays."""
+    out = tmp_path / "out"
+    fill(out, **{str(name): "0" for name in range(8)})
+    (out / "notes").write_text("a user's")
+    rng = random.Random(1)
+    for _ in range(12):
+        command = [sys.executable, "-c", _WRITER, str(out)]
+        writer = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        writer.stdout.readline()
+        time.sleep(rng.uniform(0.0, 0.05))
+        writer.kill()
+        writer.wait()
+        writer.stdout.close()
+        texts = contents(out)
+        assert texts.pop("notes") == "a user's"
+        assert len(texts) == 8
+        assert len(set(texts.values())) == 1
+    monkeypatch.setattr(workplace, "_PATIENCE_S", 0.0)  # some were killed before they had a lock
+    fill(out, **{str(name): "last" for name in range(8)})  # what is known may be replaced
+    write(tmp_path / "out.csv", "last")
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {"out", "out.csv", FILES_LIST}  # and what the killed left is swept
+
+
+def test_without_an_exchange_a_folder_set_aside_is_put_back(tmp_path, monkeypatch):
+    monkeypatch.setattr(workplace, "_exchange_at_once", lambda first, second: False)
+    out = tmp_path / "out"
+    fill(out, x="one")
+    fill(out, x="two")
+    assert contents(out) == {"x.txt": "two"}
+    killed = tmp_path / ".out.vmach-killed"
+    killed.mkdir()
+    (killed / "lock").write_text("")
+    out.rename(killed / "aside")
+    check_folder(out, ["x.txt"])
+    assert contents(out) == {"x.txt": "two"}
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_a_folder_at_work_is_not_swept(tmp_path):
+    with workplace.workplace(tmp_path / "out") as first:
+        with workplace.workplace(tmp_path / "out") as second:
+            assert first != second
+        assert first.exists()
 
 
 @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt])
@@ -35,24 +187,23 @@ def test_existing_folder_keeps_other_files(tmp_path):
 def test_interrupted_folder_leaves_nothing(tmp_path, error, exists):
     out = tmp_path / "out"
     if exists:
-        out.mkdir()
-        (out / "x.txt").write_text("before")
+        fill(out, x="before")
     with pytest.raises(error), atomic_folder(out) as folder:
         (folder / "x.txt").write_text("half")
         raise error
     assert out.exists() == exists
-    assert [path.name for path in tmp_path.rglob("*")] == (["out", "x.txt"] if exists else [])
+    assert [path.name for path in files_in(tmp_path)] == (["x.txt"] if exists else [])
     assert not exists or (out / "x.txt").read_text() == "before"
 
 
 def test_interrupted_file_leaves_the_old_one(tmp_path):
     path = tmp_path / "x.json"
-    path.write_text("before")
+    write(path, "before")
     with pytest.raises(RuntimeError), atomic_file(path) as temporary:
         temporary.write_text("half")
         raise RuntimeError
     assert path.read_text() == "before"
-    assert list(tmp_path.iterdir()) == [path]
+    assert list(files_in(tmp_path)) == [path]
 
 
 def test_a_record_that_cannot_be_written_leaves_no_summary(tmp_path):
@@ -72,7 +223,7 @@ def test_a_file_in_the_place_of_the_folder_is_refused(tmp_path):
 
 
 def test_a_link_stays_and_its_target_is_replaced(tmp_path):
-    (tmp_path / "real.csv").write_text("before")
+    write(tmp_path / "real.csv", "before")
     (tmp_path / "link.csv").symlink_to("real.csv")
     with atomic_file(tmp_path / "link.csv") as temporary:
         temporary.write_text("after")

@@ -10,9 +10,9 @@ import pytest
 
 from tests.machine_cases import make_machine
 from vmach.machine import COMPONENT_NAMES, ComponentError, Variant, displacement
-from vmach.machine.audit import audit
 from vmach.machine.double_counting import double_counting
 from vmach.machine.tables.interpolation import Extrapolation
+from vmach.plausibility import machine_notes
 
 POSITION = np.linspace(-500.0, 0.0, 11)
 
@@ -43,11 +43,11 @@ def changed(machine, name, **changes):
 
 
 def found(machine):
-    return [(finding.level, finding.subject) for finding in audit(machine)]
+    return [(note.level, note.subject) for note in machine_notes(machine)]
 
 
-def test_sound_machine_gives_no_findings(sound):
-    assert audit(sound) == ()
+def test_sound_machine_gives_no_notes(sound):
+    assert machine_notes(sound) == ()
 
 
 def test_squareness_of_the_thesis_contradicts_its_own_reference_frame(sound):
@@ -56,9 +56,9 @@ def test_squareness_of_the_thesis_contradicts_its_own_reference_frame(sound):
     sigma[1, 2], sigma[0, 1], sigma[2, 0] = 14.569e-6, -24.362e-6, 13.757e-6
     machine = replace(sound, squareness_rad=sigma)
     assert found(machine) == [("contradiction", "EA0Z"), ("contradiction", "EC0Y")]
-    assert "Z is the primary axis" in audit(machine)[0].text
-    assert "EA0Y, with the other sign" in audit(machine)[0].text
-    assert "EC0X, with the other sign" in audit(machine)[1].text
+    assert "Z is the primary axis" in machine_notes(machine)[0].sentence
+    assert "EA0Y, with the other sign" in machine_notes(machine)[0].sentence
+    assert "EC0X, with the other sign" in machine_notes(machine)[1].sentence
 
 
 def test_the_other_name_with_the_other_sign_is_the_same_part():
@@ -87,11 +87,12 @@ def test_one_right_angle_stated_twice(sound):
 @pytest.mark.parametrize(
     ("name", "changes", "expected"),
     [
-        ("EYX", {"forward": 1e-5 * POSITION, "backward": 1e-5 * POSITION}, "doubt"),
+        ("EYX", {"forward": 1e-5 * POSITION, "backward": 1e-5 * POSITION}, "note"),
         ("EYX", {"forward": 1e-5 * POSITION, "backward": 1e-5 * POSITION, "slope_removed": True},
          "contradiction"),
         ("EXX", {"measured_at_mm": np.array([-250.0, 1900.0, -350.0])}, "doubt"),
-        ("EXX", {"forward": 2.0 * np.sin(POSITION)}, "doubt"),
+        ("EXX", {"forward": 2.0 * np.sin(POSITION)}, "refused"),
+        ("EXX", {"forward": 0.2 * np.sin(POSITION)}, "doubt"),
         ("EAX", {"forward": 1e-8 * np.sin(POSITION), "backward": np.zeros(11)}, "doubt"),
         ("EZZ", {"measured_at_mm": None}, "note"),
         ("EZZ", {"position_mm": POSITION * 0.9, "extrapolation": Extrapolation.HOLD}, "note"),

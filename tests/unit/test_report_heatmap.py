@@ -1,4 +1,4 @@
-"""heatmap.png, with VTK, without it, and when it dies."""
+"""heatmap.png."""
 
 from dataclasses import replace
 
@@ -8,8 +8,11 @@ import trimesh
 from PIL import Image
 
 from tests.report_case import block, points, run
-from vmach.report import Colouring, DisplayMesh, build_display_mesh
-from vmach.report.pictures import vtk_picture
+from vmach.report import (
+    Colouring,
+    DisplayMesh,
+    build_display_mesh,
+)
 from vmach.report.pictures.camera import Camera, isometric_camera
 from vmach.report.pictures.colours import COLOUR_STOPS, colour_range, colours_of, nice_ceiling
 from vmach.report.pictures.heatmap import draw_heatmap
@@ -29,9 +32,9 @@ def test_a_square_covers_its_own_pixels_in_its_own_colour():
     mesh = DisplayMesh(*square(20.0, 0.0))
     picture = rasterise(mesh, np.full((4, 3), (1.0, 0.5, 0.25)), FRONT, (200, 100))
     rows, columns = np.nonzero(picture[..., 3])
-    assert (rows.min(), rows.max(), columns.min(), columns.max()) == (30, 70, 80, 120)
+    assert (rows.min(), rows.max(), columns.min(), columns.max()) == (29, 70, 79, 120)
     assert picture[50, 95].tolist() == [255, 128, 64, 255]
-    assert picture[29, 95, 3] == 0
+    assert picture[28, 95, 3] == 0
 
 
 def test_a_ball_covers_a_disc_of_its_radius():
@@ -89,20 +92,16 @@ def size_and_colours(path):
         return picture.size, np.unique(np.asarray(picture.convert("RGB")).reshape(-1, 3), axis=0)
 
 
-def test_without_the_libraries_a_picture_and_one_line(tmp_path, monkeypatch):
-    monkeypatch.setattr(vtk_picture, "_loads", lambda library: library != "libEGL.so.1")
+def test_the_picture_is_large_and_coloured(tmp_path):
     case = points()
-    note = draw_heatmap(tmp_path / "h.png", build_display_mesh(*block(), case), case, run())
-    assert "sudo apt-get install libegl1 libgl1-mesa-dri libx11-6" in note
-    assert "\n" not in note
+    draw_heatmap(tmp_path / "h.png", build_display_mesh(*block(), case), case, run(title="$x_1"))
     (width, height), colours = size_and_colours(tmp_path / "h.png")
     assert width > 1500
     assert height > 800
     assert len(colours) > 1000
 
 
-def test_a_perfect_machine_is_drawn_only_where_it_is_alone(tmp_path, monkeypatch):
-    monkeypatch.setattr(vtk_picture, "_loads", lambda library: False)
+def test_a_perfect_machine_is_drawn_only_where_it_is_alone(tmp_path):
     case = points()
     mesh = build_display_mesh(*block(), case)
     widths = {}
@@ -111,22 +110,6 @@ def test_a_perfect_machine_is_drawn_only_where_it_is_alone(tmp_path, monkeypatch
         widths[name] = size_and_colours(tmp_path / "h.png")[0][0]
     assert widths["none"] > 1000
     assert 1.6 < widths["all"] / widths["none"] < 2  # two panels, not three
-
-
-@pytest.mark.parametrize(
-    "worker",
-    ["import os; os.abort()", "raise SystemExit(3)", "pass", "import time; time.sleep(60)"],
-)
-def test_when_vtk_dies_the_picture_is_drawn_all_the_same(tmp_path, monkeypatch, worker):
-    (tmp_path / "worker.py").write_text(worker)
-    monkeypatch.setattr(vtk_picture, "_loads", lambda library: True)
-    monkeypatch.setattr(vtk_picture, "_WORKER", tmp_path / "worker.py")
-    monkeypatch.setattr(vtk_picture, "_TIME_LIMIT_S", 1)
-    case = points()
-    mesh = build_display_mesh(*block(), case)
-    note = draw_heatmap(tmp_path / "h.png", mesh, case, run(title="$x_1"), columns=["abbe"])
-    assert "apt-get install" in note
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["h.png", "worker.py"]
 
 
 def test_unknown_vertices_are_grey():

@@ -1,7 +1,9 @@
-"""The program moved against the predicted error, and the machine's accuracy."""
+"""The program moved against the predicted error, tables for controls, and accuracy figures."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,13 +12,19 @@ from vmach.api.points import _variant
 from vmach.base.units import mm_from_um
 from vmach.compensation.compensate import Compensation
 from vmach.compensation.compensate import compensate as compensate_job
+from vmach.controller_tables import FORMATS, MadeTables, make_tables
+from vmach.controller_tables.table_task import task_of_job, task_of_machine
 from vmach.effects import read_effects
+from vmach.files.atomic import atomic_folder
+from vmach.iso230 import Evaluation, evaluate
 from vmach.job import Job, read_job
-from vmach.machine import Machine, Variant, read_machine
+from vmach.machine import Machine, Variant
+from vmach.machine.tables.runs import Runs
+from vmach.plausibility import admitted_machine
 from vmach.volumetric.field import Volume, error_field, measured_volume
 from vmach.volumetric.volumetric import VolumetricAccuracy, assess
 
-__all__ = ["accuracy", "compensate"]
+__all__ = ["accuracy", "compensate", "control_tables", "evaluate_axis"]
 
 
 def compensate(
@@ -93,10 +101,78 @@ def accuracy(
     ------
     InputError
     """
-    known = machine if isinstance(machine, Machine) else read_machine(machine)
+    known = machine if isinstance(machine, Machine) else admitted_machine(machine)
     space = measured_volume(known, grid)
     if volume_mm is not None:
         low, high = np.asarray(volume_mm, dtype=float).T
         space = Volume(low, high, grid)
     tool_mm = np.array([0.0, 0.0, -tool_length_mm])
     return assess(error_field(known, space, tool_mm, _variant(model)))
+
+
+def control_tables(
+    what: Machine | Job,
+    folder: str | Path,
+    *,
+    formats: Sequence[str] = tuple(FORMATS),
+    model: str = Variant.ABBE,
+    tool_length_mm: float = 0.0,
+    tolerance_um: float = 0.2,
+) -> list[MadeTables]:
+    """Compensation tables for controls, read back and applied as the control would.
+
+    Parameters
+    ----------
+    what : Machine or Job
+        The measured volume of a machine, or a job's program and effects.
+    folder : path
+        Gets a folder of each format's name; whole or not at all.
+    formats : sequence of str
+    model : {"abbe", "htm"}
+    tool_length_mm : float
+        From the spindle nose to the tip; a job has its own.
+    tolerance_um : float
+        Of straight lines between entries; sets their number.
+
+    Raises
+    ------
+    InputError
+    """
+    variant, tolerance_mm = _variant(model), mm_from_um(tolerance_um)
+    if isinstance(what, Machine):
+        task = task_of_machine(
+            what, variant, tool_length_mm=tool_length_mm, tolerance_mm=tolerance_mm
+        )
+    else:
+        task = task_of_job(what, variant, tolerance_mm=tolerance_mm)
+    target = Path(folder)
+    with atomic_folder(target) as place:
+        made = make_tables(task, place, formats=formats)
+        return [
+            replace(one, files=tuple(target / path.relative_to(place) for path in one.files))
+            for one in made
+        ]
+
+
+def evaluate_axis(position_mm: np.ndarray, forward: np.ndarray, backward: np.ndarray) -> Evaluation:
+    """Accuracy, repeatability and reversal of one axis after ISO 230-2:2014.
+
+    Parameters
+    ----------
+    position_mm : (K,) array
+        Target positions, increasing.
+    forward, backward : (n, K) array
+        Deviations at the targets, approached in positive and in negative direction, one row a
+        run, in one unit.
+
+    Returns
+    -------
+    Evaluation
+        In the unit of the deviations.
+
+    Raises
+    ------
+    ValueError
+        Arrays that do not fit.
+    """
+    return evaluate(Runs(np.asarray(position_mm, float), forward, backward))

@@ -12,11 +12,13 @@ from vmach.base.progress import progress_bar
 from vmach.base.terminal import console
 from vmach.base.variant import Variant
 from vmach.commands.options import AsJson, Model
-from vmach.files.atomic import atomic_folder
+from vmach.files.atomic import atomic_folder, check_folder
 
 __all__ = ["accuracy"]
 
 _PROFILE_SPACING_MM = 5.0
+#: what may lie in the folder for results
+_FILES = ("accuracy.json", "histogram.png", "cones.png", "htm_abbe.png", "profile.png")
 
 
 def accuracy(
@@ -39,14 +41,16 @@ def accuracy(
     """Largest difference of the errors at any two points, and what it comes from."""
     import numpy as np
 
-    from vmach.machine import read_machine
+    from vmach.plausibility import admitted_machine
     from vmach.volumetric.field import error_field
     from vmach.volumetric.figures import accuracy_figures, arms_compared, profile_figures
     from vmach.volumetric.printing import print_accuracy
     from vmach.volumetric.profile import read_profile
     from vmach.volumetric.volume_text import volume_of
 
-    known = read_machine(machine)
+    known = admitted_machine(machine)
+    if out is not None:
+        check_folder(out, _FILES, inputs=[*known.files, *([profile] if profile else [])])
     tool_mm = np.array([0.0, 0.0, -tool_length])
     space = volume_of(known, volume, grid)
     with progress_bar() as progress:

@@ -13,12 +13,14 @@ from vmach.base.stage_clock import Progress
 from vmach.base.terminal import console
 from vmach.commands.options import AsJson
 from vmach.errors import InputError
-from vmach.files.atomic import atomic_folder
+from vmach.files.atomic import atomic_folder, check_folder
 
 if TYPE_CHECKING:
     from vmach.iso230.figures import EvaluatedTable
 
 __all__ = ["iso230"]
+
+_FIGURES = "iso230.json"
 
 
 def iso230(
@@ -41,6 +43,9 @@ def iso230(
     axes = tuple(evaluated_tables(data, unit))
     if not axes:
         raise InputError("the machine has no error tables of linear axes", file=data)
+    if out is not None:
+        names = [_FIGURES, *(f"{axis.name}.png" for axis in axes)]
+        check_folder(out, names, inputs=[*_files_of(data), *([budget] if budget else [])])
     source = str(budget) if budget else "assumed: Table 8 of the KTH thesis"
     report = iso230_figures(data, axes, contributors, budget_source=source)
     if out is not None:
@@ -50,6 +55,13 @@ def iso230(
         print(json.dumps(report, indent=1))
     else:
         print_iso230(console(), report)
+
+
+def _files_of(data: Path) -> list[Path]:
+    """The table, or the machine file and its tables."""
+    from vmach.machine import read_machine
+
+    return list(read_machine(data).files) if data.suffix == ".toml" else [data]
 
 
 def _write(
@@ -65,4 +77,4 @@ def _write(
                 axis.result, title=f"{axis.name}, ISO 230-2", unit=axis.unit, factor=axis.factor
             )
             (folder / f"{axis.name}.png").write_bytes(picture)
-        (folder / "iso230.json").write_text(json.dumps(report, indent=1) + "\n")
+        (folder / _FIGURES).write_text(json.dumps(report, indent=1) + "\n")

@@ -53,7 +53,7 @@ def _machine(
     part_file: Path | None = None,
     prefer_measured: bool = False,
 ) -> None:
-    from vmach.report import columns_table
+    from vmach.report import columns_table, differences_text
     from vmach.run.pipeline import machine_part
     from vmach.run.results import (
         REMAINDER_FILE,
@@ -81,7 +81,10 @@ def _machine(
         print(json.dumps(figures, indent=1))
         return
     screen = console()
-    screen.print(columns_table(made.points, run_record(made, command_line())))
+    record = run_record(made, command_line())
+    screen.print(columns_table(made.points, record))
+    for line in differences_text(record):
+        screen.print(line, highlight=False, markup=False)
     for note in figures["run"]["warnings"]:
         screen.print(f"note: {note}", highlight=False, markup=False)
     files = (*RESULT_FILES, *([REMAINDER_FILE] if made.points.remainders else []))

@@ -14,15 +14,17 @@ from vmach.base.progress import progress_bar
 from vmach.base.terminal import console
 from vmach.base.units import mm_from_um
 from vmach.base.variant import Variant
-from vmach.commands.options import AsJson, Model
+from vmach.commands.options import AsJson, Model, input_files
 from vmach.errors import InputError
-from vmach.files.atomic import atomic_folder
+from vmach.files.atomic import atomic_folder, check_folder
 
 if TYPE_CHECKING:
     from vmach.controller_tables import MadeTables
     from vmach.controller_tables.table_task import TableTask
 
 __all__ = ["HelpWithFormats", "tables"]
+
+_FIGURES, _README = "tables.json", "README.md"
 
 
 class HelpWithFormats(TyperCommand):
@@ -76,13 +78,14 @@ def tables(
     names = _format_names(formats)
     tolerance_mm = mm_from_um(tolerance_um)
     task = _task(job, machine, model, tool_length=tool_length, tolerance_mm=tolerance_mm)
+    check_folder(out, [*names, _FIGURES, _README], inputs=_inputs(job, machine))
     options = {"comp_type": comp_type, "cec_entries": cec_entries}
     with progress_bar() as progress, atomic_folder(out) as folder:
         made = make_tables(task, folder, formats=names, options=options, progress=progress)
         made = [replace(one, files=_relative(one, folder)) for one in made]
         figures = tables_figures(task, made)
-        (folder / "tables.json").write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
-        (folder / "README.md").write_text(tables_readme(figures), encoding="utf-8")
+        (folder / _FIGURES).write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+        (folder / _README).write_text(tables_readme(figures), encoding="utf-8")
     if as_json:
         print(json.dumps(figures, indent=1))
         return
@@ -110,7 +113,7 @@ def _task(
 ) -> TableTask:
     from vmach.controller_tables.table_task import task_of_job, task_of_machine
     from vmach.job import read_job
-    from vmach.machine import read_machine
+    from vmach.plausibility import admitted_machine
 
     if (job is None) == (machine is None):
         raise InputError(
@@ -121,11 +124,18 @@ def _task(
     if job is None:
         length = 0.0 if tool_length is None else tool_length
         return task_of_machine(
-            read_machine(machine), model, tool_length_mm=length, tolerance_mm=tolerance_mm
+            admitted_machine(machine), model, tool_length_mm=length, tolerance_mm=tolerance_mm
         )
     if tool_length is not None:
         raise InputError("--tool-length goes with --machine", hint="a job names its own tools")
     return task_of_job(read_job(job), model, tolerance_mm=tolerance_mm)
+
+
+def _inputs(job: Path | None, machine: Path | None) -> list[Path]:
+    """Files that are read, which no table may replace."""
+    from vmach.machine import read_machine
+
+    return input_files(job) if job is not None else list(read_machine(machine).files)
 
 
 def _relative(made: MadeTables, folder: Path) -> tuple[Path, ...]:

@@ -10,6 +10,7 @@ import numpy as np
 from gcode import MoveKind
 from vmach.compensation.aim.part_aim import PartAim, aim_at_part
 from vmach.compensation.aim.part_view import PartView
+from vmach.compensation.doubt_comment import with_doubts
 from vmach.compensation.grid.part_rounding import round_program
 from vmach.compensation.iteration import Iteration, Solution
 from vmach.compensation.model import TipModel
@@ -179,7 +180,7 @@ def finish(
     arcs, kept = _arcs(preparation, found)
     modes = iteration.rewriter.modes
     return Compensation(
-        text=written.text,
+        text=with_doubts(written.text, preparation.doubts, preparation.program.dialect),
         before=_before(preparation, iteration.model).told_in(expansion),
         unrounded=found.residual.told_in(expansion),
         after=run.residual().told_in(expansion),

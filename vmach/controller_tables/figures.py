@@ -43,7 +43,7 @@ def _notes(task: TableTask) -> list[str]:
             f"forward and backward tables differ by up to {reversal:.2f} um; the entries hold "
             'their mean. [tables] directions = "separate" in the machine file keeps both'
         )
-    return notes
+    return [*notes, *task.notes]
 
 
 def _reversal_um(machine: Machine) -> float:

@@ -10,9 +10,8 @@ from gcode import MoveKind
 from vmach.controller_tables.knots import Knots
 from vmach.effects import read_effects
 from vmach.errors import InputError
-from vmach.job import Job
 from vmach.machine import Machine, Variant, contributions, displacement
-from vmach.path.preparation import prepare
+from vmach.path.preparation import Preparation
 from vmach.prediction import displacement_of
 from vmach.volumetric.field import Volume
 
@@ -136,7 +135,7 @@ def lattice_samples(
     )
 
 
-def job_samples(job: Job, variant: Variant, *, spacing_mm: float) -> ErrorSamples:
+def job_samples(preparation: Preparation, variant: Variant) -> ErrorSamples:
     """Samples along a job's program while it feeds, by the length of path that each stands for;
     errors of the machine and effects of the job.
 
@@ -145,8 +144,8 @@ def job_samples(job: Job, variant: Variant, *, spacing_mm: float) -> ErrorSample
     InputError, gcode.ProgramError
         The job cannot be run, or never feeds with a tool.
     """
+    job = preparation.job
     effects = read_effects(job.effects, file=job.path, job=job)
-    preparation = prepare(job, spacing_mm=spacing_mm)
     path = preparation.path
     first = path.first_node[path.nodes.moves.kind[path.piece_move] != MoveKind.RAPID]
     length = np.linalg.norm(path.nodes.nose_mm[first + 1] - path.nodes.nose_mm[first], axis=1)

@@ -17,6 +17,8 @@ from vmach.controller_tables.samples import (
 from vmach.errors import InputError
 from vmach.job import Job
 from vmach.machine import LINEAR_AXES, Machine, Variant
+from vmach.path.preparation import prepare
+from vmach.plausibility import doubts, machine_notes, sentences
 from vmach.volumetric.field import Volume, measured_volume
 
 __all__ = ["TableTask", "task_of_job", "task_of_machine"]
@@ -50,6 +52,8 @@ class TableTask:
         The job's program, to fit to.
     has_effects : bool
         Whether the job has effects beside the error tables.
+    notes : tuple of str
+        What the user should know of machine and job before loading the tables.
     """
 
     machine: Machine
@@ -60,6 +64,7 @@ class TableTask:
     check: ErrorSamples
     program: ErrorSamples | None = None
     has_effects: bool = False
+    notes: tuple[str, ...] = ()
 
     @property
     def by_direction(self) -> bool:
@@ -121,22 +126,26 @@ def task_of_machine(
     volume = measured_volume(machine, _CHECK_COUNTS)
     tool = np.array([0.0, 0.0, -tool_length_mm])
     check = _check(machine, volume, tool, variant)
-    return TableTask(machine, variant, volume, tool, tolerance_mm, check)
+    doubtful = doubts(machine_notes(machine))
+    notes = sentences(doubtful, machine.files[0]) if machine.files else ()
+    return TableTask(machine, variant, volume, tool, tolerance_mm, check, notes=notes)
 
 
 def task_of_job(job: Job, variant: Variant, *, tolerance_mm: float) -> TableTask:
     """Tables for one program, its tools and the effects of its job."""
     _check_machine(job.machine)
-    program = job_samples(job, variant, spacing_mm=_FIT_SPACING_MM)
+    preparation = prepare(job, spacing_mm=_FIT_SPACING_MM)
+    program = job_samples(preparation, variant)
     return TableTask(
         machine=job.machine,
         variant=variant,
         volume=measured_volume(job.machine, _CHECK_COUNTS),
         tool_mm=program.tool_mm[np.argmin(program.tool_mm[:, 2])],
         tolerance_mm=tolerance_mm,
-        check=job_samples(job, variant, spacing_mm=_CHECK_SPACING_MM),
+        check=job_samples(prepare(job, spacing_mm=_CHECK_SPACING_MM), variant),
         program=program,
         has_effects=bool(job.effects),
+        notes=preparation.notes,
     )
 
 

@@ -97,7 +97,7 @@ def diagnose(
         rms_um=residuals.rms_um,
         candidates=candidate_scores(search, residuals.rms_um["before"]),
         failures=failures,
-        blind_spots=blind_spots(search, explanation),
+        blind_spots=blind_spots(search, explanation, is_named=found.verdict != "unknown"),
         next_measurement=next_measurement(search, explanation, findings),
         left=found.left,
         notes=(

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from vmach.effects.catalogue import catalogue
 from vmach.errors import InputError
+from vmach.files.atomic import atomic_file
 
 __all__ = ["write_skeleton"]
 
@@ -50,7 +51,7 @@ def write_skeleton(name: str, folder: Path) -> Path:
     if path.exists():
         raise InputError("file is there already", file=path)
     kind = "".join(word.capitalize() for word in name.split("_"))
-    path.write_text(
-        _TEXT.format(name=name, kind=kind, title=name.replace("_", " ")), encoding="utf-8"
-    )
+    text = _TEXT.format(name=name, kind=kind, title=name.replace("_", " "))
+    with atomic_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
     return path

@@ -1,21 +1,33 @@
-"""Results appear whole or not at all."""
+"""Results appear whole or not at all, and never in the place of a file that vmach did not write."""
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
-import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from vmach.errors import InputError
+from vmach.files.workplace import exchange, nearest_existing, workplace
+from vmach.files.written_files import (
+    FILES_LIST,
+    RESULTS_LIST,
+    files_in,
+    is_written,
+    note_file,
+    write_results_list,
+)
 
 __all__ = ["atomic_file", "atomic_folder", "check_folder", "check_outputs"]
 
+#: folders that `atomic_folder` has given out: nothing in them is anybody's yet
+_being_filled: set[Path] = set()
+
 
 def check_outputs(outputs: Iterable[Path | None], *, inputs: Iterable[Path] = ()) -> None:
-    """Refuse files that could not be written, or would replace each other or an input.
+    """Refuse files that could not be written, or would replace what is not vmach's.
 
     Asked before the work begins, so that nobody waits for a result that has no place to go.
 
@@ -29,18 +41,10 @@ def check_outputs(outputs: Iterable[Path | None], *, inputs: Iterable[Path] = ()
     Raises
     ------
     InputError
+        A file that is an input, that another result has too, that has no folder to lie in, or
+        that is there and is not, to the bit, what vmach wrote.
     """
-    taken = {path.resolve() for path in inputs}
-    written: set[Path] = set()
-    for path in filter(None, outputs):
-        target = path.resolve()
-        if target in taken:
-            what, accepted = "is read by this command", "another name for the result"
-            raise InputError(what, file=path, accepted=accepted)
-        if target in written:
-            raise InputError("two results have this name", file=path, accepted="a name for each")
-        _check_file(target)
-        written.add(target)
+    _check_outputs(filter(None, outputs), inputs)
 
 
 def check_folder(out_dir: Path, names: Iterable[str], *, inputs: Iterable[Path] = ()) -> None:
@@ -48,23 +52,56 @@ def check_folder(out_dir: Path, names: Iterable[str], *, inputs: Iterable[Path] 
 
     Asked before the work begins.
 
+    Parameters
+    ----------
+    out_dir : Path
+    names : iterable of str
+        Files and folders that will be made in it. All that lies in such a folder counts.
+    inputs : iterable of Path
+        Files that the work reads.
+
     Raises
     ------
     InputError
     """
-    out_dir = out_dir.resolve()
-    _folder_beside(out_dir).rmdir()
+    out_dir = _resolved(out_dir)
+    _check_writable_folder(nearest_existing(out_dir))
+    with workplace(out_dir):
+        pass
     if out_dir.exists():
-        check_outputs((out_dir / name for name in names), inputs=inputs)
+        _check_outputs(_there(out_dir, names), inputs, results=out_dir)
+    _check_can_be_exchanged(out_dir)
+
+
+def _there(out_dir: Path, names: Iterable[str]) -> Iterator[Path]:
+    """Files with these names, or in folders of these names."""
+    for path in (out_dir / name for name in names):
+        yield from files_in(path) if path.is_dir() else [path]
+
+
+def _check_outputs(
+    outputs: Iterable[Path], inputs: Iterable[Path], *, results: Path | None = None
+) -> None:
+    taken = {_resolved(path) for path in inputs}
+    written: set[Path] = set()
+    for path in outputs:
+        target = _resolved(path)
+        if target in taken:
+            what, accepted = "is read by this command", "another name for the result"
+            raise InputError(what, file=path, accepted=accepted)
+        if target in written:
+            raise InputError("two results have this name", file=path, accepted="a name for each")
+        _check_file(target, results=results)
+        written.add(target)
 
 
 @contextmanager
 def atomic_folder(out_dir: str | Path) -> Iterator[Path]:
-    """Give a temporary folder whose files move into `out_dir` when the block ends well.
+    """Give a temporary folder that takes the place of `out_dir` when the block ends well.
 
-    The temporary folder is on the same file system, beside `out_dir`. Whatever ends the block
-    early (an error, Ctrl-C) leaves `out_dir` as it was and nothing beside it. Other files that
-    `out_dir` already holds stay; files of the same name are replaced one by one.
+    The old folder and the new one change places in one step: a kill at any moment leaves one of
+    them, whole. Whatever ends the block early (an error, Ctrl-C) leaves `out_dir` as it was.
+    Files of other names that `out_dir` holds, results or a user's, are in the new folder too.
 
     Parameters
     ----------
@@ -79,59 +116,135 @@ def atomic_folder(out_dir: str | Path) -> Iterator[Path]:
     Raises
     ------
     InputError
-        `out_dir` is a file, or cannot be written to.
+        `out_dir` is a file, cannot be written to, is not a folder for results, or holds a file
+        that a result would replace and that vmach did not write.
     """
-    out_dir = Path(out_dir).resolve()
-    temporary = _folder_beside(out_dir)
-    try:
-        content = temporary / "content"
+    out_dir = _resolved(Path(out_dir))
+    _check_can_be_exchanged(out_dir)
+    with workplace(out_dir) as room, _faults_named(room / "content", out_dir):
+        content = room / "content"
         content.mkdir()
-        yield content
-        _move_in(content, out_dir)
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
+        _being_filled.add(content)
+        try:
+            yield content
+        finally:
+            _being_filled.discard(content)
+        _put_in_place(content, out_dir, room)
+
+
+def _put_in_place(content: Path, out_dir: Path, room: Path) -> None:
+    written = list(files_in(content))
+    if not out_dir.exists():
+        write_results_list(content, written, earlier=None)
+        out_dir.parent.mkdir(parents=True, exist_ok=True)
+        os.rename(content, out_dir)
+        return
+    places = [out_dir / path.relative_to(content) for path in written]
+    _check_outputs(places, [], results=out_dir)
+    _bring_along(out_dir, content)
+    write_results_list(content, written, earlier=out_dir)
+    shutil.copymode(out_dir, content)
+    exchange(content, out_dir, room=room)
+    _bring_along(content, out_dir)  # what was put there in the meantime
+
+
+def _bring_along(source: Path, target: Path) -> None:
+    """Link the files of a folder into another one that lacks them."""
+    for path in files_in(source):
+        copy = target / path.relative_to(source)
+        if not os.path.lexists(copy):
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            try:
+                os.link(path, copy, follow_symlinks=False)
+            except OSError:  # a file system without links
+                shutil.copy2(path, copy, follow_symlinks=False)
+    if (source / FILES_LIST).exists() and not (target / FILES_LIST).exists():
+        shutil.copy2(source / FILES_LIST, target / FILES_LIST)
 
 
 @contextmanager
 def atomic_file(path: str | Path) -> Iterator[Path]:
-    """Give a temporary path of the same suffix; rename it to `path` when the block ends well.
+    """Give a temporary path of the same name; rename it to `path` when the block ends well.
 
     Raises
     ------
     InputError
-        The folder of `path` is missing or cannot be written to; `path` is a folder or a device.
+        The folder of `path` is missing or cannot be written to; `path` is a folder or a device,
+        or a file that vmach did not write.
     """
-    path = Path(path).resolve()  # a link stays, the file that it points to is replaced
-    _check_file(path)
-    temporary = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
-    try:
+    path = _resolved(Path(path))  # a link stays, the file that it points to is replaced
+    is_own_place = any(folder in _being_filled for folder in path.parents)
+    if not is_own_place:
+        _check_file(path)
+    with workplace(path) as room, _faults_named(room / path.name, path):
+        temporary = room / path.name
         yield temporary
+        if not is_own_place:
+            note_file(path, temporary)
         os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
-def _check_file(path: Path) -> None:
+@contextmanager
+def _faults_named(temporary: Path, place: Path) -> Iterator[None]:
+    """Let a complaint of the system, as of a full disk, name the file that it is about."""
+    try:
+        yield
+    except OSError as error:
+        file = Path(os.fsdecode(error.filename)) if error.filename else temporary
+        if not file.is_relative_to(temporary):
+            raise
+        error.filename = str(place / file.relative_to(temporary))
+        error.filename2 = None
+        raise
+
+
+def _resolved(path: Path) -> Path:
+    return Path(os.path.realpath(path))
+
+
+def _check_file(path: Path, *, results: Path | None = None) -> None:
     _check_writable_folder(path.parent)
-    if path.exists() and not path.is_file():
+    if os.path.islink(path):  # what is left of one that leads to itself
+        raise InputError("is a loop of links", file=path, accepted="the name of a file")
+    if not path.exists():
+        return
+    if not path.is_file():
         what = "is a folder" if path.is_dir() else "is a device, not a file"
         raise InputError(what, file=path, accepted="the name of a file for the result")
+    if not is_written(path, results=results):
+        raise InputError(
+            "is there already, and vmach did not write it, or it was changed since",
+            file=path,
+            accepted="another name for the result",
+            hint="remove the file if you do not need it",
+        )
 
 
-def _folder_beside(out_dir: Path) -> Path:
-    """A new, empty folder on the file system that `out_dir` is on or will be on."""
-    home = _nearest_existing(out_dir.parent)
-    _check_writable_folder(out_dir if out_dir.exists() else home)
-    try:
-        return Path(tempfile.mkdtemp(prefix=f".{out_dir.name}-", dir=home))
-    except OSError as error:
-        raise InputError(f"cannot be written to: {error.strerror}", file=home) from None
-
-
-def _nearest_existing(folder: Path) -> Path:
-    while not folder.exists():
-        folder = folder.parent
-    return folder
+def _check_can_be_exchanged(out_dir: Path) -> None:
+    """Refuse folders that are more than a place for results."""
+    _check_writable_folder(nearest_existing(out_dir))
+    if not out_dir.exists():
+        return
+    with contextlib.suppress(FileNotFoundError):  # the current folder may be gone
+        if Path.cwd().is_relative_to(out_dir):
+            raise InputError(
+                "is the current folder, or holds it",
+                file=out_dir,
+                accepted="a folder of its own for the results",
+            )
+    if os.path.ismount(out_dir):
+        raise InputError(
+            "is where a file system is mounted", file=out_dir, accepted="a folder in it"
+        )
+    if (out_dir / RESULTS_LIST).exists():
+        return
+    for path in files_in(out_dir):
+        if not is_written(path):
+            raise InputError(
+                f"holds '{path.relative_to(out_dir)}', which vmach did not write",
+                file=out_dir,
+                accepted="a new or an empty folder, or one with results of vmach",
+            )
 
 
 def _check_writable_folder(folder: Path) -> None:
@@ -140,16 +253,3 @@ def _check_writable_folder(folder: Path) -> None:
         raise InputError(what, file=folder, accepted="a folder for the results")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise InputError("cannot be written to", file=folder, hint="choose another folder")
-
-
-def _move_in(content: Path, out_dir: Path) -> None:
-    if not out_dir.exists():
-        out_dir.parent.mkdir(parents=True, exist_ok=True)
-        os.replace(content, out_dir)
-        return
-    for source in sorted(content.rglob("*")):
-        target = out_dir / source.relative_to(content)
-        if source.is_dir():
-            target.mkdir(exist_ok=True)
-        else:
-            os.replace(source, target)

@@ -18,6 +18,7 @@ from vmach.files.text_file import read_text
 __all__ = [
     "FileSection",
     "Finite",
+    "Flag",
     "NonNegative",
     "Point",
     "Positive",
@@ -39,6 +40,7 @@ _Number = Annotated[float, Strict()]  # "10" and true are no numbers
 Finite = Annotated[_Number, Field(ge=-_LARGEST, le=_LARGEST, allow_inf_nan=False)]
 Positive = Annotated[_Number, Field(gt=0, le=_LARGEST, allow_inf_nan=False)]
 NonNegative = Annotated[_Number, Field(ge=0, le=_LARGEST, allow_inf_nan=False)]
+Flag = Annotated[bool, Strict()]
 Whole = Annotated[int, Strict(), Field(ge=1)]
 Point = tuple[Finite, Finite, Finite]
 

@@ -15,6 +15,7 @@ from vmach.fit.table_uncertainty import TableUncertainty
 from vmach.fit.whitening import Whitening, orthonormal
 from vmach.job import Job
 from vmach.measurements import Measurement
+from vmach.path.preparation import job_doubts
 
 __all__ = ["Survey"]
 
@@ -45,8 +46,9 @@ class Survey:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was noticed of the measurements when they were read."""
-        return tuple(note for m in self.measurements for note in m.notes if note)
+        """What was noticed of the job and the measurements when they were read."""
+        of_measurements = (note for m in self.measurements for note in m.notes if note)
+        return tuple(dict.fromkeys((*job_doubts(self.job), *of_measurements)))
 
     @cached_property
     def rows(self) -> tuple[slice, ...]:

@@ -16,7 +16,8 @@ from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import line_of_key, read_toml
 from vmach.job.schema import InspectionEntry, JobSchema, ToolEntry
-from vmach.machine import Machine, read_machine
+from vmach.machine import Machine
+from vmach.plausibility import admitted_machine, check_tools
 
 if TYPE_CHECKING:
     import trimesh
@@ -101,6 +102,7 @@ class Inspection:
     edge_margin_mm: float
     reach_mm: float
     tolerance_mm: float
+    difference_mm: float
     alignment: str
     datums: tuple[tuple[str, ...], ...]
 
@@ -219,9 +221,11 @@ def read_job(path: Job | str | Path) -> Job:
     machine_path = existing("machine", data.machine)
     program = existing("program", data.program)
     assert machine_path and program
+    tools = {k: _tool(k, tool, at("tools", str(k))) for k, tool in data.tools.items()}
+    check_tools(tools, path)
     return Job(
         path=path,
-        machine=read_machine(machine_path),
+        machine=admitted_machine(machine_path),
         machine_path=machine_path,
         program=program,
         dialect=data.dialect,
@@ -232,7 +236,7 @@ def read_job(path: Job | str | Path) -> Job:
         touched_off=data.tool_offsets == "touched off",
         work_offsets_mm={k: np.array(v) for k, v in data.work_offsets_mm.items()},
         blank=_blank(data, path, at),
-        tools={k: _tool(k, tool, at("tools", str(k))) for k, tool in data.tools.items()},
+        tools=tools,
         offsets={k: OffsetEntry(**row.model_dump()) for k, row in data.offsets.items()},
         inspection=_inspection(data.inspection, at("inspection", "alignment")),
         effects=data.effects,
@@ -315,6 +319,7 @@ def _inspection(data: InspectionEntry, where: dict[str, Any]) -> Inspection:
         edge_margin_mm=data.edge_margin_mm,
         reach_mm=data.reach_mm,
         tolerance_mm=mm_from_um(data.tolerance_um),
+        difference_mm=data.difference_mm,
         alignment=data.alignment,
         datums=tuple(map(tuple, data.datums)),
     )

@@ -82,6 +82,7 @@ class InspectionEntry(FileSection):
     edge_margin_mm: NonNegative = 0.1
     reach_mm: Positive = 1.0
     tolerance_um: Positive = 10.0
+    difference_mm: Positive = 0.1
     alignment: Literal["none", "best-fit", "datum"] = "none"
     datums: list[list[str]] = []
 

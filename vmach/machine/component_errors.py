@@ -68,6 +68,10 @@ class ComponentError:
         Cross-validation that the interpolation was chosen by, if it was.
     runs : Runs or None
         The single runs, where the table holds them.
+    reverse : bool
+        The file's positions count against the axis; those here are the axis' own.
+    reverse_deviations : bool or None
+        Whether its deviations and directions of approach did too; None where not said.
     source : str
         File that the values come from.
     provenance : str
@@ -86,6 +90,8 @@ class ComponentError:
     extrapolation: Extrapolation = Extrapolation.REFUSE
     evidence: tuple[Score, ...] = ()
     runs: Runs | None = None
+    reverse: bool = False
+    reverse_deviations: bool | None = None
     source: str = ""
     provenance: str = ""
     measured_on: date | None = None

@@ -61,8 +61,8 @@ class Machine:
         Primary and secondary axis of the machine's frame, such as ``ZY``; empty if not said.
     files : tuple of Path
         The machine file and the tables that it names, for the record of what was run.
-    notes : tuple of str
-        What was done to the tables on reading.
+    notes : tuple of (str, str)
+        Which table, and what was done to it on reading.
     """
 
     name: str
@@ -76,7 +76,7 @@ class Machine:
     rotary: Mapping[str, RotaryAxis] = field(default_factory=dict)
     reference_axes: str = ""
     files: tuple[Path, ...] = ()
-    notes: tuple[str, ...] = ()
+    notes: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self) -> None:
         if set(self.rotary) != set(self.chain.rotary_axes):
@@ -119,23 +119,33 @@ class Machine:
         Raises
         ------
         InputError
-            A linear component has a table but no `measured_at_mm`, while its axis has angular
-            errors: the arm is then unknown.
+            A linear component is `unplaced`: the arm is then unknown.
         """
+        for name in self.unplaced:
+            raise InputError(
+                f"machine '{self.name}': {name} has no measured_at_mm",
+                file=self.files[0] if self.files else None,
+                accepted="three numbers: where the reflector stood, in the frame of the body "
+                "that the axis carries",
+                hint="the Abbe-consistent model needs it; commands with '--model htm' do not",
+            )
         points = np.zeros((3, 3, 3))
-        turning = {name[2] for name, component in self.components.items() if component.is_angle}
         for name, component in self._linear_components():
             direction, axis, _ = component_of(name)
             if component.measured_at_mm is not None:
                 points[direction, axis] = component.measured_at_mm
-            elif name[2] in turning:
-                raise InputError(
-                    f"machine '{self.name}': {name} has no measured_at_mm",
-                    accepted="three numbers: where the reflector stood, in the frame of the body "
-                    "that the axis carries",
-                    hint="the Abbe-consistent model needs it; '--model htm' does not",
-                )
         return points
+
+    @property
+    def unplaced(self) -> tuple[str, ...]:
+        """Linear components without `measured_at_mm` that an angle of their axis turns into
+        something: it turns about another direction than theirs."""
+        turns = {component_of(name)[:2] for name, c in self.components.items() if c.is_angle}
+        return tuple(
+            name
+            for name, component in self._linear_components()
+            if component.measured_at_mm is None and _is_turned(*component_of(name)[:2], turns)
+        )
 
     @cached_property
     def measuring_point_travel(self) -> np.ndarray:
@@ -154,3 +164,8 @@ class Machine:
 
     def _linear_components(self) -> list[tuple[str, ComponentError]]:
         return [(name, c) for name, c in self.components.items() if not c.is_angle]
+
+
+def _is_turned(direction: int, axis: int, turns: set[tuple[int, int]]) -> bool:
+    """Whether a rotation of the axis moves points along the direction."""
+    return any(rotation != direction and of == axis for rotation, of in turns)

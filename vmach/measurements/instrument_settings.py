@@ -9,7 +9,7 @@ from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import FileSection, Point, Positive, check_section, line_of_key
 from vmach.job import Job
-from vmach.tool_doubts import lengths_meant_mm
+from vmach.plausibility import lengths_meant_mm
 
 __all__ = [
     "ALONG",

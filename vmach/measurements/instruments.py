@@ -57,8 +57,8 @@ from vmach.measurements.plausibility.reading_check import (
 from vmach.measurements.plausibility.unit_check import check_unit
 from vmach.measurements.test_motion import stop_and_go
 from vmach.path.toolpath import PathStates
+from vmach.plausibility import doubtful_length
 from vmach.prediction import ActingEffect
-from vmach.tool_doubts import doubtful_length
 
 __all__ = ["read_instruments"]
 

@@ -12,9 +12,9 @@ from stock import Tool, compile_ahead
 from vmach.errors import InputError
 from vmach.job import Job
 from vmach.path.toolpath import NODE_SPACING_MM, Toolpath
-from vmach.tool_doubts import tool_notes
+from vmach.plausibility import Note, cutting_notes, doubts, machine_notes, sentences, tool_notes
 
-__all__ = ["Preparation", "prepare"]
+__all__ = ["Preparation", "job_doubts", "prepare"]
 
 #: rounding of positions beyond the travel that is not worth a complaint
 _TRAVEL_SLACK_MM = 1e-6
@@ -36,7 +36,9 @@ class Preparation:
     tool_index : (T,) int64
         Index into `cutters` of tool number k; -1 where the job has no such tool.
     notes : tuple of str
-        What the user should know about how the program was understood.
+        What the user should know about how the program was understood, and what is doubtful.
+    doubts : tuple of Note
+        What is doubtful in machine and tools, as records.
     """
 
     job: Job
@@ -46,6 +48,7 @@ class Preparation:
     cutters: tuple[Tool, ...]
     tool_index: np.ndarray
     notes: tuple[str, ...]
+    doubts: tuple[Note, ...] = ()
 
 
 def prepare(
@@ -95,11 +98,30 @@ def prepare(
         )
     zero = job.work_offsets_mm[_zero_name(job, moves, source)]
     _check_travel(job, path, source)
-    notes += tool_notes(job)
+    cutting = _cutting_doubts(job, moves)
+    notes += job_doubts(job) + sentences(cutting, job.path)
+    doubtful = doubts(machine_notes(job.machine)) + tool_notes(job.tools) + cutting
     index = np.full(max(job.tools) + 1, -1)
     index[list(job.tools)] = np.arange(len(job.tools))
     cutters = tuple(tool.cutter for tool in job.tools.values())
-    return Preparation(job, program, path, zero, cutters, index, notes)
+    return Preparation(job, program, path, zero, cutters, index, notes, doubtful)
+
+
+def job_doubts(job: Job) -> tuple[str, ...]:
+    """What is doubtful in a job's machine and tools, whatever its program does."""
+    of_machine = sentences(doubts(machine_notes(job.machine)), job.machine_path)
+    return of_machine + sentences(tool_notes(job.tools), job.path)
+
+
+def _cutting_doubts(job: Job, moves: Moves) -> tuple[Note, ...]:
+    """Dimensions of tools that are unlikely for how the program cuts."""
+    feeding = moves.at_feed
+    return cutting_notes(
+        job.tools,
+        moves.tool[feeding],
+        moves.feed_mm_per_min[feeding],
+        moves.spindle_rpm[feeding],
+    )
 
 
 def _limits(job: Job) -> MachineLimits:

@@ -5,6 +5,7 @@ The pipeline fills `InspectedPoints` and `RunRecord`, gets a `DisplayMesh` from
 """
 
 from vmach.report.figures.deviations_csv import read_deviations_csv, write_deviations_csv
+from vmach.report.figures.differences import differences_text
 from vmach.report.figures.statistics import Statistics, column_statistics, worst_places
 from vmach.report.figures.summary import SIGN_CONVENTION, summary, write_summary
 from vmach.report.figures.table import columns_table
@@ -20,6 +21,8 @@ from vmach.report.result import (
     InputFile,
     InspectedPoints,
     RunRecord,
+    SolidComparison,
+    SolidDifference,
 )
 
 __all__ = [
@@ -31,10 +34,13 @@ __all__ = [
     "InputFile",
     "InspectedPoints",
     "RunRecord",
+    "SolidComparison",
+    "SolidDifference",
     "Statistics",
     "build_display_mesh",
     "column_statistics",
     "columns_table",
+    "differences_text",
     "interpolate_to_mesh",
     "open_viewer",
     "part_colours",

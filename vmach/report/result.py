@@ -16,6 +16,8 @@ __all__ = [
     "InputFile",
     "InspectedPoints",
     "RunRecord",
+    "SolidComparison",
+    "SolidDifference",
 ]
 
 #: What happened at a surface point: an edge of material was found; stock still stands far above
@@ -247,6 +249,49 @@ class InputFile:
 
 
 @dataclass(frozen=True)
+class SolidDifference:
+    """One place where the virtual part and the nominal CAD are apart.
+
+    Attributes
+    ----------
+    depth_mm : float
+        Largest distance of the surfaces: positive material left (excess), negative too much
+        removed (gouge).
+    point_mm, size_mm : tuple of 3 float
+        Where that is, and the extent of the place in X, Y and Z.
+    area_mm2, volume_mm3 : float
+        Surface beyond the threshold; material, NaN where it could not be found.
+    feature : str
+        Face of the nominal CAD.
+    line, tool : int
+        NC line and tool that left the part's surface there; 0 where none did.
+    """
+
+    depth_mm: float
+    point_mm: tuple[float, ...]
+    size_mm: tuple[float, ...]
+    area_mm2: float
+    volume_mm3: float
+    feature: str
+    line: int
+    tool: int
+
+    @property
+    def kind(self) -> str:
+        """``excess`` or ``gouge``."""
+        return "excess" if self.depth_mm > 0.0 else "gouge"
+
+
+@dataclass(frozen=True)
+class SolidComparison:
+    """Places beyond a threshold: how many, and the deepest of them, deepest first."""
+
+    threshold_mm: float
+    count: int
+    places: tuple[SolidDifference, ...]
+
+
+@dataclass(frozen=True)
 class RunRecord:
     """What was run, for the reader who wants to run it again.
 
@@ -273,6 +318,8 @@ class RunRecord:
         What the user should know before trusting the numbers.
     program_lines : tuple of str
         Text of the NC program; line n of `InspectedPoints.line` is entry n - 1.
+    comparison : SolidComparison, optional
+        The virtual part against the nominal CAD, where there is one.
     """
 
     title: str
@@ -286,6 +333,7 @@ class RunRecord:
     facts: Mapping[str, str] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     program_lines: tuple[str, ...] = ()
+    comparison: SolidComparison | None = None
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.tolerance_mm) and self.tolerance_mm > 0):

@@ -19,17 +19,18 @@ from vmach.effects import read_effects
 from vmach.errors import InputError
 from vmach.job import Job, read_job
 from vmach.machine import Variant
-from vmach.machine.audit import audit
 from vmach.measurements.plausibility.part_check import check_cut, check_file
 from vmach.nominal import NominalPart, read_nominal
 from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.path.preparation import Preparation, prepare
 from vmach.path.toolpath import PathStates
+from vmach.plausibility import Level, machine_notes, sentences
 from vmach.prediction import Prediction, displaced_sweeps, predict_surface
 from vmach.prediction.error_budget import ErrorBudget, error_budget
-from vmach.report import InspectedPoints
+from vmach.report import InspectedPoints, SolidComparison
 from vmach.run.collisions import collision_notes, job_collisions
 from vmach.run.inspection import check_some_cut, inspected_points, surface_points, with_causes
+from vmach.run.solid_comparison import compare_solids, comparison_notes
 
 if TYPE_CHECKING:
     import trimesh
@@ -87,6 +88,8 @@ class MachinedPart:
     nominal : NominalPart or None
     model : Variant
         The error model that the solid was cut with.
+    comparison : SolidComparison or None
+        The solid against the nominal CAD.
     stages_s : dict of str to float
     notes : tuple of str
         What the user should know before trusting the numbers.
@@ -100,6 +103,7 @@ class MachinedPart:
     part: VirtualPart
     nominal: NominalPart | None
     model: Variant
+    comparison: SolidComparison | None
     stages_s: dict[str, float]
     notes: tuple[str, ...]
 
@@ -138,6 +142,11 @@ def machine_part(
     )
     with clock.stage("cut") as step:
         part = cut_part(found.sweeps[model], found.preparation.cutters, blank, progress=step)
+    comparison = None
+    if found.nominal is not None:
+        with clock.stage("solids"):
+            limit_mm = job.inspection.difference_mm
+            comparison = compare_solids(found.preparation, part, found.nominal, limit_mm)
     with clock.stage("collide") as step:
         collisions = job_collisions(found.preparation, found.sweeps[model], progress=step)
     return MachinedPart(
@@ -149,8 +158,13 @@ def machine_part(
         part=part,
         nominal=found.nominal,
         model=model,
+        comparison=comparison,
         stages_s=clock.seconds,
-        notes=(*collision_notes(found.preparation, collisions), *found.notes),
+        notes=(
+            *collision_notes(found.preparation, collisions),
+            *comparison_notes(comparison),
+            *found.notes,
+        ),
     )
 
 
@@ -213,14 +227,14 @@ def inspect_part(
         budget=budget,
         nominal=nominal,
         sweeps=sweeps,
-        notes=(*_machine_notes(job), *preparation.notes, *points.notes, *notes),
+        notes=(*preparation.notes, *_assumptions(job), *points.notes, *notes),
     )
 
 
-def _machine_notes(job: Job) -> list[str]:
-    """What in the machine file does not add up, or was assumed, one sentence each."""
-    name = job.machine_path.name
-    return [f"{name}: {str(one).removeprefix('note: ')}" for one in audit(job.machine)]
+def _assumptions(job: Job) -> tuple[str, ...]:
+    """What was assumed of the machine; what is doubtful stands in the preparation's notes."""
+    assumed = [note for note in machine_notes(job.machine) if note.level is Level.NOTE]
+    return sentences(assumed, job.machine_path)
 
 
 def _blank_of(job: Job) -> tuple[np.ndarray, np.ndarray] | trimesh.Trimesh:

@@ -89,9 +89,7 @@ def write_results(
         write_budget_csv(folder / "budget.csv", made.points.id[cut], made.states, made.budget)
         mesh = _display_mesh(made)
         record = run_record(made, command)
-        hint = draw_heatmap(folder / "heatmap.png", mesh, made.points, record)
-        if hint:
-            record = run_record(made, command, hint)
+        draw_heatmap(folder / "heatmap.png", mesh, made.points, record)
         stills = [folder / "heatmap.png"]
         if made.points.remainders:
             stills.append(folder / REMAINDER_FILE)
@@ -111,7 +109,9 @@ def write_coloured_part(made: MachinedPart, path: Path) -> None:
         Unknown ending.
     """
     part = made.part
-    write_part(part, path, colours=part_colours(part.vertices_mm, part.triangles, made.points))
+    colours = part_colours(part.vertices_mm, part.triangles, made.points)
+    with atomic_file(path) as temporary:
+        write_part(part, temporary, colours=colours)
 
 
 def _display_mesh(made: MachinedPart):
@@ -120,7 +120,7 @@ def _display_mesh(made: MachinedPart):
     return build_display_mesh(mesh.vertices_mm, mesh.triangles, made.points)
 
 
-def run_record(made: MachinedPart, command: str, *hints: str) -> RunRecord:
+def run_record(made: MachinedPart, command: str) -> RunRecord:
     """What was run: files with hashes, versions, facts."""
     job, program = made.job, made.preparation.program
     moves = program.moves
@@ -142,8 +142,9 @@ def run_record(made: MachinedPart, command: str, *hints: str) -> RunRecord:
             "volume of the part": f"{made.part.volume_mm3:.1f} mm3",
             "effects": ", ".join(job.effects) or "none beside the error tables",
         },
-        warnings=(*made.notes, *hints),
+        warnings=tuple(made.notes),
         program_lines=tuple(program.source.lines),
+        comparison=made.comparison,
     )
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from vmach.base.units import um_from_mm
 from vmach.errors import InputError
 from vmach.machine import Machine, Variant
-from vmach.machine.audit import audit
 from vmach.machine.double_counting import double_counting
+from vmach.plausibility import machine_notes
 from vmach.volumetric.comparison import Comparison, compare_variants
 from vmach.volumetric.diagonals import Diagonal, diagonals
 from vmach.volumetric.field import ErrorField, Volume
@@ -57,7 +57,7 @@ def accuracy_figures(
         "diagonals": [_diagonal_dict(one) for one in found],
         "variants": _variants_dict(comparison),
         "double_counting": _double_counting(machine),
-        "findings": [str(finding) for finding in audit(machine)],
+        "findings": [str(note) for note in machine_notes(machine)],
     }
 
 

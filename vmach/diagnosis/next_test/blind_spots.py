@@ -16,10 +16,13 @@ __all__ = ["BlindSpot", "blind_spots"]
 
 #: log evidence that an amplitude costs for being free, about
 _FREEDOM = 2.0
-#: a usual size of fewer standard uncertainties shows nothing at all
-_NONE = 1e-3
 #: so many usual sizes do not happen
 _NEVER = 1000
+#: an effect that has to be this many times larger beside those found hides behind them
+_HIDDEN = 2.0
+#: effects found that are named one by one
+_FEW = 3
+_TINY = 1e-12
 
 
 @dataclass(frozen=True)
@@ -34,6 +37,8 @@ class BlindSpot:
     from_size : float or None
         Smallest amplitude that would be found, in the parameter's unit; None where no size would.
     text : str
+    from_size_alone : float or None
+        The same if nothing else had been found.
     """
 
     effect: str
@@ -41,6 +46,7 @@ class BlindSpot:
     parameter: str
     from_size: float | None
     text: str
+    from_size_alone: float | None = None
 
     @property
     def label(self) -> str:
@@ -48,39 +54,70 @@ class BlindSpot:
         return label_of(self.effect, self.target)
 
 
-def blind_spots(search: Search, explanation: Explanation) -> tuple[BlindSpot, ...]:
-    """Effects whose usual size would stay below the threshold, given what was found."""
+def blind_spots(
+    search: Search, explanation: Explanation, *, is_named: bool = True
+) -> tuple[BlindSpot, ...]:
+    """Effects whose usual size would stay below the threshold, given what was found.
+
+    Of what would be seen alone, but hides behind an explanation, both sizes are said.
+
+    Parameters
+    ----------
+    search : Search
+    explanation : Explanation
+    is_named : bool
+        Whether the effects of the explanation are named; else they only come nearest.
+    """
+    labels = sorted(explanation.labels)
+    beside = " and ".join(labels) if len(labels) <= _FEW else f"the {len(labels)} effects found"
+    beside = beside if is_named else "what comes nearest"
     untestable = [
         BlindSpot(effect.name, target, _first(effect), None, reason)
         for effect, target, reason in search.excluded
     ]
     # one amplitude that is z standard uncertainties large has an evidence of about z^2 / 2
-    needed_z = np.sqrt(2.0 * (search.threshold + _FREEDOM))
+    needed_z = float(np.sqrt(2.0 * (search.threshold + _FREEDOM)))
+    weighed = zip(search.candidates, explanation.evidence, search.nothing.evidence, strict=True)
     spots = [
-        _blind_spot(candidate, needed_z, evidence.information)
-        for candidate, evidence in zip(search.candidates, explanation.evidence, strict=True)
+        _blind_spot(
+            candidate,
+            needed_z / max(left.information, _TINY),
+            alone=needed_z / max(all_of_it.information, _TINY),
+            beside=beside,
+        )
+        for candidate, left, all_of_it in weighed
         if candidate.label not in explanation.labels and candidate.effect.amplitudes
     ]
     return (*untestable, *(spot for spot in spots if spot is not None))
 
 
-def _blind_spot(candidate: Candidate, needed_z: float, usual_z: float) -> BlindSpot | None:
+def _blind_spot(
+    candidate: Candidate, needed: float, *, alone: float, beside: str
+) -> BlindSpot | None:
     """From which size on a candidate is seen, where its usual size is not enough.
 
-    Sizes in standard uncertainties: the one that is needed, and the usual one.
+    Sizes in multiples of the usual one: `needed` with what was found, `alone` without it;
+    `beside` says what that is.
     """
     effect, usual = candidate.effect, candidate.effect.amplitudes[0].usual
-    size = usual * needed_z / usual_z if usual_z > _NONE else np.inf
-    if size <= usual:
+    if needed <= 1.0:
         return None
     name = _first(effect)
-    from_size = float(f"{size:.2g}") if size < _NEVER * usual else None
-    text = (
-        f"would be seen from {with_unit(name, from_size)} on; usual are {with_unit(name, usual)}"
-        if from_size
-        else "these measurements do not show it at any size"
-    )
-    return BlindSpot(effect.name, candidate.target, name, from_size, text)
+    from_size = float(f"{needed * usual:.2g}") if needed < _NEVER else None
+    from_size_alone = float(f"{alone * usual:.2g}") if alone < _NEVER else None
+    said = f"from {with_unit(name, from_size)} on" if from_size else "at no size"
+    if from_size_alone and alone * _HIDDEN < needed:
+        text = (
+            f"would be seen from {with_unit(name, from_size_alone)} on alone, {said} beside "
+            f"{beside}"
+        )
+    elif from_size:
+        text = f"would be seen {said}"
+    else:
+        text = "these measurements do not show it at any size"
+        return BlindSpot(effect.name, candidate.target, name, None, text)
+    text += f"; usual are {with_unit(name, usual)}"
+    return BlindSpot(effect.name, candidate.target, name, from_size, text, from_size_alone)
 
 
 def _first(effect: Effect) -> str:

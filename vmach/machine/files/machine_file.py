@@ -12,6 +12,7 @@ from vmach.files.text_file import read_text
 from vmach.files.toml_file import line_of_key, read_toml
 from vmach.machine.chain import LINEAR_AXES, Chain
 from vmach.machine.component_errors import COMPONENT_NAMES, ComponentError, component_of
+from vmach.machine.counted_positions import in_machine_coordinates
 from vmach.machine.files.machine_schema import CROSS_VALIDATION, MachineSchema, TableEntry
 from vmach.machine.files.rotary_file import is_rotary_error, read_rotary_axes
 from vmach.machine.files.volumetric_file import VolumetricFile, read_volumetric_file
@@ -63,7 +64,7 @@ def read_machine(path: str | Path) -> Machine:
         rotary=read_rotary_axes(data, chain.rotary_axes, folder=path.parent, fail=source.fail),
         reference_axes=data.convention.reference_axes or "",
         files=(path, *(path.parent / name for name in dict.fromkeys(files))),
-        notes=tuple(f"{name}: {note}" for name, table in tables.items() for note in table.notes),
+        notes=tuple((name, note) for name, table in tables.items() for note in table.notes),
     )
 
 
@@ -102,6 +103,26 @@ class _Source:
                 )
 
     def table(self, name: str, volumetric: VolumetricFile) -> ErrorTable:
+        """One component error over the positions of its axis."""
+        written = self._written_table(name, volumetric)
+        entry = self.data.errors.get(name, TableEntry())
+        if entry.reverse_deviations is not None and not entry.reverse:
+            raise self.fail(
+                ["errors", name, "reverse_deviations"],
+                f"{name}: reverse_deviations without reverse = true",
+                "both, or neither",
+            )
+        direction, axis, angular = component_of(name)
+        counted = bool(entry.reverse_deviations)
+        return in_machine_coordinates(
+            written,
+            entry.position_zero_mm or 0.0,
+            reverse=bool(entry.reverse),
+            swap=counted,
+            negate=counted and direction == axis and not angular,
+        )
+
+    def _written_table(self, name: str, volumetric: VolumetricFile) -> ErrorTable:
         """The values of one component error, from its own or from the volumetric file."""
         if name not in COMPONENT_NAMES:
             raise self.fail(
@@ -144,6 +165,8 @@ class _Source:
             extrapolation=entry.extrapolation or common.extrapolation or Extrapolation.REFUSE,
             evidence=evidence,
             runs=table.runs,
+            reverse=bool(entry.reverse),
+            reverse_deviations=entry.reverse_deviations,
             provenance=entry.provenance or common.provenance or "",
             measured_on=entry.measured_on or common.measured_on,
             source=str(self.path.parent / (entry.table or self.data.volumetric.file)),

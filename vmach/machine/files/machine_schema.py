@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
-from vmach.files.toml_file import FileSection, Finite, NonNegative, Point, Positive, Whole
+from vmach.files.toml_file import FileSection, Finite, Flag, NonNegative, Point, Positive, Whole
 from vmach.machine.component_errors import SetUp
 from vmach.machine.sign_convention import SignConvention
 from vmach.machine.tables.interpolation import Extrapolation, Method
@@ -81,6 +81,9 @@ class TableEntry(_Curve):
 
     table: str | None = None
     unit: str | None = None
+    position_zero_mm: Finite | None = None
+    reverse: Flag | None = None
+    reverse_deviations: Flag | None = None
     measured_at_mm: Point | None = None
     nose_at_mm: Point | None = None
     stick_out_mm: NonNegative | None = None

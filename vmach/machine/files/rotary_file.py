@@ -106,6 +106,11 @@ def _component(
             keys, f"{name} belongs to a rotary axis: its displacements hold at centre_mm",
             "no measuring point, no set_up",
         )  # fmt: skip
+    if (entry.position_zero_mm, entry.reverse, entry.reverse_deviations) != (None, None, None):
+        raise fail(
+            keys, f"{name} belongs to a rotary axis: its positions are those of the axis",
+            "no position_zero_mm, no reverse",
+        )  # fmt: skip
     method = entry.interpolation or data.tables.interpolation or Method.LINEAR
     if method == CROSS_VALIDATION or (method in (Method.LEGENDRE, Method.FOURIER)):
         raise fail(keys, f"{name}: interpolation '{method}'", "linear, pchip, cubic, smoothing")

@@ -26,7 +26,10 @@ from vmach.errors import InputError
 from vmach.files.text_file import column_hint, csv_rows, decimal_number, read_text
 from vmach.machine.tables.runs import Runs
 
-__all__ = ["MM_PER", "RAD_PER", "ErrorTable", "read_error_table"]
+__all__ = ["LARGEST_MM", "LARGEST_RAD", "MM_PER", "RAD_PER", "ErrorTable", "read_error_table"]
+
+#: no axis of a machine tool errs by more; the number is in another unit
+LARGEST_MM, LARGEST_RAD = 1.0, 0.01
 
 MM_PER = {"um": 1e-3, "mm": 1.0, "m": 1e3, "inch": 25.4}
 RAD_PER = {
@@ -125,7 +128,8 @@ class _Header:
         positions: Mapping[str, float],
     ) -> None:
         self.path, self.line, self.names = path, line, names
-        self.largest, self.size_unit = (10.0, "mm") if "mm" in units else (0.1, "rad")
+        is_length = "mm" in units
+        self.largest, self.size_unit = (LARGEST_MM, "mm") if is_length else (LARGEST_RAD, "rad")
         self.position, self.position_unit = self._find_position(positions)
         self.position_scale = positions[self.position_unit]
         self.approach = names.index("approach") if "approach" in names else None

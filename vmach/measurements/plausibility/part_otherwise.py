@@ -16,7 +16,7 @@ from vmach.machine import LINEAR_AXES, Machine, Variant, displacement
 from vmach.measurements.measurement import Measurement
 from vmach.measurements.plausibility.otherwise import Otherwise, exchanged, exchanged_tables
 from vmach.path.preparation import Preparation
-from vmach.tool_doubts import lengths_meant_mm
+from vmach.plausibility import lengths_meant_mm
 
 __all__ = ["part_otherwise"]
 

@@ -17,9 +17,9 @@ from vmach.nominal.mesh.mesh_checks import (
     edge_sides,
     merge_corners,
 )
+from vmach.nominal.mesh.mesh_solidity import check_each_triangle_once, check_encloses_once
 from vmach.nominal.mesh.stl import read_stl
 from vmach.nominal.mesh.thinning import near_segments, spread
-from vmach.nominal.mesh_solidity import check_each_triangle_once, check_encloses_once
 from vmach.nominal.part import Mesh, NominalPart, check_size
 
 __all__ = ["MeshRegion", "read_stl_part"]

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from vmach.base.units import um_from_mm
-from vmach.nominal.mesh_solidity import check_encloses_once
+from vmach.nominal.mesh.mesh_solidity import check_encloses_once
 from vmach.nominal.part import Mesh, NominalPart, check_size
 from vmach.nominal.step.bodies import read_bodies
 from vmach.nominal.step.exchange_file import StepFile

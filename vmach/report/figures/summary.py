@@ -9,6 +9,7 @@ from pathlib import Path
 
 from vmach.base.units import um_from_mm
 from vmach.files.atomic import atomic_file
+from vmach.report.figures.differences import differences_summary
 from vmach.report.figures.statistics import (
     Statistics,
     column_statistics,
@@ -54,6 +55,7 @@ def summary(points: InspectedPoints, run: RunRecord) -> dict:
         "variants": {
             column.name: _column_summary(points, column, run) for column in points.columns
         },
+        "differences": differences_summary(run),
         "run": {
             "command": run.command,
             "started_at": run.started_at,

@@ -19,7 +19,6 @@ from vmach.report.pictures.camera import isometric_camera, shading
 from vmach.report.pictures.colours import COLOUR_STOPS, colours_of
 from vmach.report.pictures.display_mesh import vertex_normals
 from vmach.report.pictures.rasterise import rasterise
-from vmach.report.pictures.vtk_picture import INSTALL_HINT, vtk_pictures
 from vmach.report.result import Colouring, DisplayMesh, InspectedPoints, RunRecord
 
 __all__ = ["draw_heatmap"]
@@ -37,7 +36,7 @@ def draw_heatmap(
     run: RunRecord,
     *,
     columns: Sequence[str] | None = None,
-) -> str | None:
+) -> None:
     """Draw the mesh coloured by deviation, all panels on one colour scale.
 
     Parameters
@@ -52,12 +51,6 @@ def draw_heatmap(
         Names of the columns to draw; by default all but ``"none"``, a perfect machine, which is
         drawn only where it is the only one.
 
-    Returns
-    -------
-    str or None
-        One line for the user when the picture had to be drawn without VTK: what to install
-        for a smoother one.
-
     Raises
     ------
     InputError
@@ -65,7 +58,7 @@ def draw_heatmap(
     """
     names = _telling_columns(points) if columns is None else list(columns)
     range_mm = common_range_mm([points[name] for name in names])
-    pictures, note = _pictures([mesh.colourings[name] for name in names], mesh, range_mm)
+    pictures = _pictures([mesh.colourings[name] for name in names], mesh, range_mm)
     figure, panels = _figure(len(names), pictures.shape[1] / _DPI)
     for panel, name, picture in zip(panels, names, pictures, strict=True):
         panel.set_axis_off()
@@ -76,7 +69,6 @@ def draw_heatmap(
     _add_colour_bar(figure, range_mm)
     with atomic_file(path) as temporary:
         figure.savefig(temporary, format="png", facecolor="white")
-    return note
 
 
 def _telling_columns(points: InspectedPoints) -> list[str]:
@@ -84,25 +76,14 @@ def _telling_columns(points: InspectedPoints) -> list[str]:
     return [name for name in names if name != "none"] or names
 
 
-def _pictures(
-    colourings: list[Colouring], mesh: DisplayMesh, range_mm: float
-) -> tuple[np.ndarray, str | None]:
-    """(K, height, width, 4) uint8, one picture a colouring, and what to tell the user."""
+def _pictures(colourings: list[Colouring], mesh: DisplayMesh, range_mm: float) -> np.ndarray:
+    """(K, height, width, 4) uint8, one picture a colouring."""
     camera = isometric_camera(mesh.vertices_mm)
     width = round(_PANEL_WIDTH_INCH * _DPI)
     size = (width, round(width * camera.height_mm / camera.width_mm))
     shade = shading(vertex_normals(mesh), camera)
-    colours = np.stack(
-        [shade[:, None] * colours_of(c.value_mm, c.known, range_mm) for c in colourings]
-    )
-    pictures = vtk_pictures(mesh, colours, camera, size)
-    if pictures is not None:
-        return pictures, None
-    note = (
-        "heatmap.png was drawn without VTK, which finds no off-screen graphics here; "
-        f"for a smoother picture: {INSTALL_HINT}"
-    )
-    return np.stack([rasterise(mesh, c, camera, size) for c in colours]), note
+    colours = (shade[:, None] * colours_of(c.value_mm, c.known, range_mm) for c in colourings)
+    return np.stack([rasterise(mesh, c, camera, size) for c in colours])
 
 
 def _figure(count: int, panel_height_inch: float) -> tuple[Figure, list[Axes]]:

@@ -11,7 +11,9 @@ from vmach.report.result import DisplayMesh
 
 __all__ = ["rasterise"]
 
-_OVERSAMPLING = 2
+_OVERSAMPLING = 3
+#: width of an outline: one pixel, half of it on either side of the edge
+_LINE_SAMPLES = _OVERSAMPLING
 _EDGE_COLOUR = (0.16, 0.18, 0.20)
 
 
@@ -40,7 +42,8 @@ def rasterise(
     depth = np.full((height, width), -np.inf)
     _fill_triangles(seen, mesh.triangles, colours, image, depth)
     bias_mm = 2e-3 * camera.height_mm
-    _draw_lines(seen[sharp_edges(mesh)], np.array(_EDGE_COLOUR), image, depth - bias_mm)
+    edges, colour = seen[sharp_edges(mesh)], np.array(_EDGE_COLOUR)
+    _draw_lines(edges, colour, image, depth - bias_mm, _LINE_SAMPLES)
     blocks = image.reshape(size[1], _OVERSAMPLING, size[0], _OVERSAMPLING, 4)
     return _over_white_fringe(blocks.mean(axis=(1, 3)))
 
@@ -86,16 +89,17 @@ def _fill_triangles(seen, triangles, colours, image, depth):
 
 
 @njit(cache=True)
-def _draw_lines(lines, colour, image, depth):
+def _draw_lines(lines, colour, image, depth, width_samples):
     height, width = depth.shape
     for i in range(len(lines)):
         start, end = lines[i, 0], lines[i, 1]
         steps = int(np.ceil(max(abs(end[0] - start[0]), abs(end[1] - start[1])))) + 1
         for k in range(steps + 1):
             point = start + (end - start) * (k / steps)
-            column, row = int(point[0]), int(point[1])
-            if not (0 <= row < height and 0 <= column < width):
-                continue
-            if point[2] >= depth[row, column]:
-                image[row, column, :3] = colour
-                image[row, column, 3] = 1.0
+            left = int(point[0] - 0.5 * (width_samples - 1))
+            top = int(point[1] - 0.5 * (width_samples - 1))
+            for row in range(max(top, 0), min(top + width_samples, height)):
+                for column in range(max(left, 0), min(left + width_samples, width)):
+                    if point[2] >= depth[row, column]:
+                        image[row, column, :3] = colour
+                        image[row, column, 3] = 1.0

@@ -1,4 +1,4 @@
-"""The script that `vtk_picture` runs in a process of its own; it imports nothing of vmach."""
+"""A mesh drawn by VTK, in a process of its own: where it finds no graphics it may abort."""
 
 from __future__ import annotations
 

@@ -1,0 +1,206 @@
+"""Every command asks the same of the files that it reads, in the same words."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from vmach.cli import app
+from vmach.errors import InputError
+
+SAMPLE = Path(__file__).parents[2] / "samples" / "iso10791_7"
+POINTS = "id,feature,x,y,z,i,j,k\n1,top,0,0,0,0,0,1\n2,top,20,0,0,0,0,1\n"
+LINEAR = ("EXX", "EYX", "EZX", "EXY", "EYY", "EZY", "EXZ", "EYZ", "EZZ")
+
+
+@pytest.fixture
+def job(tmp_path) -> Path:
+    """A copy of the sample with a short program, and points to predict."""
+    folder = shutil.copytree(SAMPLE, tmp_path / "job")
+    program = "G21 G90 G17 G54\nT2 M6\nS3200 M3\nG0 X-90 Y0\nG43 H2 Z5\nG1 Z-5 F900\nX90\nZ5\nM30\n"
+    (folder / "part.nc").write_text(program)
+    text = (folder / "job.toml").read_text().replace('nominal = "part.step"\n', "")
+    (folder / "job.toml").write_text(text)
+    (folder / "points.csv").write_text(POINTS)
+    return folder / "job.toml"
+
+
+def edit(path: Path, old: str, new: str, count: int = 1) -> None:
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, count))
+
+
+def scale_column(path: Path, column: int, factor: float) -> None:
+    """Multiply a column of a table; its first line is a comment or the header."""
+    lines = []
+    for line in path.read_text().splitlines():
+        cells = line.split(",")
+        if re.match(r"\s*[-+\d.]", line):
+            cells[column] = repr(float(cells[column]) * factor)
+        lines.append(",".join(cells))
+    path.write_text("\n".join(lines) + "\n")
+
+
+def run(*arguments) -> str:
+    """What a command says, on both streams; raises what it refuses."""
+    result = CliRunner().invoke(app, [str(one) for one in arguments])
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    assert result.exit_code == 0, result.output
+    return " ".join((result.output + result.stderr).split())
+
+
+def commands(job: Path, out: Path) -> dict[str, list]:
+    """A call of every command that a machine goes into."""
+    machine, points = job.with_name("machine.toml"), job.with_name("points.csv")
+    return {
+        "path": ["path", job],
+        "predict": ["predict", job, "--points", points],
+        "compensate": ["compensate", job, "-o", out / "new.nc"],
+        "tables": ["tables", job, "--format", "linuxcnc", "-o", out / "job_tables"],
+        "tables of a machine": ["tables", "--machine", machine, "-o", out / "tables", "--format",
+                                "linuxcnc"],
+        "accuracy": ["accuracy", machine, "--grid", "3", "--json"],
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "accepted"),
+    [
+        ('length = "um"', 'length = "mm"', "1 mm at most"),
+        ('angle = "urad"', 'angle = "mrad"', "0.01 rad at most"),
+        ("EC0Y = 11.8", "EC0Y = 12500", "0.1 .. 5000 urad"),
+        ("[-352.0, -214.0, -492.0]", "[-352000, -214000, -492000]", "-1260 .. 500 mm"),
+    ],
+)
+def test_what_cannot_be_is_refused_by_every_command(job, tmp_path, old, new, accepted):
+    edit(job.with_name("machine.toml"), old, new)
+    said = set()
+    for call in commands(job, tmp_path).values():
+        with pytest.raises(InputError, match=re.escape(accepted)) as refused:
+            run(*call)
+        said.add(str(refused.value))
+    assert len(said) == 1
+    assert not any(tmp_path.glob("*tables")) and not (tmp_path / "new.nc").exists()
+
+
+def test_a_doubt_is_told_by_every_command_in_the_same_words(job, tmp_path):
+    edit(job.with_name("machine.toml"), "EC0Y = 11.8", "EC0Y = 299.72")
+    doubt = "doubt: EC0Y: a squareness of 299.7 urad; accepted: 0.1 .. 200 urad, or 0"
+    for name, call in commands(job, tmp_path).items():
+        assert doubt in run(*call), name
+    assert doubt in (tmp_path / "tables" / "README.md").read_text()
+    notes = json.loads((tmp_path / "job_tables" / "tables.json").read_text())["notes"]
+    assert sum(doubt in note for note in notes) == 1
+    assert "EC0Y" in (tmp_path / "new.nc").read_text()
+
+
+@pytest.mark.parametrize("factor", [1e3, 25.4, 1 / 25.4, 1e-3])
+@pytest.mark.parametrize("key", ["diameter_mm = 20", "length_mm = 130"])
+def test_tools_in_another_unit_are_told(job, tmp_path, key, factor):
+    name, value = key.split(" = ")
+    edit(job, key, f"{name} = {float(value) * factor:.6g}")
+    try:
+        for call in (commands(job, tmp_path)[name] for name in ("path", "predict", "tables")):
+            assert f"doubt: tool 2: {name} = " in run(*call)
+    except InputError as refused:  # beyond the travel, or no tool at all
+        assert factor > 1.0 or "tool 2" in str(refused)
+
+
+@pytest.mark.parametrize("command", ["path", "predict", "compensate", "tables", "accuracy"])
+def test_a_laser_and_a_ballbar_are_enough(job, tmp_path, command):
+    """Positioning tables and squareness only, nobody said where the reflectors stood."""
+    machine = job.with_name("machine.toml")
+    text = machine.read_text()
+    for name in LINEAR:
+        text = re.sub(rf"(\[errors\.{name}\][^\[]*?)measured_at_mm = \[[^\]]*\]\n", r"\1", text)
+    text = re.sub(r"\[errors\.E(?:[ABC].|XY|XZ|YX|YZ|ZX|ZY)\]\ntable = \S+\n", "", text)
+    machine.write_text(text)
+    assert "measured_at_mm" not in "".join(re.findall(r"^[^#].*$", text, re.M))
+    assert re.findall(r"errors\.(E..)\]", text) == ["EXX", "EYY", "EZZ"]
+    run(*commands(job, tmp_path)[command])
+
+
+def test_positions_that_count_from_elsewhere(job):
+    """Targets 0 .. 760 against a travel of -760 .. 0: refused; shifted by the file, the same."""
+    machine, table = job.with_name("machine.toml"), job.parent / "errors" / "EXX.csv"
+    as_it_was = run("path", job)
+    lines = [
+        ",".join([repr(float(line.split(",")[0]) + 760.0), *line.split(",")[1:]])
+        if re.match(r"\s*[-+\d.]", line)
+        else line
+        for line in table.read_text().splitlines()
+    ]
+    table.write_text("\n".join(lines) + "\n")
+    with pytest.raises(InputError, match=r"EXX: table 0 \.\. 760 mm, travel -760 \.\. 0") as no:
+        run("path", job)
+    assert "position_zero_mm = -760" in str(no.value) and "reverse = true" in str(no.value)
+    assert "extrapolation" not in str(no.value)
+    edit(machine, 'table = "errors/EXX.csv"', 'table = "errors/EXX.csv"\nposition_zero_mm = -760')
+    assert run("path", job) == as_it_was
+
+
+@pytest.mark.parametrize("counted", [False, True])
+def test_positions_that_count_against_the_axis(job, counted):
+    """The sample's table written mirrored by hand gives the same errors."""
+    machine, table = job.with_name("machine.toml"), job.parent / "errors" / "EXX.csv"
+    edit(machine, 'length = "um"', 'length = "um"\n')
+    text = machine.read_text()
+    machine.write_text(text.replace("[errors.EXX]", '[tables]\ndirections = "separate"\n\n[errors.EXX]', 1))  # noqa: E501
+    as_it_was = run("path", job)
+    rows = np.loadtxt(table, delimiter=",", skiprows=1, comments="#")
+    mirrored = rows * [-1.0, 1.0, 1.0]
+    if counted:  # the instrument's coordinate is the axis' own with the other sign
+        mirrored = np.column_stack([-rows[:, 0], -rows[:, 2], -rows[:, 1]])
+    body = "\n".join(",".join(map(repr, row)) for row in mirrored.tolist())
+    table.write_text("position_mm, forward, backward\n" + body + "\n")
+    said = f"reverse = true\nreverse_deviations = {str(counted).lower()}"
+    edit(machine, 'table = "errors/EXX.csv"', f'table = "errors/EXX.csv"\n{said}')
+    assert run("path", job) == as_it_was
+
+
+def test_which_way_deviations_count_has_to_be_said(job):
+    machine, table = job.with_name("machine.toml"), job.parent / "errors" / "EXX.csv"
+    scale_column(table, 0, -1.0)
+    edit(machine, 'table = "errors/EXX.csv"', 'table = "errors/EXX.csv"\nreverse = true')
+    assert "accepted: reverse_deviations = true or false" in run("path", job)
+
+
+@pytest.mark.parametrize("factor", [1e3, 25.4, 1 / 25.4, 1e-3])
+def test_positions_in_another_unit(job, factor):
+    machine = job.with_name("machine.toml")
+    edit(machine, 'table = "errors/EYY.csv"', 'table = "errors/EYY.csv"\nextrapolation = "hold"')
+    scale_column(job.parent / "errors" / "EYY.csv", 0, factor)
+    if factor > 1.0:
+        with pytest.raises(InputError, match=r"EYY: table .* the axis was never there"):
+            run("path", job)
+    else:
+        assert "doubt: EYY: table" in run("path", job)
+
+
+def test_one_row_far_out(job):
+    table = job.parent / "errors" / "EYY.csv"
+    lines = table.read_text().splitlines()
+    cells = lines[-1].split(",")
+    table.write_text("\n".join([*lines[:-1], ",".join(["-1e9", *cells[1:]])]) + "\n")
+    with pytest.raises(InputError, match=r"EYY: .*one row not a slip"):
+        run("path", job)
+
+
+@pytest.mark.parametrize("factor", [1e3, 25.4, 1 / 25.4, 1e-3])
+@pytest.mark.parametrize("name", ["EXX", "EYX", "EBY"])
+def test_values_in_another_unit(job, factor, name):
+    table = job.parent / "errors" / f"{name}.csv"
+    for column in (1, 2):
+        scale_column(table, column, factor)
+    try:
+        assert f"doubt: {name}: " in run("path", job)
+    except InputError as refused:
+        assert f"{name}.csv" in str(refused) and "unit" in str(refused)
