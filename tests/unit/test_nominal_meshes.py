@@ -127,7 +127,7 @@ def test_a_step_file_without_a_unit_of_length_asks_for_it(tmp_path):
     assert read_nominal(path, "inch").bounds_mm == pytest.approx(25.4 * right)
 
 
-def test_a_step_solid_in_itself_is_refused(tmp_path):
+def test_a_step_solid_that_is_listed_twice_counts_once(tmp_path):
     text = (PLATE / "part.step").read_text()
     start = text.index("ADVANCED_BREP_SHAPE_REPRESENTATION")
     first = text.index("MANIFOLD_SOLID_BREP")
@@ -135,6 +135,20 @@ def test_a_step_solid_in_itself_is_refused(tmp_path):
     items = text.index(number, start)
     path = tmp_path / "part.step"
     path.write_text(text[:items] + number + "," + text[items:])
+    once = read_nominal(PLATE / "part.step").mesh.volume_mm3
+    assert read_nominal(path).mesh.volume_mm3 == pytest.approx(once, rel=1e-9)
+
+
+def test_a_step_solid_in_another_one_is_refused(tmp_path):
+    text = (PLATE / "part.step").read_text()
+    start = text.index("ADVANCED_BREP_SHAPE_REPRESENTATION")
+    first = text.index("MANIFOLD_SOLID_BREP")
+    number = text[text.rindex("#", 0, first) : first].split("=")[0].strip()
+    items = text.index(number, start)
+    solid = text[first : text.index(";", first) + 1]
+    text = text[:items] + number + ",#999999" + text[items + len(number) :]
+    path = tmp_path / "part.step"
+    path.write_text(text.replace("ENDSEC;\nEND-ISO", f"#999999 = {solid}\nENDSEC;\nEND-ISO"))
     with pytest.raises(InputError, match="2 times behind it"):
         read_nominal(path)
 
