@@ -12,7 +12,7 @@ from gcode.motion.cycles import run_cycle
 from gcode.motion.spindle_synchronised import run_threading, synchronised
 from gcode.motion.splines import close_nurbs, nurbs_point, spline
 from gcode.state.block_values import Values, evaluate, whole
-from gcode.state.codes import CYCLES, IRRELEVANT_M, code_name
+from gcode.state.codes import ARCS, CODES, CYCLES, PATH_CONTROL
 from gcode.state.controller import XY, XZ, YZ, Controller
 from gcode.text.comments import expand_comment
 from gcode.text.expressions import value_of, value_of_key
@@ -20,8 +20,9 @@ from gcode.text.lexer import Block, read_block
 
 __all__ = ["assign", "execute", "restore_modes", "set_units"]
 
-_PLANES = {170: XY, 180: XZ, 190: YZ}
-_FEED_MODES = {930: "inverse", 940: "minute", 950: "revolution"}
+_PLANES = {"G17": XY, "G18": XZ, "G19": YZ}
+_MODAL_MEMORY = ("M70", "M71", "M72", "M73")
+_FEED_MODES = {"G93": "inverse", "G94": "minute", "G95": "revolution"}
 
 
 def execute(controller: Controller, block: Block) -> bool:
@@ -81,8 +82,8 @@ def _execute_modes(controller: Controller, values: Values) -> None:
     g, words = values.g, values.words
     record, say = controller.record, controller.queue.say
     if "spindle_mode" in g:
-        controller.css = g["spindle_mode"] == 960
-        controller.note(code_name(g["spindle_mode"]), "spindle speed mode")
+        controller.css = g["spindle_mode"] == "G96"
+        controller.note(g["spindle_mode"], "spindle speed mode")
     if "feed_mode" in g:
         controller.feed_mode = _FEED_MODES[g["feed_mode"]]
         per_revolution = int(controller.feed_mode == "revolution")
@@ -123,29 +124,25 @@ def _execute_m(controller: Controller, values: Values) -> None:
     for group in ("coolant", "override"):
         if group in m:
             if group == "override":
-                controller.require_no_compensation(f"use M{m[group]}")
-            controller.note(f"M{m[group]}", IRRELEVANT_M[m[group]])
+                controller.require_no_compensation(f"use {m[group]}")
+            controller.note(m[group], CODES[m[group]].text)
     coolant = m.get("coolant")
-    controller.mist = coolant == 7 or (controller.mist and coolant != 9)
-    controller.flood = coolant == 8 or (controller.flood and coolant != 9)
+    controller.mist = coolant == "M7" or (controller.mist and coolant != "M9")
+    controller.flood = coolant == "M8" or (controller.flood and coolant != "M9")
 
 
-def _input_output(controller: Controller, code: int, words: dict[str, float]) -> None:
-    controller.require_no_compensation(f"use M{code}")
-    if code == 66:
+def _input_output(controller: Controller, code: str, words: dict[str, float]) -> None:
+    controller.require_no_compensation(f"use {code}")
+    if code == "M66":
         if not {"p", "e"} & words.keys():
             raise ProgramError("M66 without P or E word")
         unknown_input(controller.parameters)
-        controller.note("M66", "wait for an input")
-        return
-    if ("p" if code < 66 else "e") not in words:
-        raise ProgramError(f"M{code} without {'P' if code < 66 else 'E'} word")
-    controller.note(f"M{code}", IRRELEVANT_M[code])
+    controller.note(code, CODES[code].text)
 
 
-def _change_tool(controller: Controller, code: int, words: dict[str, float]) -> None:
+def _change_tool(controller: Controller, code: str, words: dict[str, float]) -> None:
     record = controller.record
-    if code == 61:
+    if code == "M61":
         number = whole(words.get("q", -1.0), "Q word of M61")
         if number < 0:
             raise ProgramError("M61 without Q word", accepted="Q with the tool's number")
@@ -165,24 +162,24 @@ def _change_tool(controller: Controller, code: int, words: dict[str, float]) -> 
     controller.set_tool_parameters()
 
 
-def _spindle(controller: Controller, code: int) -> None:
-    if code in (70, 71, 72, 73):
+def _spindle(controller: Controller, code: str) -> None:
+    if code in _MODAL_MEMORY:
         _modal_memory(controller, code)
         return
-    controller.spindle = {3: 1, 4: -1}.get(code, 0)
-    if code == 19:
-        controller.note("M19", IRRELEVANT_M[19])
+    controller.spindle = {"M3": 1, "M4": -1}.get(code, 0)
+    if CODES[code].is_noted:
+        controller.note(code, CODES[code].text)
     _say_spindle(controller)
 
 
-def _modal_memory(controller: Controller, code: int) -> None:
+def _modal_memory(controller: Controller, code: str) -> None:
     """M70 saves the modal state, M71 forgets it, M72 restores it, M73 restores on return."""
     memory = controller.saved_modes
-    if code == 72:
+    if code == "M72":
         restore_modes(controller)
         return
-    memory[-1] = None if code == 71 else ModalMemory.of(controller)
-    if code == 73 and len(memory) > 1:
+    memory[-1] = None if code == "M71" else ModalMemory.of(controller)
+    if code == "M73" and len(memory) > 1:
         controller.restore_on_return.add(len(memory))
 
 
@@ -197,13 +194,13 @@ def _execute_g(controller: Controller, values: Values) -> None:
     distance modes, retract mode, non-modal codes, motion."""
     g, record = values.g, controller.record
     nonmodal = g.get("nonmodal")
-    if nonmodal == 40:
+    if nonmodal == "G4":
         seconds = values.words["p"]
         controller.queue.say(lambda: record.dwell(seconds))
     if "plane" in g:
         _select_plane(controller, g["plane"])
     if "units" in g:
-        set_units(controller, 25.4 if g["units"] == 200 else 1.0)
+        set_units(controller, 25.4 if g["units"] == "G20" else 1.0)
     if "diameter" in g:
         _diameter_mode(controller, values)
     if "compensation" in g:
@@ -215,15 +212,15 @@ def _execute_g(controller: Controller, values: Values) -> None:
     if "control" in g:
         controller.require_no_compensation("change the control mode")
         controller.path_control = g["control"]
-        tolerance = values.words.get("p", 0.0) if g["control"] == 640 else 0.0
-        record.event("path_control", g["control"], tolerance * controller.unit_mm)
+        tolerance = values.words.get("p", 0.0) if g["control"] == "G64" else 0.0
+        record.event("path_control", PATH_CONTROL[g["control"]], tolerance * controller.unit_mm)
     if "distance" in g:
-        controller.absolute = g["distance"] == 900
+        controller.absolute = g["distance"] == "G90"
     if "arc_distance" in g:
-        controller.arc_absolute = g["arc_distance"] == 901
+        controller.arc_absolute = g["arc_distance"] == "G90.1"
     if "retract" in g:
         controller.require_no_compensation("change the retract mode")
-        controller.retract_to_initial = g["retract"] == 980
+        controller.retract_to_initial = g["retract"] == "G98"
     if nonmodal is not None:
         _nonmodal(controller, values, nonmodal)
     if "g92_applied" in g:
@@ -232,7 +229,7 @@ def _execute_g(controller: Controller, values: Values) -> None:
         _move(controller, values, values.motion)
 
 
-def _select_plane(controller: Controller, code: int) -> None:
+def _select_plane(controller: Controller, code: str) -> None:
     plane = _PLANES[code]
     if controller.side and (plane != controller.plane or plane == YZ):
         raise ProgramError("cannot change planes with cutter compensation on")
@@ -256,53 +253,53 @@ def set_units(controller: Controller, unit_mm: float) -> None:
 
 
 def _diameter_mode(controller: Controller, values: Values) -> None:
-    wanted = values.g["diameter"] == 70
+    wanted = values.g["diameter"] == "G7"
     if wanted != controller.diameter_mode and "x" in values.words:
         values.words["x"] *= 0.5 if wanted else 2.0
     controller.diameter_mode = wanted
 
 
-def _nonmodal(controller: Controller, values: Values, code: int) -> None:
-    if code == 100:
+def _nonmodal(controller: Controller, values: Values, code: str) -> None:
+    if code == "G10":
         frames.write_tables(controller, values)
-    elif code in (280, 300):
+    elif code in ("G28", "G30"):
         frames.go_home(controller, values, code)
-    elif code in (281, 301):
+    elif code in ("G28.1", "G30.1"):
         frames.set_home(controller, code)
-    elif code in (520, 920):
+    elif code in ("G52", "G92"):
         frames.axis_offsets(controller, values, code)
-    elif code == 53:
+    elif code == "G5.3":
         close_nurbs(controller)
 
 
-def _move(controller: Controller, values: Values, code: int) -> None:
+def _move(controller: Controller, values: Values, code: str) -> None:
     if code not in CYCLES:
         controller.cycle.initial = None
-    if code in (0, 10):
+    if code in ("G0", "G1"):
         interpolation.straight(controller, values, code)
-    elif code in (20, 30):
+    elif code in ARCS:
         interpolation.arc(controller, values, code)
     elif code in CYCLES:
         run_cycle(controller, values, code)
-    elif code == 800:
-        controller.motion = 800
-    elif code in (382, 383, 384, 385):
+    elif code == "G80":
+        controller.motion = "G80"
+    elif code.startswith("G38."):
         interpolation.probe(controller, values, code)
-    elif code in (330, 331):
+    elif code in ("G33", "G33.1"):
         synchronised(controller, values, code)
-    elif code == 760:
+    elif code == "G76":
         run_threading(controller, values)
-    elif code == 52:
+    elif code == "G5.2":
         nurbs_point(controller, values)
     else:
         spline(controller, values, code)
 
 
-def _stop(controller: Controller, code: int) -> bool:
+def _stop(controller: Controller, code: str) -> bool:
     """M0, M1, M60 go on; M2, M30 and M99 of the main program end it."""
     cutter_compensation.flush(controller)
-    if code in IRRELEVANT_M:
-        controller.note(f"M{code}", IRRELEVANT_M[code])
+    if CODES[code].is_noted:
+        controller.note(code, CODES[code].text)
         return False
     frames.end_program(controller)
     if controller.plane != XY:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from gcode.errors import ProgramError
-from gcode.state.controller import XY, XZ, YZ, Controller
+from gcode.state.controller import WORK_OFFSETS, XY, XZ, YZ, Controller
 
 __all__ = ["ModalMemory", "restoring_lines"]
 
@@ -33,7 +33,7 @@ class ModalMemory:
     @classmethod
     def of(cls, c: Controller) -> ModalMemory:
         """Save the present state."""
-        system = f"G{53 + c.system}" if c.system < 7 else f"G59.{c.system - 6}"
+        system = WORK_OFFSETS[c.system - 1]
         g_codes = (
             {XY: "G17", XZ: "G18", YZ: "G19"}[c.plane],
             {0: "G40", 1: "G41", -1: "G42"}[c.side],
@@ -45,7 +45,7 @@ class ModalMemory:
             "G97" if not c.css else "G96",
             "G90.1" if c.arc_absolute else "G91.1",
             "G7" if c.diameter_mode else "G8",
-            {610: "G61", 611: "G61.1", 640: "G64"}[c.path_control],
+            c.path_control,
         )
         m_codes = ({0: "M5", 1: "M3", -1: "M4"}[c.spindle],
                    "M8" if c.flood else "M7" if c.mist else "M9")  # fmt: skip

@@ -43,7 +43,7 @@ def _modes(c: Controller) -> dict[int | str, Callable[[], float]]:
     planes = {XY: 170.0, XZ: 180.0, YZ: 190.0}
     return {
         "_line": lambda: float(c.line),
-        "_motion_mode": lambda: float(c.motion if c.motion is not None else -1),
+        "_motion_mode": lambda: float(-1 if c.motion is None else round(10 * float(c.motion[1:]))),
         "_plane": lambda: planes[c.plane],
         "_ccomp": lambda: {0: 400.0, 1: 410.0, -1: 420.0}[c.side],
         "_metric": lambda: float(c.unit_mm == 1.0),

@@ -127,7 +127,7 @@ class Sinumerik(Translated):
                     accepted="G M T D F S X Y Z A B C I J K CR= TURN=",
                 )
         block = "".join(text)
-        if block and not read_block(block).g_codes and self.controller.motion in (None, 800):
+        if block and not read_block(block).g_codes and self.controller.motion in (None, "G80"):
             block = "g1" + block if any(w[0] in "XYZABC" for w in words) else block
         return block
 

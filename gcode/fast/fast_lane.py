@@ -62,7 +62,7 @@ class FastLane:
             return place
         if self.free >= (len(self.rows[0]) if self.rows else 0):
             self._allocate()
-        state = np.array([*c.position[:3], {0: 0.0, 10: 1.0}.get(c.motion, -1.0), c.feed,
+        state = np.array([*c.position[:3], {"G0": 0.0, "G1": 1.0}.get(c.motion, -1.0), c.feed,
                           c.unit_mm, float(c.absolute)])  # fmt: skip
         offset, line, row = plain_stretch(self.data, place[1], state, self.rows, self.free,
                                           place[0])  # fmt: skip
@@ -97,7 +97,7 @@ class FastLane:
         c.record.stretch(Path(calls, lines, points, rotary, feeds))
         c.position = [x, y, z, *c.position[3:]]
         c.record.last_straight = tuple(c.position)
-        c.motion = 10 if motion == 1.0 else 0
+        c.motion = "G1" if motion == 1.0 else "G0"
         c.cycle.initial = None
         c.straight_only = False
         self.free = row

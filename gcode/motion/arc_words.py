@@ -54,7 +54,7 @@ def arc_centre(
 ) -> tuple[arcs.Point, int]:
     """Centre in the plane's coordinates, and turns (negative clockwise)."""
     words = block.words
-    clockwise = block.motion == 20
+    clockwise = block.motion == "G2"
     turns = math.floor(words.get("p", 1.0) + 0.5)
     if "r" in words:
         centre = arcs.centre_from_radius(start, end, words["r"], clockwise=clockwise,

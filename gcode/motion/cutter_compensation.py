@@ -40,28 +40,28 @@ __all__ = ["arc", "flush", "straight", "switch"]
 _TANGENT = 0.05
 
 
-def switch(controller: Controller, block: Values, code: int) -> None:
+def switch(controller: Controller, block: Values, code: str) -> None:
     """Obey G40, G41, G42, G41.1, G42.1."""
-    if code == 400:
+    if code == "G40":
         _cancel(controller)
         return
-    name = f"G{code // 10}"
+    name = code.partition(".")[0]
     if controller.plane not in (XY, XZ):
         raise ProgramError(f"{name} in plane G19", accepted="G17 or G18")
     if controller.side:
         raise ProgramError(f"{name} with cutter compensation already on", hint="G40 first")
     diameter, orientation = _cutter(controller, block, code)
-    side = LEFT if code in (410, 411) else RIGHT
+    side = LEFT if name == "G41" else RIGHT
     controller.side = -side if diameter < 0.0 else side
     controller.radius = abs(diameter) / 2.0
     controller.orientation = orientation
     controller.note(name, "cutter compensation on") if controller.radius == 0.0 else None
 
 
-def _cutter(controller: Controller, block: Values, code: int) -> tuple[float, int]:
+def _cutter(controller: Controller, block: Values, code: str) -> tuple[float, int]:
     """Diameter in program units and lathe orientation."""
-    words, name = block.words, f"G{code // 10}"
-    if code in (411, 421):
+    words, name = block.words, code.partition(".")[0]
+    if code != name:
         if "d" not in words:
             raise ProgramError(f"{name}.1 without D word", accepted="D with the diameter")
         if "l" in words and controller.plane != XZ:
@@ -94,10 +94,10 @@ def _cancel(controller: Controller) -> None:
     controller.entering = True
 
 
-def straight(controller: Controller, motion: int, end: list[float]) -> None:
+def straight(controller: Controller, motion: str, end: list[float]) -> None:
     """G0 and G1 with compensation on."""
     path = CompensatedPath(controller, end)
-    call = Call.FEED if motion == 10 else Call.TRAVERSE
+    call = Call.FEED if motion == "G1" else Call.TRAVERSE
     level = end[path.axial]
     if controller.entering:
         if distance(path.current, path.end) <= path.radius:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from gcode.errors import ProgramError
 from gcode.motion.interpolation import traverse
 from gcode.state.block_values import Values
-from gcode.state.codes import AXES, code_name
+from gcode.state.codes import AXES, CODES
 from gcode.state.controller import PLANE_AXES, XY, YZ, Controller
 from gcode.state.record import Call
 
@@ -54,7 +54,7 @@ class Hole:
         self.controller.record.dwell(seconds)
 
 
-def run_cycle(controller: Controller, block: Values, motion: int) -> None:
+def run_cycle(controller: Controller, block: Values, motion: str) -> None:
     """Do a canned cycle at every repetition that the block asks for.
 
     Raises
@@ -62,17 +62,16 @@ def run_cycle(controller: Controller, block: Values, motion: int) -> None:
     ProgramError
         Missing or contradictory words, or a mode that forbids cycles.
     """
-    name = code_name(motion)
-    _check_modes(controller, name)
+    _check_modes(controller, motion)
     words, memory, repeats = block.words, controller.cycle, int(block.words.get("l", 1.0))
     fresh = controller.motion != motion
     axial = PLANE_AXES[controller.plane][2]
     if "r" not in words and fresh:
-        raise ProgramError(f"{name} without R word", hint="R is the clearance plane")
+        raise ProgramError(f"{motion} without R word", hint="R is the clearance plane")
     if repeats == 0:
-        raise ProgramError(f"{name} with L0", accepted="L1 or more")
+        raise ProgramError(f"{motion} with L0", accepted="L1 or more")
     if AXES[axial] not in words and fresh:
-        raise ProgramError(f"{name} without {AXES[axial].upper()} word")
+        raise ProgramError(f"{motion} without {AXES[axial].upper()} word")
     _remember(controller, block, motion, fresh=fresh)
     if memory.initial is None:
         memory.initial = controller.position[axial]
@@ -82,35 +81,34 @@ def run_cycle(controller: Controller, block: Values, motion: int) -> None:
     controller.motion = motion
 
 
-def _check_modes(controller: Controller, name: str) -> None:
+def _check_modes(controller: Controller, motion: str) -> None:
     if controller.feed == 0.0:
-        raise ProgramError(f"{name} with feed zero", hint="give a feed first")
+        raise ProgramError(f"{motion} with feed zero", hint="give a feed first")
     if controller.feed_mode == "inverse":
-        raise ProgramError(f"{name} in inverse time mode", accepted="G94")
-    controller.require_no_compensation(f"use {name}")
+        raise ProgramError(f"{motion} in inverse time mode", accepted="G94")
+    controller.require_no_compensation(f"use {motion}")
 
 
-def _remember(controller: Controller, block: Values, motion: int, *, fresh: bool) -> None:
+def _remember(controller: Controller, block: Values, motion: str, *, fresh: bool) -> None:
     """Take R, depth, P, Q, I J K from the block or from the block before."""
     words, memory = block.words, controller.cycle
-    needed = {820: "p", 860: "p", 880: "p", 890: "p", 730: "q", 830: "q", 870: "ijk"}
-    for letter in needed.get(motion, ""):
+    for letter in CODES[motion].first:
         if letter not in words and fresh:
-            raise ProgramError(f"{code_name(motion)} without {letter.upper()} word")
+            raise ProgramError(f"{motion} without {letter.upper()} word")
     memory.r = words.get("r", memory.r)
     axial = PLANE_AXES[controller.plane][2]
     memory.bottom = words.get(AXES[axial], memory.bottom)
     memory.p = words.get("p", memory.p)
     memory.q = words.get("q", memory.q)
     memory.ijk = tuple(words.get(k, old) for k, old in zip("ijk", memory.ijk, strict=True))
-    if motion in (730, 830) and memory.q <= 0.0:
-        raise ProgramError(f"{code_name(motion)} with Q{memory.q:g}", accepted="a positive Q")
+    if motion in ("G73", "G83") and memory.q <= 0.0:
+        raise ProgramError(f"{motion} with Q{memory.q:g}", accepted="a positive Q")
 
 
 class _Drill:
     """The holes of one block."""
 
-    def __init__(self, controller: Controller, block: Values, motion: int) -> None:
+    def __init__(self, controller: Controller, block: Values, motion: str) -> None:
         self.controller, self.motion = controller, motion
         self.clearance = block.words.get("d", _PECK_CLEARANCE_MM / controller.unit_mm)
         memory, words = controller.cycle, block.words
@@ -129,7 +127,7 @@ class _Drill:
             self.step = (words.get(AXES[first], 0.0), words.get(AXES[second], 0.0))
             self.polar_step = (words.get("@", 0.0), math.radians(words.get("^", 0.0)))
         if self.r < self.bottom:
-            raise ProgramError(f"{code_name(motion)}: R plane {self.r:g} is below the bottom "
+            raise ProgramError(f"{motion}: R plane {self.r:g} is below the bottom "
                                f"{self.bottom:g}")
         if old < self.r:
             self._lift(axial)
@@ -286,5 +284,5 @@ def _g89(hole: Hole, _: float) -> None:
     hole.feed(hole.clear)
 
 
-_CYCLES = {730: _g73, 740: _g74, 810: _g81, 820: _g82, 830: _g83, 840: _g84, 850: _g85,
-           860: _g86, 870: _g87, 880: _g88, 890: _g89}  # fmt: skip
+_CYCLES = {"G73": _g73, "G74": _g74, "G81": _g81, "G82": _g82, "G83": _g83, "G84": _g84,
+           "G85": _g85, "G86": _g86, "G87": _g87, "G88": _g88, "G89": _g89}  # fmt: skip

@@ -11,7 +11,7 @@ from gcode.errors import ProgramError
 from gcode.motion.interpolation import block_end, traverse
 from gcode.state.block_values import Values, whole
 from gcode.state.codes import AXES
-from gcode.state.controller import Controller, rotate
+from gcode.state.controller import WORK_OFFSETS, Controller, rotate
 from gcode.text.parameters import FIRST_SYSTEM, G28_HOME, G30_HOME, G92_APPLIED, system_base
 
 __all__ = ["axis_offsets", "end_program", "go_home", "load_offsets", "select_system", "set_home",
@@ -52,10 +52,10 @@ def position_in_system(controller: Controller, system: int, *, with_tool: bool) 
     return point
 
 
-def select_system(controller: Controller, code: int) -> None:
+def select_system(controller: Controller, code: str) -> None:
     """G54 ... G59.3."""
     controller.require_no_compensation("change the work system")
-    system = (code - 540) // 10 + 1 if code <= 590 else code - 590 + 6
+    system = WORK_OFFSETS.index(code) + 1
     if system == controller.system:
         return
     controller.position = position_in_system(controller, system, with_tool=False)
@@ -63,26 +63,26 @@ def select_system(controller: Controller, code: int) -> None:
     say_work_system(controller)
 
 
-def axis_offsets(controller: Controller, block: Values, code: int) -> None:
+def axis_offsets(controller: Controller, block: Values, code: str) -> None:
     """G52, G92, G92.1, G92.2, G92.3."""
     controller.require_no_compensation("change axis offsets")
     parameters, applied = controller.parameters, G92_APPLIED + 1
     before = list(controller.g92)
-    if code in (520, 920):
+    if code in ("G52", "G92"):
         parameters.numbered[G92_APPLIED] = 1.0
         for axis, value in _axis_words(block).items():
             total = controller.position[axis] + controller.g92[axis]
-            controller.g92[axis] = value if code == 520 else total - value
-            controller.position[axis] = total - value if code == 520 else value
+            controller.g92[axis] = value if code == "G52" else total - value
+            controller.position[axis] = total - value if code == "G52" else value
         parameters.set_vector(applied, controller.to_machine_units(controller.g92))
     else:
-        if code == 923:
+        if code == "G92.3":
             controller.g92 = controller.to_program(parameters.vector(applied))
         else:
             controller.g92 = [0.0] * 6
-            if code == 921:
+            if code == "G92.1":
                 parameters.set_vector(applied, [0.0] * 6)
-        parameters.numbered[G92_APPLIED] = 1.0 if code == 923 else 0.0
+        parameters.numbered[G92_APPLIED] = 1.0 if code == "G92.3" else 0.0
         controller.position = [p + b - g for p, b, g in
                                zip(controller.position, before, controller.g92, strict=True)]
     controller.record.offset("set_g92_offset", values=controller.g92)
@@ -208,20 +208,20 @@ def _apply_system(controller: Controller, offset: list[float], angle: float) -> 
     record.event("set_xy_rotation", angle)
 
 
-def set_tool_length(controller: Controller, block: Values, code: int) -> None:
+def set_tool_length(controller: Controller, block: Values, code: str) -> None:
     """G43, G43.1, G43.2, G49."""
     controller.require_no_compensation("change the tool offset")
     words = _axis_words(block)
-    if code == 490:
+    if code == "G49":
         offset = [0.0] * 6
-    elif code == 430:
+    elif code == "G43":
         number = controller.tool if controller.refresh and controller.tool else controller.loaded
         number = int(block.words.get("h", number))
         word = "H" if "h" in block.words else "G43 with tool T"
         offset = controller.tool_offset_of(number, word=word)
     else:
         offset = list(controller.tool_offset)
-        if code == 431:
+        if code == "G43.1":
             for axis, value in words.items():
                 offset[axis] = value
         else:
@@ -237,20 +237,20 @@ def set_tool_length(controller: Controller, block: Values, code: int) -> None:
     controller.record.offset("tool_offset", values=offset)
 
 
-def set_home(controller: Controller, code: int) -> None:
+def set_home(controller: Controller, code: str) -> None:
     """G28.1 and G30.1: remember the present machine position."""
     controller.require_no_compensation("set a reference point")
-    first = G28_HOME if code == 281 else G30_HOME
+    first = G28_HOME if code == "G28.1" else G30_HOME
     here = controller.to_machine_units(controller.machine_position())
     controller.parameters.set_vector(first, here)
 
 
-def go_home(controller: Controller, block: Values, code: int) -> None:
+def go_home(controller: Controller, block: Values, code: str) -> None:
     """G28 and G30: over the programmed point to the reference point."""
     end = block_end(controller, block)
     controller.require_no_compensation("use G28 or G30")
     traverse(controller, end)
-    first = G28_HOME if code == 280 else G30_HOME
+    first = G28_HOME if code == "G28" else G30_HOME
     home = controller.from_machine(controller.to_program(controller.parameters.vector(first)))
     named = _axis_words(block) or dict.fromkeys(range(6))
     traverse(controller, [home[axis] if axis in named else end[axis] for axis in range(6)])

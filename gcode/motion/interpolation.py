@@ -19,7 +19,7 @@ __all__ = ["arc", "block_end", "probe", "straight", "traverse"]
 
 def block_end(controller: Controller, block: Values) -> list[float]:
     """Position X Y Z A B C at which the block ends, program units."""
-    if block.g.get("nonmodal") == 530:
+    if block.g.get("nonmodal") == "G53":
         return _machine_end(controller, block)
     start = _axis_start(controller)
     words = block.words
@@ -89,25 +89,25 @@ def _straight_length(start: list[float], end: list[float]) -> float:
     return math.sqrt(sum(d * d for d in moved))
 
 
-def straight(controller: Controller, block: Values, motion: int) -> None:
+def straight(controller: Controller, block: Values, motion: str) -> None:
     """G0 and G1, with cutter compensation where it is on."""
     controller.straight_only = False
-    if motion == 10:
+    if motion == "G1":
         check_feed(controller, block, "G1")
     controller.motion = motion
     end = block_end(controller, block)
     compensated = controller.side and controller.radius > 0.0
-    if motion == 10 and controller.feed_mode == "inverse":
+    if motion == "G1" and controller.feed_mode == "inverse":
         start = list(controller.position)
         if compensated and not controller.entering:
             start[:3] = controller.programmed
         set_inverse_time_feed(controller, block, _straight_length(start, end))
     if compensated:
-        if block.g.get("nonmodal") == 530:
+        if block.g.get("nonmodal") == "G53":
             raise ProgramError("cannot use G53 with cutter compensation on")
         cutter_compensation.straight(controller, motion, end)
         return
-    traverse(controller, end, Call.FEED if motion == 10 else Call.TRAVERSE)
+    traverse(controller, end, Call.FEED if motion == "G1" else Call.TRAVERSE)
 
 
 def traverse(controller: Controller, end: list[float], call: Call = Call.TRAVERSE) -> None:
@@ -116,7 +116,7 @@ def traverse(controller: Controller, end: list[float], call: Call = Call.TRAVERS
     controller.position = end
 
 
-def arc(controller: Controller, block: Values, motion: int) -> None:
+def arc(controller: Controller, block: Values, motion: str) -> None:
     """G2 and G3 in any plane, helices and several turns included."""
     check_arc_words(controller, block)
     end = block_end(controller, block)
@@ -137,7 +137,7 @@ def arc(controller: Controller, block: Values, motion: int) -> None:
     controller.position = end
 
 
-def probe(controller: Controller, block: Values, motion: int) -> None:
+def probe(controller: Controller, block: Values, motion: str) -> None:
     """G38.n: a straight probing move that runs its full length."""
     controller.require_no_compensation("probe")
     if controller.feed == 0.0:
@@ -145,7 +145,7 @@ def probe(controller: Controller, block: Values, motion: int) -> None:
     if controller.feed_mode == "revolution":
         raise ProgramError("probing with feed per revolution")
     end = block_end(controller, block)
-    if motion in (382, 384) and end == controller.position:
+    if motion in ("G38.2", "G38.4") and end == controller.position:
         raise ProgramError("probe ends where it starts")
     controller.motion = motion
     traverse(controller, end, Call.PROBE)

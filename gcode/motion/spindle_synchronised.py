@@ -13,18 +13,17 @@ from gcode.state.record import Call
 __all__ = ["run_threading", "synchronised"]
 
 
-def synchronised(controller: Controller, block: Values, motion: int) -> None:
+def synchronised(controller: Controller, block: Values, motion: str) -> None:
     """G33 (one pass) and G33.1 (rigid tapping: to the end and back)."""
-    name = "G33" if motion == 330 else "G33.1"
     controller.motion = motion
     controller.straight_only = False
     end = block_end(controller, block)
-    controller.require_no_compensation(f"use {name}")
-    controller.require_spindle(name)
+    controller.require_no_compensation(f"use {motion}")
+    controller.require_spindle(motion)
     record, feed = controller.record, controller.record.feed_mm_per_min
     pitch_mm = abs(block.words["k"]) * controller.unit_mm
     record.feed_mm_per_min = pitch_mm * controller.speed
-    if motion == 330:
+    if motion == "G33":
         traverse(controller, end, Call.FEED)
     else:
         record.straight(Call.TAP, end)
@@ -36,7 +35,7 @@ def run_threading(controller: Controller, block: Values) -> None:
     """G76: passes of increasing depth along X-Z, with taper and spring passes."""
     words = block.words
     controller.require_no_compensation("use G76")
-    controller.motion = 760
+    controller.motion = "G76"
     controller.straight_only = False
     end = block_end(controller, block)
     controller.require_spindle("G76")

@@ -90,9 +90,9 @@ def spline(controller: Controller, block: Values, motion: int) -> None:
         raise ProgramError("splines move X and Y in G17 only")
     end = block_end(controller, block)
     x, y = controller.position[:2]
-    if ("i" in words) != ("j" in words) or (motion == 51 and "i" not in words):
+    if ("i" in words) != ("j" in words) or (motion == "G5.1" and "i" not in words):
         raise ProgramError("spline with one of I and J", accepted="both")
-    if motion == 51:
+    if motion == "G5.1":
         control = [(x, y, 1.0), (x + words["i"], y + words["j"], 1.0), (end[0], end[1], 1.0)]
     else:
         if not {"p", "q"} <= words.keys():
@@ -113,7 +113,7 @@ def nurbs_point(controller: Controller, block: Values) -> None:
     controller.require_no_compensation("use NURBS")
     if controller.plane != XY:
         raise ProgramError("NURBS outside G17")
-    if controller.motion != 52:
+    if controller.motion != "G5.2":
         points.clear()
     if ("x" in words) != ("y" in words):
         raise ProgramError("G5.2 with one of X and Y", accepted="both")
@@ -131,13 +131,13 @@ def nurbs_point(controller: Controller, block: Values) -> None:
             raise ProgramError("G5.2 needs a positive weight P")
         end = block_end(controller, block)
         points.append((end[0], end[1], weight))
-    controller.motion = 52
+    controller.motion = "G5.2"
 
 
 def close_nurbs(controller: Controller) -> None:
     """G5.3: run the NURBS curve through the collected control points."""
     points, order = controller.control_points, controller.nurbs_order
-    if controller.motion != 52:
+    if controller.motion != "G5.2":
         raise ProgramError("G5.3 without G5.2")
     if len(points) < order:
         raise ProgramError(f"NURBS of order {order} with {len(points)} control points",

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcode.errors import ProgramError
+from gcode.state.codes import PATH_CONTROL
 
 __all__ = ["Geometry", "MachineLimits", "durations"]
 
@@ -119,7 +120,7 @@ def durations(
     rapid : (N,) bool
         Which moves are rapids.
     path_control : (N,) int
-        610 exact path (G61), 611 exact stop (G61.1), otherwise blending (G64).
+        As in `gcode.state.codes.PATH_CONTROL`: exact path, exact stop; otherwise blending.
     blend_mm : (N,) float64
         P of G64: how far corners may be rounded; 0 leaves it to `limits`.
     limits : MachineLimits
@@ -148,11 +149,11 @@ def _trapezoids(
     leaving = geometry.directions(geometry.end_mm)
     entering = geometry.directions(geometry.start_mm)
     tolerance = np.where(blend_mm > 0.0, blend_mm, limits.corner_tolerance_mm)
-    tolerance[path_control == 610] = 0.0
+    tolerance[path_control == PATH_CONTROL["G61"]] = 0.0
     corners = corner_speeds(leaving, np.roll(entering, -1, axis=0),
                             acceleration_mm_per_s2=acceleration, tolerance_mm=tolerance)
     standing = (lengths <= 1e-7) | (feed <= 0.0)
-    corners[(path_control == 611) | standing | np.roll(standing, -1)] = 0.0
+    corners[(path_control == PATH_CONTROL["G61.1"]) | standing | np.roll(standing, -1)] = 0.0
     speeds = np.where(distance > 0.0, feed, 0.0)
     arcs = np.flatnonzero(geometry.sweep_rad)
     radii = np.minimum(geometry.radii(arcs, geometry.start_mm),

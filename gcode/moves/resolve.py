@@ -7,6 +7,7 @@ import numpy as np
 from gcode.errors import ProgramError
 from gcode.moves.clock import Geometry, MachineLimits, durations
 from gcode.moves.moves import MoveKind, Moves
+from gcode.state.codes import PATH_CONTROL
 from gcode.state.record import Call, Path, Record
 
 __all__ = ["to_moves"]
@@ -108,7 +109,7 @@ def to_moves(
         tool=modal.column("change_tool")[:, 0],
         tool_offset_mm=offset[:, :3],
         work_offset=modal.column("set_g5x_offset")[:, 0],
-        exact_stop=path_control == 611,
+        exact_stop=path_control == PATH_CONTROL["G61.1"],
         start_s=np.concatenate(([0.0], np.cumsum(duration)[:-1])) if count else duration,
         duration_s=duration,
     )

@@ -6,12 +6,16 @@ import math
 from dataclasses import dataclass, field
 
 from gcode.errors import ProgramError
-from gcode.state.codes import G_GROUPS, M_GROUPS, code_name
+from gcode.state.codes import CODES, code_of
 from gcode.text.expressions import Expression, value_of
 from gcode.text.lexer import Block
 from gcode.text.parameters import Parameters
 
 __all__ = ["Values", "evaluate", "whole"]
+
+_LATHE, _NO_PLANE = "lathe cycles are not read", "planes of U V W axes do not exist here"
+#: Whole number of a code that does not exist here -> why
+_HINTS = {70: _LATHE, 71: _LATHE, 72: _LATHE, 17: _NO_PLANE, 18: _NO_PLANE, 19: _NO_PLANE}
 
 
 @dataclass(slots=True)
@@ -23,15 +27,15 @@ class Values:
     words : dict
         Lower-case letter -> number.
     g, m : dict
-        Modal group -> G code times ten, or M code.
-    motion : int or None
+        Modal group -> code, as ``G38.2``.
+    motion : str or None
         Motion that the block makes, given or carried over from before.
     """
 
     words: dict[str, float] = field(default_factory=dict)
-    g: dict[str, int] = field(default_factory=dict)
-    m: dict[str, int] = field(default_factory=dict)
-    motion: int | None = None
+    g: dict[str, str] = field(default_factory=dict)
+    m: dict[str, str] = field(default_factory=dict)
+    motion: str | None = None
 
 
 def whole(value: float, what: str) -> int:
@@ -63,38 +67,31 @@ def evaluate(block: Block, parameters: Parameters) -> Values:
 
 
 def _add_g(values: Values, number: float) -> None:
-    code = math.floor(10.0 * number + 0.001)
-    if not math.isfinite(number) or abs(10.0 * number - code) > 0.0011:
+    tenths = math.floor(10.0 * number + 0.001) if math.isfinite(number) else 0
+    if not abs(10.0 * number - tenths) <= 0.0011:
         raise ProgramError(f"G{number:g} is not a G code")
-    group = G_GROUPS.get(code)
-    if group is None:
-        raise ProgramError(f"unknown G code {code_name(code)}", hint=_hint(code))
-    present = values.g.get(group)
-    if present is not None and 800 not in (present, code):
-        raise ProgramError(f"{code_name(present)} and {code_name(code)} are of one modal group",
+    code = code_of("G", tenths)
+    if code is None:
+        raise ProgramError(f"unknown G code G{tenths / 10:g}", hint=_HINTS.get(tenths // 10))
+    present = values.g.get(code.group)
+    if present is not None and "G80" not in (present, code.name):
+        raise ProgramError(f"{present} and {code.name} are of one modal group",
                            accepted="one of them in a block")
-    if present is None or code != 800:
-        values.g[group] = code
-
-
-def _hint(code: int) -> str | None:
-    if code in (700, 710, 711, 712, 720, 721, 722):
-        return "lathe cycles are not read"
-    if code in (171, 181, 191):
-        return "planes of U V W axes do not exist here"
-    return None
+    if present is None or code.name != "G80":
+        values.g[code.group] = code.name
 
 
 def _add_m(values: Values, expression: Expression, parameters: Parameters) -> None:
-    code = whole(value_of(expression, parameters), "M code")
-    group = M_GROUPS.get(code)
-    if group is None:
-        raise ProgramError(f"unknown M code M{code}",
-                           accepted="M" + " M".join(str(c) for c in sorted(M_GROUPS)))
-    if group in values.m:
-        raise ProgramError(f"M{values.m[group]} and M{code} are of one modal group",
+    number = whole(value_of(expression, parameters), "M code")
+    code = code_of("M", 10 * number)
+    if code is None:
+        known = [code.name for code in CODES.values() if code.name[0] == "M"]
+        raise ProgramError(f"unknown M code M{number}",
+                           accepted=" ".join(sorted(known, key=lambda name: int(name[1:]))))
+    if code.group in values.m:
+        raise ProgramError(f"{values.m[code.group]} and {code.name} are of one modal group",
                            accepted="one of them in a block")
-    values.m[group] = code
+    values.m[code.group] = code.name
 
 
 def _check_signs(words: dict[str, float]) -> None:

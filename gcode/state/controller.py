@@ -75,7 +75,7 @@ class Controller:
     absolute: bool = True
     arc_absolute: bool = False
     diameter_mode: bool = False
-    motion: int | None = 800
+    motion: str | None = "G80"
     feed_mode: str = "minute"
     feed: float = 0.0
     speed: float = 0.0
@@ -86,7 +86,7 @@ class Controller:
     saved_modes: list = field(default_factory=lambda: [None])  #: M70, M73: one per call level
     restore_on_return: set[int] = field(default_factory=set)
     retract_to_initial: bool = False
-    path_control: int = 640
+    path_control: str = "G64"
     tool: int = 0
     loaded: int = 0  #: tool that G43 without H and G41 without D mean: M6 counts one block later
     selected_tool: int | None = None

@@ -31,12 +31,12 @@ class Modes:
         ``inverse``, ``minute`` or ``revolution``.
     plane : int
         1 XY, 2 YZ, 3 XZ.
-    motion : int or None
-        G code of the motion times ten.
+    motion : str or None
+        Code of the motion, as ``G1``.
     side : int
         Cutter compensation: 1 left, -1 right, 0 off.
-    path_control : int
-        610, 611 or 640.
+    path_control : str
+        ``G61``, ``G61.1`` or ``G64``.
     spindle : int
         1 clockwise, -1 counter-clockwise, 0 standing.
     diameter : bool
@@ -48,9 +48,9 @@ class Modes:
     arc_absolute: bool
     feed_mode: str
     plane: int
-    motion: int | None
+    motion: str | None
     side: int
-    path_control: int
+    path_control: str
     spindle: int
     diameter: bool
 
@@ -90,6 +90,11 @@ class Step:
     comment: str | None = None
     blocks: int = 0
     modes: Modes | None = None
+
+    @property
+    def g_names(self) -> set[str]:
+        """G codes as ``G38.2``."""
+        return {f"G{round(code, 1):g}" for code in self.g_codes}
 
 
 class Trace:

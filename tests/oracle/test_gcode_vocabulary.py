@@ -4,7 +4,7 @@ import warnings
 
 import pytest
 
-from gcode.state.codes import G_GROUPS, M_GROUPS
+from gcode.state.codes import code_of
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
@@ -24,8 +24,8 @@ def subclasses(cls):
 
 
 def group_here(word):
-    number = float(word[1:])
-    return G_GROUPS.get(round(number * 10)) if word[0] == "G" else M_GROUPS.get(round(number))
+    code = code_of(word[0], round(10 * float(word[1:])))
+    return None if code is None else code.group
 
 
 @pytest.fixture(scope="module")

@@ -7,19 +7,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from gcode import Program, Step
+from gcode import WORK_OFFSETS, Program, Step
 from vmach.program_text.control import LETTER_DIALECTS
 
 __all__ = ["FrameShift", "rotation_of_moves", "turned_about_z", "zero_settings"]
 
-_SYSTEMS = {540 + 10 * k: k + 1 for k in range(6)} | {591: 7, 592: 8, 593: 9}
-_G10, _G52, _G92 = 100, 520, {920, 921, 922, 923}
+_SYSTEMS = {name: number for number, name in enumerate(WORK_OFFSETS, 1)}
+_G92 = {"G92", "G92.1", "G92.2", "G92.3"}
 _SET_HERE, _SET_PLAINLY = 20, 2
-_OF_INTEREST = _SYSTEMS.keys() | _G92 | {_G10, _G52}
-
-
-def _codes(step: Step) -> set[int]:
-    return {round(10 * code) for code in step.g_codes}
+_OF_INTEREST = _SYSTEMS.keys() | _G92 | {"G10", "G52"}
 
 
 def rotation_of_moves(program: Program) -> np.ndarray:
@@ -35,7 +31,7 @@ def zero_settings(program: Program) -> list[tuple[Step, float]]:
     """Lines that set or choose a zero, where any sets it at the tool; angle in force then, rad."""
     if program.dialect not in LETTER_DIALECTS:
         return []
-    found = [s for s in program.steps if s.blocks and not _OF_INTEREST.isdisjoint(_codes(s))]
+    found = [s for s in program.steps if s.blocks and not _OF_INTEREST.isdisjoint(s.g_names)]
     if not any(_sets_here(step) for step in found):
         return []
     turns = [(line, values[0]) for _, line, name, *values in program.record.events
@@ -45,8 +41,8 @@ def zero_settings(program: Program) -> list[tuple[Step, float]]:
 
 
 def _sets_here(step: Step) -> bool:
-    codes = _codes(step)
-    return 920 in codes or (_G10 in codes and step.words.get("L") == _SET_HERE)
+    codes = step.g_names
+    return "G92" in codes or ("G10" in codes and step.words.get("L") == _SET_HERE)
 
 
 @dataclass(frozen=True)
@@ -87,14 +83,14 @@ class FrameShift:
         angle_rad : float
             By which the program is turned about Z.
         """
-        codes = _codes(step)
+        codes = step.g_names
         named = np.array([axis in step.words for axis in "XYZ"])
         chosen = next((_SYSTEMS[code] for code in codes if code in _SYSTEMS), self.system)
         shift = replace(self, system=chosen)
-        if _G10 in codes:
+        if "G10" in codes:
             here = carried_mm - turned_about_z(shift.g92_mm, angle_rad)
             return shift._with_system(step, named, here)
-        if codes & (_G92 | {_G52}):
+        if codes & (_G92 | {"G52"}):
             own = shift.systems_mm.get(chosen, np.zeros(3))
             return shift._with_offset(codes, named, turned_about_z(carried_mm - own, -angle_rad))
         return shift
@@ -107,13 +103,13 @@ class FrameShift:
         own = np.where(named, here if form == _SET_HERE else 0.0, before)
         return replace(self, systems_mm={**self.systems_mm, number: own})
 
-    def _with_offset(self, codes: set[int], named: np.ndarray, here: np.ndarray) -> FrameShift:
-        if codes & {920, _G52}:
-            offset = np.where(named, here if 920 in codes else 0.0, self.g92_mm)
+    def _with_offset(self, codes: set[str], named: np.ndarray, here: np.ndarray) -> FrameShift:
+        if codes & {"G92", "G52"}:
+            offset = np.where(named, here if "G92" in codes else 0.0, self.g92_mm)
             return replace(self, g92_mm=offset, stored_mm=offset)
-        if 923 in codes:
+        if "G92.3" in codes:
             return replace(self, g92_mm=self.stored_mm)
-        stored = np.zeros(3) if 921 in codes else self.stored_mm
+        stored = np.zeros(3) if "G92.1" in codes else self.stored_mm
         return replace(self, g92_mm=np.zeros(3), stored_mm=stored)
 
 

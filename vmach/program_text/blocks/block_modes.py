@@ -17,8 +17,8 @@ PLANE_AXES = {1: (0, 1, 2), 2: (1, 2, 0), 3: (2, 0, 1)}
 
 
 #: machine coordinates, reference points, and tapping that turns back by itself: they stay
-_LEFT = {280, 300, 530, 331}
-_RIGID_TAP = 331
+_LEFT = {"G28", "G30", "G53", "G33.1"}
+_RIGID_TAP = "G33.1"
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def block_modes(program: Program) -> dict[int, BlockModes]:
 
 
 def _modes(step: Step) -> BlockModes:
-    modes, codes = step.modes, {round(10 * g) for g in step.g_codes}
+    modes, codes = step.modes, step.g_names
     return BlockModes(
         unit_mm=modes.unit_mm,
         incremental=not modes.absolute,

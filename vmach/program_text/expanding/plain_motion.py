@@ -16,19 +16,22 @@ from vmach.program_text.frame_shift import rotation_of_moves, turned_about_z
 
 __all__ = ["plain"]
 
-_TAPPING = {740, 840}
-_CYCLES = {730, 740, 810, 820, 830, 840, 850, 860, 890}
-#: G codes in tenths whose motion cannot be written in plain blocks
-_REFUSED = {50: "spline", 51: "spline", 52: "spline", 53: "spline", 330: "threading",
-            382: "probing", 383: "probing",
-            384: "probing", 385: "probing", 760: "threading", 870: "back boring",
-            880: "boring with retraction by hand"}  # fmt: skip
+_TAPPING = {"G74", "G84"}
+_CYCLES = {"G73", "G74", "G81", "G82", "G83", "G84", "G85", "G86", "G89"}
+#: G codes whose motion cannot be written in plain blocks
+_REFUSED = {"G5": "spline", "G5.1": "spline", "G5.2": "spline", "G5.3": "spline",
+            "G33": "threading", "G38.2": "probing", "G38.3": "probing", "G38.4": "probing",
+            "G38.5": "probing", "G76": "threading", "G87": "back boring",
+            "G88": "boring with retraction by hand"}  # fmt: skip
 _DIAMETER = "diameter mode"
-_GONE = {0, 10, 20, 30, 530, 980, 990} | {400, 410, 420, 411, 421} | _CYCLES | {800}
+_PLAIN = {"G0", "G1", "G2", "G3"}
+_COMPENSATION = {"G41", "G42", "G41.1", "G42.1"}
+_GONE = _PLAIN | _COMPENSATION | _CYCLES | {"G40", "G53", "G80", "G98", "G99"}
+_PATH_CONTROL = {"G61", "G61.1", "G64"}
 _GONE_WORDS = frozenset("XYZIJKRPQLD@^")
 _AXES = "XYZ"
 _STILL_MM = 1e-9
-_REFERENCE = {280, 300}
+_REFERENCE = {"G28", "G30"}
 
 
 def plain(program: Program, *, floating_tap: bool) -> Expanded | None:
@@ -69,7 +72,7 @@ def plain(program: Program, *, floating_tap: bool) -> Expanded | None:
 
 def _why(step: Step, rows: np.ndarray) -> str | None:
     """Why a line is to be written out; None where it may stay."""
-    codes = {round(10 * g) for g in step.g_codes}
+    codes = step.g_names
     modes, switched = step.modes, step.before.side != step.modes.side
     for code in (*codes, *([modes.motion] if len(rows) else [])):
         if code in _REFUSED:
@@ -78,7 +81,7 @@ def _why(step: Step, rows: np.ndarray) -> str | None:
         return _DIAMETER
     if modes.motion in _CYCLES and (len(rows) or codes & _CYCLES):
         return "canned cycle: plain motion"
-    if modes.side or step.before.side or switched or codes & {410, 420, 411, 421}:
+    if modes.side or step.before.side or switched or codes & _COMPENSATION:
         return "cutter compensation: the compensated path"
     if len(rows) and step.words.keys() & {"@", "^"}:
         return "polar coordinates: X and Y"
@@ -91,7 +94,7 @@ class _Writer:
 
     program: Program
     lines: LineBuilder
-    motion: int | None = None  #: G code in force in the new text; None where it is the old one's
+    motion: str | None = None  #: G code in force in the new text; None where it is the old one's
     resume: str | None = None  #: words that end the exact stops of a run of cycles
     said_control: str = "G64"
     ended_compensation: bool = False
@@ -121,7 +124,7 @@ class _Writer:
     def line(self, line: int, step: Step | None, why: str | None) -> None:
         """Copy a line, or write it out."""
         rows = self.rows_of(line)
-        if step is not None and any(round(10 * g) in (610, 611, 640) for g in step.g_codes):
+        if step is not None and step.g_names & _PATH_CONTROL:
             self.said_control = " ".join(
                 [f"{w.letter}{w.text[1:].strip()}" for w in self.program.source.words(line)
                  if w.letter in "GPQ" and (w.letter != "G" or w.value in (61, 61.1, 64))]
@@ -137,31 +140,30 @@ class _Writer:
                 why = "cutter compensation: the programmed point after its end"
         if why is None:
             self.lines.keep(line)
-            if step is not None and {round(10 * g) for g in step.g_codes} & {0, 10, 20, 30, 800}:
+            if step is not None and step.g_names & (_PLAIN | {"G80"}):
                 self.motion = None
         else:
             self._write_out(line, step, rows, why)
 
     def _loses_motion(self, step: Step) -> bool:
         """A line that relies on a motion word that the new text has changed."""
-        own = any(round(10 * g) in (0, 10, 20, 30) for g in step.g_codes)
-        return not own and self.motion not in (None, step.modes.motion)
+        return not step.g_names & _PLAIN and self.motion not in (None, step.modes.motion)
 
     def _goes_elsewhere(self, step: Step, rows: np.ndarray) -> bool:
         """The first line after G40 also moves the axes that it does not name."""
-        row, codes = int(rows[0]), {round(10 * g) for g in step.g_codes}
+        row, codes = int(rows[0]), step.g_names
         if not self.ended_compensation or codes & _REFERENCE:
             return False
         self.ended_compensation = False
         motion, unit_mm = self.motion_of(row), step.modes.unit_mm
         said = np.array([unit_mm * step.words.get(letter, 0.0) for letter in _AXES])
-        if step.modes.absolute or 530 in codes:
+        if step.modes.absolute or "G53" in codes:
             said = np.where([letter in step.words for letter in _AXES], motion, 0.0)
         return bool((np.abs(motion - said) > _STILL_MM).any())
 
     def _write_out(self, line: int, step: Step, rows: np.ndarray, why: str) -> None:
         blocks = [b for b in _Blocks(self, step, rows) if b]
-        exact = step.modes.motion in _CYCLES and step.modes.path_control == 640 and len(blocks)
+        exact = step.modes.motion in _CYCLES and step.modes.path_control == "G64" and len(blocks)
         if exact and self.resume is None:
             blocks[0], self.resume = f"G61 {blocks[0]}", self.said_control
         head = self._head(line, step, blocks[0] if blocks else "")
@@ -197,9 +199,9 @@ class _Writer:
 
     def _goes(self, word: Word, step: Step) -> bool:
         if word.letter == "G":
-            return word.value is not None and round(10 * word.value) in _GONE
+            return word.value is not None and f"G{word.value:g}" in _GONE
         return word.letter in _GONE_WORDS and not (
-            word.letter in "PQ" and {round(g) for g in step.g_codes} & {64, 4, 10}
+            word.letter in "PQ" and step.g_names & {"G4", "G10", "G64"}
         )
 
     def end_exact_path(self) -> None:
@@ -242,7 +244,7 @@ class _Blocks:
         forward, backward = ("M3", "M4") if self.modes.spindle > 0 else ("M4", "M3")
         if self.modes.motion in _TAPPING:
             return [backward], [], forward
-        if self.modes.motion == 860:
+        if self.modes.motion == "G86":
             return [], ["M5"], forward
         return [], [], None
 
@@ -260,7 +262,7 @@ class _Blocks:
             return ""
         else:
             code = 0 if kind == MoveKind.RAPID else 1
-        writer.motion = 10 * code
+        writer.motion = f"G{code}"
         if self.modes.feed_mode == "inverse" and code:
             texts.append("F" + self._inverse_feed(row))
         return " ".join([f"G{code}", *texts])
