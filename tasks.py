@@ -3,6 +3,7 @@
 
     python3 tasks.py demo     machine the sample part and say where the report is
     python3 tasks.py test     pass the tests
+    python3 tasks.py docs     build the documentation's site in out/site
     python3 tasks.py setup    only make the environment (.venv)
 
 Needs Python 3.11 or newer and nothing else.
@@ -27,7 +28,7 @@ MEASURED_SAMPLE = ROOT / "samples" / "missing_effect" / "job.toml"
 
 def main() -> int:
     """Run the task named on the command line; returns its exit status."""
-    tasks = {"demo": demo, "test": test, "setup": lambda _: 0}
+    tasks = {"demo": demo, "test": test, "docs": docs, "setup": lambda _: 0}
     if len(sys.argv) < 2 or sys.argv[1] not in tasks:
         print(__doc__.strip(), file=sys.stderr)
         return 2
@@ -88,6 +89,18 @@ def demo(arguments: list[str]) -> int:
 def test(arguments: list[str]) -> int:
     """Pass the tests."""
     return subprocess.run([PYTHON, "-m", "pytest", *arguments], cwd=ROOT).returncode
+
+
+def docs(arguments: list[str]) -> int:
+    """Build the site: every page, and the reference from the docstrings; any warning fails it."""
+    install = [PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    subprocess.run([*install, "--editable", f"{ROOT}[docs]"], check=True)
+    out = ROOT / "out" / "site"
+    command = [PYTHON, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html", ROOT / "docs", out]
+    status = subprocess.run([*command, *arguments], cwd=ROOT).returncode
+    if status == 0:
+        print(f"the site is in {out / 'index.html'}")
+    return status
 
 
 if __name__ == "__main__":

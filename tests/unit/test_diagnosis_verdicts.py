@@ -280,6 +280,8 @@ def test_what_makes_an_effect_has_to_be_there():
         (["tool_wear T2", "tool_slip T1", "runout T2"], False),
         (["backlash X", "scale X", "servo_lag"], False),
         (["backlash X", "scale X", "component EYX"], True),
+        (["spindle_growth Z", "axis_expansion X", "backlash X"], False),  # three kinds, two slow
+        (["axis_expansion Y", "axis_expansion X", "backlash X"], True),  # two kinds, two slow
         (["backlash X", "component EYX"], False),
         (["component EXX", "component EYX"], True),
         (["component EXX", "component EAX"], False),  # EAX was never measured

@@ -36,5 +36,6 @@ def _variance(prediction: Prediction, states: PathStates, normals: np.ndarray) -
     ]
     if prediction.variant is not Variant.NONE:
         tables = TableUncertainty.of(job.machine)
-        parts.append(tables.factors(Circumstances(states, job), normals))
+        path = Circumstances(states, job, prediction.variant)
+        parts.append(tables.factors(path, normals))
     return sum((np.square(part).sum(axis=1) for part in parts), start=np.zeros(len(states)))

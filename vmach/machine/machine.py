@@ -127,7 +127,7 @@ class Machine:
                 file=self.files[0] if self.files else None,
                 accepted="three numbers: where the reflector stood, in the frame of the body "
                 "that the axis carries",
-                hint="the Abbe-consistent model needs it; '--model htm' does not",
+                hint="the Abbe-consistent model needs it; commands with '--model htm' do not",
             )
         points = np.zeros((3, 3, 3))
         for name, component in self._linear_components():

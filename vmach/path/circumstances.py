@@ -10,7 +10,7 @@ import numpy as np
 
 from gcode import WORK_OFFSETS, Moves
 from vmach.job import Job
-from vmach.machine import RigidDisplacement
+from vmach.machine import RigidDisplacement, Variant
 from vmach.path.blank_depth import blank_depth_mm
 from vmach.path.dynamics import corner_before, curvature_per_mm
 from vmach.path.engagement import radial_depth_mm
@@ -37,10 +37,13 @@ class Circumstances:
     states : PathStates
     job : Job
         For machine, tools, blank and work offsets.
+    variant : Variant
+        From where the arms of the machine's angular errors count.
     """
 
     states: PathStates
     job: Job
+    variant: Variant = Variant.ABBE
 
     def __len__(self) -> int:
         return len(self.states)
@@ -274,7 +277,7 @@ class Circumstances:
 
     @cached_property
     def _levers(self) -> dict[str, RigidDisplacement]:
-        return levers(self.job.machine, self.nose_mm, self.tool_mm)
+        return levers(self.job.machine, self.nose_mm, self.tool_mm, self.variant)
 
     @cached_property
     def axis_tilt_rad(self) -> np.ndarray:

@@ -16,7 +16,10 @@ _EVERYWHERE_MM = np.array([-1e6, 1e6])
 
 
 def levers(
-    machine: Machine, nose_mm: np.ndarray, tool_mm: np.ndarray
+    machine: Machine,
+    nose_mm: np.ndarray,
+    tool_mm: np.ndarray,
+    variant: Variant = Variant.ABBE,
 ) -> dict[str, RigidDisplacement]:
     """Displacement of the tool by one unit (mm or rad) of each component error everywhere.
 
@@ -25,6 +28,8 @@ def levers(
     machine : Machine
     nose_mm, tool_mm : (P, 3) float64
         Axis positions, and the vector from nose to tip.
+    variant : Variant
+        From where the arms of angular errors count.
     """
     units = {}
     for name in COMPONENT_NAMES:
@@ -34,7 +39,7 @@ def levers(
         at = None if known is None else known.measured_at_mm
         units[name] = replace(unit, measured_at_mm=np.zeros(3) if at is None else at)
     changed = replace(machine, components=units)
-    return dict(contributions(changed, nose_mm, tool_mm, Variant.ABBE))
+    return dict(contributions(changed, nose_mm, tool_mm, variant))
 
 
 def tilts_of_axes_rad(machine: Machine, nose_mm: np.ndarray, tool_mm: np.ndarray) -> np.ndarray:

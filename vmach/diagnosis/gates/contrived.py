@@ -21,13 +21,15 @@ _TOO_MANY_FLEXIBLE = 2
 def is_contrived(findings: Sequence[Finding], *, expected: Collection[str] = ()) -> bool:
     """Whether so many effects at once are more likely to imitate something unknown.
 
-    Several flexible or slow ones can be bent to it.
+    Too many are: more than three effects; three of one tool; two flexible ones; a flexible one
+    among three; three effects of two kinds of which two are slow or flexible.
 
     Parameters
     ----------
     findings : sequence of Finding
     expected : collection of str
-        Labels of those that are known to be there, as tables that were never measured.
+        Labels of those that are known to be there, as tables that were never measured; they do
+        not count as flexible.
     """
     of_tools = Counter(f.target for f in findings if isinstance(f.effect, OfOneTool))
     if max(of_tools.values(), default=0) >= _TOO_MANY_OF_A_TOOL:
