@@ -7,6 +7,7 @@
     python3 tasks.py check-all
                               the same on every Python from 3.11 to 3.13 that is installed,
                               with the newest and the oldest dependencies
+    python3 tasks.py docs     build the documentation's site in out/site
     python3 tasks.py setup    only make the environment (.venv)
 
 Needs Python 3.11 or newer and nothing else.
@@ -31,8 +32,14 @@ PYTHONS = ("3.11", "3.12", "3.13")
 
 def main() -> int:
     """Run the task named on the command line; returns its exit status."""
-    tasks = {"demo": demo, "test": test, "check": check,
-             "check-all": check_all, "setup": lambda _: 0}  # fmt: skip
+    tasks = {
+        "demo": demo,
+        "test": test,
+        "check": check,
+        "check-all": check_all,
+        "docs": docs,
+        "setup": lambda _: 0,
+    }
     if len(sys.argv) < 2 or sys.argv[1] not in tasks:
         print(__doc__.strip(), file=sys.stderr)
         return 2
@@ -145,6 +152,18 @@ def oldest() -> list[str]:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     wanted = project["dependencies"] + project["optional-dependencies"]["test"]
     return [requirement.replace(">=", "==") for requirement in wanted]
+
+
+def docs(arguments: list[str]) -> int:
+    """Build the site: every page, and the reference from the docstrings; any warning fails it."""
+    install = [PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    subprocess.run([*install, "--editable", f"{ROOT}[docs]"], check=True)
+    out = ROOT / "out" / "site"
+    command = [PYTHON, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html", ROOT / "docs", out]
+    status = subprocess.run([*command, *arguments], cwd=ROOT).returncode
+    if status == 0:
+        print(f"the site is in {out / 'index.html'}")
+    return status
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """What ``import vmach`` offers, used as a program of a user's own would."""
 
 import importlib
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -103,3 +104,9 @@ def test_the_page_names_every_public_name():
     assert [name for name in sorted(set(vmach.__all__) - results) if name not in page] == [
         "SurfacePoints", "__version__",
     ]  # fmt: skip
+
+
+def test_the_reference_has_every_public_name():
+    page = (Path(__file__).parents[2] / "docs" / "reference.md").read_text()
+    listed = set(re.findall(r"^\.\. auto(?:class|function):: vmach\.(\w+)$", page, re.MULTILINE))
+    assert listed == set(vmach.__all__) - {"__version__"}

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import NdBSpline
 from scipy.spatial import cKDTree
+
+from vmach.nominal.surfaces.bspline_kernel import (
+    LARGEST_DEGREE,
+    evaluate_surface,
+    nearest_parameters,
+)
 
 __all__ = ["BSplineSurface"]
 
@@ -24,6 +29,11 @@ class BSplineSurface:
     knots : pair of arrays
         Knots in u and v, repeated by their multiplicity.
     degrees : pair of int
+
+    Raises
+    ------
+    ValueError
+        A degree above `LARGEST_DEGREE`.
     """
 
     kind = label = "free-form"
@@ -35,8 +45,10 @@ class BSplineSurface:
         knots: tuple[np.ndarray, np.ndarray],
         degrees: tuple[int, int],
     ) -> None:
+        if max(degrees) > LARGEST_DEGREE:
+            raise ValueError(f"degree {max(degrees)}")
         homogeneous = np.concatenate([control_mm * weights[..., None], weights[..., None]], axis=2)
-        self._spline = NdBSpline(knots, homogeneous, degrees)
+        self._spline = *knots, (int(degrees[0]), int(degrees[1])), homogeneous
         self._low = np.array([t[k] for t, k in zip(knots, degrees, strict=True)])
         self._high = np.array([t[-k - 1] for t, k in zip(knots, degrees, strict=True)])
         grid = [self._seeds(t, axis) for axis, t in enumerate(knots)]
@@ -80,30 +92,14 @@ class BSplineSurface:
         return np.where(self._period, wrapped, np.clip(uv, self._low, self._high))
 
     def evaluate(self, uv: np.ndarray) -> np.ndarray:
-        value = self._spline(self._inside(uv))
-        return value[:, :3] / value[:, 3:]
+        return evaluate_surface(*self._spline, self._inside(uv))[:, 0]
 
     def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        uv = self._inside(uv)
-        value = self._spline(uv)
-        point = value[:, :3] / value[:, 3:]
-        slopes = (self._spline(uv, nu=nu) for nu in ((1, 0), (0, 1)))
-        return tuple((slope[:, :3] - slope[:, 3:] * point) / value[:, 3:] for slope in slopes)
+        found = evaluate_surface(*self._spline, self._inside(uv))
+        return found[:, 1], found[:, 2]
 
     def parameters(self, points: np.ndarray) -> np.ndarray:
         """Of the nearest point, by Gauss-Newton steps from the nearest of a grid of seeds."""
-        uv = self._seed_uv[self._tree.query(points)[1]]
-        for _ in range(30):
-            along_u, along_v = self.derivatives(uv)
-            gap = points - self.evaluate(uv)
-            jacobian = np.stack([along_u, along_v], axis=2)
-            square = np.swapaxes(jacobian, 1, 2) @ jacobian
-            # a touch of damping keeps the step finite at poles
-            damping = 1e-14 * np.trace(square, axis1=1, axis2=2)[:, None, None] + 1e-300
-            step = np.linalg.solve(
-                square + damping * np.eye(2), np.swapaxes(jacobian, 1, 2) @ gap[:, :, None]
-            )[:, :, 0]
-            uv = self._inside(uv + step)
-            if np.abs(step).max(initial=0.0) < 1e-14 * (self._high - self._low).max():
-                break
-        return uv
+        points = np.ascontiguousarray(points)
+        start = self._seed_uv[self._tree.query(points)[1]]
+        return nearest_parameters(*self._spline, start, points, self._period)

@@ -13,6 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from vmach.nominal.surfaces import Surface
+from vmach.nominal.surfaces.crossings import (
+    INSIDE,
+    MEETS_NO_EDGE,
+    line_crossings,
+    sides_of_points,
+)
 
 __all__ = ["Trim", "is_pole"]
 
@@ -72,7 +78,7 @@ class Trim:
     def row_intervals(self, v: float) -> np.ndarray:
         """Intervals of u that the face covers at one v, (I, 2); a full turn is one interval."""
         period = self.surface.u_period
-        u, upward = _crossings(self.segments_uv, 1, v, self.surface.v_period)
+        u, upward = line_crossings(self.segments_uv, 1, v, self.surface.v_period)
         begins = ~upward
         if not len(u):
             inside = bool(period) and self._covers_row(v)
@@ -87,27 +93,13 @@ class Trim:
 
     def contains(self, uv: np.ndarray) -> np.ndarray:
         """Mask of the points (N, 2) that lie inside the face."""
-        inside = np.zeros(len(uv), dtype=bool)
         if not len(self.segments_uv):
-            return ~inside
-        pieces = len(uv) * len(self.segments_uv) // 1_000_000 + 1
-        for chunk in np.array_split(np.arange(len(uv)), pieces):
-            inside[chunk] = self._contains(uv[chunk])
-        return inside
-
-    def _contains(self, uv: np.ndarray) -> np.ndarray:
-        """From the nearest edge towards +u of each point: inside where the face ends there."""
-        point, u, upward = _all_crossings(self.segments_uv, 1, uv[:, 1], self.surface.v_period)
-        ahead = u - uv[point, 0]
-        if self.surface.u_period:
-            ahead = np.mod(ahead, self.surface.u_period)
-        order = np.lexsort((ahead, point))
-        order = order[ahead[order] >= 0.0]
-        first, where = np.unique(point[order], return_index=True)
-        inside = np.zeros(len(uv), dtype=bool)
-        inside[first] = upward[order[where]]
-        if self.surface.u_period:
-            for row in np.setdiff1d(np.arange(len(uv)), point):
+            return np.ones(len(uv), dtype=bool)
+        surface, uv = self.surface, np.ascontiguousarray(uv)
+        sides = sides_of_points(self.segments_uv, uv, surface.u_period, surface.v_period)
+        inside = sides == INSIDE
+        if surface.u_period:
+            for row in np.flatnonzero(sides == MEETS_NO_EDGE):
                 inside[row] = self._covers_row(uv[row, 1])
         return inside
 
@@ -126,7 +118,8 @@ class Trim:
 
     def turned(self) -> Trim:
         """The same edges with the face on their other side."""
-        return Trim(self.surface, self.segments_mm[:, ::-1], self.segments_uv[:, ::-1])
+        segments_uv = np.ascontiguousarray(self.segments_uv[:, ::-1])
+        return Trim(self.surface, self.segments_mm[:, ::-1], segments_uv)
 
     def _column(self) -> tuple[np.ndarray, np.ndarray]:
         """Crossings of one column with the edges: v, and whether the face begins there."""
@@ -143,7 +136,7 @@ class Trim:
             return np.empty(0), np.empty(0, dtype=bool)
         step = np.abs(self.segments_uv[:, 1, axis] - self.segments_uv[:, 0, axis])
         middle = self.segments_uv[np.argmax(step), :, axis].mean()
-        return _crossings(self.segments_uv, axis, middle, period)
+        return line_crossings(self.segments_uv, axis, middle, period)
 
     def _covers_row(self, v: float) -> bool:
         """Whether a row that meets no edge is inside, from the nearest crossing of a column."""
@@ -165,28 +158,6 @@ def is_pole(surface: Surface, v: float) -> bool:
     u = np.linspace(0.0, surface.u_period, 24, endpoint=False)
     around, _ = surface.derivatives(np.column_stack([u, np.full_like(u, v)]))
     return np.linalg.norm(around, axis=1).max() * surface.u_period < 1e-6
-
-
-def _crossings(
-    segments: np.ndarray, axis: int, value: float, period: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Where segments (S, 2, 2) cross uv[axis] = value: the other coordinate, and if upwards."""
-    return _all_crossings(segments, axis, np.array([value]), period)[1:]
-
-
-def _all_crossings(
-    segments: np.ndarray, axis: int, values: np.ndarray, period: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The same for many values: which value, the other coordinate, and if upwards."""
-    height = segments[:, :, axis] - values[:, None, None]
-    side = np.floor(height / period) if period else (height >= 0.0).astype(np.float64)
-    which, segment = np.nonzero(side[:, :, 0] != side[:, :, 1])
-    side = side[which, segment]
-    start, end = segments[segment, 0], segments[segment, 1]
-    target = values[which] + period * side.max(axis=1)
-    share = (target - start[:, axis]) / (end[:, axis] - start[:, axis])
-    other = start[:, 1 - axis] + share * (end[:, 1 - axis] - start[:, 1 - axis])
-    return which, other, side[:, 1] > side[:, 0]
 
 
 def _defined(uv: np.ndarray) -> np.ndarray:
