@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,8 @@ from typer.testing import CliRunner
 
 from vmach.cli import app
 from vmach.errors import InputError
+from vmach.job import read_job
+from vmach.path.levers import levers
 
 SAMPLE = Path(__file__).parents[2] / "samples" / "iso10791_7"
 POINTS = "id,feature,x,y,z,i,j,k\n1,top,0,0,0,0,0,1\n2,top,20,0,0,0,0,1\n"
@@ -102,6 +105,11 @@ def test_a_doubt_is_told_by_every_command_in_the_same_words(job, tmp_path):
     assert "EC0Y" in (tmp_path / "new.nc").read_text()
 
 
+def test_a_place_in_metres_is_told(job):
+    edit(job.with_name("machine.toml"), "[-352.0, -214.0, -492.0]", "[-0.352, -0.214, -0.492]")
+    assert "doubt: EXX: measured 0.64 mm from the spindle nose at home" in run("path", job)
+
+
 @pytest.mark.parametrize("factor", [1e3, 25.4, 1 / 25.4, 1e-3])
 @pytest.mark.parametrize("key", ["diameter_mm = 20", "length_mm = 130"])
 def test_tools_in_another_unit_are_told(job, tmp_path, key, factor):
@@ -128,6 +136,26 @@ def test_a_laser_and_a_ballbar_are_enough(job, tmp_path, command):
     run(*commands(job, tmp_path)[command])
 
 
+def test_levers_of_a_laser_and_a_ballbar(job):
+    """What diagnosis and uncertainty ask for: one unit of every component error, placed or not."""
+    edit(job.with_name("machine.toml"), "measured_at_mm = [-352.0, -214.0, -492.0]\n", "")
+    machine = read_job(job).machine
+    alone = replace(machine, components={"EXX": machine.components["EXX"]})
+    assert alone.unplaced == () and machine.unplaced == ("EXX",)
+    found = levers(alone, np.zeros((1, 3)), np.array([[0.0, 0.0, -100.0]]))
+    assert found["EBX"].shift_mm[0] == pytest.approx([-100.0, 0.0, 0.0])
+
+
+def test_an_angle_about_its_own_direction_asks_for_no_place(job):
+    """A roll turns about X: no point moves along X by it, so EXX needs no place."""
+    edit(job.with_name("machine.toml"), "measured_at_mm = [-352.0, -214.0, -492.0]\n", "")
+    machine = read_job(job).machine
+    rolls = {name: machine.components[name] for name in ("EXX", "EAX")}
+    assert replace(machine, components=rolls).unplaced == ()
+    pitches = {name: machine.components[name] for name in ("EXX", "EBX")}
+    assert replace(machine, components=pitches).unplaced == ("EXX",)
+
+
 def test_positions_that_count_from_elsewhere(job):
     """Targets 0 .. 760 against a travel of -760 .. 0: refused; shifted by the file, the same."""
     machine, table = job.with_name("machine.toml"), job.parent / "errors" / "EXX.csv"
@@ -151,9 +179,7 @@ def test_positions_that_count_from_elsewhere(job):
 def test_positions_that_count_against_the_axis(job, counted):
     """The sample's table written mirrored by hand gives the same errors."""
     machine, table = job.with_name("machine.toml"), job.parent / "errors" / "EXX.csv"
-    edit(machine, 'length = "um"', 'length = "um"\n')
-    text = machine.read_text()
-    machine.write_text(text.replace("[errors.EXX]", '[tables]\ndirections = "separate"\n\n[errors.EXX]', 1))  # noqa: E501
+    edit(machine, "[errors.EXX]", '[tables]\ndirections = "separate"\n\n[errors.EXX]')
     as_it_was = run("path", job)
     rows = np.loadtxt(table, delimiter=",", skiprows=1, comments="#")
     mirrored = rows * [-1.0, 1.0, 1.0]

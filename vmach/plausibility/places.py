@@ -18,6 +18,8 @@ _REACH_BEYOND_ARMS_MM = 500.0
 _LONGEST_TOOL_MM = 500.0
 #: further beyond these places than this, nothing of the machine is left to hold a reflector
 _NOWHERE_MM = 10_000.0
+#: a point so near the spindle nose at home, on a machine with a travel so long, is in metres
+_AT_THE_NOSE_MM, _LONG_TRAVEL_MM = 1.0, 100.0
 
 
 def place_notes(machine: Machine) -> Iterator[Note]:
@@ -32,6 +34,16 @@ def place_notes(machine: Machine) -> Iterator[Note]:
         low = corners.min(axis=0) - _REACH_BEYOND_ARMS_MM - [0.0, 0.0, _LONGEST_TOOL_MM]
         high = corners.max(axis=0) + _REACH_BEYOND_ARMS_MM
         at = component.measured_at_mm
+        if at.any() and np.abs(at).max() < _AT_THE_NOSE_MM and _is_long(machine):
+            yield Note(
+                Level.DOUBT,
+                Kind.PLACE,
+                name,
+                f"measured {np.linalg.norm(at):.2g} mm from the spindle nose at home",
+                size=float(np.linalg.norm(at)),
+                unit="mm",
+                hint="is measured_at_mm in metres?",
+            )
         for k in np.flatnonzero((at < low) | (at > high)):
             beyond = max(low[k] - at[k], at[k] - high[k])
             turned = low[k] <= -at[k] <= high[k]
@@ -45,3 +57,7 @@ def place_notes(machine: Machine) -> Iterator[Note]:
                 accepted=f"{low[k]:g} .. {high[k]:g} mm",
                 hint="is its sign turned?" if turned else "is it in mm?",
             )
+
+
+def _is_long(machine: Machine) -> bool:
+    return bool(np.ptp(machine.travel_mm, axis=0).max() > _LONG_TRAVEL_MM)

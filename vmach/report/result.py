@@ -319,6 +319,8 @@ class RunRecord:
         Text of the NC program; line n of `InspectedPoints.line` is entry n - 1.
     comparison : SolidComparison, optional
         The virtual part against the nominal CAD, where there is one.
+    points_file : str
+        Name of the table of all points that lies beside the page; empty where there is none.
     """
 
     title: str
@@ -333,6 +335,7 @@ class RunRecord:
     warnings: tuple[str, ...] = ()
     program_lines: tuple[str, ...] = ()
     comparison: SolidComparison | None = None
+    points_file: str = ""
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.tolerance_mm) and self.tolerance_mm > 0):
