@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gcode import MoveKind, ProgramError, Source, ToolEntry, dialect_name, read_program
-from gcode.dialects import detect_dialect
+from gcode.language.registry import choose_dialect
 
 TOOLS = {1: ToolEntry(100.0, 10.0), 2: ToolEntry(80.0, 6.0)}
 
@@ -39,7 +39,7 @@ def refusal(text, **options):
     ],
 )
 def test_recognised_by_the_text(text, dialect):
-    assert detect_dialect(text) == dialect
+    assert choose_dialect("auto", text.encode()).name == dialect
 
 
 FANUC = """%
