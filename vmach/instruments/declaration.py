@@ -17,7 +17,7 @@ __all__ = ["check_declaration"]
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 #: likeness (0 to 1) from which on a function is a slip of a known one
-_CLOSE = 0.8
+_CLOSE = 0.7
 
 
 def check_declaration(kind: type[Instrument]) -> None:

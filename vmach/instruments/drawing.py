@@ -15,7 +15,13 @@ _WIDE = 1.96
 
 
 def against(
-    curves: Curves, rows: np.ndarray, value: np.ndarray, name: str, end_um: float
+    curves: Curves,
+    rows: np.ndarray,
+    value: np.ndarray,
+    name: str,
+    end_um: float,
+    *,
+    unit: str = "µm",
 ) -> Markup:
     """Measured dots and predicted lines over a number; the lines break between runs.
 
@@ -30,11 +36,13 @@ def against(
         What it is, with its unit.
     end_um : float
         End of the scale.
+    unit : str
+        Of the readings, as the axis shows it.
     """
     margin = 0.02 * max(float(np.ptp(value[rows])), 1e-9)
     x = float(value[rows].min()) - margin, float(value[rows].max()) + margin
     plot = Plot(Frame(x, (-end_um, end_um), top=18.0))
-    plot.y_axis("µm")
+    plot.y_axis(unit)
     plot.x_axis(name)
     runs = [
         _in_order(value, rows, curves.measurement.group == run)

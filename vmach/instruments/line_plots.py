@@ -14,8 +14,10 @@ from vmach.measurements.instrument import Curves
 __all__ = ["line_plots"]
 
 
-def line_plots(curves: Curves, along: np.ndarray) -> Iterator[tuple[str, Markup]]:
-    """Diagrams of readings along a line, the unit vector `along` (3,)."""
+def line_plots(
+    curves: Curves, along: np.ndarray, *, unit: str = "µm"
+) -> Iterator[tuple[str, Markup]]:
+    """Diagrams of readings, in `unit`, along a line, the unit vector `along` (3,)."""
     is_axis = np.count_nonzero(along) == 1
     origin = 0.0 if is_axis else float((curves.path.nose_mm @ along).min())
     position = curves.path.nose_mm @ (np.abs(along) if is_axis else along) - origin
@@ -25,4 +27,4 @@ def line_plots(curves: Curves, along: np.ndarray) -> Iterator[tuple[str, Markup]
     for sign, words in ((1, "positions approached forwards"), (-1, "backwards")):
         rows = side == sign
         if rows.any():
-            yield words, against(curves, rows, position, name, end)
+            yield words, against(curves, rows, position, name, end, unit=unit)

@@ -107,7 +107,7 @@ class _Model:
         )
         for effect in self._effects:
             moved = moved + effect.displacement(states)
-        return np.einsum("ij,ij->i", sensing, moved.shift_mm)
+        return np.einsum("ij,ij->i", sensing, states.seen_mm(moved))
 
 
 def _read(settings: Instrument, path: Path) -> tuple[Columns, tuple[str, ...]]:
