@@ -3,6 +3,10 @@
 
     python3 tasks.py demo     machine the sample part and say where the report is
     python3 tasks.py test     pass the tests
+    python3 tasks.py check    lint, types and tests
+    python3 tasks.py check-all
+                              the same on every Python from 3.11 to 3.13 that is installed,
+                              with the newest and the oldest dependencies
     python3 tasks.py docs     build the documentation's site in out/site
     python3 tasks.py setup    only make the environment (.venv)
 
@@ -15,7 +19,6 @@ import os
 import shutil
 import subprocess
 import sys
-import tempfile
 import venv
 from pathlib import Path
 
@@ -23,12 +26,20 @@ ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
 PYTHON = VENV / "bin" / "python"
 SAMPLE = ROOT / "samples" / "iso10791_7" / "job.toml"
-MEASURED_SAMPLE = ROOT / "samples" / "missing_effect" / "job.toml"
+#: Pythons that vmach says it runs on
+PYTHONS = ("3.11", "3.12", "3.13")
 
 
 def main() -> int:
     """Run the task named on the command line; returns its exit status."""
-    tasks = {"demo": demo, "test": test, "docs": docs, "setup": lambda _: 0}
+    tasks = {
+        "demo": demo,
+        "test": test,
+        "check": check,
+        "check-all": check_all,
+        "docs": docs,
+        "setup": lambda _: 0,
+    }
     if len(sys.argv) < 2 or sys.argv[1] not in tasks:
         print(__doc__.strip(), file=sys.stderr)
         return 2
@@ -45,19 +56,21 @@ def set_up() -> None:
     wanted = (ROOT / "pyproject.toml").read_text()
     if PYTHON.exists() and stamp.exists() and stamp.read_text() == wanted:
         return
-    print("setting up .venv (once, a few minutes)", flush=True)
+    print("1/3 making .venv (once; all three steps take a few minutes)", flush=True)
     make_environment()
-    install = [PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
-    subprocess.run([*install, "--editable", f"{ROOT}[test]"], check=True)
-    compile_kernels()
+    print("2/3 installing vmach and what it needs", flush=True)
+    install = [PYTHON, "-m", "pip", "install", "--disable-pip-version-check", "--progress-bar=on"]
+    packages = ["--editable", f"{ROOT}[test,check]"]
+    pip = subprocess.Popen([*install, *packages], stdout=subprocess.PIPE, text=True)
+    assert pip.stdout is not None
+    for line in pip.stdout:
+        if line.startswith(("Collecting", "Installing", "Building")):
+            print(f"    {line.strip():.76}", flush=True)
+    if pip.wait() != 0:
+        sys.exit("pip could not install the packages; its messages stand above")
+    print("3/3 compiling", flush=True)
+    subprocess.run([PYTHON, "-P", "-m", "vmach", "warm-up"], check=True)
     stamp.write_text(wanted)
-
-
-def compile_kernels() -> None:
-    """Have the compiler's work done before somebody waits for a first result."""
-    with tempfile.TemporaryDirectory() as folder:
-        command = [PYTHON, "-m", "vmach", "diagnose", MEASURED_SAMPLE, "--out", folder]
-        subprocess.run(command, cwd=folder, stdout=subprocess.DEVNULL, check=True)
 
 
 def make_environment() -> None:
@@ -89,6 +102,56 @@ def demo(arguments: list[str]) -> int:
 def test(arguments: list[str]) -> int:
     """Pass the tests."""
     return subprocess.run([PYTHON, "-m", "pytest", *arguments], cwd=ROOT).returncode
+
+
+def check(arguments: list[str]) -> int:
+    """Lint, types and tests; the first that fails ends it."""
+    for tool in (["ruff", "check", "."], ["mypy"], ["pytest", *arguments]):
+        print(f"== {tool[0]}", flush=True)
+        status = subprocess.run([PYTHON, "-m", *tool], cwd=ROOT).returncode
+        if status != 0:
+            return status
+    return 0
+
+
+def check_all(arguments: list[str]) -> int:
+    """Tests on every Python there is, with the newest and the oldest dependencies."""
+    failed = []
+    for version in PYTHONS:
+        python = shutil.which(f"python{version}")
+        if python is None:
+            print(f"== Python {version}: not installed here, not tried", flush=True)
+            continue
+        # compiled packages of the oldest versions exist for the oldest Python only
+        for age in ("newest", "oldest") if version == PYTHONS[0] else ("newest",):
+            print(f"== Python {version}, {age} dependencies", flush=True)
+            if not passes_with(python, age, arguments):
+                failed.append(f"Python {version} with the {age} dependencies")
+    print("all passed" if not failed else f"failed: {', '.join(failed)}")
+    return min(len(failed), 1)
+
+
+def passes_with(python: str, age: str, arguments: list[str]) -> bool:
+    """Whether the tests pass in an environment of their own, made anew."""
+    place = ROOT / "build" / f"check-{Path(python).name}-{age}"
+    subprocess.run([python, "-m", "venv", "--clear", place], check=True)
+    packages = ["--editable", f"{ROOT}[test]"] + (oldest() if age == "oldest" else [])
+    inside = place / "bin" / "python"
+    install = [inside, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    if subprocess.run([*install, *packages]).returncode != 0:
+        return False
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(place / "kernels")}
+    command = [inside, "-m", "pytest", *arguments]
+    return subprocess.run(command, cwd=ROOT, env=environment).returncode == 0
+
+
+def oldest() -> list[str]:
+    """Every dependency in the oldest version that pyproject.toml admits."""
+    import tomllib
+
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    wanted = project["dependencies"] + project["optional-dependencies"]["test"]
+    return [requirement.replace(">=", "==") for requirement in wanted]
 
 
 def docs(arguments: list[str]) -> int:

@@ -1,9 +1,10 @@
 """NC programs: from text to resolved moves. Knows neither machines' errors nor stock."""
 
 from gcode.canon import canon_calls, canon_lines
-from gcode.dialects import DIALECTS, dialect_name, dialect_of
 from gcode.errors import ProgramError, UnknownToolError
 from gcode.geometry.arc_tolerance import ARC_TOLERANCES, ArcTolerance
+from gcode.language.dialect import Dialect
+from gcode.language.registry import dialect_called, dialect_name, dialect_names, dialect_of
 from gcode.moves.clock import MachineLimits
 from gcode.moves.moves import MoveKind, Moves
 from gcode.program import Note, Program, read_program
@@ -12,8 +13,12 @@ from gcode.state.tools import OffsetEntry, ToolEntry, read_tool_table
 from gcode.state.trace import Modes, Step
 from gcode.text.items import block_items
 from gcode.text.source import Source, Word
+from gcode.writing.block_text import BlockText, Labels
+from gcode.writing.line_edit import AS_PROGRAMMED, SAME, UNKNOWN, BlockMotion, LineEdit
 
-__all__ = ["ARC_TOLERANCES", "DIALECTS", "WORK_OFFSETS", "ArcTolerance", "MachineLimits", "Modes",
+__all__ = ["ARC_TOLERANCES", "AS_PROGRAMMED", "SAME", "UNKNOWN", "WORK_OFFSETS", "ArcTolerance",
+           "BlockMotion", "BlockText", "Dialect", "Labels", "LineEdit", "MachineLimits", "Modes",
            "MoveKind", "Moves", "Note", "OffsetEntry", "Program", "ProgramError", "Source", "Step",
            "ToolEntry", "UnknownToolError", "Word", "block_items", "canon_calls", "canon_lines",
-           "dialect_name", "dialect_of", "read_program", "read_tool_table"]  # fmt: skip
+           "dialect_called", "dialect_name", "dialect_names", "dialect_of", "read_program",
+           "read_tool_table"]  # fmt: skip

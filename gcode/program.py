@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -10,9 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from gcode.control.predefined import install_predefined
-from gcode.dialects.detect import choose_dialect
 from gcode.errors import ProgramError
 from gcode.geometry.arc_tolerance import ArcTolerance, arc_tolerance
+from gcode.language.dialect import Dialect
+from gcode.language.options import RunOptions
+from gcode.language.registry import choose_dialect, dialect_called
 from gcode.motion.frames import load_offsets
 from gcode.moves.clock import MachineLimits
 from gcode.moves.moves import Moves
@@ -59,7 +61,7 @@ class Program:
     path : Path
         Where it came from.
     dialect : str
-        One of `DIALECTS`.
+        One of `gcode.dialect_names`.
     source : Source
         Exact text; `Source.words` gives the words of a line, `Source.rewritten` writes back.
     notes : tuple of Note
@@ -82,6 +84,11 @@ class Program:
     limits: MachineLimits = field(repr=False)
     home_mm: np.ndarray | None = field(repr=False)
     options: Mapping[str, object] = field(repr=False)
+
+    @property
+    def language(self) -> type[Dialect]:
+        """The dialect itself."""
+        return dialect_called(self.dialect)
 
     @cached_property
     def steps(self) -> list[Step]:
@@ -136,7 +143,7 @@ def read_program(
         machine stands at the end of the first move, which so takes no time, and the program
         starts reading as if at machine zero.
     dialect : str
-        ``auto`` (from the text), one of `DIALECTS` or a synonym.
+        ``auto`` (from the text), one of `gcode.dialect_names` or a synonym.
     arc_tolerances : str or ArcTolerance
         Which control's limits for arcs whose radii differ: ``linuxcnc``, ``grbl``,
         ``sinumerik``, ``heidenhain``.
@@ -164,25 +171,44 @@ def read_program(
     """
     options = {name: value for name, value in locals().items() if name not in ("path", "steps")}
     source = path if isinstance(path, Source) else Source.read(path)
-    controller = Controller(dict(tools or {}), arc_tolerance(arc_tolerances), machine_unit_mm,
-                            offsets=offset_memory(tools or {}, offsets or {}),
-                            preview=preview)  # fmt: skip
-    _prepare(controller, work_offsets_mm or {}, home_mm)
     fast = len(source.data) >= _FAST_FROM if fast is None else fast
-    if steps is not None:
-        controller.trace = Trace(controller, steps)
+    how = RunOptions(block_delete, max_blocks, fast)
+
+    def run(spoken: type[Dialect]) -> Controller:
+        controller = Controller(dict(tools or {}), arc_tolerance(arc_tolerances), machine_unit_mm,
+                                offsets=offset_memory(tools or {}, offsets or {}),
+                                preview=preview)  # fmt: skip
+        _prepare(controller, work_offsets_mm or {}, home_mm)
+        if steps is not None:
+            steps.clear()
+            controller.trace = Trace(controller, steps)
+        run_program(controller, source, spoken, how)
+        return controller
+
     try:
-        spoken = choose_dialect(dialect, source.data[source.mark :])
-        run_program(controller, source, dialect=spoken, block_delete=block_delete,
-                    max_blocks=max_blocks, fast=fast)  # fmt: skip
+        spoken, controller = _run_as_recognised(run, source.data[source.mark :], dialect)
     except ProgramError as error:
         raise error.located(file=source.path, line=None) from None
     if controller.trace is not None:
         controller.trace.end()
     notes = tuple(Note(line, word, text) for (line, word), text in controller.notes.items())
     home = None if home_mm is None else np.array(home_mm, np.float64)
-    return Program(source.path, spoken, source, notes, controller.record,
+    return Program(source.path, spoken.name, source, notes, controller.record,
                    limits or MachineLimits(), home, options)  # fmt: skip
+
+
+def _run_as_recognised(
+    run: Callable[[type[Dialect]], Controller], data: bytes, name: str
+) -> tuple[type[Dialect], Controller]:
+    """Run in the dialect of the text's head; where that is refused, in that of the whole text."""
+    spoken = choose_dialect(name, data)
+    try:
+        return spoken, run(spoken)
+    except ProgramError:
+        other = choose_dialect(name, data, whole=True)
+        if other is spoken:
+            raise
+        return other, run(other)
 
 
 def _prepare(

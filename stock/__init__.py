@@ -8,6 +8,7 @@ from stock.compile_ahead import compile_ahead
 from stock.errors import StockError
 from stock.exact.edge import Edges, EdgeStatus, find_edges
 from stock.exact.generating import Generation, find_generating
+from stock.exact.left_surface import LeftSurface, find_left_surface
 from stock.solid import BLANK, VirtualPart, cut_part
 from stock.solid.difference import Difference, Surface, find_differences
 from stock.solid.export import write_part
@@ -23,6 +24,7 @@ __all__ = [
     "EdgeStatus",
     "Edges",
     "Generation",
+    "LeftSurface",
     "StockError",
     "Surface",
     "Sweeps",
@@ -34,6 +36,7 @@ __all__ = [
     "find_differences",
     "find_edges",
     "find_generating",
+    "find_left_surface",
     "make_tool",
     "write_part",
 ]

@@ -25,6 +25,7 @@ from vmach.commands.path import path
 from vmach.commands.predict import predict
 from vmach.commands.tables import HelpWithFormats, tables
 from vmach.commands.view import view
+from vmach.commands.warm_up import tell_if_cold, warm_up
 from vmach.errors import VmachError
 
 __all__ = ["app", "main"]
@@ -44,6 +45,7 @@ app = typer.Typer(
 
 @app.callback(invoke_without_command=True)
 def _before_any_command(
+    context: typer.Context,
     version: Annotated[bool, typer.Option("--version", help="print the version")] = False,
     effect_file: Annotated[
         list[Path] | None,
@@ -53,6 +55,7 @@ def _before_any_command(
     if version:
         print(__version__)
         raise typer.Exit
+    tell_if_cold(context.invoked_subcommand)
     for file in effect_file or []:
         from vmach.effects import load_effect_file
 
@@ -62,7 +65,7 @@ def _before_any_command(
 for _command in (run, compare, predict, path, diagnose, add, history, compensate):
     app.command()(_command)
 app.command(cls=HelpWithFormats)(tables)
-for _command in (accuracy, iso230, canon, view):
+for _command in (accuracy, iso230, canon, view, warm_up):
     app.command()(_command)
 app.add_typer(effects_app, name="effects")
 

@@ -11,8 +11,10 @@ from dataclasses import dataclass, field
 
 from gcode.control.interpreter import execute
 from gcode.control.loop_guard import LoopGuard
-from gcode.dialects.translate import Translated
 from gcode.errors import ProgramError
+from gcode.language.dialect import Dialect
+from gcode.language.options import RunOptions
+from gcode.language.translate import Translated
 from gcode.state.block_values import whole
 from gcode.state.controller import Controller
 from gcode.text.expressions import Reader, value_of
@@ -40,11 +42,11 @@ class _Call:
     begun: int = field(compare=False)  #: blocks obeyed when the present repetition began
 
 
-class Fanuc(Translated):
+class FanucReader(Translated):
     """Runs a Fanuc program; one file may hold several, the first is the main program."""
 
-    def __init__(self, controller: Controller, lines: list[str], *, max_blocks: int) -> None:
-        super().__init__(controller, lines, max_blocks=max_blocks)
+    def __init__(self, controller: Controller, lines: list[str], options: RunOptions) -> None:
+        super().__init__(controller, lines, options)
         self.texts: list[str | None] = [None] * len(lines)
         self.calls: list[_Call] = []
         self.guard = LoopGuard(controller)
@@ -271,3 +273,21 @@ def _unset(controller: Controller, index: int):
                            hint="set it, or call the program by G65 with its argument")
 
     return read
+
+
+class Fanuc(Dialect):
+    """FANUC with custom macro B."""
+
+    name = "fanuc"
+    title = "FANUC Series 0i and 30i"
+    source = "FANUC Series 30i/31i/32i-B Operator's Manual B-64484EN, part II"
+    rank = 20
+    marks = re.compile(
+        r"^[ \t]*(?:N\d+[ \t]*)?(?:IF[ \t]*\[[^\n]*\][ \t]*(?:GOTO|THEN)"
+        r"|WHILE[ \t]*\[[^\n]*\][ \t]*DO|GOTO[ \t]*[\d#\[]|END[ \t]*[123]\b)"
+        r"|^[^(;\n]*\bG0*6[56](?![\d.])",
+        re.IGNORECASE | re.MULTILINE,
+    )
+    reader = FanucReader
+    is_rs274 = True
+    reads = ("linuxcnc", "haas")

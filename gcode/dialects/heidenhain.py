@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import re
 
-from gcode.dialects.translate import Translated, number
 from gcode.errors import ProgramError
+from gcode.geometry.arc_tolerance import ARC_TOLERANCES
+from gcode.language.dialect import Dialect
+from gcode.language.options import RunOptions
+from gcode.language.translate import Translated, number
 from gcode.state.controller import Controller
+from gcode.writing.klartext import KlartextEdit, KlartextText
 
 __all__ = ["Heidenhain"]
 
@@ -19,11 +23,11 @@ _IGNORED = re.compile(r"BLK FORM|STOP$|\*|CC$")
 _PLAIN_M = {3: "m3", 4: "m4", 5: "m5", 7: "m7", 8: "m8", 9: "m9", 0: "m0", 1: "m1"}
 
 
-class Heidenhain(Translated):
+class KlartextReader(Translated):
     """Runs Klartext; every line becomes blocks of RS274/NGC."""
 
-    def __init__(self, controller: Controller, lines: list[str], *, max_blocks: int) -> None:
-        super().__init__(controller, lines, max_blocks=max_blocks)
+    def __init__(self, controller: Controller, lines: list[str], options: RunOptions) -> None:
+        super().__init__(controller, lines, options)
         self.pole: tuple[float, float] | None = None
         self.feed: float | None = None
         self.labels: dict[int, int] = {}
@@ -239,3 +243,23 @@ class Heidenhain(Translated):
             self.next, self.begun[label] = self.labels[label] + 1, self.budget.executed
         else:
             self.begun[label] = begun
+
+
+class Heidenhain(Dialect):
+    """Heidenhain Klartext."""
+
+    name = "heidenhain"
+    title = "HEIDENHAIN TNC 620, TNC 640"
+    source = "HEIDENHAIN TNC 640 User's Manual for Klartext Programming 892903"
+    synonyms = ("klartext",)
+    rank = 10
+    marks = re.compile(
+        r"^[ \t]*(?:N?\d+[ \t]+)?(?:BEGIN PGM|BLK FORM|TOOL CALL|CYCL DEF)\b",
+        re.IGNORECASE | re.MULTILINE,
+    )
+    reader = KlartextReader
+    arcs = ARC_TOLERANCES["heidenhain"]
+    flow_lines = re.compile(r"\s*(?:\d+\s+)?(?:LBL|CALL\s+LBL)\b", re.IGNORECASE)
+    inch_decimals = 2
+    text = KlartextText
+    edit = KlartextEdit

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import re
 
-from gcode.dialects.translate import Translated, number
 from gcode.errors import ProgramError
+from gcode.geometry.arc_tolerance import ARC_TOLERANCES
+from gcode.language.dialect import Dialect
+from gcode.language.options import RunOptions
+from gcode.language.translate import Translated, number
 from gcode.state.controller import Controller
 from gcode.text.lexer import read_block
+from gcode.text.source import Word
+from gcode.writing.block_text import BlockText
 
 __all__ = ["Sinumerik"]
 
@@ -28,11 +33,11 @@ _NO_MOTION = re.compile(
 _SUPPRESSED = re.compile(r"\bSUPA\b", re.IGNORECASE)  #: every frame, for one block
 
 
-class Sinumerik(Translated):
+class SinumerikReader(Translated):
     """Runs a Sinumerik program; every line becomes blocks of RS274/NGC."""
 
-    def __init__(self, controller: Controller, lines: list[str], *, max_blocks: int) -> None:
-        super().__init__(controller, lines, max_blocks=max_blocks)
+    def __init__(self, controller: Controller, lines: list[str], options: RunOptions) -> None:
+        super().__init__(controller, lines, options)
         self.edge = 1  #: D: cutting edge, 0 takes the tool offset off
         self.execute("g21g90g17g40")
 
@@ -141,3 +146,46 @@ class Sinumerik(Translated):
                 accepted="G0-G4 G17-G19 G40 G53-G57 G60 G64 G70 G71 G90 G91 G94 G95",
             )
         return f"g{value:.0f}"
+
+
+class SinumerikText(BlockText):
+    """Sinumerik: ``X=1.5``, ``CR=`` for the radius, ``TURN=`` for further turns."""
+
+    _TOKEN = re.compile(r"(CR|TURN|[A-Z])[ \t]*(=?)[ \t]*([+-]?(?:\d+\.?\d*|\.\d+))", re.IGNORECASE)
+
+    def _read(self, line: int) -> tuple[Word, ...]:
+        text = self.source.lines[line - 1].split(";")[0]
+        offset = int(self.source.line_starts[line - 1])
+        return tuple(
+            Word({"CR": "R", "TURN": "P"}.get(m[1].upper(), m[1].upper()), float(m[3]), m.group(),
+                 (offset + m.start(), offset + m.end()))
+            for m in self._TOKEN.finditer(text)
+        )  # fmt: skip
+
+    def word(self, letter: str, number: str, like: Word | None = None) -> str:
+        """A word with a number; CR takes an equal sign."""
+        return super().word("CR=" if letter == "R" and like is None else letter, number, like)
+
+
+_START = r"^[ \t]*(?:N?\d+[ \t]+)?"  # block number
+
+
+class Sinumerik(Dialect):
+    """SINUMERIK in its own language, not its ISO mode."""
+
+    name = "sinumerik"
+    title = "SINUMERIK 840D sl, 828D, ONE"
+    source = "SINUMERIK 840D sl/828D Programming Manual Fundamentals 6FC5398-1BP40"
+    synonyms = ("siemens",)
+    rank = 30
+    marks = re.compile(
+        r"^[ \t]*(?:%_N_\w+|;\$PATH=)"
+        rf"|{_START}(?:DEF[ \t]+(?:REAL|INT|BOOL|STRING)|PROC[ \t]|EXTERN[ \t]|ENDFOR|ENDWHILE"
+        r"|STOPRE|WORKPIECE[ \t]*\(|CYCLE\d+[ \t]*\(|TRANS[ \t]|ATRANS[ \t]|MSG[ \t]*\(\")"
+        r"|^[^(;\n]*\b(?:[XYZFS]|CR|TURN|AP|RP)[ \t]*=[ \t]*[-+.\dA-Z]",
+        re.IGNORECASE | re.MULTILINE,
+    )
+    reader = SinumerikReader
+    arcs = ARC_TOLERANCES["sinumerik"]
+    inch_decimals = 2
+    text = SinumerikText

@@ -20,7 +20,7 @@ from stock.exact.walk import CUT, GOUGED, UNCUT, Work, walk_lines
 from stock.sweeps import Sweeps
 from stock.tools import Tool
 
-__all__ = ["EdgeStatus", "Edges", "find_edges"]
+__all__ = ["EdgeStatus", "Edges", "Material", "find_edges"]
 
 #: a normal may be off unit length by this much: six decimals in a file
 _UNIT = 1e-5
@@ -100,25 +100,44 @@ def find_edges(
     StockError
         If an argument cannot be worked with.
     """
-    points, normals = _checked_points(points_mm, normals)
-    blank = _checked_blank(blank_mm)
-    sweeps.check_tools(len(tools))
-    if not (math.isfinite(reach_mm) and reach_mm > 0.0):
-        raise StockError(f"reach_mm = {reach_mm!r}", accepted="a finite length above 0")
-    size = np.array([math.hypot(tool.diameter_mm / 2, tool.length_mm) for tool in tools])
-    motion = build_motion(sweeps, size)
-    cut = Cut(motion, build_outlines(tools))
-    work = Work(cut, build_trees(motion, sweeps, size))
-    await_compiled()
-    status, edge, parameter, sweep = walk_lines(work, points, normals, blank, float(reach_mm))
-    contact = np.zeros_like(points)
-    known = np.flatnonzero(sweep >= 0)
-    contact[known] = points[known] + edge[known, None] * normals[known]
-    contact[known] -= tip_positions(motion, sweep[known], parameter[known])
-    arrays = (edge, status, sweep, parameter, contact)
-    for array in arrays:
-        array.setflags(write=False)
-    return Edges(*arrays)
+    return Material(sweeps, tools, blank_mm).edges(points_mm, normals, reach_mm)
+
+
+class Material:
+    """What sweeping tools leave of a blank, made ready for many questions.
+
+    Parameters as of `find_edges`.
+    """
+
+    def __init__(
+        self,
+        sweeps: Sweeps,
+        tools: Sequence[Tool],
+        blank_mm: tuple[Sequence[float], Sequence[float]] | None,
+    ) -> None:
+        self._blank = _checked_blank(blank_mm)
+        sweeps.check_tools(len(tools))
+        size = np.array([math.hypot(tool.diameter_mm / 2, tool.length_mm) for tool in tools])
+        motion = build_motion(sweeps, size)
+        cut = Cut(motion, build_outlines(tools))
+        self._work = Work(cut, build_trees(motion, sweeps, size))
+
+    def edges(self, points_mm: np.ndarray, normals: np.ndarray, reach_mm: float) -> Edges:
+        """Edges on normals; parameters and result as of `find_edges`."""
+        points, normals = _checked_points(points_mm, normals)
+        if not (math.isfinite(reach_mm) and reach_mm > 0.0):
+            raise StockError(f"reach_mm = {reach_mm!r}", accepted="a finite length above 0")
+        await_compiled()
+        found = walk_lines(self._work, points, normals, self._blank, float(reach_mm))
+        status, edge, parameter, sweep = found
+        contact = np.zeros_like(points)
+        known = np.flatnonzero(sweep >= 0)
+        contact[known] = points[known] + edge[known, None] * normals[known]
+        contact[known] -= tip_positions(self._work.cut.motion, sweep[known], parameter[known])
+        arrays = (edge, status, sweep, parameter, contact)
+        for array in arrays:
+            array.setflags(write=False)
+        return Edges(*arrays)
 
 
 def _checked_points(points_mm: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -18,10 +18,14 @@ import numpy as np
 from stock.compiled import njit_inlined
 from stock.tools import Corner, Tool
 
-__all__ = ["Outlines", "build_outlines", "lower_bound", "signed_distance"]
+__all__ = ["Outlines", "build_outlines", "lower_bound", "outline_places", "signed_distance"]
 
 #: a corner wins over an edge that ties with it within this, mm: it knows its curvature
 _TIE_MM = 1e-12
+#: fewest directions that a corner is looked at in
+_IN_CONE = 3
+#: places near the lower end of an edge, in spacings
+_NEAR_END = (0.02, 0.1)
 
 
 class Outlines(NamedTuple):
@@ -68,6 +72,48 @@ def build_outlines(tools: Sequence[Tool]) -> Outlines:
         np.array(first_corner),
         np.array([tool.corners[0].z_mm for tool in tools], dtype=float),
     )
+
+
+def outline_places(tool: Tool, spacing_mm: float, phase: float = 0.5) -> np.ndarray:
+    """Places of a tool's outline with their normals, (K, 4): r and z, normal by r and z.
+
+    They are no farther apart than the spacing, nearer above the lower end of an edge, where
+    shallow cuts end; a corner has some directions of its cone. `phase`, 0 to 1, moves them by
+    parts of their distance.
+    """
+    normals = _edge_normals(tool.corners)
+    places, last = [], (0.0, tool.corners[0].z_mm - tool.corners[0].radius_mm)
+    for (begin, _), (end, corner) in itertools.pairwise(normals):
+        first = _on_corner(corner, begin)
+        places += [(*place, *_unit(begin)) for place in _along_edge(last, first, spacing_mm, phase)]
+        count = max(_IN_CONE, math.ceil(corner.radius_mm * (end - begin) / spacing_mm))
+        for k in range(count if end > begin else 0):
+            angle = begin + (end - begin) * (k + phase) / count
+            places.append((*_on_corner(corner, angle), *_unit(angle)))
+        last = _on_corner(corner, end)
+    top = _along_edge(last, (0.0, last[1]), spacing_mm, phase)
+    return np.array([*places, *((*place, 0.0, 1.0) for place in top)])
+
+
+def _on_corner(corner: Corner, angle: float) -> tuple[float, float]:
+    """Point of a corner's rounding with this normal."""
+    u = _unit(angle)
+    return corner.r_mm + corner.radius_mm * u[0], corner.z_mm + corner.radius_mm * u[1]
+
+
+def _along_edge(
+    start: tuple, end: tuple, spacing_mm: float, phase: float
+) -> list[tuple[float, float]]:
+    """Places between two points of the outline."""
+    length = math.dist(start, end)
+    if length == 0.0:
+        return []
+    count = math.ceil(length / spacing_mm)
+    ways = [share * spacing_mm for share in _NEAR_END] + [
+        (k + phase) * length / count for k in range(count)
+    ]
+    shares = sorted({way / length for way in ways if way < length})
+    return [tuple(a + s * (b - a) for a, b in zip(start, end, strict=True)) for s in shares]
 
 
 def _edge_normals(corners: Sequence[Corner]) -> list[tuple[float, Corner]]:

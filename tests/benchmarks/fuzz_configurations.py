@@ -1,4 +1,4 @@
-"""Jobs, machines and tables of every sample, broken at random: is each refused, asked about, or right?
+"""Jobs, machines and tables of every sample, broken at random: refused, asked about, or right?
 
     python tests/benchmarks/fuzz_configurations.py [--rounds 2000] [--seed 0] [--list]
 

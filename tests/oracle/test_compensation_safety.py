@@ -66,6 +66,7 @@ def test_the_report_has_the_figures_of_the_terminal(tmp_path):
     assert f"{figures['surface']['before_mean_um']:.3f} µm" in page
     assert "Before compensation" in page
     assert "After compensation" in page
+    assert "deviations.csv" not in page, "a file that is not written"
     assert figures["surface"]["after_largest_um"] <= 0.9
     assert figures["growth"] == 1.0
     result, _ = run(tmp_path)

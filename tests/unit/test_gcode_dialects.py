@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gcode import MoveKind, ProgramError, Source, ToolEntry, dialect_name, read_program
-from gcode.dialects import detect_dialect
+from gcode.language.registry import choose_dialect
 
 TOOLS = {1: ToolEntry(100.0, 10.0), 2: ToolEntry(80.0, 6.0)}
 
@@ -39,7 +39,7 @@ def refusal(text, **options):
     ],
 )
 def test_recognised_by_the_text(text, dialect):
-    assert detect_dialect(text) == dialect
+    assert choose_dialect("auto", text.encode()).name == dialect
 
 
 FANUC = """%
@@ -252,3 +252,11 @@ def test_synonyms_mean_one_name(name, known):
     text = b"BEGIN PGM A MM\nEND PGM A MM\n" if known == "heidenhain" else b"G0 X1\nM30\n"
     found = read_program(Source(text), dialect=name).dialect
     assert found == known.replace("auto", "linuxcnc")
+
+
+def test_a_word_far_down_still_names_the_dialect():
+    text = "%\nO1\n" + "G0 X1\n" * 10_000 + "G65 P5 A3.\nM30\nO5\nG0 X#1\nM99\n"
+    assert len(text) > 30_000
+    program = read(text)
+    assert program.dialect == "fanuc"
+    assert program.moves.end_mm[-1, 0] == 3.0

@@ -30,8 +30,8 @@ LAYERS = [
 ]
 #: the same of gcode: a stretch of plain motion is run by compiled code from within the flow
 GCODE_LAYERS = [
-    {"errors"}, {"text", "geometry"}, {"state"}, {"motion", "fast", "moves"}, {"control"},
-    {"dialects"}, {"run"}, {"program"}, {"canon"}, {"__init__"},
+    {"errors"}, {"text", "geometry"}, {"state", "writing"}, {"motion", "fast", "moves"},
+    {"control"}, {"language"}, {"dialects"}, {"run"}, {"program"}, {"canon"}, {"__init__"},
 ]  # fmt: skip
 #: Python files directly in vmach/, and in any one room, at most
 TOP_LEVEL_FILES, ROOM_FILES = 5, 20

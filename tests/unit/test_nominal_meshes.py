@@ -190,3 +190,43 @@ def test_a_part_whose_unit_is_said_is_read(tmp_path):
     part = read_nominal(job.nominal, job.nominal_unit)
     check_nominal_in_blank(job, part)
     assert np.ptp(part.bounds_mm, axis=0)[0] == pytest.approx(100, rel=0.3)
+
+
+def chamfered_plate(tmp_path, leg=1.0):
+    """A plate of 60 x 40 x 10 mm with a chamfer along the upper edge at x = 0."""
+    plate = trimesh.creation.box(bounds=[[0, 0, 0], [60, 40, 10]])
+    wedge = np.array([[-1, -1, 10 - leg - 1], [leg + 1, -1, 11], [-1, -1, 11]], float)
+    wedge = trimesh.convex.convex_hull(np.vstack([wedge, wedge + np.array([0, 42, 0])]))
+    path = tmp_path / "part.stl"
+    trimesh.boolean.difference([plate, wedge], engine="manifold").export(path)
+    return path
+
+
+def test_a_narrow_region_has_rows_near_both_long_edges_and_between(tmp_path):
+    part = read_nominal(chamfered_plate(tmp_path))
+    points = part.sample(2.0, edge_margin_mm=0.1)
+    on = np.abs(points.normal @ [-np.sqrt(0.5), 0, np.sqrt(0.5)] - 1.0) < 1e-6
+    down = (10.0 - points.point_mm[on, 2]) * np.sqrt(2.0)  # along the chamfer, 0 to 1.414 mm
+    # the rows keep one and a half margins, points between them one
+    for edge in (down.min(), np.sqrt(2.0) - down.max()):
+        assert 0.1 - 1e-4 < edge < 0.15 + 1e-4
+    for row in (down < 0.2, down > 1.2):
+        y = np.sort(points.point_mm[on][row, 1])
+        assert len(y) >= 15
+        assert np.diff(np.r_[0.0, y, 40.0]).max() < 6.0
+    assert ((down > 0.3) & (down < 1.1)).sum() >= 5
+    # nothing off the face: every point of the chamfer has x + (10 - z) = 1
+    assert points.point_mm[on] @ [1, 0, -1] + 9.0 == pytest.approx(0.0, abs=1e-5)
+
+
+def test_narrow_faces_of_step_have_points_near_both_edges():
+    part = read_nominal(Path(__file__).parents[1] / "golden" / "cad" / "features.step")
+    points = part.sample(8.0, edge_margin_mm=0.1)
+    for name in ("face 3 cylinder R2", "face 16 cylinder R2"):
+        face = next(face for face in part.faces if face.name == name)
+        at = points.point_mm[points.feature == name]
+        uv = face.surface.parameters(at)
+        across = np.mod(uv[:, 0] - uv[:, 0].min(), 2 * np.pi) * 2.0  # radius 2 mm
+        away = np.linalg.norm(at[:, None] - face.trim.segments_mm.mean(axis=1)[None], axis=2)
+        assert away.min() >= 0.1
+        assert np.unique(np.round(across, 3)).size >= 3

@@ -13,7 +13,7 @@ from vmach.base import progress
 def bars(monkeypatch):
     """The bars that are drawn on a terminal."""
     console = Console(file=io.StringIO(), force_terminal=True)
-    monkeypatch.setattr(progress, "Console", lambda stderr: console)
+    monkeypatch.setattr(progress, "console", lambda stderr: console)
     made = []
 
     def keep(*columns, **options):
@@ -45,6 +45,6 @@ def test_a_stage_of_known_length_shows_its_share(bars):
 
 
 def test_nothing_is_drawn_where_nobody_looks(monkeypatch):
-    monkeypatch.setattr(progress, "Console", lambda stderr: Console(file=io.StringIO()))
+    monkeypatch.setattr(progress, "console", lambda stderr: Console(file=io.StringIO()))
     with progress.progress_bar() as report:
         assert report is progress.silent

@@ -17,7 +17,7 @@ import tempfile
 from importlib.util import find_spec
 from pathlib import Path
 
-__all__ = ["collect_less_often", "find_room_for_kernels", "forget_stale_kernels"]
+__all__ = ["collect_less_often", "find_room_for_kernels", "forget_stale_kernels", "is_cold"]
 
 _PACKAGES = ("gcode", "stock", "vmach")
 #: new containers before any are looked at; 700 is usual
@@ -72,6 +72,15 @@ def forget_stale_kernels() -> None:
         spec = find_spec(name)
         if spec is not None and spec.origin is not None:
             _forget_in(Path(spec.origin).parent)
+
+
+def is_cold() -> bool:
+    """Whether no kernel is kept beside the packages. Where they are kept elsewhere: False."""
+    spec = find_spec("stock")
+    if os.environ.get("NUMBA_CACHE_DIR") or spec is None or spec.origin is None:
+        return False
+    kept = Path(spec.origin).parent.rglob("__pycache__/*.nbi")
+    return next(kept, None) is None
 
 
 def _forget_in(package: Path) -> None:

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
 from vmach.base.stage_clock import Progress as Report
 from vmach.base.stage_clock import silent
@@ -30,7 +30,7 @@ def progress_bar() -> Iterator[Report]:
         return
     columns = TextColumn("{task.description:>9}"), BarColumn(), TimeElapsedColumn()
     bar = Progress(*columns, console=screen, transient=True)
-    tasks: dict[str, int] = {}
+    tasks: dict[str, TaskID] = {}
 
     def report(stage: str, done: int, total: int) -> None:
         if stage not in tasks:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 import re
 import sys
-from typing import Any, TextIO
+from typing import Any, TextIO, cast
 
 from rich.console import Console
 
@@ -78,18 +78,14 @@ def protect_terminal() -> None:
 def _protected(stream: TextIO) -> TextIO:
     if type(stream) is not io.TextIOWrapper:  # closed, or a test's
         return stream
-    settings = {
-        "encoding": stream.encoding,
-        "errors": "replace",  # for terminals without the sign for plus or minus
-        "line_buffering": stream.line_buffering,
-        "write_through": stream.write_through,
-    }
-    return _PrintableStream(stream.detach(), **settings)
+    settings = stream.line_buffering, stream.write_through
+    encoding, errors = stream.encoding, "replace"  # a terminal may lack the sign for plus or minus
+    return _PrintableStream(stream.detach(), encoding, errors, None, *settings)
 
 
 def console(*, stderr: bool = False) -> Console:
     """A console for tables, colours and bars; the strings that it is given are made printable."""
     stream = sys.stderr if stderr else sys.stdout
     if isinstance(stream, _PrintableStream):
-        stream = _Controlling(stream)  # type: ignore[assignment]
+        return _PrintableConsole(file=cast(TextIO, _Controlling(stream)))
     return _PrintableConsole(file=stream)

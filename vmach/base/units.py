@@ -7,6 +7,13 @@ from __future__ import annotations
 
 import math
 import re
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    #: a number or an array
+    Numbers = TypeVar("Numbers", float, np.ndarray)
 
 __all__ = [
     "deg_from_rad",
@@ -24,42 +31,42 @@ _DEG_PER_RAD = 180.0 / math.pi
 _PLAIN_MICRO = re.compile(r"(?<![\w./-])u(?=(m|rad)\b(?!\.\w))")
 
 
-def mm_from_um(length_um):
+def mm_from_um(length_um: Numbers) -> Numbers:
     """Millimetres from micrometres."""
     return length_um / 1e3
 
 
-def um_from_mm(length_mm):
+def um_from_mm(length_mm: Numbers) -> Numbers:
     """Micrometres from millimetres."""
     return length_mm * 1e3
 
 
-def rad_from_urad(angle_urad):
+def rad_from_urad(angle_urad: Numbers) -> Numbers:
     """Radians from microradians, which are also um/m (squareness, pitch per length)."""
     return angle_urad / 1e6
 
 
-def urad_from_rad(angle_rad):
+def urad_from_rad(angle_rad: Numbers) -> Numbers:
     """Microradians (um/m) from radians."""
     return angle_rad * 1e6
 
 
-def rad_from_deg(angle_deg):
+def rad_from_deg(angle_deg: Numbers) -> Numbers:
     """Radians from degrees."""
     return angle_deg / _DEG_PER_RAD
 
 
-def deg_from_rad(angle_rad):
+def deg_from_rad(angle_rad: Numbers) -> Numbers:
     """Degrees from radians."""
     return angle_rad * _DEG_PER_RAD
 
 
-def mm_per_s_from_mm_per_min(feed_mm_per_min):
+def mm_per_s_from_mm_per_min(feed_mm_per_min: Numbers) -> Numbers:
     """Speed in mm/s from a programmed feed in mm/min."""
     return feed_mm_per_min / 60.0
 
 
-def mm_per_min_from_mm_per_s(speed_mm_per_s):
+def mm_per_min_from_mm_per_s(speed_mm_per_s: Numbers) -> Numbers:
     """Feed in mm/min from a speed in mm/s."""
     return speed_mm_per_s * 60.0
 

@@ -52,7 +52,7 @@ def compensate(
     ] = 5.0,
     dialect: Annotated[
         str | None,
-        typer.Option(help="target control: linuxcnc, fanuc, haas, sinumerik, heidenhain"),
+        typer.Option(help="target control: fanuc, grbl, haas, heidenhain, linuxcnc, sinumerik"),
     ] = None,
     report: Annotated[Path | None, typer.Option(help="HTML file to write")] = None,
     json_: Annotated[bool, typer.Option("--json", help="print the figures as JSON")] = False,

@@ -53,8 +53,13 @@ def _surface(surface: SurfaceCheck) -> dict[str, Any]:
     for name, error in {"before": surface.before_mm, "after": surface.after_mm}.items():
         size = um_from_mm(np.abs(error))
         figures |= {f"{name}_largest_um": float(size.max()), f"{name}_mean_um": float(size.mean())}
-    ratio = surface.ratio
+    ratio, u_um = surface.ratio, um_from_mm(surface.u_mm)
     return figures | {
+        "after_rms_um": float(um_from_mm(np.sqrt(np.mean(surface.after_mm**2)))),
+        "u_largest_um": float(u_um.max()),
+        "u_mean_um": float(u_um.mean()),
+        "u_rms_um": float(np.sqrt(np.mean(u_um**2))),
+        "expected_rms_um": um_from_mm(surface.expected_rms_mm),
         "mean_before_over_after": ratio if np.isfinite(ratio) else None,
         "points_lost": surface.lost,
     }
@@ -98,7 +103,18 @@ def rows(found: Compensation, surface: SurfaceCheck | None) -> dict[str, str]:
     }
     if surface is not None:
         on_part = figures["surface"]
-        table |= {f"part, {name}": _largest_and_mean(on_part, name) for name in ("before", "after")}
+        table |= {
+            f"part, {name} (in the model)": _largest_and_mean(on_part, name)
+            for name in ("before", "after")
+        }
+        table["part, tables and effects"] = (
+            f"standard uncertainty largest {on_part['u_largest_um']:.3f} um, "
+            f"mean {on_part['u_mean_um']:.3f} um"
+        )
+        table["part, after, to be expected"] = (
+            f"RMS {on_part['expected_rms_um']:.3f} um: {on_part['after_rms_um']:.3f} um in the "
+            f"model, {on_part['u_rms_um']:.3f} um by tables and effects"
+        )
         table["part, points"] = f"{on_part['points']} of {on_part['of']}"
         if surface.lost:
             table["part, points cut no longer"] = str(surface.lost)

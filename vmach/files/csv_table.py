@@ -78,8 +78,8 @@ def whole(values: np.ndarray, *, shown: np.ndarray | None = None) -> Cells:
 
 def words(names: Sequence[str], index: np.ndarray | None = None) -> Cells:
     """Words: `names` themselves, or for every cell the one at `index`."""
-    names = np.asarray(names, dtype=str)
-    return Cells(np.arange(len(names)) if index is None else np.asarray(index), None, names=names)
+    known = np.asarray(names, dtype=str)
+    return Cells(np.arange(len(known)) if index is None else np.asarray(index), None, names=known)
 
 
 def write_csv(file: BinaryIO, columns: Mapping[str, Cells]) -> None:
@@ -139,8 +139,8 @@ def _text(columns: list[Cells]) -> memoryview:
     pool = _Words()
     for cells, number, length, negative in zip(columns, magnitude, size, is_negative, strict=True):
         if cells.names is not None:
-            used, place = np.unique(cells.values, return_inverse=True)
-            begin, lengths = pool.add([_quoted(name) for name in cells.names[used].tolist()])
+            in_use, place = np.unique(cells.values, return_inverse=True)
+            begin, lengths = pool.add([_quoted(name) for name in cells.names[in_use].tolist()])
             number[:], length[:] = begin[place], lengths[place]
             continue
         number[:], negative[:], is_sure = _digits(cells)
@@ -148,7 +148,7 @@ def _text(columns: list[Cells]) -> memoryview:
             length[~cells.shown] = 0
             is_sure = is_sure | ~cells.shown
         open_ = np.flatnonzero(~is_sure)
-        texts = [cells.written(value) for value in cells.values[open_].tolist()]
+        texts = [(cells.written or str)(value) for value in cells.values[open_].tolist()]
         number[open_], length[open_] = pool.add(texts)
     style = np.array([(c.decimals, c.is_trimmed) for c in columns], np.int64)
     text = np.empty(int(np.maximum(size, 0).sum()) + shape[0] * count * _WIDEST, np.uint8)
@@ -175,7 +175,9 @@ def _digits(cells: Cells) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 @njit(cache=True, nogil=True)
-def _put_rows(text, cells, style, letters):  # pragma: no cover - compiled
+def _put_rows(
+    text: np.ndarray, cells: tuple[np.ndarray, ...], style: np.ndarray, letters: np.ndarray
+) -> int:  # pragma: no cover - compiled
     """Write the cells of all rows; returns the length of the text.
 
     A cell with a size of -1 is a number told by its digits, another one a piece of `letters`.
@@ -203,7 +205,9 @@ def _put_rows(text, cells, style, letters):  # pragma: no cover - compiled
 
 
 @njit(cache=True, nogil=True)
-def _put_number(text, at, digits, style):  # pragma: no cover - compiled
+def _put_number(  # pragma: no cover - compiled
+    text: np.ndarray, at: int, digits: int, style: np.ndarray
+) -> int:
     """Write a whole number with a point before the last digits; returns where it ends."""
     behind = style[0]
     if style[1]:

@@ -169,7 +169,8 @@ def _complaint(
     file: Path,
     line: int | None,
 ) -> InputError:
-    where, dotted = {"file": file, "line": line}, ".".join(keys)
+    where: dict[str, Any] = {"file": file, "line": line}
+    dotted = ".".join(keys)
     known = _known_keys(schema, keys[:-1])
     if first["type"] == "extra_forbidden":
         close = difflib.get_close_matches(keys[-1], known, n=1)
@@ -185,13 +186,13 @@ def _complaint(
 
 
 def _accepted(complaint: Mapping[str, Any]) -> str:
-    message = complaint["msg"].removeprefix("Value error, ").removeprefix("accepted: ")
+    message: str = complaint["msg"].removeprefix("Value error, ").removeprefix("accepted: ")
     return _ACCEPTED.get(complaint["type"], message.removeprefix("Input should be "))
 
 
 def _known_keys(schema: type[FileSection], keys: list[str]) -> list[str]:
     """Names accepted in the table that `keys` lead to, as far as the schema tells."""
-    current: type = schema
+    current: type[FileSection] = schema
     for key in keys:
         fields = getattr(current, "model_fields", {})
         names = {(field.alias or name): field for name, field in fields.items()}

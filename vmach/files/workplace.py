@@ -65,7 +65,7 @@ def _exchange_at_once(first: Path, second: Path) -> bool:
     except (OSError, AttributeError):  # another system, or an old one
         return False
     paths = os.fsencode(first), os.fsencode(second)
-    return rename(_HERE, paths[0], _HERE, paths[1], _RENAME_EXCHANGE) == 0
+    return bool(rename(_HERE, paths[0], _HERE, paths[1], _RENAME_EXCHANGE) == 0)
 
 
 def _prefix(target: Path) -> str:

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field
 
-from gcode import DIALECTS, WORK_OFFSETS, ProgramError, dialect_name
+from gcode import WORK_OFFSETS, ProgramError, dialect_name, dialect_names
 from vmach.files.toml_file import FileSection, Finite, NonNegative, Point, Positive, Whole
 
 __all__ = [
@@ -34,7 +34,7 @@ def _known_dialect(name: str) -> str:
     try:
         return dialect_name(name)
     except ProgramError:
-        raise ValueError(f"accepted: auto, {', '.join(DIALECTS)}") from None
+        raise ValueError(f"accepted: auto, {', '.join(dialect_names())}") from None
 
 
 #: units of length that CAD without a unit of its own can be told

@@ -15,6 +15,8 @@ __all__ = [
     "EDGE_MARGIN_MM",
     "LARGEST_MM",
     "MAX_POINTS",
+    "NARROW",
+    "ROW_MARGINS",
     "Face",
     "Mesh",
     "NominalPart",
@@ -26,6 +28,13 @@ LARGEST_MM = 1e5
 
 #: at an edge the deviation along a normal is not defined, so points keep this distance
 EDGE_MARGIN_MM = 0.05
+
+#: a face is narrow, and gets rows along its edges too, where 2 area/perimeter is below so many
+#: spacings: evenly spread points make fewer than three rows across it
+NARROW = 1.5
+
+#: these rows keep so many edge margins from the edge: a row may meet an edge at 45 degrees
+ROW_MARGINS = 1.5
 
 #: more sampled points than this are refused before any work is done
 MAX_POINTS = 5_000_000

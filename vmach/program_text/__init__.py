@@ -2,7 +2,7 @@
 
 from vmach.program_text.blocks.block_modes import BlockModes, block_modes
 from vmach.program_text.blocks.pieces import Piece, circle_through
-from vmach.program_text.control import TargetControl, check_words, target_control
+from vmach.program_text.control import check_words, target_control
 from vmach.program_text.expanding.expansion import Expanded, prepare_plain
 from vmach.program_text.rewriter import Rewriter, Target, Written
 
@@ -12,7 +12,6 @@ __all__ = [
     "Piece",
     "Rewriter",
     "Target",
-    "TargetControl",
     "Written",
     "block_modes",
     "check_words",

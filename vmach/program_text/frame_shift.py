@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from gcode import WORK_OFFSETS, Program, Step
-from vmach.program_text.control import LETTER_DIALECTS
 
 __all__ = ["FrameShift", "rotation_of_moves", "turned_about_z", "zero_settings"]
 
@@ -29,7 +28,7 @@ def rotation_of_moves(program: Program) -> np.ndarray:
 
 def zero_settings(program: Program) -> list[tuple[Step, float]]:
     """Lines that set or choose a zero, where any sets it at the tool; angle in force then, rad."""
-    if program.dialect not in LETTER_DIALECTS:
+    if not program.language.is_rs274:
         return []
     found = [s for s in program.steps if s.blocks and not _OF_INTEREST.isdisjoint(s.g_names)]
     if not any(_sets_here(step) for step in found):

@@ -6,11 +6,9 @@ from collections import deque
 
 import numpy as np
 
-from gcode import MoveKind, Program, Step
+from gcode import Dialect, MoveKind, Program, Step
 from vmach.path.geometry import move_length_mm, position_at
 from vmach.program_text.blocks.block_modes import BlockModes
-from vmach.program_text.control import CONTROLS, TargetControl
-from vmach.program_text.dialect_text import block_text
 from vmach.program_text.frame_shift import rotation_of_moves, turned_about_z, zero_settings
 from vmach.program_text.said_axes import said_axes
 
@@ -27,7 +25,7 @@ class PlainProgram:
     modes : mapping of line to BlockModes
     own : frozenset of int
         Lines whose numbers are not the user's and get the target's decimals.
-    control : TargetControl
+    control : type of Dialect
 
     Attributes
     ----------
@@ -53,10 +51,10 @@ class PlainProgram:
 
     def __init__(
         self, program: Program, modes: dict[int, BlockModes], own: frozenset[int] = frozenset(),
-        control: TargetControl = CONTROLS["linuxcnc"],
+        control: type[Dialect] = Dialect,
     ) -> None:  # fmt: skip
         self.program, self.modes, self.moves, self.own = program, modes, program.moves, own
-        self.control, self.text = control, block_text(program)
+        self.control, self.text = control, program.language.text(program.source)
         self.angle = rotation_of_moves(program)
         self.said, self.unknown_start = said_axes(program, modes, self.text)
         self.end_mm = program.record.path().point_mm

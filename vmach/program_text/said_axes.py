@@ -6,9 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from gcode import MoveKind, Program
+from gcode import BlockText, MoveKind, Program
 from vmach.program_text.blocks.block_modes import BlockModes
-from vmach.program_text.blocks.block_text import BlockText
 
 __all__ = ["said_axes"]
 

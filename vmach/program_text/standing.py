@@ -6,8 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from gcode import Step
-from vmach.program_text.blocks.line_edit import AS_PROGRAMMED
+from gcode import AS_PROGRAMMED, Step
 from vmach.program_text.frame_shift import FrameShift
 
 __all__ = ["Standing"]

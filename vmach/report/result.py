@@ -157,8 +157,7 @@ class InspectedPoints:
         for column in self.columns:
             if len(column.deviation_mm) != count:
                 raise ValueError(
-                    f"column {column.name} has {len(column.deviation_mm)} points; "
-                    f"expected {count}"
+                    f"column {column.name} has {len(column.deviation_mm)} points; expected {count}"
                 )
 
     def __len__(self) -> int:
@@ -320,6 +319,8 @@ class RunRecord:
         Text of the NC program; line n of `InspectedPoints.line` is entry n - 1.
     comparison : SolidComparison, optional
         The virtual part against the nominal CAD, where there is one.
+    points_file : str
+        Name of the table of all points that lies beside the page; empty where there is none.
     """
 
     title: str
@@ -334,6 +335,7 @@ class RunRecord:
     warnings: tuple[str, ...] = ()
     program_lines: tuple[str, ...] = ()
     comparison: SolidComparison | None = None
+    points_file: str = ""
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.tolerance_mm) and self.tolerance_mm > 0):

@@ -145,6 +145,7 @@ def run_record(made: MachinedPart, command: str) -> RunRecord:
         warnings=tuple(made.notes),
         program_lines=tuple(program.source.lines),
         comparison=made.comparison,
+        points_file="deviations.csv",
     )
 
 

@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
-from stock import VirtualPart, cut_part, write_part
+from vmach.compensation.aim.program_surface import ProgramSurface, patches
 from vmach.errors import InputError
-from vmach.job import Blank, Job
+from vmach.fit.prediction_uncertainty import prediction_u_mm
+from vmach.job import Job
 from vmach.machine import Variant
 from vmach.nominal import Mesh, NominalPart, read_nominal
 from vmach.nominal.points import SurfacePoints
@@ -20,7 +21,6 @@ from vmach.path.preparation import prepare
 from vmach.prediction import (
     ActingEffect,
     Prediction,
-    displaced_sweeps,
     displacement_of,
     predict_surface,
 )
@@ -77,6 +77,9 @@ class SurfaceCheck:
         Shares of the effects that act at the cutting edge, by label.
     lost : int
         Points that the user's program cuts, and the compensated one does not.
+    u_mm : (Q,) float64
+        Standard uncertainty of `after_mm` by what the tables and the effects leave open, as
+        `prediction_u_mm` finds it.
     """
 
     surface: Surface
@@ -90,6 +93,12 @@ class SurfaceCheck:
     tilt_mm: np.ndarray
     at_edge_mm: dict[str, np.ndarray]
     lost: int
+    u_mm: np.ndarray
+
+    @property
+    def expected_rms_mm(self) -> float:
+        """RMS to be expected on a machine that is what the tables and their uncertainty say."""
+        return float(np.sqrt(np.mean(self.after_mm**2 + self.u_mm**2)))
 
     @property
     def ratio(self) -> float:
@@ -112,57 +121,27 @@ def read_surface(job: Job, *, with_aim: bool = False) -> Surface | None:
     if job.nominal is not None:
         nominal = read_nominal(job.nominal, job.nominal_unit)
         surface = Surface(surface_points(job, nominal), nominal.mesh, "nominal CAD")
-        return _with_aim(surface, nominal, job) if with_aim else surface
+        return _with_aim(surface, _sampled(nominal, job)) if with_aim else surface
     if job.blank is None:
         return None
-    solid = _perfect_part(job)
-    mesh = Mesh(solid.vertices_mm, solid.triangles, np.zeros(len(solid.triangles), int))
+    spacing_mm = job.inspection.spacing_mm
     if job.measured is not None:
-        surface = Surface(surface_points(job, None), mesh, "measured points")
-        if not with_aim:
-            return surface
-        part = _with_faces(solid)
+        points, source = surface_points(job, None), "measured points"
+        program = ProgramSurface(job) if with_aim else None
     else:
-        part = _with_faces(solid)
-        surface = Surface(_sampled(part, job), mesh, "the part that the perfect program cuts")
-    return _with_aim(surface, _without_stock(part, job.blank), job) if with_aim else surface
+        program = ProgramSurface(job)
+        points, source = program.sample(spacing_mm), "the part that the perfect program cuts"
+    surface = Surface(points, patches(points, spacing_mm), source)
+    return _with_aim(surface, program.sample(_FINER * spacing_mm)) if with_aim else surface
 
 
-def _perfect_part(job: Job) -> VirtualPart:
-    """The part that the program cuts without any error."""
-    preparation = prepare(job)
-    sweeps = displaced_sweeps(preparation, Variant.NONE)
-    return cut_part(sweeps, preparation.cutters, job.blank.solid)
-
-
-def _with_faces(solid: VirtualPart) -> NominalPart:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "part.stl"
-        write_part(solid, path)
-        return read_nominal(path)
-
-
-def _without_stock(part: NominalPart, blank: Blank) -> NominalPart:
-    """The part without the faces that lie on the blank's box, where no tool has cut."""
-
-    def is_stock(triangles: np.ndarray) -> bool:
-        corners = triangles.reshape(-1, 3)
-        sides = np.stack([corners - blank.min_mm, corners - blank.max_mm])
-        return bool((np.abs(sides) < _SAME_MM).all(axis=1).any())
-
-    corners, owner = part.mesh.corners_mm, part.mesh.face
-    cut = [face for k, face in enumerate(part.faces) if not is_stock(corners[owner == k])]
-    return replace(part, faces=tuple(cut) or part.faces)
-
-
-def _sampled(part: NominalPart, job: Job, finer: float = 1.0) -> SurfacePoints:
+def _sampled(part: NominalPart, job: Job) -> SurfacePoints:
     settings = job.inspection
-    return part.sample(finer * settings.spacing_mm, edge_margin_mm=settings.edge_margin_mm)
+    return part.sample(_FINER * settings.spacing_mm, edge_margin_mm=settings.edge_margin_mm)
 
 
-def _with_aim(surface: Surface, part: NominalPart, job: Job) -> Surface:
+def _with_aim(surface: Surface, points: SurfacePoints) -> Surface:
     """The surface with points to aim at, none of which is an inspection point."""
-    points = _sampled(part, job, _FINER)
     distance, _ = cKDTree(surface.points.point_mm).query(points.point_mm)
     own = distance > _SAME_MM
     return replace(surface, aim=SurfacePoints(
@@ -220,6 +199,7 @@ def check_surface(
         tilt_mm=np.einsum("ij,ij->i", np.cross(tilt, left.contact_mm), normal),
         at_edge_mm=at_edge,
         lost=int((was_cut & ~new.is_cut).sum()),
+        u_mm=prediction_u_mm(new)[of_new],
     )
 
 

@@ -62,7 +62,8 @@ def _binary(path: Path, data: bytes) -> np.ndarray:
         )
     count = (_expected_length(data) - _HEADER_BYTES) // _RECORD.itemsize
     records = np.frombuffer(data, _RECORD, count, _HEADER_BYTES)
-    return records["corners"].astype(np.float64)
+    with np.errstate(invalid="ignore"):  # what is no number is refused by the caller
+        return records["corners"].astype(np.float64)
 
 
 def _ascii(path: Path, data: bytes) -> np.ndarray:

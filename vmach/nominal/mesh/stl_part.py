@@ -20,9 +20,12 @@ from vmach.nominal.mesh.mesh_checks import (
 from vmach.nominal.mesh.mesh_solidity import check_each_triangle_once, check_encloses_once
 from vmach.nominal.mesh.stl import read_stl
 from vmach.nominal.mesh.thinning import near_segments, spread
-from vmach.nominal.part import Mesh, NominalPart, check_size
+from vmach.nominal.part import NARROW, ROW_MARGINS, Mesh, NominalPart, check_size
 
 __all__ = ["MeshRegion", "read_stl_part"]
+
+#: points along the edges of a narrow region, at least
+MIN_ALONG_EDGES = 8
 
 #: facets that meet at a larger angle are taken for two faces with an edge between them
 SMOOTH_RAD = np.radians(30.0)
@@ -62,7 +65,49 @@ class MeshRegion:
         candidates, facet = candidates[keep], facet[keep]
         # 0.8: a maximal set of discs of that radius has about one point a square of the spacing
         chosen = spread(candidates, 0.8 * spacing_mm)
-        return candidates[chosen], _normals(self.corners_mm[facet[chosen]])
+        points, facet = candidates[chosen], facet[chosen]
+        if self._width_mm < NARROW * spacing_mm:
+            more, of = self._near_edges(spacing_mm, ROW_MARGINS * edge_margin_mm)
+            keep = ~near_segments(more, self.edges_mm, edge_margin_mm)
+            points, facet = np.vstack([points, more[keep]]), np.r_[facet, of[keep]]
+        return points, _normals(self.corners_mm[facet])
+
+    @property
+    def _width_mm(self) -> float:
+        """Width of a long region of this area and perimeter; endless without edges."""
+        perimeter = np.linalg.norm(self.edges_mm[:, 1] - self.edges_mm[:, 0], axis=1).sum()
+        return 2.0 * self.area_mm2 / perimeter if perimeter else np.inf
+
+    def _near_edges(self, spacing_mm: float, inset_mm: float) -> tuple[np.ndarray, np.ndarray]:
+        """Points this far inside the edges, about the spacing apart along them, and facets."""
+        sharp = {_ends(*edge) for edge in self.edges_mm}
+        sides = [
+            (row, i)
+            for row, facet in enumerate(self.corners_mm)
+            for i in range(3)
+            if _ends(facet[i], facet[(i + 1) % 3]) in sharp
+        ]
+        facet, side = np.array(sides, dtype=np.int64).reshape(-1, 2).T
+        corners = self.corners_mm[facet]
+        rows = np.arange(len(facet))
+        start, end, apex = (corners[rows, (side + i) % 3] for i in range(3))
+        length = np.linalg.norm(end - start, axis=1)
+        along = (end - start) / np.maximum(length, 1e-300)[:, None]
+        foot = np.einsum("ij,ij->i", apex - start, along)
+        inward = apex - start - foot[:, None] * along
+        height = np.linalg.norm(inward, axis=1)
+        # at the inset the facet is narrower than its side: from `low` on, `usable` long
+        share = np.minimum(inset_mm / np.maximum(height, 1e-300), 1.0)
+        low, usable = share * foot, (1.0 - share) * length
+        total = np.r_[0.0, np.cumsum(usable)]
+        if not total[-1] > 0.0:
+            return np.empty((0, 3)), np.empty(0, dtype=np.int64)
+        count = max(round(total[-1] / spacing_mm), MIN_ALONG_EDGES)
+        place = (np.arange(count) + 0.5) * (total[-1] / count)
+        at = np.minimum(np.searchsorted(total, place, side="right") - 1, len(usable) - 1)
+        s = low[at] + place - total[at]
+        unit = inward[at] / height[at][:, None]
+        return start[at] + s[:, None] * along[at] + inset_mm * unit, facet[at]
 
     def _candidates(self, area_each_mm2: float) -> tuple[np.ndarray, np.ndarray]:
         """Points spread evenly over the area by the additive sequence of the plastic number."""
@@ -76,6 +121,11 @@ class MeshRegion:
         s, t = np.where(s + t > 1.0, [1.0 - s, 1.0 - t], [s, t])
         a, b, c = np.moveaxis(self.corners_mm[facet], 1, 0)
         return a + s[:, None] * (b - a) + t[:, None] * (c - a), facet
+
+
+def _ends(one: np.ndarray, other: np.ndarray) -> frozenset[bytes]:
+    """What names an edge, whichever way it is run along; -0 is 0."""
+    return frozenset(((one + 0.0).tobytes(), (other + 0.0).tobytes()))
 
 
 def read_stl_part(path: Path, unit_mm: float | None = None) -> NominalPart:

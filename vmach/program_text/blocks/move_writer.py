@@ -7,13 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gcode import Word
+from gcode import SAME, UNKNOWN, BlockMotion, Labels, Word
 from vmach.program_text.blocks.block_modes import PLANE_AXES
-from vmach.program_text.blocks.block_text import Labels
-from vmach.program_text.blocks.line_edit import SAME, UNKNOWN, BlockMotion
 from vmach.program_text.blocks.pieces import Piece
 from vmach.program_text.blocks.written_arc import WantedArc, best_centre, best_radius, chord_miss
-from vmach.program_text.dialect_text import line_edit
 from vmach.program_text.expanding.expanded_text import number_text
 from vmach.program_text.frame_shift import turned_about_z
 from vmach.program_text.plain_program import PlainProgram
@@ -89,8 +86,9 @@ class MoveWriter:
         self.decimals = plain.control.decimals(resolution_mm, self.unit)
         self.step = 10.0**-self.decimals  # in program units
         self.zero = turned_about_z(standing.frame.total_mm(self.angle), -self.angle)
-        self.edit = line_edit(plain.text, line, nominal=plain.code[move],
-                              ending=plain.control.ending)  # fmt: skip
+        self.edit = plain.program.language.edit(
+            plain.text, line, nominal=plain.code[move], ending=plain.control.ending
+        )
 
     def write(self, goals: Sequence[Goal], labels: Labels | None) -> WrittenMove:
         """Write the pieces of the move, one behind the other; `labels` number the new blocks."""

@@ -10,7 +10,6 @@ import numpy as np
 from gcode import Modes, MoveKind, Program, Step, Word
 from vmach.errors import InputError
 from vmach.program_text.blocks.block_modes import PLANE_AXES
-from vmach.program_text.control import LETTER_DIALECTS
 from vmach.program_text.expanding.expanded_text import Expanded, LineBuilder, number_text
 from vmach.program_text.frame_shift import rotation_of_moves, turned_about_z
 
@@ -49,7 +48,7 @@ def plain(program: Program, *, floating_tap: bool) -> Expanded | None:
     InputError
         Splines, threading, probing, and cycles that plain blocks cannot do.
     """
-    if program.dialect not in LETTER_DIALECTS:
+    if not program.language.is_rs274:
         return None
     writer = _Writer(program, LineBuilder(program))
     of_line = {step.line: step for step in program.steps}

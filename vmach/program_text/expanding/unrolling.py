@@ -8,7 +8,6 @@ from itertools import pairwise
 
 from gcode import Program, ProgramError, Step, block_items
 from vmach.errors import InputError
-from vmach.program_text.control import LETTER_DIALECTS
 from vmach.program_text.expanding.expanded_text import Expanded, LineBuilder, number_text
 
 __all__ = ["unrolled"]
@@ -20,7 +19,6 @@ _NUMBERS = "parameters and expressions: their values"
 _LABEL = re.compile(r"^(\s*/?\s*)N\s*(\d+(?:\.\d*)?)\s*", re.IGNORECASE)
 _COMMENT = re.compile(r"\([^)\n]*\)|;.*")
 _PROGRAM_NUMBER = re.compile(r"\s*(?:O|:)\s*\d+\s*", re.IGNORECASE)
-_KLARTEXT_FLOW = re.compile(r"\s*(?:\d+\s+)?(?:LBL|CALL\s+LBL)\b", re.IGNORECASE)
 _MODAL_MEMORY = {70, 71, 72, 73}
 
 
@@ -56,7 +54,7 @@ def _code(program: Program, line: int) -> str:
 
 
 def _has_expression(program: Program, step: Step) -> bool:
-    if program.dialect not in LETTER_DIALECTS or not step.blocks:
+    if not program.language.is_rs274 or not step.blocks:
         return False
     code = _code(program, step.line)
     return ("#" in code or "[" in code) and bool(step.words or step.g_codes or step.m_codes)
@@ -83,7 +81,7 @@ def _write_in_running_order(program: Program, steps: list[Step], lines: LineBuil
             lines.drop(step.line, _FLOW)
             continue
         label = _LABEL.match(text)
-        if label and program.dialect != "heidenhain":
+        if label and not program.language.text.renumbers:
             number = float(label[2])
             text = text if number not in seen else label[1] + text[label.end() :]
             seen.add(number)
@@ -102,10 +100,9 @@ def _write_in_running_order(program: Program, steps: list[Step], lines: LineBuil
 def _running_text(program: Program, step: Step, *, first: bool) -> str | None:
     """What a line becomes where it runs; None where nothing of it is left."""
     text = program.source.lines[step.line - 1]
-    if program.dialect == "heidenhain":
-        return None if _KLARTEXT_FLOW.match(text) else text
-    if program.dialect == "sinumerik":
-        return text
+    if not program.language.is_rs274:
+        flow = program.language.flow_lines
+        return None if flow is not None and flow.match(text) else text
     code = _code(program, step.line)
     if _MODAL_MEMORY & {int(m) for m in step.m_codes}:
         raise InputError(

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from gcode import Word
-from vmach.program_text.blocks.block_text import BlockText, Labels, split_word
+from gcode.text.source import Word
+from gcode.writing.block_text import BlockText, Labels, split_word
 
 __all__ = ["AS_PROGRAMMED", "SAME", "UNKNOWN", "BlockMotion", "LineEdit"]
 

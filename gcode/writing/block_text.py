@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
-from gcode import Source, Word
+from gcode.text.source import Source, Word
 
 __all__ = ["BlockText", "Labels", "Style", "split_word"]
 
@@ -60,6 +60,8 @@ class BlockText:
 
     #: the centre of an arc is said in absolute numbers whatever the modes are
     absolute_centres = False
+    #: all blocks are numbered anew at the end
+    renumbers = False
     fewest_decimals = 0
 
     def __init__(self, source: Source) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from gcode.control.interpreter import execute
 from gcode.control.loop_guard import BlockBudget
+from gcode.language.options import RunOptions
 from gcode.motion.cutter_compensation import flush
 from gcode.state.controller import Controller
 from gcode.text.lexer import compact, read_block
@@ -26,13 +27,12 @@ class Translated:
         State.
     lines : list of str
         The program.
-    max_blocks : int
-        Give up after so many.
+    options : RunOptions
     """
 
-    def __init__(self, controller: Controller, lines: list[str], *, max_blocks: int) -> None:
-        self.controller, self.lines = controller, lines
-        self.budget = BlockBudget(max_blocks)
+    def __init__(self, controller: Controller, lines: list[str], options: RunOptions) -> None:
+        self.controller, self.lines, self.options = controller, lines, options
+        self.budget = BlockBudget(options.max_blocks)
         self.next = 0
         self.ended = False
 

@@ -6,9 +6,9 @@ import re
 from collections.abc import Sequence
 from functools import cached_property
 
-from gcode import Word
-from vmach.program_text.blocks.block_text import BlockText, Labels, Style
-from vmach.program_text.blocks.line_edit import BlockMotion, LineEdit
+from gcode.text.source import Word
+from gcode.writing.block_text import BlockText, Labels, Style
+from gcode.writing.line_edit import BlockMotion, LineEdit
 
 __all__ = ["KlartextEdit", "KlartextText"]
 
@@ -17,6 +17,7 @@ class KlartextText(BlockText):
     """Heidenhain Klartext: L, C and CR with signed numbers, circle centres in CC blocks."""
 
     absolute_centres = True
+    renumbers = True
     fewest_decimals = 1
     _TOKEN = re.compile(
         r"(?<![A-Z])(I?[XYZ]|DR|R(?![0LR](?![\d.]))|F|M)[ \t]*"

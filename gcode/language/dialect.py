@@ -1,0 +1,103 @@
+"""A dialect: how the programs of one control are recognised, read and written."""
+
+from __future__ import annotations
+
+import math
+import re
+
+from gcode.geometry.arc_tolerance import ArcTolerance
+from gcode.language.options import RunOptions
+from gcode.language.translate import Translated
+from gcode.state.controller import Controller
+from gcode.text.source import Source
+from gcode.writing.block_text import BlockText
+from gcode.writing.line_edit import LineEdit
+
+__all__ = ["Dialect"]
+
+
+class Dialect:
+    """Base of all dialects; a subclass in a file of `gcode.dialects` is all that a new one takes.
+
+    Every attribute below may be given by the subclass, no other without a leading underscore.
+
+    Attributes
+    ----------
+    name : str
+        In jobs, on the command line and in messages.
+    title : str
+        Maker and models.
+    source : str
+        The maker's manuals that it follows, with pages.
+    synonyms : tuple of str
+        Other names that are accepted.
+    marks : re.Pattern or None
+        Found in the text of a program by which it is recognised; None for a dialect that has
+        to be named.
+    rank : int
+        Where the marks of two are found, the lower one has the program.
+    reader : type
+        Obeys the lines, see `gcode.language.translate.Translated`. A dialect that does not read
+        line by line replaces `run`.
+    is_rs274 : bool
+        Its blocks are read as RS274/NGC: letters with numbers and expressions.
+    arcs : ArcTolerance
+        The control's check of an arc's radii at start and end.
+    reads : tuple of str
+        Dialects beside its own whose programs may be written for it.
+    own_words : re.Pattern or None
+        Words that no other control reads which shares its letters and numbers.
+    flow_lines : re.Pattern or None
+        Lines that are left out where loops and subprograms are written out.
+    inch_decimals : int
+        Decimals of an inch beyond those of a mm: 1 gives 0.0001 inch beside 0.001 mm.
+    ending : frozenset of int
+        M codes that act when the block's motion has ended.
+    floating_tap : bool
+        G84 is a feed move with the spindle reversed, so that it can be written out.
+    text : type
+        Syntax of its blocks, see `gcode.writing.block_text.BlockText`.
+    edit : type
+        Edits of one line, see `gcode.writing.line_edit.LineEdit`.
+    """
+
+    name: str = ""
+    title: str = ""
+    source: str = ""
+    synonyms: tuple[str, ...] = ()
+    marks: re.Pattern[str] | None = None
+    rank: int = 50
+    reader: type[Translated] = Translated
+    is_rs274: bool = False
+    #: Fanuc parameter 3410 and the like are set between 0.005 and 0.02 mm; the smaller is kept
+    arcs: ArcTolerance = ArcTolerance(0.005, 0.005, 0.0, 1.0)
+    reads: tuple[str, ...] = ()
+    own_words: re.Pattern[str] | None = None
+    flow_lines: re.Pattern[str] | None = None
+    inch_decimals: int = 1
+    ending: frozenset[int] = frozenset((0, 1, 2, 5, 9, 30, 60))
+    floating_tap: bool = False
+    text: type[BlockText] = BlockText
+    edit: type[LineEdit] = LineEdit
+
+    @classmethod
+    def detect(cls, text: str) -> bool:
+        """Tell whether a program is written in this dialect."""
+        return cls.marks is not None and cls.marks.search(text) is not None
+
+    @classmethod
+    def run(cls, controller: Controller, source: Source, options: RunOptions) -> None:
+        """Obey a program; raises ProgramError where it cannot go on."""
+        cls.reader(controller, source.lines, options).run()
+
+    @classmethod
+    def decimals(cls, resolution_mm: float, unit_mm: float) -> int:
+        """Decimals of a length in program units."""
+        decimals = math.ceil(-math.log10(resolution_mm) - 1e-9)
+        return max(decimals, 1) + (cls.inch_decimals if unit_mm != 1.0 else 0)
+
+    @classmethod
+    def radii_agree(cls, first: float, last: float, *, unit_mm: float) -> bool:
+        """Whether an arc with these radii at start and end, program units, is accepted."""
+        off, largest = abs(first - last), max(first, last)
+        return off <= max(cls.arcs.absolute(unit_mm), cls.arcs.relative * largest)

@@ -1,0 +1,122 @@
+"""All dialects: those in the folder `gcode.dialects`, and those that other packages bring.
+
+A package brings one by an entry point of the group ``vmach.dialects`` that names its class.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections.abc import Iterator
+from functools import cache
+from importlib.metadata import entry_points
+from pathlib import Path
+
+from gcode.errors import ProgramError
+from gcode.language.check import check_dialect
+from gcode.language.dialect import Dialect
+
+__all__ = ["ENTRY_POINTS", "choose_dialect", "dialect_called", "dialect_name", "dialect_names",
+           "dialect_of", "load_dialects"]  # fmt: skip
+
+ENTRY_POINTS = "vmach.dialects"
+#: has the programs that no other dialect recognises
+_FALLBACK = "linuxcnc"
+#: Only so much of a program is searched at first, bytes.
+_HEAD = 30_000
+
+
+def _in_folder() -> Iterator[type[Dialect]]:
+    """Dialects that the modules of the folder name in ``__all__``."""
+    package = importlib.import_module("gcode.dialects")
+    for module in sorted(m.name for m in pkgutil.iter_modules(package.__path__)):
+        found = importlib.import_module(f"gcode.dialects.{module}")
+        for name in getattr(found, "__all__", ()):
+            kind = getattr(found, name)
+            if isinstance(kind, type) and issubclass(kind, Dialect):
+                yield kind
+
+
+def _of_packages() -> Iterator[type[Dialect]]:
+    for point in sorted(entry_points(group=ENTRY_POINTS), key=lambda p: p.name):
+        yield point.load()
+
+
+def load_dialects(*more: type[Dialect]) -> dict[str, type[Dialect]]:
+    """Find and check all dialects.
+
+    Parameters
+    ----------
+    *more : type
+        Further ones.
+
+    Returns
+    -------
+    dict
+        Name and synonyms -> dialect, in the order in which their marks are looked for.
+
+    Raises
+    ------
+    ProgramError
+        A dialect lacks something, has something unknown, or takes the name of another; with its
+        file and line.
+    """
+    found: dict[str, type[Dialect]] = {}
+    for kind in sorted((*_in_folder(), *_of_packages(), *more), key=lambda k: (k.rank, k.name)):
+        check_dialect(kind, found)
+        found |= dict.fromkeys((kind.name, *kind.synonyms), kind)
+    return found
+
+
+@cache
+def _dialects() -> dict[str, type[Dialect]]:
+    return load_dialects()
+
+
+def dialect_names() -> tuple[str, ...]:
+    """Names of all dialects."""
+    return tuple(sorted({kind.name for kind in _dialects().values()}))
+
+
+def dialect_called(name: str) -> type[Dialect]:
+    """The dialect of a name or a synonym; raises ProgramError where there is none."""
+    found = _dialects().get(name.lower())
+    if found is None:
+        raise ProgramError(f"unknown dialect '{name}'",
+                           accepted="auto, " + ", ".join(dialect_names()))  # fmt: skip
+    return found
+
+
+def dialect_name(name: str) -> str:
+    """The one name of a dialect that may be called by a synonym; ``auto`` stays.
+
+    Raises
+    ------
+    ProgramError
+        There is no such dialect.
+    """
+    return "auto" if name.lower() == "auto" else dialect_called(name).name
+
+
+def choose_dialect(name: str, data: bytes, *, whole: bool = False) -> type[Dialect]:
+    """The dialect of a name; for ``auto`` the one whose marks are found in the text.
+
+    Parameters
+    ----------
+    name : str
+    data : bytes
+        The program.
+    whole : bool
+        Search all of it, and not its head alone.
+    """
+    if name.lower() != "auto":
+        return dialect_called(name)
+    text = (data if whole else data[:_HEAD]).decode("latin-1")
+    return next((kind for kind in _dialects().values() if kind.detect(text)),
+                _dialects()[_FALLBACK])  # fmt: skip
+
+
+def dialect_of(path: str | Path, name: str = "auto") -> str:
+    """The dialect in which `read_program` will read a file; arguments and errors as there."""
+    with Path(path).open("rb") as file:
+        return choose_dialect(name, file.read(_HEAD)).name

@@ -1,0 +1,1 @@
+"""How the blocks of a program are written: numbers, words, labels, and edits of one line."""

@@ -1,0 +1,215 @@
+"""Where tools may leave surface: points of them that graze along their way, or end it.
+
+The boundary of a swept tool is made by the tool's points whose outward normal is square to the
+way, and, where the way ends or turns, by those that look ahead before and not after [1]_.
+
+.. [1] Blackmore, Leu, Wang: The sweep-envelope differential equation algorithm and its
+   application to NC machining verification, Computer-Aided Design 29 (1997) 629, section 2.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from stock.exact.outline import outline_places
+from stock.sweeps import Sweeps
+from stock.tools import Tool
+
+__all__ = ["Contacts", "envelope_contacts"]
+
+#: a turn of the way by more than this leaves more than a line of the tool's own surface
+_TURN_COS = math.cos(math.radians(10.0))
+#: the points of the tool are moved by these parts of their distance from place to place, so that
+#: narrow surface, as between the passes of a raster, is seen all across
+_PHASES = (0.5, 0.1, 0.7, 0.3, 0.9)
+#: a component of a unit vector that is smaller is none
+_LEVEL = 1e-9
+#: rounding of the product of two unit vectors
+_LOOKS = 1e-9
+#: so many places of those that are near each other and go the same way are looked at
+_OF_A_KIND = 3
+#: fewest places around a tool where its whole surface counts
+_AROUND = 12
+#: step of the parameter for the direction of the way
+_STEP = 1e-4
+
+
+class Contacts(NamedTuple):
+    """K points of tools at places of their way.
+
+    Attributes
+    ----------
+    point_mm : (K, 3) float64
+        Workpiece coordinates, without displacement.
+    normal : (K, 3) float64
+        Unit vectors into the tool: outward normals of the surface that it leaves there.
+    sweep : (K,) int64
+    """
+
+    point_mm: np.ndarray
+    normal: np.ndarray
+    sweep: np.ndarray
+
+    @classmethod
+    def joined(cls, parts: Sequence[Contacts]) -> Contacts:
+        """Several of them as one."""
+        if not parts:
+            return cls(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, np.int64))
+        return cls(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def envelope_contacts(
+    sweeps: Sweeps, tools: Sequence[Tool], is_cutting: np.ndarray, spacing_mm: float
+) -> Contacts:
+    """Tool points that may leave surface, in steps of about half the spacing along the way.
+
+    Parameters
+    ----------
+    sweeps : Sweeps
+        Only their nominal geometry counts.
+    tools : sequence of Tool
+        What ``sweeps.tool`` counts in.
+    is_cutting : (M,) bool
+        Sweeps that are looked at.
+    spacing_mm : float
+        Distance of the points on the tools.
+    """
+    along, ends = [], []
+    for number, tool in enumerate(tools):
+        rows = np.flatnonzero(is_cutting & (sweeps.tool == number))
+        if not len(rows):
+            continue
+        place = _places(sweeps, rows, 0.5 * spacing_mm)
+        for turn, phase in enumerate(_PHASES):
+            outline = outline_places(tool, spacing_mm, phase)
+            of_turn = tuple(column[turn :: len(_PHASES)] for column in place)
+            along.append(_grazing(sweeps, of_turn, outline, spacing_mm))
+        outline = outline_places(tool, spacing_mm)
+        ends.append(_ending(sweeps, rows, is_cutting, (outline, spacing_mm)))
+    return Contacts.joined([*along, *ends])
+
+
+def _places(sweeps: Sweeps, rows: np.ndarray, step_mm: float) -> tuple[np.ndarray, np.ndarray]:
+    """Sweeps and parameters in equal steps of the way along `rows`, a few in any one place."""
+    chord = np.linalg.norm(sweeps.end_mm[rows] - sweeps.start_mm[rows], axis=1)
+    radius = np.linalg.norm(sweeps.start_mm[rows] - sweeps.centre_mm[rows], axis=1)
+    length = np.maximum(chord, radius * np.abs(sweeps.sweep_rad[rows]))
+    end = np.cumsum(length)
+    total = float(end[-1]) if len(end) else 0.0
+    way = (np.arange(max(math.ceil(total / step_mm), 1)) + 0.5) * step_mm
+    way = way[way < total] if total > 0.5 * step_mm else np.array([0.5 * total])
+    index = np.minimum(np.searchsorted(end, way), len(rows) - 1)
+    parameter = 1.0 - (end[index] - way) / np.maximum(length[index], 1e-300)
+    sweep, parameter = rows[index], np.clip(parameter, 0.0, 1.0)
+    kept = _spread(sweeps.nominal_tip_at(sweep, parameter), _way(sweeps, sweep, parameter), step_mm)
+    return sweep[kept], parameter[kept]
+
+
+def _spread(tip_mm: np.ndarray, ways: np.ndarray, side_mm: float) -> np.ndarray:
+    """A few of the places that are near each other and go the same way, in their order.
+
+    The passes of a fine raster are many times as near as the points that are looked for.
+    """
+    if not len(tip_mm):
+        return np.zeros(0, np.int64)
+    kind = np.hstack([np.floor(tip_mm / side_mm), np.rint(ways)]).astype(np.int64)
+    kind -= kind.min(axis=0)
+    number = np.zeros(len(kind), np.int64)
+    for column in kind.T:
+        number = number * (int(column.max()) + 1) + column
+    order = np.argsort(number, kind="stable")
+    _, first, count = np.unique(number[order], return_index=True, return_counts=True)
+    shares = (np.arange(_OF_A_KIND)[:, None] * (count - 1)) // (_OF_A_KIND - 1)
+    return np.sort(order[np.unique((first + shares).ravel())])
+
+
+def _way(sweeps: Sweeps, sweep: np.ndarray, parameter: np.ndarray) -> np.ndarray:
+    """Unit vectors of the way; zero where the tool stands."""
+    first = np.minimum(parameter, 1.0 - _STEP)
+    step = sweeps.nominal_tip_at(sweep, first + _STEP) - sweeps.nominal_tip_at(sweep, first)
+    length = np.linalg.norm(step, axis=1, keepdims=True)
+    return np.divide(step, length, out=np.zeros_like(step), where=length > 0.0)
+
+
+def _grazing(
+    sweeps: Sweeps, place: tuple[np.ndarray, np.ndarray], outline: np.ndarray, spacing_mm: float
+) -> Contacts:
+    """Points of the tool whose normal is square to its way."""
+    sweep = place[0]
+    tip, way = sweeps.nominal_tip_at(*place), _way(sweeps, *place)
+    level = np.hypot(way[:, 0], way[:, 1])
+    towards = np.arctan2(way[:, 1], way[:, 0])
+    parts = []
+    for r, z, u_r, u_z in outline:
+        if abs(u_r) < _LEVEL:  # the level bottom of a tool that goes level
+            rows = np.flatnonzero((np.abs(way[:, 2]) < _LEVEL) & (level > 0.0))
+            off = np.full(len(rows), 0.5 * math.pi)
+        else:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                cosine = -u_z * way[:, 2] / (u_r * level)
+            rows = np.flatnonzero((np.abs(cosine) <= 1.0) & (level > _LEVEL))
+            off = np.arccos(cosine[rows])
+        for side in (-1.0, 1.0):
+            azimuth = towards[rows] + side * off
+            parts.append(_contacts(tip[rows], azimuth, (r, z, u_r, u_z), sweep[rows]))
+        if abs(u_z) < _LEVEL:  # all around a tool that goes along its axis
+            rows = np.flatnonzero((level <= _LEVEL) & (np.abs(way[:, 2]) > 0.0))
+            count = max(_AROUND, math.ceil(2 * math.pi * r / spacing_mm))
+            azimuth = np.tile(2 * math.pi * np.arange(count) / count, len(rows))
+            rows = np.repeat(rows, count)
+            parts.append(_contacts(tip[rows], azimuth, (r, z, u_r, u_z), sweep[rows]))
+    return Contacts.joined(parts)
+
+
+def _ending(
+    sweeps: Sweeps, rows: np.ndarray, is_cutting: np.ndarray, tool: tuple[np.ndarray, float]
+) -> Contacts:
+    """Points of the tool that look ahead where the way ends or turns, and not behind."""
+    outline, spacing_mm = tool
+    here = np.concatenate([rows, rows])
+    parameter = np.repeat([0.0, 1.0], len(rows))
+    before = np.where(parameter == 0.0, here - 1, here)
+    coming, going = _way_of(sweeps, before, 1.0), _way_of(sweeps, before + 1, 0.0)
+    turns = np.einsum("ij,ij->i", coming, going) < _TURN_COS
+    # the end of a sweep and the start of the next are one place
+    other = np.clip(before, 0, len(sweeps) - 1)
+    turns &= (parameter == 1.0) | (before < 0) | ~is_cutting[other]
+    turns = np.flatnonzero(turns)
+    tip = sweeps.nominal_tip_at(here[turns], parameter[turns])
+    kept = _spread(tip, np.hstack([coming[turns], going[turns]]), 0.5 * spacing_mm)
+    turns, tip = turns[kept], tip[kept]
+    here, coming, going = here[turns], coming[turns], going[turns]
+    parts = []
+    for r, z, u_r, u_z in outline:
+        count = max(_AROUND, math.ceil(2 * math.pi * r / spacing_mm))
+        azimuth = np.tile(2 * math.pi * np.arange(count) / count, len(here))
+        k = np.repeat(np.arange(len(here)), count)
+        found = _contacts(tip[k], azimuth, (r, z, u_r, u_z), here[k])
+        ahead = -np.einsum("ij,ij->i", found.normal, coming[k]) >= -_LOOKS
+        behind = -np.einsum("ij,ij->i", found.normal, going[k]) <= _LOOKS
+        parts.append(Contacts(*(column[ahead & behind] for column in found)))
+    return Contacts.joined(parts)
+
+
+def _way_of(sweeps: Sweeps, sweep: np.ndarray, parameter: float) -> np.ndarray:
+    """Way at one end of sweeps; zero for numbers that are none, and where the tool stands."""
+    inside = np.flatnonzero((sweep >= 0) & (sweep < len(sweeps)))
+    found = np.zeros((len(sweep), 3))
+    found[inside] = _way(sweeps, sweep[inside], np.full(len(inside), parameter))
+    return found
+
+
+def _contacts(
+    tip: np.ndarray, azimuth: np.ndarray, place: tuple[float, float, float, float],
+    sweep: np.ndarray,
+) -> Contacts:  # fmt: skip
+    """Points at azimuths of the circle that one place of the outline describes."""
+    r, z, u_r, u_z = place
+    cos, sin = np.cos(azimuth), np.sin(azimuth)
+    point = tip + np.column_stack([r * cos, r * sin, np.full(len(tip), z)])
+    normal = -np.column_stack([u_r * cos, u_r * sin, np.full(len(tip), u_z)])
+    return Contacts(point, normal, sweep)

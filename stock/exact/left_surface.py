@@ -1,0 +1,194 @@
+"""Points of the surface that a program leaves, found without its solid.
+
+Every point of that surface lies on the envelope of some sweep, where no other sweep has taken it
+away. So lines that start on the envelopes are followed to the material's edge by the exact
+engine; the normal there comes from the edge on four lines beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stock.exact.edge import Edges, EdgeStatus, Material
+from stock.exact.envelope import Contacts, envelope_contacts
+from stock.sweeps import Sweeps
+from stock.tools import Tool
+
+__all__ = ["LeftSurface", "find_left_surface"]
+
+#: lines that are tried for every cell of space and direction
+_TRIES = 4
+#: distance of the lines that tell the normal, mm: far above what an edge is wrong by, 1e-12 mm,
+#: and far below the radii of tools
+_BESIDE_MM = 1e-3
+#: what two sides of a point may say differently of the slope: beyond, an edge is between them
+_SMOOTH = 0.05
+#: steeper than this against its line a surface is looked at again along its own normal
+_STEEP = 3.0
+#: how far from its tangent plane a smooth surface may be, as a share of the margin
+_IN_PLANE = 0.5
+#: nearer to the blank's faces no tool has cut, mm
+_BLANK_MM = 1e-6
+
+
+@dataclass(frozen=True)
+class LeftSurface:
+    """P points of the surface that sweeps leave.
+
+    Attributes
+    ----------
+    point_mm, normal : (P, 3) float64
+        Workpiece coordinates; outward unit normals.
+    sweep : (P,) int64
+        What made each point.
+    """
+
+    point_mm: np.ndarray
+    normal: np.ndarray
+    sweep: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.sweep)
+
+
+def find_left_surface(
+    sweeps: Sweeps,
+    tools: Sequence[Tool],
+    *,
+    blank_mm: tuple[Sequence[float], Sequence[float]],
+    is_cutting: np.ndarray,
+    spacing_mm: float,
+    margin_mm: float,
+) -> LeftSurface:
+    """Sample the surface that sweeps without displacement leave of a blank.
+
+    Parameters
+    ----------
+    sweeps : Sweeps
+        All of them take material away.
+    tools : sequence of Tool
+    blank_mm : pair of (3,) arrays
+        Least and largest corner.
+    is_cutting : (M,) bool
+        Sweeps whose surface is looked for.
+    spacing_mm : float
+        About one point in a square of this side, for each of the six main directions.
+    margin_mm : float
+        Points nearer to an edge of the surface are left out.
+
+    Returns
+    -------
+    LeftSurface
+        In the order in which the surface was made; empty where nothing is cut.
+    """
+    material = Material(sweeps, tools, blank_mm)
+    starts = _inside(envelope_contacts(sweeps, tools, is_cutting, spacing_mm), blank_mm)
+    cell = _cells(starts.point_mm, starts.normal, spacing_mm)
+    order = np.lexsort((starts.sweep, cell))
+    starts = Contacts(*(column[order] for column in starts))
+    first, count = np.unique(cell[order], return_index=True, return_counts=True)[1:]
+    found, is_open = [], np.ones(len(first), bool)
+    for turn in range(_TRIES):
+        # the last sweeps of a cell first: what finishes comes after what roughs
+        share = (count - 1) * (_TRIES - turn) // _TRIES if turn else count - 1
+        asked = np.flatnonzero(is_open)
+        rows = first[asked] + share[asked]
+        there = _surface_at(material, starts, rows, (spacing_mm, margin_mm))
+        found.append(there[0])
+        is_open[asked[there[1]]] = False
+    return _thinned(found, blank_mm, spacing_mm)
+
+
+def _inside(starts: Contacts, blank_mm: tuple) -> Contacts:
+    """Those inside the blank, off its faces."""
+    low, high = np.asarray(blank_mm[0]) + _BLANK_MM, np.asarray(blank_mm[1]) - _BLANK_MM
+    kept = ((starts.point_mm > low) & (starts.point_mm < high)).all(axis=1)
+    return Contacts(*(column[kept] for column in starts))
+
+
+def _cells(point_mm: np.ndarray, normal: np.ndarray, spacing_mm: float) -> np.ndarray:
+    """One number for every cube of space and main direction of the normal."""
+    place = np.floor(point_mm / spacing_mm).astype(np.int64)
+    place -= place.min(axis=0, initial=0)
+    axis = np.argmax(np.abs(normal), axis=1)
+    side = 2 * axis + (normal[np.arange(len(normal)), axis] > 0.0)
+    wide = place.max(axis=0, initial=0) + 1
+    return ((place[:, 0] * wide[1] + place[:, 1]) * wide[2] + place[:, 2]) * 6 + side
+
+
+def _surface_at(
+    material: Material, starts: Contacts, rows: np.ndarray, sizes: tuple[float, float]
+) -> tuple[LeftSurface, np.ndarray]:
+    """The surface next to some starts, and which of them have led to it."""
+    spacing_mm, margin_mm = sizes
+    point, normal = starts.point_mm[rows], starts.normal[rows]
+    edges = material.edges(point, normal, spacing_mm)
+    kept = np.flatnonzero(edges.status == EdgeStatus.CUT)
+    sweep = edges.sweep[kept]
+    point = point[kept] + edges.deviation_mm[kept, None] * normal[kept]
+    normal, is_smooth = _normals(material, point, normal[kept])
+    if margin_mm > 0.0:
+        is_smooth &= _in_plane(material, point, normal, margin_mm)
+    good = np.flatnonzero(is_smooth)
+    return LeftSurface(point[good], normal[good], sweep[good]), kept[good]
+
+
+def _normals(
+    material: Material, point: np.ndarray, normal: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Normals of the surface at points of it, and where it has one."""
+    slope, is_smooth = np.zeros((len(point), 2)), np.zeros(len(point), bool)
+    for again in range(2):  # the second time where the first line is far off the normal
+        rows = np.flatnonzero(is_smooth & (np.abs(slope) > 1e-3).any(axis=1)) if again else (
+            np.arange(len(point)))  # fmt: skip
+        sides = _tangents(normal[rows])
+        height, known = _heights(material, point[rows], normal[rows], sides, _BESIDE_MM)
+        slope[rows] = 0.5 * (height[:, :, 0] - height[:, :, 1]) / _BESIDE_MM
+        bend = np.abs(height.sum(axis=2)).max(axis=1, initial=0.0) / _BESIDE_MM
+        is_smooth[rows] = known & (bend < _SMOOTH) & (np.abs(slope[rows]) < _STEEP).all(axis=1)
+        new = normal[rows] - np.einsum("ps,psi->pi", slope[rows], sides)
+        new /= np.linalg.norm(new, axis=1, keepdims=True)
+        normal = normal.copy()
+        normal[rows] = np.where(is_smooth[rows, None], new, normal[rows])
+    return normal, is_smooth
+
+
+def _in_plane(
+    material: Material, point: np.ndarray, normal: np.ndarray, margin_mm: float
+) -> np.ndarray:
+    """Where the surface goes on beside points, near their tangent planes."""
+    height, known = _heights(material, point, normal, _tangents(normal), margin_mm)
+    return known & (np.abs(height) <= _IN_PLANE * margin_mm).all(axis=(1, 2))
+
+
+def _heights(
+    material: Material, point: np.ndarray, normal: np.ndarray, sides: np.ndarray, way_mm: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Height of the surface on either side in two directions, (P, 2, 2), and where it is known."""
+    step = way_mm * np.stack([sides, -sides], axis=2)  # (P, side, sign, 3)
+    beside = (point[:, None, None] + step).reshape(-1, 3)
+    edges: Edges = material.edges(beside, np.repeat(normal, 4, axis=0), 2.0 * _STEEP * way_mm)
+    known = (edges.status == EdgeStatus.CUT).reshape(-1, 4).all(axis=1)
+    return edges.deviation_mm.reshape(-1, 2, 2), known
+
+
+def _tangents(normal: np.ndarray) -> np.ndarray:
+    """Two unit vectors square to every normal and to each other, (P, 2, 3)."""
+    one = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal), axis=1)])
+    one /= np.linalg.norm(one, axis=1, keepdims=True)
+    return np.stack([one, np.cross(normal, one)], axis=1)
+
+
+def _thinned(found: Sequence[LeftSurface], blank_mm: tuple, spacing_mm: float) -> LeftSurface:
+    """One point a cell, in the order of the sweeps, without those on the blank's own faces."""
+    point = np.concatenate([part.point_mm for part in found])
+    normal = np.concatenate([part.normal for part in found])
+    sweep = np.concatenate([part.sweep for part in found])
+    inside = _inside(Contacts(point, normal, np.arange(len(sweep))), blank_mm).sweep
+    point, normal, sweep = point[inside], normal[inside], sweep[inside]
+    _, first = np.unique(_cells(point, normal, spacing_mm), return_index=True)
+    rows = first[np.argsort(sweep[first], kind="stable")]
+    return LeftSurface(point[rows], normal[rows], sweep[rows])

@@ -1,0 +1,42 @@
+"""What the first command says, and that its work can be done beforehand."""
+
+import subprocess
+import sys
+
+from tests.golden.test_bad_input import run_vmach
+from vmach.base import kernel_cache
+from vmach.commands import warm_up
+
+
+def test_warm_up_runs_a_part_and_a_diagnosis(monkeypatch, capsys):
+    status, told, _ = run_vmach(monkeypatch, capsys, "warm-up")
+    assert status == 0
+    assert told.splitlines()[0].startswith("compiling what a machined part")
+    assert told.splitlines()[-1].startswith("ready after")
+
+
+def test_the_first_command_says_why_it_takes_long(monkeypatch, capsys):
+    monkeypatch.setattr(warm_up, "is_cold", lambda: True)
+    for command in ("run", "effects", None):
+        warm_up.tell_if_cold(command)
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    assert "vmach warm-up does it beforehand" in told
+
+
+def test_cold_means_no_kernel_beside_the_packages(tmp_path, monkeypatch):
+    package = tmp_path / "stock"
+    (package / "__pycache__").mkdir(parents=True)
+    (package / "__init__.py").write_text("")
+    spec = type("Spec", (), {"origin": str(package / "__init__.py")})
+    monkeypatch.setattr(kernel_cache, "find_spec", lambda name: spec)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "")
+    assert kernel_cache.is_cold()
+    (package / "__pycache__" / "walk.py311.nbi").write_bytes(b"")
+    assert not kernel_cache.is_cold()
+
+
+def test_loading_the_command_line_stays_light():
+    code = "import sys, vmach.cli; print([m for m in ('numpy', 'pydantic') if m in sys.modules])"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "[]"
