@@ -12,7 +12,6 @@ from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.search import Search
 from vmach.diagnosis.words import where_component
 from vmach.effects import Effect, label_of
-from vmach.effects.laws.geometry.component import Component
 
 __all__ = ["Finding", "findings_of", "something_unknown"]
 
@@ -77,7 +76,7 @@ def _finding(search: Search, explanation: Explanation, k: int) -> Finding:
     assert explanation.fit is not None
     effect, target = explanation.terms[k].effect, explanation.terms[k].target
     fitted = fitted_parameters(search.survey, explanation.fit, k)
-    is_component = isinstance(effect, Component)
+    is_component = effect.corrects_table
     return Finding(
         effect=effect,
         target=target,

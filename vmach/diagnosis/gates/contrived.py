@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Collection, Sequence
 
 from vmach.diagnosis.findings import Finding
-from vmach.effects.laws.tool.tool_size import OfOneTool
 
 __all__ = ["is_contrived"]
 
@@ -31,7 +30,9 @@ def is_contrived(findings: Sequence[Finding], *, expected: Collection[str] = ())
         Labels of those that are known to be there, as tables that were never measured; they do
         not count as flexible.
     """
-    of_tools = Counter(f.target for f in findings if isinstance(f.effect, OfOneTool))
+    of_tools = Counter(
+        f.target for f in findings if f.effect is not None and f.effect.is_of_one_tool
+    )
     if max(of_tools.values(), default=0) >= _TOO_MANY_OF_A_TOOL:
         return True
     surprises = [f.effect for f in findings if f.effect is not None and f.label not in expected]

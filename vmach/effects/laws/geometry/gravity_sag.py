@@ -13,6 +13,10 @@ class GravitySag(Effect):
 
     name = "gravity_sag"
     title = "sag of a beam or ram under its weight"
+    commonness = 17
+    source = (
+        "equation (18) of docs/laws.md; deflection of a beam, to the second order about its middle"
+    )
     parameters = (
         linear("sag_um", "drop at the ends of the travel against its middle", usual=10.0),
     )
@@ -31,6 +35,11 @@ class TableLoadSag(Effect):
 
     name = "table_load_sag"
     title = "sag of the table under the workpiece"
+    commonness = 3
+    source = (
+        "equation (32) of docs/laws.md; "
+        "deflection of a cantilever, to the third order about its middle"
+    )
     parameters = (linear("sag_um", "drop at the ends of the travel", usual=10.0),)
     targets = ("X", "Y")
     rarity = 2.5

@@ -14,6 +14,10 @@ class HeadTilt(OfWarmSpindle):
 
     name = "head_tilt"
     title = "thermal tilt of head or column"
+    commonness = 21
+    source = (
+        "equation (14) of docs/laws.md; ISO 230-3, tilt by the rotating spindle; first-order lag"
+    )
     parameters = (
         linear("tilt_urad", "rotation when warm at 8000 rpm, right-handed", usual=40.0),
         linear("shift_um", "sideways motion of the spindle nose when warm", usual=10.0),
@@ -32,7 +36,6 @@ class HeadTilt(OfWarmSpindle):
     usual_size = "50 urad above 5000 rpm, time constant 0.5 to 4 hours"
     confirm = "drift test with two tool lengths, or with a nest of five probes"
     cure = "warm up before finishing; cool the head; compensate by temperature"
-    source = "ISO 230-3"
 
     def displacement(self, path, target, tilt_urad, shift_um, time_constant_s, speed_exponent):
         warmth = path.warmth_of_spindle(time_constant_s, speed_exponent)[:, None]

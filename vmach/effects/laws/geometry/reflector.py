@@ -23,6 +23,11 @@ class Reflector(Effect):
 
     name = "reflector"
     title = "documented position of a reflector"
+    commonness = 2
+    source = (
+        "equation (33) of docs/laws.md; "
+        "Abbe's principle: what an angle adds to a reading off the line measured"
+    )
     parameters = tuple(
         replace(linear(name, meaning, usual=100.0), most=_FARTHEST_MM)
         for name, meaning in (

@@ -20,6 +20,8 @@ class AxisExpansion(Effect):
 
     name = "axis_expansion"
     title = "expansion of the warm screw"
+    commonness = 25
+    source = "equation (10) of docs/laws.md; linear expansion; heat equation along the screw"
     parameters = (
         linear("expansion_ppm", "stretch when warm at a mean speed of 100 mm/min", usual=40.0),
         linear("local_ppm", "further stretch, most where the nut works", usual=40.0),

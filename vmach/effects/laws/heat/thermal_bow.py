@@ -12,6 +12,11 @@ class ThermalBow(OfWarmthByTime):
 
     name = "thermal_bow"
     title = "bed or beam that bows as one side of it warms"
+    commonness = 16
+    source = (
+        "equation (19) of docs/laws.md; "
+        "a beam with one side warmer bends to a circle, after Timoshenko"
+    )
     parameters = (
         linear("bow_um", "rise of the tool against the part at mid-travel when warm", usual=10.0),
         OfWarmthByTime.time_constant("time to reach 63 % of the final bow"),

@@ -40,6 +40,8 @@ class ServoLag(Effect):
 
     name = "servo_lag"
     title = "lag of the position loop (circles too small)"
+    commonness = 22
+    source = "equation (13) of docs/laws.md; second order of the lag 1/(1 + s/Kv)"
     parameters = (
         linear("lag_ms2", "square of the time constant 1/Kv", usual=25.0),
         POLYLINE_SHARE,
@@ -49,7 +51,6 @@ class ServoLag(Effect):
     usual_size = "6 um at 4 m/min on a radius of 150 mm with Kv 50 1/s"
     confirm = "ballbar or a milled circle at two feeds: the shrinking goes with feed squared"
     cure = "raise Kv or switch feed-forward on; less feed on small radii"
-    source = "second order of the lag 1/(1 + s/Kv)"
 
     def displacement(self, path, target, lag_ms2, polyline_share):
         return 0.5e-6 * lag_ms2 * acceleration_on_curves(path, polyline_share)
@@ -60,6 +61,10 @@ class ServoMismatch(Effect):
 
     name = "servo_mismatch"
     title = "position loops of two axes do not match"
+    commonness = 23
+    source = (
+        "equation (12) of docs/laws.md; first order of the lag 1/(1 + s/Kv) of two axes; ISO 230-4"
+    )
     parameters = (
         linear("mismatch_ms", "lag of the second axis minus lag of the first", usual=0.3),
     )
@@ -84,6 +89,11 @@ class CornerRounding(Effect):
 
     name = "corner_rounding"
     title = "corners rounded by lag and look-ahead"
+    commonness = 5
+    source = (
+        "equation (30) of docs/laws.md; "
+        "step response of the lag 1/(1 + s T) to a velocity that changes evenly"
+    )
     parameters = (
         linear("lag_ms", "lag right at the corner", usual=10.0),
         inner("time_constant_ms", "decay after the corner", (3, 6, 12, 25, 50, 100), usual=20.0),

@@ -15,6 +15,8 @@ class ProbeRadius(Effect):
 
     name = "probe_radius"
     title = "effective radius of the measuring probe"
+    commonness = 10
+    source = "equation (25) of docs/laws.md; ISO 10360-5, size error of the probing system"
     parameters = (linear("radius_um", "deviation seen on every surface", usual=5.0),)
     targets = ("",)
     needs_surface = True

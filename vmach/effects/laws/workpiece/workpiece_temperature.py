@@ -10,6 +10,8 @@ class WorkpieceTemperature(Effect):
 
     name = "workpiece_temperature"
     title = "temperature of the workpiece while it was cut"
+    commonness = 31
+    source = "equation (4) of docs/laws.md; ISO 1, lengths hold at 20 degC; linear expansion"
     parameters = (
         linear("expansion_ppm", "stretch while cut: expansion coefficient x warming", usual=20.0),
     )

@@ -18,6 +18,8 @@ class WorkpieceWarming(OfWarmthByTime):
 
     name = "workpiece_warming"
     title = "workpiece that warms while it is cut"
+    commonness = 20
+    source = "equation (15) of docs/laws.md; linear expansion; first-order lag"
     parameters = (
         replace(
             linear("expansion_ppm", "stretch when warm: expansion coefficient x warming", usual=20),
