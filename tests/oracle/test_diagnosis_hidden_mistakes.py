@@ -8,8 +8,8 @@ import pytest
 from tests.hidden_effects.experiment import make_experiment
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.errors import InputError
+from vmach.instruments import read_instruments
 from vmach.job import read_job
-from vmach.measurements import read_instruments
 
 TESTS = ("ballbar_xy", "laser_X", "laser_Y", "laser_Z", "diagonal_0", "drift", "tip")
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tests.small_job import pocket_points, write_job, write_points
+from vmach.instruments import measure_part
 from vmach.job import read_job
-from vmach.measurements import measure_part
 from vmach.path.preparation import prepare
 
 TOOL_RADIUS_MM = 5.0

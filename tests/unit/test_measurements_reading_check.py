@@ -7,8 +7,8 @@ import pytest
 
 from tests.small_job import measurement, write_job
 from vmach.errors import InputError
+from vmach.instruments import read_instruments
 from vmach.job import read_job
-from vmach.measurements import read_instruments
 
 AXIS = measurement("laser", file="test.csv", axis="X", at_mm=[0, -100, -50])
 DIAGONAL = measurement(

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from vmach.measurements.instrument import Instrument
 from vmach.path.toolpath import PathStates
 
 __all__ = ["Measurement"]
@@ -30,8 +31,8 @@ class Measurement:
 
     Attributes
     ----------
-    kind : str
-        "part", "ballbar", "laser", "diagonal", "drift" or "tip".
+    instrument : subclass of Instrument
+        What took the readings: what they mean, what is left free, how they are drawn.
     name : str
         For people: the file's name.
     id : (P,) str
@@ -52,7 +53,7 @@ class Measurement:
         What the reader noticed and survived.
     """
 
-    kind: str
+    instrument: type[Instrument]
     name: str
     id: np.ndarray
     states: PathStates

@@ -29,13 +29,6 @@ _CLOSE_U, _FAR_BETTER = 4.0, 5.0
 _BETTER_BENT = 2.0
 #: readings beyond the number of what is free, below which nothing can be said
 _FEWEST_LEFT = 12
-_MEANING = {
-    "part": "a deviation is (m - p) along i, j, k and positive where material is left",
-    "ballbar": "radius_um is positive where the tool is further out than programmed",
-    "laser": "deviation_um is positive where the tool is further along + than programmed",
-    "diagonal": "deviation_um is positive where the tool is further towards to_mm than programmed",
-}
-_DISPLACEMENT = "a displacement is that of the tool relative to the workpiece"
 
 
 @dataclass(frozen=True)
@@ -100,7 +93,7 @@ def otherwise_notes(test: Measurement, others: Iterable[Otherwise]) -> tuple[str
 
 
 def _other_sign(test: Measurement) -> Otherwise:
-    meaning = f"{_MEANING.get(test.kind, _DISPLACEMENT)}, and so do the error tables count"
+    meaning = f"{test.instrument.sign_meaning}, and so do the error tables count"
     return Otherwise("the other sign", meaning, -test.predicted_mm)
 
 

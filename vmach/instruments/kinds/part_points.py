@@ -10,6 +10,7 @@ import numpy as np
 
 from vmach.base.units import um_from_mm
 from vmach.machine import Variant
+from vmach.measurements.instrument import Instrument
 from vmach.measurements.measurement import Measurement
 from vmach.measurements.neighbours import apart_from_neighbours
 from vmach.measurements.plausibility.otherwise import otherwise_notes
@@ -27,7 +28,7 @@ from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.path.preparation import Preparation
 from vmach.prediction import ActingEffect, Prediction, predict_surface
 
-__all__ = ["measure_part"]
+__all__ = ["PartPoints", "measure_part"]
 
 #: a point further away than this is no measurement of the surface
 _ASTRAY_MM = 0.5
@@ -38,6 +39,16 @@ _MANY = 0.1
 #: by how many u, and how far, a point has to stand out to be left out before any fit
 _OUTLIER_U = 12.0
 _GROSS_MM = 0.06
+
+
+class PartPoints(Instrument):
+    """Points of the machined part, touched by a coordinate measuring machine."""
+
+    name = "part"
+    title = "Points of the part"
+    sign_meaning = "a deviation is (m - p) along i, j, k and positive where material is left"
+    left_free = "pose of the part"
+    is_section_of_job = False  # the job names them by its key `measured`
 
 
 def measure_part(
@@ -86,7 +97,7 @@ def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Meas
     normal = points.normal[cut]
     arm = points.point_mm[cut] - points.point_mm[cut].mean(axis=0)
     return Measurement(
-        kind="part",
+        instrument=PartPoints,
         name=name,
         id=points.id[cut],
         states=prediction.states,
