@@ -12,6 +12,9 @@ at most 1/b.
 
 Only inner products X^T X and X^T y enter. They are worked out for all candidates in a few large
 matrix products; what an explanation absorbs changes them by a matrix of low rank.
+
+Source: R. Kass and A. Raftery, Bayes factors, J. Am. Stat. Assoc. 90 (1995) 773; closed form
+derived here: Gaussian integral over c. The bound 1/b is Markov's inequality.
 """
 
 from __future__ import annotations
