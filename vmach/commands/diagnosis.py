@@ -77,7 +77,7 @@ def diagnose(
             if found.next_measurement is not None:
                 program = program or str(out / written[-1])
     print(as_text(found, program=program))
-    if found.verdict in ("named", "class"):
+    if found.verdict in ("named", "class", "partly"):
         print(f"to put it into the model: vmach add {job} {' '.join(map(_word, found.findings))}")
     if found.next_measurement is not None and program is None:
         print("--next FILE writes the program of the measurement to do next")
