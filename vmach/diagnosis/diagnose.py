@@ -101,7 +101,7 @@ def diagnose(
         next_measurement=next_measurement(search, explanation, findings),
         left=found.left,
         notes=(
-            *survey.notes,
+            *map(str, survey.notes),
             *found.left_out,
             *found.not_shown,
             *_wide_uncertainty(explanation),

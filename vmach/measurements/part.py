@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from vmach.base.note import Kind
 from vmach.base.units import um_from_mm
 from vmach.machine import Variant
 from vmach.measurements.measurement import Measurement
@@ -117,7 +118,7 @@ def _without_repeats(part: Measurement, points_mm: np.ndarray) -> Measurement:
     _, first = np.unique(rows, axis=0, return_index=True)
     if len(first) == len(part):
         return part
-    told = tuple(note for note in part.notes if "repeat an earlier point" not in note)
+    told = tuple(note for note in part.notes if note.kind is not Kind.REPEAT)
     count = len(part) - len(first)
     note = f"{part.name}: {count} rows that repeat another row, reading and all, are left out"
     return replace(part, notes=told).keep(np.sort(first), note)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from vmach.base.note import Kind
 from vmach.base.units import um_from_mm
 from vmach.errors import InputError
 from vmach.machine import Variant
@@ -74,8 +75,9 @@ def check_file(points: SurfacePoints, path: Path) -> None:
             hint=f"is the column in {unit}? It has to be in um",
         )
     for note in points.notes:
-        if "look like" in note:
-            raise InputError(note, file=path, accepted="all coordinates in mm")
+        if note.kind is Kind.UNIT:
+            accepted = "all coordinates in mm"
+            raise InputError(note.sentence, file=path, accepted=accepted, note=note)
 
 
 def check_cut(preparation: Preparation, points: SurfacePoints, count: int, *, path: Path) -> None:
