@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -171,16 +171,22 @@ def read_program(
     """
     options = {name: value for name, value in locals().items() if name not in ("path", "steps")}
     source = path if isinstance(path, Source) else Source.read(path)
-    controller = Controller(dict(tools or {}), arc_tolerance(arc_tolerances), machine_unit_mm,
-                            offsets=offset_memory(tools or {}, offsets or {}),
-                            preview=preview)  # fmt: skip
-    _prepare(controller, work_offsets_mm or {}, home_mm)
     fast = len(source.data) >= _FAST_FROM if fast is None else fast
-    if steps is not None:
-        controller.trace = Trace(controller, steps)
+    how = RunOptions(block_delete, max_blocks, fast)
+
+    def run(spoken: type[Dialect]) -> Controller:
+        controller = Controller(dict(tools or {}), arc_tolerance(arc_tolerances), machine_unit_mm,
+                                offsets=offset_memory(tools or {}, offsets or {}),
+                                preview=preview)  # fmt: skip
+        _prepare(controller, work_offsets_mm or {}, home_mm)
+        if steps is not None:
+            steps.clear()
+            controller.trace = Trace(controller, steps)
+        run_program(controller, source, spoken, how)
+        return controller
+
     try:
-        spoken = choose_dialect(dialect, source.data[source.mark :])
-        run_program(controller, source, spoken, RunOptions(block_delete, max_blocks, fast))
+        spoken, controller = _run_as_recognised(run, source.data[source.mark :], dialect)
     except ProgramError as error:
         raise error.located(file=source.path, line=None) from None
     if controller.trace is not None:
@@ -189,6 +195,20 @@ def read_program(
     home = None if home_mm is None else np.array(home_mm, np.float64)
     return Program(source.path, spoken.name, source, notes, controller.record,
                    limits or MachineLimits(), home, options)  # fmt: skip
+
+
+def _run_as_recognised(
+    run: Callable[[type[Dialect]], Controller], data: bytes, name: str
+) -> tuple[type[Dialect], Controller]:
+    """Run in the dialect of the text's head; where that is refused, in that of the whole text."""
+    spoken = choose_dialect(name, data)
+    try:
+        return spoken, run(spoken)
+    except ProgramError:
+        other = choose_dialect(name, data, whole=True)
+        if other is spoken:
+            raise
+        return other, run(other)
 
 
 def _prepare(

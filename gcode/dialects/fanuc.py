@@ -282,7 +282,6 @@ class Fanuc(Dialect):
     title = "FANUC Series 0i and 30i"
     source = "FANUC Series 30i/31i/32i-B Operator's Manual B-64484EN, part II"
     rank = 20
-    signs = ("GOTO", "THEN", "WHILE", "END", "G65", "G66", "G065", "G066")
     marks = re.compile(
         r"^[ \t]*(?:N\d+[ \t]*)?(?:IF[ \t]*\[[^\n]*\][ \t]*(?:GOTO|THEN)"
         r"|WHILE[ \t]*\[[^\n]*\][ \t]*DO|GOTO[ \t]*[\d#\[]|END[ \t]*[123]\b)"

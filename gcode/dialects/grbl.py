@@ -64,7 +64,6 @@ class Grbl(Dialect):
     title = "Grbl 1.1"
     source = "Grbl 1.1 documentation: Commands (supported G-codes), Settings ($12 arc tolerance)"
     marks = re.compile(r"^[ \t]*\$(?:[HXC]|\d+=)", re.MULTILINE)
-    signs = ("$",)
     rank = 40
     reader = GrblReader
     is_rs274 = True

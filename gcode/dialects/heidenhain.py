@@ -253,7 +253,6 @@ class Heidenhain(Dialect):
     source = "HEIDENHAIN TNC 640 User's Manual for Klartext Programming 892903"
     synonyms = ("klartext",)
     rank = 10
-    signs = ("BEGIN PGM", "BLK FORM", "TOOL CALL", "CYCL DEF")
     marks = re.compile(
         r"^[ \t]*(?:N?\d+[ \t]+)?(?:BEGIN PGM|BLK FORM|TOOL CALL|CYCL DEF)\b",
         re.IGNORECASE | re.MULTILINE,

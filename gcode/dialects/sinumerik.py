@@ -178,8 +178,6 @@ class Sinumerik(Dialect):
     source = "SINUMERIK 840D sl/828D Programming Manual Fundamentals 6FC5398-1BP40"
     synonyms = ("siemens",)
     rank = 30
-    signs = ("=", "%_N_", "PATH", "DEF", "PROC", "EXTERN", "ENDFOR", "ENDWHILE", "STOPRE",
-             "WORKPIECE", "CYCLE", "TRANS", "MSG")  # fmt: skip
     marks = re.compile(
         r"^[ \t]*(?:%_N_\w+|;\$PATH=)"
         rf"|{_START}(?:DEF[ \t]+(?:REAL|INT|BOOL|STRING)|PROC[ \t]|EXTERN[ \t]|ENDFOR|ENDWHILE"

@@ -21,7 +21,7 @@ __all__ = ["check_dialect"]
 _PATTERN = (re.Pattern, type(None))
 #: attribute -> what its value must be
 _TYPES = {"name": str, "title": str, "source": str, "synonyms": tuple, "marks": _PATTERN,
-          "signs": tuple, "rank": int, "is_rs274": bool, "arcs": ArcTolerance, "reads": tuple,
+          "rank": int, "is_rs274": bool, "arcs": ArcTolerance, "reads": tuple,
           "own_words": _PATTERN, "flow_lines": _PATTERN, "inch_decimals": int,
           "ending": frozenset, "floating_tap": bool}  # fmt: skip
 #: attribute -> what class it must be derived from

@@ -34,8 +34,6 @@ class Dialect:
     marks : re.Pattern or None
         Found in the text of a program by which it is recognised; None for a dialect that has
         to be named.
-    signs : tuple of str
-        Upper case; where none of them stands in a text, it has no marks. Finding them is quick.
     rank : int
         Where the marks of two are found, the lower one has the program.
     reader : type
@@ -68,7 +66,6 @@ class Dialect:
     source: str = ""
     synonyms: tuple[str, ...] = ()
     marks: re.Pattern[str] | None = None
-    signs: tuple[str, ...] = ()
     rank: int = 50
     reader: type[Translated] = Translated
     is_rs274: bool = False
@@ -84,14 +81,9 @@ class Dialect:
     edit: type[LineEdit] = LineEdit
 
     @classmethod
-    def detect(cls, data: bytes) -> bool:
+    def detect(cls, text: str) -> bool:
         """Tell whether a program is written in this dialect."""
-        if cls.marks is None:
-            return False
-        upper = data.upper()
-        if cls.signs and not any(sign.encode() in upper for sign in cls.signs):
-            return False
-        return cls.marks.search(data.decode("latin-1")) is not None
+        return cls.marks is not None and cls.marks.search(text) is not None
 
     @classmethod
     def run(cls, controller: Controller, source: Source, options: RunOptions) -> None:

@@ -22,6 +22,8 @@ __all__ = ["ENTRY_POINTS", "choose_dialect", "dialect_called", "dialect_name", "
 ENTRY_POINTS = "vmach.dialects"
 #: has the programs that no other dialect recognises
 _FALLBACK = "linuxcnc"
+#: Only so much of a program is searched at first, bytes.
+_HEAD = 30_000
 
 
 def _in_folder() -> Iterator[type[Dialect]]:
@@ -96,14 +98,25 @@ def dialect_name(name: str) -> str:
     return "auto" if name.lower() == "auto" else dialect_called(name).name
 
 
-def choose_dialect(name: str, data: bytes) -> type[Dialect]:
-    """The dialect of a name; for ``auto`` the one whose marks are found in the text."""
+def choose_dialect(name: str, data: bytes, *, whole: bool = False) -> type[Dialect]:
+    """The dialect of a name; for ``auto`` the one whose marks are found in the text.
+
+    Parameters
+    ----------
+    name : str
+    data : bytes
+        The program.
+    whole : bool
+        Search all of it, and not its head alone.
+    """
     if name.lower() != "auto":
         return dialect_called(name)
-    return next((kind for kind in _dialects().values() if kind.detect(data)),
+    text = (data if whole else data[:_HEAD]).decode("latin-1")
+    return next((kind for kind in _dialects().values() if kind.detect(text)),
                 _dialects()[_FALLBACK])  # fmt: skip
 
 
 def dialect_of(path: str | Path, name: str = "auto") -> str:
     """The dialect in which `read_program` will read a file; arguments and errors as there."""
-    return choose_dialect(name, Path(path).read_bytes()).name
+    with Path(path).open("rb") as file:
+        return choose_dialect(name, file.read(_HEAD)).name

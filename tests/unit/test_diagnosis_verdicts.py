@@ -16,7 +16,6 @@ from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.gates.contrived import is_contrived
 from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossible_sizes
 from vmach.diagnosis.next_test.planned_program import write_program
-from vmach.diagnosis.next_test.planned_tests import planned_tests
 from vmach.diagnosis.report import as_json, as_text
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.diagnosis.residuals.structure import patterns
@@ -29,9 +28,8 @@ from vmach.fit.survey import Survey
 from vmach.fit.whitening import Whitening
 from vmach.history import draw_history, history_of
 from vmach.history.added_effects import add_effects
+from vmach.instruments import planned_tests, read_instruments, settings_of
 from vmach.job import read_job
-from vmach.measurements import read_instruments
-from vmach.measurements.instrument_settings import settings_of
 
 TIP = measurement("tip", frame="rigid", u_um=0.5)
 

@@ -252,3 +252,11 @@ def test_synonyms_mean_one_name(name, known):
     text = b"BEGIN PGM A MM\nEND PGM A MM\n" if known == "heidenhain" else b"G0 X1\nM30\n"
     found = read_program(Source(text), dialect=name).dialect
     assert found == known.replace("auto", "linuxcnc")
+
+
+def test_a_word_far_down_still_names_the_dialect():
+    text = "%\nO1\n" + "G0 X1\n" * 10_000 + "G65 P5 A3.\nM30\nO5\nG0 X#1\nM99\n"
+    assert len(text) > 30_000
+    program = read(text)
+    assert program.dialect == "fanuc"
+    assert program.moves.end_mm[-1, 0] == 3.0

@@ -5,8 +5,8 @@ import pytest
 
 from tests.small_job import pocket_points, write_job
 from vmach.errors import InputError
+from vmach.instruments import measure_part
 from vmach.job import read_job
-from vmach.measurements import measure_part
 from vmach.path.preparation import prepare
 
 ZERO = np.array([-200.0, -150.0, -200.0])  #: G54 of the small job

@@ -8,8 +8,8 @@ import pytest
 from tests.small_job import measurement, pocket_points, write_job, write_points
 from vmach.effects import Circumstances, set_up_effect
 from vmach.errors import InputError
+from vmach.instruments import measure_part, read_instruments
 from vmach.job import read_job
-from vmach.measurements import measure_part, read_instruments
 from vmach.path.preparation import prepare
 
 LASER = measurement("laser", axis="X", at_mm=[-100, -100, -50])
@@ -140,7 +140,7 @@ def test_drift_follows_the_spindle_and_tip_its_sides(tmp_path):
         (LASER, "run,position_mm\n1,2\n", "column 'approach' is missing"),
         (LASER, "run,position_mm,approach,t_s,deviation_um\n1,x,1,0,0\n", "position_mm is 'x'"),
         (LASER, "run,position_mm,approach,t_s,deviation_um\n", "no rows"),
-        (LASER.replace('"laser"', '"lasr"', 1), "", "kind = ballbar, laser"),
+        (LASER.replace('"laser"', '"lasr"', 1), "", "kind = ballbar, diagonal"),
         (LASER.replace("u_um = 0.3", "u_um = -1"), "", "u_um"),
         (LASER + "colour = 3\n", "", "colour"),
     ],

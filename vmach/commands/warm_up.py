@@ -11,8 +11,8 @@ from vmach.base.kernel_cache import is_cold
 
 __all__ = ["tell_if_cold", "warm_up"]
 
-#: commands that compile nothing, or say so themselves
-_QUICK = {None, "effects", "view", "warm-up"}
+#: commands that look for edges, which takes longest to compile
+_COMPILING = {"run", "compare", "predict", "diagnose", "add", "history", "compensate"}
 
 #: a pocket and what was measured on it: small, and every kernel of a run is asked for
 _FILES = {
@@ -104,7 +104,7 @@ def _diagnose(folder: Path) -> None:
 
 def tell_if_cold(command: str | None) -> None:
     """Say on standard error why the first command takes longer than the next."""
-    if command not in _QUICK and not {"-h", "--help"} & set(sys.argv) and is_cold():
+    if command in _COMPILING and not {"-h", "--help"} & set(sys.argv) and is_cold():
         print(
             "vmach: compiling first, once after an installation or an update, up to a minute; "
             "vmach warm-up does it beforehand",

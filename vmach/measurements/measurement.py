@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from vmach.base.note import Note
+from vmach.measurements.instrument import Instrument
 from vmach.path.toolpath import PathStates
 
 __all__ = ["Measurement"]
@@ -31,8 +32,8 @@ class Measurement:
 
     Attributes
     ----------
-    kind : str
-        "part", "ballbar", "laser", "diagonal", "drift" or "tip".
+    instrument : subclass of Instrument
+        What took the readings: what they mean, what is left free, how they are drawn.
     name : str
         For people: the file's name.
     id : (P,) str
@@ -53,7 +54,7 @@ class Measurement:
         What the reader noticed and survived.
     """
 
-    kind: str
+    instrument: type[Instrument]
     name: str
     id: np.ndarray
     states: PathStates

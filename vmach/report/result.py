@@ -159,8 +159,7 @@ class InspectedPoints:
         for column in self.columns:
             if len(column.deviation_mm) != count:
                 raise ValueError(
-                    f"column {column.name} has {len(column.deviation_mm)} points; "
-                    f"expected {count}"
+                    f"column {column.name} has {len(column.deviation_mm)} points; expected {count}"
                 )
 
     def __len__(self) -> int:

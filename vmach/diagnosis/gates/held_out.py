@@ -12,9 +12,6 @@ from vmach.fit.terms import JointFit
 __all__ = ["holds_out"]
 
 _FOLDS = 5
-#: tests without runs, and into how many stretches each is cut
-_IN_STRETCHES = ("drift", "tip")
-_STRETCHES = 10
 #: prior width of amplitudes, in usual sizes: what the rest does not tell is small
 _WIDTH = 3.0
 
@@ -41,17 +38,13 @@ def holds_out(survey: Survey, fit: JointFit) -> list[bool]:
 
 
 def _blocks(survey: Survey) -> np.ndarray:
-    """What is held out together, (n,) str.
-
-    A test of three directions at once is cut across them: without any reading along X nothing
-    could be foretold of it.
-    """
-    blocks = survey.group.astype(object)
-    for k, (m, rows) in enumerate(zip(survey.measurements, survey.rows, strict=True)):
-        if m.kind in _IN_STRETCHES:
-            stretch = np.arange(len(m)) * _STRETCHES // len(m)
-            blocks[rows] = [f"{k}:stretch {s}" for s in stretch]
-    return blocks.astype(str)
+    """What is held out together, (n,) str: blocks of every instrument by itself."""
+    return np.concatenate(
+        [
+            np.char.add(f"{k}:", m.instrument.blocks(m).astype(str))
+            for k, m in enumerate(survey.measurements)
+        ]
+    )
 
 
 def _held_out_squares(

@@ -15,12 +15,12 @@ import numpy as np
 
 from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.findings import Finding
-from vmach.diagnosis.next_test.planned_program import write_program
-from vmach.diagnosis.next_test.planned_tests import MAP, U_MM, PlannedTest, planned_tests
+from vmach.diagnosis.next_test.planned_program import U_MM, write_program
 from vmach.diagnosis.search import Search
 from vmach.effects import Circumstances
 from vmach.fit.terms import Term
 from vmach.fit.whitening import orthonormal
+from vmach.instruments import PlannedTest, planned_tests
 from vmach.job import Job
 
 __all__ = ["NextMeasurement", "next_measurement"]
@@ -141,7 +141,7 @@ def _for_unknown(search: Search) -> NextMeasurement:
 
 def _map_without_cutting(job: Job) -> NextMeasurement:
     """Where nothing known comes near: it tells the machine from the cut."""
-    test = next(test for test in planned_tests(job) if test.name == MAP)
+    test = next(test for test in planned_tests(job) if test.maps_work_space)
     text = (
         f"{test.text}: what shows again without cutting belongs to the machine, the rest to "
         "tool, cut or part"

@@ -9,6 +9,9 @@ __all__ = ["INSIDE", "MEETS_NO_EDGE", "OUTSIDE", "line_crossings", "sides_of_poi
 
 OUTSIDE, INSIDE, MEETS_NO_EDGE = 0, 1, 2
 
+#: bands are made wider until a segment reaches into no more of them on average
+_CROWD = 8.0
+
 
 @njit(cache=True, nogil=True)
 def _crossing(start, end, axis, value, period):
@@ -44,23 +47,80 @@ def line_crossings(segments, axis, value, period):
 
 
 @njit(cache=True, nogil=True)
+def _bands(segments, count, low, height, first, listed):
+    """List the segments by the bands of v that they reach into; return how many are listed.
+
+    With an empty `listed` they are only counted, in `first`, (count + 1,).
+    """
+    total = 0
+    for s in range(len(segments)):
+        v0, v1 = segments[s, 0, 1], segments[s, 1, 1]
+        begin, end = _band(min(v0, v1), low, height, count), _band(max(v0, v1), low, height, count)
+        for band in range(begin, end + 1):
+            if len(listed):
+                listed[first[band]] = s
+                first[band] += 1
+            total += 1
+            if not len(listed):
+                first[band + 1] += 1
+    return total
+
+
+@njit(cache=True, nogil=True)
+def _band(v, low, height, count):
+    if height <= 0.0 or not v >= low:  # also what is not a number
+        return 0
+    return int(min((v - low) / height, count - 1.0))
+
+
+@njit(cache=True, nogil=True)
+def _span_of_bands(segments, low, height):
+    """How many bands of a height the segments reach into, each counted for itself."""
+    total = 0.0
+    for s in range(len(segments)):
+        total += abs(segments[s, 1, 1] - segments[s, 0, 1]) / height + 1.0
+    return total
+
+
+@njit(cache=True, nogil=True)
 def sides_of_points(segments, uv, u_period, v_period):
     """For each point (N, 2): INSIDE, OUTSIDE, or MEETS_NO_EDGE where no edge crosses its row.
 
-    The nearest edge towards +u decides: inside where the face ends there.
+    The nearest edge towards +u decides: inside where the face ends there. Segments are looked up
+    in bands of v, unless v is periodic.
     """
+    low, high = segments[:, :, 1].min(), segments[:, :, 1].max()
+    count = 1 if v_period > 0.0 or not high > low else len(segments)
+    while count > 1 and _span_of_bands(segments, low, (high - low) / count) > _CROWD * len(
+        segments
+    ):
+        count //= 2
+    height = (high - low) / count if count > 1 else 0.0
+    first = np.zeros(count + 1, dtype=np.int64)
+    total = _bands(segments, count, low, height, first, np.empty(0, dtype=np.int64))
+    first = np.cumsum(first)
+    listed = np.empty(total, dtype=np.int64)
+    _bands(segments, count, low, height, first.copy(), listed)
     sides = np.empty(len(uv), dtype=np.int8)
     for n in range(len(uv)):
-        nearest, side, meets = np.inf, OUTSIDE, False
-        for s in range(len(segments)):
-            crosses, u, up = _crossing(segments[s, 0], segments[s, 1], 1, uv[n, 1], v_period)
-            if not crosses:
-                continue
-            meets = True
-            ahead = u - uv[n, 0]
-            if u_period > 0.0:
-                ahead = ahead % u_period
-            if 0.0 <= ahead < nearest:
-                nearest, side = ahead, INSIDE if up else OUTSIDE
-        sides[n] = side if meets else MEETS_NO_EDGE
+        band = _band(uv[n, 1], low, height, count)
+        near = listed[first[band] : first[band + 1]]
+        sides[n] = _side(segments, near, uv[n], u_period, v_period)
     return sides
+
+
+@njit(cache=True, nogil=True)
+def _side(segments, near, point, u_period, v_period):
+    """Side of one point from the segments that may cross its row."""
+    nearest, side, meets = np.inf, OUTSIDE, False
+    for s in near:
+        crosses, u, up = _crossing(segments[s, 0], segments[s, 1], 1, point[1], v_period)
+        if not crosses:
+            continue
+        meets = True
+        ahead = u - point[0]
+        if u_period > 0.0:
+            ahead = ahead % u_period
+        if 0.0 <= ahead < nearest:
+            nearest, side = ahead, INSIDE if up else OUTSIDE
+    return side if meets else MEETS_NO_EDGE

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import Delaunay, QhullError, cKDTree
 
+from vmach.errors import InputError
 from vmach.nominal.mesh.thinning import near_segments
 from vmach.nominal.step.solids import CHORD_MM, Edge, Solid, SolidFace
 from vmach.nominal.surfaces import Sphere, Surface, unit_normals
@@ -21,6 +22,9 @@ _STRETCH = 20.0
 
 #: so often edges are split; each pass halves what is still crowded
 _PASSES = 12
+
+#: edges that cross are never apart, however finely they are cut
+_MOST_PIECES = 20_000
 
 #: how far points are moved to tell triangulations of equal quality apart, relative to all
 _SHAKE = 1e-8
@@ -70,6 +74,12 @@ def _conforming(solid: Solid, patches: list[_Patch]) -> list[_Patch]:
         for index in stale:
             for number, segment in _crowded(edges, solid.faces[index], patches[index]):
                 marked.setdefault(number, set()).add(segment)
+        if max((len(edges[n].t) for n in marked), default=0) > _MOST_PIECES:
+            raise InputError(
+                f"an edge cut into {_MOST_PIECES} pieces still comes too near to another one",
+                accepted="edges that do not cross",
+                hint="the CAD is damaged; repair the face and export it again",
+            )
         for number, segments in marked.items():
             edges[number] = edges[number].split(np.array(sorted(segments)))
         stale = {i for i, f in enumerate(solid.faces) if any(n in marked for n, _ in f.edges)}
