@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tests.small_job import pocket_points, write_job
+from vmach.base.note import Level
 from vmach.errors import InputError
 from vmach.instruments import measure_part
 from vmach.job import read_job
@@ -88,8 +89,8 @@ def test_many_points_that_no_move_cut_raise_doubt(job, tmp_path):
         raised[:count, 2] += 200.0
         part, _ = measure_part(job, file_of(tmp_path, raised, normals, raised))
         (note,) = part.notes
-        assert f"no move cut them ({count} of {len(points)})" in note
-        assert ("so many" in note) == is_doubtful
+        assert f"no move cut them ({count} of {len(points)})" in note.text
+        assert (note.level is Level.QUESTION) == is_doubtful
 
 
 def test_a_turned_sign_is_noticed(tmp_path):
