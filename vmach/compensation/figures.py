@@ -21,7 +21,7 @@ _STAYS = "machine coordinates or reference point"
 
 
 def as_json(found: Compensation, surface: SurfaceCheck | None) -> dict[str, Any]:
-    """All figures as plain numbers and strings; docs/compensation.md describes the keys."""
+    """All figures as plain numbers and strings; docs/how-to/compensate.md describes the keys."""
     figures: dict[str, Any] = {}
     residuals = {"before": found.before, "before_rounding": found.unrounded, "after": found.after}
     for name, residual in residuals.items():
