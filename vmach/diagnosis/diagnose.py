@@ -108,7 +108,7 @@ def diagnose(
         failures=failures,
         blind_spots=blind_spots(weighing, explanation, is_named=verdict != "unknown"),
         next_measurement=next_measurement(weighing, explanation, findings),
-        notes=(*survey.notes, *_doubtful_uncertainty(found), *_outliers(found)),
+        notes=(*map(str, survey.notes), *_doubtful_uncertainty(found), *_outliers(found)),
         residuals=residuals,
     )
 
