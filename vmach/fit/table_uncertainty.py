@@ -72,7 +72,7 @@ class TableUncertainty:
             if table is None:
                 continue
             _, axis, angular = component_of(name)
-            lever = path.lever(name).at(path.contact_mm)
+            lever = path.states.seen_mm(path.lever(name))
             lever = np.einsum("ij,ij->i", sensing, lever)[:, None]
             position, knots = path.nose_mm[:, axis], table.position_mm
             hats = np.stack([np.interp(position, knots, e) for e in np.eye(len(knots))], axis=1)
@@ -83,7 +83,8 @@ class TableUncertainty:
             parts.append(self.bend_apart[name] * bumps)
         for axis, rotation in _SQUARENESSES:
             across = np.cross(np.eye(3)[rotation], np.eye(3)[axis])
-            turned = path.nose_mm[:, axis] * (sensing @ across)
+            lean = path.states.seen_mm(np.multiply.outer(path.nose_mm[:, axis], across))
+            turned = np.einsum("ij,ij->i", sensing, lean)
             parts.append(self.squareness_rad * turned[:, None])
         return np.hstack(parts)
 

@@ -24,7 +24,7 @@ _STRETCH = 20.0
 _PASSES = 12
 
 #: edges that cross are never apart, however finely they are cut
-_MOST_PIECES = 100_000
+_MOST_PIECES = 20_000
 
 #: how far points are moved to tell triangulations of equal quality apart, relative to all
 _SHAKE = 1e-8
@@ -74,9 +74,9 @@ def _conforming(solid: Solid, patches: list[_Patch]) -> list[_Patch]:
         for index in stale:
             for number, segment in _crowded(edges, solid.faces[index], patches[index]):
                 marked.setdefault(number, set()).add(segment)
-        if sum(len(edges[n].t) for n in marked) > _MOST_PIECES:
+        if max((len(edges[n].t) for n in marked), default=0) > _MOST_PIECES:
             raise InputError(
-                f"edges of a face cut into {_MOST_PIECES} pieces still come too near to each other",
+                f"an edge cut into {_MOST_PIECES} pieces still comes too near to another one",
                 accepted="edges that do not cross",
                 hint="the CAD is damaged; repair the face and export it again",
             )

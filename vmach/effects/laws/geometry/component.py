@@ -71,7 +71,7 @@ class Component(Effect):
         position = path.nose_mm[:, axis]
         hats = np.stack([np.interp(position, knots, unit) for unit in np.eye(len(knots))], axis=1)
         size = 15e-6 if angular else 5e-3
-        lever = path.lever(target).at(path.contact_mm)
+        lever = path.states.seen_mm(path.lever(target))
         return size * lever[:, :, None] * (hats @ _root(knots, **inner_values))[:, None, :]
 
     def knots_mm(self, path, target) -> np.ndarray:
