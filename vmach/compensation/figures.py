@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from vmach.base.note import note_records
 from vmach.base.units import um_from_mm, urad_from_rad
 from vmach.compensation.aim.part_aim import PartAim
 from vmach.compensation.aim.surface import SurfaceCheck
@@ -44,7 +45,8 @@ def as_json(found: Compensation, surface: SurfaceCheck | None) -> dict[str, Any]
             for line, (size, why) in sorted(found.uncorrected.items())
         },
         "uncorrected": _uncorrected(found, surface),
-        "notes": list(found.notes),
+        "notes": [str(note) for note in found.notes],
+        "note_records": note_records(found.notes),
     }
 
 
