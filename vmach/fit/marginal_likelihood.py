@@ -8,8 +8,8 @@ with unit-variance f of members whose sizes D are known (tables, device) or unkn
 effects X c, and a factor k on the stated uncertainty. Everything but k and the sizes is integrated
 in closed form; only inner products enter, so a trial of other sizes costs no pass over readings.
 
-Source: C. Rasmussen and C. Williams, Gaussian Processes for Machine Learning (2006), eq. 5.8
-(marginal likelihood); closed form derived here: k and flat priors integrated out.
+Source: C. Rasmussen and C. Williams, Gaussian Processes for Machine Learning (2006), eq. 5.8, the
+marginal likelihood; closed form derived here: f and c integrated as normal variables.
 """
 
 from __future__ import annotations
