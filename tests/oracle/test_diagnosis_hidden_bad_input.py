@@ -12,8 +12,8 @@ from tests.hidden_effects.experiment import make_experiment
 from tests.hidden_effects.spoil import spoil, spoil_instrument
 from tests.hidden_effects.verdict import judge
 from vmach.errors import InputError
+from vmach.instruments import read_instruments
 from vmach.job import read_job
-from vmach.measurements import read_instruments
 
 
 @pytest.fixture(scope="module")

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stock import Sweeps, VirtualPart, cut_part
+from vmach.base.note import Level, Note, in_file
 from vmach.base.stage_clock import Progress, StageClock, silent
 from vmach.effects import read_effects
 from vmach.errors import InputError
@@ -24,7 +25,7 @@ from vmach.nominal import NominalPart, read_nominal
 from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.path.preparation import Preparation, prepare
 from vmach.path.toolpath import PathStates
-from vmach.plausibility import Level, machine_notes, sentences
+from vmach.plausibility import machine_notes
 from vmach.prediction import Prediction, displaced_sweeps, predict_surface
 from vmach.prediction.error_budget import ErrorBudget, error_budget
 from vmach.report import InspectedPoints, SolidComparison
@@ -71,7 +72,7 @@ class PartInspection:
     nominal : NominalPart or None
     sweeps : dict of Variant to Sweeps
         The displaced path of every variant.
-    notes : tuple
+    notes : tuple of Note
         What the user should know before trusting the numbers.
     """
 
@@ -82,7 +83,7 @@ class PartInspection:
     budget: ErrorBudget
     nominal: NominalPart | None
     sweeps: dict[Variant, Sweeps]
-    notes: tuple[str, ...]
+    notes: tuple[Note, ...]
 
 
 @dataclass(frozen=True)
@@ -107,7 +108,7 @@ class MachinedPart:
     comparison : SolidComparison or None
         The solid against the nominal CAD.
     stages_s : dict of str to float
-    notes : tuple of str
+    notes : tuple of Note
         What the user should know before trusting the numbers.
     """
 
@@ -121,7 +122,7 @@ class MachinedPart:
     model: Variant
     comparison: SolidComparison | None
     stages_s: dict[str, float]
-    notes: tuple[str, ...]
+    notes: tuple[Note, ...]
 
 
 def machine_part(
@@ -255,10 +256,10 @@ def inspect_part(
     )
 
 
-def _assumptions(job: Job) -> tuple[str, ...]:
+def _assumptions(job: Job) -> tuple[Note, ...]:
     """What was assumed of the machine; what is doubtful stands in the preparation's notes."""
     assumed = [note for note in machine_notes(job.machine) if note.level is Level.NOTE]
-    return sentences(assumed, job.machine_path)
+    return in_file(assumed, job.machine_path)
 
 
 def _blank_of(job: Job) -> tuple[np.ndarray, np.ndarray] | trimesh.Trimesh:

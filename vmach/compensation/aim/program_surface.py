@@ -1,4 +1,7 @@
-"""The surface that a program leaves without any error, as points with normals."""
+"""The surface that a program leaves without any error, as points with normals.
+
+Source: the envelopes of `stock.exact.left_surface`.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The compensated program on the part's surface: what it leaves of the predicted deviations."""
+"""The compensated program on the part's surface: what it leaves of the predicted deviations.
+
+Source: closed form derived here: deviation of the inexact minus that of the perfect machine.
+"""
 
 from __future__ import annotations
 
