@@ -34,7 +34,7 @@ def keys(schema):
     [
         (JobSchema, ["files.md", "effects.md"]),
         (MachineSchema, ["files.md", "machine-file.md"]),
-        *((kind, ["diagnosis.md"]) for kind in catalogue().values()),
+        *((kind, ["how-to/diagnose.md"]) for kind in catalogue().values()),
     ],
 )
 def test_every_key_is_described(schema, pages):

@@ -46,7 +46,7 @@ def written(folder, tables, deviation_mm, *, directions="mean"):
 
 def notes_of(job):
     job = read_job(job)
-    return measure_part(prepare(job), job.measured)[0].notes
+    return tuple(str(note) for note in measure_part(prepare(job), job.measured)[0].notes)
 
 
 def wave_um(x):

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from vmach.base.note import Kind, Note, in_file
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import check_section, line_of_key
@@ -59,9 +60,7 @@ def read_instruments(
         table, noticed = _read(settings, path)
         test = settings.read(table, _Model(job, variant, effects))
         check_unit(test, path)
-        test = test.noted(*(f"{test.name}: {note}" for note in noticed), *_twice(test, found))
-        if doubt := doubtful_length("tool_length_mm", settings.tool_length_mm):
-            test = test.noted(f"{test.name}: {doubt}")
+        test = test.noted(*in_file((*noticed, *_twice(test, found), *_length(settings)), path))
         if is_doubtful(test):
             others = _otherwise(settings, table, job=job, variant=variant, effects=effects)
             test = test.noted(*otherwise_notes(test, others))
@@ -110,7 +109,7 @@ class _Model:
         return np.einsum("ij,ij->i", sensing, states.seen_mm(moved))
 
 
-def _read(settings: Instrument, path: Path) -> tuple[Columns, tuple[str, ...]]:
+def _read(settings: Instrument, path: Path) -> tuple[Columns, tuple[Note, ...]]:
     """Columns of a test's file, in the order of time, and what is odd about them."""
     text = [name for name in settings.columns if name in settings.text_columns]
     numbers = [name for name in settings.columns if name not in settings.text_columns]
@@ -125,12 +124,22 @@ def _read(settings: Instrument, path: Path) -> tuple[Columns, tuple[str, ...]]:
     return table, (*notes, *still_notes(table, settings.readings), *repeat_notes(table))
 
 
-def _twice(test: Measurement, others: Sequence[Measurement]) -> tuple[str, ...]:
+def _twice(test: Measurement, others: Sequence[Measurement]) -> tuple[Note, ...]:
     """A note where an earlier test of the job has the same readings."""
     same = [o.name for o in others if np.array_equal(o.measured_mm, test.measured_mm)]
     if not same:
         return ()
-    return (f"{test.name}: the readings are those of {same[0]}: is one test named twice?",)
+    said = f"the readings are those of {same[0]}: is one test named twice?"
+    return (Note.question(Kind.REPEAT, said, len(test), "1", place=same[0]),)
+
+
+def _length(settings: Instrument) -> tuple[Note, ...]:
+    """A note where the length of the tool, from spindle nose to tip, is none in mm."""
+    said = doubtful_length("tool_length_mm", settings.tool_length_mm)
+    if said is None:
+        return ()
+    length_mm = settings.tool_length_mm
+    return (Note.question(Kind.LENGTH, said, length_mm, "mm", place="tool_length_mm"),)
 
 
 def settings_of(job: Job, number: int) -> Instrument:

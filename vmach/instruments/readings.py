@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from vmach.base.note import Note, in_file
 from vmach.base.units import mm_from_um
 from vmach.machine import LINEAR_AXES
 from vmach.measurements import Measurement
@@ -25,7 +26,6 @@ __all__ = [
     "doubts_of_stops",
     "in_stretches",
     "in_three_directions",
-    "named_by_file",
     "three_directions",
 ]
 
@@ -37,17 +37,12 @@ PLANNED_TOOL_LENGTH_MM = 150.0
 STRETCHES = 10
 
 
-def named_by_file(table: Columns, notes: Sequence[str]) -> tuple[str, ...]:
-    """Notes with the file that they are about."""
-    return tuple(f"{table.path.name}: {note}" for note in notes)
-
-
 def doubts_of_stops(
     nose_mm: np.ndarray, side: np.ndarray, table: Columns, model: ModelOfTest
-) -> tuple[str, ...]:
+) -> tuple[Note, ...]:
     """Notes on a test that drives from place to place, (P, 3) mm, each approached from a side."""
     pace = pace_notes(nose_mm, table.numbers["t_s"], model.rapid_mm_per_min)
-    return named_by_file(table, (*approach_notes(nose_mm, side), *pace))
+    return in_file((*approach_notes(nose_mm, side), *pace), table.path)
 
 
 def along_line(
@@ -106,7 +101,7 @@ def three_directions(
     *,
     model: ModelOfTest,
     nuisance: np.ndarray,
-    notes: Sequence[str],
+    notes: Sequence[Note],
 ) -> Measurement:
     """One reading along each of X, Y and Z at every state; `nuisance` is (3 P, K)."""
     count = len(states)

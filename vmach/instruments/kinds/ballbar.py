@@ -6,10 +6,11 @@ from typing import Any, Literal
 
 import numpy as np
 
+from vmach.base.note import in_file
 from vmach.base.units import mm_from_um
 from vmach.files.toml_file import Point, Positive
 from vmach.instruments.circle_plots import circle_plots
-from vmach.instruments.readings import PLANNED_TOOL_LENGTH_MM, named_by_file
+from vmach.instruments.readings import PLANNED_TOOL_LENGTH_MM
 from vmach.machine import LINEAR_AXES
 from vmach.measurements import Measurement
 from vmach.measurements.ballbar_motion import Circle, circles
@@ -63,7 +64,7 @@ class Ballbar(Instrument):
             u_mm=np.full(len(out), mm_from_um(self.u_um)),
             group=group,
             nuisance=np.column_stack([np.ones(len(out)), np.cos(angle), np.sin(angle)]),
-            notes=named_by_file(table, circle_notes(table.text["run"], angle, self.plane)),
+            notes=in_file(circle_notes(table.text["run"], angle, self.plane), table.path),
         )
 
     @classmethod

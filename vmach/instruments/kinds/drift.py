@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from vmach.base.note import in_file
 from vmach.files.toml_file import Point
 from vmach.instruments.drawing import against, end_of_scale
 from vmach.instruments.readings import (
@@ -9,7 +10,6 @@ from vmach.instruments.readings import (
     PLANNED_TOOL_LENGTH_MM,
     in_stretches,
     in_three_directions,
-    named_by_file,
     three_directions,
 )
 from vmach.machine import LINEAR_AXES
@@ -48,7 +48,7 @@ class Drift(Instrument):
             rpm=table.numbers["spindle_rpm"],
         )
         zero = np.tile(np.eye(3), (len(time), 1))
-        notes = named_by_file(table, drift_notes(time))
+        notes = in_file(drift_notes(time), table.path)
         return three_directions(self, table, states, model=model, nuisance=zero, notes=notes)
 
     @classmethod

@@ -5,9 +5,10 @@ from typing import Any, Literal
 
 import numpy as np
 
+from vmach.base.note import in_file
 from vmach.files.toml_file import Point
 from vmach.instruments.line_plots import line_plots
-from vmach.instruments.readings import PLANNED_TOOL_LENGTH_MM, along_line, named_by_file
+from vmach.instruments.readings import PLANNED_TOOL_LENGTH_MM, along_line
 from vmach.machine import LINEAR_AXES
 from vmach.measurements.instrument import Instrument, PlannedTest
 from vmach.measurements.plausibility.motion_doubts import lost_motion_notes
@@ -44,7 +45,7 @@ class Laser(Instrument):
         test = along_line(self, table, nose, direction=np.eye(3)[axis], model=model)
         if test.notes:
             return test
-        return test.noted(*named_by_file(table, lost_motion_notes(test, table.numbers["approach"])))
+        return test.noted(*in_file(lost_motion_notes(test, table.numbers["approach"]), table.path))
 
     @classmethod
     def plots(cls, curves):

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from vmach.base.note import Kind, Level, Note, in_file
 from vmach.base.units import um_from_mm
 from vmach.machine import Variant
 from vmach.measurements.instrument import Instrument
@@ -80,12 +81,16 @@ def measure_part(
     if points.u_mm is None:
         u_mm = np.full(len(part), _scatter_of_neighbours_mm(part))
         part = replace(part, u_mm=u_mm).noted(
-            f"{path.name}: no uncertainty in the file: taken from the scatter between "
-            "neighbouring points"
+            *in_file([Note.plain(Kind.UNCERTAINTY, _NO_UNCERTAINTY, place="u_um")], path)
         )
     part = _without_outliers(part)
     others = part_otherwise(part, preparation, variant)
     return part.noted(*_doubtful_uncertainty(part), *otherwise_notes(part, others)), prediction
+
+
+_NO_UNCERTAINTY = (
+    "no uncertainty in the file: taken from the scatter between neighbouring points"
+)
 
 
 def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Measurement:
@@ -93,7 +98,7 @@ def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Meas
     cut = np.flatnonzero(prediction.is_cut)
     notes = (*prediction.preparation.notes, *points.notes, *rounding_notes(points))
     if len(cut) < len(points):
-        notes = (*notes, f"{name}: {_uncut_note(points, prediction)}")
+        notes = (*notes, _uncut_note(points, prediction, name))
     normal = points.normal[cut]
     arm = points.point_mm[cut] - points.point_mm[cut].mean(axis=0)
     return Measurement(
@@ -111,16 +116,17 @@ def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Meas
     )
 
 
-def _uncut_note(points: SurfacePoints, prediction: Prediction) -> str:
+def _uncut_note(points: SurfacePoints, prediction: Prediction, name: str) -> Note:
     """Which points no move cut, and why that may be where they are many."""
     uncut = points.id[~prediction.is_cut]
-    note = f"left out, as no move cut them ({len(uncut)} of {len(points)}): {_listed(uncut)}"
+    said = f"left out, as no move cut them ({len(uncut)} of {len(points)}): {_listed(uncut)}"
+    note = Note.plain(Kind.UNCUT, said, len(uncut), "1", file=name)
     if len(uncut) <= _MANY * len(points):
         return note
     few = some_of(points, np.flatnonzero(~prediction.is_cut))
     why = tool_that_would_cut(prediction.preparation, few)
     why = why or "is this the measurement of this part, with the program's zero?"
-    return f"{note}; so many: {why}"
+    return replace(note, level=Level.QUESTION, sentence=f"{said}; so many: {why}")
 
 
 def _without_repeats(part: Measurement, points_mm: np.ndarray) -> Measurement:
@@ -128,9 +134,10 @@ def _without_repeats(part: Measurement, points_mm: np.ndarray) -> Measurement:
     _, first = np.unique(rows, axis=0, return_index=True)
     if len(first) == len(part):
         return part
-    told = tuple(note for note in part.notes if "repeat an earlier point" not in note)
+    told = tuple(note for note in part.notes if note.kind is not Kind.REPEAT)
     count = len(part) - len(first)
-    note = f"{part.name}: {count} rows that repeat another row, reading and all, are left out"
+    said = f"{count} rows that repeat another row, reading and all, are left out"
+    note = Note.plain(Kind.LEFT_OUT, said, count, "1", file=part.name)
     return replace(part, notes=told).keep(np.sort(first), note)
 
 
@@ -147,22 +154,24 @@ def _without_outliers(part: Measurement) -> Measurement:
     if good.all():
         return part
     bad = part.id[~good]
-    return part.keep(
-        good,
-        f"{part.name}: left out, as they stand out from their neighbours, as with a chip under "
-        f"the probe ({len(bad)} of {len(part)}): {_listed(bad)}",
+    said = (
+        "left out, as they stand out from their neighbours, as with a chip under "
+        f"the probe ({len(bad)} of {len(part)}): {_listed(bad)}"
     )
+    return part.keep(good, Note.plain(Kind.LEFT_OUT, said, len(bad), "1", file=part.name))
 
 
-def _doubtful_uncertainty(part: Measurement) -> tuple[str, ...]:
+def _doubtful_uncertainty(part: Measurement) -> tuple[Note, ...]:
     """A note where neighbouring points scatter far more than their uncertainty says."""
     scatter, u_mm = _scatter_of_neighbours_mm(part), float(np.median(part.u_mm))
     if scatter < _DOUBTFUL * u_mm:
         return ()
-    return (
-        f"{part.name}: neighbouring points scatter by {um_from_mm(scatter):.2g} um where u_um "
-        f"says {um_from_mm(u_mm):.2g} um (median): is u_um too small?",
+    said = (
+        f"neighbouring points scatter by {um_from_mm(scatter):.2g} um where u_um "
+        f"says {um_from_mm(u_mm):.2g} um (median): is u_um too small?"
     )
+    size_um = float(um_from_mm(scatter))
+    return (Note.question(Kind.UNCERTAINTY, said, size_um, "um", place="u_um", file=part.name),)
 
 
 def _scatter_of_neighbours_mm(part: Measurement) -> float:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from vmach.base.note import Kind, Note
 from vmach.base.units import um_from_mm
 from vmach.machine import LINEAR_AXES, Machine
 from vmach.measurements.measurement import Measurement
@@ -58,7 +59,7 @@ def is_doubtful(test: Measurement) -> bool:
     return apart >= _CLEAR_U * float(np.median(test.u_mm))
 
 
-def otherwise_notes(test: Measurement, others: Iterable[Otherwise]) -> tuple[str, ...]:
+def otherwise_notes(test: Measurement, others: Iterable[Otherwise]) -> tuple[Note, ...]:
     """A note where readings would agree far better if something were otherwise.
 
     Parameters
@@ -69,7 +70,7 @@ def otherwise_notes(test: Measurement, others: Iterable[Otherwise]) -> tuple[str
 
     Returns
     -------
-    tuple of str
+    tuple of Note
         Empty where all looks right, or where the model says too little to tell.
     """
     if not is_doubtful(test):
@@ -86,10 +87,12 @@ def otherwise_notes(test: Measurement, others: Iterable[Otherwise]) -> tuple[str
     if not found:
         return ()
     apart, best = min(found, key=lambda pair: pair[0])
-    return (
-        f"{test.name}: with {best.what} the readings would agree with the model within "
-        f"{um_from_mm(apart):.2f} um instead of {um_from_mm(plain):.2f} um (rms): {best.question}",
+    said = (
+        f"with {best.what} the readings would agree with the model within {um_from_mm(apart):.2f} "
+        f"um instead of {um_from_mm(plain):.2f} um (rms): {best.question}"
     )
+    size_um = float(um_from_mm(plain))
+    return (Note.question(Kind.EXCHANGED, said, size_um, "um", place=best.what, file=test.name),)
 
 
 def _other_sign(test: Measurement) -> Otherwise:

@@ -24,7 +24,10 @@ class Component(Effect):
     name = "component"
     title = "error table of one component, missing or no longer true"
     commonness = 18
-    source = "equation (17) of docs/laws.md; ISO 230-1, component errors; docs/machine-model.md"
+    source = (
+        "equation (17) of docs/laws.md; ISO 230-1, error motions of a linear axis; closed "
+        "form derived here: a change of a table acts through the arm of that table"
+    )
     parameters = (
         Parameter("position_mm", "axis positions, increasing", -1e6, 1e6, 100.0),
         Parameter(

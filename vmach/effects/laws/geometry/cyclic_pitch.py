@@ -20,7 +20,10 @@ class CyclicPitch(Effect):
     name = "cyclic_pitch"
     title = "cyclic error of the screw's pitch or of the encoder"
     commonness = 24
-    source = "equation (11) of docs/laws.md; ISO 230-2, periodic positioning errors"
+    source = (
+        "equation (11) of docs/laws.md; ISO 230-2 on periodic errors; closed form derived "
+        "here: e = a sin(2 pi q / p + phi)"
+    )
     parameters = (
         linear("amplitude_um", "amplitude", usual=3.0),
         inner("pitch_mm", "period along the axis", (_SHORTEST_MM, _LONGEST_MM), usual=10.0),

@@ -15,7 +15,9 @@ class GravitySag(Effect):
     title = "sag of a beam or ram under its weight"
     commonness = 17
     source = (
-        "equation (18) of docs/laws.md; deflection of a beam, to the second order about its middle"
+        "equation (18) of docs/laws.md; Euler-Bernoulli beam on two supports: a load at u "
+        "sinks by (1 - u^2)^2 of its sag at the middle, 1 - 2 u^2 near there, so that sag_um "
+        "is negative for such a beam under the tool"
     )
     parameters = (
         linear("sag_um", "drop at the ends of the travel against its middle", usual=10.0),
@@ -37,8 +39,7 @@ class TableLoadSag(Effect):
     title = "sag of the table under the workpiece"
     commonness = 3
     source = (
-        "equation (32) of docs/laws.md; "
-        "deflection of a cantilever, to the third order about its middle"
+        "equation (32) of docs/laws.md; Euler-Bernoulli cantilever, P L^3 / (3 E I), L the overhang"
     )
     parameters = (linear("sag_um", "drop at the ends of the travel", usual=10.0),)
     targets = ("X", "Y")

@@ -16,7 +16,8 @@ class HeadTilt(OfWarmSpindle):
     title = "thermal tilt of head or column"
     commonness = 21
     source = (
-        "equation (14) of docs/laws.md; ISO 230-3, tilt by the rotating spindle; first-order lag"
+        "equation (14) of docs/laws.md; ISO 230-3, distortion by the rotating spindle; "
+        "closed form derived here: a rotation w moves the tip at T by w x T"
     )
     parameters = (
         linear("tilt_urad", "rotation when warm at 8000 rpm, right-handed", usual=40.0),

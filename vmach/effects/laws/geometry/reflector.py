@@ -25,8 +25,9 @@ class Reflector(Effect):
     title = "documented position of a reflector"
     commonness = 2
     source = (
-        "equation (33) of docs/laws.md; "
-        "Abbe's principle: what an angle adds to a reading off the line measured"
+        "equation (33) of docs/laws.md; the Abbe-consistent model (virtual machining of "
+        "free-form slots), e = E + theta x (r - R); closed form derived here: R off by d "
+        "changes e by -theta x d"
     )
     parameters = tuple(
         replace(linear(name, meaning, usual=100.0), most=_FARTHEST_MM)

@@ -12,7 +12,10 @@ class Scale(Effect):
     name = "scale"
     title = "scale error (pitch of the screw or scale, or its temperature)"
     commonness = 30
-    source = "equation (5) of docs/laws.md; ISO 230-2, slope of the mean positioning deviation"
+    source = (
+        "equation (5) of docs/laws.md; ISO 230-2, positioning deviation; closed form derived "
+        "here: a pitch wrong by the share a errs by a q"
+    )
     parameters = (
         linear("scale_ppm", "um per metre of travel, positive: goes too far", usual=20.0),
     )

@@ -24,7 +24,10 @@ class AmbientDrift(Effect):
     name = "ambient_drift"
     title = "drift with the temperature of the shop"
     commonness = 19
-    source = "equation (16) of docs/laws.md; ISO 230-3, environmental temperature variation error"
+    source = (
+        "equation (16) of docs/laws.md; ISO 230-3, environmental temperature variation "
+        "error; closed form derived here: one sine wave of time"
+    )
     parameters = (
         *_waves("the target", ""),
         *(wave for axis in LINEAR_AXES for wave in _waves(axis, f"_{axis.lower()}")),

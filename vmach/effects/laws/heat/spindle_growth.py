@@ -13,8 +13,8 @@ class SpindleGrowth(OfWarmSpindle):
     title = "growth of the warm spindle"
     commonness = 33
     source = (
-        "equation (2) of docs/laws.md; "
-        "ISO 230-3, distortion by the rotating spindle; first-order lag"
+        "equation (2) of docs/laws.md; ISO 230-3, distortion by the rotating spindle; closed "
+        "form derived here: one body warms by Newton's law"
     )
     parameters = (
         linear("growth_um", "lengthening when warm at 8000 rpm", usual=20.0),

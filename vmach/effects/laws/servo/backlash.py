@@ -13,7 +13,10 @@ class Backlash(Effect):
     name = "backlash"
     title = "backlash (lost motion at reversal)"
     commonness = 34
-    source = "equation (1) of docs/laws.md; ISO 230-2, reversal value B"
+    source = (
+        "equation (1) of docs/laws.md; ISO 230-2, reversal value B: e = -B / 2 times the "
+        "side that it comes from"
+    )
     parameters = (
         linear("reversal_um", "reversal value B of ISO 230-2", usual=10.0),
         inner(

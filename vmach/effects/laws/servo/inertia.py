@@ -18,7 +18,10 @@ class Inertia(Effect):
     name = "inertia"
     title = "moving mass bends the structure (circles too large along one axis)"
     commonness = 4
-    source = "equation (31) of docs/laws.md; spring and mass far below their resonance: k x = -m a"
+    source = (
+        "equation (31) of docs/laws.md; closed form derived here: a spring far below its "
+        "resonance gives way by m a / k"
+    )
     parameters = (
         linear("sway_ms2", "moving mass over stiffness, m / k", usual=5.0, is_size=True),
         POLYLINE_SHARE,

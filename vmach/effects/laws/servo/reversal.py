@@ -30,8 +30,8 @@ class QuadrantGlitch(Effect):
     title = "reversal spike (friction at the quadrants)"
     commonness = 8
     source = (
-        "equation (27) of docs/laws.md; "
-        "ISO 230-4, reversal spikes; friction that fades with the way"
+        "equation (27) of docs/laws.md; ISO 230-4, circular tests; closed form derived here: "
+        "a spike fades as exp(-s / w)"
     )
     parameters = (
         linear("spike_um", "displacement right after the reversal", usual=5.0),
@@ -60,8 +60,8 @@ class Hysteresis(Effect):
     title = "hysteresis of guide and structure"
     commonness = 7
     source = (
-        "equation (28) of docs/laws.md; "
-        "elastic wind-up that builds up with the way since the reversal"
+        "equation (28) of docs/laws.md; P. Dahl, A Solid Friction Model (1968): F / F_c = 1 "
+        "- 2 exp(-s / w) after a reversal"
     )
     parameters = (
         replace(linear("width_um", "width of the loop", usual=5.0), most=_WIDEST_LOOP_UM),
@@ -91,8 +91,8 @@ class LateralPlay(Effect):
     title = "lateral play of a guide"
     commonness = 6
     source = (
-        "equation (29) of docs/laws.md; "
-        "play across the guide, taken up with the way since the reversal"
+        "equation (29) of docs/laws.md; closed form derived here: half the play to either "
+        "side, taken up as 1 - 2 exp(-s / w)"
     )
     parameters = (
         linear("play_um", "sideways difference between both directions", usual=5.0),

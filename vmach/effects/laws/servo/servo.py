@@ -41,7 +41,10 @@ class ServoLag(Effect):
     name = "servo_lag"
     title = "lag of the position loop (circles too small)"
     commonness = 22
-    source = "equation (13) of docs/laws.md; second order of the lag 1/(1 + s/Kv)"
+    source = (
+        "equation (13) of docs/laws.md; closed form derived here: on a circle the size of 1 "
+        "/ (1 + j w / Kv) is 1 - (w / Kv)^2 / 2, so that the radius shrinks by a / (2 Kv^2)"
+    )
     parameters = (
         linear("lag_ms2", "square of the time constant 1/Kv", usual=25.0),
         POLYLINE_SHARE,
@@ -63,7 +66,8 @@ class ServoMismatch(Effect):
     title = "position loops of two axes do not match"
     commonness = 23
     source = (
-        "equation (12) of docs/laws.md; first order of the lag 1/(1 + s/Kv) of two axes; ISO 230-4"
+        "equation (12) of docs/laws.md; ISO 230-4, circular tests; closed form derived here: "
+        "an axis lags by v / Kv, half of the difference each"
     )
     parameters = (
         linear("mismatch_ms", "lag of the second axis minus lag of the first", usual=0.3),
@@ -91,8 +95,8 @@ class CornerRounding(Effect):
     title = "corners rounded by lag and look-ahead"
     commonness = 5
     source = (
-        "equation (30) of docs/laws.md; "
-        "step response of the lag 1/(1 + s T) to a velocity that changes evenly"
+        "equation (30) of docs/laws.md; closed form derived here: the lag 1 / (1 + s / Kv) "
+        "of a velocity that changes evenly"
     )
     parameters = (
         linear("lag_ms", "lag right at the corner", usual=10.0),

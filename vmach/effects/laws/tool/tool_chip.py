@@ -16,7 +16,10 @@ class ToolChip(Sudden, OfOneTool):
     name = "tool_chip"
     title = "tool whose edge chipped"
     commonness = 11
-    source = "equation (24) of docs/laws.md; offset of the cutter's envelope at a moment"
+    source = (
+        "equation (24) of docs/laws.md; closed form derived here: radius and length change "
+        "by a step in time"
+    )
     parameters = (
         linear("radius_um", "loss of cutting radius", usual=10.0, is_size=True),
         linear("length_um", "loss of length", usual=10.0, is_size=True),

@@ -32,8 +32,8 @@ class ToolDeflection(Effect):
     title = "deflection of the tool under the cutting force"
     commonness = 27
     source = (
-        "equation (8) of docs/laws.md; "
-        "cantilever L^3/(3 E I); chip thickness exponent 1 - m_c after Kienzle"
+        "equation (8) of docs/laws.md; cantilever L^3/(3 E I); chip thickness exponent 1 - "
+        "m_c after Kienzle"
     )
     parameters = (
         linear("tool_um", "bending of the tool in the reference cut", usual=3.0, is_size=True),

@@ -28,7 +28,10 @@ class ToolRadius(OfOneTool):
     name = "tool_radius"
     title = "radius of the tool"
     commonness = 29
-    source = "equation (6) of docs/laws.md; offset of the cutter's envelope along the normal"
+    source = (
+        "equation (6) of docs/laws.md; closed form derived here: a wall lies off by the "
+        "change of radius, along its normal"
+    )
     parameters = (linear("radius_um", "true minus stated radius", usual=10.0),)
     is_never_exact = imitates_as_team = True
     signature = "radius of one tool"
@@ -51,7 +54,10 @@ class Runout(OfOneTool):
     name = "runout"
     title = "runout of the tool"
     commonness = 9
-    source = "equation (26) of docs/laws.md; cusps of height f^2 / (8 R), a third of it on average"
+    source = (
+        "equation (26) of docs/laws.md; closed form derived here: a flute of radius R leaves "
+        "marks f^2 / (8 R) high, f^2 / (24 R) in the mean"
+    )
     parameters = (
         replace(
             linear("runout_um", "growth of the cutting radius", usual=10.0, is_size=True),
@@ -85,7 +91,10 @@ class ToolWear(OfOneTool):
     name = "tool_wear"
     title = "wear of the tool"
     commonness = 26
-    source = "equation (9) of docs/laws.md; wear as a power of the length of cut, after Taylor"
+    source = (
+        "equation (9) of docs/laws.md; ISO 8688-2, tool life in end milling; the power of "
+        "the way cut is empirical"
+    )
     parameters = (
         linear(
             "wear_um", "loss of radius after the first ten metres of cut", usual=5.0, is_size=True
@@ -117,7 +126,10 @@ class ToolLength(OfOneTool):
     name = "tool_length"
     title = "length of the tool"
     commonness = 28
-    source = "equation (7) of docs/laws.md; offset of the cutter's envelope along its axis"
+    source = (
+        "equation (7) of docs/laws.md; closed form derived here: a floor lies off by the "
+        "change of length"
+    )
     parameters = (linear("length_um", "true minus stated length", usual=15.0),)
     is_never_exact = imitates_as_team = True
     needs_surface = True
