@@ -96,6 +96,25 @@ def test_what_a_law_does_is_checked(tmp_path, law, message):
     assert re.match(r".*twist\.py:(12|14): displacement\(\) of effect 'twist'", str(caught.value))
 
 
+def test_an_effect_that_turns_the_tool_says_so(tmp_path):
+    turned = (
+        'return along("Z", 1e-6 * (a_um * x + b_um * y))',
+        "turn = 1e-9 * np.outer(a_um * x + b_um * y, [1.0, 0.0, 0.0])\n"
+        "        return RigidDisplacement(0 * turn, turn)",
+    )
+    imported = (
+        "import numpy as np",
+        "import numpy as np\nfrom vmach.machine import RigidDisplacement",
+    )
+    file = written(tmp_path, turned, imported)
+    with pytest.raises(InputError, match=r"it turns the tool.*accepted: turns_tool = True"):
+        load_effect_file(file)
+    file = written(
+        tmp_path, turned, imported, ('targets = ("",)', 'targets = ("",)\n    turns_tool = True')
+    )
+    load_effect_file(file)
+
+
 def test_a_second_file_with_the_same_name_is_refused(tmp_path):
     load_effect_file(written(tmp_path))
     other = tmp_path / "other.py"

@@ -34,6 +34,7 @@ _YES_OR_NO = (
     "is_slow",
     "has_untold",
     "corrects_table",
+    "turns_tool",
     "is_sudden",
     "is_of_one_tool",
     "is_never_exact",

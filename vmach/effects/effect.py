@@ -16,6 +16,7 @@ from vmach.effects.laws.heat.wandering import wandering
 from vmach.job import Job
 from vmach.machine import LINEAR_AXES, RigidDisplacement
 from vmach.path.circumstances import Circumstances
+from vmach.path.toolpath import PathStates
 
 __all__ = [
     "Displaced",
@@ -158,6 +159,8 @@ class Effect(ABC):
     targets: ClassVar[tuple[str, ...]] = LINEAR_AXES
     #: whether it acts on the cutting edge at a surface, and not on the tool as a whole
     needs_surface: ClassVar[bool] = False
+    #: whether it turns the tool too: what reads tilts sees no other effect
+    turns_tool: ClassVar[bool] = False
     #: rank by how often it is met: where data cannot tell effects apart, the larger leads
     commonness: ClassVar[int] = 0
     #: whether it corrects an error table: its parameters are then the lists of a curve
@@ -233,6 +236,12 @@ class Effect(ABC):
     ) -> np.ndarray:
         """Displacements of unit variance by which another run may differ, (P, 3, K); the slack."""
         return self.slack(path, target, parameters)
+
+    def shows_on(self, states: PathStates) -> bool:
+        """Whether readings of this kind can show it: of a surface, of a place, of a tilt."""
+        if states.arm_mm is not None and not self.turns_tool:
+            return False
+        return states.normal is not None or not self.needs_surface
 
     def is_twin_of(self, other: Effect) -> bool:
         """Whether it is the other effect, or has the same signature."""

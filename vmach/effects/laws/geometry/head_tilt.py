@@ -32,6 +32,7 @@ class HeadTilt(OfWarmSpindle):
         SPEED_EXPONENT,
     )
     targets = ("A", "B")
+    turns_tool = True
     rarity = 0.5
     slack_share = 0.15
     usual_size = "50 urad above 5000 rpm, time constant 0.5 to 4 hours"
