@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from vmach.api.comparison import ModelComparison, compare
-    from vmach.api.machining import accuracy, compensate, control_tables, evaluate_axis
+    from vmach.api.machining import (
+        accuracy,
+        compensate,
+        control_tables,
+        evaluate_axis,
+        read_machine,
+    )
     from vmach.api.measuring import add, diagnose
     from vmach.api.path import PathErrors, path_errors
     from vmach.api.points import PointDeviations, predict, surface_points
@@ -21,7 +27,7 @@ if TYPE_CHECKING:
     from vmach.effects.catalogue import add_effect
     from vmach.errors import InputError, VmachError
     from vmach.job import Job, read_job
-    from vmach.machine import Machine, Variant, displacement, read_machine
+    from vmach.machine import Machine, Variant, displacement
     from vmach.machine.from_arrays import machine_from_arrays
     from vmach.nominal.points import SurfacePoints
     from vmach.run.pipeline import MachinedPart, machine_part
@@ -99,7 +105,7 @@ _HOMES = {
     "path_errors": "vmach.api.path",
     "predict": "vmach.api.points",
     "read_job": "vmach.job",
-    "read_machine": "vmach.machine",
+    "read_machine": "vmach.api.machining",
     "surface_points": "vmach.api.points",
 }
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from vmach.base.note import Note
+
 __all__ = ["InputError", "VmachError"]
 
 
@@ -26,6 +28,8 @@ class InputError(VmachError, ValueError):
         What would be accepted.
     hint : str, optional
         What to do about it.
+    note : Note, optional
+        The same as a record, where a check of the input made one.
     """
 
     def __init__(
@@ -36,9 +40,10 @@ class InputError(VmachError, ValueError):
         line: int | None = None,
         accepted: str | None = None,
         hint: str | None = None,
+        note: Note | None = None,
     ) -> None:
         self.what, self.file, self.line = what, file, line
-        self.accepted, self.hint = accepted, hint
+        self.accepted, self.hint, self.note = accepted, hint, note
         where = "" if file is None else f"{file}: " if line is None else f"{file}:{line}: "
         text = where + what
         if accepted:

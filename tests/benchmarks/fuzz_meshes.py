@@ -165,7 +165,7 @@ def outcome(job: object, path: Path) -> str:
         assert path.name in str(error), f"the message does not name the file: {error}"
         assert "\n" not in str(error), f"more than one line: {error}"
         return "refused"
-    return "said" if any("turned" in note for note in part.notes) else "read"
+    return "said" if any("turned" in str(note) for note in part.notes) else "read"
 
 
 def _with_nominal(job: object, path: Path) -> object:

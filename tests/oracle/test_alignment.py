@@ -57,7 +57,7 @@ def test_a_single_plane_leaves_three_motions_free():
     top = points.feature == "top"
     found = fit_alignment(points.point_mm[top], points.normal[top], motion(points)[top])
     assert found.rank == 3
-    assert "leave 3 of 6 motions free" in found.notes[0]
+    assert "leave 3 of 6 motions free" in str(found.notes[0])
     assert found.shift_mm[:2] == pytest.approx(0, abs=1e-12)
     assert found.rotation_rad[2] == pytest.approx(0, abs=1e-12)
 

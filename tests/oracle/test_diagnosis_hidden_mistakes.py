@@ -8,8 +8,8 @@ import pytest
 from tests.hidden_effects.experiment import make_experiment
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.errors import InputError
+from vmach.instruments import read_instruments
 from vmach.job import read_job
-from vmach.measurements import read_instruments
 
 TESTS = ("ballbar_xy", "laser_X", "laser_Y", "laser_Z", "diagonal_0", "drift", "tip")
 
@@ -31,7 +31,7 @@ def healthy(tmp_path_factory):
 
 def notes_of_tests(folder):
     tests = read_instruments(read_job(folder / "job.toml"))
-    return [note for test in tests for note in test.notes]
+    return [str(note) for test in tests for note in test.notes]
 
 
 def edit_section(folder, name, pattern, value):
@@ -170,7 +170,7 @@ def test_tools_in_another_unit_are_refused_by_their_name(healthy, tmp_path, key,
 def test_one_tool_in_another_unit_is_asked_about(healthy, tmp_path, key, factor, question):
     folder = shutil.copytree(healthy, tmp_path / "job")
     edit_tools(folder, key, factor, numbers=(2,))
-    notes = [note for m in survey_job(folder / "job.toml").measurements for note in m.notes]
+    notes = [str(note) for m in survey_job(folder / "job.toml").measurements for note in m.notes]
     assert any(note.endswith(f"so many: {question}") for note in notes)
     if key == "length_mm":
         assert any("tool 2: length_mm = 4.13386, from spindle nose to tip" in n for n in notes)

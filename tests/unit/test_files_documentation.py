@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from vmach.files.toml_file import FileSection
+from vmach.instruments import catalogue
 from vmach.job.schema import JobSchema
 from vmach.machine.files.machine_schema import MachineSchema
-from vmach.measurements.instrument_settings import Ballbar, Diagonal, Drift, Laser, Tip
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -34,7 +34,7 @@ def keys(schema):
     [
         (JobSchema, ["files.md", "effects.md"]),
         (MachineSchema, ["files.md", "machine-file.md"]),
-        *((kind, ["diagnosis.md"]) for kind in (Ballbar, Laser, Diagonal, Drift, Tip)),
+        *((kind, ["how-to/diagnose.md"]) for kind in catalogue().values()),
     ],
 )
 def test_every_key_is_described(schema, pages):

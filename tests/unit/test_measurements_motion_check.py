@@ -5,8 +5,8 @@ import pytest
 
 from tests.small_job import measurement, write_job
 from vmach.errors import InputError
+from vmach.instruments import read_instruments
 from vmach.job import read_job
-from vmach.measurements import read_instruments
 
 LASER = measurement("laser", file="test.csv", axis="X", at_mm=[0, -100, -50])
 BALLBAR = measurement("ballbar", file="test.csv", centre_mm=[-200, -150, -100], radius_mm=100)

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from tests.small_job import pocket_points, write_job
+from vmach.base.note import Level
 from vmach.errors import InputError
+from vmach.instruments import measure_part
 from vmach.job import read_job
-from vmach.measurements import measure_part
 from vmach.path.preparation import prepare
 
 ZERO = np.array([-200.0, -150.0, -200.0])  #: G54 of the small job
@@ -88,8 +89,8 @@ def test_many_points_that_no_move_cut_raise_doubt(job, tmp_path):
         raised[:count, 2] += 200.0
         part, _ = measure_part(job, file_of(tmp_path, raised, normals, raised))
         (note,) = part.notes
-        assert f"no move cut them ({count} of {len(points)})" in note
-        assert ("so many" in note) == is_doubtful
+        assert f"no move cut them ({count} of {len(points)})" in note.text
+        assert (note.level is Level.QUESTION) == is_doubtful
 
 
 def test_a_turned_sign_is_noticed(tmp_path):
@@ -104,7 +105,7 @@ def test_a_turned_sign_is_noticed(tmp_path):
     for sign, is_noticed in ((1.0, False), (-1.0, True)):
         measured = points + (sign * dy * normals[:, 1])[:, None] * normals
         part, _ = measure_part(job, file_of(tmp_path, points, normals, measured))
-        assert any("with the other sign" in note for note in part.notes) == is_noticed
+        assert any("with the other sign" in str(note) for note in part.notes) == is_noticed
 
 
 @pytest.mark.parametrize(("scatter_um", "is_doubtful"), [(0.5, False), (4.0, True)])
@@ -112,7 +113,7 @@ def test_points_that_scatter_more_than_u_um_raise_doubt(job, tmp_path, scatter_u
     _, points, normals = pocket_points()
     noise = scatter_um * 1e-3 * np.random.default_rng(1).normal(size=(len(points), 1))
     part, _ = measure_part(job, file_of(tmp_path, points, normals, points + noise * normals))
-    assert any("is u_um too small?" in note for note in part.notes) == is_doubtful
+    assert any("is u_um too small?" in str(note) for note in part.notes) == is_doubtful
 
 
 @pytest.mark.parametrize(
@@ -123,4 +124,4 @@ def test_coordinates_rounded_beyond_their_uncertainty(job, tmp_path, digits, u_u
     _, points, normals = pocket_points()
     measured = np.round(points + 2e-3 * normals, digits)
     part, _ = measure_part(job, file_of(tmp_path, points, normals, measured, u_um=u_um))
-    assert any("more digits" in note for note in part.notes) == is_doubtful
+    assert any("more digits" in str(note) for note in part.notes) == is_doubtful

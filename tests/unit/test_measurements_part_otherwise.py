@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tests.small_job import pocket_points, write_job, write_points
+from vmach.instruments import measure_part
 from vmach.job import read_job
-from vmach.measurements import measure_part
 from vmach.path.preparation import prepare
 
 TOOL_RADIUS_MM = 5.0
@@ -46,7 +46,7 @@ def written(folder, tables, deviation_mm, *, directions="mean"):
 
 def notes_of(job):
     job = read_job(job)
-    return measure_part(prepare(job), job.measured)[0].notes
+    return tuple(str(note) for note in measure_part(prepare(job), job.measured)[0].notes)
 
 
 def wave_um(x):

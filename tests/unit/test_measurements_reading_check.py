@@ -7,8 +7,8 @@ import pytest
 
 from tests.small_job import measurement, write_job
 from vmach.errors import InputError
+from vmach.instruments import read_instruments
 from vmach.job import read_job
-from vmach.measurements import read_instruments
 
 AXIS = measurement("laser", file="test.csv", axis="X", at_mm=[0, -100, -50])
 DIAGONAL = measurement(
@@ -117,7 +117,7 @@ def test_what_no_instrument_writes_is_refused(tmp_path, job, text, message):
     ],
 )  # fmt: skip
 def test_what_is_odd_is_asked_about(tmp_path, job, text, message):
-    notes = read(tmp_path, job, text)[-1].notes
+    notes = [str(note) for note in read(tmp_path, job, text)[-1].notes]
     assert any(note.startswith("test.csv: ") for note in notes)
     assert any(re.search(message, note) for note in notes), notes
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from vmach.base.note import Kind
 from vmach.errors import InputError
 from vmach.nominal import read_nominal
 
@@ -88,7 +89,7 @@ def test_mesh_inside_out_is_turned_and_said(tmp_path):
     box.invert()
     part = read_nominal(export(box, tmp_path))
     assert part.mesh.volume_mm3 == pytest.approx(6000)
-    assert any("inside out" in note for note in part.notes)
+    assert any(note.kind is Kind.INSIDE_OUT for note in part.notes)
 
 
 def test_box_has_six_flat_regions_and_no_chord_error(tmp_path):

@@ -10,6 +10,7 @@ import numpy as np
 
 from vmach.api.points import _variant
 from vmach.api.records import Rows
+from vmach.base.note import Note
 from vmach.base.units import um_from_mm
 from vmach.job import Job
 from vmach.machine import Variant
@@ -35,7 +36,7 @@ class ModelComparison(Rows):
         the job asks. NaN where no tool made the surface.
     remainder_rms_um : mapping of model to float
         RMS of measured minus predicted, each after its own best fit; empty without measurement.
-    notes : tuple of str
+    notes : tuple of Note
     """
 
     id: np.ndarray
@@ -44,7 +45,7 @@ class ModelComparison(Rows):
     normal: np.ndarray
     deviation_um: dict[str, np.ndarray]
     remainder_rms_um: dict[str, float]
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
     _PARTS = {"point_mm": ("x_mm", "y_mm", "z_mm"), "normal": ("i", "j", "k")}
 
@@ -74,7 +75,7 @@ def compare(job: Job | str | Path, *, models: Sequence[str] = _ALL) -> ModelComp
     return _comparison(found.points, found.notes)
 
 
-def _comparison(points: InspectedPoints, notes: Sequence[object]) -> ModelComparison:
+def _comparison(points: InspectedPoints, notes: Sequence[Note]) -> ModelComparison:
     deviation = {
         column.name: np.where(column.is_cut, um_from_mm(column.deviation_mm), np.nan)
         for column in points.columns
@@ -89,5 +90,5 @@ def _comparison(points: InspectedPoints, notes: Sequence[object]) -> ModelCompar
         remainder_rms_um={
             name: float(um_from_mm(value)) for name, value in rms.items() if value is not None
         },
-        notes=tuple(map(str, notes)),
+        notes=tuple(notes),
     )

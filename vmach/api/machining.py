@@ -24,7 +24,7 @@ from vmach.plausibility import admitted_machine
 from vmach.volumetric.field import Volume, error_field, measured_volume
 from vmach.volumetric.volumetric import VolumetricAccuracy, assess
 
-__all__ = ["accuracy", "compensate", "control_tables", "evaluate_axis"]
+__all__ = ["accuracy", "compensate", "control_tables", "evaluate_axis", "read_machine"]
 
 
 def compensate(
@@ -74,6 +74,17 @@ def compensate(
         residual_limit_mm=mm_from_um(residual_limit_um),
         dialect=dialect,
     )
+
+
+def read_machine(path: str | Path) -> Machine:
+    """Read a machine file and its tables, and refuse what no machine can be.
+
+    Raises
+    ------
+    InputError
+        Anything wrong with the files, with file, line, key, value and what is accepted.
+    """
+    return admitted_machine(path)
 
 
 def accuracy(

@@ -9,6 +9,7 @@ import numpy as np
 
 from vmach.api.points import _variant
 from vmach.api.records import Rows
+from vmach.base.note import Note
 from vmach.base.units import um_from_mm
 from vmach.job import Job
 from vmach.machine import Variant
@@ -31,7 +32,7 @@ class PathErrors(Rows):
         Axis positions, machine coordinates.
     error_um : (K, 3) float64
         Actual minus nominal place of the tip against the workpiece, machine axes.
-    notes : tuple of str
+    notes : tuple of Note
         What to know before trusting the numbers.
     """
 
@@ -40,7 +41,7 @@ class PathErrors(Rows):
     time_s: np.ndarray
     nose_mm: np.ndarray
     error_um: np.ndarray
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
     _PARTS = {
         "nose_mm": ("X_mm", "Y_mm", "Z_mm"),
@@ -71,5 +72,5 @@ def path_errors(job: Job | str | Path, *, model: str = Variant.ABBE) -> PathErro
         time_s=states.time_s,
         nose_mm=states.nose_mm,
         error_um=um_from_mm(found.error_mm),
-        notes=tuple(map(str, found.notes)),
+        notes=found.notes,
     )

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from vmach.api.records import Rows
+from vmach.base.note import Note
 from vmach.base.units import um_from_mm
 from vmach.fit.prediction_uncertainty import prediction_u_mm
 from vmach.job import Job
@@ -42,7 +43,7 @@ class PointDeviations(Rows):
         Since the program's start; NaN where no tool made the surface.
     share_um : mapping of source to (P,) float64
         What each error adds to the deviation; the shares of a point add up to it.
-    notes : tuple of str
+    notes : tuple of Note
         What to know before trusting the numbers.
     """
 
@@ -57,7 +58,7 @@ class PointDeviations(Rows):
     tool: np.ndarray
     time_s: np.ndarray
     share_um: dict[str, np.ndarray]
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
     _PARTS = {"point_mm": ("x_mm", "y_mm", "z_mm"), "normal": ("i", "j", "k")}
 
@@ -160,5 +161,5 @@ def _deviations(points: SurfacePoints, prediction: Prediction) -> PointDeviation
         tool=spread(states.tool.astype(np.int64), 0),
         time_s=spread(states.time_s, np.nan),
         share_um={name: spread(s, np.nan) for name, s in zip(budget.sources, shares, strict=True)},
-        notes=(*map(str, prediction.preparation.notes), *points.notes),
+        notes=(*prediction.preparation.notes, *points.notes),
     )

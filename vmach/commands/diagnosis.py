@@ -25,6 +25,7 @@ from vmach.commands.options import (
 from vmach.files.atomic import atomic_file, check_folder, check_outputs
 
 if TYPE_CHECKING:
+    from vmach.base.note import Note
     from vmach.diagnosis.findings import Finding
     from vmach.diagnosis.named_fit import NamedEffect
     from vmach.job import Job
@@ -77,7 +78,7 @@ def diagnose(
             if found.next_measurement is not None:
                 program = program or str(out / written[-1])
     print(as_text(found, program=program))
-    if found.verdict in ("named", "class"):
+    if found.verdict in ("named", "class", "partly"):
         print(f"to put it into the model: vmach add {job} {' '.join(map(_word, found.findings))}")
     if found.next_measurement is not None and program is None:
         print("--next FILE writes the program of the measurement to do next")
@@ -118,10 +119,10 @@ def add(
     check_outputs([out])
     with progress_bar() as progress:
         progress("fit", 0, 1)
-        noticed: list[str] = []
+        noticed: list[Note] = []
         path, found = add_effects(job, effects, out=out, tell=noticed.append)
     rms = read_job(path).history[-1]
-    notes = noticed + [
+    notes = [str(note) for note in noticed] + [
         f"these measurements do not call for {e.label}: clean ones would give it as much"
         for e in found
         if not e.is_called_for
@@ -179,6 +180,7 @@ def history(
     effect_file: OwnEffects = None,
 ) -> None:
     """How the error fell, model by model."""
+    from vmach.base.note import note_records
     from vmach.history import draw_history, history_of
 
     _load(effect_file)
@@ -196,7 +198,8 @@ def history(
                 "added": list(s.added),
                 "rms_um": s.rms_um,
                 "check_rms_um": s.check_rms_um,
-                "notes": list(s.notes),
+                "notes": [str(note) for note in s.notes],
+                "note_records": note_records(s.notes),
             }
             for s in steps
         ]

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from gcode import MoveKind
+from vmach.base.note import Note
 from vmach.compensation.aim.part_aim import PartAim, aim_at_part
 from vmach.compensation.aim.part_view import PartView
 from vmach.compensation.doubt_comment import with_doubts
@@ -63,7 +64,7 @@ class Compensation:
         Largest tilt of the tool while it cuts, which stays.
     part_aim : PartAim, optional
         Of a program that is aimed at the part.
-    notes : tuple of str
+    notes : tuple of Note
         What the user should know of the program before trusting the figures.
     """
 
@@ -82,7 +83,7 @@ class Compensation:
     steps: int = 0
     tilt_rad: float = 0.0
     part_aim: PartAim | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from vmach.base.note import note_records
 from vmach.base.units import um_from_mm, urad_from_rad
 from vmach.compensation.aim.part_aim import PartAim
 from vmach.compensation.aim.surface import SurfaceCheck
@@ -20,7 +21,7 @@ _STAYS = "machine coordinates or reference point"
 
 
 def as_json(found: Compensation, surface: SurfaceCheck | None) -> dict[str, Any]:
-    """All figures as plain numbers and strings; docs/compensation.md describes the keys."""
+    """All figures as plain numbers and strings; docs/how-to/compensate.md describes the keys."""
     figures: dict[str, Any] = {}
     residuals = {"before": found.before, "before_rounding": found.unrounded, "after": found.after}
     for name, residual in residuals.items():
@@ -44,7 +45,8 @@ def as_json(found: Compensation, surface: SurfaceCheck | None) -> dict[str, Any]
             for line, (size, why) in sorted(found.uncorrected.items())
         },
         "uncorrected": _uncorrected(found, surface),
-        "notes": list(found.notes),
+        "notes": [str(note) for note in found.notes],
+        "note_records": note_records(found.notes),
     }
 
 

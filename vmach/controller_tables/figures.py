@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from vmach.base.note import Kind, Note, note_records
 from vmach.base.units import um_from_mm
 from vmach.controller_tables.make_tables import MadeTables, Residual
 from vmach.controller_tables.table_task import TableTask
@@ -18,6 +19,7 @@ _LISTED_SHARE = 0.02
 def tables_figures(task: TableTask, made: list[MadeTables]) -> dict[str, Any]:
     """All figures, as they stand in ``tables.json``."""
     low, high = task.volume.low_mm, task.volume.high_mm
+    notes = _notes(task)
     return {
         "schema": 1,
         "machine": task.machine.name,
@@ -25,24 +27,30 @@ def tables_figures(task: TableTask, made: list[MadeTables]) -> dict[str, Any]:
         "judged": "volume" if task.program is None else "program",
         "tool_length_mm": task.tool_length_mm,
         "volume_mm": {axis: [low[k], high[k]] for k, axis in enumerate("XYZ")},
-        "notes": _notes(task),
+        "notes": [str(note) for note in notes],
+        "note_records": note_records(notes),
         "formats": {one.name: _format_figures(one) for one in made},
     }
 
 
-def _notes(task: TableTask) -> list[str]:
+def _notes(task: TableTask) -> list[Note]:
     machine = task.machine
-    notes = ["the tilt of the tool stays: three axes cannot correct it"]
+    said = "the tilt of the tool stays: three axes cannot correct it"
+    notes = [Note.plain(Kind.TILT, said)]
     travel = machine.travel_mm
     if (travel[0] < task.volume.low_mm).any() or (travel[1] > task.volume.high_mm).any():
-        notes.append("tables end where the measured errors end; the travel goes on, and there the "
-                     "controls hold the last entry")  # fmt: skip
+        said = (
+            "tables end where the measured errors end; the travel goes on, and there the controls "
+            "hold the last entry"
+        )
+        notes.append(Note.plain(Kind.TRAVEL, said))
     reversal = _reversal_um(machine)
     if reversal and not machine.separate_directions:
-        notes.append(
+        said = (
             f"forward and backward tables differ by up to {reversal:.2f} um; the entries hold "
             'their mean. [tables] directions = "separate" in the machine file keeps both'
         )
+        notes.append(Note.plain(Kind.DIRECTION, said, reversal, "um"))
     return [*notes, *task.notes]
 
 

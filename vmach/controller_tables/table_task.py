@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from vmach.base.note import Note, in_file
 from vmach.controller_tables.knots import Knots, choose_intervals
 from vmach.controller_tables.samples import (
     ErrorSamples,
@@ -18,7 +19,7 @@ from vmach.errors import InputError
 from vmach.job import Job
 from vmach.machine import LINEAR_AXES, Machine, Variant
 from vmach.path.preparation import prepare
-from vmach.plausibility import doubts, machine_notes, sentences
+from vmach.plausibility import doubts, machine_notes
 from vmach.volumetric.field import Volume, measured_volume
 
 __all__ = ["TableTask", "task_of_job", "task_of_machine"]
@@ -52,7 +53,7 @@ class TableTask:
         The job's program, to fit to.
     has_effects : bool
         Whether the job has effects beside the error tables.
-    notes : tuple of str
+    notes : tuple of Note
         What the user should know of machine and job before loading the tables.
     """
 
@@ -64,7 +65,7 @@ class TableTask:
     check: ErrorSamples
     program: ErrorSamples | None = None
     has_effects: bool = False
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
     @property
     def by_direction(self) -> bool:
@@ -127,7 +128,7 @@ def task_of_machine(
     tool = np.array([0.0, 0.0, -tool_length_mm])
     check = _check(machine, volume, tool, variant)
     doubtful = doubts(machine_notes(machine))
-    notes = sentences(doubtful, machine.files[0]) if machine.files else ()
+    notes = in_file(doubtful, machine.files[0]) if machine.files else ()
     return TableTask(machine, variant, volume, tool, tolerance_mm, check, notes=notes)
 
 

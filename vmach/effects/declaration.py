@@ -5,7 +5,6 @@ What is missing, unknown or misspelt is an error with the line in the file that 
 
 from __future__ import annotations
 
-import ast
 import difflib
 import inspect
 import math
@@ -17,6 +16,7 @@ from typing import Any
 
 from vmach.effects.effect import Effect, Parameter
 from vmach.errors import InputError
+from vmach.files.class_lines import lines_of_class
 
 __all__ = ["check_declaration", "has_unit"]
 
@@ -61,7 +61,7 @@ class _Declaration:
 
     def __init__(self, kind: type[Effect], file: Path | None) -> None:
         self.kind, self.file = kind, file
-        self._lines = {} if file is None else _lines_of(kind, file)
+        self._lines = {} if file is None else lines_of_class(kind, file)
 
     def check(self) -> None:
         self._check_known()
@@ -197,24 +197,3 @@ def has_unit(name: str) -> bool:
 
 def _is_target(target: object) -> bool:
     return isinstance(target, str) and not re.search(r"\s", target)
-
-
-def _lines_of(kind: type[Effect], file: Path) -> dict[str, int]:
-    """Line of the class under "", and of each of its attributes and functions."""
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8-sig"))):
-        if isinstance(node, ast.ClassDef) and node.name == kind.__name__:
-            lines = {"": node.lineno}
-            for part in node.body:
-                lines |= dict.fromkeys(_names_in(part), part.lineno)
-            return lines
-    return {}
-
-
-def _names_in(part: ast.stmt) -> list[str]:
-    if isinstance(part, ast.FunctionDef):
-        return [part.name]
-    if isinstance(part, ast.AnnAssign):
-        return [part.target.id] if isinstance(part.target, ast.Name) else []
-    if isinstance(part, ast.Assign):
-        return [target.id for target in part.targets if isinstance(target, ast.Name)]
-    return []

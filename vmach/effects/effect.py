@@ -268,5 +268,5 @@ class Effect(ABC):
 
 
 def at_contact(moved: Displaced, path: Circumstances) -> np.ndarray:
-    """Displacement of the contact, (P, 3) mm, by what an effect says of the tool."""
-    return moved.at(path.contact_mm) if isinstance(moved, RigidDisplacement) else moved
+    """What is seen at the contact, (P, 3) mm, of what an effect says of the tool."""
+    return path.states.seen_mm(moved)

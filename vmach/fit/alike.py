@@ -1,4 +1,7 @@
-"""Which effects do nearly the same as a given one, as far as readings show?"""
+"""Which effects do nearly the same as a given one, as far as readings show?
+
+Source: closed form derived here: the share of one signature that least squares on another leaves.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ from vmach.effects.trial_path import trial_path
 from vmach.fit.candidates import Candidate, gather_candidates
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import orthonormal
-from vmach.measurements import Measurement
+from vmach.measurements import Instrument, Measurement
 from vmach.path.toolpath import PathStates
 
 __all__ = ["Alike", "alike_effects", "trial_survey"]
@@ -85,7 +88,7 @@ def trial_survey() -> Survey:
 def _measurement(states: PathStates, sensing: np.ndarray, nuisance: np.ndarray) -> Measurement:
     count = len(states)
     return Measurement(
-        kind="tip" if states.normal is None else "part",
+        instrument=Instrument,
         name="trial",
         id=np.arange(1, count + 1).astype(str),
         states=states,

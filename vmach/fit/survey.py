@@ -1,4 +1,8 @@
-"""All measurements of a job side by side: what is to be explained, and with what uncertainty."""
+"""All measurements of a job side by side: what is to be explained, and with what uncertainty.
+
+Source: JCGM 100:2008 (GUM), covariances of the readings as F F^T; closed form derived here: free
+offsets are projected out.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import block_diag
 
+from vmach.base.note import Note
 from vmach.effects import Circumstances, Effect, EffectInstance
 from vmach.fit.table_uncertainty import TableUncertainty
 from vmach.fit.whitening import Whitening, orthonormal
@@ -45,9 +50,9 @@ class Survey:
         return tuple(Circumstances(m.states, self.job) for m in self.measurements)
 
     @property
-    def notes(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[Note, ...]:
         """What was noticed of the job and the measurements when they were read."""
-        of_measurements = (note for m in self.measurements for note in m.notes if note)
+        of_measurements = (note for m in self.measurements for note in m.notes)
         return tuple(dict.fromkeys((*job_doubts(self.job), *of_measurements)))
 
     @cached_property
@@ -179,7 +184,7 @@ class Survey:
         return replace(
             self,
             measurements=tuple(
-                m if own.all() else m.keep(own, "")
+                m if own.all() else m.keep(own)
                 for m, own in zip(self.measurements, wanted, strict=True)
                 if own.any()
             ),

@@ -2,6 +2,9 @@
 
 Both are carried as independent unit-variance causes, each with its signature on the readings:
 the covariance of the prediction is ``F F^T`` for the matrix F of signatures.
+
+Source: JCGM 100:2008 (GUM), 4.2 (type A) for the noise; C. de Boor, A Practical Guide to Splines
+(1978): linear interpolation errs by h^2 f'' / 8 in the middle.
 """
 
 from __future__ import annotations
@@ -72,7 +75,7 @@ class TableUncertainty:
             if table is None:
                 continue
             _, axis, angular = component_of(name)
-            lever = path.lever(name).at(path.contact_mm)
+            lever = path.states.seen_mm(path.lever(name))
             lever = np.einsum("ij,ij->i", sensing, lever)[:, None]
             position, knots = path.nose_mm[:, axis], table.position_mm
             hats = np.stack([np.interp(position, knots, e) for e in np.eye(len(knots))], axis=1)
@@ -83,7 +86,8 @@ class TableUncertainty:
             parts.append(self.bend_apart[name] * bumps)
         for axis, rotation in _SQUARENESSES:
             across = np.cross(np.eye(3)[rotation], np.eye(3)[axis])
-            turned = path.nose_mm[:, axis] * (sensing @ across)
+            lean = path.states.seen_mm(np.multiply.outer(path.nose_mm[:, axis], across))
+            turned = np.einsum("ij,ij->i", sensing, lean)
             parts.append(self.squareness_rad * turned[:, None])
         return np.hstack(parts)
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from vmach.base.note import Note
 from vmach.diagnosis.named_fit import NamedEffect, fit_named
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.errors import InputError
@@ -34,7 +35,7 @@ def add_effects(
     effects: Sequence[str],
     *,
     out: Path | None = None,
-    tell: Callable[[str], object] = lambda note: None,
+    tell: Callable[[Note], object] = lambda note: None,
 ) -> tuple[Path, tuple[NamedEffect, ...]]:
     """Fit effects to a job's measurements and write a job that holds them.
 

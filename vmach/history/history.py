@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from vmach.base.note import Note
 from vmach.base.units import um_from_mm
 from vmach.diagnosis.residuals.job_survey import survey_job, survey_part
 from vmach.errors import InputError
@@ -31,7 +32,7 @@ class Step:
         Of measured minus predicted, alignment taken off, on the points that were fitted.
     check_rms_um : float or None
         On a part that nothing was fitted to.
-    notes : tuple of str
+    notes : tuple of Note
         What was noticed of the measurements.
     """
 
@@ -39,7 +40,7 @@ class Step:
     added: tuple[str, ...]
     rms_um: float
     check_rms_um: float | None
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
 
 def history_of(job_path: str | Path, *, check: Job | None = None) -> list[Step]:

@@ -1,4 +1,7 @@
-"""The figures of ISO 230-2 of every table, as plain numbers for JSON and for print."""
+"""The figures of ISO 230-2 of every table, as plain numbers for JSON and for print.
+
+Source: the formulas of `vmach.iso230.evaluation` (ISO 230-2:2014).
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from vmach.base.note import Kind, Note, note_records
 from vmach.base.units import um_from_mm
 from vmach.errors import InputError
 from vmach.iso230.evaluation import Evaluation, evaluate
@@ -98,9 +102,11 @@ def _table_figures(axis: EvaluatedTable, budget: Budget) -> dict[str, Any]:
         for name, value in result.figures().items()
     }
     runs = min(len(result.runs.forward), len(result.runs.backward))
+    notes = list(_notes(axis, runs))
     entry: dict[str, Any] = {
         "unit": axis.unit, "runs": runs, "targets": len(result.runs.position_mm),
-        "length_mm": axis.length_mm, "figures": figures, "notes": list(_notes(axis, runs)),
+        "length_mm": axis.length_mm, "figures": figures,
+        "notes": [str(note) for note in notes], "note_records": note_records(notes),
     }  # fmt: skip
     if axis.is_positioning and axis.result.A is not None:
         standard = parameter_uncertainties(budget, axis.length_mm, runs)
@@ -108,15 +114,20 @@ def _table_figures(axis: EvaluatedTable, budget: Budget) -> dict[str, Any]:
     return entry
 
 
-def _notes(axis: EvaluatedTable, runs: int) -> Iterator[str]:
+def _notes(axis: EvaluatedTable, runs: int) -> Iterator[Note]:
     if axis.result.A is None:
-        yield "means only: A and R need at least two runs in either direction"
+        said = "means only: A and R need at least two runs in either direction"
+        yield Note.plain(Kind.RUNS, said, runs, "1", place=axis.name)
         if axis.result.B == 0.0:
-            yield "the same values for both directions: B says nothing"
+            said = "the same values for both directions: B says nothing"
+            yield Note.plain(Kind.DIRECTION, said, 0.0, axis.unit, place=axis.name)
     elif runs < 5:
-        yield f"{runs} runs; the standard asks for five"
+        said = f"{runs} runs; the standard asks for five"
+        yield Note.plain(Kind.RUNS, said, runs, "1", place=axis.name)
     targets = len(axis.result.runs.position_mm)
     if axis.length_mm <= 2000.0 and targets < 5 * axis.length_mm / 1000.0:
-        yield f"{targets} targets; the standard asks for at least five a metre"
+        said = f"{targets} targets; the standard asks for at least five a metre"
+        yield Note.plain(Kind.TARGETS, said, targets, "1", place=axis.name)
     if not axis.is_positioning:
-        yield "no uncertainty: the budget is one of positioning"
+        said = "no uncertainty: the budget is one of positioning"
+        yield Note.plain(Kind.BUDGET, said, place=axis.name)

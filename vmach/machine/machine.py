@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from vmach.base.note import Note
 from vmach.errors import InputError
 from vmach.machine.chain import LINEAR_AXES, Chain
 from vmach.machine.component_errors import ComponentError, SetUp, component_of
@@ -61,8 +62,8 @@ class Machine:
         Primary and secondary axis of the machine's frame, such as ``ZY``; empty if not said.
     files : tuple of Path
         The machine file and the tables that it names, for the record of what was run.
-    notes : tuple of (str, str)
-        Which table, and what was done to it on reading.
+    notes : tuple of Note
+        What was done to the tables on reading; the subject of each is the component.
     """
 
     name: str
@@ -76,7 +77,7 @@ class Machine:
     rotary: Mapping[str, RotaryAxis] = field(default_factory=dict)
     reference_axes: str = ""
     files: tuple[Path, ...] = ()
-    notes: tuple[tuple[str, str], ...] = ()
+    notes: tuple[Note, ...] = ()
 
     def __post_init__(self) -> None:
         if set(self.rotary) != set(self.chain.rotary_axes):

@@ -7,6 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
+from vmach.base.note import Note
+from vmach.measurements.instrument import Instrument
 from vmach.path.toolpath import PathStates
 
 __all__ = ["Measurement"]
@@ -30,8 +32,8 @@ class Measurement:
 
     Attributes
     ----------
-    kind : str
-        "part", "ballbar", "laser", "diagonal", "drift" or "tip".
+    instrument : subclass of Instrument
+        What took the readings: what they mean, what is left free, how they are drawn.
     name : str
         For people: the file's name.
     id : (P,) str
@@ -48,11 +50,11 @@ class Measurement:
         Readings that belong together: the feature, the run, the direction.
     nuisance : (P, K) float64
         Columns of what the instrument leaves free: alignment, zero, radius ...
-    notes : tuple of str
+    notes : tuple of Note
         What the reader noticed and survived.
     """
 
-    kind: str
+    instrument: type[Instrument]
     name: str
     id: np.ndarray
     states: PathStates
@@ -62,7 +64,7 @@ class Measurement:
     u_mm: np.ndarray
     group: np.ndarray
     nuisance: np.ndarray
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
     def __post_init__(self) -> None:
         count = len(self.measured_mm)
@@ -94,11 +96,11 @@ class Measurement:
         squares = np.sum((value_mm - self.nuisance @ free) ** 2)
         return float(np.sqrt(squares / max(self.degrees, 1)))
 
-    def noted(self, *notes: str) -> Measurement:
+    def noted(self, *notes: Note) -> Measurement:
         """The measurement with further notes."""
         return replace(self, notes=(*self.notes, *notes))
 
-    def keep(self, rows: np.ndarray, note: str) -> Measurement:
-        """The measurement with some of its rows (bool or index), and a note why."""
+    def keep(self, rows: np.ndarray, *notes: Note) -> Measurement:
+        """The measurement with some of its rows (bool or index), and notes why."""
         kept = {name: getattr(self, name)[rows] for name in _WITH_ROWS}
-        return replace(self, notes=(*self.notes, note), **kept)
+        return replace(self, notes=(*self.notes, *notes), **kept)

@@ -3,6 +3,9 @@
 A part that lies on the CMM shifted by d and turned by w (small) about p0 shows, at a surface
 point p with outward normal n, the deviation n.(d + w x (p - p0)) on top of its own. Alignment
 finds d and w and takes that away.
+
+Source: ISO 5459 (datums); Gaussian best fit by least squares; closed form derived here: n . (w x
+r) = w . (r x n).
 """
 
 from __future__ import annotations
@@ -13,6 +16,7 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
+from vmach.base.note import Kind, Note
 from vmach.errors import InputError
 from vmach.nominal.points import SurfacePoints
 
@@ -44,7 +48,7 @@ class Alignment:
         How many of the six numbers the points determine; the others are zero.
     covariance : (6, 6) float64
         Of (d, w), mm^2, mm rad and rad^2; zero for what is not determined.
-    notes : tuple of str
+    notes : tuple of Note
         What is not determined, in words.
     """
 
@@ -54,7 +58,7 @@ class Alignment:
     about_mm: np.ndarray
     rank: int
     covariance: np.ndarray
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
     def __post_init__(self) -> None:
         for name, shape in (
@@ -251,12 +255,11 @@ def _solve_within(
     return step, spread @ spread.T, free @ vectors[:, ~known]
 
 
-def _notes_on_free(free: np.ndarray) -> tuple[str, ...]:
+def _notes_on_free(free: np.ndarray) -> tuple[Note, ...]:
     if free.shape[1] == 0:
         return ()
     share = (free**2).sum(axis=1)
     names = [name for name, part in zip(_MOTIONS, share, strict=True) if part > 0.5]
     words = ", ".join(names) if len(names) == free.shape[1] else "combined motions"
-    return (
-        f"the points leave {free.shape[1]} of 6 motions free ({words}); these are taken as zero",
-    )
+    said = f"the points leave {free.shape[1]} of 6 motions free ({words}); these are taken as zero"
+    return (Note.plain(Kind.ALIGNMENT, said, free.shape[1], "1"),)

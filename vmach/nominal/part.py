@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
+from vmach.base.note import Kind, Note
 from vmach.errors import InputError
 from vmach.nominal.points import SurfacePoints
 
@@ -123,7 +124,7 @@ class NominalPart:
     chord_error_mm : float
         How far the faces are from the designer's surface: 0 for exact surfaces (STEP), the
         estimated sagitta of the facets for STL.
-    notes : tuple of str
+    notes : tuple of Note
         What the reader noticed and survived, one sentence each.
     """
 
@@ -132,7 +133,7 @@ class NominalPart:
     mesh: Mesh
     mesh_chord_mm: float
     chord_error_mm: float
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
     @property
     def bounds_mm(self) -> np.ndarray:
@@ -173,11 +174,10 @@ class NominalPart:
         samples = [face.sample(spacing_mm, edge_margin_mm) for face in self.faces]
         counts = [len(points) for points, _ in samples]
         bare = [f.name for f, count in zip(self.faces, counts, strict=True) if count == 0]
-        notes = (
-            (f"{len(bare)} faces are too narrow for a point: {', '.join(bare[:5])}",)
-            if bare
-            else ()
-        )
+        notes: tuple[Note, ...] = ()
+        if bare:
+            said = f"{len(bare)} faces are too narrow for a point: {', '.join(bare[:5])}"
+            notes = (Note.plain(Kind.NARROW, said, len(bare), "1", place=bare[0]),)
         return SurfacePoints(
             id=np.arange(1, sum(counts) + 1),
             feature=np.repeat([face.name for face in self.faces], counts),

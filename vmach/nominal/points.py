@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from vmach.base.note import Kind, Note
 from vmach.base.units import mm_from_um
 from vmach.errors import InputError
 from vmach.files.text_file import column_hint, decimal_number, read_text
@@ -45,7 +46,7 @@ class SurfacePoints:
         Where a CMM found the surface.
     u_mm : (P,) float64, optional
         Standard uncertainty of the measured deviation.
-    notes : tuple of str
+    notes : tuple of Note
         What the reader noticed and survived, one sentence each.
     """
 
@@ -55,7 +56,7 @@ class SurfacePoints:
     normal: np.ndarray
     measured_mm: np.ndarray | None = None
     u_mm: np.ndarray | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
     def __post_init__(self) -> None:
         count = len(self.point_mm)
@@ -235,13 +236,17 @@ class _Table:
 
 
 def _with_notes(points: SurfacePoints, unknown: list[str]) -> SurfacePoints:
-    notes = [f"column {name!r} is not used" for name in unknown]
+    notes = [
+        Note.plain(Kind.COLUMN, f"column {name!r} is not used", place=name) for name in unknown
+    ]
     repeated = [name for name, times in Counter(points.id.tolist()).items() if times > 1]
     if repeated:
-        notes.append(f"{len(repeated)} ids occur more than once, the first is {repeated[0]!r}")
+        said = f"{len(repeated)} ids occur more than once, the first is {repeated[0]!r}"
+        notes.append(Note.plain(Kind.NAME, said, len(repeated), "1", place=repeated[0]))
     distinct = np.unique(np.hstack([points.point_mm, points.normal]), axis=0)
-    if len(distinct) < len(points):
-        notes.append(f"{len(points) - len(distinct)} points repeat an earlier point; all are kept")
+    if again := len(points) - len(distinct):
+        said = f"{again} points repeat an earlier point; all are kept"
+        notes.append(Note.plain(Kind.REPEAT, said, again, "1"))
     if points.measured_mm is not None:
         notes.extend(_notes_on_units(points))
     return SurfacePoints(
@@ -255,14 +260,16 @@ def _with_notes(points: SurfacePoints, unknown: list[str]) -> SurfacePoints:
     )
 
 
-def _notes_on_units(points: SurfacePoints) -> list[str]:
+def _notes_on_units(points: SurfacePoints) -> list[Note]:
     """Say it when the measured points look scaled against the nominal ones."""
     size = np.linalg.norm(np.ptp(points.point_mm, axis=0))
     measured = np.linalg.norm(np.ptp(points.measured_mm, axis=0))
     for unit, factor in (("metres", 1e-3), ("inches", 1 / 25.4), ("um", 1e3)):
         if size > 0.0 and abs(measured / (size * factor) - 1.0) < 0.05:
-            return [f"the measured points look like {unit}, the nominal ones like mm"]
-    far = np.median(np.linalg.norm(points.measured_mm - points.point_mm, axis=1))
+            said = f"the measured points look like {unit}, the nominal ones like mm"
+            return [Note.question(Kind.UNIT, said, float(measured / size), "1", place="mx my mz")]
+    far = float(np.median(np.linalg.norm(points.measured_mm - points.point_mm, axis=1)))
     if far > 1.0:
-        return [f"the measured points are {far:.3g} mm from the nominal ones (median)"]
+        said = f"the measured points are {far:.3g} mm from the nominal ones (median)"
+        return [Note.question(Kind.FAR, said, far, "mm")]
     return []

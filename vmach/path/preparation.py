@@ -9,10 +9,11 @@ import numpy as np
 
 from gcode import WORK_OFFSETS, MachineLimits, MoveKind, Moves, Program, ToolEntry, read_program
 from stock import Tool, compile_ahead
+from vmach.base.note import Kind, Note, in_file
 from vmach.errors import InputError
 from vmach.job import Job
 from vmach.path.toolpath import NODE_SPACING_MM, Toolpath
-from vmach.plausibility import Note, cutting_notes, doubts, machine_notes, sentences, tool_notes
+from vmach.plausibility import cutting_notes, doubts, machine_notes, tool_notes
 
 __all__ = ["Preparation", "job_doubts", "prepare"]
 
@@ -35,7 +36,7 @@ class Preparation:
         For the removal engine.
     tool_index : (T,) int64
         Index into `cutters` of tool number k; -1 where the job has no such tool.
-    notes : tuple of str
+    notes : tuple of Note
         What the user should know about how the program was understood, and what is doubtful.
     doubts : tuple of Note
         What is doubtful in machine and tools, as records.
@@ -47,7 +48,7 @@ class Preparation:
     zero_mm: np.ndarray
     cutters: tuple[Tool, ...]
     tool_index: np.ndarray
-    notes: tuple[str, ...]
+    notes: tuple[Note, ...]
     doubts: tuple[Note, ...] = ()
 
 
@@ -99,7 +100,7 @@ def prepare(
     zero = job.work_offsets_mm[_zero_name(job, moves, source)]
     _check_travel(job, path, source)
     cutting = _cutting_doubts(job, moves)
-    notes += job_doubts(job) + sentences(cutting, job.path)
+    notes += job_doubts(job) + in_file(cutting, job.path)
     doubtful = doubts(machine_notes(job.machine)) + tool_notes(job.tools) + cutting
     index = np.full(max(job.tools) + 1, -1)
     index[list(job.tools)] = np.arange(len(job.tools))
@@ -107,10 +108,10 @@ def prepare(
     return Preparation(job, program, path, zero, cutters, index, notes, doubtful)
 
 
-def job_doubts(job: Job) -> tuple[str, ...]:
+def job_doubts(job: Job) -> tuple[Note, ...]:
     """What is doubtful in a job's machine and tools, whatever its program does."""
-    of_machine = sentences(doubts(machine_notes(job.machine)), job.machine_path)
-    return of_machine + sentences(tool_notes(job.tools), job.path)
+    of_machine = in_file(doubts(machine_notes(job.machine)), job.machine_path)
+    return of_machine + in_file(tool_notes(job.tools), job.path)
 
 
 def _cutting_doubts(job: Job, moves: Moves) -> tuple[Note, ...]:
@@ -141,12 +142,16 @@ def _lengths(job: Job) -> np.ndarray:
     return lengths
 
 
-def _with_only_tool(moves: Moves, job: Job, source: Path) -> tuple[Moves, tuple[str, ...]]:
+def _with_only_tool(moves: Moves, job: Job, source: Path) -> tuple[Moves, tuple[Note, ...]]:
     """A program that never changes tools uses the job's tool, if that has just one."""
     if len(job.tools) != 1 or moves.tool.any() or len(moves) == 0:
         return moves, ()
     number = next(iter(job.tools))
-    note = f"{source.name} changes no tool: T{number} is taken to be in the spindle all along"
+    note = Note.plain(
+        Kind.TOOL,
+        f"{source.name} changes no tool: T{number} is taken to be in the spindle all along",
+        place=f"tool {number}",
+    )
     return replace(moves, tool=np.full(len(moves), number)), (note,)
 
 
@@ -197,7 +202,7 @@ def _with_tool_lengths(moves: Moves, job: Job) -> Moves:
     )
 
 
-def _offsets_that_differ(job: Job, moves: Moves, source: Path) -> tuple[str, ...]:
+def _offsets_that_differ(job: Job, moves: Moves, source: Path) -> tuple[Note, ...]:
     """One note for every tool that cuts with an offset other than its length."""
     notes = []
     feeding = moves.at_feed
@@ -206,12 +211,14 @@ def _offsets_that_differ(job: Job, moves: Moves, source: Path) -> tuple[str, ...
         wrong = feeding & (moves.tool == number) & (np.abs(offset - tool.length_mm) > 1e-6)
         if wrong.any():
             first = int(np.argmax(wrong))
-            notes.append(
-                f"{source.name}:{moves.line[first]}: tool {number} is {tool.length_mm:g} mm long "
-                f"but cuts with a length offset of {offset[first]:g} mm, so its tip is "
-                f"{offset[first] - tool.length_mm:+g} mm from the programmed height "
+            higher_mm = float(offset[first] - tool.length_mm)
+            said = (
+                f"tool {number} is {tool.length_mm:g} mm long but cuts with a length offset of "
+                f"{offset[first]:g} mm, so its tip is {higher_mm:+g} mm from the programmed height "
                 '(tool_offsets = "touched off" in the job if the offsets hold for the tip)'
             )
+            note = Note.question(Kind.TOOL_OFFSET, said, higher_mm, "mm", place=f"tool {number}")
+            notes += in_file([note], source, int(moves.line[first]))
     return tuple(notes)
 
 

@@ -1,4 +1,7 @@
-"""The toolpath: states of the machine along the program, at nodes at most 5 mm apart."""
+"""The toolpath: states of the machine along the program, at nodes at most 5 mm apart.
+
+Source: ISO 841 (motion of the tool relative to the workpiece).
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from gcode import MoveKind, Moves
+from vmach.machine import RigidDisplacement
 from vmach.path.geometry import last_direction, move_length_mm, position_at, tangent_at
 
 __all__ = ["NODE_SPACING_MM", "PathStates", "Toolpath"]
@@ -36,6 +40,9 @@ class PathStates:
         The tool point of interest from the tip, workpiece axes; zero for the tip itself.
     normal : (P, 3) float64 or None
         Outward normal of the surface being cut, where a surface is looked at.
+    arm_mm : (P, 3) float64 or None
+        Where a tilt is read, as by a level: how far one end of the arm moves against the other
+        is what a reading sees, and no displacement that both share.
     """
 
     moves: Moves
@@ -44,6 +51,7 @@ class PathStates:
     parameter: np.ndarray
     contact_mm: np.ndarray
     normal: np.ndarray | None = None
+    arm_mm: np.ndarray | None = None
 
     def __len__(self) -> int:
         return len(self.move)
@@ -57,7 +65,22 @@ class PathStates:
             parameter=self.parameter[rows],
             contact_mm=self.contact_mm[rows],
             normal=None if self.normal is None else self.normal[rows],
+            arm_mm=None if self.arm_mm is None else self.arm_mm[rows],
         )
+
+    def seen_mm(self, moved: RigidDisplacement | np.ndarray) -> np.ndarray:
+        """What readings see of a displacement of the tool, (P, 3) mm.
+
+        Parameters
+        ----------
+        moved : RigidDisplacement, or (P, 3) float64
+            Of the tool; or of the point of interest, without any tilt.
+        """
+        if not isinstance(moved, RigidDisplacement):
+            return moved if self.arm_mm is None else np.zeros_like(moved)
+        if self.arm_mm is None:
+            return moved.at(self.contact_mm)
+        return np.cross(moved.tilt_rad, self.arm_mm)
 
     @cached_property
     def nose_mm(self) -> np.ndarray:

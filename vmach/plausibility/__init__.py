@@ -6,14 +6,13 @@ Contradictions within one statement, such as a squareness in two units that disa
 on reading (`vmach.machine.squareness`).
 """
 
+from vmach.base.note import Kind, Level, Note
 from vmach.plausibility.gate import (
     admitted_machine,
     check_tools,
     doubts,
     machine_notes,
-    sentences,
 )
-from vmach.plausibility.note import Kind, Level, Note
 from vmach.plausibility.tools import cutting_notes, doubtful_length, lengths_meant_mm, tool_notes
 
 __all__ = [
@@ -27,6 +26,5 @@ __all__ = [
     "doubts",
     "lengths_meant_mm",
     "machine_notes",
-    "sentences",
     "tool_notes",
 ]

@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from vmach.base.note import Kind, Level, Note
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import line_of_key
 from vmach.machine import Machine, read_machine
-from vmach.plausibility.note import Kind, Level, Note
 from vmach.plausibility.places import place_notes
 from vmach.plausibility.squareness import squareness_notes
 from vmach.plausibility.statements import statement_notes
@@ -18,7 +18,7 @@ from vmach.plausibility.table_positions import position_notes
 from vmach.plausibility.table_values import value_notes
 from vmach.plausibility.tools import Dimensions, tool_notes
 
-__all__ = ["admitted_machine", "check_tools", "doubts", "machine_notes", "sentences"]
+__all__ = ["admitted_machine", "check_tools", "doubts", "machine_notes"]
 
 _CHECKS: tuple[Callable[[Machine], Iterator[Note]], ...] = (
     squareness_notes,
@@ -76,13 +76,6 @@ def doubts(notes: Iterable[Note]) -> tuple[Note, ...]:
     return tuple(note for note in notes if note.level is not Level.NOTE)
 
 
-def sentences(notes: Iterable[Note], file: Path) -> tuple[str, ...]:
-    """Notes for people, each with the file that it is about."""
-    return tuple(
-        f"{file.name}: {note.text if note.level is Level.NOTE else note}" for note in notes
-    )
-
-
 def _refuse(notes: Iterable[Note], path: Path, *, what: str, table: str) -> None:
     for note in notes:
         if note.level is Level.REFUSED:
@@ -94,4 +87,5 @@ def _refuse(notes: Iterable[Note], path: Path, *, what: str, table: str) -> None
                 line=line_of_key(read_text(path, what=what), keys),
                 accepted=note.accepted,
                 hint=note.hint,
+                note=note,
             )

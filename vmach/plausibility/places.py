@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from vmach.base.note import Kind, Level, Note
 from vmach.machine.chain import LINEAR_AXES
 from vmach.machine.component_errors import SetUp, component_of
 from vmach.machine.machine import Machine
-from vmach.plausibility.note import Kind, Level, Note
 
 __all__ = ["place_notes"]
 

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from vmach.base.note import Kind, Level, Note
 from vmach.base.units import urad_from_rad
 from vmach.machine.chain import LINEAR_AXES
 from vmach.machine.machine import Machine
 from vmach.machine.squareness import squareness_name
-from vmach.plausibility.note import Kind, Level, Note
 
 __all__ = ["squareness_notes"]
 

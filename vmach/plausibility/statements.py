@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from vmach.base.note import Kind, Level, Note
 from vmach.base.units import um_from_mm, urad_from_rad
 from vmach.machine.component_errors import COMPONENT_NAMES
 from vmach.machine.machine import Machine
-from vmach.plausibility.note import Kind, Level, Note
 
 __all__ = ["statement_notes"]
 
@@ -19,8 +19,7 @@ def statement_notes(machine: Machine) -> Iterator[Note]:
     """Provenance, dates, what is missing, rows that were filled, curves that were chosen."""
     yield from _provenance(machine)
     yield from _what_is_missing(machine)
-    for subject, what_was_done in machine.notes:
-        yield Note(Level.NOTE, Kind.ROWS, subject, what_was_done)
+    yield from machine.notes
     yield from _chosen_curves(machine)
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from vmach.base.note import Kind, Level, Note
 from vmach.machine.component_errors import ComponentError, component_of
 from vmach.machine.machine import Machine
 from vmach.machine.tables.interpolation import Extrapolation
-from vmach.plausibility.note import Kind, Level, Note
 
 __all__ = ["position_notes"]
 

@@ -7,12 +7,12 @@ from itertools import combinations
 
 import numpy as np
 
+from vmach.base.note import Kind, Level, Note
 from vmach.base.units import um_from_mm, urad_from_rad
 from vmach.machine.component_errors import ComponentError, component_of
 from vmach.machine.machine import Machine
 from vmach.machine.squareness import squareness_name
 from vmach.machine.tables.error_table import LARGEST_MM, LARGEST_RAD
-from vmach.plausibility.note import Kind, Level, Note
 
 __all__ = ["value_notes"]
 

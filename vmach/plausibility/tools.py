@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from vmach.plausibility.note import Kind, Level, Note
+from vmach.base.note import Kind, Level, Note
 
 __all__ = ["Dimensions", "cutting_notes", "doubtful_length", "lengths_meant_mm", "tool_notes"]
 

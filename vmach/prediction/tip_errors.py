@@ -1,4 +1,8 @@
-"""Error of the tool tip along a program: what the axes do to it, whatever it cuts."""
+"""Error of the tool tip along a program: what the axes do to it, whatever it cuts.
+
+Source: ISO 230-1 (tool relative to workpiece, at the functional point); the equations of
+`vmach.machine.displacement`.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from vmach.base.note import Note
 from vmach.base.units import um_from_mm
 from vmach.effects import read_effects
 from vmach.files.csv_table import Cells, rounded, whole, write_csv
@@ -29,13 +34,13 @@ class TipErrors:
         K nodes, at most 5 mm apart, in the order of the program.
     error_mm : (K, 3) float64
         Actual minus nominal, machine axes.
-    notes : tuple of str
+    notes : tuple of Note
         What the user should know of the program before trusting the numbers.
     """
 
     states: PathStates
     error_mm: np.ndarray
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
     def summary(self) -> dict:
         """Figures for people and programs, um."""

@@ -8,6 +8,8 @@ from types import MappingProxyType
 
 import numpy as np
 
+from vmach.base.note import Note
+
 __all__ = [
     "STATUSES",
     "Colouring",
@@ -313,6 +315,8 @@ class RunRecord:
         Duration of each stage of the run, in order.
     facts : mapping of str to str
         Anything else worth a row: machine, chain, number of moves, volume of the part.
+    notes : tuple of Note
+        The warnings of a run as records.
     warnings : tuple of str
         What the user should know before trusting the numbers.
     program_lines : tuple of str
@@ -333,6 +337,7 @@ class RunRecord:
     stages_s: Mapping[str, float] = field(default_factory=dict)
     facts: Mapping[str, str] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
     program_lines: tuple[str, ...] = ()
     comparison: SolidComparison | None = None
     points_file: str = ""
@@ -340,7 +345,7 @@ class RunRecord:
     def __post_init__(self) -> None:
         if not (np.isfinite(self.tolerance_mm) and self.tolerance_mm > 0):
             raise ValueError(f"RunRecord.tolerance_mm is {self.tolerance_mm}; expected > 0")
-        for name in ("files", "warnings", "program_lines"):
+        for name in ("files", "warnings", "notes", "program_lines"):
             object.__setattr__(self, name, tuple(getattr(self, name)))
         for name in ("versions", "stages_s", "facts"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))

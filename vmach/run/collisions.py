@@ -8,6 +8,7 @@ import numpy as np
 
 from gcode import MoveKind
 from stock import Collision, Sweeps, find_collisions
+from vmach.base.note import Kind, Note, in_file
 from vmach.job import JobTool
 from vmach.path.preparation import Preparation
 
@@ -54,16 +55,20 @@ def _holder(tool: JobTool) -> Outline | None:
     return None if tool.holder_mm is None else [tuple(point) for point in tool.holder_mm]
 
 
-def collision_notes(preparation: Preparation, collisions: Sequence[Collision]) -> list[str]:
-    """One sentence for each collision, the first of them, with line, tool, depth and place."""
-    moves, name = preparation.program.moves, preparation.program.path.name
-    notes = []
+def collision_notes(preparation: Preparation, collisions: Sequence[Collision]) -> list[Note]:
+    """One note for each collision, the first of them, with line, tool, depth and place."""
+    moves, program = preparation.program.moves, preparation.program.path
+    notes: list[Note] = []
     for found in collisions[:_MOST_NOTES]:
         x, y, z = found.place_mm
-        notes.append(
-            f"{name}:{moves.line[found.move]}: collision: {found.kind}, T{moves.tool[found.move]}, "
+        said = (
+            f"collision: {found.kind}, T{moves.tool[found.move]}, "
             f"{found.depth_mm:.3g} mm deep near X{x:.1f} Y{y:.1f} Z{z:.1f}"
         )
+        place = f"tool {moves.tool[found.move]}"
+        note = Note.question(Kind.COLLISION, said, found.depth_mm, "mm", place=place)
+        notes += in_file([note], program, int(moves.line[found.move]))
     if len(collisions) > _MOST_NOTES:
-        notes.append(f"{len(collisions) - _MOST_NOTES} more collisions")
+        more = len(collisions) - _MOST_NOTES
+        notes.append(Note.question(Kind.COLLISION, f"{more} more collisions", more, "1"))
     return notes

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from stock import EdgeStatus
+from vmach.base.note import Kind, Note
 from vmach.base.units import um_from_mm, urad_from_rad
 from vmach.errors import InputError
 from vmach.job import Inspection, Job
@@ -154,14 +155,14 @@ def _size(bounds_mm: np.ndarray) -> str:
 
 def inspected_points(
     job: Job, points: SurfacePoints, predictions: Sequence[Prediction]
-) -> tuple[InspectedPoints, tuple[str, ...]]:
+) -> tuple[InspectedPoints, tuple[Note, ...]]:
     """The table of deviations, one column a variant, and notes on it.
 
     Predicted deviations are aligned as the job asks. Measured ones, where the points have them,
     are aligned by best fit to the last prediction, since a part's pose on the CMM is arbitrary;
     for every variant the RMS of measured minus predicted after its own best fit is given.
     """
-    notes: list[str] = []
+    notes: list[Note] = []
     try:
         columns = [_column(points, p, job.inspection, notes) for p in predictions]
     except InputError as error:  # of the alignment, which does not know the job's file
@@ -186,28 +187,31 @@ def with_causes(points: InspectedPoints, budget: ErrorBudget) -> InspectedPoints
     return replace(points, cause=cause)
 
 
-def _notes_on_states(prediction: Prediction) -> list[str]:
+def _notes_on_states(prediction: Prediction) -> list[Note]:
     """Say what was not cut, and where the program cuts into surfaces that the part has."""
     notes = []
     uncut = int((prediction.edges.status == EdgeStatus.UNCUT).sum())
     if uncut:
-        notes.append(f"{uncut} points lie where no tool came near: raw stock, or left over")
+        said = f"{uncut} points lie where no tool came near: raw stock, or left over"
+        notes.append(Note.plain(Kind.UNCUT, said, uncut, "1"))
     gouged = int((prediction.edges.status == EdgeStatus.GOUGED).sum())
     if gouged:
-        notes.append(f"{gouged} points lie where the program removes the surface altogether")
+        said = f"{gouged} points lie where the program removes the surface altogether"
+        notes.append(Note.plain(Kind.GOUGED, said, gouged, "1"))
     overcut = int(prediction.overcut.sum())
     if overcut:
         line = prediction.states.line[np.argmax(prediction.overcut[prediction.is_cut])]
-        notes.append(
+        said = (
             f"{overcut} measured points, the first from line {line}, are surface on the part, "
             "yet other moves of the program as read would have cut them away; they are predicted "
             "from the move that makes them"
         )
+        notes.append(Note.plain(Kind.OVERCUT, said, overcut, "1", place=f"line {line}"))
     return notes
 
 
 def _column(
-    points: SurfacePoints, prediction: Prediction, settings: Inspection, notes: list[str]
+    points: SurfacePoints, prediction: Prediction, settings: Inspection, notes: list[Note]
 ) -> Column:
     cut = prediction.is_cut
     deviation = np.array(prediction.deviation_mm)
@@ -219,7 +223,10 @@ def _column(
         shift = ", ".join(f"{um_from_mm(x):.2f}" for x in found.shift_mm)
         turn = ", ".join(f"{urad_from_rad(x):.1f}" for x in found.rotation_rad)
         label = LABELS[prediction.variant]
-        notes.append(f"{label}: {settings.alignment} took away [{shift}] um, [{turn}] urad")
+        said = f"{label}: {settings.alignment} took away [{shift}] um, [{turn}] urad"
+        size_um = float(um_from_mm(np.linalg.norm(found.shift_mm)))
+        place = str(prediction.variant)
+        notes.append(Note.plain(Kind.ALIGNMENT, said, size_um, "um", place=place))
     return Column(
         name=str(prediction.variant),
         label=LABELS[prediction.variant],

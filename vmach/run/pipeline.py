@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stock import Sweeps, VirtualPart, cut_part
+from vmach.base.note import Level, Note, in_file
 from vmach.base.stage_clock import Progress, StageClock, silent
 from vmach.effects import read_effects
 from vmach.errors import InputError
@@ -24,7 +25,7 @@ from vmach.nominal import NominalPart, read_nominal
 from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.path.preparation import Preparation, prepare
 from vmach.path.toolpath import PathStates
-from vmach.plausibility import Level, machine_notes, sentences
+from vmach.plausibility import machine_notes
 from vmach.prediction import Prediction, displaced_sweeps, predict_surface
 from vmach.prediction.error_budget import ErrorBudget, error_budget
 from vmach.report import InspectedPoints, SolidComparison
@@ -35,7 +36,23 @@ from vmach.run.solid_comparison import compare_solids, comparison_notes
 if TYPE_CHECKING:
     import trimesh
 
-__all__ = ["MachinedPart", "PartInspection", "inspect_part", "machine_part", "predict_points"]
+__all__ = [
+    "SOLID_MOVES",
+    "MachinedPart",
+    "PartInspection",
+    "inspect_part",
+    "machine_part",
+    "predict_points",
+]
+
+
+#: programs of more moves are inspected without a solid, unless it is asked for: cutting it takes
+#: minutes from here on
+SOLID_MOVES = 100_000
+_NO_SOLID = (
+    "no solid was cut: the program has {moves} moves, more than {most}; the deviations come from "
+    "the exact engine all the same ('--solid' cuts it)"
+)
 
 
 @dataclass(frozen=True)
@@ -55,7 +72,7 @@ class PartInspection:
     nominal : NominalPart or None
     sweeps : dict of Variant to Sweeps
         The displaced path of every variant.
-    notes : tuple
+    notes : tuple of Note
         What the user should know before trusting the numbers.
     """
 
@@ -66,7 +83,7 @@ class PartInspection:
     budget: ErrorBudget
     nominal: NominalPart | None
     sweeps: dict[Variant, Sweeps]
-    notes: tuple[str, ...]
+    notes: tuple[Note, ...]
 
 
 @dataclass(frozen=True)
@@ -83,15 +100,15 @@ class MachinedPart:
         How the points that were cut under the last variant were made.
     budget : ErrorBudget
         Of the same points and variant, without alignment.
-    part : VirtualPart
-        The solid that the displaced tools leave.
+    part : VirtualPart or None
+        The solid that the displaced tools leave; None where it was not cut.
     nominal : NominalPart or None
     model : Variant
         The error model that the solid was cut with.
     comparison : SolidComparison or None
         The solid against the nominal CAD.
     stages_s : dict of str to float
-    notes : tuple of str
+    notes : tuple of Note
         What the user should know before trusting the numbers.
     """
 
@@ -100,12 +117,12 @@ class MachinedPart:
     points: InspectedPoints
     states: PathStates
     budget: ErrorBudget
-    part: VirtualPart
+    part: VirtualPart | None
     nominal: NominalPart | None
     model: Variant
     comparison: SolidComparison | None
     stages_s: dict[str, float]
-    notes: tuple[str, ...]
+    notes: tuple[Note, ...]
 
 
 def machine_part(
@@ -114,6 +131,7 @@ def machine_part(
     model: Variant = Variant.ABBE,
     variants: Sequence[Variant] = (Variant.NONE, Variant.ABBE),
     prefer_measured: bool = False,
+    solid: bool | None = None,
     progress: Progress = silent,
 ) -> MachinedPart:
     """Machine the job's part virtually and inspect it.
@@ -128,6 +146,9 @@ def machine_part(
         Error models to inspect, side by side.
     prefer_measured : bool
         Inspect the measured points of the job, where it has them, and not the nominal CAD.
+    solid : bool, optional
+        Whether to cut the solid; by default for programs of up to `SOLID_MOVES` moves. The
+        deviations come from the exact engine, with or without it.
     progress : Progress
 
     Raises
@@ -140,10 +161,13 @@ def machine_part(
     found = inspect_part(
         job, variants=variants, prefer_measured=prefer_measured, also=model, clock=clock
     )
-    with clock.stage("cut") as step:
-        part = cut_part(found.sweeps[model], found.preparation.cutters, blank, progress=step)
-    comparison = None
-    if found.nominal is not None:
+    part = comparison = None
+    moves = len(found.preparation.program.moves)
+    is_left_out = solid is None and moves > SOLID_MOVES
+    if solid or (solid is None and not is_left_out):
+        with clock.stage("cut") as step:
+            part = cut_part(found.sweeps[model], found.preparation.cutters, blank, progress=step)
+    if part is not None and found.nominal is not None:
         with clock.stage("solids"):
             limit_mm = job.inspection.difference_mm
             comparison = compare_solids(found.preparation, part, found.nominal, limit_mm)
@@ -163,6 +187,7 @@ def machine_part(
         notes=(
             *collision_notes(found.preparation, collisions),
             *comparison_notes(comparison),
+            *([_NO_SOLID.format(moves=moves, most=SOLID_MOVES)] if is_left_out else []),
             *found.notes,
         ),
     )
@@ -231,10 +256,10 @@ def inspect_part(
     )
 
 
-def _assumptions(job: Job) -> tuple[str, ...]:
+def _assumptions(job: Job) -> tuple[Note, ...]:
     """What was assumed of the machine; what is doubtful stands in the preparation's notes."""
     assumed = [note for note in machine_notes(job.machine) if note.level is Level.NOTE]
-    return sentences(assumed, job.machine_path)
+    return in_file(assumed, job.machine_path)
 
 
 def _blank_of(job: Job) -> tuple[np.ndarray, np.ndarray] | trimesh.Trimesh:

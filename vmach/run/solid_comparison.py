@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stock import BLANK, Difference, Surface, VirtualPart, find_differences
+from vmach.base.note import Kind, Note
 from vmach.nominal import NominalPart
 from vmach.path.preparation import Preparation
 from vmach.report import SolidComparison, SolidDifference
@@ -59,16 +60,18 @@ def _place(
     )
 
 
-def comparison_notes(comparison: SolidComparison | None) -> list[str]:
-    """One sentence where the solids differ."""
+def comparison_notes(comparison: SolidComparison | None) -> list[Note]:
+    """One note where the solids differ."""
     if comparison is None or not comparison.count:
         return []
     excess = sum(one.depth_mm > 0.0 for one in comparison.places)
     worst = comparison.places[0]
     kind = "is left" if worst.depth_mm > 0.0 else "is missing"
-    return [
+    said = (
         f"the virtual part differs from the nominal CAD by more than "
         f"{comparison.threshold_mm:g} mm in {comparison.count} places ({excess} excess, "
         f"{len(comparison.places) - excess} gouge, of the {len(comparison.places)} deepest): "
         f"up to {abs(worst.depth_mm):.3f} mm {kind} on {worst.feature}"
-    ]
+    )
+    place = worst.feature
+    return [Note.plain(Kind.DIFFERENCE, said, abs(worst.depth_mm), "mm", place=place)]

@@ -1,4 +1,7 @@
-"""The figures of volumetric accuracy, as plain numbers for JSON and for print."""
+"""The figures of volumetric accuracy, as plain numbers for JSON and for print.
+
+Source: Huddersfield paper, sections 4.1 and 4.2; ISO 230-6 for the diagonals.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from vmach.base.note import note_records
 from vmach.base.units import um_from_mm
 from vmach.errors import InputError
 from vmach.machine import Machine, Variant
@@ -45,6 +49,7 @@ def accuracy_figures(
     """
     result = assess(field)
     found = diagonals(machine, field.volume, tool_mm, model)
+    notes = machine_notes(machine)
     return {
         "machine": machine.name,
         "chain": str(machine.chain),
@@ -57,7 +62,8 @@ def accuracy_figures(
         "diagonals": [_diagonal_dict(one) for one in found],
         "variants": _variants_dict(comparison),
         "double_counting": _double_counting(machine),
-        "findings": [str(note) for note in machine_notes(machine)],
+        "findings": [note.labelled for note in notes],
+        "finding_records": note_records(notes),
     }
 
 

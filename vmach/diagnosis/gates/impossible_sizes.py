@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from vmach.diagnosis.findings import Finding
     from vmach.diagnosis.named_fit import NamedEffect
 
-__all__ = ["has_impossible_sizes", "impossible_sizes"]
+__all__ = ["has_impossible_sizes", "impossible_sizes", "impossible_terms"]
 
 #: beyond a bound by so many standard uncertainties
 _SURELY = 3.0
@@ -45,7 +45,12 @@ def has_impossible_sizes(fit: JointFit) -> bool:
 
     A search need not follow it.
     """
-    return any(_is_impossible(fit, k) for k in range(len(fit.terms)))
+    return bool(impossible_terms(fit))
+
+
+def impossible_terms(fit: JointFit) -> list[int]:
+    """Numbers of the terms of which that is so."""
+    return [k for k in range(len(fit.terms)) if _is_impossible(fit, k)]
 
 
 def _is_impossible(fit: JointFit, k: int) -> bool:

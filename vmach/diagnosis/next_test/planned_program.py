@@ -8,11 +8,14 @@ import numpy as np
 
 from gcode import MoveKind, Moves
 from vmach.base.units import um_from_mm
-from vmach.diagnosis.next_test.planned_tests import TOOL_LENGTH_MM, U_MM, PlannedTest
+from vmach.instruments import PlannedTest, catalogue
+from vmach.instruments.readings import PLANNED_TOOL_LENGTH_MM
 from vmach.job import Job
-from vmach.measurements.instrument_settings import KINDS
 
-__all__ = ["write_program"]
+__all__ = ["U_MM", "write_program"]
+
+#: standard uncertainty of a reading, of whatever instrument
+U_MM = 0.5e-3
 
 
 def write_program(test: PlannedTest, job: Job) -> str:
@@ -50,11 +53,11 @@ def _how_to_diagnose_again(test: PlannedTest) -> list[str]:
     stated = {
         **test.settings,
         "file": f"{kind}.csv",
-        "tool_length_mm": TOOL_LENGTH_MM,
+        "tool_length_mm": PLANNED_TOOL_LENGTH_MM,
         "u_um": um_from_mm(U_MM),
     }
     return [
-        f"readings into {kind}.csv: {','.join(KINDS[kind].columns)}",
+        f"readings into {kind}.csv: {','.join(catalogue()[kind].columns)}",
         "then into the job, with the length and the uncertainty that were used:",
         "[[measurements]]",
         *(f"{key} = {_toml(value)}" for key, value in stated.items()),

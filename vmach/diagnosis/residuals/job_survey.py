@@ -10,8 +10,9 @@ import numpy as np
 from vmach.effects import Circumstances, read_effects
 from vmach.errors import InputError
 from vmach.fit.survey import Survey
+from vmach.instruments import measure_part, read_instruments
 from vmach.job import Job, read_job
-from vmach.measurements import Measurement, measure_part, read_instruments
+from vmach.measurements import Measurement
 from vmach.path.preparation import Preparation, prepare
 
 __all__ = ["survey_job", "survey_part"]

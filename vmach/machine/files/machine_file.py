@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -64,7 +64,9 @@ def read_machine(path: str | Path) -> Machine:
         rotary=read_rotary_axes(data, chain.rotary_axes, folder=path.parent, fail=source.fail),
         reference_axes=data.convention.reference_axes or "",
         files=(path, *(path.parent / name for name in dict.fromkeys(files))),
-        notes=tuple((name, note) for name, table in tables.items() for note in table.notes),
+        notes=tuple(
+            replace(note, subject=name) for name, table in tables.items() for note in table.notes
+        ),
     )
 
 

@@ -10,6 +10,8 @@ Three headers are understood, in any order of columns and of rows:
 The position may also be in ``position_m`` or ``position_inch``; a unit at the end of any other
 column (``forward_um``, ``deviation_arcsec``) goes before the unit of the machine file. An empty
 cell is a reading that is missing.
+
+Source: ISO 230-2 (target positions, approach from both directions).
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from pathlib import Path
 
 import numpy as np
 
+from vmach.base.note import Kind, Note
 from vmach.errors import InputError
 from vmach.files.text_file import column_hint, csv_rows, decimal_number, read_text
 from vmach.machine.tables.runs import Runs
@@ -54,7 +57,7 @@ class ErrorTable:
         Means, sorted by position, gaps filled. Positions in mm, of a rotary axis in rad.
     runs : Runs or None
         The single runs, where the file has them.
-    notes : tuple of str
+    notes : tuple of Note
         What was done to the file's rows: sorted, gaps filled.
     """
 
@@ -62,7 +65,7 @@ class ErrorTable:
     forward: np.ndarray
     backward: np.ndarray
     runs: Runs | None
-    notes: tuple[str, ...]
+    notes: tuple[Note, ...]
 
 
 def read_error_table(
@@ -103,7 +106,9 @@ def read_error_table(
     values = np.array([_numbers(cells, header, path, line) for line, cells in rows[1:]])
     if len(values) == 0:
         raise InputError("the table has no rows below its header", file=path)
-    notes = [] if np.all(np.diff(values[:, header.position]) >= 0) else ["rows sorted by position"]
+    notes = []
+    if np.any(np.diff(values[:, header.position]) < 0):
+        notes.append(Note.plain(Kind.ROWS, "rows sorted by position"))
     runs = _long_runs(values, header) if header.approach is not None else _wide_runs(values, header)
     _check_positions(runs.position_mm, header)
     forward, backward = (
@@ -236,7 +241,7 @@ def _check_positions(position: np.ndarray, header: _Header) -> None:
 
 
 def _filled(
-    side: np.ndarray, position: np.ndarray, header: _Header, *, notes: list[str], way: str
+    side: np.ndarray, position: np.ndarray, header: _Header, *, notes: list[Note], way: str
 ) -> np.ndarray:
     """Mean over the runs; an inner position without a reading lies on the line between its
     neighbours, and a note says so."""
@@ -254,7 +259,8 @@ def _filled(
         there = count > 0
         mean[gaps] = np.interp(position[gaps], position[there], mean[there])
         listed = _listed(position[gaps], header)
-        notes.append(f"no {way} reading at {listed}: taken from the neighbours")
+        said = f"no {way} reading at {listed}: taken from the neighbours"
+        notes.append(Note.plain(Kind.ROWS, said, len(gaps), "1", place=way))
     return mean
 
 

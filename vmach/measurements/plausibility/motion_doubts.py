@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from vmach.base.note import Kind, Note
 from vmach.base.units import mm_per_s_from_mm_per_min, um_from_mm
 from vmach.measurements.measurement import Measurement
 
@@ -29,7 +30,7 @@ _SHORTEST_DRIFT_S = 300.0
 _RIGHT_HANDED = ("XY", "YZ", "ZX")
 
 
-def approach_notes(nose_mm: np.ndarray, side: np.ndarray) -> tuple[str, ...]:
+def approach_notes(nose_mm: np.ndarray, side: np.ndarray) -> tuple[Note, ...]:
     """A note where places are approached against the way to them, whichever way it goes.
 
     Parameters
@@ -47,13 +48,14 @@ def approach_notes(nose_mm: np.ndarray, side: np.ndarray) -> tuple[str, ...]:
         return ()
     if not _OF_EITHER < np.mean(said[against] > 0) < 1.0 - _OF_EITHER:
         return ()  # always from one side: that may be meant
-    return (
+    said = (
         f"{count} of {int(moved.sum())} approaches go against the way from the place before: are "
-        "the signs exchanged? They are those of the last motion, 1 towards +",
+        "the signs exchanged? They are those of the last motion, 1 towards +"
     )
+    return (Note.question(Kind.SIGN, said, count, "1"),)
 
 
-def lost_motion_notes(test: Measurement, side: np.ndarray) -> tuple[str, ...]:
+def lost_motion_notes(test: Measurement, side: np.ndarray) -> tuple[Note, ...]:
     """A note where an axis stops further along its motion than the model says, on either side.
 
     It compares readings one after the other at the same place, so that no heat comes between.
@@ -74,33 +76,39 @@ def lost_motion_notes(test: Measurement, side: np.ndarray) -> tuple[str, ...]:
     mean, u_mm = float(ahead.mean()), float(np.median(test.u_mm) * np.sqrt(2.0 / len(ahead)))
     if mean < max(_CLEAR_MM, _CLEAR_U * u_mm):
         return ()
-    return (
+    said = (
         f"approached with 1 the axis stops {um_from_mm(mean):.1f} um further towards + than with "
         "-1, and lost motion does the opposite: are the signs of approach exchanged, or does the "
-        "control compensate too much backlash?",
+        "control compensate too much backlash?"
     )
+    return (Note.question(Kind.LOST_MOTION, said, float(um_from_mm(mean)), "um"),)
 
 
-def pace_notes(nose_mm: np.ndarray, time_s: np.ndarray, rapid_mm_per_min: float) -> tuple[str, ...]:
-    """A note where places are reached sooner than rapid motion of every axis would."""
+def pace_notes(
+    nose_mm: np.ndarray, time_s: np.ndarray, rapid_mm_per_min: float
+) -> tuple[Note, ...]:
+    """A note where places, (P, 3) mm, are reached sooner than rapid motion would, (P,) s."""
     way = np.abs(np.diff(nose_mm, axis=0)).max(axis=1)
     fast = way > mm_per_s_from_mm_per_min(rapid_mm_per_min) * np.diff(time_s)
     if way[fast].sum() <= _MUCH * way.sum():
         return ()
-    return (
+    said = (
         f"{way.sum():.0f} mm in {np.ptp(time_s):.4g} s, much of it faster than the machine's "
-        f"rapid motion of {rapid_mm_per_min:g} mm/min: is t_s in seconds?",
+        f"rapid motion of {rapid_mm_per_min:g} mm/min: is t_s in seconds?"
     )
+    return (Note.question(Kind.CLOCK, said, float(np.ptp(time_s)), "s", place="t_s"),)
 
 
-def drift_notes(time_s: np.ndarray) -> tuple[str, ...]:
+def drift_notes(time_s: np.ndarray) -> tuple[Note, ...]:
     """A note where a drift test, (P,) s, is over before anything warms."""
     if np.ptp(time_s) >= _SHORTEST_DRIFT_S:
         return ()
-    return (f"the test lasts {np.ptp(time_s):.4g} s: is t_s in seconds?",)
+    lasts_s = float(np.ptp(time_s))
+    said = f"the test lasts {lasts_s:.4g} s: is t_s in seconds?"
+    return (Note.question(Kind.CLOCK, said, lasts_s, "s", place="t_s"),)
 
 
-def circle_notes(runs: Sequence[str], angle_rad: np.ndarray, plane: str) -> tuple[str, ...]:
+def circle_notes(runs: Sequence[str], angle_rad: np.ndarray, plane: str) -> tuple[Note, ...]:
     """A note where circles called cw or ccw turn the other way.
 
     Parameters
@@ -123,7 +131,8 @@ def circle_notes(runs: Sequence[str], angle_rad: np.ndarray, plane: str) -> tupl
             wrong.append(name)
     if not wrong:
         return ()
-    return (
+    said = (
         f"run {' and '.join(wrong)} turns the other way in the plane {plane}: does angle_deg "
-        f"count from {plane[0]} towards {plane[1]}?",
+        f"count from {plane[0]} towards {plane[1]}?"
     )
+    return (Note.question(Kind.SIGN, said, len(wrong), "1", place=f"plane {plane}"),)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from vmach.base.note import Kind, Note
 from vmach.base.units import um_from_mm
 from vmach.machine import LINEAR_AXES, Machine
 from vmach.measurements.measurement import Measurement
@@ -29,13 +30,6 @@ _CLOSE_U, _FAR_BETTER = 4.0, 5.0
 _BETTER_BENT = 2.0
 #: readings beyond the number of what is free, below which nothing can be said
 _FEWEST_LEFT = 12
-_MEANING = {
-    "part": "a deviation is (m - p) along i, j, k and positive where material is left",
-    "ballbar": "radius_um is positive where the tool is further out than programmed",
-    "laser": "deviation_um is positive where the tool is further along + than programmed",
-    "diagonal": "deviation_um is positive where the tool is further towards to_mm than programmed",
-}
-_DISPLACEMENT = "a displacement is that of the tool relative to the workpiece"
 
 
 @dataclass(frozen=True)
@@ -65,7 +59,7 @@ def is_doubtful(test: Measurement) -> bool:
     return apart >= _CLEAR_U * float(np.median(test.u_mm))
 
 
-def otherwise_notes(test: Measurement, others: Iterable[Otherwise]) -> tuple[str, ...]:
+def otherwise_notes(test: Measurement, others: Iterable[Otherwise]) -> tuple[Note, ...]:
     """A note where readings would agree far better if something were otherwise.
 
     Parameters
@@ -76,7 +70,7 @@ def otherwise_notes(test: Measurement, others: Iterable[Otherwise]) -> tuple[str
 
     Returns
     -------
-    tuple of str
+    tuple of Note
         Empty where all looks right, or where the model says too little to tell.
     """
     if not is_doubtful(test):
@@ -93,14 +87,16 @@ def otherwise_notes(test: Measurement, others: Iterable[Otherwise]) -> tuple[str
     if not found:
         return ()
     apart, best = min(found, key=lambda pair: pair[0])
-    return (
-        f"{test.name}: with {best.what} the readings would agree with the model within "
-        f"{um_from_mm(apart):.2f} um instead of {um_from_mm(plain):.2f} um (rms): {best.question}",
+    said = (
+        f"with {best.what} the readings would agree with the model within {um_from_mm(apart):.2f} "
+        f"um instead of {um_from_mm(plain):.2f} um (rms): {best.question}"
     )
+    size_um = float(um_from_mm(plain))
+    return (Note.question(Kind.EXCHANGED, said, size_um, "um", place=best.what, file=test.name),)
 
 
 def _other_sign(test: Measurement) -> Otherwise:
-    meaning = f"{_MEANING.get(test.kind, _DISPLACEMENT)}, and so do the error tables count"
+    meaning = f"{test.instrument.sign_meaning}, and so do the error tables count"
     return Otherwise("the other sign", meaning, -test.predicted_mm)
 
 

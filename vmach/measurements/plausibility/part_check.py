@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from vmach.base.note import Kind, Note
 from vmach.base.units import um_from_mm
 from vmach.errors import InputError
 from vmach.machine import Variant
@@ -74,8 +75,9 @@ def check_file(points: SurfacePoints, path: Path) -> None:
             hint=f"is the column in {unit}? It has to be in um",
         )
     for note in points.notes:
-        if "look like" in note:
-            raise InputError(note, file=path, accepted="all coordinates in mm")
+        if note.kind is Kind.UNIT:
+            accepted = "all coordinates in mm"
+            raise InputError(note.sentence, file=path, accepted=accepted, note=note)
 
 
 def check_cut(preparation: Preparation, points: SurfacePoints, count: int, *, path: Path) -> None:
@@ -134,7 +136,7 @@ def check_aligned(points: SurfacePoints, path: Path) -> None:
     )
 
 
-def rounding_notes(points: SurfacePoints) -> tuple[str, ...]:
+def rounding_notes(points: SurfacePoints) -> tuple[Note, ...]:
     """A note where measured coordinates are rounded more coarsely than their uncertainty allows."""
     assert points.measured_mm is not None
     if points.u_mm is None:
@@ -146,10 +148,11 @@ def rounding_notes(points: SurfacePoints) -> tuple[str, ...]:
         step_mm, u_mm = 10.0**-digits, float(np.median(points.u_mm))
         if step_mm / np.sqrt(12.0) < u_mm:
             return ()
-        return (
+        said = (
             f"mx, my, mz are rounded to {step_mm:g} mm, u_um says {um_from_mm(u_mm):.2g} um "
-            "(median): export them with more digits",
+            "(median): export them with more digits"
         )
+        return (Note.question(Kind.ROUNDING, said, step_mm, "mm", place="mx my mz"),)
     return ()
 
 

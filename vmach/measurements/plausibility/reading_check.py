@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from vmach.base.note import Kind, Note
 from vmach.base.units import mm_from_um
 from vmach.errors import InputError
 from vmach.measurements.columns import Columns
@@ -33,7 +34,7 @@ _LONGEST_S = 1e7
 _LONG_S, _LONG_FOR_ONE_S = 432_000.0, 1800.0
 
 
-def check_signs(table: Columns, names: Sequence[str]) -> tuple[str, ...]:
+def check_signs(table: Columns, names: Sequence[str]) -> tuple[Note, ...]:
     """Refuse signs of the last motion that are none; a note where no row has one.
 
     Raises
@@ -53,10 +54,11 @@ def check_signs(table: Columns, names: Sequence[str]) -> tuple[str, ...]:
             )
     if any(table.numbers[name].any() for name in names):
         return ()
-    return (
+    said = (
         f"{', '.join(names)} is 0 in every row: the direction is taken from the place before, "
-        "and lost motion may be missed",
+        "and lost motion may be missed"
     )
+    return (Note.question(Kind.SIGN, said, 0.0, "1", place=" ".join(names)),)
 
 
 def check_spindle(table: Columns) -> None:
@@ -111,16 +113,18 @@ def check_readings(table: Columns, names: Sequence[str]) -> None:
         )
 
 
-def still_notes(table: Columns, names: Sequence[str]) -> tuple[str, ...]:
+def still_notes(table: Columns, names: Sequence[str]) -> tuple[Note, ...]:
     """A note for every column of readings that never changes while others do."""
     still = [n for n in names if np.ptp(table.numbers[n]) == 0.0 and len(table.lines) >= _FEWEST]
-    return tuple(
-        f"{name} is {table.numbers[name][0]:g} in every row: was it measured? It counts as a "
-        "reading" for name in still
-    )  # fmt: skip
+    found = []
+    for name in still:
+        value_um = float(table.numbers[name][0])
+        said = f"{name} is {value_um:g} in every row: was it measured? It counts as a reading"
+        found.append(Note.question(Kind.STILL, said, value_um, "um", place=name))
+    return tuple(found)
 
 
-def clock_notes(table: Columns) -> tuple[str, ...]:
+def clock_notes(table: Columns) -> tuple[Note, ...]:
     """A note where the clock runs longer than tests do.
 
     Raises
@@ -141,13 +145,14 @@ def clock_notes(table: Columns) -> tuple[str, ...]:
     step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
     if time[-1] <= _LONG_S and step <= _LONG_FOR_ONE_S:
         return ()
-    return (
+    said = (
         f"the last reading is {time[-1] / 3600.0:.4g} h after the cold start, one reading takes "
-        f"{step:.4g} s (median): is t_s in seconds?",
+        f"{step:.4g} s (median): is t_s in seconds?"
     )
+    return (Note.question(Kind.CLOCK, said, float(time[-1]), "s", place="t_s"),)
 
 
-def repeat_notes(table: Columns) -> tuple[str, ...]:
+def repeat_notes(table: Columns) -> tuple[Note, ...]:
     """A note where rows repeat the row before them, time and reading and all."""
     rows = np.column_stack([*table.numbers.values()])
     again = np.concatenate([[False], (rows[1:] == rows[:-1]).all(axis=1)])
@@ -155,7 +160,9 @@ def repeat_notes(table: Columns) -> tuple[str, ...]:
         again[1:] &= column[1:] == column[:-1]
     if not again.any():
         return ()
-    return (
-        f"{np.count_nonzero(again)} of {len(again)} rows repeat the row before, the first in line "
-        f"{table.line_of(again)}: each counts as a reading of its own",
+    count, line = int(np.count_nonzero(again)), table.line_of(again)
+    said = (
+        f"{count} of {len(again)} rows repeat the row before, the first in line "
+        f"{line}: each counts as a reading of its own"
     )
+    return (Note.question(Kind.REPEAT, said, count, "1", place=f"line {line}"),)

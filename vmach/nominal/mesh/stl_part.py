@@ -1,4 +1,8 @@
-"""A nominal part from an STL file: smooth regions of facets, and how far these can be off."""
+"""A nominal part from an STL file: smooth regions of facets, and how far these can be off.
+
+Source: closed form derived here: strips of width c on a circle meet at an angle b = c / r and
+leave the sagitta c b / 8.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from vmach.base.note import Kind, Note
 from vmach.base.units import um_from_mm
 from vmach.errors import InputError
 from vmach.nominal.mesh.mesh_checks import (
@@ -148,27 +153,31 @@ def read_stl_part(path: Path, unit_mm: float | None = None) -> NominalPart:
         )
     check_each_triangle_once(path, triangles)
     check_closed(path, vertices, triangles)
-    notes = ["STL holds facets: its normals and its surface are off by the chord error"]
+    said = "STL holds facets: its normals and its surface are off by the chord error"
+    notes = [Note.plain(Kind.FACETS, said)]
     if merged_within > 0.0:
-        notes.append(f"corners up to {merged_within:.2g} mm apart were joined to close the mesh")
+        said = f"corners up to {merged_within:.2g} mm apart were joined to close the mesh"
+        notes.append(Note.plain(Kind.GAP, said, merged_within, "mm"))
     mesh = Mesh(vertices, triangles, np.zeros(len(triangles)))
     if mesh.volume_mm3 < 0.0:
         triangles = triangles[:, ::-1]
-        notes.append("the mesh was inside out and has been turned")
+        notes.append(Note.plain(Kind.INSIDE_OUT, "the mesh was inside out and has been turned"))
     check_encloses_once(path, vertices, triangles)
     notes += _check_intersections(path, vertices, triangles)
 
     corners = vertices[triangles]
     empty = int((_areas(corners) <= 1e-9 * np.ptp(vertices, axis=0).max() ** 2 * 1e-3).sum())
     if empty:
-        notes.append(f"{empty} triangles have no area and get no points")
+        said = f"{empty} triangles have no area and get no points"
+        notes.append(Note.plain(Kind.FACETS, said, empty, "1"))
     joint = _Joints(vertices, triangles)
     chord_mm = joint.chord_error_mm()
     resolution = float(np.spacing(np.float32(np.abs(vertices).max()))) / 2.0
-    notes.append(
+    said = (
         f"estimated chord error {um_from_mm(chord_mm):.3g} um, "
         f"rounding to 32 bits {um_from_mm(resolution):.2g} um"
     )
+    notes.append(Note.plain(Kind.FACETS, said, um_from_mm(chord_mm), "um"))
     regions, owner = joint.regions()
     return NominalPart(
         path=path,
@@ -180,10 +189,11 @@ def read_stl_part(path: Path, unit_mm: float | None = None) -> NominalPart:
     )
 
 
-def _check_intersections(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> list[str]:
+def _check_intersections(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> list[Note]:
     count = count_intersections(vertices, triangles)
     if count is None:
-        return ["the mesh is too large to look for self-intersections"]
+        said = "the mesh is too large to look for self-intersections"
+        return [Note.plain(Kind.FACETS, said, len(triangles), "1")]
     if count:
         raise InputError(
             f"the mesh cuts through itself or lies on itself: {count} pairs of triangles",

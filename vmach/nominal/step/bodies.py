@@ -1,7 +1,11 @@
-"""Which bodies of a STEP file are the part, and what is said of the others."""
+"""Which bodies of a STEP file are the part, and what is said of the others.
+
+Source: ISO 10303-42 (solid and surface models).
+"""
 
 from __future__ import annotations
 
+from vmach.base.note import Kind, Note
 from vmach.errors import InputError
 from vmach.nominal.step.assembly import SOLIDS, SURFACE_MODELS, placed_bodies
 from vmach.nominal.step.exchange_file import StepEntity, StepFile
@@ -17,7 +21,7 @@ _GEOMETRY_FILES = (".stp", ".step", ".p21", ".stpz")
 _LISTED = 10
 
 
-def read_bodies(step: StepFile) -> tuple[list[Solid], list[str]]:
+def read_bodies(step: StepFile) -> tuple[list[Solid], list[Note]]:
     """The solids that make the part, in the workpiece frame, and notes on what was left aside.
 
     Solids are taken; surface models beside them are construction geometry. In a file without
@@ -59,19 +63,23 @@ def _closed_models(
 
 def _notes(
     step: StepFile, taken: list[Solid], left: list[StepEntity], others: list[str]
-) -> list[str]:
+) -> list[Note]:
     notes = []
     if len(taken) > 1:
-        notes.append(f"{len(taken)} solids are taken together")
+        said = f"{len(taken)} solids are taken together"
+        notes.append(Note.plain(Kind.BODIES, said, len(taken), "1"))
     if left:
         first = f"#{left[0].number} in line {step.line(left[0].number)}"
         count = f"{len(left)} surface models, the first" if len(left) > 1 else "a surface model"
-        notes.append(f"left aside beside the solid: {count} {first}")
+        said = f"left aside beside the solid: {count} {first}"
+        notes.append(Note.plain(Kind.BODIES, said, len(left), "1", place=f"#{left[0].number}"))
     touching = sum(solid.touching_edges for solid in taken)
     if touching:
-        notes.append(f"the solid touches itself along {touching} edges")
+        said = f"the solid touches itself along {touching} edges"
+        notes.append(Note.plain(Kind.BODIES, said, touching, "1"))
     if others:
-        notes.append(f"parts in other files are left out: {_list(others)}")
+        said = f"parts in other files are left out: {_list(others)}"
+        notes.append(Note.plain(Kind.BODIES, said, len(others), "1", place=others[0]))
     return notes
 
 

@@ -1,4 +1,7 @@
-"""A nominal part from a STEP file: exact faces, and triangles of them to look at."""
+"""A nominal part from a STEP file: exact faces, and triangles of them to look at.
+
+Source: ISO 10303-203, ISO 10303-214, ISO 10303-242.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from vmach.base.note import Kind, Note
 from vmach.base.units import um_from_mm
 from vmach.nominal.mesh.mesh_solidity import check_encloses_once
 from vmach.nominal.part import Mesh, NominalPart, check_size
@@ -36,14 +40,15 @@ def read_step_part(path: Path, unit_mm: float | None = None) -> NominalPart:
             check_size(path, edge.points_mm)
     gap_mm = max(solid.gap_mm for solid in solids)
     if gap_mm > 1e-4:
-        notes.append(f"edges of the CAD miss their vertices by up to {um_from_mm(gap_mm):.3g} um")
+        said = f"edges of the CAD miss their vertices by up to {um_from_mm(gap_mm):.3g} um"
+        notes.append(Note.plain(Kind.GAP, said, um_from_mm(gap_mm), "um"))
     faces, meshes = [], []
     for solid in solids:
         solid_faces, mesh = _build(solid, first=len(faces))
         if mesh.volume_mm3 < 0.0:
             solid_faces = [replace(face, outward=-face.outward) for face in solid_faces]
             mesh = Mesh(mesh.vertices_mm, mesh.triangles[:, ::-1], mesh.face)
-            notes.append("a solid was inside out and has been turned")
+            notes.append(Note.plain(Kind.INSIDE_OUT, "a solid was inside out and has been turned"))
         faces += solid_faces
         meshes.append(mesh)
     mesh = _joined(meshes)

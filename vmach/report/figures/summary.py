@@ -7,6 +7,7 @@ import math
 from dataclasses import asdict
 from pathlib import Path
 
+from vmach.base.note import note_records
 from vmach.base.units import um_from_mm
 from vmach.files.atomic import atomic_file
 from vmach.report.figures.differences import differences_summary
@@ -64,6 +65,7 @@ def summary(points: InspectedPoints, run: RunRecord) -> dict:
             "stages_s": dict(run.stages_s),
             "facts": dict(run.facts),
             "warnings": list(run.warnings),
+            "warning_records": note_records(run.notes),
         },
     }
 

@@ -40,6 +40,10 @@ class Component(Effect):
     usual_size = "5 to 20 um, 10 to 60 urad; locally more after a collision or with worn guides"
     confirm = "measure this component again over the range where it differs"
     cure = "enter the new table; mend the guide where the damage is local"
+    source = (
+        "ISO 230-1, error motions of a linear axis; closed form derived here: a change of a "
+        "table acts through the arm of that table"
+    )
 
     def displacement(self, path, target, position_mm, correction_um=None, correction_urad=None):
         _, axis, angular = component_of(target)
@@ -71,7 +75,7 @@ class Component(Effect):
         position = path.nose_mm[:, axis]
         hats = np.stack([np.interp(position, knots, unit) for unit in np.eye(len(knots))], axis=1)
         size = 15e-6 if angular else 5e-3
-        lever = path.lever(target).at(path.contact_mm)
+        lever = path.states.seen_mm(path.lever(target))
         return size * lever[:, :, None] * (hats @ _root(knots, **inner_values))[:, None, :]
 
     def knots_mm(self, path, target) -> np.ndarray:

@@ -1,0 +1,1 @@
+"""The instruments of vmach, one class a file; a file that is put here is found."""

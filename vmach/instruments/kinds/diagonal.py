@@ -1,0 +1,46 @@
+"""Laser interferometer along a diagonal that several axes make together."""
+
+import numpy as np
+
+from vmach.errors import InputError
+from vmach.files.toml_file import Point
+from vmach.instruments.line_plots import line_plots
+from vmach.instruments.readings import along_line
+from vmach.measurements.instrument import Instrument
+
+__all__ = ["Diagonal"]
+
+
+class Diagonal(Instrument):
+    """Distances along a line that several axes make together (ISO 230-6)."""
+
+    name = "diagonal"
+    title = "Diagonal"
+    columns = ("run", "distance_mm", "approach", "t_s", "deviation_um")
+    readings = ("deviation_um",)
+    signs = ("approach",)
+    sign_meaning = (
+        "deviation_um is positive where the tool is further towards to_mm than programmed"
+    )
+    left_free = "zero"
+    shows_law_band = True
+
+    from_mm: Point
+    to_mm: Point
+
+    def read(self, table, model):
+        start, end = np.array(self.from_mm), np.array(self.to_mm)
+        length = float(np.linalg.norm(end - start))
+        if length == 0.0:
+            raise InputError(
+                "from_mm and to_mm are the same place",
+                file=table.path,
+                accepted="two ends of a diagonal",
+            )
+        direction = (end - start) / length
+        nose = start + table.numbers["distance_mm"][:, None] * direction
+        return along_line(self, table, nose, direction=direction, model=model)
+
+    @classmethod
+    def plots(cls, curves):
+        return tuple(line_plots(curves, curves.measurement.sensing[0]))

@@ -1,0 +1,189 @@
+"""CMM points of the job's part as a `Measurement`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from vmach.base.note import Kind, Level, Note, in_file
+from vmach.base.units import um_from_mm
+from vmach.machine import Variant
+from vmach.measurements.instrument import Instrument
+from vmach.measurements.measurement import Measurement
+from vmach.measurements.neighbours import apart_from_neighbours
+from vmach.measurements.plausibility.otherwise import otherwise_notes
+from vmach.measurements.plausibility.part_check import (
+    check_aligned,
+    check_cut,
+    check_file,
+    check_near,
+    rounding_notes,
+    some_of,
+)
+from vmach.measurements.plausibility.part_otherwise import part_otherwise
+from vmach.measurements.plausibility.tools_otherwise import tool_that_would_cut
+from vmach.nominal.points import SurfacePoints, read_points_csv
+from vmach.path.preparation import Preparation
+from vmach.prediction import ActingEffect, Prediction, predict_surface
+
+__all__ = ["PartPoints", "measure_part"]
+
+#: a point further away than this is no measurement of the surface
+_ASTRAY_MM = 0.5
+#: neighbours that scatter by so many times u_um make it doubtful
+_DOUBTFUL = 3.0
+#: share of points that no move cut from which on a wrong zero is as likely as odd points
+_MANY = 0.1
+#: by how many u, and how far, a point has to stand out to be left out before any fit
+_OUTLIER_U = 12.0
+_GROSS_MM = 0.06
+
+
+class PartPoints(Instrument):
+    """Points of the machined part, touched by a coordinate measuring machine."""
+
+    name = "part"
+    title = "Points of the part"
+    sign_meaning = "a deviation is (m - p) along i, j, k and positive where material is left"
+    left_free = "pose of the part"
+    is_section_of_job = False  # the job names them by its key `measured`
+
+
+def measure_part(
+    preparation: Preparation,
+    path: Path,
+    *,
+    variant: Variant = Variant.ABBE,
+    effects: Sequence[ActingEffect] = (),
+) -> tuple[Measurement, Prediction]:
+    """Measured points of the part beside what the model predicts for them.
+
+    Points that no move cut, that lie astray or that repeat another row are left out and said.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, has no measured coordinates, holds another unit or another part,
+        or too few of its points were cut by the program.
+    """
+    points = read_points_csv(path)
+    check_file(points, path)
+    prediction = predict_surface(preparation, points, variant, effects)
+    cut = np.flatnonzero(prediction.is_cut)
+    check_cut(preparation, points, len(cut), path=path)
+    check_aligned(points, path)
+    part = _where_cut(points, prediction, path.name)
+    check_near(part, path)
+    part = _without_repeats(part, points.point_mm[cut])
+    if points.u_mm is None:
+        u_mm = np.full(len(part), _scatter_of_neighbours_mm(part))
+        part = replace(part, u_mm=u_mm).noted(
+            *in_file([Note.plain(Kind.UNCERTAINTY, _NO_UNCERTAINTY, place="u_um")], path)
+        )
+    part = _without_outliers(part)
+    others = part_otherwise(part, preparation, variant)
+    return part.noted(*_doubtful_uncertainty(part), *otherwise_notes(part, others)), prediction
+
+
+_NO_UNCERTAINTY = (
+    "no uncertainty in the file: taken from the scatter between neighbouring points"
+)
+
+
+def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Measurement:
+    """The points that a move cut, beside their prediction; without u_um they weigh the same."""
+    cut = np.flatnonzero(prediction.is_cut)
+    notes = (*prediction.preparation.notes, *points.notes, *rounding_notes(points))
+    if len(cut) < len(points):
+        notes = (*notes, _uncut_note(points, prediction, name))
+    normal = points.normal[cut]
+    arm = points.point_mm[cut] - points.point_mm[cut].mean(axis=0)
+    return Measurement(
+        instrument=PartPoints,
+        name=name,
+        id=points.id[cut],
+        states=prediction.states,
+        sensing=normal,
+        measured_mm=points.measured_deviation_mm[cut],
+        predicted_mm=prediction.deviation_mm[cut],
+        u_mm=np.ones(len(cut)) if points.u_mm is None else points.u_mm[cut],
+        group=points.feature[cut],
+        nuisance=np.hstack([normal, np.cross(arm, normal)]),
+        notes=notes,
+    )
+
+
+def _uncut_note(points: SurfacePoints, prediction: Prediction, name: str) -> Note:
+    """Which points no move cut, and why that may be where they are many."""
+    uncut = points.id[~prediction.is_cut]
+    said = f"left out, as no move cut them ({len(uncut)} of {len(points)}): {_listed(uncut)}"
+    note = Note.plain(Kind.UNCUT, said, len(uncut), "1", file=name)
+    if len(uncut) <= _MANY * len(points):
+        return note
+    few = some_of(points, np.flatnonzero(~prediction.is_cut))
+    why = tool_that_would_cut(prediction.preparation, few)
+    why = why or "is this the measurement of this part, with the program's zero?"
+    return replace(note, level=Level.QUESTION, sentence=f"{said}; so many: {why}")
+
+
+def _without_repeats(part: Measurement, points_mm: np.ndarray) -> Measurement:
+    rows = np.column_stack([points_mm, part.sensing, part.measured_mm])
+    _, first = np.unique(rows, axis=0, return_index=True)
+    if len(first) == len(part):
+        return part
+    told = tuple(note for note in part.notes if note.kind is not Kind.REPEAT)
+    count = len(part) - len(first)
+    said = f"{count} rows that repeat another row, reading and all, are left out"
+    note = Note.plain(Kind.LEFT_OUT, said, count, "1", file=part.name)
+    return replace(part, notes=told).keep(np.sort(first), note)
+
+
+def _without_outliers(part: Measurement) -> Measurement:
+    """Leave out points that no neighbour on either side agrees with: a chip under the probe.
+
+    A step, such as backlash makes, has one side that agrees. Small ones are left to the fit:
+    near a corner the machine itself can be tens of micrometres away over a millimetre.
+    """
+    residual = part.measured_mm - part.predicted_mm
+    apart = apart_from_neighbours(residual, part.group)
+    good = (apart < _GROSS_MM) | (apart < _OUTLIER_U * part.u_mm)
+    good &= np.abs(part.measured_mm) < _ASTRAY_MM
+    if good.all():
+        return part
+    bad = part.id[~good]
+    said = (
+        "left out, as they stand out from their neighbours, as with a chip under "
+        f"the probe ({len(bad)} of {len(part)}): {_listed(bad)}"
+    )
+    return part.keep(good, Note.plain(Kind.LEFT_OUT, said, len(bad), "1", file=part.name))
+
+
+def _doubtful_uncertainty(part: Measurement) -> tuple[Note, ...]:
+    """A note where neighbouring points scatter far more than their uncertainty says."""
+    scatter, u_mm = _scatter_of_neighbours_mm(part), float(np.median(part.u_mm))
+    if scatter < _DOUBTFUL * u_mm:
+        return ()
+    said = (
+        f"neighbouring points scatter by {um_from_mm(scatter):.2g} um where u_um "
+        f"says {um_from_mm(u_mm):.2g} um (median): is u_um too small?"
+    )
+    size_um = float(um_from_mm(scatter))
+    return (Note.question(Kind.UNCERTAINTY, said, size_um, "um", place="u_um", file=part.name),)
+
+
+def _scatter_of_neighbours_mm(part: Measurement) -> float:
+    """Standard uncertainty from second differences within each group; robust, in mm."""
+    residual = part.measured_mm - part.predicted_mm
+    bends = [np.diff(residual[part.group == group], 2) for group in np.unique(part.group)]
+    bend = np.concatenate(bends)
+    if len(bend) == 0:
+        return float(np.std(residual))
+    return float(1.4826 * np.median(np.abs(bend)) / np.sqrt(6.0))
+
+
+def _listed(names: np.ndarray, most: int = 6) -> str:
+    shown = ", ".join(str(name) for name in names[:most])
+    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"

@@ -1,0 +1,110 @@
+"""Laser tracker, or any instrument that sees the tool tip all over the work space."""
+
+from typing import Literal
+
+import numpy as np
+
+from vmach.instruments.drawing import end_of_scale
+from vmach.instruments.readings import (
+    ALONG,
+    PLANNED_TOOL_LENGTH_MM,
+    doubts_of_stops,
+    in_stretches,
+    in_three_directions,
+    three_directions,
+)
+from vmach.machine import LINEAR_AXES
+from vmach.measurements.instrument import Instrument
+from vmach.measurements.plausibility.motion_check import check_extent, check_travel
+from vmach.measurements.test_motion import stop_and_go
+from vmach.report.page.svg_plot import Frame, Plot, ticks
+
+__all__ = ["Tip"]
+
+
+class Tip(Instrument):
+    """The tool tip at places all over the volume."""
+
+    name = "tip"
+    title = "Tool tip in the work space"
+    columns = ("t_s", *"XYZ", "sx", "sy", "sz", *ALONG)
+    text_columns = ()
+    readings = ALONG
+    signs = ("sx", "sy", "sz")
+    sign_meaning = "a displacement is that of the tool relative to the workpiece"
+    left_free = "offset of the instrument, or its pose"
+    commonness = 1
+
+    frame: Literal["offset", "rigid"] = "offset"
+
+    def read(self, table, model):
+        nose = table.vectors("XYZ")
+        check_travel(nose, table, model.travel_mm)
+        check_extent(nose, table)
+        side = np.sign(table.vectors(self.signs))
+        states = stop_and_go(
+            nose, table.numbers["t_s"], side=side, tool_length_mm=self.tool_length_mm
+        )
+        return three_directions(
+            self,
+            table,
+            states,
+            model=model,
+            nuisance=_left_free(nose, with_rotation=self.frame == "rigid"),
+            notes=doubts_of_stops(nose, side, table, model),
+        )
+
+    @classmethod
+    def left_free_by(cls, measurement):
+        """Three numbers are an offset, six a pose."""
+        return f"{'pose' if measurement.nuisance.shape[1] > 3 else 'offset'} of the instrument"
+
+    @classmethod
+    def blocks(cls, measurement):
+        return in_stretches(measurement)
+
+    @classmethod
+    def plots(cls, curves):
+        """Measured against predicted, by component: on the diagonal they agree."""
+        end, found = end_of_scale(curves), []
+        for k, axis in enumerate(LINEAR_AXES):
+            rows = curves.measurement.sensing[:, k] > 0.5
+            frame = Frame((-end, end), (-end, end), width=300.0, height=300.0, top=18.0)
+            plot = Plot(frame)
+            plot.y_axis("measured, µm")
+            plot.x_axis("predicted, µm", ticks(-end, end, most=5))
+            plot.line(np.array([-end, end]), np.array([-end, end]), "diagonal")
+            for state, values in curves.predicted.items():
+                plot.dots(values[rows], curves.measured[rows], state)
+            words = f"Measured against predicted, component {axis}"
+            found.append((f"component {axis}", plot.markup(words)))
+        return found
+
+    @classmethod
+    def planned(cls, job):
+        """Places at random, each approached from a side at random."""
+        low, high = job.machine.travel_mm
+        random = np.random.default_rng(7)
+        nose = random.uniform(low + 0.03 * (high - low), high - 0.03 * (high - low), (120, 3))
+        side = random.choice([-1.0, 1.0], (120, 3))
+        states = stop_and_go(
+            nose, 8.0 * np.arange(120), side=side, tool_length_mm=PLANNED_TOOL_LENGTH_MM
+        )
+        yield in_three_directions(
+            "tip grid",
+            "tracker on the tool tip at 120 places all over the work space, each approached from "
+            "a stated side",
+            {"kind": cls.name, "frame": "rigid"},
+            states,
+            nuisance=_left_free(nose, with_rotation=True),
+            maps_work_space=True,
+        )
+
+
+def _left_free(nose_mm: np.ndarray, *, with_rotation: bool) -> np.ndarray:
+    """Offset of the instrument, and its rotation about the middle of the places, (3 P, K)."""
+    unit = np.tile(np.eye(3), (len(nose_mm), 1))
+    if not with_rotation:
+        return unit
+    arm = np.repeat(nose_mm - nose_mm.mean(axis=0), 3, axis=0)
+    return np.hstack([unit, np.cross(arm, unit)])

@@ -1,0 +1,164 @@
+"""The tests of a job: from a section and a file to a `Measurement`, checked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from vmach.base.note import Kind, Note, in_file
+from vmach.errors import InputError
+from vmach.files.text_file import read_text
+from vmach.files.toml_file import check_section, line_of_key
+from vmach.instruments.catalogue import catalogue
+from vmach.job import Job
+from vmach.machine import Variant, displacement
+from vmach.measurements.columns import Columns, read_columns
+from vmach.measurements.instrument import Instrument
+from vmach.measurements.measurement import Measurement
+from vmach.measurements.plausibility.motion_check import check_times
+from vmach.measurements.plausibility.otherwise import (
+    Otherwise,
+    exchanged,
+    exchanged_tables,
+    is_doubtful,
+    otherwise_notes,
+)
+from vmach.measurements.plausibility.reading_check import (
+    check_readings,
+    check_signs,
+    check_spindle,
+    clock_notes,
+    repeat_notes,
+    still_notes,
+)
+from vmach.measurements.plausibility.unit_check import check_unit
+from vmach.path.toolpath import PathStates
+from vmach.plausibility import doubtful_length
+from vmach.prediction import ActingEffect
+
+__all__ = ["read_instruments", "settings_of"]
+
+
+def read_instruments(
+    job: Job, *, variant: Variant = Variant.ABBE, effects: Sequence[ActingEffect] = ()
+) -> tuple[Measurement, ...]:
+    """The ``[[measurements]]`` of a job, each with what the model predicts for it.
+
+    Raises
+    ------
+    InputError
+        Unknown kind or key, missing file or column, a value that is no number, another unit.
+    """
+    found = []
+    for number in range(len(job.measurements)):
+        settings = settings_of(job, number)
+        path = job.folder / settings.file
+        table, noticed = _read(settings, path)
+        test = settings.read(table, _Model(job, variant, effects))
+        check_unit(test, path)
+        test = test.noted(*in_file((*noticed, *_twice(test, found), *_length(settings)), path))
+        if is_doubtful(test):
+            others = _otherwise(settings, table, job=job, variant=variant, effects=effects)
+            test = test.noted(*otherwise_notes(test, others))
+        found.append(test)
+    return tuple(found)
+
+
+def _otherwise(
+    settings: Instrument,
+    table: Columns,
+    *,
+    job: Job,
+    variant: Variant,
+    effects: Sequence[ActingEffect],
+) -> Iterator[Otherwise]:
+    """What the model says of a test if something that the job says of it were mistaken."""
+    model = _Model(job, variant, effects)
+    for change in settings.mistaken():
+        ((key, value),) = change.items()
+        with suppress(InputError):  # it cannot have been so
+            other = settings.model_copy(update=change).read(table, model)
+            said = f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value:g}"
+            question = f"is {key} = {getattr(settings, key)} in the job right?"
+            yield Otherwise(said, question, other.predicted_mm)
+    for axes, machine in exchanged_tables(job.machine):
+        other_model = _Model(replace(job, machine=machine), variant, effects)
+        yield exchanged(axes, settings.read(table, other_model).predicted_mm)
+
+
+class _Model:
+    """Displacement of the tool tip at the states of a test."""
+
+    def __init__(self, job: Job, variant: Variant, effects: Sequence[ActingEffect]) -> None:
+        self._job, self._variant, self._effects = job, variant, effects
+        self.travel_mm = np.asarray(job.machine.travel_mm)
+        self.rapid_mm_per_min = job.machine.motion.rapid_mm_per_min
+
+    def predicted_mm(self, states: PathStates, sensing: np.ndarray) -> np.ndarray:
+        machine = self._job.machine
+        direction = states.direction if machine.separate_directions else None
+        moved = displacement(
+            machine, states.nose_mm, states.tool_mm, self._variant, direction=direction
+        )
+        for effect in self._effects:
+            moved = moved + effect.displacement(states)
+        return np.einsum("ij,ij->i", sensing, states.seen_mm(moved))
+
+
+def _read(settings: Instrument, path: Path) -> tuple[Columns, tuple[Note, ...]]:
+    """Columns of a test's file, in the order of time, and what is odd about them."""
+    text = [name for name in settings.columns if name in settings.text_columns]
+    numbers = [name for name in settings.columns if name not in settings.text_columns]
+    table = read_columns(path, numbers=numbers, text=text)
+    check_times(table)
+    notes = clock_notes(table)
+    if settings.signs:
+        notes += check_signs(table, settings.signs)
+    if "spindle_rpm" in settings.columns:
+        check_spindle(table)
+    check_readings(table, settings.readings)
+    return table, (*notes, *still_notes(table, settings.readings), *repeat_notes(table))
+
+
+def _twice(test: Measurement, others: Sequence[Measurement]) -> tuple[Note, ...]:
+    """A note where an earlier test of the job has the same readings."""
+    same = [o.name for o in others if np.array_equal(o.measured_mm, test.measured_mm)]
+    if not same:
+        return ()
+    said = f"the readings are those of {same[0]}: is one test named twice?"
+    return (Note.question(Kind.REPEAT, said, len(test), "1", place=same[0]),)
+
+
+def _length(settings: Instrument) -> tuple[Note, ...]:
+    """A note where the length of the tool, from spindle nose to tip, is none in mm."""
+    said = doubtful_length("tool_length_mm", settings.tool_length_mm)
+    if said is None:
+        return ()
+    length_mm = settings.tool_length_mm
+    return (Note.question(Kind.LENGTH, said, length_mm, "mm", place="tool_length_mm"),)
+
+
+def settings_of(job: Job, number: int) -> Instrument:
+    """One ``[[measurements]]`` of a job, counted from 0, checked.
+
+    Raises
+    ------
+    InputError
+        Unknown kind or key, a key missing, a value that is not accepted.
+    """
+    entry, within = job.measurements[number], ("measurements", str(number))
+    text = read_text(job.path, what="job file")
+    kinds = {n: kind for n, kind in sorted(catalogue().items()) if kind.is_section_of_job}
+    kind = entry.get("kind")
+    if not isinstance(kind, str) or kind not in kinds:
+        raise InputError(
+            "a measurement needs its kind" if kind is None else f"kind = {kind!r}",
+            file=job.path,
+            line=line_of_key(text, [*within, "kind"]),
+            accepted=f"kind = {', '.join(kinds)}",
+        )
+    return check_section(entry, kinds[kind], file=job.path, text=text, within=within)

@@ -1,0 +1,146 @@
+"""Readings as most instruments take them: along a line, or in three directions at each place."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from vmach.base.note import Note, in_file
+from vmach.base.units import mm_from_um
+from vmach.machine import LINEAR_AXES
+from vmach.measurements import Measurement
+from vmach.measurements.columns import Columns
+from vmach.measurements.instrument import Instrument, ModelOfTest, PlannedTest
+from vmach.measurements.plausibility.motion_check import check_extent, check_travel
+from vmach.measurements.plausibility.motion_doubts import approach_notes, pace_notes
+from vmach.measurements.test_motion import stop_and_go
+from vmach.path.toolpath import PathStates
+
+__all__ = [
+    "ALONG",
+    "PLANNED_TOOL_LENGTH_MM",
+    "STRETCHES",
+    "along_line",
+    "doubts_of_stops",
+    "in_stretches",
+    "in_three_directions",
+    "three_directions",
+]
+
+#: displacements along X, Y and Z of one place
+ALONG = ("dx_um", "dy_um", "dz_um")
+#: from spindle nose to tip, of tests that are planned
+PLANNED_TOOL_LENGTH_MM = 150.0
+#: into how many stretches a test without runs is cut
+STRETCHES = 10
+
+
+def doubts_of_stops(
+    nose_mm: np.ndarray, side: np.ndarray, table: Columns, model: ModelOfTest
+) -> tuple[Note, ...]:
+    """Notes on a test that drives from place to place, (P, 3) mm, each approached from a side."""
+    pace = pace_notes(nose_mm, table.numbers["t_s"], model.rapid_mm_per_min)
+    return in_file((*approach_notes(nose_mm, side), *pace), table.path)
+
+
+def along_line(
+    settings: Instrument,
+    table: Columns,
+    nose_mm: np.ndarray,
+    *,
+    direction: np.ndarray,
+    model: ModelOfTest,
+) -> Measurement:
+    """Readings of ``deviation_um`` along a straight line, its zero left free.
+
+    Parameters
+    ----------
+    settings : Instrument
+    table : Columns
+        With ``run``, ``approach``, ``t_s`` and ``deviation_um``.
+    nose_mm : (P, 3) float64
+        Places of the spindle nose.
+    direction : (3,) float64
+        Unit vector of the line.
+    model : ModelOfTest
+
+    Raises
+    ------
+    InputError
+        Places outside the travel, or all but the same.
+    """
+    check_travel(nose_mm, table, model.travel_mm)
+    check_extent(nose_mm, table)
+    count = len(nose_mm)
+    side = np.sign(table.numbers["approach"])[:, None] * np.sign(np.round(direction, 9))
+    states = stop_and_go(
+        nose_mm, table.numbers["t_s"], side=side, tool_length_mm=settings.tool_length_mm
+    )
+    sensing = np.tile(direction, (count, 1))
+    return Measurement(
+        instrument=type(settings),
+        name=table.path.name,
+        id=np.arange(1, count + 1).astype(str),
+        states=states,
+        sensing=sensing,
+        measured_mm=mm_from_um(table.numbers["deviation_um"]),
+        predicted_mm=model.predicted_mm(states, sensing),
+        u_mm=np.full(count, mm_from_um(settings.u_um)),
+        group=np.char.add("run ", table.text["run"]),
+        nuisance=np.ones((count, 1)),
+        notes=doubts_of_stops(nose_mm, side, table, model),
+    )
+
+
+def three_directions(
+    settings: Instrument,
+    table: Columns,
+    states: PathStates,
+    *,
+    model: ModelOfTest,
+    nuisance: np.ndarray,
+    notes: Sequence[Note],
+) -> Measurement:
+    """One reading along each of X, Y and Z at every state; `nuisance` is (3 P, K)."""
+    count = len(states)
+    thrice = states[np.repeat(np.arange(count), 3)]
+    sensing = np.tile(np.eye(3), (count, 1))
+    return Measurement(
+        instrument=type(settings),
+        name=table.path.name,
+        id=np.repeat(np.arange(1, count + 1), 3).astype(str),
+        states=thrice,
+        sensing=sensing,
+        measured_mm=mm_from_um(table.vectors(ALONG).ravel()),
+        predicted_mm=model.predicted_mm(thrice, sensing),
+        u_mm=np.full(3 * count, mm_from_um(settings.u_um)),
+        group=np.tile([f"along {axis}" for axis in LINEAR_AXES], count),
+        nuisance=nuisance,
+        notes=tuple(notes),
+    )
+
+
+def in_stretches(measurement: Measurement) -> np.ndarray:
+    """Stretches of a test of three directions at once, (P,) str, to be held out together.
+
+    Cut across the directions: without any reading along X nothing could be foretold of it.
+    """
+    number = np.arange(len(measurement)) * STRETCHES // len(measurement)
+    return np.array([f"stretch {s}" for s in number])
+
+
+def in_three_directions(
+    name: str,
+    text: str,
+    settings: dict[str, Any],
+    states: PathStates,
+    *,
+    nuisance: np.ndarray,
+    maps_work_space: bool = False,
+) -> PlannedTest:
+    """A planned test with a reading along each of X, Y and Z at every state."""
+    thrice = states[np.repeat(np.arange(len(states)), 3)]
+    sensing = np.tile(np.eye(3), (len(states), 1))
+    return PlannedTest(name, text, settings, thrice, sensing, nuisance, maps_work_space)
