@@ -11,7 +11,15 @@ import typer
 from vmach.base.progress import progress_bar
 from vmach.base.terminal import console
 from vmach.base.variant import Variant
-from vmach.commands.options import AsJson, JobPath, Model, OutDir, command_line, input_files
+from vmach.commands.options import (
+    AsJson,
+    Control,
+    JobPath,
+    Model,
+    OutDir,
+    command_line,
+    input_files,
+)
 from vmach.files.atomic import check_folder, check_outputs
 
 __all__ = ["compare", "run"]
@@ -25,13 +33,16 @@ def run(
         Path | None, typer.Option(help="also write the coloured part: .glb, .3mf or .stl")
     ] = None,
     as_json: AsJson = False,
+    control: Control = None,
 ) -> None:
     """Machine the part virtually and compare it with its nominal CAD."""
     variants = (Variant.NONE,) if model is Variant.NONE else (Variant.NONE, model)
     _machine(job, model, variants, out=out, part_file=part, as_json=as_json)
 
 
-def compare(job: JobPath, out: OutDir = None, as_json: AsJson = False) -> None:
+def compare(
+    job: JobPath, out: OutDir = None, as_json: AsJson = False, control: Control = None
+) -> None:
     """Error-model variants side by side, and against the measured points of the job."""
     _machine(
         job,
