@@ -4,6 +4,8 @@ The end of each compensated move waits (`compensation_queue`) until the next mov
 kind of corner it makes: tangent, convex (an arc about the corner) or concave (both moves are
 cut back to where the offset curves meet). A concave corner that the tool cannot reach is
 refused. Coordinates are those of the plane: first, second, axial.
+
+Source: NISTIR 6556 (RS274/NGC); LinuxCNC, Cutter Compensation.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
 """Frames: G54-G59.3, G10, G43, G49, G52, G92, G28, G30 and what they do to the position.
 
 Changing a frame never moves the machine; the same machine point gets new program coordinates.
+
+Source: NISTIR 6556 (RS274/NGC), coordinate systems; LinuxCNC, Coordinate Systems.
 """
 
 from __future__ import annotations

@@ -28,6 +28,11 @@ class QuadrantGlitch(Effect):
 
     name = "quadrant_glitch"
     title = "reversal spike (friction at the quadrants)"
+    commonness = 8
+    source = (
+        "equation (27) of docs/laws.md; ISO 230-4, circular tests; closed form derived here: "
+        "a spike fades as exp(-s / w)"
+    )
     parameters = (
         linear("spike_um", "displacement right after the reversal", usual=5.0),
         inner(
@@ -41,7 +46,6 @@ class QuadrantGlitch(Effect):
     usual_size = "2 to 10 um over 0.1 to 1 mm"
     confirm = "ballbar at two feeds: spikes at the quadrants, higher with feed"
     cure = "set the control's friction compensation; lubricate"
-    source = "ISO 230-4"
 
     def displacement(self, path, target, spike_um, way_mm):
         axis = LINEAR_AXES.index(target)
@@ -54,6 +58,11 @@ class Hysteresis(Effect):
 
     name = "hysteresis"
     title = "hysteresis of guide and structure"
+    commonness = 7
+    source = (
+        "equation (28) of docs/laws.md; P. Dahl, A Solid Friction Model (1968): F / F_c = 1 "
+        "- 2 exp(-s / w) after a reversal"
+    )
     parameters = (
         replace(linear("width_um", "width of the loop", usual=5.0), most=_WIDEST_LOOP_UM),
         inner(
@@ -80,6 +89,11 @@ class LateralPlay(Effect):
 
     name = "lateral_play"
     title = "lateral play of a guide"
+    commonness = 6
+    source = (
+        "equation (29) of docs/laws.md; closed form derived here: half the play to either "
+        "side, taken up as 1 - 2 exp(-s / w)"
+    )
     parameters = (
         linear("play_um", "sideways difference between both directions", usual=5.0),
         inner(
