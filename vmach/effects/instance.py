@@ -78,8 +78,8 @@ class EffectInstance:
         return moved
 
     def _is_out_of_sight(self, path: Circumstances) -> bool:
-        """Whether it acts on surfaces, and there is none."""
-        return self.effect.needs_surface and path.states.normal is None
+        """Whether readings of this kind cannot show it."""
+        return not self.effect.shows_on(path.states)
 
     def _towards(self, change: Mapping[str, Any]) -> dict[str, Any]:
         """The parameters, moved by a small share of a change."""

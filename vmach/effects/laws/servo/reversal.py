@@ -28,6 +28,11 @@ class QuadrantGlitch(Effect):
 
     name = "quadrant_glitch"
     title = "reversal spike (friction at the quadrants)"
+    commonness = 8
+    source = (
+        "equation (27) of docs/laws.md; ISO 230-4, circular tests; closed form derived here: "
+        "a spike fades as exp(-s / w)"
+    )
     parameters = (
         linear("spike_um", "displacement right after the reversal", usual=5.0),
         inner(
@@ -41,7 +46,6 @@ class QuadrantGlitch(Effect):
     usual_size = "2 to 10 um over 0.1 to 1 mm"
     confirm = "ballbar at two feeds: spikes at the quadrants, higher with feed"
     cure = "set the control's friction compensation; lubricate"
-    source = "ISO 230-4, circular tests; closed form derived here: a spike fades as exp(-s / w)"
 
     def displacement(self, path, target, spike_um, travel_mm):
         axis = LINEAR_AXES.index(target)
@@ -54,6 +58,11 @@ class Hysteresis(Effect):
 
     name = "hysteresis"
     title = "hysteresis of guide and structure"
+    commonness = 7
+    source = (
+        "equation (28) of docs/laws.md; P. Dahl, A Solid Friction Model (1968): F / F_c = 1 "
+        "- 2 exp(-s / w) after a reversal"
+    )
     parameters = (
         replace(linear("width_um", "width of the loop", usual=5.0), most=_WIDEST_LOOP_UM),
         inner(
@@ -69,7 +78,6 @@ class Hysteresis(Effect):
     usual_size = "1 to 5 um over 5 to 50 mm"
     confirm = "approach one position from both sides with different overruns"
     cure = "mend the guide's preload; always approach from one side with the same overrun"
-    source = "P. Dahl, A Solid Friction Model (1968): F / F_c = 1 - 2 exp(-s / w) after a reversal"
 
     def displacement(self, path, target, width_um, travel_mm):
         side = taken_up(path, LINEAR_AXES.index(target), travel_mm)
@@ -81,6 +89,11 @@ class LateralPlay(Effect):
 
     name = "lateral_play"
     title = "lateral play of a guide"
+    commonness = 6
+    source = (
+        "equation (29) of docs/laws.md; closed form derived here: half the play to either "
+        "side, taken up as 1 - 2 exp(-s / w)"
+    )
     parameters = (
         linear("play_um", "sideways difference between both directions", usual=5.0),
         inner(
@@ -97,7 +110,6 @@ class LateralPlay(Effect):
     usual_size = "1 to 10 um"
     confirm = "dial gauge across the guide while the axis reverses"
     cure = "set the gibs or the guide's preload"
-    source = "closed form derived here: half the play to either side, taken up as 1 - 2 exp(-s / w)"
 
     def displacement(self, path, target, play_um, take_up_mm):
         side = taken_up(path, LINEAR_AXES.index(target[0]), take_up_mm)
