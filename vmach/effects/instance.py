@@ -54,7 +54,7 @@ class EffectInstance:
         path = Circumstances(states, self.job)
         return at_contact(self._evaluate(states), path)
 
-    def left_open(self, states: PathStates) -> np.ndarray:
+    def uncertainty_patterns(self, states: PathStates) -> np.ndarray:
         """Displacements at the contact, of unit variance, by which the truth may differ.
 
         What another run may do otherwise and what is not known of the parameters, (P, 3, K) mm.

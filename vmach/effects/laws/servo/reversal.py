@@ -17,9 +17,9 @@ TAKE_UP_MM = (0.0025, 0.01, 0.03, 0.1)
 _WIDEST_LOOP_UM = 20.0
 
 
-def taken_up(path: Circumstances, axis: int, way_mm: float) -> np.ndarray:
+def taken_up(path: Circumstances, axis: int, travel_mm: float) -> np.ndarray:
     """Side of an axis, going over from -1 to +1 with the way since it reversed, (P,)."""
-    gone = np.exp(-path.travel_since_reversal_mm[:, axis] / way_mm)
+    gone = np.exp(-path.travel_since_reversal_mm[:, axis] / travel_mm)
     return path.play_side[:, axis] * (1.0 - 2.0 * gone)
 
 
@@ -36,7 +36,7 @@ class QuadrantGlitch(Effect):
     parameters = (
         linear("spike_um", "displacement right after the reversal", usual=5.0),
         inner(
-            "way_mm",
+            "travel_mm",
             "way over which it fades to 37 %",
             (0.02, 0.05, 0.1, 0.25, 0.6, 1.5),
             usual=0.3,
@@ -47,9 +47,9 @@ class QuadrantGlitch(Effect):
     confirm = "ballbar at two feeds: spikes at the quadrants, higher with feed"
     cure = "set the control's friction compensation; lubricate"
 
-    def displacement(self, path, target, spike_um, way_mm):
+    def displacement(self, path, target, spike_um, travel_mm):
         axis = LINEAR_AXES.index(target)
-        fade = np.exp(-path.travel_since_reversal_mm[:, axis] / way_mm)
+        fade = np.exp(-path.travel_since_reversal_mm[:, axis] / travel_mm)
         return along(target, -1e-3 * spike_um * path.play_side[:, axis] * fade)
 
 
@@ -66,7 +66,7 @@ class Hysteresis(Effect):
     parameters = (
         replace(linear("width_um", "width of the loop", usual=5.0), most=_WIDEST_LOOP_UM),
         inner(
-            "way_mm",
+            "travel_mm",
             "way over which it builds up to 63 %",
             (2, 4, 8, 16, 32, 64),
             usual=10.0,
@@ -79,8 +79,8 @@ class Hysteresis(Effect):
     confirm = "approach one position from both sides with different overruns"
     cure = "mend the guide's preload; always approach from one side with the same overrun"
 
-    def displacement(self, path, target, width_um, way_mm):
-        side = taken_up(path, LINEAR_AXES.index(target), way_mm)
+    def displacement(self, path, target, width_um, travel_mm):
+        side = taken_up(path, LINEAR_AXES.index(target), travel_mm)
         return along(target, -0.5e-3 * width_um * side)
 
 

@@ -115,7 +115,7 @@ class ToolWear(OfOneTool):
     cure = "change the tool earlier, or compensate its radius by way"
 
     def displacement(self, path, target, wear_um, exponent):
-        way = (path.cutting_way_mm / 10e3) ** exponent
+        way = (path.cutting_length_mm / 10e3) ** exponent
         left_mm = 1e-3 * wear_um * way * by_tool(path, target)
         return left_mm[:, None] * path.side_normal
 
