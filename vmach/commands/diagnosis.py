@@ -79,7 +79,7 @@ def diagnose(
                 program = program or str(out / written[-1])
     print(as_text(found, program=program))
     if found.verdict in ("named", "class", "partly"):
-        print(f"to put it into the model: vmach add {job} {' '.join(map(_word, found.findings))}")
+        print(f"to add it to the model: vmach add {job} {' '.join(map(_word, found.findings))}")
     if found.next_measurement is not None and program is None:
         print("--next FILE writes the program of the measurement to do next")
     if next_file is not None and program is None:
@@ -100,7 +100,7 @@ def _tell(out: Path, written: Sequence[str], possible: Sequence[str]) -> None:
     print(f"results in {out}: {', '.join(written)}")
     for name in possible:
         if name not in written and (out / name).exists():
-            print(f"{out / name} is of an earlier diagnosis; this one calls for no measurement")
+            print(f"{out / name} is from an earlier diagnosis; this one calls for no measurement")
 
 
 def add(
@@ -123,7 +123,7 @@ def add(
         path, found = add_effects(job, effects, out=out, tell=noticed.append)
     rms = read_job(path).history[-1]
     notes = [str(note) for note in noticed] + [
-        f"these measurements do not call for {e.label}: clean ones would give it as much"
+        f"these measurements do not call for {e.label}: noise alone would give it as much"
         for e in found
         if not e.is_called_for
     ]
