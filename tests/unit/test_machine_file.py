@@ -86,7 +86,7 @@ def test_file_is_read_in_mm_and_rad(write):
         ('"ECX.csv"', '"ECX.csv"\nunit = "um"', 21, ["unit 'um' of ECX", "arcsec"]),
         ('"ECX.csv"', '"ECX.csv"\ninterpolation = "fourier"', 21, ["without an order"]),
         ('"ECX.csv"', '"ECX.csv"\ninterpolation = "legendre"\norder = 5', 21, ["needs 6 points"]),
-        ("[-250, -200, -350]", "[-250, -200, -350]\nstick_out_mm = 5", 16, ["in one way"]),
+        ("[-250, -200, -350]", "[-250, -200, -350]\nstick_out_mm = 5", 16, ["in one form"]),
         ("20000", "-1", 9, ["greater than 0"]),
         ("schema = 1", "schema = 2", 1, ["schema"]),
     ],
