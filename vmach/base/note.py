@@ -62,6 +62,7 @@ class Kind(StrEnum):
     GOUGED = "gouged"
     OVERCUT = "overcut"
     ALIGNMENT = "alignment"
+    SOLID = "solid"  #: the virtual part was not cut as a solid
     DIFFERENCE = "difference"  #: of the virtual part and the nominal CAD
     # measurements
     UNIT = "unit"  #: numbers that look like those of another unit

@@ -43,7 +43,14 @@ def run(
     _machine(job, model, variants, out=out, part_file=part, as_json=as_json, solid=solid)
 
 
-def compare(job: JobPath, out: OutDir = None, as_json: AsJson = False) -> None:
+def compare(
+    job: JobPath,
+    out: OutDir = None,
+    solid: Annotated[
+        bool, typer.Option("--solid", help="also cut the virtual part as a solid")
+    ] = False,
+    as_json: AsJson = False,
+) -> None:
     """Error-model variants side by side, and against the measured points of the job."""
     _machine(
         job,
@@ -52,6 +59,7 @@ def compare(job: JobPath, out: OutDir = None, as_json: AsJson = False) -> None:
         prefer_measured=True,
         out=out,
         as_json=as_json,
+        solid=solid,
     )
 
 
