@@ -11,7 +11,15 @@ import typer
 from vmach.base.progress import progress_bar
 from vmach.base.terminal import console
 from vmach.base.variant import Variant
-from vmach.commands.options import AsJson, JobPath, Model, OutDir, command_line, input_files
+from vmach.commands.options import (
+    AsJson,
+    Control,
+    JobPath,
+    Model,
+    OutDir,
+    command_line,
+    input_files,
+)
 from vmach.errors import InputError
 from vmach.files.atomic import check_folder, check_outputs
 
@@ -33,6 +41,7 @@ def run(
         ),
     ] = None,
     as_json: AsJson = False,
+    control: Control = None,
 ) -> None:
     """Machine the part virtually and compare it with its nominal CAD."""
     variants = (Variant.NONE,) if model is Variant.NONE else (Variant.NONE, model)
@@ -50,6 +59,7 @@ def compare(
         bool, typer.Option("--solid", help="also cut the virtual part as a solid")
     ] = False,
     as_json: AsJson = False,
+    control: Control = None,
 ) -> None:
     """Error-model variants side by side, and against the measured points of the job."""
     _machine(
