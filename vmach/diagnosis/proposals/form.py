@@ -37,6 +37,12 @@ class Form:
         return f"{product}, {self.direction.words}"
 
     @property
+    def refute(self) -> str:
+        """The test that would refute it, in words."""
+        vary = " and ".join(dict.fromkeys(s.kind for s in self.states)) or "place"
+        return f"measure again with another {vary} and all else the same: readings have to follow"
+
+    @property
     def kinds(self) -> frozenset[str]:
         """Kinds of its states."""
         return frozenset(s.kind for s in self.states)

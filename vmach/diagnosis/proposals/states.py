@@ -37,6 +37,11 @@ class State:
     words: str
     code: str
 
+    @property
+    def needs_surface(self) -> bool:
+        """Whether only a machined surface has it."""
+        return "normal" in self.code or "radial" in self.code
+
     def at(self, path: Circumstances) -> np.ndarray:
         """Its values, (P,); zero where they are not known."""
         value = eval(self.code, {"np": np, "path": path})
