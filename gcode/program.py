@@ -13,8 +13,8 @@ from gcode.control.predefined import install_predefined
 from gcode.errors import ProgramError
 from gcode.geometry.arc_tolerance import ArcTolerance, arc_tolerance
 from gcode.language.dialect import Dialect
-from gcode.language.options import RunOptions
-from gcode.language.registry import choose_dialect, dialect_called
+from gcode.language.options import ControlSettings, RunOptions
+from gcode.language.registry import Recognition, choose_dialect, dialect_called
 from gcode.motion.frames import load_offsets
 from gcode.moves.clock import MachineLimits
 from gcode.moves.moves import Moves
@@ -74,6 +74,8 @@ class Program:
         Nose position at the start, where it is known.
     options : mapping
         How it was read: arguments of `read_program`.
+    assumed : str
+        Which control it was read for, and why.
     """
 
     path: Path
@@ -84,6 +86,7 @@ class Program:
     limits: MachineLimits = field(repr=False)
     home_mm: np.ndarray | None = field(repr=False)
     options: Mapping[str, object] = field(repr=False)
+    assumed: str = ""
 
     @property
     def language(self) -> type[Dialect]:
@@ -118,6 +121,7 @@ def read_program(
     dialect: str = "auto",
     arc_tolerances: str | ArcTolerance = "linuxcnc",
     block_delete: bool = False,
+    control: ControlSettings | None = None,
     machine_unit_mm: float = 1.0,
     preview: bool = False,
     max_blocks: int = 3_000_000,
@@ -149,6 +153,8 @@ def read_program(
         ``sinumerik``, ``heidenhain``.
     block_delete : bool
         Skip lines that begin with a slash.
+    control : ControlSettings, optional
+        Switches and parameters of the control; says also whether blocks are skipped.
     machine_unit_mm : float
         Unit of offsets in parameters (#5221 ...), 25.4 for a machine in inches.
     preview : bool
@@ -172,7 +178,8 @@ def read_program(
     options = {name: value for name, value in locals().items() if name not in ("path", "steps")}
     source = path if isinstance(path, Source) else Source.read(path)
     fast = len(source.data) >= _FAST_FROM if fast is None else fast
-    how = RunOptions(block_delete, max_blocks, fast)
+    settings = control or ControlSettings(block_delete=block_delete)
+    how = RunOptions(settings, max_blocks, fast)
 
     def run(spoken: type[Dialect]) -> Controller:
         controller = Controller(dict(tools or {}), arc_tolerance(arc_tolerances), machine_unit_mm,
@@ -193,22 +200,22 @@ def read_program(
         controller.trace.end()
     notes = tuple(Note(line, word, text) for (line, word), text in controller.notes.items())
     home = None if home_mm is None else np.array(home_mm, np.float64)
-    return Program(source.path, spoken.name, source, notes, controller.record,
-                   limits or MachineLimits(), home, options)  # fmt: skip
+    return Program(source.path, spoken.dialect.name, source, notes, controller.record,
+                   limits or MachineLimits(), home, options, str(spoken))  # fmt: skip
 
 
 def _run_as_recognised(
     run: Callable[[type[Dialect]], Controller], data: bytes, name: str
-) -> tuple[type[Dialect], Controller]:
+) -> tuple[Recognition, Controller]:
     """Run in the dialect of the text's head; where that is refused, in that of the whole text."""
     spoken = choose_dialect(name, data)
     try:
-        return spoken, run(spoken)
+        return spoken, run(spoken.dialect)
     except ProgramError:
         other = choose_dialect(name, data, whole=True)
-        if other is spoken:
+        if other.dialect is spoken.dialect:
             raise
-        return other, run(other)
+        return other, run(other.dialect)
 
 
 def _prepare(

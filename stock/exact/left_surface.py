@@ -3,6 +3,9 @@
 Every point of that surface lies on the envelope of some sweep, where no other sweep has taken it
 away. So lines that start on the envelopes are followed to the material's edge by the exact
 engine; the normal there comes from the edge on four lines beside it.
+
+Source: Blackmore, Leu and Wang, Computer-Aided Design 29 (1997) 629; closed form derived here:
+the normal is the cross product of two differences of the edge.
 """
 
 from __future__ import annotations
@@ -165,12 +168,12 @@ def _in_plane(
 
 
 def _heights(
-    material: Material, point: np.ndarray, normal: np.ndarray, sides: np.ndarray, way_mm: float
+    material: Material, point: np.ndarray, normal: np.ndarray, sides: np.ndarray, offset_mm: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Height of the surface on either side in two directions, (P, 2, 2), and where it is known."""
-    step = way_mm * np.stack([sides, -sides], axis=2)  # (P, side, sign, 3)
+    step = offset_mm * np.stack([sides, -sides], axis=2)  # (P, side, sign, 3)
     beside = (point[:, None, None] + step).reshape(-1, 3)
-    edges: Edges = material.edges(beside, np.repeat(normal, 4, axis=0), 2.0 * _STEEP * way_mm)
+    edges: Edges = material.edges(beside, np.repeat(normal, 4, axis=0), 2.0 * _STEEP * offset_mm)
     known = (edges.status == EdgeStatus.CUT).reshape(-1, 4).all(axis=1)
     return edges.deviation_mm.reshape(-1, 2, 2), known
 

@@ -3,6 +3,8 @@
 A discrepancy in the sense of Kennedy and O'Hagan (J. R. Statist. Soc. B 63 (2001) 425): its size
 is estimated together with the effects. The device that measured has scales and squareness of its
 own, within what is stated of it.
+
+Source: M. Kennedy and A. O'Hagan, J. R. Statist. Soc. B 63 (2001) 425.
 """
 
 from __future__ import annotations

@@ -11,6 +11,9 @@ looking in many places costs what it should. Under plain noise the chance of a f
 at most 1/b.
 
 Only inner products X^T X and X^T y enter.
+
+Source: R. Kass and A. Raftery, Bayes factors, J. Am. Stat. Assoc. 90 (1995) 773; closed form
+derived here: Gaussian integral over c. The bound 1/b is Markov's inequality.
 """
 
 from __future__ import annotations

@@ -7,6 +7,9 @@ In units of the stated standard uncertainty u the covariance of the readings of 
 with the share s that goes from point to point with the correlation r (stylus, form of the wall),
 and weights w below one for readings that stand out from their neighbours: the mean of a
 chi-squared mixture, with which a normal distribution becomes Student's t.
+
+Source: K. Lange, R. Little and J. Taylor, J. Am. Stat. Assoc. 84 (1989) 881 (Student's t as a
+mixture).
 """
 
 from __future__ import annotations

@@ -7,6 +7,9 @@ Readings y in units of their feature noise, nuisance projected out (its prior is
 with unit-variance f of members whose sizes D are known (tables, device) or unknown (discrepancy),
 effects X c, and a factor k on the stated uncertainty. Everything but k and the sizes is integrated
 in closed form; only inner products enter, so a trial of other sizes costs no pass over readings.
+
+Source: C. Rasmussen and C. Williams, Gaussian Processes for Machine Learning (2006), eq. 5.8, the
+marginal likelihood; closed form derived here: f and c integrated as normal variables.
 """
 
 from __future__ import annotations

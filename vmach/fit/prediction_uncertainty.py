@@ -1,4 +1,7 @@
-"""How far a predicted deviation can be trusted: error tables, and the effects of the job."""
+"""How far a predicted deviation can be trusted: error tables, and the effects of the job.
+
+Source: JCGM 100:2008 (GUM), eq. 13, for the combined variance.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +35,8 @@ def prediction_u_mm(prediction: Prediction) -> np.ndarray:
 def _variance(prediction: Prediction, states: PathStates, normals: np.ndarray) -> np.ndarray:
     job = prediction.preparation.job
     parts = [
-        np.einsum("pi,pik->pk", normals, effect.left_open(states)) for effect in prediction.effects
+        np.einsum("pi,pik->pk", normals, effect.uncertainty_patterns(states))
+        for effect in prediction.effects
     ]
     if prediction.variant is not Variant.NONE:
         tables = TableUncertainty.of(job.machine)

@@ -1,4 +1,8 @@
-"""All measurements of a job side by side: what is to be explained, and with what uncertainty."""
+"""All measurements of a job side by side: what is to be explained, and with what uncertainty.
+
+Source: JCGM 100:2008 (GUM), covariances of the readings as F F^T; closed form derived here: free
+offsets are projected out.
+"""
 
 from __future__ import annotations
 
@@ -188,5 +192,5 @@ class Survey:
 
 
 def _can_show(measurement: Measurement, effect: Effect) -> bool:
-    """Whether it is of a machined surface, where the effect needs one."""
-    return measurement.on_part or not effect.needs_surface
+    """Whether its readings can show the effect, as of a machined surface where it needs one."""
+    return effect.shows_on(measurement.states)

@@ -1,4 +1,8 @@
-"""Readings with correlated uncertainty and free nuisance, turned into plain unit noise."""
+"""Readings with correlated uncertainty and free nuisance, turned into plain unit noise.
+
+Source: A. Aitken, Proc. R. Soc. Edinburgh 55 (1936) 42 (generalised least squares); closed form
+derived here: 1 + F F^T has the root of its eigenvalues where F has columns, 1 elsewhere.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""The circumstances under which the tool made a point: everything an effect may depend on."""
+"""The circumstances under which the tool made a point: everything an effect may depend on.
+
+Source: closed form derived here: positions, directions and histories of the rigid nominal
+machine, as each property states.
+"""
 
 from __future__ import annotations
 
@@ -250,9 +254,9 @@ class Circumstances:
         return 1 + np.flatnonzero(np.diff(self.moves.tool))
 
     @property
-    def cutting_way_mm(self) -> np.ndarray:
+    def cutting_length_mm(self) -> np.ndarray:
         """Way that the tool has gone at feed so far, (P,)."""
-        return self.history.cutting_way_mm(self.states.move, self.states.parameter)
+        return self.history.cutting_length_mm(self.states.move, self.states.parameter)
 
     @cached_property
     def feed_per_tooth_mm(self) -> np.ndarray:

@@ -2,6 +2,9 @@
 
 Everything is worked out once per program on a polyline of the path, whose corners are the ends
 of moves and, on arcs, points close enough together, among them those where an axis reverses.
+
+Source: M. Krasnosel'skii and A. Pokrovskii, Systems with Hysteresis (1989), play operator; closed
+form derived here: warmth as in `vmach.path.heat_history`.
 """
 
 from __future__ import annotations
@@ -93,7 +96,7 @@ class MotionHistory:
         start_s = self.moves.start_s[move] + (key[:-1] - move) * duration
         return HeatHistory(corner, start_s, np.diff(key) * duration)
 
-    def cutting_way_mm(self, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
+    def cutting_length_mm(self, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
         """Way that the tool in the spindle has gone at feed since the program's start, (P,)."""
         moves = self.moves
         feeding = moves.at_feed

@@ -1,4 +1,8 @@
-"""Predicted deviation of surface points: the displaced path, swept exactly."""
+"""Predicted deviation of surface points: the displaced path, swept exactly.
+
+Source: closed form derived here: the tip stands at nominal + e, and the surface is what the tool
+sweeps there; deviation = distance along the nominal normal (docs/engine.md).
+"""
 
 from __future__ import annotations
 
@@ -34,7 +38,7 @@ class ActingEffect(Protocol):
     def at_surface(self, states: PathStates) -> np.ndarray:
         """Further displacement of the cutting edge at the contact, (P, 3) mm."""
 
-    def left_open(self, states: PathStates) -> np.ndarray:
+    def uncertainty_patterns(self, states: PathStates) -> np.ndarray:
         """Displacements at the contact, of unit variance, by which the truth may differ."""
 
 

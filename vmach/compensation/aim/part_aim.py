@@ -1,4 +1,7 @@
-"""The program aimed at the part: its path shifted so that the surface is centred."""
+"""The program aimed at the part: its path shifted so that the surface is centred.
+
+Source: closed form derived here: shifts that centre the deviations; the fit is in `shift_fit`.
+"""
 
 from __future__ import annotations
 
@@ -80,7 +83,7 @@ def aim_at_part(
         Of the tool, from where it shall be.
     """
     moves = iteration.preparation.path.nodes.moves
-    shift = no_shift(moves, found.plan, iteration.rewriter.said & ~iteration.stuck)
+    shift = no_shift(moves, found.plan, iteration.rewriter.programmed & ~iteration.stuck)
     before = now = best = view.deviation(found.run)
     kept, rounds, demand = (found, shift), 0, None
     for number in range(1, _ROUNDS + 1):

@@ -13,6 +13,12 @@ class GravitySag(Effect):
 
     name = "gravity_sag"
     title = "sag of a beam or ram under its weight"
+    commonness = 17
+    source = (
+        "equation (18) of docs/laws.md; Euler-Bernoulli beam on two supports: a load at u "
+        "sinks by (1 - u^2)^2 of its sag at the middle, 1 - 2 u^2 near there, so that sag_um "
+        "is negative for such a beam under the tool"
+    )
     parameters = (
         linear("sag_um", "drop at the ends of the travel against its middle", usual=10.0),
     )
@@ -31,6 +37,10 @@ class TableLoadSag(Effect):
 
     name = "table_load_sag"
     title = "sag of the table under the workpiece"
+    commonness = 3
+    source = (
+        "equation (32) of docs/laws.md; Euler-Bernoulli cantilever, P L^3 / (3 E I), L the overhang"
+    )
     parameters = (linear("sag_um", "drop at the ends of the travel", usual=10.0),)
     targets = ("X", "Y")
     rarity = 2.5

@@ -20,6 +20,11 @@ class AxisExpansion(Effect):
 
     name = "axis_expansion"
     title = "expansion of the warm screw"
+    commonness = 25
+    source = (
+        "equation (10) of docs/laws.md; ISO 230-3, distortion by moving axes; closed form "
+        "derived here: alpha dT (q - q_fixed), dT by Newton's law"
+    )
     parameters = (
         linear("expansion_ppm", "stretch when warm at a mean speed of 100 mm/min", usual=40.0),
         linear("local_ppm", "further stretch, most where the nut works", usual=40.0),

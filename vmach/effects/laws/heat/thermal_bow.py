@@ -12,6 +12,11 @@ class ThermalBow(OfWarmthByTime):
 
     name = "thermal_bow"
     title = "bed or beam that bows as one side of it warms"
+    commonness = 16
+    source = (
+        "equation (19) of docs/laws.md; closed form derived here: a beam of height h bends "
+        "by alpha dT / h, which is an arch alpha dT l^2 / (8 h) over its length l"
+    )
     parameters = (
         linear("bow_um", "rise of the tool against the part at mid-travel when warm", usual=10.0),
         OfWarmthByTime.time_constant("time to reach 63 % of the final bow"),

@@ -12,6 +12,11 @@ class ToolGrowth(Effect):
 
     name = "tool_growth"
     title = "growth of the tools in the cut"
+    commonness = 15
+    source = (
+        "equation (20) of docs/laws.md; closed form derived here: one body warms by Newton's "
+        "law, dL = alpha L dT"
+    )
     parameters = (
         linear("growth_um", "lengthening when warm", usual=10.0, is_size=True),
         inner(

@@ -1,4 +1,8 @@
-"""What happens at one moment: which moments the points tell apart, and how likely each is."""
+"""What happens at one moment: which moments the points tell apart, and how likely each is.
+
+Source: M. Abramowitz and I. Stegun, Handbook of Mathematical Functions (1964), table 25.4:
+Gauss-Legendre rule of three points.
+"""
 
 import math
 
@@ -21,6 +25,8 @@ def moment(meaning: str):
 
 class Sudden(Effect):
     """Base of the effects that begin at one moment, their inner parameter ``time_s``."""
+
+    is_sudden = True
 
     def sees(self, path, target) -> np.ndarray:
         """Which states could show it, (P,) bool."""

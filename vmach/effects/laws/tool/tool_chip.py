@@ -15,6 +15,11 @@ class ToolChip(Sudden, OfOneTool):
 
     name = "tool_chip"
     title = "tool whose edge chipped"
+    commonness = 11
+    source = (
+        "equation (24) of docs/laws.md; closed form derived here: radius and length change "
+        "by a step in time"
+    )
     parameters = (
         linear("radius_um", "loss of cutting radius", usual=10.0, is_size=True),
         linear("length_um", "loss of length", usual=10.0, is_size=True),

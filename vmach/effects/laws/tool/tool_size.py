@@ -13,6 +13,7 @@ class OfOneTool(Effect):
     """Base of the effects that belong to one tool; the target is its number: ``T1``."""
 
     targets = ()
+    is_of_one_tool = True
 
     def possible_targets(self, job):
         return tuple(f"T{number}" for number in job.tools)
@@ -26,7 +27,14 @@ class ToolRadius(OfOneTool):
 
     name = "tool_radius"
     title = "radius of the tool"
+    commonness = 29
+    source = (
+        "equation (6) of docs/laws.md; closed form derived here: a wall lies off by the "
+        "change of radius, along its normal"
+    )
     parameters = (linear("radius_um", "true minus stated radius", usual=10.0),)
+    is_never_exact = imitates_as_team = True
+    signature = "radius of one tool"
     needs_surface = True
     usual_size = "5 to 20 um; regrinds more"
     confirm = "measure the tool; compare a boss and a bore, whose sizes err in opposite ways"
@@ -45,6 +53,11 @@ class Runout(OfOneTool):
 
     name = "runout"
     title = "runout of the tool"
+    commonness = 9
+    source = (
+        "equation (26) of docs/laws.md; closed form derived here: a flute of radius R leaves "
+        "marks f^2 / (8 R) high, f^2 / (24 R) in the mean"
+    )
     parameters = (
         replace(
             linear("runout_um", "growth of the cutting radius", usual=10.0, is_size=True),
@@ -58,6 +71,8 @@ class Runout(OfOneTool):
         ),
     )
     needs_surface = True
+    imitates_as_team = True
+    signature = "radius of one tool"
     rarity = 1.0
     usual_size = "3 to 20 um"
     confirm = "dial gauge on the shank at two heights, spindle turned by hand"
@@ -75,6 +90,11 @@ class ToolWear(OfOneTool):
 
     name = "tool_wear"
     title = "wear of the tool"
+    commonness = 26
+    source = (
+        "equation (9) of docs/laws.md; ISO 8688-2, tool life in end milling; the power of "
+        "the way cut is empirical"
+    )
     parameters = (
         linear(
             "wear_um", "loss of radius after the first ten metres of cut", usual=5.0, is_size=True
@@ -95,7 +115,7 @@ class ToolWear(OfOneTool):
     cure = "change the tool earlier, or compensate its radius by way"
 
     def displacement(self, path, target, wear_um, exponent):
-        way = (path.cutting_way_mm / 10e3) ** exponent
+        way = (path.cutting_length_mm / 10e3) ** exponent
         left_mm = 1e-3 * wear_um * way * by_tool(path, target)
         return left_mm[:, None] * path.side_normal
 
@@ -105,7 +125,13 @@ class ToolLength(OfOneTool):
 
     name = "tool_length"
     title = "length of the tool"
+    commonness = 28
+    source = (
+        "equation (7) of docs/laws.md; closed form derived here: a floor lies off by the "
+        "change of length"
+    )
     parameters = (linear("length_um", "true minus stated length", usual=15.0),)
+    is_never_exact = imitates_as_team = True
     needs_surface = True
     usual_size = "5 to 30 um"
     confirm = "touch off all tools on one surface"

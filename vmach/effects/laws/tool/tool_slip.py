@@ -17,6 +17,11 @@ class ToolSlip(Sudden, OfOneTool):
 
     name = "tool_slip"
     title = "tool that slipped in its holder"
+    commonness = 12
+    source = (
+        "equation (23) of docs/laws.md; closed form derived here: the length changes by a "
+        "step in time"
+    )
     parameters = (
         linear("slip_um", "how far it came out", usual=15.0),
         moment("when it slipped"),

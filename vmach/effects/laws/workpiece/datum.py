@@ -14,6 +14,11 @@ class Fixture(Effect):
 
     name = "fixture"
     title = "clamping of one set-up against the first"
+    commonness = 14
+    source = (
+        "equation (21) of docs/laws.md; closed form derived here: a rigid body that is "
+        "shifted and turned a little: d + w x p"
+    )
     parameters = (
         linear("shift_x_um", "shift of the tool against the part along X", usual=30.0),
         linear("shift_y_um", "along Y", usual=30.0),
@@ -49,6 +54,8 @@ class DatumShift(Sudden):
 
     name = "datum_shift"
     title = "sudden shift of the datum (collision, slipped clamping)"
+    commonness = 13
+    source = "equation (22) of docs/laws.md; closed form derived here: a step in time"
     parameters = (
         linear("shift_x_um", "shift of the tool against the part along X", usual=15.0),
         linear("shift_y_um", "along Y", usual=15.0),

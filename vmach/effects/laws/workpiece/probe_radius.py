@@ -15,6 +15,11 @@ class ProbeRadius(Effect):
 
     name = "probe_radius"
     title = "effective radius of the measuring probe"
+    commonness = 10
+    source = (
+        "equation (25) of docs/laws.md; ISO 10360-5, probing systems; closed form derived "
+        "here: a radius off by c shifts each surface by n c"
+    )
     parameters = (linear("radius_um", "deviation seen on every surface", usual=5.0),)
     targets = ("",)
     needs_surface = True

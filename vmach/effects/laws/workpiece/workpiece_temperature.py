@@ -10,6 +10,11 @@ class WorkpieceTemperature(Effect):
 
     name = "workpiece_temperature"
     title = "temperature of the workpiece while it was cut"
+    commonness = 31
+    source = (
+        "equation (4) of docs/laws.md; ISO 1, reference temperature; closed form derived "
+        "here: -alpha dT p"
+    )
     parameters = (
         linear("expansion_ppm", "stretch while cut: expansion coefficient x warming", usual=20.0),
     )

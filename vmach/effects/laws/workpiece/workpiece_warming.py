@@ -18,6 +18,11 @@ class WorkpieceWarming(OfWarmthByTime):
 
     name = "workpiece_warming"
     title = "workpiece that warms while it is cut"
+    commonness = 20
+    source = (
+        "equation (15) of docs/laws.md; ISO 1, reference temperature; closed form derived "
+        "here: -alpha dT(t) p, dT by Newton's law"
+    )
     parameters = (
         replace(
             linear("expansion_ppm", "stretch when warm: expansion coefficient x warming", usual=20),
