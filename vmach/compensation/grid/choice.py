@@ -119,16 +119,23 @@ def best_points(course, exact, points, ends, count):
 
 @njit(cache=True)
 def best_sequence(course, exact, points):
-    """Point of every end, (K,), so that the sum of costs along the path is smallest."""
+    """Point of every end, (K,), so that the sum of costs along the path is smallest.
+
+    No piece costs less than nothing: what is dearer before a piece than the best so far behind it
+    needs no look. Of equals the first counts.
+    """
     ends, tries = points.parameter.shape
     came_from = np.zeros((ends, tries), np.int64)
     total = np.array([_left(course, 0, exact, 0, 0, points, 0, j) for j in range(tries)])
     for k in range(1, ends):
         now = np.full(tries, np.inf)
+        cheapest_first = np.argsort(total)
         for j in range(tries):
-            for i in range(tries):
+            for i in cheapest_first:
+                if total[i] > now[j]:
+                    break
                 cost = total[i] + _left(course, k, points, k - 1, i, points, k, j)
-                if cost < now[j]:
+                if cost < now[j] or (cost == now[j] and i < came_from[k, j]):
                     now[j], came_from[k, j] = cost, i
         total = now - now.min()
     best = np.zeros(ends, np.int64)
