@@ -1,6 +1,6 @@
 """The best sequence of grid points, against every sequence there is."""
 
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def cost(course, points, chosen):
     """The sum over the probes and ends of x^2 + 16 x^8, written out once more."""
     place = np.vstack([np.zeros(3), points.at_end[np.arange(ENDS), chosen]])
     total = 0.0
-    for k, (start, end) in enumerate(zip(place[:-1], place[1:], strict=True)):
+    for k, (start, end) in enumerate(pairwise(place)):
         rows = slice(k * PROBES, (k + 1) * PROBES)
         share = course.parameter[rows][:, None]
         there = start + share * (end - start)
