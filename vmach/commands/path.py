@@ -11,7 +11,7 @@ import typer
 
 from vmach.base.progress import progress_bar
 from vmach.base.variant import Variant
-from vmach.commands.options import AsJson, JobPath, Model, input_files
+from vmach.commands.options import AsJson, Control, JobPath, Model, input_files
 from vmach.files.atomic import check_outputs
 
 __all__ = ["path"]
@@ -24,6 +24,7 @@ def path(
         Path | None, typer.Option("-o", "--out", help="table to write: .csv, .npz, .parquet")
     ] = None,
     as_json: AsJson = False,
+    control: Control = None,
 ) -> None:
     """Error of the tool tip along the program, whatever it cuts."""
     from vmach.files.table_file import check_table_file, write_table

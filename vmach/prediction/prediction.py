@@ -38,7 +38,7 @@ class ActingEffect(Protocol):
     def at_surface(self, states: PathStates) -> np.ndarray:
         """Further displacement of the cutting edge at the contact, (P, 3) mm."""
 
-    def left_open(self, states: PathStates) -> np.ndarray:
+    def uncertainty_patterns(self, states: PathStates) -> np.ndarray:
         """Displacements at the contact, of unit variance, by which the truth may differ."""
 
 
