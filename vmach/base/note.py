@@ -49,6 +49,7 @@ class Kind(StrEnum):
     LENGTH = "length"
     TOOL = "tool"  #: which tool is in the spindle
     TOOL_OFFSET = "tool offset"
+    CONTROL = "control"  #: which one the program was read for
     TILT = "tilt"  #: of the tool, which three axes cannot correct
     COLLISION = "collision"
     TRAVEL = "travel"
@@ -62,6 +63,7 @@ class Kind(StrEnum):
     GOUGED = "gouged"
     OVERCUT = "overcut"
     ALIGNMENT = "alignment"
+    SOLID = "solid"  #: the virtual part was not cut as a solid
     DIFFERENCE = "difference"  #: of the virtual part and the nominal CAD
     # measurements
     UNIT = "unit"  #: numbers that look like those of another unit
