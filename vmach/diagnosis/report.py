@@ -10,6 +10,7 @@ from vmach.diagnosis.diagnose import Diagnosis
 from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.residuals.where_it_fails import Failure
 from vmach.diagnosis.words import beyond_noise, describe, expected, nearest, what_is_left
+from vmach.effects.declaration import unit_of
 from vmach.files.atomic import atomic_file
 
 __all__ = ["as_json", "as_text", "write_figures"]
@@ -40,7 +41,7 @@ def as_json(found: Diagnosis, *, program: str | None = None) -> dict[str, Any]:
             "text": following.text,
             "program": program,
         },
-        "blind_spots": [vars(spot) for spot in found.blind_spots],
+        "blind_spots": [vars(b) | {"unit": unit_of(b.parameter)} for b in found.blind_spots],
         "nearest": _nearest(found),
         "left_unexplained": {name: round(value, 2) for name, value in found.left.items()},
         "notes": list(found.notes),
