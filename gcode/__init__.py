@@ -4,6 +4,7 @@ from gcode.canon import canon_calls, canon_lines
 from gcode.errors import ProgramError, UnknownToolError
 from gcode.geometry.arc_tolerance import ARC_TOLERANCES, ArcTolerance
 from gcode.language.dialect import Dialect
+from gcode.language.options import INCREMENT_SYSTEMS, ControlSettings
 from gcode.language.registry import dialect_called, dialect_name, dialect_names, dialect_of
 from gcode.moves.clock import MachineLimits
 from gcode.moves.moves import MoveKind, Moves
@@ -16,9 +17,10 @@ from gcode.text.source import Source, Word
 from gcode.writing.block_text import BlockText, Labels
 from gcode.writing.line_edit import AS_PROGRAMMED, SAME, UNKNOWN, BlockMotion, LineEdit
 
-__all__ = ["ARC_TOLERANCES", "AS_PROGRAMMED", "SAME", "UNKNOWN", "WORK_OFFSETS", "ArcTolerance",
-           "BlockMotion", "BlockText", "Dialect", "Labels", "LineEdit", "MachineLimits", "Modes",
-           "MoveKind", "Moves", "Note", "OffsetEntry", "Program", "ProgramError", "Source", "Step",
-           "ToolEntry", "UnknownToolError", "Word", "block_items", "canon_calls", "canon_lines",
+__all__ = ["ARC_TOLERANCES", "AS_PROGRAMMED", "INCREMENT_SYSTEMS", "SAME", "UNKNOWN",
+           "WORK_OFFSETS", "ArcTolerance", "BlockMotion", "BlockText", "ControlSettings",
+           "Dialect", "Labels", "LineEdit", "MachineLimits", "Modes", "MoveKind", "Moves", "Note",
+           "OffsetEntry", "Program", "ProgramError", "Source", "Step", "ToolEntry",
+           "UnknownToolError", "Word", "block_items", "canon_calls", "canon_lines",
            "dialect_called", "dialect_name", "dialect_names", "dialect_of", "read_program",
            "read_tool_table"]  # fmt: skip

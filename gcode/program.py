@@ -13,7 +13,7 @@ from gcode.control.predefined import install_predefined
 from gcode.errors import ProgramError
 from gcode.geometry.arc_tolerance import ArcTolerance, arc_tolerance
 from gcode.language.dialect import Dialect
-from gcode.language.options import RunOptions
+from gcode.language.options import ControlSettings, RunOptions
 from gcode.language.registry import choose_dialect, dialect_called
 from gcode.motion.frames import load_offsets
 from gcode.moves.clock import MachineLimits
@@ -124,6 +124,7 @@ def read_program(
     dialect: str = "auto",
     arc_tolerances: str | ArcTolerance = "linuxcnc",
     block_delete: bool = False,
+    control: ControlSettings | None = None,
     machine_unit_mm: float = 1.0,
     preview: bool = False,
     max_blocks: int = 3_000_000,
@@ -155,6 +156,8 @@ def read_program(
         ``sinumerik``, ``heidenhain``.
     block_delete : bool
         Skip lines that begin with a slash.
+    control : ControlSettings, optional
+        Switches and parameters of the control; says also whether blocks are skipped.
     machine_unit_mm : float
         Unit of offsets in parameters (#5221 ...), 25.4 for a machine in inches.
     preview : bool
@@ -178,7 +181,8 @@ def read_program(
     options = {name: value for name, value in locals().items() if name not in ("path", "steps")}
     source = path if isinstance(path, Source) else Source.read(path)
     fast = len(source.data) >= _FAST_FROM if fast is None else fast
-    how = RunOptions(block_delete, max_blocks, fast)
+    settings = control or ControlSettings(block_delete=block_delete)
+    how = RunOptions(settings, max_blocks, fast)
 
     def run(spoken: type[Dialect]) -> Controller:
         controller = Controller(dict(tools or {}), arc_tolerance(arc_tolerances), machine_unit_mm,

@@ -1,10 +1,25 @@
-"""Haas: read as Fanuc is."""
+"""Haas: Fanuc's language with other defaults."""
 
 from __future__ import annotations
 
 from gcode.dialects.fanuc import Fanuc
+from gcode.dialects.fanuc.reader import FanucReader
+from gcode.dialects.fanuc.settings import HAAS_COLUMNS, HAAS_M, FanucSettings
 
 __all__ = ["Haas"]
+
+
+class HaasReader(FanucReader):
+    """Runs a Haas program."""
+
+    settings = FanucSettings(
+        columns=HAAS_COLUMNS,
+        radius_in_d=False,
+        pointed_p_is_seconds=True,
+        pointless_factor=True,
+        builder_m=HAAS_M,
+        peck_clearance_mm=1.27,
+    )
 
 
 class Haas(Fanuc):
@@ -14,4 +29,11 @@ class Haas(Fanuc):
     title = "Haas NGC"
     source = "Haas Automation, Mill Operator's Manual 96-8210"
     marks = None
+    rank = 60
+    reader = HaasReader
     reads = ("linuxcnc", "fanuc")
+
+    @classmethod
+    def detect(cls, text: str) -> bool:
+        """Never: its programs are Fanuc's until somebody says so."""
+        return False

@@ -36,5 +36,5 @@ class LinuxCnc(Dialect):
     @classmethod
     def run(cls, controller: Controller, source: Source, options: RunOptions) -> None:
         """Obey a program line by line, or a stretch of plain motion at a time."""
-        run_rs274(controller, source, block_delete=options.block_delete,
+        run_rs274(controller, source, block_delete=options.skips(1),
                   max_blocks=options.max_blocks, fast=options.fast)  # fmt: skip

@@ -1,4 +1,8 @@
-"""How far apart the two radii of an arc may be, control by control."""
+"""How far apart the two radii of an arc may be, control by control.
+
+Source: LinuxCNC, G-Codes and its interpreter; Grbl 1.1, Settings; SINUMERIK machine data 21000
+and 21010; HEIDENHAIN MP 7431.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Geometry of G2 and G3: centre from I J K or R, checks, swept angle."""
+"""Geometry of G2 and G3: centre from I J K or R, checks, swept angle.
+
+Source: NISTIR 6556 (RS274/NGC), G2 and G3; closed form derived here: centre = middle of the chord
++ sqrt(R^2 - (chord / 2)^2) across it.
+"""
 
 from __future__ import annotations
 

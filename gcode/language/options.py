@@ -1,10 +1,42 @@
-"""How a program is run."""
+"""How a program is run, and how its control is set."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["RunOptions"]
+from gcode.errors import ProgramError
+
+__all__ = ["INCREMENT_SYSTEMS", "ControlSettings", "RunOptions"]
+
+#: what a number without a decimal point counts, see `gcode.dialects.fanuc.block`
+INCREMENT_SYSTEMS = ("calculator", "IS-A", "IS-B", "IS-C")
+
+
+@dataclass(frozen=True)
+class ControlSettings:
+    """Switches and parameters of a control that the program does not say.
+
+    Attributes
+    ----------
+    increment : str or None
+        One of `INCREMENT_SYSTEMS`; None where nobody has said it.
+    block_delete : bool or frozenset of int
+        Skip blocks that begin with a slash; or those of some switches, 1 for a bare slash.
+    ignore_m : frozenset of int
+        Machine builder's M codes that move nothing.
+    options : tuple of str
+        Options of the dialect, as ``start-up B``.
+    """
+
+    increment: str | None = None
+    block_delete: bool | frozenset[int] = False
+    ignore_m: frozenset[int] = frozenset()
+    options: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.increment is not None and self.increment not in INCREMENT_SYSTEMS:
+            raise ProgramError(f"increment = '{self.increment}'",
+                               accepted=", ".join(INCREMENT_SYSTEMS))  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -13,14 +45,18 @@ class RunOptions:
 
     Attributes
     ----------
-    block_delete : bool
-        Skip blocks that begin with a slash.
+    control : ControlSettings
     max_blocks : int
         Give up after so many blocks.
     fast : bool
         Use the compiled reader for plain motion, where the dialect has it.
     """
 
-    block_delete: bool
+    control: ControlSettings
     max_blocks: int
     fast: bool
+
+    def skips(self, switch: int) -> bool:
+        """Whether the blocks of a switch of the optional block skip are skipped."""
+        wanted = self.control.block_delete
+        return wanted if isinstance(wanted, bool) else switch in wanted

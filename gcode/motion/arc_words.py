@@ -1,4 +1,8 @@
-"""Words of G2 and G3: which may stand together, and the centre that they give."""
+"""Words of G2 and G3: which may stand together, and the centre that they give.
+
+Source: T. Kramer, F. Proctor and E. Messina, The NIST RS274NGC Interpreter - Version 3, NISTIR
+6556 (2000); LinuxCNC, G-Codes.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""The path of the tool's centre at one block of cutter compensation, and points of its plane."""
+"""The path of the tool's centre at one block of cutter compensation, and points of its plane.
+
+Source: LinuxCNC, Cutter Compensation; closed form derived here: an offset line or arc is parallel
+at the radius.
+"""
 
 from __future__ import annotations
 

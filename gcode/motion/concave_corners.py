@@ -1,6 +1,9 @@
 """Where two compensated moves meet in a concave corner: the end at which the first one stops.
 
 A corner that the tool cannot reach is refused.
+
+Source: LinuxCNC, Cutter Compensation; closed form derived here: the crossing of two offset lines
+or circles.
 """
 
 from __future__ import annotations

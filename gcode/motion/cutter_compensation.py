@@ -4,6 +4,8 @@ The end of each compensated move waits (`compensation_queue`) until the next mov
 kind of corner it makes: tangent, convex (an arc about the corner) or concave (both moves are
 cut back to where the offset curves meet). A concave corner that the tool cannot reach is
 refused. Coordinates are those of the plane: first, second, axial.
+
+Source: NISTIR 6556 (RS274/NGC); LinuxCNC, Cutter Compensation.
 """
 
 from __future__ import annotations
@@ -91,7 +93,7 @@ def _cancel(controller: Controller) -> None:
         controller.position[:3] = controller.programmed
         controller.straight_only = True
     controller.side = 0
-    controller.entering = True
+    controller.entering, controller.starting = True, False
 
 
 def straight(controller: Controller, motion: str, end: list[float]) -> None:
@@ -99,6 +101,9 @@ def straight(controller: Controller, motion: str, end: list[float]) -> None:
     path = CompensatedPath(controller, end)
     call = Call.FEED if motion == "G1" else Call.TRAVERSE
     level = end[path.axial]
+    if controller.entering and controller.start_up:
+        _begin_start_up(path, call, level)
+        return
     if controller.entering:
         if distance(path.current, path.end) <= path.radius:
             raise ProgramError("entry move of cutter compensation is not longer than the tool "
@@ -116,9 +121,55 @@ def straight(controller: Controller, motion: str, end: list[float]) -> None:
         return
     heading = math.atan2(along[1], along[0])
     target = beside(path.end, path.radius, heading + path.side * QUARTER)
+    _end_start_up(path, heading)
     _corner_before_line(path, call, heading)
     path.add_line(call, target, along, level=level)
     path.finish(target)
+
+
+def _begin_start_up(path: CompensatedPath, call: Call, level: float) -> None:
+    """The first line of Fanuc's compensation: its end waits for the line or arc behind it."""
+    path.queue.start = path.current
+    path.add_line(call, path.end, (0.0, 0.0), level=level)
+    path.finish(path.end)
+    path.controller.starting = True
+
+
+def _end_start_up(path: CompensatedPath, heading: float) -> None:
+    """Type A: the first line ends square beside the start of the next move.
+
+    FANUC B-64484EN-2 6.7.2, "Tool movement in start-up".
+    """
+    if not path.controller.starting:
+        return
+    path.controller.starting = False
+    beside_start = beside(path.programmed, path.radius, heading + path.side * QUARTER)
+    path.release_to(beside_start)
+    path.current = beside_start
+
+
+def _extended_corner(path: CompensatedPath, theta: float, heading: float) -> Point:
+    """Fanuc's outer corner: both moves go on straight, to where they meet or by the tool's radius.
+
+    FANUC B-64484EN-2 6.7.3, parameter 19607#2 CCC = 0. Gives where the next move begins.
+    """
+    turn = abs(math.remainder(heading + path.side * QUARTER - theta, 2.0 * math.pi))
+    reach = path.radius * (math.tan(turn / 2.0) if turn <= QUARTER + 1e-9 else 1.0)
+    ahead = theta - path.side * QUARTER
+    first = beside(path.current, reach, ahead)
+    onset = beside(path.programmed, path.radius, heading + path.side * QUARTER)
+    second = beside(onset, -reach, heading)
+    before = path.queue.first
+    if before is not None and not before.turns:
+        path.release_to(first)
+    else:
+        path.release_to(path.current)
+        path.add_line(Call.FEED, first, (0.0, 0.0), level=path.level)
+    if distance(first, second) > 1e-9 * path.radius:
+        path.add_line(Call.FEED, second, (0.0, 0.0), level=path.level)
+    path.queue.release()
+    path.queue.start = second
+    return onset
 
 
 def _corner_before_line(path: CompensatedPath, call: Call, heading: float) -> None:
@@ -135,6 +186,8 @@ def _corner_before_line(path: CompensatedPath, call: Call, heading: float) -> No
             path.release_to(line_after_arc(path, before, heading))
         else:
             path.release_to(line_after_line(path, beta, theta))
+    elif beta > _TANGENT and path.controller.start_up:
+        _extended_corner(path, theta, heading)
     elif beta > _TANGENT:
         path.release_to(path.current)
         middle = beside(path.programmed, path.radius, heading + path.side * QUARTER)
@@ -161,6 +214,9 @@ def arc(controller: Controller, block: Values, end: list[float]) -> None:
         Programmed end X Y Z A B C.
     """
     path = CompensatedPath(controller, end)
+    if controller.entering and controller.start_up:
+        raise ProgramError("cutter compensation begins with an arc",
+                           accepted="G41 or G42 in a block with G0 or G1")
     if controller.entering:
         _entry_arc(path, block)
     else:
@@ -214,6 +270,8 @@ def _following_arc(path: CompensatedPath, block: Values) -> None:
     radius, inside = distance(centre, path.end), path.inside(turns)
     if inside and radius <= path.radius:
         raise ProgramError(f"tool radius {path.radius:g} is not less than arc radius {radius:g}")
+    heading = direction(start, centre) + (-QUARTER if turns > 0 else QUARTER)
+    _end_start_up(path, heading)
     theta = direction(start, path.current) - path.side * QUARTER
     delta = direction(start, centre)
     alpha = delta + (-QUARTER if turns > 0 else QUARTER)
@@ -233,6 +291,11 @@ def _following_arc(path: CompensatedPath, block: Values) -> None:
         else:
             path.release_to(arc_after_line(path, centre, turns, radius=radius, beta=beta,
                                             theta=theta))  # fmt: skip
+    elif beta > _TANGENT and path.controller.start_up:
+        onset = _extended_corner(path, direction(start, path.current), heading)
+        path.add_line(Call.FEED, onset, (0.0, 0.0), level=path.level)
+        path.queue.release()
+        path.queue.start = onset
     elif beta > _TANGENT:
         middle = beside(start, path.radius, delta if inside else delta + HALF)
         path.queue.release()

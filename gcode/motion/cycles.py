@@ -1,4 +1,7 @@
-"""Canned cycles G73, G74, G76, G81-G89: drilling, tapping, boring, threading as plain moves."""
+"""Canned cycles G73, G74, G76, G81-G89: drilling, tapping, boring, threading as plain moves.
+
+Source: NISTIR 6556 (RS274/NGC), canned cycles; LinuxCNC, G-Codes.
+"""
 
 from __future__ import annotations
 

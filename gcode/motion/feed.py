@@ -1,4 +1,7 @@
-"""Feed of a block: whether there is one, and what F means in inverse time mode."""
+"""Feed of a block: whether there is one, and what F means in inverse time mode.
+
+Source: NISTIR 6556 (RS274/NGC), G93; LinuxCNC, G-Codes.
+"""
 
 from __future__ import annotations
 

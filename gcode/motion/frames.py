@@ -1,6 +1,8 @@
 """Frames: G54-G59.3, G10, G43, G49, G52, G92, G28, G30 and what they do to the position.
 
 Changing a frame never moves the machine; the same machine point gets new program coordinates.
+
+Source: NISTIR 6556 (RS274/NGC), coordinate systems; LinuxCNC, Coordinate Systems.
 """
 
 from __future__ import annotations
@@ -14,8 +16,8 @@ from gcode.state.codes import AXES
 from gcode.state.controller import WORK_OFFSETS, Controller, rotate
 from gcode.text.parameters import FIRST_SYSTEM, G28_HOME, G30_HOME, G92_APPLIED, system_base
 
-__all__ = ["axis_offsets", "end_program", "go_home", "load_offsets", "select_system", "set_home",
-           "set_tool_length", "write_tables"]  # fmt: skip
+__all__ = ["apply_system", "axis_offsets", "end_program", "go_home", "load_offsets",
+           "select_system", "set_home", "set_tool_length", "write_tables"]  # fmt: skip
 
 
 def _axis_words(block: Values) -> dict[int, float]:
@@ -55,6 +57,8 @@ def position_in_system(controller: Controller, system: int, *, with_tool: bool) 
 def select_system(controller: Controller, code: str) -> None:
     """G54 ... G59.3."""
     controller.require_no_compensation("change the work system")
+    if code not in WORK_OFFSETS:
+        raise ProgramError(f"work offset {code} does not exist", accepted="G54.1 P1 to P99")
     system = WORK_OFFSETS.index(code) + 1
     if system == controller.system:
         return
@@ -191,10 +195,10 @@ def _write_system(controller: Controller, block: Values, system: int, form: int)
             offset[axis] = value
     parameters.set_vector(base, controller.to_machine_units(offset))
     if active:
-        _apply_system(controller, offset, angle)
+        apply_system(controller, offset, angle)
 
 
-def _apply_system(controller: Controller, offset: list[float], angle: float) -> None:
+def apply_system(controller: Controller, offset: list[float], angle: float) -> None:
     """Make a changed offset of the active system effective."""
     position = controller.position
     rotate(position, controller.rotation_deg)

@@ -1,4 +1,7 @@
-"""G0, G1, G2, G3 and probing: where a block ends and what it makes the machine do."""
+"""G0, G1, G2, G3 and probing: where a block ends and what it makes the machine do.
+
+Source: NISTIR 6556 (RS274/NGC), G0 to G3 and G38.2; LinuxCNC, G-Codes.
+"""
 
 from __future__ import annotations
 

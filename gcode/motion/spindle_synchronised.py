@@ -1,4 +1,7 @@
-"""Moves synchronised with the spindle: G33, G33.1 and the threading cycle G76."""
+"""Moves synchronised with the spindle: G33, G33.1 and the threading cycle G76.
+
+Source: LinuxCNC, G-Codes: G33, G33.1, G76.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""G5, G5.1, G5.2-G5.3: cubic and quadratic splines and NURBS in the XY plane, as short lines."""
+"""G5, G5.1, G5.2-G5.3: cubic and quadratic splines and NURBS in the XY plane, as short lines.
+
+Source: LinuxCNC, G-Codes: G5 to G5.3; L. Piegl and W. Tiller, The NURBS Book (1997).
+"""
 
 from __future__ import annotations
 

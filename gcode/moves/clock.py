@@ -1,4 +1,8 @@
-"""Clock: when each move starts and how long it takes."""
+"""Clock: when each move starts and how long it takes.
+
+Source: closed form derived here: a trapezoidal speed profile: v^2 = 2 a s; G95 feeds by rpm, G93
+by minutes.
+"""
 
 from __future__ import annotations
 

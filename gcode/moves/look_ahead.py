@@ -3,6 +3,9 @@
 Accelerations along the path are limited; a corner is passed at the speed at which a circle that
 stays within the corner tolerance keeps the limit: v^2 = a d s / (1 - s), s the sine of half the
 angle between the two directions turned inside out (junction deviation).
+
+Source: Grbl 1.1, planner (junction deviation); closed form derived here: the circle that touches
+both lines at distance d from the corner.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Resolved moves: what a program makes the machine do, one row a move."""
+"""Resolved moves: what a program makes the machine do, one row a move.
+
+Source: ISO 841 (axes and signs).
+"""
 
 from __future__ import annotations
 

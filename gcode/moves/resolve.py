@@ -1,4 +1,7 @@
-"""Canonical record to moves: frames, geometry of arcs, clock."""
+"""Canonical record to moves: frames, geometry of arcs, clock.
+
+Source: NISTIR 6556 (RS274/NGC), canonical machining functions.
+"""
 
 from __future__ import annotations
 

@@ -22,8 +22,11 @@ XY, YZ, XZ = 1, 2, 3
 #: plane -> indices of first, second and axial axis.
 PLANE_AXES = {XY: (0, 1, 2), YZ: (1, 2, 0), XZ: (2, 0, 1)}
 
-#: names of the work offsets in the order of their numbers, 1 = G54
-WORK_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
+#: names of the work offsets in the order of their numbers, 1 = G54; those of LinuxCNC, then
+#: those that Fanuc chooses by G54.1 P and Haas by G154 P
+WORK_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3",
+                *(f"G54.1 P{number}" for number in range(1, 100)))  # fmt: skip
+_ACCEPTED = "G54 to G59, G59.1 to G59.3, G54.1 P1 to G54.1 P99"
 
 _ZERO = (0.0,) * 6
 
@@ -98,6 +101,8 @@ class Controller:
     radius: float = 0.0
     orientation: int = 0
     entering: bool = True
+    starting: bool = False  #: its first line waits for the next move
+    start_up: str = ""  #: cutter compensation: type A or B of Fanuc, empty for LinuxCNC's
     programmed: list[float] = field(default_factory=lambda: [0.0] * 3)
     straight_only: bool = False
     queue: CompensationQueue = field(default_factory=CompensationQueue)
@@ -196,5 +201,5 @@ def mapping_of_systems(work_offsets_mm: Mapping[str, object]) -> dict[int, objec
     """Translate G54 ... G59.3 to 1 ... 9; raises ProgramError for other names."""
     for name in work_offsets_mm:
         if name.upper() not in WORK_OFFSETS:
-            raise ProgramError(f"unknown work offset '{name}'", accepted=", ".join(WORK_OFFSETS))
+            raise ProgramError(f"unknown work offset '{name}'", accepted=_ACCEPTED)
     return {WORK_OFFSETS.index(name.upper()) + 1: value for name, value in work_offsets_mm.items()}

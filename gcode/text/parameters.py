@@ -18,11 +18,13 @@ G28_HOME, G30_HOME = 5161, 5181
 G92_APPLIED = 5210
 #: Number of the active coordinate system, 1 for G54.
 FIRST_SYSTEM = 5220
+#: Coordinate systems from this one on are kept where no program of LinuxCNC can look.
+_FIRST_FURTHER, _FURTHER = 10, 100_000
 
 
 def system_base(system: int) -> int:
     """Return the parameter of the X offset of a coordinate system; rotation is 9 further."""
-    return 5201 + 20 * system
+    return 5201 + 20 * system if system < _FIRST_FURTHER else _FURTHER + 20 * system
 
 
 class Parameters:

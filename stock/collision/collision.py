@@ -5,6 +5,9 @@ seen as a table of its lowest and highest point over the radius; it stops at clo
 places along every stroke and is held against the lines below it. What is reported is real on
 that line; a contact that is narrower than a cell, or no deeper than the clearance, is not
 reported.
+
+Source: T. Van Hook, Real-time shaded NC milling display, SIGGRAPH 1986 (dexels); closed form
+derived here: bodies of revolution as lowest and highest height over the radius.
 """
 
 from __future__ import annotations

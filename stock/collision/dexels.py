@@ -1,6 +1,8 @@
 """Dexels: the material as intervals on vertical lines, one line a cell of a grid.
 
 On its line a dexel is exact; what fits between neighbouring lines is not seen.
+
+Source: T. Van Hook, Real-time shaded NC milling display, SIGGRAPH 1986.
 """
 
 from __future__ import annotations

@@ -3,6 +3,9 @@
 Along a straight sweep psi is convex in h, so that Newton's method from outside never oversteps
 the edge but by what the displacement bends; that is taken back. Along an arc the line is
 followed by psi itself, which can skip nothing.
+
+Source: closed form derived here: Newton's method on a convex function comes from outside without
+overstepping its zero.
 """
 
 from __future__ import annotations

@@ -1,4 +1,8 @@
-"""The exact engine: where the material ends along the normals of the nominal surface."""
+"""The exact engine: where the material ends along the normals of the nominal surface.
+
+Source: closed form derived here: material ends where the least distance to all sweeps changes its
+sign (docs/engine.md).
+"""
 
 from __future__ import annotations
 

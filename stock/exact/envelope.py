@@ -5,6 +5,8 @@ way, and, where the way ends or turns, by those that look ahead before and not a
 
 .. [1] Blackmore, Leu, Wang: The sweep-envelope differential equation algorithm and its
    application to NC machining verification, Computer-Aided Design 29 (1997) 629, section 2.
+
+Source: [1]_; closed form derived here for polylines of the outline.
 """
 
 from __future__ import annotations

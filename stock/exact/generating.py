@@ -3,6 +3,8 @@
 The surface that a tool generates has, where it touches, the tool's own normal turned round. So
 the generating place on the path is the one where the tool point with outward normal -n comes
 closest to the surface point. A program that cuts into its own part somewhere still has one.
+
+Source: closed form derived here: the tool's outward normal where it touches is -n.
 """
 
 from __future__ import annotations

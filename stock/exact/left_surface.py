@@ -3,6 +3,9 @@
 Every point of that surface lies on the envelope of some sweep, where no other sweep has taken it
 away. So lines that start on the envelopes are followed to the material's edge by the exact
 engine; the normal there comes from the edge on four lines beside it.
+
+Source: Blackmore, Leu and Wang, Computer-Aided Design 29 (1997) 629; closed form derived here:
+the normal is the cross product of two differences of the edge.
 """
 
 from __future__ import annotations

@@ -1,4 +1,8 @@
-"""What the kernels are asked about: one line and one piece of a sweep that it may meet."""
+"""What the kernels are asked about: one line and one piece of a sweep that it may meet.
+
+Source: closed form derived here: names of `stock.exact.tool_distance` and
+`stock.exact.sweep_distance`.
+"""
 
 from __future__ import annotations
 

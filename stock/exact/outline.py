@@ -4,6 +4,8 @@ The distance to a convex set is the largest of u.x - h(u) over the unit normals 
 support function; inside the set it is negative. For an outline of edges and (rounded) corners
 that is the largest over the edges' lines and over the corners in whose cone of normals the
 point lies. Turned about the axis it is the distance to the solid.
+
+Source: R. Schneider, Convex Bodies: The Brunn-Minkowski Theory (2014), support functions.
 """
 
 from __future__ import annotations

@@ -2,6 +2,9 @@
 
 Right at a rim the gradient of the distance has no limit, so that the last steps have to be made
 on the rim's own two equations: radius and height are those of the corner.
+
+Source: closed form derived here: Newton's method on radius and height of the rim, two equations
+for h and s.
 """
 
 from __future__ import annotations

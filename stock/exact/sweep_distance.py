@@ -2,6 +2,8 @@
 
 Along a straight sweep one descent finds it, unless phi is so level that the displacement's
 micrometres decide. Along an arc there may be several valleys.
+
+Source: closed form derived here: the least of phi(h, s) over s, one descent where phi is convex.
 """
 
 from __future__ import annotations

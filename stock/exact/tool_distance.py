@@ -2,6 +2,8 @@
 
 Each tool is convex, so phi is convex in h at every s; along a straight sweep it is convex in
 (h, s) but for the micrometres of the displacement, whose curvature is bounded by `ripple_of`.
+
+Source: closed form derived here: the distance to a convex body is convex along any line.
 """
 
 from __future__ import annotations

@@ -2,6 +2,8 @@
 
 The tool's point x stands at tip + x + tilt x x. So x is found by solving this linear equation,
 and its derivatives by s by solving the equation's own derivatives.
+
+Source: closed form derived here: (1 + [tilt]x) x = p - tip, solved exactly.
 """
 
 from __future__ import annotations

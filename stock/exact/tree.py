@@ -3,6 +3,9 @@
 A node holds the box of the displaced tool tip, not of the swept tool: the distance of a point
 from the tool with its tip anywhere in a box is bounded below by the outline itself, so that a
 query reaches only the sweeps that are really near, however large the tool is.
+
+Source: closed form derived here: a distance to a box bounds the distance to all that is in it
+from below.
 """
 
 from __future__ import annotations

@@ -1,4 +1,8 @@
-"""Walk along each surface normal from the nominal surface to the edge of the material."""
+"""Walk along each surface normal from the nominal surface to the edge of the material.
+
+Source: closed form derived here: along a line air is extended by each sweep that it meets, until
+none adds to it.
+"""
 
 from __future__ import annotations
 

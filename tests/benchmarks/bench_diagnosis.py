@@ -20,8 +20,8 @@ from pathlib import Path
 import numpy as np
 
 from vmach.diagnosis.diagnose import Diagnosis, diagnose
+from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.residuals.job_survey import survey_job
-from vmach.diagnosis.search import Search, prepare_search
 from vmach.fit.survey import Survey
 
 SAMPLE = Path(__file__).parents[2] / "samples" / "missing_effect"
@@ -35,7 +35,7 @@ class Simulation:
     """Readings of one design with causes of known size."""
 
     def __init__(self, survey: Survey, seed: int) -> None:
-        self.survey, self.search = survey, prepare_search(survey)
+        self.survey, self.weighing = survey, prepare_weighing(survey)
         self.random = np.random.default_rng(seed)
         self.factors = survey.factors
         weight = 1.0 / survey.u_mm[:, None]
@@ -50,8 +50,8 @@ class Simulation:
     def effect(self) -> tuple[str, str, dict[str, float], np.ndarray]:
         """An effect of usual size that the design can see: name, target, parameters, signal."""
         while True:
-            c = self.search.candidates[self.random.integers(len(self.search.candidates))]
-            if c.effect.name in LEFT_OUT or self.search.log_prior(c) < -1.0:
+            c = self.weighing.candidates[self.random.integers(len(self.weighing.candidates))]
+            if c.effect.name in LEFT_OUT or c.effect.rarity > 1.0:
                 continue
             chance = np.exp(c.log_prior)
             place = self.random.choice(len(c.grid), p=chance / chance.sum())
@@ -81,7 +81,7 @@ class Simulation:
             replace(m, measured_mm=m.predicted_mm + readings[own])
             for m, own in zip(self.survey.measurements, self.survey.rows, strict=True)
         )
-        return diagnose(Survey(self.survey.job, measurements), like=self.search)
+        return diagnose(Survey(self.survey.job, measurements), like=self.weighing)
 
 
 def count(simulation: Simulation, kind: str, number: int) -> None:
@@ -111,7 +111,7 @@ def is_right(kind: str, wanted: list, found: Diagnosis) -> bool:
         return found.verdict == "nothing"
     if kind == "foreign":
         return found.verdict == "unknown"
-    if found.verdict not in ("named", "class"):
+    if found.verdict not in ("named", "class", "partly"):
         return False
     classes = [{f.name, *f.rivals.names} for f in found.findings]
     return all(any(name in c for c in classes) for name, *_ in wanted)
@@ -139,8 +139,8 @@ def main() -> None:
     job = Path(sys.argv[1]) if len(sys.argv) > 1 else SAMPLE
     number = int(sys.argv[2]) if len(sys.argv) > 2 else 25
     simulation = Simulation(survey_job(job), seed=5)
-    search: Search = simulation.search
-    print(f"{job}: {len(simulation.survey)} readings, {len(search.candidates)} candidates")
+    weighing = simulation.weighing
+    print(f"{job}: {len(simulation.survey)} readings, {len(weighing.candidates)} candidates")
     for kind in ("clean", "single", "double", "foreign"):
         count(simulation, kind, number)
 

@@ -56,6 +56,28 @@ def test_results_are_the_same_every_time(job, tmp_path, monkeypatch, capsys):
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
 
 
+def test_a_run_without_the_solid_has_the_same_deviations(job, tmp_path, monkeypatch, capsys):
+    import vmach.run.pipeline as pipeline
+
+    with_solid = run_vmach(monkeypatch, capsys, "run", job, "--out", tmp_path / "with")
+    without = run_vmach(monkeypatch, capsys, "run", job, "--out", tmp_path / "no", "--no-solid")
+    monkeypatch.setattr(pipeline, "SOLID_MOVES", 5)
+    monkeypatch.setattr(pipeline, "cut_part", None)  # it would be an error to call it
+    large = run_vmach(monkeypatch, capsys, "run", job, "--out", tmp_path / "large")
+    assert (with_solid[0], without[0], large[0]) == (0, 0, 0)
+    assert "no solid was cut" in large[1]
+    assert "no solid was cut" not in without[1]
+    for name in ("no", "large"):
+        assert not (tmp_path / name / "part.stl").exists()
+        for file in ("deviations.csv", "budget.csv"):
+            assert (tmp_path / name / file).read_bytes() == (tmp_path / "with" / file).read_bytes()
+    status, _, error = run_vmach(
+        monkeypatch, capsys, "run", job, "--no-solid", "--part", tmp_path / "part.glb"
+    )
+    assert status != 0
+    assert "--part without the solid" in error
+
+
 def test_compare_sets_variants_and_measurement_side_by_side(job, tmp_path, monkeypatch, capsys):
     status, text, _ = run_vmach(
         monkeypatch, capsys, "compare", job, "--out", tmp_path / "out", "--json"

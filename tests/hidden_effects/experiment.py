@@ -10,6 +10,7 @@ import numpy as np
 
 from .instruments import Site, write_instrument
 from .machine_maker import TrueMachine, random_machine, write_machine
+from .measuring import measuring_error_um
 from .nature_clamping import CLAMPING
 from .nature_cutting import CUTTING
 from .nature_foreign import FOREIGN
@@ -54,6 +55,7 @@ def make_experiment(
     seed: int,
     chain: str | None = None,
     noise_um: float = 0.8,
+    noise: str = "white",
     noisy_tables: bool = True,
     spindle_stops: bool | None = None,
     design: PartDesign | None = None,
@@ -65,6 +67,7 @@ def make_experiment(
     ----------
     effects : kinds out of `KINDS`; empty for a machine in good health
     noise_um : standard uncertainty of a measured point
+    noise : kind of it, out of `NOISES`
     noisy_tables : False: the calibration was perfect
     design : what kind of part; an effect that needs corners or two clampings gets them
     instruments : names out of `INSTRUMENTS`
@@ -94,6 +97,7 @@ def make_experiment(
             for shown in h.told_as(states["part"]) or (h,)
         ],
         "noise_um": noise_um,
+        "noise": noise,
         "spindle_stops": stops,
     }
     totals, shares = {}, {}
@@ -102,7 +106,7 @@ def make_experiment(
         totals[role] = deviation_um(made, states[role], machine, acting)
         (folder / f"{role}.nc").write_text(made.text)
         file = folder / f"{role}_measured.csv"
-        _write_measured(file, made, totals[role], rng=rng, noise_um=noise_um)
+        _write_measured(file, made, totals[role], rng=rng, noise=(noise, noise_um))
         shares[role] = [share_um(h, made, states[role], machine) for h in acting]
         truth[role] = {
             "points": len(totals[role]),
@@ -166,10 +170,12 @@ def _draw_one(rng, kind: str, machine: TrueMachine, *, state: State, part: Part)
     return None
 
 
-def _write_measured(path: Path, part: Part, deviation, *, rng, noise_um: float) -> None:
+def _write_measured(path: Path, part: Part, deviation, *, rng, noise: tuple[str, float]) -> None:
+    kind, noise_um = noise
     pose = np.concatenate([rng.uniform(-10, 10, 3), rng.uniform(-15, 15, 3)])
     seen = deviation + alignment_columns(part) @ pose
-    seen = seen + noise_um * rng.normal(size=len(seen))
+    place = {"feature": part.feature, "place_mm": part.place_mm, "normal": part.normal}
+    seen = seen + noise_um * measuring_error_um(kind, rng, **place)
     measured = part.place_mm + seen[:, None] * 1e-3 * part.normal
     lines = ["id,feature,x,y,z,i,j,k,mx,my,mz,u_um"]
     rows = zip(part.feature, part.place_mm, part.normal, measured, strict=True)

@@ -36,7 +36,7 @@ def test_every_option_has_a_row_and_every_row_an_option():
         current = name or current
         written.setdefault(current, set()).update(re.findall(r"--[a-z-]+", options))
     there = {
-        name: {o for p in command.params for o in p.opts if o.startswith("--")}
+        name: {o for p in command.params for o in (*p.opts, *p.secondary_opts) if o[:2] == "--"}
         for name, command in commands(typer.main.get_command(app))
     }
     assert written == {name: options for name, options in there.items() if options}

@@ -96,11 +96,9 @@ def test_fanuc_d_word_stays_in_force():
     [
         ("O1\nG65 P2\nM30\n", 2, "O2 is not in this file"),
         ("O1\nGOTO 5\nM30\n", 2, "no block N5"),
-        ("O1\nIF[#3 EQ 1]GOTO 5\nM30\n", 2, "#3 is <null>"),
         ("O1\nWHILE[1 EQ 0]DO1\nG0 X1\nM30\n", 2, "without END1"),
-        ("O1\nG66 P2\nM30\n", 2, "G66"),
-        ("O1\nG65 P1 G1\nM30\n", 2, "argument G"),
-        ("O1\nIF[1 EQ 0]GOTO 1\nS100 M13\nN1 M30\n", 3, "M13"),
+        ("O1\nG65 P1 G1\nM30\n", 2, "another G code"),
+        ("O1\nIF[1 EQ 0]GOTO 1\nS100 M113\nN1 M30\n", 3, "M113"),
         ("O1\nWHILE[1 EQ 1]DO1\nEND1\nM30\n", 2, "loop without end"),
         ("O1\nF9\nN7 G1 X1\nX0\nGOTO 7\nM30\n", 3, "loop without end"),
     ],

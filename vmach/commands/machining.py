@@ -12,6 +12,7 @@ from vmach.base.progress import progress_bar
 from vmach.base.terminal import console
 from vmach.base.variant import Variant
 from vmach.commands.options import AsJson, JobPath, Model, OutDir, command_line, input_files
+from vmach.errors import InputError
 from vmach.files.atomic import check_folder, check_outputs
 
 __all__ = ["compare", "run"]
@@ -24,11 +25,22 @@ def run(
     part: Annotated[
         Path | None, typer.Option(help="also write the coloured part: .glb, .3mf or .stl")
     ] = None,
+    solid: Annotated[
+        bool | None,
+        typer.Option(
+            "--solid/--no-solid",
+            help="cut the virtual part as a solid; by default for programs of up to 100,000 moves",
+        ),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Machine the part virtually and compare it with its nominal CAD."""
     variants = (Variant.NONE,) if model is Variant.NONE else (Variant.NONE, model)
-    _machine(job, model, variants, out=out, part_file=part, as_json=as_json)
+    if part is not None:
+        if solid is False:
+            raise InputError("--part without the solid", accepted="one of --part and --no-solid")
+        solid = True
+    _machine(job, model, variants, out=out, part_file=part, as_json=as_json, solid=solid)
 
 
 def compare(job: JobPath, out: OutDir = None, as_json: AsJson = False) -> None:
@@ -52,12 +64,14 @@ def _machine(
     as_json: bool,
     part_file: Path | None = None,
     prefer_measured: bool = False,
+    solid: bool | None = None,
 ) -> None:
     from vmach.report import columns_table, differences_text
     from vmach.run.pipeline import machine_part
     from vmach.run.results import (
         REMAINDER_FILE,
         RESULT_FILES,
+        SOLID_FILE,
         default_folder,
         run_record,
         write_coloured_part,
@@ -72,8 +86,9 @@ def _machine(
     check_outputs([part_file, *results], inputs=inputs)
     with progress_bar() as progress:
         made = machine_part(
-            job, model=model, variants=variants, prefer_measured=prefer_measured, progress=progress
-        )
+            job, model=model, variants=variants, prefer_measured=prefer_measured, solid=solid,
+            progress=progress,
+        )  # fmt: skip
         if part_file is not None:
             write_coloured_part(made, part_file)
         figures = write_results(made, out, command=command_line(), progress=progress)
@@ -87,5 +102,9 @@ def _machine(
         screen.print(line, highlight=False, markup=False)
     for note in figures["run"]["warnings"]:
         screen.print(f"note: {note}", highlight=False, markup=False)
-    files = (*RESULT_FILES, *([REMAINDER_FILE] if made.points.remainders else []))
+    files = [name for name in RESULT_FILES if made.part is not None or name != SOLID_FILE]
+    files += [REMAINDER_FILE] if made.points.remainders else []
+    if made.part is None and (out / SOLID_FILE).exists():
+        screen.print(f"note: {SOLID_FILE} in {out} is of an earlier run", highlight=False,
+                     markup=False)  # fmt: skip
     screen.print(f"results in {out}: {', '.join(files)}", highlight=False, markup=False)

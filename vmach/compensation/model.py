@@ -1,4 +1,7 @@
-"""The error of the tool tip that a program is compensated for."""
+"""The error of the tool tip that a program is compensated for.
+
+Source: the equations of `vmach.machine.displacement` and the effects of the job.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Distance of the tool from its nominal path."""
+"""Distance of the tool from its nominal path.
+
+Source: closed form derived here: distance of a point from a line or from a helix.
+"""
 
 from __future__ import annotations
 

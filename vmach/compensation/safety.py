@@ -1,4 +1,8 @@
-"""What a compensated program must not do: refused with the lines."""
+"""What a compensated program must not do: refused with the lines.
+
+Source: closed form derived here: a tool within r of its nominal path sweeps the nominal volume
+within r.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""A written program, read back and run through the model."""
+"""A written program, read back and run through the model.
+
+Source: the equations of `vmach.machine.displacement` and the effects of the job.
+"""
 
 from __future__ import annotations
 

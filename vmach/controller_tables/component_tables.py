@@ -10,6 +10,8 @@ This form is our own, for controls and programs that none of the other formats s
 
 Errors are those of the tool relative to the workpiece, actual minus nominal, right-handed, stated
 at the spindle nose with every axis at home (`vmach.controller_tables.rigid_chain`).
+
+Source: ISO 230-1 (errors), ISO/TR 16907 (numerical compensation of geometric errors).
 """
 
 from __future__ import annotations

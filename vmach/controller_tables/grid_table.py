@@ -5,6 +5,8 @@ This form is our own, in the spirit of the "spatial error grid" of ISO/TR 16907:
 and Z once, X slowest; positions of the spindle nose in machine coordinates. Displacements are
 actual minus nominal; the control subtracts them, linear in each coordinate between grid points
 and held beyond. The tool length stands in the first line.
+
+Source: ISO/TR 16907, spatial error grid.
 """
 
 from __future__ import annotations

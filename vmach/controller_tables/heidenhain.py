@@ -10,6 +10,8 @@ column of the .CMA). The line with ``*`` under ACTIVE is in force. At most 256 e
 
 Entries are errors, actual minus nominal, as measured (TNC 407 manual: the error is positive where
 the travel is too long); the control subtracts them.
+
+Source: HEIDENHAIN, MANUALplus 620 Technical Manual and TNC 407 Technical Manual.
 """
 
 from __future__ import annotations

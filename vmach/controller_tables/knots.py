@@ -1,4 +1,7 @@
-"""Positions of a table's entries: evenly spaced, as few as keep the curves within tolerance."""
+"""Positions of a table's entries: evenly spaced, as few as keep the curves within tolerance.
+
+Source: closed form derived here: linear interpolation between entries, held beyond the ends.
+"""
 
 from __future__ import annotations
 

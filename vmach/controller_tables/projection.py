@@ -11,6 +11,8 @@ for each axis that is moved, with W the weights of the samples and r a thousand 
 mean diagonal: it chooses the smallest entries where several tables can say the same (a constant
 in two of them). The solution is linear in e, so the same factors give what is left of every
 component error.
+
+Source: closed form derived here: the normal equations of weighted least squares.
 """
 
 from __future__ import annotations

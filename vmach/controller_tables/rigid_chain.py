@@ -10,6 +10,8 @@ the frame that moves with the axis (spindle nose with every axis at home):
 with S_j the travel along the axis' line (its squareness turns the line), E_j the six component
 errors. Which side of the bed an axis is on does not matter in this form: the arms of an axis that
 carries the workpiece differ only by its own position, and that part goes into its tables.
+
+Source: ISO 230-1 (errors); Beckhoff/ISG "Volumetric compensation" (FCT-C26).
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Where the error of the tool tip is looked at: over the volume, or along a job's program."""
+"""Where the error of the tool tip is looked at: over the volume, or along a job's program.
+
+Source: the trapezoidal rule; the equations of `vmach.machine.displacement`.
+"""
 
 from __future__ import annotations
 

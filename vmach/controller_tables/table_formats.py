@@ -1,4 +1,8 @@
-"""The formats: what each can hold, how it is written and read back."""
+"""The formats: what each can hold, how it is written and read back.
+
+Source: the manuals that the module of each format names; ISO/TR 16907 for the kinds of
+compensation.
+"""
 
 from __future__ import annotations
 

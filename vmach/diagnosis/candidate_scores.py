@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vmach.base.units import um_from_mm
-from vmach.diagnosis.search import Search
+from vmach.diagnosis.inference.weighing import Weighing
 from vmach.effects import label_of
 
 __all__ = ["CandidateScore", "candidate_scores"]
@@ -40,25 +40,27 @@ class CandidateScore:
         return label_of(self.effect, self.target)
 
 
-def candidate_scores(search: Search, before_um: float) -> tuple[CandidateScore, ...]:
+def candidate_scores(weighing: Weighing, before_um: float) -> tuple[CandidateScore, ...]:
     """Scores of all candidates, the best first, then those that the survey cannot show.
 
     Parameters
     ----------
-    search : Search
+    weighing : Weighing
     before_um : float
         Root mean square without any effect, which the latter leave.
     """
-    survey, gains = search.survey, search.gains(search.nothing)
-    explained = [search.alone_mm(k) for k in range(len(search.candidates))]
+    survey, gains = weighing.survey, weighing.gains(weighing.alone)
+    explained = [weighing.alone_mm(k) for k in range(len(weighing.candidates))]
     after = survey.residual_mm[:, None] - np.column_stack(explained)
     after = um_from_mm(np.sqrt(np.mean((after - survey.aligned(after)) ** 2, axis=0)))
     tested = [
-        CandidateScore(c.effect.name, c.target, round(gain, 2), round(float(rms), 3), "tested")
-        for c, gain, rms in zip(search.candidates, gains, after, strict=True)
+        CandidateScore(
+            c.effect.name, c.target, round(float(gain), 2), round(float(rms), 3), "tested"
+        )
+        for c, gain, rms in zip(weighing.candidates, gains, after, strict=True)
     ]
     untested = [
         CandidateScore(e.name, target, 0.0, round(before_um, 3), f"not testable: {why}")
-        for e, target, why in search.excluded
+        for e, target, why in weighing.excluded
     ]
     return (*sorted(tested, key=lambda s: -s.score), *untested)

@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from vmach.base.note import Kind, Note
 from vmach.diagnosis.candidate_scores import CandidateScore, candidate_scores
-from vmach.diagnosis.examination import examine
-from vmach.diagnosis.explanation import Explanation
-from vmach.diagnosis.findings import Finding, something_unknown
+from vmach.diagnosis.findings import Finding, findings_of, something_unknown
+from vmach.diagnosis.inference.prepare import prepare_weighing
+from vmach.diagnosis.inference.verdicts import Inference, Weak, infer
+from vmach.diagnosis.inference.weighing import Weighing
 from vmach.diagnosis.next_test.blind_spots import BlindSpot, blind_spots
 from vmach.diagnosis.next_test.next_measurement import NextMeasurement, next_measurement
 from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.residuals.where_it_fails import Failure, where_it_fails
-from vmach.diagnosis.search import Search, prepare_search
 from vmach.fit.survey import Survey
 
 __all__ = ["Diagnosis", "diagnose"]
 
-#: share of the stated scatter below which what is left makes u_um doubtful
-_TOO_QUIET = 1.0 / 3.0
+#: scatter in stated uncertainties outside which u_um is doubtful
+_TOO_QUIET, _TOO_LOUD = 1.0 / 3.0, 1.5
+#: weight of a reading that counts for little
+_LITTLE = 0.1
 
 Progress = Callable[[str], None]
 
@@ -34,8 +37,14 @@ class Diagnosis:
     Attributes
     ----------
     verdict : str
-        "named", "class", "unknown" or "nothing".
+        "nothing", "named", "class", "partly" (effects are shown, something else remains) or
+        "unknown".
     findings : tuple of Finding
+        Those that are shown.
+    weak : tuple of Weak
+        Effects that the readings speak for, though not clearly.
+    remains_um : float
+        Root mean square of what neither effects nor noise explain.
     rms_um : dict
         "before", "after", "expected_noise": over all readings, alignment taken off.
     candidates : tuple of CandidateScore
@@ -43,79 +52,106 @@ class Diagnosis:
         Where the model fails, before anything is added.
     blind_spots : tuple of BlindSpot
     next_measurement : NextMeasurement or None
-    left : dict
-        What is left beyond noise by kind of pattern; empty where the rest is noise.
-    notes : tuple of str
+    notes : tuple of Note
     residuals : Residuals
         Measured minus predicted, to be looked at.
     """
 
     verdict: str
     findings: tuple[Finding, ...]
+    weak: tuple[Weak, ...]
+    remains_um: float
     rms_um: dict[str, float]
     candidates: tuple[CandidateScore, ...]
     failures: tuple[Failure, ...]
     blind_spots: tuple[BlindSpot, ...]
     next_measurement: NextMeasurement | None
-    left: dict[str, float]
-    notes: tuple[str, ...]
+    notes: tuple[Note, ...]
     residuals: Residuals
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")
 def diagnose(
-    survey: Survey, *, like: Search | None = None, progress: Progress | None = None
+    survey: Survey, *, like: Weighing | None = None, progress: Progress | None = None
 ) -> Diagnosis:
     """Compare measurements with the model and say what is missing.
 
     Parameters
     ----------
     survey : Survey
-    like : Search, optional
+    like : Weighing, optional
         Of other readings of the same design, whose signatures are used again; made by
-        `prepare_search`.
+        `prepare_weighing`.
     progress : callable, optional
         Told what is being done.
     """
     tell = progress or (lambda text: None)
     tell("signatures of all effects")
-    search = like.on(survey) if like else prepare_search(survey)
+    weighing = like.on(survey) if like else prepare_weighing(survey)
     tell("search")
-    found = examine(search)
-    search, explanation, findings = found.search, found.explanation, found.findings
-    survey = search.survey
-    residuals = Residuals(survey, search.whiten, survey.factors, explanation.fit)
-    failures = where_it_fails(survey, search.whiten, survey.residual_mm)
-    if found.verdict == "unknown":
-        left_mm = residuals.left_mm
-        remaining = () if found.not_shown else where_it_fails(survey, search.whiten, left_mm)
-        findings = (something_unknown(remaining or failures),)
+    found = infer(weighing)
+    weighing, explanation = found.weighing, found.explanation
+    findings = findings_of(found)
+    verdict = _verdict(found, findings)
+    fit = weighing.careful(explanation)
+    residuals = Residuals(survey, survey.whiten, survey.factors, fit)
+    failures = where_it_fails(survey, survey.whiten, survey.residual_mm)
+    if verdict == "unknown":
+        findings = (something_unknown(failures),)
     tell("what to measure next")
     return Diagnosis(
-        verdict=found.verdict,
+        verdict=verdict,
         findings=findings,
+        weak=found.weak,
+        remains_um=found.remains_um,
         rms_um=residuals.rms_um,
-        candidates=candidate_scores(search, residuals.rms_um["before"]),
+        candidates=candidate_scores(weighing, residuals.rms_um["before"]),
         failures=failures,
-        blind_spots=blind_spots(search, explanation, is_named=found.verdict != "unknown"),
-        next_measurement=next_measurement(search, explanation, findings),
-        left=found.left,
-        notes=(
-            *map(str, survey.notes),
-            *found.left_out,
-            *found.not_shown,
-            *_wide_uncertainty(explanation),
-        ),
+        blind_spots=blind_spots(weighing, explanation, is_named=verdict != "unknown"),
+        next_measurement=next_measurement(weighing, explanation, findings),
+        notes=(*survey.notes, *_doubtful_uncertainty(found), *_outliers(found)),
         residuals=residuals,
     )
 
 
-def _wide_uncertainty(explanation: Explanation) -> tuple[str, ...]:
-    """A note where the rest scatters far less than the readings' uncertainty says."""
-    share = float(np.sqrt(np.sum(explanation.residual**2) / max(explanation.degrees, 1)))
-    if share > _TOO_QUIET:
+def _verdict(found: Inference, findings: Sequence[Finding]) -> str:
+    """The verdict over all, as those of the effects and what remains have it."""
+    if found.is_structure:
+        return "partly" if findings else "unknown"
+    if not findings:
+        return "nothing"
+    return "class" if any(f.status == "class" for f in findings) else "named"
+
+
+def _doubtful_uncertainty(found: Inference) -> tuple[Note, ...]:
+    """A note where the rest scatters far less or more than the readings' uncertainty says."""
+    factor = found.explanation.posterior.sizes.factor
+    if factor < _TOO_QUIET:
+        said = (
+            f"what is left scatters {1.0 / factor:.3g} times less than u_um says: is u_um "
+            "too large? Effects go unseen by it, and intervals are too wide"
+        )
+        return (Note.question(Kind.SCATTER, said, float(factor), "1", place="u_um"),)
+    if factor > _TOO_LOUD:
+        said = (
+            f"readings scatter {factor:.3g} times more than u_um says: the scatter that they "
+            "show is what counted"
+        )
+        return (Note.plain(Kind.SCATTER, said, float(factor), "1", place="u_um"),)
+    return ()
+
+
+def _outliers(found: Inference) -> tuple[Note, ...]:
+    """A note on readings that stand apart from their neighbours."""
+    survey = found.weighing.survey
+    apart = np.flatnonzero(found.weighing.base.noise.weight < _LITTLE)
+    if not len(apart):
         return ()
-    return (
-        f"what is left scatters {1.0 / max(share, 1e-9):.3g} times less than u_um says: is u_um "
-        "too large? Effects go unseen by it, and intervals are too wide",
+    names = [f"{m.name} {own}" for m in survey.measurements for own in m.id]
+    shown = ", ".join(names[k] for k in apart[:6])
+    more = f" and {len(apart) - 6} more" if len(apart) > 6 else ""
+    said = (
+        f"count for little, as they are out of all proportion ({len(apart)} of {len(survey)}): "
+        f"{shown}{more}"
     )
+    return (Note.plain(Kind.LEFT_OUT, said, len(apart), "1", place=names[apart[0]]),)

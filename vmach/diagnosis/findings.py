@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.fitted_parameters import fitted_parameters
+from vmach.diagnosis.inference.verdicts import Inference, sizes_um
 from vmach.diagnosis.residuals.where_it_fails import Failure
 from vmach.diagnosis.rivals import Rivals, rivals_of
-from vmach.diagnosis.search import Search
 from vmach.diagnosis.words import where_component
 from vmach.effects import Effect, label_of
 from vmach.effects.laws.geometry.component import Component
+from vmach.fit.terms import JointFit
 
 __all__ = ["Finding", "findings_of", "something_unknown"]
 
@@ -34,6 +34,11 @@ class Finding:
         Of each parameter (low, high); empty for a component.
     hardly_shown : tuple of str
         Parameters of which the readings say hardly more than was known before.
+    odds : float
+        Log odds for it, given everything else.
+    size_um, share : float
+        Root mean square of what it does to the readings, and its share of the mean square of
+        all that was found and remains.
     """
 
     effect: Effect | None
@@ -44,6 +49,15 @@ class Finding:
     where: str | None
     interval_95: dict
     hardly_shown: tuple[str, ...] = ()
+    odds: float = 0.0
+    size_um: float = 0.0
+    share: float = 0.0
+
+    @property
+    def status(self) -> str:
+        """Shown, or one of a class that the data cannot tell apart, by name or by target."""
+        one = len(self.rivals.names) < 2 and len(set(self.rivals.labels) | {self.label}) < 2
+        return "shown" if one else "class"
 
     @property
     def name(self) -> str:
@@ -68,25 +82,31 @@ class Finding:
         return (*others, *(f"{name} on all axes or tools at once" for name in self.teams))
 
 
-def findings_of(search: Search, explanation: Explanation) -> tuple[Finding, ...]:
-    """A finding for every effect of an explanation; none for the empty set."""
-    return tuple(_finding(search, explanation, k) for k in range(len(explanation.terms)))
+def findings_of(found: Inference) -> tuple[Finding, ...]:
+    """A finding for every effect that is shown."""
+    sizes = sizes_um(found.weighing, found.explanation)
+    total = found.remains_um**2 + sum(size**2 for size in sizes)
+    fit = found.weighing.careful(found.explanation)
+    return tuple(
+        replace(_finding(found, fit, k), size_um=size, share=size**2 / total)
+        for k, size in enumerate(sizes)
+    )
 
 
-def _finding(search: Search, explanation: Explanation, k: int) -> Finding:
-    assert explanation.fit is not None
-    effect, target = explanation.terms[k].effect, explanation.terms[k].target
-    fitted = fitted_parameters(search.survey, explanation.fit, k)
+def _finding(found: Inference, fit: JointFit, k: int) -> Finding:
+    effect, target = fit.terms[k].effect, fit.terms[k].target
+    fitted = fitted_parameters(found.weighing.survey, fit, k)
     is_component = isinstance(effect, Component)
     return Finding(
         effect=effect,
         target=target,
         parameters=fitted.values,
         u=fitted.u,
-        rivals=rivals_of(search, explanation, k),
+        rivals=rivals_of(found.weighing, found.explanation, k),
         where=where_component(fitted.values, fitted.u, target) if is_component else None,
         interval_95=fitted.interval_95,
         hardly_shown=fitted.hardly_shown,
+        odds=found.odds[k],
     )
 
 

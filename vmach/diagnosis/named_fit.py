@@ -9,10 +9,12 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from vmach.diagnosis.component_curve import component_directions
-from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.fitted_parameters import fitted_parameters
-from vmach.diagnosis.gates.settling import refitted_with_slack
-from vmach.diagnosis.search import Search, prepare_search
+from vmach.diagnosis.inference.noise import noise_after
+from vmach.diagnosis.inference.prepare import prepare_weighing
+from vmach.diagnosis.inference.rules import SHOWN
+from vmach.diagnosis.inference.verdicts import odds_of
+from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.effects import Effect, catalogue, label_of
 from vmach.effects.catalogue import unknown_effect_hint
 from vmach.effects.laws.geometry.component import Component
@@ -71,30 +73,34 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
         Unknown effect or target, or one that the measurements cannot show.
     """
     wanted = [_parsed(name) for name in names]
-    search = prepare_search(survey, {e.name: e for e, _ in wanted}.values())
-    explanation = search.nothing
+    weighing = prepare_weighing(survey, {e.name: e for e, _ in wanted}.values())
+    found = weighing.nothing()
     for effect, target in wanted:
-        explanation = _extended(search, explanation, effect, target)
-    terms = range(len(explanation.terms))
-    called_for = [search.gain_of(explanation, k) > search.threshold for k in terms]
-    fit = refitted_with_slack(search, explanation).fit
+        found = _extended(weighing, found, effect, target)
+    noise = noise_after(weighing, found)
+    if noise is not None:
+        weighing = weighing.with_noise(noise)
+        found = weighing.explain(found.terms, found.posterior.sizes)
+    odds, fit = odds_of(weighing, found), weighing.careful(found)
     assert fit is not None
-    return tuple(_named_effect(survey, fit, k, is_called_for=called_for[k]) for k in terms)
+    return tuple(
+        _named_effect(survey, fit, k, is_called_for=odds[k] > SHOWN) for k in range(len(odds))
+    )
 
 
 def _extended(
-    search: Search, explanation: Explanation, effect: Effect, target: str | None
+    weighing: Weighing, explanation: Explanation, effect: Effect, target: str | None
 ) -> Explanation:
     """An explanation with a further effect; without a target the one that fits best is taken."""
     possible = [
         k
-        for k, c in enumerate(search.candidates)
+        for k, c in enumerate(weighing.candidates)
         if c.effect is effect and target in (c.target, None) and c.label not in explanation.labels
     ]
     if not possible:
-        raise _impossible(search, effect, target, explanation.labels)
-    gains = search.gains(explanation)
-    return search.extend(explanation, max(possible, key=lambda k: gains[k]))
+        raise _impossible(weighing, effect, target, explanation.labels)
+    gains = weighing.gains(explanation)
+    return weighing.extend(explanation, max(possible, key=lambda k: gains[k]))
 
 
 def _named_effect(survey: Survey, fit: JointFit, k: int, *, is_called_for: bool) -> NamedEffect:
@@ -126,16 +132,16 @@ def _parsed(name: str) -> tuple[Effect, str | None]:
 
 
 def _impossible(
-    search: Search, effect: Effect, target: str | None, chosen: Collection[str]
+    weighing: Weighing, effect: Effect, target: str | None, chosen: Collection[str]
 ) -> InputError:
     """Why an effect cannot be fitted, and with which targets it could be."""
     label = label_of(effect.name, target or "")
-    targets = effect.possible_targets(search.survey.job)
-    reasons = {t: why for e, t, why in search.excluded if e is effect}
-    free = [c for c in search.candidates if c.effect is effect and c.label not in chosen]
+    targets = effect.possible_targets(weighing.survey.job)
+    reasons = {t: why for e, t, why in weighing.excluded if e is effect}
+    free = [c for c in weighing.candidates if c.effect is effect and c.label not in chosen]
     if target is not None and target not in targets:
         what = f"{effect.name} has no target '{target}'"
-    elif any(c.effect is effect and c.label in chosen for c in search.candidates):
+    elif any(c.effect is effect and c.label in chosen for c in weighing.candidates):
         what = f"{label} is named twice"
     elif not targets:
         what = f"this job has nothing that {effect.name} could act on"
@@ -143,4 +149,4 @@ def _impossible(
         why = reasons[targets[0] if target is None else target]
         what = f"the measurements cannot show {label}: {why}"
     accepted = [f"{effect.name}:{c.target}" if c.target else effect.name for c in free]
-    return InputError(what, file=search.survey.job.path, accepted=", ".join(accepted) or None)
+    return InputError(what, file=weighing.survey.job.path, accepted=", ".join(accepted) or None)

@@ -6,10 +6,12 @@ import json
 from pathlib import Path
 from typing import Any
 
+from vmach.base.note import note_records
 from vmach.diagnosis.diagnose import Diagnosis
 from vmach.diagnosis.findings import Finding
+from vmach.diagnosis.inference.verdicts import Weak
 from vmach.diagnosis.residuals.where_it_fails import Failure
-from vmach.diagnosis.words import beyond_noise, describe, expected, nearest, what_is_left
+from vmach.diagnosis.words import describe, expected
 from vmach.effects.declaration import unit_of
 from vmach.files.atomic import atomic_file
 
@@ -18,6 +20,7 @@ __all__ = ["as_json", "as_text", "write_figures"]
 _VERDICTS = {
     "named": "The model lacks:",
     "class": "The model lacks something that these measurements narrow down to a class:",
+    "partly": "The model lacks this, and something else remains:",
     "unknown": "Something real is left that no known effect explains:",
     "nothing": "The measurements agree with the model: nothing is missing that they could show.",
 }
@@ -29,6 +32,8 @@ def as_json(found: Diagnosis, *, program: str | None = None) -> dict[str, Any]:
     return {
         "verdict": found.verdict,
         "effects": [_finding(finding) for finding in found.findings],
+        "weak_effects": [_weak(weak) for weak in found.weak],
+        "remains_um": round(found.remains_um, 3),
         "rms_um": {name: round(value, 4) for name, value in found.rms_um.items()},
         "candidates": [vars(score) for score in found.candidates],
         "where_it_fails": [
@@ -42,22 +47,29 @@ def as_json(found: Diagnosis, *, program: str | None = None) -> dict[str, Any]:
             "program": program,
         },
         "blind_spots": [vars(b) | {"unit": unit_of(b.parameter)} for b in found.blind_spots],
-        "nearest": _nearest(found),
-        "left_unexplained": {name: round(value, 2) for name, value in found.left.items()},
-        "notes": list(found.notes),
+        "notes": [str(note) for note in found.notes],
+        "note_records": note_records(found.notes),
     }
 
 
-def _nearest(found: Diagnosis) -> list[str]:
-    """Effects that come nearest where none is named."""
-    fit = found.residuals.fit
-    return [] if fit is None or found.verdict != "unknown" else [t.label for t in fit.terms]
+def _weak(weak: Weak) -> dict[str, Any]:
+    return {
+        "effect": weak.term.effect.name,
+        "target": weak.term.target or None,
+        "log_odds": round(weak.odds, 2),
+        "why": weak.why,
+        "status": "weak",
+    }
 
 
 def _finding(finding: Finding) -> dict[str, Any]:
     entry = {
         "effect": finding.name,
         "target": finding.target or None,
+        "status": finding.status,
+        "share": round(finding.share, 4),
+        "size_um": round(finding.size_um, 3),
+        "log_odds": round(finding.odds, 2),
         "parameters": {k: _rounded(v) for k, v in finding.parameters.items()},
         "u": {k: _rounded(v) for k, v in finding.u.items()},
         "interval_95": {k: _rounded(list(v)) for k, v in finding.interval_95.items()},
@@ -82,14 +94,15 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
     lines = [_VERDICTS[found.verdict]]
     for finding in found.findings:
         lines += _finding_lines(finding)
-    if found.verdict == "unknown":
-        lines.append(f"  why: {what_is_left(found.left)}")
-        if near := nearest(found.residuals, rms):
-            lines.append(f"  {near} `vmach add` puts it into a job all the same, to look at")
+    if found.verdict in ("partly", "unknown"):
+        lines.append(f"  what remains beside noise: {found.remains_um:.2f} um RMS")
+    lines += [
+        f"  weak: {weak.term.label}, log odds {weak.odds:.1f}: {weak.why}; not counted as there"
+        for weak in found.weak
+    ]
     lines.append(
         f"RMS of measured minus predicted: {rms['before']:.2f} um before, {rms['after']:.2f} um "
         f"after; {expected(found.residuals)} make {rms['expected_noise']:.2f} um"
-        f"{'' if found.verdict == 'unknown' else beyond_noise(rms)}"
     )
     if found.failures:
         lines.append("Where the model fails (p: how often chance alone would look like this):")
@@ -124,7 +137,11 @@ def _uncertainty(finding: Finding, name: str) -> str:
 def _finding_lines(finding: Finding) -> list[str]:
     if finding.effect is None:
         return [f"  where: {finding.where or 'everywhere; more scatter than the uncertainty says'}"]
-    lines = [f"  {finding.label}: {finding.effect.title}"]
+    lines = [
+        f"  {finding.label}: {finding.effect.title}",
+        f"    {finding.status}, {finding.size_um:.2f} um RMS of these readings, "
+        f"{100 * finding.share:.0f} % of what was found and remains (log odds {finding.odds:.0f})",
+    ]
     if finding.where:
         lines.append(f"    where: {finding.where}")
     else:

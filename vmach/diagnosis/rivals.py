@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from vmach.diagnosis.explanation import MARGIN, Explanation
 from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes
-from vmach.diagnosis.search import Search
+from vmach.diagnosis.inference.rules import RIVAL
+from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.effects.laws.tool.sudden import Sudden
 
 __all__ = ["Rivals", "rivals_of"]
@@ -39,34 +39,34 @@ class Rivals:
     labels: tuple[str, ...]
 
 
-def rivals_of(search: Search, explanation: Explanation, k: int) -> Rivals:
+def rivals_of(weighing: Weighing, explanation: Explanation, k: int) -> Rivals:
     """Rivals of term k of an explanation, the other terms staying."""
     assert explanation.fit is not None
     own = explanation.fit.terms[k]
-    others = search.without(explanation, [k])
-    gains = search.gains(others)
+    others = weighing.without(explanation, [k], resize=False)
+    gains = weighing.gains(others)
     best = max(gains)
-    near = [i for i in np.argsort(gains)[::-1] if gains[i] > best - MARGIN]
-    near = [i for i in near if not _needs_impossible_size(search, others, i)]
-    labels = [search.candidates[i].label for i in near]
+    near = [i for i in np.argsort(gains)[::-1] if gains[i] > best - RIVAL]
+    near = [i for i in near if not _needs_impossible_size(weighing, others, i)]
+    labels = [weighing.candidates[i].label for i in near]
     if own.label not in labels:
         labels.insert(0, own.label)
     names = list(dict.fromkeys(label.split()[0] for label in labels))
-    alike = _teams(search, explanation, k, others) + _at_once(search, explanation, k, others)
+    alike = _teams(weighing, explanation, k, others) + _at_once(weighing, explanation, k, others)
     names += [n for n in dict.fromkeys(alike) if n not in names]
     names.sort(key=lambda name: name != own.effect.name)
     return Rivals(tuple(names), tuple(labels))
 
 
-def _needs_impossible_size(search: Search, others: Explanation, i: int) -> bool:
+def _needs_impossible_size(weighing: Weighing, others: Explanation, i: int) -> bool:
     """Whether a candidate in place of the effect would fit with a size that nature has not."""
-    if not any(p.is_bounded or p.is_essential for p in search.candidates[i].effect.parameters):
+    if not any(p.is_bounded or p.is_essential for p in weighing.candidates[i].effect.parameters):
         return False
-    fit = search.extend(others, i).fit
+    fit = weighing.extend(others, i, resize=False).fit
     return fit is not None and has_impossible_sizes(fit)
 
 
-def _teams(search: Search, explanation: Explanation, k: int, others: Explanation) -> list[str]:
+def _teams(weighing: Weighing, explanation: Explanation, k: int, others: Explanation) -> list[str]:
     """Effects that do the same when they act on all their targets at once: three scales ..."""
     assert explanation.fit is not None
     own = explanation.fit.terms[k].effect.name
@@ -74,38 +74,40 @@ def _teams(search: Search, explanation: Explanation, k: int, others: Explanation
     for name in _TEAMS:
         members = [
             i
-            for i, candidate in enumerate(search.candidates)
+            for i, candidate in enumerate(weighing.candidates)
             if candidate.effect.name in (name, *_NEVER_EXACT)
             and candidate.effect.name not in _SAME_AS.get(own, (own,))
         ]
         if own in _SAME_AS.get(name, (name,)) or not members:
             continue
-        span = np.hstack([search.candidates[i].signatures_mm[:, 0, :] for i in members])
-        if _can_imitate(span, search, others, explanation.fit.explained_mm(k)):
+        span = np.hstack([weighing.candidates[i].signatures_mm[:, 0, :] for i in members])
+        if _can_imitate(span, weighing, others, explanation.fit.explained_mm(k)):
             found.append(name)
     return found
 
 
-def _at_once(search: Search, explanation: Explanation, k: int, others: Explanation) -> list[str]:
+def _at_once(
+    weighing: Weighing, explanation: Explanation, k: int, others: Explanation
+) -> list[str]:
     """Sudden effects that do the same at the same moment: the part jumped, or the tool."""
     assert explanation.fit is not None
     own = explanation.fit.terms[k]
     if not isinstance(own.effect, Sudden):
         return []
     found = []
-    for candidate in search.candidates:
+    for candidate in weighing.candidates:
         effect, target = candidate.effect, candidate.target
         if isinstance(effect, Sudden) and effect is not own.effect:
-            span = search.survey.signature(effect, target, own.inner)
+            span = weighing.survey.signature(effect, target, own.inner)
             least = [0.0 if p.is_size else -np.inf for p in effect.amplitudes]
-            if _can_imitate(span, search, others, explanation.fit.explained_mm(k), least=least):
+            if _can_imitate(span, weighing, others, explanation.fit.explained_mm(k), least=least):
                 found.append(effect.name)
     return found
 
 
 def _can_imitate(
     span: np.ndarray,
-    search: Search,
+    weighing: Weighing,
     others: Explanation,
     explained_mm: np.ndarray,
     *,
@@ -115,7 +117,7 @@ def _can_imitate(
 
     No column less than `least` times: a size is not below zero.
     """
-    absorb = search.absorber(others)
-    shown, columns = absorb(search.whiten(explained_mm)), absorb(search.whiten(span))
+    absorb = weighing.whitening_beside(others)
+    shown, columns = absorb(explained_mm), absorb(span)
     left = 2.0 * lsq_linear(columns, shown, bounds=(least, np.inf)).cost
-    return left < 2.0 * MARGIN
+    return left < 2.0 * RIVAL

@@ -8,29 +8,13 @@ from vmach.diagnosis.residuals import Residuals
 from vmach.effects import Effect
 
 __all__ = [
-    "beyond_noise",
     "describe",
     "expected",
-    "nearest",
-    "what_is_left",
     "where_component",
     "with_unit",
 ]
 
 _UNITS = ("um", "mm", "ppm", "urad", "rad", "s", "ms", "ms2")
-#: what the gate says of the rest that an explanation leaves
-_LEFT = {
-    "feature": "features keep a place or shape of their own",
-    "time": "the rest wanders with time",
-    "scatter": "the rest scatters more than the uncertainty allows",
-    "further effects": "further effects would be needed",
-    "offsets of single features": "a few features sit elsewhere, which no law ties together",
-    "an impossible size": "what would fit has a size that nature does not have",
-    "inexactness of the laws": "what would fit is inexact by more than its law is known to be",
-    "as many numbers as places": "what would fit has as many free numbers as there are places",
-}
-#: a root mean square up to this many times that of the noise counts as noise
-_CLOSE = 1.1
 #: a correction counts as there where it exceeds this many standard uncertainties
 _CLEAR = 3.0
 
@@ -51,33 +35,11 @@ def with_unit(parameter: str, value: float) -> str:
     return f"{value:g} {unit}" if unit in _UNITS else f"{parameter} = {value:g}"
 
 
-def what_is_left(left: dict[str, float]) -> str:
-    """Why an explanation does not do: what it leaves, by kind of pattern."""
-    if not left:
-        return "more effects at once than is likely would be needed"
-    return "; ".join(_LEFT[kind] for kind in left)
-
-
 def expected(residuals: Residuals) -> str:
     """What is counted as noise."""
     if residuals.survey.effects:
         return "noise, the tables' uncertainty and what the job's effects leave open"
     return "noise and the tables' uncertainty"
-
-
-def nearest(residuals: Residuals, rms_um: dict[str, float]) -> str:
-    """What the best explanation by known effects leaves, as a sentence; empty without one."""
-    if residuals.fit is None:
-        return ""
-    labels = ", ".join(term.label for term in residuals.fit.terms)
-    return f"What comes nearest ({labels}) leaves {rms_um['after']:.2f} um."
-
-
-def beyond_noise(rms_um: dict[str, float]) -> str:
-    """What an accepted explanation leaves beyond noise, as the end of a sentence; often nothing."""
-    if rms_um["after"] > _CLOSE * rms_um["expected_noise"]:
-        return "; the rest is within what the effects' laws leave open"
-    return ""
 
 
 def where_component(

@@ -1,4 +1,7 @@
-"""Every effect on every target that the measurements could show, with its signatures."""
+"""Every effect on every target that the measurements could show, with its signatures.
+
+Source: closed form derived here: inner parameters have a log-normal prior on their grid.
+"""
 
 from __future__ import annotations
 

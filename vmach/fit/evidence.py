@@ -10,8 +10,10 @@ It is averaged over several prior widths and over the grid of the inner paramete
 looking in many places costs what it should. Under plain noise the chance of a factor above b is
 at most 1/b.
 
-Only inner products X^T X and X^T y enter. They are worked out for all candidates in a few large
-matrix products; what an explanation absorbs changes them by a matrix of low rank.
+Only inner products X^T X and X^T y enter.
+
+Source: R. Kass and A. Raftery, Bayes factors, J. Am. Stat. Assoc. 90 (1995) 773; closed form
+derived here: Gaussian integral over c. The bound 1/b is Markov's inequality.
 """
 
 from __future__ import annotations
@@ -20,11 +22,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
-from vmach.fit.whitening import Whitening
-
-__all__ = ["WIDTHS", "Evidence", "SignatureBank", "evidence_of_unit", "log_evidence"]
+__all__ = [
+    "WIDTHS",
+    "Evidence",
+    "evidence_at_places",
+    "log_evidence",
+    "width_of",
+]
 
 #: prior widths in multiples of the usual size
 WIDTHS = (0.1, 0.4, 1.5, 6.0)
@@ -51,84 +56,6 @@ class Evidence:
     best: np.ndarray
     best_width: np.ndarray
     information: float
-
-
-class SignatureBank:
-    """Signatures of many candidates, weighed together.
-
-    Parameters
-    ----------
-    blocks : sequence of (n, G, K) float64
-        Of each candidate: whitened signatures of the usual sizes of K coefficients at G places
-        on the grid of its inner parameters.
-    log_priors : sequence of (G,) float64
-        Logarithm of the weight of each place; the weights of a candidate add up to one.
-    """
-
-    def __init__(self, blocks: Sequence[np.ndarray], log_priors: Sequence[np.ndarray]) -> None:
-        self._shapes = [block.shape[1:] for block in blocks]
-        self._log_priors = list(log_priors)
-        # candidates with equally many coefficients lie side by side
-        order = sorted(range(len(blocks)), key=lambda c: self._shapes[c][1])
-        sizes = np.array([self._shapes[c][0] * self._shapes[c][1] for c in order])
-        starts = np.cumsum(sizes) - sizes
-        self._first = dict(zip(order, starts.tolist(), strict=True))
-        self._members: dict[int, list[int]] = {}
-        self._rows = np.empty((int(sizes.sum()), len(blocks[0]) if blocks else 0))
-        for c in order:
-            self._members.setdefault(self._shapes[c][1], []).append(c)
-            self._rows[self._slice(c)] = blocks[c].reshape(len(blocks[c]), -1).T
-        self._gram = {k: _products(self._part(self._rows, k)) for k in self._members}
-
-    def columns(self, c: int) -> np.ndarray:
-        """Whitened signatures of candidate c, (n, G, K)."""
-        places, terms = self._shapes[c]
-        return self._rows[self._slice(c)].reshape(places, terms, -1).transpose(2, 0, 1)
-
-    def evidence(self, readings: np.ndarray, absorb: Whitening | None = None) -> list[Evidence]:
-        """Evidence for every candidate.
-
-        Parameters
-        ----------
-        readings : (n, S) float64
-            Whitened readings.
-        absorb : Whitening, optional
-            Takes an explanation out of whitened readings and signatures.
-        """
-        if not self._shapes:
-            return []
-        if absorb is None:
-            inner, removed = self._rows @ readings, None
-        else:
-            basis, change = absorb.change_of_products()
-            inner = self._rows @ (readings - basis @ (change @ (basis.T @ readings)))
-            removed = self._rows @ basis
-        found: dict[int, Evidence] = {}
-        for terms, members in self._members.items():
-            gram = self._gram[terms]
-            if removed is not None:
-                part = self._part(removed, terms)
-                gram = gram - np.matmul(part @ change, part.transpose(0, 2, 1))
-            squared, by_width = _factors(gram, self._part(inner, terms))
-            place = 0
-            for c in members:
-                own = slice(place, place := place + self._shapes[c][0])
-                found[c] = _evidence(squared[own], by_width[:, own], self._log_priors[c])
-        return [found[c] for c in range(len(self._shapes))]
-
-    def _slice(self, c: int) -> slice:
-        places, terms = self._shapes[c]
-        return slice(self._first[c], self._first[c] + places * terms)
-
-    def _part(self, rows: np.ndarray, terms: int) -> np.ndarray:
-        """Rows of the candidates with so many coefficients, (places, coefficients, ...)."""
-        members = self._members[terms]
-        both = slice(self._slice(members[0]).start, self._slice(members[-1]).stop)
-        return rows[both].reshape(-1, terms, rows.shape[1])
-
-
-def _products(rows: np.ndarray) -> np.ndarray:
-    return np.matmul(rows, rows.transpose(0, 2, 1))
 
 
 def _factors(gram: np.ndarray, inner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -166,14 +93,44 @@ def _log_of_sum(logarithms: np.ndarray) -> np.ndarray:
 
 
 def log_evidence(columns: np.ndarray, readings: np.ndarray, log_prior: np.ndarray) -> Evidence:
-    """Evidence for a single candidate, its block and weights as in a `SignatureBank`."""
-    return SignatureBank([columns], [log_prior]).evidence(readings)[0]
+    """Evidence of a single candidate.
+
+    Parameters
+    ----------
+    columns : (n, G, K) float64
+        Whitened signatures of the usual sizes of K coefficients at G places.
+    readings : (n, S) float64
+    log_prior : (G,) float64
+        Logarithm of the weight of each place; the weights add up to one.
+    """
+    rows = columns.transpose(1, 2, 0)
+    return evidence_at_places(rows @ rows.transpose(0, 2, 1), rows @ readings, [log_prior])[0]
 
 
-def evidence_of_unit(columns: np.ndarray, reading: np.ndarray) -> float:
-    """Log evidence for causes of unit variance with whitened signatures (n, K)."""
-    if columns.shape[1] == 0:
-        return 0.0
-    lower = np.linalg.cholesky(np.eye(columns.shape[1]) + columns.T @ columns)
-    found = solve_triangular(lower, columns.T @ reading, lower=True)
-    return float(0.5 * found @ found - np.log(np.diag(lower)).sum())
+def width_of(coefficients: np.ndarray) -> float:
+    """The prior width under which fitted coefficients (K,) are most likely."""
+    size = float(coefficients @ coefficients)
+    likely = [-0.5 * size / w**2 - len(coefficients) * np.log(w) for w in WIDTHS]
+    return WIDTHS[int(np.argmax(likely))]
+
+
+def evidence_at_places(
+    gram: np.ndarray, inner: np.ndarray, log_priors: Sequence[np.ndarray]
+) -> list[Evidence]:
+    """Evidence of candidates with K coefficients, from inner products at all their places.
+
+    Parameters
+    ----------
+    gram : (P, K, K) float64
+        Of the whitened signatures with each other, candidate by candidate.
+    inner : (P, K, S) float64
+        With S sets of readings.
+    log_priors : sequence of (G,) float64
+        Of each candidate; the lengths add up to P.
+    """
+    squared, by_width = _factors(gram, inner)
+    found, place = [], 0
+    for log_prior in log_priors:
+        own = slice(place, place := place + len(log_prior))
+        found.append(_evidence(squared[own], by_width[:, own], log_prior))
+    return found

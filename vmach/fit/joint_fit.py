@@ -3,6 +3,8 @@
 The amplitudes are eliminated at every step (variable projection); a component's correction curve
 is held by its smoothness prior, everything else is free. What the whitening left free, alignment
 and zeros, is fitted at the same time.
+
+Source: G. Golub and V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413 (variable projection).
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""How far a predicted deviation can be trusted: error tables, and the effects of the job."""
+"""How far a predicted deviation can be trusted: error tables, and the effects of the job.
+
+Source: JCGM 100:2008 (GUM), eq. 13, for the combined variance.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""All measurements of a job side by side: what is to be explained, and with what uncertainty."""
+"""All measurements of a job side by side: what is to be explained, and with what uncertainty.
+
+Source: JCGM 100:2008 (GUM), covariances of the readings as F F^T; closed form derived here: free
+offsets are projected out.
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,9 @@
 
 Both are carried as independent unit-variance causes, each with its signature on the readings:
 the covariance of the prediction is ``F F^T`` for the matrix F of signatures.
+
+Source: JCGM 100:2008 (GUM), 4.2 (type A) for the noise; C. de Boor, A Practical Guide to Splines
+(1978): linear interpolation errs by h^2 f'' / 8 in the middle.
 """
 
 from __future__ import annotations

@@ -1,4 +1,8 @@
-"""Effects as terms of a joint fit, and what a fit found of them."""
+"""Effects as terms of a joint fit, and what a fit found of them.
+
+Source: closed form derived here: prior of an amplitude: normal, of an inner parameter: log-normal
+about its usual size.
+"""
 
 from __future__ import annotations
 

@@ -1,10 +1,19 @@
-"""Readings with correlated uncertainty and free nuisance, turned into plain unit noise."""
+"""Readings with correlated uncertainty and free nuisance, turned into plain unit noise.
+
+Source: A. Aitken, Proc. R. Soc. Edinburgh 55 (1936) 42 (generalised least squares); closed form
+derived here: 1 + F F^T has the root of its eigenvalues where F has columns, 1 elsewhere.
+"""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-__all__ = ["Whitening", "orthonormal"]
+if TYPE_CHECKING:
+    from vmach.fit.marginal_likelihood import Base, Sizes
+
+__all__ = ["MemberWhitening", "Whitening", "orthonormal"]
 
 #: share of the largest norm below which a direction counts as zero
 _RANK = 1e-9
@@ -64,17 +73,6 @@ class Whitening:
         """White readings (n, k) without what the nuisance can explain."""
         return white - self._free @ (self._free.T @ white)
 
-    def change_of_products(self) -> tuple[np.ndarray, np.ndarray]:
-        """Orthonormal B (n, r) and symmetric N (r, r): products become X^T (I - B N B^T) Y.
-
-        Where the readings had unit uncertainty: with whitened X' and Y', X'^T Y' is the same.
-        """
-        basis = orthonormal(np.hstack([self._left, self._free]))
-        left, free = basis.T @ self._left, basis.T @ self._free
-        kept = np.eye(basis.shape[1]) - free @ free.T
-        whitened = kept @ (np.eye(basis.shape[1]) - (left * self._shrink) @ left.T)
-        return basis, np.eye(basis.shape[1]) - whitened.T @ whitened
-
     def _white(self, columns: np.ndarray) -> np.ndarray:
         scaled = columns / self._u
         share = self._shrink[:, None] * _product(self._left.T, scaled)
@@ -86,3 +84,34 @@ def _product(matrix: np.ndarray, columns: np.ndarray) -> np.ndarray:
     if 1 < columns.shape[1] <= _FEW:
         return np.stack([matrix @ column for column in columns.T], axis=1)
     return matrix @ columns
+
+
+class MemberWhitening:
+    """Maps readings to plain unit noise, the members of a base counted at given sizes.
+
+    Parameters
+    ----------
+    base : Base
+        What turns readings into the units of their feature noise, nuisance projected out.
+    sizes : Sizes
+    more_mm : (n, k) float64, optional
+        Signatures of unit variance that count as uncertainty too.
+    """
+
+    def __init__(self, base: Base, sizes: Sizes, more_mm: np.ndarray | None = None) -> None:
+        self._base, self._factor = base, sizes.factor
+        members = base.z * np.array([1.0, *sizes.members])[base.member_of]
+        if more_mm is not None:
+            members = np.hstack([members, base.white(more_mm)])
+        none = np.zeros((len(members), 0))
+        self._white = Whitening(np.ones(len(members)), members / sizes.factor, none)
+
+    @property
+    def degrees(self) -> int:
+        """Degrees of freedom left after the nuisance."""
+        return self._base.degrees
+
+    def __call__(self, columns: np.ndarray) -> np.ndarray:
+        """Whitened columns without their nuisance part; (n,), (n, k) or more."""
+        flat = columns.reshape(len(columns), -1)
+        return self._white(self._base.white(flat) / self._factor).reshape(columns.shape)

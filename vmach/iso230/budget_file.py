@@ -1,4 +1,7 @@
-"""Uncertainty contributors of a laser measurement as a user writes them."""
+"""Uncertainty contributors of a laser measurement as a user writes them.
+
+Source: ISO/TR 230-9; KTH thesis, Table 8, for the assumed contributors.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The usual diagram of ISO 230-2: means of both directions, two standard deviations, A and E."""
+"""The usual diagram of ISO 230-2: means of both directions, two standard deviations, A and E.
+
+Source: ISO 230-2:2014, presentation of results.
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,8 @@
 
 Arrow up in the standard is `forward` here, arrow down `backward`. Every figure is in the unit of
 the runs, mm for positioning and straightness or rad for angles; the formulas are the same.
+
+Source: ISO 230-2:2014, terms and formulas of the positioning figures.
 """
 
 from __future__ import annotations

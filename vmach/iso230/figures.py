@@ -1,4 +1,7 @@
-"""The figures of ISO 230-2 of every table, as plain numbers for JSON and for print."""
+"""The figures of ISO 230-2 of every table, as plain numbers for JSON and for print.
+
+Source: the formulas of `vmach.iso230.evaluation` (ISO 230-2:2014).
+"""
 
 from __future__ import annotations
 

@@ -4,6 +4,8 @@ The equations of a master's thesis at KTH (a Mazak AJV 25/405; its equations 33 
 from the text) rebuilt after ISO/TR 230-9, so that its Tables 8 and 9 come out. Each contributor is
 taken as uncorrelated and rectangular. What its Table 7 does not confirm is said in the
 documentation (machine-model, "Where printed numbers do not follow").
+
+Source: ISO/TR 230-9; KTH thesis, Tables 8 and 9.
 """
 
 from __future__ import annotations

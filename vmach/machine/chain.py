@@ -1,4 +1,8 @@
-"""The kinematic chain of a machine, read from its ISO 10791-1 string."""
+"""The kinematic chain of a machine, read from its ISO 10791-1 string.
+
+Source: ISO 10791-1 (designation of the chain); ISO 841 (a prime marks an axis that carries the
+workpiece).
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Component errors: what a laser, a level or a straightedge found along one axis."""
+"""Component errors: what a laser, a level or a straightedge found along one axis.
+
+Source: ISO 230-1, error motions of a linear axis: EXX, EYX, EZX, EAX, EBX, ECX.
+"""
 
 from __future__ import annotations
 

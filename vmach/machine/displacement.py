@@ -6,6 +6,9 @@ One function serves both variants; they differ in the point that an arm is measu
   frame's origin, and the arm goes from there to the tip. Part of every angle is then counted
   twice, once through the arm and once in the reading.
 * ``abbe``: the arm starts at the reflector that gave the reading, each component its own.
+
+Source: KTH thesis, eq. 26, for the sum over the axes; the Abbe-consistent model (virtual
+machining of free-form slots) for arms that start at the reflector.
 """
 
 from __future__ import annotations

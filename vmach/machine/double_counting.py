@@ -2,6 +2,9 @@
 
 A reflector at R, in the frame of the body, reads ``E = t + theta x R``: the conventional form
 takes all of E as t and adds ``theta x r``, so that ``theta x R`` enters twice.
+
+Source: the Abbe-consistent model (virtual machining of free-form slots); closed form derived
+here: E - t = theta x R.
 """
 
 from __future__ import annotations

@@ -3,6 +3,9 @@
 Slow and literal on purpose. Frames: bed, then one body an axis outwards on either side; every
 body's frame has its origin at the spindle nose with all axes at home. ``A2B`` in a comment means
 the matrix that takes coordinates in A to coordinates in B.
+
+Source: A. Slocum, Precision Machine Design (1992), homogeneous transformation matrices;
+Bhattacharyya, Adv. Ind. Manuf. Eng. 5 (2022) 100089.
 """
 
 from __future__ import annotations

@@ -3,6 +3,8 @@
 All curves of an axis share one list of breaks, so that a state looks its piece up once an axis
 and then evaluates up to six cubics. `vmach.machine.displacement.contributions` says the same in
 plain NumPy, component by component; tests hold the two against each other.
+
+Source: the equations of `vmach.machine.displacement`; nothing else is stated here.
 """
 
 from __future__ import annotations

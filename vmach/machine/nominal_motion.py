@@ -2,6 +2,9 @@
 
 Every body has a frame; all frames coincide, at the spindle nose, with every axis at zero. A body
 is carried by the next one towards the bed.
+
+Source: ISO 841 (axes and right-handed rotations); closed form derived here: a rotation about a
+line through c is R, moved by c - R c.
 """
 
 from __future__ import annotations

@@ -1,4 +1,8 @@
-"""Rotary axes: where they turn, how far, and their component and location errors (ISO 230-7)."""
+"""Rotary axes: where they turn, how far, and their component and location errors (ISO 230-7).
+
+Source: ISO 230-7, error motions and location errors of an axis of rotation; ISO 230-1, EXC and
+XOC.
+"""
 
 from __future__ import annotations
 

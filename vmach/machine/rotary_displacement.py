@@ -3,6 +3,9 @@
 Every axis contributes a small screw motion of the tool relative to the workpiece, written in the
 frame of one body; the nominal poses carry it to the workpiece. Without rotary axes, and with them
 at zero, this is the form of `vmach.machine.displacement`.
+
+Source: closed form derived here: the errors (t, w) of a body move a tip at r from its origin by t
++ w x r, to first order; the nominal pose R turns the sum into the workpiece frame.
 """
 
 from __future__ import annotations

@@ -2,6 +2,8 @@
 
 Inside, every error is the displacement of the tool relative to the workpiece, rotations
 right-handed. A positive reading then always adds to the tool's displacement.
+
+Source: ISO 230-1 (tool relative to workpiece); Huddersfield paper, figure 2, for `huddersfield`.
 """
 
 from __future__ import annotations

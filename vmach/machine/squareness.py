@@ -2,6 +2,8 @@
 
 ``EC0Y`` is the rotation C of the reference line of Y, right-handed: Y leans towards -X where it
 is positive.
+
+Source: ISO 230-1, squareness error of two linear axes.
 """
 
 from __future__ import annotations

@@ -3,6 +3,9 @@
 A part that lies on the CMM shifted by d and turned by w (small) about p0 shows, at a surface
 point p with outward normal n, the deviation n.(d + w x (p - p0)) on top of its own. Alignment
 finds d and w and takes that away.
+
+Source: ISO 5459 (datums); Gaussian best fit by least squares; closed form derived here: n . (w x
+r) = w . (r x n).
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Right-handed frames that curves and surfaces are placed in."""
+"""Right-handed frames that curves and surfaces are placed in.
+
+Source: ISO 10303-42, axis2_placement_3d.
+"""
 
 from __future__ import annotations
 

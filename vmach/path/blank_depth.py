@@ -1,4 +1,7 @@
-"""How far the blank reaches beyond the final surface: what no earlier pass has taken off yet."""
+"""How far the blank reaches beyond the final surface: what no earlier pass has taken off yet.
+
+Source: T. Kay and J. Kajiya, Ray tracing complex scenes, SIGGRAPH 1986 (slabs of a box).
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""The circumstances under which the tool made a point: everything an effect may depend on."""
+"""The circumstances under which the tool made a point: everything an effect may depend on.
+
+Source: closed form derived here: positions, directions and histories of the rigid nominal
+machine, as each property states.
+"""
 
 from __future__ import annotations
 

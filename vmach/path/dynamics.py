@@ -1,4 +1,8 @@
-"""How the path bends and where it has corners: what servo drives respond to."""
+"""How the path bends and where it has corners: what servo drives respond to.
+
+Source: closed form derived here: curvature 1/R towards the centre of an arc; the turn of short
+lines over their mean length.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""How much material the tool took where it made the surface: radial depth along the normal."""
+"""How much material the tool took where it made the surface: radial depth along the normal.
+
+Source: closed form derived here: the way along the normal to the nearest earlier pass, a disc or
+a stadium of the tool's radius.
+"""
 
 from __future__ import annotations
 

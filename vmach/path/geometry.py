@@ -1,4 +1,7 @@
-"""Where the spindle nose is, and which way it goes, at any place of any move."""
+"""Where the spindle nose is, and which way it goes, at any place of any move.
+
+Source: closed form derived here: a helix is a circle and a straight line in one parameter.
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,9 @@
 """What the axes have warmed by their motion before a given moment.
 
 Heat is constant on every straight piece of the path's polyline; the responses to it are exact.
+
+Source: closed form derived here: dw/dt = (p - w) / tau with constant p has w = p + (w0 - p)
+exp(-t / tau).
 """
 
 from __future__ import annotations

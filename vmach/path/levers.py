@@ -1,4 +1,8 @@
-"""Levers: how far the machine's component errors move the tool where it stands."""
+"""Levers: how far the machine's component errors move the tool where it stands.
+
+Source: closed form derived here: one unit of a component error moves the tip by e_i, of an angle
+by e_i x arm (`vmach.machine.displacement`).
+"""
 
 from __future__ import annotations
 

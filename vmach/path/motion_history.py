@@ -2,6 +2,9 @@
 
 Everything is worked out once per program on a polyline of the path, whose corners are the ends
 of moves and, on arcs, points close enough together, among them those where an axis reverses.
+
+Source: M. Krasnosel'skii and A. Pokrovskii, Systems with Hysteresis (1989), play operator; closed
+form derived here: warmth as in `vmach.path.heat_history`.
 """
 
 from __future__ import annotations

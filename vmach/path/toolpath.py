@@ -1,4 +1,7 @@
-"""The toolpath: states of the machine along the program, at nodes at most 5 mm apart."""
+"""The toolpath: states of the machine along the program, at nodes at most 5 mm apart.
+
+Source: ISO 841 (motion of the tool relative to the workpiece).
+"""
 
 from __future__ import annotations
 

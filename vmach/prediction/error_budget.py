@@ -1,4 +1,8 @@
-"""Error budget: what each component error and each effect adds to a point's deviation."""
+"""Error budget: what each component error and each effect adds to a point's deviation.
+
+Source: closed form derived here: to first order a displacement e_i changes the deviation along
+the normal n by n . e_i, so that shares add up.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Predicted deviation of surface points: the displaced path, swept exactly."""
+"""Predicted deviation of surface points: the displaced path, swept exactly.
+
+Source: closed form derived here: the tip stands at nominal + e, and the surface is what the tool
+sweeps there; deviation = distance along the nominal normal (docs/engine.md).
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""From a toolpath and the displacement at its nodes to the sweeps of the removal engine."""
+"""From a toolpath and the displacement at its nodes to the sweeps of the removal engine.
+
+Source: closed form derived here: cubic Hermite interpolation of the displacement between two
+nodes.
+"""
 
 from __future__ import annotations
 

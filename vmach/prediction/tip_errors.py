@@ -1,4 +1,8 @@
-"""Error of the tool tip along a program: what the axes do to it, whatever it cuts."""
+"""Error of the tool tip along a program: what the axes do to it, whatever it cuts.
+
+Source: ISO 230-1 (tool relative to workpiece, at the functional point); the equations of
+`vmach.machine.displacement`.
+"""
 
 from __future__ import annotations
 

@@ -36,7 +36,23 @@ from vmach.run.solid_comparison import compare_solids, comparison_notes
 if TYPE_CHECKING:
     import trimesh
 
-__all__ = ["MachinedPart", "PartInspection", "inspect_part", "machine_part", "predict_points"]
+__all__ = [
+    "SOLID_MOVES",
+    "MachinedPart",
+    "PartInspection",
+    "inspect_part",
+    "machine_part",
+    "predict_points",
+]
+
+
+#: programs of more moves are inspected without a solid, unless it is asked for: cutting it takes
+#: minutes from here on
+SOLID_MOVES = 100_000
+_NO_SOLID = (
+    "no solid was cut: the program has {moves} moves, more than {most}; the deviations come from "
+    "the exact engine all the same ('--solid' cuts it)"
+)
 
 
 @dataclass(frozen=True)
@@ -84,8 +100,8 @@ class MachinedPart:
         How the points that were cut under the last variant were made.
     budget : ErrorBudget
         Of the same points and variant, without alignment.
-    part : VirtualPart
-        The solid that the displaced tools leave.
+    part : VirtualPart or None
+        The solid that the displaced tools leave; None where it was not cut.
     nominal : NominalPart or None
     model : Variant
         The error model that the solid was cut with.
@@ -101,7 +117,7 @@ class MachinedPart:
     points: InspectedPoints
     states: PathStates
     budget: ErrorBudget
-    part: VirtualPart
+    part: VirtualPart | None
     nominal: NominalPart | None
     model: Variant
     comparison: SolidComparison | None
@@ -115,6 +131,7 @@ def machine_part(
     model: Variant = Variant.ABBE,
     variants: Sequence[Variant] = (Variant.NONE, Variant.ABBE),
     prefer_measured: bool = False,
+    solid: bool | None = None,
     progress: Progress = silent,
 ) -> MachinedPart:
     """Machine the job's part virtually and inspect it.
@@ -129,6 +146,9 @@ def machine_part(
         Error models to inspect, side by side.
     prefer_measured : bool
         Inspect the measured points of the job, where it has them, and not the nominal CAD.
+    solid : bool, optional
+        Whether to cut the solid; by default for programs of up to `SOLID_MOVES` moves. The
+        deviations come from the exact engine, with or without it.
     progress : Progress
 
     Raises
@@ -141,10 +161,13 @@ def machine_part(
     found = inspect_part(
         job, variants=variants, prefer_measured=prefer_measured, also=model, clock=clock
     )
-    with clock.stage("cut") as step:
-        part = cut_part(found.sweeps[model], found.preparation.cutters, blank, progress=step)
-    comparison = None
-    if found.nominal is not None:
+    part = comparison = None
+    moves = len(found.preparation.program.moves)
+    is_left_out = solid is None and moves > SOLID_MOVES
+    if solid or (solid is None and not is_left_out):
+        with clock.stage("cut") as step:
+            part = cut_part(found.sweeps[model], found.preparation.cutters, blank, progress=step)
+    if part is not None and found.nominal is not None:
         with clock.stage("solids"):
             limit_mm = job.inspection.difference_mm
             comparison = compare_solids(found.preparation, part, found.nominal, limit_mm)
@@ -164,6 +187,7 @@ def machine_part(
         notes=(
             *collision_notes(found.preparation, collisions),
             *comparison_notes(comparison),
+            *([_NO_SOLID.format(moves=moves, most=SOLID_MOVES)] if is_left_out else []),
             *found.notes,
         ),
     )

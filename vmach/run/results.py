@@ -19,6 +19,7 @@ from vmach.files.atomic import atomic_file, atomic_folder
 from vmach.files.csv_table import Cells, fixed, whole, words, write_csv
 from vmach.fit.prediction_uncertainty import prediction_u_mm
 from vmach.job import job_name
+from vmach.nominal.patches import patches
 from vmach.nominal.points import SurfacePoints
 from vmach.prediction import Prediction
 from vmach.prediction.error_budget import write_budget_csv
@@ -39,6 +40,7 @@ from vmach.run.pipeline import MachinedPart
 __all__ = [
     "REMAINDER_FILE",
     "RESULT_FILES",
+    "SOLID_FILE",
     "default_folder",
     "prediction_columns",
     "prediction_summary",
@@ -51,6 +53,8 @@ __all__ = [
 
 #: measured minus predicted, beside the others where the part was measured
 REMAINDER_FILE = "remainder.png"
+#: the virtual part, where it was cut
+SOLID_FILE = "part.stl"
 #: what a run leaves in its folder
 RESULT_FILES = (
     "report.html",
@@ -58,7 +62,7 @@ RESULT_FILES = (
     "summary.json",
     "deviations.csv",
     "budget.csv",
-    "part.stl",
+    SOLID_FILE,
 )
 
 _PACKAGES = ("vmach", "numpy", "scipy", "numba", "manifold3d", "trimesh", "pyvista")
@@ -83,7 +87,8 @@ def write_results(
 
     clock = StageClock(progress)
     with atomic_folder(out_dir) as folder, clock.stage("write"):
-        write_part(made.part, folder / "part.stl")
+        if made.part is not None:
+            write_part(made.part, folder / SOLID_FILE)
         write_deviations_csv(folder / "deviations.csv", made.points)
         cut = made.points.primary.is_cut
         write_budget_csv(folder / "budget.csv", made.points.id[cut], made.states, made.budget)
@@ -115,8 +120,13 @@ def write_coloured_part(made: MachinedPart, path: Path) -> None:
 
 
 def _display_mesh(made: MachinedPart):
-    """The nominal CAD, or the virtual part where there is none, with the deviations on it."""
-    mesh = made.part if made.nominal is None else made.nominal.mesh
+    """The nominal CAD with the deviations on it, else the virtual part, else a patch a point."""
+    if made.nominal is not None:
+        mesh = made.nominal.mesh
+    elif made.part is not None:
+        mesh = made.part
+    else:
+        mesh = patches(made.points.point_mm, made.points.normal)
     return build_display_mesh(mesh.vertices_mm, mesh.triangles, made.points)
 
 
@@ -139,7 +149,7 @@ def run_record(made: MachinedPart, command: str) -> RunRecord:
             "chain": str(job.machine.chain),
             "moves": f"{len(moves)}",
             "machining time": f"{minutes:.1f} min",
-            "volume of the part": f"{made.part.volume_mm3:.1f} mm3",
+            **({"volume of the part": f"{made.part.volume_mm3:.1f} mm3"} if made.part else {}),
             "effects": ", ".join(job.effects) or "none beside the error tables",
         },
         warnings=tuple(map(str, made.notes)),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import ConfigDict, Field
 
@@ -23,6 +23,13 @@ class _Finding(_Open):
     effect: str | None
     target: str | None
     """Axis, component or feature that it acts on."""
+    status: str
+    """"shown" where it is told from all others, "class" where it is not."""
+    share: float
+    """Of what the model misses, in squares; without unit."""
+    size_um: float
+    log_odds: float
+    """Natural logarithm, for it against without it."""
     parameters: dict[str, Any]
     """Numbers, or lists of a correction curve; the unit ends each name."""
     u: dict[str, Any]
@@ -65,11 +72,25 @@ class _NextMeasurement(_Open):
     """File of the test's program."""
 
 
+class _Weak(_Open):
+    """An effect that may be there; it is not counted."""
+
+    effect: str
+    target: str | None
+    status: Literal["weak"]
+    log_odds: float
+    """Natural logarithm, for it against without it."""
+    why: str
+
+
 class DiagnosisFigures(_Open):
     """``diagnose --json``: what the model lacks; more keys may come."""
 
     verdict: str
     effects: list[_Finding]
+    weak_effects: list[_Weak]
+    remains_um: float
+    """RMS of what remains beside noise."""
     rms_um: dict[str, float]
     """Of measured minus predicted: before, after, expected noise."""
     candidates: list[dict[str, Any]]
@@ -77,6 +98,8 @@ class DiagnosisFigures(_Open):
     next_measurement: _NextMeasurement | None
     blind_spots: list[_BlindSpot]
     notes: list[str]
+    note_records: list[NoteRecord]
+    """The notes as records."""
 
 
 class _Surface(Output):

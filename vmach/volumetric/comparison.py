@@ -1,4 +1,8 @@
-"""The two forms of the arms side by side over a volume."""
+"""The two forms of the arms side by side over a volume.
+
+Source: the Abbe-consistent model (virtual machining of free-form slots), which compares both
+arms.
+"""
 
 from __future__ import annotations
 

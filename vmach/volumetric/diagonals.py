@@ -2,6 +2,8 @@
 
 A laser on a diagonal sees the error along the diagonal only. The figures are those of ISO 230-2
 (ISO 230-6 refers to it), here from the model instead of from readings.
+
+Source: ISO 230-6, body and face diagonals; ISO 230-2 for the figures.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Error vectors on a grid over the volume of a machine."""
+"""Error vectors on a grid over the volume of a machine.
+
+Source: Huddersfield paper, section 4.1 (points at the intervals of a grid).
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,8 @@
 
 Error vectors of similar direction form groups, and in each group those are dismissed that are
 much shorter than the longest. Kept beside the exact `farthest_pair` for comparison.
+
+Source: Huddersfield paper, section 4.2.
 """
 
 from __future__ import annotations

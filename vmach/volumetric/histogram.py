@@ -1,4 +1,7 @@
-"""Distribution of the differences between all pairs of error vectors."""
+"""Distribution of the differences between all pairs of error vectors.
+
+Source: Huddersfield paper, section 4.1 (all n (n - 1) / 2 pairs).
+"""
 
 from __future__ import annotations
 

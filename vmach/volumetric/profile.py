@@ -1,4 +1,8 @@
-"""Errors of the tool tip along a path of nose positions, such as the outline of a part."""
+"""Errors of the tool tip along a path of nose positions, such as the outline of a part.
+
+Source: Huddersfield paper (errors along a profile); the equations of
+`vmach.machine.displacement`.
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,8 @@
 
 After "Defining and computing machine tool accuracy" (University of Huddersfield), sections 4.1 and
 4.2: not the largest error against one datum, but the worst that can lie between two features.
+
+Source: Huddersfield paper, sections 4.1 and 4.2.
 """
 
 from __future__ import annotations

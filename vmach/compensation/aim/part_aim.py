@@ -1,4 +1,7 @@
-"""The program aimed at the part: its path shifted so that the surface is centred."""
+"""The program aimed at the part: its path shifted so that the surface is centred.
+
+Source: closed form derived here: shifts that centre the deviations; the fit is in `shift_fit`.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The part that a written program cuts, seen at points of its surface."""
+"""The part that a written program cuts, seen at points of its surface.
+
+Source: the prediction of `vmach.prediction`.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Shifts of the tool asked for beside its nominal path, such that arcs stay arcs."""
+"""Shifts of the tool asked for beside its nominal path, such that arcs stay arcs.
+
+Source: closed form derived here: linear shifts between knots; on arcs radial, tangential and
+axial, so that arcs stay arcs.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""What holds the shift of a path back where the surface asks for nothing."""
+"""What holds the shift of a path back where the surface asks for nothing.
+
+Source: closed form derived here: quadratic penalties on changes of the shift along the path.
+"""
 
 from __future__ import annotations
 

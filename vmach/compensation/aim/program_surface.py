@@ -1,4 +1,7 @@
-"""The surface that a program leaves without any error, as points with normals."""
+"""The surface that a program leaves without any error, as points with normals.
+
+Source: the envelopes of `stock.exact.left_surface`.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +11,11 @@ from stock import LeftSurface, find_left_surface
 from vmach.errors import InputError
 from vmach.job import Job
 from vmach.machine import Variant
-from vmach.nominal import Mesh
 from vmach.nominal.points import SurfacePoints
 from vmach.path.preparation import Preparation, prepare
 from vmach.prediction import displaced_sweeps
 
-__all__ = ["ProgramSurface", "patches"]
+__all__ = ["ProgramSurface"]
 
 #: a normal this near to level or upright belongs to a wall or a floor: 1 degree
 _ALIGNED_COS, _ACROSS_COS = 0.99985, 0.01745
@@ -85,19 +87,6 @@ class ProgramSurface:
         )
         tool = self.preparation.path.nodes.moves.tool[self.sweeps.move[left.sweep]]
         return np.char.add(np.char.add("T", tool.astype(str)), np.char.add(" ", kinds))
-
-
-def patches(points: SurfacePoints, side_mm: float) -> Mesh:
-    """A square of this side at every point, to draw a surface that nobody has meshed."""
-    normal = points.normal
-    one = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal), axis=1)])
-    one *= 0.5 * side_mm / np.linalg.norm(one, axis=1, keepdims=True)
-    two = np.cross(normal, one)
-    corners = np.stack([-one - two, one - two, one + two, two - one], axis=1)
-    vertices = (points.point_mm[:, None] + corners).reshape(-1, 3)
-    first = 4 * np.arange(len(points))[:, None, None]
-    triangles = (first + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
-    return Mesh(vertices, triangles, np.repeat(np.arange(len(points)), 2))
 
 
 def _is_inside(points_mm: np.ndarray, corners_mm: np.ndarray) -> np.ndarray:

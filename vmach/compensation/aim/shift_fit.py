@@ -1,4 +1,8 @@
-"""Shifts of the path that centre the deviations of the surface which its moves make."""
+"""Shifts of the path that centre the deviations of the surface which its moves make.
+
+Source: C. Lawson (1961): the largest residual made least by least squares with weights that grow
+with the residual.
+"""
 
 from __future__ import annotations
 

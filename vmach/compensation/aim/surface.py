@@ -1,4 +1,7 @@
-"""The compensated program on the part's surface: what it leaves of the predicted deviations."""
+"""The compensated program on the part's surface: what it leaves of the predicted deviations.
+
+Source: closed form derived here: deviation of the inexact minus that of the perfect machine.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +13,13 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
-from vmach.compensation.aim.program_surface import ProgramSurface, patches
+from vmach.compensation.aim.program_surface import ProgramSurface
 from vmach.errors import InputError
 from vmach.fit.prediction_uncertainty import prediction_u_mm
 from vmach.job import Job
 from vmach.machine import Variant
 from vmach.nominal import Mesh, NominalPart, read_nominal
+from vmach.nominal.patches import patches
 from vmach.nominal.points import SurfacePoints
 from vmach.path.preparation import prepare
 from vmach.prediction import (
@@ -131,7 +135,7 @@ def read_surface(job: Job, *, with_aim: bool = False) -> Surface | None:
     else:
         program = ProgramSurface(job)
         points, source = program.sample(spacing_mm), "the part that the perfect program cuts"
-    surface = Surface(points, patches(points, spacing_mm), source)
+    surface = Surface(points, patches(points.point_mm, points.normal), source)
     return _with_aim(surface, program.sample(_FINER * spacing_mm)) if with_aim else surface
 
 

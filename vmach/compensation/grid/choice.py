@@ -1,4 +1,7 @@
-"""The sequence of grid points that leaves least at the probes, by dynamic programming."""
+"""The sequence of grid points that leaves least at the probes, by dynamic programming.
+
+Source: R. Bellman, Dynamic Programming (1957).
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Points of the control's grid that the ends of pieces may be written at."""
+"""Points of the control's grid that the ends of pieces may be written at.
+
+Source: closed form derived here: points of a cubic grid next to a line.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Ends rounded together: of the grid points around every end, those that leave least."""
+"""Ends rounded together: of the grid points around every end, those that leave least.
+
+Source: closed form derived here: what an end off the grid leaves across its moves, linear between
+the ends.
+"""
 
 from __future__ import annotations
 

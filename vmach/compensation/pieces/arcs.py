@@ -1,4 +1,7 @@
-"""Arcs that stay arcs: the fewest that pass the corrected points."""
+"""Arcs that stay arcs: the fewest that pass the corrected points.
+
+Source: closed form derived here: the circle through three points; a helix adds a straight rise.
+"""
 
 from __future__ import annotations
 

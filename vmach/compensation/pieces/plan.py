@@ -1,4 +1,7 @@
-"""The plan of a compensated program: the pieces of its moves, and where they shall lead."""
+"""The plan of a compensated program: the pieces of its moves, and where they shall lead.
+
+Source: closed form derived here: pieces of moves, each with the place that its end shall reach.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Where points are inserted: as few as hold the tool within the tolerance."""
+"""Where points are inserted: as few as hold the tool within the tolerance.
+
+Source: closed form derived here: a bow of sagitta d needs sqrt(d / 2w) chords in a tube of half
+width w.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Where axes turn back, and how far on the lost motion is taken up."""
+"""Where axes turn back, and how far on the lost motion is taken up.
+
+Source: closed form derived here: an arc turns an axis back where its tangent has no share of that
+axis.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The error along every move that the program makes, at places close enough to see it bend."""
+"""The error along every move that the program makes, at places close enough to see it bend.
+
+Source: closed form derived here: sagitta between samples from second differences.
+"""
 
 from __future__ import annotations
 

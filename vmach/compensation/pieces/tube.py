@@ -1,4 +1,8 @@
-"""The fewest straight pieces inside a tube around a curve."""
+"""The fewest straight pieces inside a tube around a curve.
+
+Source: L. Guibas, J. Hershberger, J. Mitchell and J. Snoeyink, Approximating polygons and
+subdivisions with minimum-link paths, Int. J. Comput. Geom. Appl. 3 (1993) 383.
+"""
 
 from __future__ import annotations
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vmach.diagnosis.explanation import Explanation
-from vmach.diagnosis.search import Search
+from vmach.diagnosis.inference.rules import SHOWN
+from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.words import with_unit
 from vmach.effects import Effect, label_of
 from vmach.fit.candidates import Candidate
@@ -55,7 +55,7 @@ class BlindSpot:
 
 
 def blind_spots(
-    search: Search, explanation: Explanation, *, is_named: bool = True
+    weighing: Weighing, explanation: Explanation, *, is_named: bool = True
 ) -> tuple[BlindSpot, ...]:
     """Effects whose usual size would stay below the threshold, given what was found.
 
@@ -63,7 +63,7 @@ def blind_spots(
 
     Parameters
     ----------
-    search : Search
+    weighing : Weighing
     explanation : Explanation
     is_named : bool
         Whether the effects of the explanation are named; else they only come nearest.
@@ -73,11 +73,16 @@ def blind_spots(
     beside = beside if is_named else "what comes nearest"
     untestable = [
         BlindSpot(effect.name, target, _first(effect), None, reason)
-        for effect, target, reason in search.excluded
+        for effect, target, reason in weighing.excluded
     ]
     # one amplitude that is z standard uncertainties large has an evidence of about z^2 / 2
-    needed_z = float(np.sqrt(2.0 * (search.threshold + _FREEDOM)))
-    weighed = zip(search.candidates, explanation.evidence, search.nothing.evidence, strict=True)
+    needed_z = float(np.sqrt(2.0 * (SHOWN + np.log(len(weighing.candidates)) + _FREEDOM)))
+    weighed = zip(
+        weighing.candidates,
+        weighing.evidence(explanation),
+        weighing.evidence(weighing.alone),
+        strict=True,
+    )
     spots = [
         _blind_spot(
             candidate,

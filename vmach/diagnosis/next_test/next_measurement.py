@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vmach.diagnosis.explanation import Explanation
 from vmach.diagnosis.findings import Finding
+from vmach.diagnosis.inference.rules import SHOWN
+from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.next_test.planned_program import U_MM, write_program
-from vmach.diagnosis.search import Search
 from vmach.effects import Circumstances
 from vmach.fit.terms import Term
 from vmach.fit.whitening import orthonormal
@@ -55,7 +55,7 @@ class NextMeasurement:
 
 
 def next_measurement(
-    search: Search, explanation: Explanation, findings: Sequence[Finding]
+    weighing: Weighing, explanation: Explanation, findings: Sequence[Finding]
 ) -> NextMeasurement | None:
     """The most powerful test for the first finding that has rivals; None where none helps.
 
@@ -64,23 +64,23 @@ def next_measurement(
     """
     for k, finding in enumerate(findings):
         if finding.effect is None:
-            return _for_unknown(search)
+            return _for_unknown(weighing)
         assert explanation.fit is not None
-        rivals = _labels(search, finding)
+        rivals = _labels(weighing, finding)
         one = _Shown(explanation.fit.terms[k], explanation.fit.coefficients[k])
         # as if the effect found were true; where no test shows it, as if the rival were
         for is_true in (True, False):
-            best = _best_test(search, one, rivals, is_true=is_true)
+            best = _best_test(weighing, one, rivals, is_true=is_true)
             if best is not None:
                 return best
     return None
 
 
-def _labels(search: Search, finding: Finding) -> list[str]:
+def _labels(weighing: Weighing, finding: Finding) -> list[str]:
     """The rivals of a finding; of those that rival it as a team, every member."""
     return [
         c.label
-        for c in search.candidates
+        for c in weighing.candidates
         if c.effect.name != finding.name
         and (c.label in finding.rivals.labels or c.effect.name in finding.teams)
     ]
@@ -95,14 +95,14 @@ class _Shown:
 
 
 def _best_test(
-    search: Search, one: _Shown, rivals: Sequence[str], *, is_true: bool
+    weighing: Weighing, one: _Shown, rivals: Sequence[str], *, is_true: bool
 ) -> NextMeasurement | None:
     """The test that tells an effect from most of its rivals; of equals, the more powerful one.
 
     Its power is that against the weakest of the rivals that it tells apart.
     """
-    job, best = search.survey.job, None
-    others = [_Shown(*search.alone(search.index_of(label))) for label in rivals]
+    job, best = weighing.survey.job, None
+    others = [_Shown(*weighing.fitted_alone(weighing.index_of(label))) for label in rivals]
     for test in planned_tests(job):
         powers = [_power(job, test, *((one, r) if is_true else (r, one))) for r in others]
         told = {label: p for label, p in zip(rivals, powers, strict=True) if p > _USEFUL}
@@ -120,11 +120,11 @@ def _best_test(
     return NextMeasurement(separates, text, write_program(test, job), power)
 
 
-def _for_unknown(search: Search) -> NextMeasurement:
+def _for_unknown(weighing: Weighing) -> NextMeasurement:
     """The test that tells the leading candidates apart best, its weakest pair counted."""
-    job, gains = search.survey.job, search.gains(search.nothing)
-    leading = [k for k in np.argsort(gains)[::-1] if gains[k] > search.threshold][:_LEADING]
-    shown = [_Shown(*search.alone(k)) for k in leading]
+    job, gains = weighing.survey.job, weighing.gains(weighing.alone)
+    leading = [k for k in np.argsort(gains)[::-1] if gains[k] > SHOWN][:_LEADING]
+    shown = [_Shown(*weighing.fitted_alone(k)) for k in leading]
     pairs = list(itertools.permutations(shown, 2))
     tests = list(planned_tests(job))
     powers = [min((_power(job, test, a, b) for a, b in pairs), default=0.0) for test in tests]

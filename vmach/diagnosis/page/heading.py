@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from vmach.diagnosis.diagnose import Diagnosis
-from vmach.diagnosis.words import beyond_noise, expected, nearest, what_is_left
+from vmach.diagnosis.words import expected
 from vmach.effects import Effect
 from vmach.effects.laws.geometry.component import Component
 from vmach.machine import LINEAR_AXES
@@ -54,7 +54,7 @@ def headline(found: Diagnosis) -> tuple[str, str]:
         f"Measured minus predicted falls from {rms['before']:.2f} to {rms['after']:.2f} um RMS"
         f", where {expected(found.residuals)} make {rms['expected_noise']:.2f} um"
     )
-    fell += beyond_noise(rms)
+    remains = f"{found.remains_um:.2f} um RMS of something else remain beside noise"
     if found.verdict == "nothing":
         return (
             "The measurements agree with the model",
@@ -66,10 +66,11 @@ def headline(found: Diagnosis) -> tuple[str, str]:
         return (
             "Something real is left that no known effect explains",
             f"Measured minus predicted is {rms['before']:.2f} um RMS, {expected(found.residuals)} "
-            f"make {rms['expected_noise']:.2f} um. {nearest(found.residuals, rms)} "
-            f"No name is given: {what_is_left(found.left)}.",
+            f"make {rms['expected_noise']:.2f} um. No name is given: {remains}.",
         )
     names = "; ".join(_named(f.effect, f.target) for f in found.findings if f.effect)
+    if found.verdict == "partly":
+        return f"Missing in the model: {names}, and something else", f"{fell}. {remains}."
     if found.verdict == "class":
         return (
             f"Missing in the model: {names}, or an effect like it",
@@ -86,10 +87,7 @@ def state_words(found: Diagnosis) -> dict[str, str]:
     fit = found.residuals.fit
     if fit is None:
         return {"before": "measured minus predicted"}
-    after = "with the effects found"
-    if found.verdict == "unknown":
-        after = "with what comes nearest"
-    return {"before": "before", "after": after}
+    return {"before": "before", "after": "with the effects found"}
 
 
 def _named(effect: Effect, target: str) -> str:

@@ -1,4 +1,7 @@
-"""Reading the rotary axes of a machine file: travel, centre, component and location errors."""
+"""Reading the rotary axes of a machine file: travel, centre, component and location errors.
+
+Source: ISO 230-7 and ISO 230-1 (names of the errors).
+"""
 
 from __future__ import annotations
 

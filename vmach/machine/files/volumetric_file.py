@@ -7,6 +7,9 @@
   and ``[C0Y]`` with ``VALUE = ``.
 
 Both state lengths in mm and angles in rad, one direction only.
+
+Source: Beckhoff/ISG "Volumetric compensation" (FCT-C26), ISG CSV format; ETALON: the exchange
+text as its files show it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,8 @@
-"""Leaving the choice of interpolation to the data, with the evidence kept."""
+"""Leaving the choice of interpolation to the data, with the evidence kept.
+
+Source: Hastie, Tibshirani and Friedman, The Elements of Statistical Learning (2009), section
+7.10: leaving out, and the rule of one standard error.
+"""
 
 from __future__ import annotations
 

@@ -10,6 +10,8 @@ Three headers are understood, in any order of columns and of rows:
 The position may also be in ``position_m`` or ``position_inch``; a unit at the end of any other
 column (``forward_um``, ``deviation_arcsec``) goes before the unit of the machine file. An empty
 cell is a reading that is missing.
+
+Source: ISO 230-2 (target positions, approach from both directions).
 """
 
 from __future__ import annotations

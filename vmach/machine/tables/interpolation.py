@@ -3,6 +3,9 @@
 One form for all methods keeps evaluation fast and simple. Linear, PCHIP and splines are piecewise
 cubics already; Legendre and Fourier series are sampled finely enough that the cubics between the
 samples follow them within 1e-7 of their amplitude.
+
+Source: F. Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300 (PCHIP); C. de Boor, A
+Practical Guide to Splines (1978).
 """
 
 from __future__ import annotations

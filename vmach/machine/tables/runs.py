@@ -1,4 +1,7 @@
-"""Single runs of a measurement along one axis, both directions of approach."""
+"""Single runs of a measurement along one axis, both directions of approach.
+
+Source: ISO 230-2, bidirectional runs.
+"""
 
 from __future__ import annotations
 

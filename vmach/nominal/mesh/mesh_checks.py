@@ -1,4 +1,8 @@
-"""Is a triangle soup the closed, consistently wound, non-intersecting surface of a solid?"""
+"""Is a triangle soup the closed, consistently wound, non-intersecting surface of a solid?
+
+Source: closed form derived here: a surface is closed where each edge is run along equally often
+both ways.
+"""
 
 from __future__ import annotations
 

@@ -3,6 +3,9 @@
 A closed, consistently wound mesh can still hold no solid: every triangle twice, a surface and
 its reverse, a flattened part, one body inside another with the same sense. The winding number
 tells them apart: it is 1 inside a solid and 0 outside (Jacobson, Kavan and Sorkine-Hornung 2013).
+
+Source: Jacobson, Kavan and Sorkine-Hornung, Robust inside-outside segmentation using generalized
+winding numbers, ACM Trans. Graph. 32 (2013) 33.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""STL files: binary or ASCII triangles to vertices and indices."""
+"""STL files: binary or ASCII triangles to vertices and indices.
+
+Source: 3D Systems, StereoLithography Interface Specification.
+"""
 
 from __future__ import annotations
 

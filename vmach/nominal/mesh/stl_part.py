@@ -1,4 +1,8 @@
-"""A nominal part from an STL file: smooth regions of facets, and how far these can be off."""
+"""A nominal part from an STL file: smooth regions of facets, and how far these can be off.
+
+Source: closed form derived here: strips of width c on a circle meet at an angle b = c / r and
+leave the sagitta c b / 8.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Choose points that keep a distance from each other, and from edges."""
+"""Choose points that keep a distance from each other, and from edges.
+
+Source: closed form derived here: each point is kept that is far enough from all that were kept
+before it.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Which bodies a STEP file holds, and where its assembly structure places them."""
+"""Which bodies a STEP file holds, and where its assembly structure places them.
+
+Source: ISO 10303-44 (product structure), ISO 10303-43 (representations and their
+transformations).
+"""
 
 from __future__ import annotations
 

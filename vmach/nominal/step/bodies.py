@@ -1,4 +1,7 @@
-"""Which bodies of a STEP file are the part, and what is said of the others."""
+"""Which bodies of a STEP file are the part, and what is said of the others.
+
+Source: ISO 10303-42 (solid and surface models).
+"""
 
 from __future__ import annotations
 

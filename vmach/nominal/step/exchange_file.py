@@ -1,4 +1,7 @@
-"""The exchange structure of ISO 10303-21 (STEP): text to entities that refer to each other."""
+"""The exchange structure of ISO 10303-21 (STEP): text to entities that refer to each other.
+
+Source: ISO 10303-21.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Curves and surfaces of a STEP file (ISO 10303-42) in the workpiece frame, mm and rad."""
+"""Curves and surfaces of a STEP file (ISO 10303-42) in the workpiece frame, mm and rad.
+
+Source: ISO 10303-42.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Units of the geometry in a STEP file, from the context of its representation."""
+"""Units of the geometry in a STEP file, from the context of its representation.
+
+Source: ISO 10303-41 (measures and units).
+"""
 
 from __future__ import annotations
 

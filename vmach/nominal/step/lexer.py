@@ -2,6 +2,8 @@
 
 All patterns are possessive: they give nothing back, so the time grows with the length of the text
 whatever it holds.
+
+Source: ISO 10303-21.
 """
 
 from __future__ import annotations

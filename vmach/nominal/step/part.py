@@ -1,4 +1,7 @@
-"""A nominal part from a STEP file: exact faces, and triangles of them to look at."""
+"""A nominal part from a STEP file: exact faces, and triangles of them to look at.
+
+Source: ISO 10303-203, ISO 10303-214, ISO 10303-242.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Solids of a STEP file: shells, their faces and the edges that these share."""
+"""Solids of a STEP file: shells, their faces and the edges that these share.
+
+Source: ISO 10303-42 (topology: shells, faces, loops, edges).
+"""
 
 from __future__ import annotations
 

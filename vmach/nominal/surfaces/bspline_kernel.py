@@ -2,6 +2,8 @@
 
 Basis functions follow L. Piegl and W. Tiller, The NURBS Book, 2nd ed. 1997, algorithms A2.1 and
 A2.2; their derivatives eq. (2.7). All control points are homogeneous: x w, y w, z w, w.
+
+Source: L. Piegl and W. Tiller, The NURBS Book (1997), algorithms A2.1 and A2.2, eq. 2.7.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Free-form faces: polynomial and rational B-spline surfaces."""
+"""Free-form faces: polynomial and rational B-spline surfaces.
+
+Source: ISO 10303-42; L. Piegl and W. Tiller, The NURBS Book (1997).
+"""
 
 from __future__ import annotations
 

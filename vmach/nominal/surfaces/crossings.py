@@ -1,4 +1,8 @@
-"""Compiled crossings of the edges of a face with lines of constant u or v."""
+"""Compiled crossings of the edges of a face with lines of constant u or v.
+
+Source: closed form derived here: where a segment crosses a line of constant u or v, by linear
+interpolation.
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,8 @@
 
 All evaluate with t of shape (N,) to points (N, 3) mm. `parameter` is the inverse for points on
 the curve (elsewhere: of the nearest point). `period` is 0 for curves that do not close.
+
+Source: ISO 10303-42.
 """
 
 from __future__ import annotations

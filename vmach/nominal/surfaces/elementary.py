@@ -3,6 +3,8 @@
 Parameters are arrays (N, 2) of u and v, points (N, 3) mm. The surface's own normal is
 dS/du x dS/dv. Angles are measured about the z axis of the surface's frame. `parameters` is the
 inverse for points on the surface; where u is not defined (pole, apex) it is NaN.
+
+Source: ISO 10303-42.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""A face of exact geometry: points and normals on it, and triangles to look at."""
+"""A face of exact geometry: points and normals on it, and triangles to look at.
+
+Source: ISO 10303-42 (sense of a face against its surface).
+"""
 
 from __future__ import annotations
 

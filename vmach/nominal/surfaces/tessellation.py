@@ -1,4 +1,8 @@
-"""Triangles to look at for exact faces: closed, and about as near to them as the edges' chords."""
+"""Triangles to look at for exact faces: closed, and about as near to them as the edges' chords.
+
+Source: J. Ruppert, J. Algorithms 18 (1995) 548 (edges split until Delaunay triangles follow
+them); closed form derived here: chord error h^2 kappa / 8.
+"""
 
 from __future__ import annotations
 

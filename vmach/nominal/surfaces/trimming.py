@@ -4,6 +4,9 @@ Every segment has the face on its left, seen from the tip of dS/du x dS/dv. That
 is inside: going up along v through a segment that runs towards -u enters the face, one that
 runs towards +u leaves it. No loop has to be closed or unwrapped, so cylinders with or without a
 seam, poles and tori need no cases of their own. Seams are left out: they bound nothing.
+
+Source: closed form derived here: the sense in which the nearest edge crosses a row of constant u
+tells inside from outside.
 """
 
 from __future__ import annotations

@@ -40,6 +40,10 @@ class Component(Effect):
     usual_size = "5 to 20 um, 10 to 60 urad; locally more after a collision or with worn guides"
     confirm = "measure this component again over the range where it differs"
     cure = "enter the new table; mend the guide where the damage is local"
+    source = (
+        "ISO 230-1, error motions of a linear axis; closed form derived here: a change of a "
+        "table acts through the arm of that table"
+    )
 
     def displacement(self, path, target, position_mm, correction_um=None, correction_urad=None):
         _, axis, angular = component_of(target)

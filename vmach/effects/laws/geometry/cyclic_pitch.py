@@ -35,7 +35,7 @@ class CyclicPitch(Effect):
     usual_size = "1 to 5 um; the period is the pitch, 5 to 20 mm, or a fraction of it"
     confirm = "laser line in steps of a tenth of the pitch over three pitches"
     cure = "mend the coupling or the encoder's mounting, or set interpolated compensation"
-    source = "ISO 230-2 on periodic errors"
+    source = "ISO 230-2 on periodic errors; closed form derived here: e = a sin(2 pi q / p + phi)"
 
     def displacement(self, path, target, amplitude_um, pitch_mm, phase_rad):
         angle = 2 * np.pi * path.nose_mm[:, LINEAR_AXES.index(target)] / pitch_mm

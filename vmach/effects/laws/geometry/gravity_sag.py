@@ -21,6 +21,11 @@ class GravitySag(Effect):
     usual_size = "10 um for 100 N at the end of a slim 250 mm arm"
     confirm = "straightness of the axis with and without added weight"
     cure = "set straightness compensation, or counterbalance the weight"
+    source = (
+        "Euler-Bernoulli beam on two supports: a load at u sinks by (1 - u^2)^2 of its sag at "
+        "the middle, 1 - 2 u^2 near there, so that sag_um is negative for such a beam under "
+        "the tool"
+    )
 
     def displacement(self, path, target, sag_um):
         return along("Z", -1e-3 * sag_um * from_middle(path, target) ** 2)
@@ -37,6 +42,7 @@ class TableLoadSag(Effect):
     usual_size = "5 to 20 um for half the permitted load"
     confirm = "measure flatness of the axis' motion with the table empty and loaded"
     cure = "clamp heavy parts over the guides, or compensate by load"
+    source = "Euler-Bernoulli cantilever, P L^3 / (3 E I), L the overhang"
 
     def displacement(self, path, target, sag_um):
         return along("Z", 1e-3 * sag_um * from_middle(path, target) ** 3)

@@ -32,7 +32,10 @@ class HeadTilt(OfWarmSpindle):
     usual_size = "50 urad above 5000 rpm, time constant 0.5 to 4 hours"
     confirm = "drift test with two tool lengths, or with a nest of five probes"
     cure = "warm up before finishing; cool the head; compensate by temperature"
-    source = "ISO 230-3"
+    source = (
+        "ISO 230-3, distortion by the rotating spindle; closed form derived here: a rotation "
+        "w moves the tip at T by w x T"
+    )
 
     def displacement(self, path, target, tilt_urad, shift_um, time_constant_s, speed_exponent):
         warmth = path.warmth_of_spindle(time_constant_s, speed_exponent)[:, None]

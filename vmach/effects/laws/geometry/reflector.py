@@ -35,6 +35,10 @@ class Reflector(Effect):
     usual_size = "centimetres to decimetres"
     confirm = "measure the component again and write down where the reflector stands"
     cure = "correct measured_at_mm in the machine file"
+    source = (
+        "the Abbe-consistent model (virtual machining of free-form slots), e = E + theta x (r "
+        "- R); closed form derived here: R off by d changes e by -theta x d"
+    )
 
     def displacement(self, path, target, first_mm, second_mm):
         direction, axis, _ = component_of(target)

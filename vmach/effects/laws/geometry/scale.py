@@ -17,6 +17,10 @@ class Scale(Effect):
     usual_size = "up to 20 ppm; 12 ppm is one kelvin of steel over the scale's reference"
     confirm = "measure the axis with a laser, the material sensor on the screw or scale"
     cure = "set the axis' linear compensation, or mend the temperature compensation"
+    source = (
+        "ISO 230-2, positioning deviation; closed form derived here: a pitch wrong by the "
+        "share a errs by a q"
+    )
 
     def displacement(self, path, target, scale_ppm):
         return along(target, 1e-6 * scale_ppm * path.nose_mm[:, LINEAR_AXES.index(target)])

@@ -42,7 +42,10 @@ class AmbientDrift(Effect):
     usual_size = "5 to 30 um a day for a few kelvin"
     confirm = "drift test with the spindle standing, over a working day (ISO 230-3, ETVE)"
     cure = "keep sun and draught off the machine; probe the datum again before finishing"
-    source = "ISO 230-3, environmental temperature variation error"
+    source = (
+        "ISO 230-3, environmental temperature variation error; closed form derived here: one "
+        "sine wave of time"
+    )
 
     def displacement(self, path, target, period_s, **amplitudes):
         angle = 2 * np.pi * path.time_s / period_s

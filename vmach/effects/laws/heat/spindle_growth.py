@@ -27,7 +27,10 @@ class SpindleGrowth(OfWarmSpindle):
     usual_size = "10 to 100 um with a time constant of 5 to 60 minutes"
     confirm = "drift test: run the spindle for an hour, then let it stand, with a probe on the tool"
     cure = "warm up before finishing, touch off the tool again, or compensate by temperature"
-    source = "ISO 230-3, thermal distortion by the rotating spindle"
+    source = (
+        "ISO 230-3, distortion by the rotating spindle; closed form derived here: one body "
+        "warms by Newton's law"
+    )
 
     def displacement(self, path, target, growth_um, time_constant_s, speed_exponent):
         warmth = path.warmth_of_spindle(time_constant_s, speed_exponent)

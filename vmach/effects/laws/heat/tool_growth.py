@@ -31,6 +31,7 @@ class ToolGrowth(Effect):
     usual_size = "5 to 20 um within 1 to 5 minutes of cutting, more when dry"
     confirm = "measure the tool's length before and right after a long cut"
     cure = "coolant on the tool; let it cut before it finishes; measure it warm"
+    source = "closed form derived here: one body warms by Newton's law, dL = alpha L dT"
 
     def displacement(self, path, target, growth_um, time_constant_s):
         return along("Z", -1e-3 * growth_um * _warmth(path, time_constant_s))

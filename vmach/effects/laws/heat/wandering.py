@@ -1,4 +1,7 @@
-"""Slow random wandering, as a sum of independent waves of unit variance."""
+"""Slow random wandering, as a sum of independent waves of unit variance.
+
+Source: C. Rasmussen and C. Williams, Gaussian Processes for Machine Learning (2006), eq. 4.17.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""What warms evenly from the start on, whatever the machine does: by coolant, chips or the shop."""
+"""What warms evenly from the start on, whatever the machine does: by coolant, chips or the shop.
+
+Source: closed form derived here: one body that warms by Newton's law: 1 - exp(-t / tau).
+"""
 
 import numpy as np
 

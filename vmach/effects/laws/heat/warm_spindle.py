@@ -1,4 +1,7 @@
-"""What the effects of a warm spindle have in common: its heat goes with a power of the speed."""
+"""What the effects of a warm spindle have in common: its heat goes with a power of the speed.
+
+Source: ISO 230-3 (test of the rotating spindle); the power of the speed is empirical.
+"""
 
 from __future__ import annotations
 

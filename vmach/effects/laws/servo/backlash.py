@@ -29,7 +29,7 @@ class Backlash(Effect):
         "not depend on the feed"
     )
     cure = "preload the nut or the bearing, or set the control's backlash compensation"
-    source = "ISO 230-2, reversal value"
+    source = "ISO 230-2, reversal value B: e = -B / 2 times the side that it comes from"
 
     def displacement(self, path, target, reversal_um, take_up_mm):
         side = taken_up(path, LINEAR_AXES.index(target), take_up_mm)

@@ -26,7 +26,7 @@ class Inertia(Effect):
     usual_size = "1 to 10 um at 1 to 5 m/s2"
     confirm = "circle at two feeds by ballbar: it grows with feed squared, the scales show nothing"
     cure = "less feed on small radii, lower acceleration and jerk, or a stiffer structure"
-    source = "spring and mass far below their resonance"
+    source = "closed form derived here: a spring far below its resonance gives way by m a / k"
 
     def displacement(self, path, target, sway_ms2, polyline_share):
         acceleration = acceleration_on_curves(path, polyline_share)

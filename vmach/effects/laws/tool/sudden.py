@@ -1,4 +1,8 @@
-"""What happens at one moment: which moments the points tell apart, and how likely each is."""
+"""What happens at one moment: which moments the points tell apart, and how likely each is.
+
+Source: M. Abramowitz and I. Stegun, Handbook of Mathematical Functions (1964), table 25.4:
+Gauss-Legendre rule of three points.
+"""
 
 import math
 

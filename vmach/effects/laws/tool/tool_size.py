@@ -31,6 +31,7 @@ class ToolRadius(OfOneTool):
     usual_size = "5 to 20 um; regrinds more"
     confirm = "measure the tool; compare a boss and a bore, whose sizes err in opposite ways"
     cure = "enter the measured radius in the tool table"
+    source = "closed form derived here: a wall lies off by the change of radius, along its normal"
 
     def displacement(self, path, target, radius_um):
         return -1e-3 * radius_um * by_tool(path, target)[:, None] * path.side_normal
@@ -62,6 +63,10 @@ class Runout(OfOneTool):
     usual_size = "3 to 20 um"
     confirm = "dial gauge on the shank at two heights, spindle turned by hand"
     cure = "clean collet and taper; clamp the tool again; balance it"
+    source = (
+        "closed form derived here: a flute of radius R leaves marks f^2 / (8 R) high, f^2 / "
+        "(24 R) in the mean"
+    )
 
     def displacement(self, path, target, runout_um, marks_share):
         turn_mm = path.feed_per_tooth_mm * np.nan_to_num(path.of_tool("flutes"), nan=2.0)
@@ -93,6 +98,7 @@ class ToolWear(OfOneTool):
     usual_size = "10 um per 5 to 60 minutes of cutting"
     confirm = "measure the tool before and after; cut the first feature again at the end"
     cure = "change the tool earlier, or compensate its radius by way"
+    source = "ISO 8688-2, tool life in end milling; the power of the way cut is empirical"
 
     def displacement(self, path, target, wear_um, exponent):
         way = (path.cutting_way_mm / 10e3) ** exponent
@@ -110,6 +116,7 @@ class ToolLength(OfOneTool):
     usual_size = "5 to 30 um"
     confirm = "touch off all tools on one surface"
     cure = "measure the tool again and enter its length"
+    source = "closed form derived here: a floor lies off by the change of length"
 
     def displacement(self, path, target, length_um):
         return along("Z", -1e-3 * length_um * by_tool(path, target))

@@ -26,6 +26,7 @@ class ToolSlip(Sudden, OfOneTool):
     usual_size = "5 to 100 um"
     confirm = "measure the tool's length again and compare with the tool table"
     cure = "clean collet and shank, tighten to the stated torque, take a holder that grips harder"
+    source = "closed form derived here: the length changes by a step in time"
 
     def sees(self, path, target):
         """A slip before the tool's first level, or after its last, is none to these points."""

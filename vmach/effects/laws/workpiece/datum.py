@@ -28,6 +28,7 @@ class Fixture(Effect):
     usual_size = "10 to 200 um and 0.1 to 1 mrad"
     confirm = "probe the datum surfaces on the machine after each clamping"
     cure = "probe and correct the work offset of the set-up"
+    source = "closed form derived here: a rigid body that is shifted and turned a little: d + w x p"
 
     def possible_targets(self, job):
         return tuple(list(job.work_offsets_mm)[1:])
@@ -62,6 +63,7 @@ class DatumShift(Sudden):
     usual_size = "any"
     confirm = "probe the datums again and compare with the start of the program"
     cure = "find the collision or the loose clamp; probe between operations"
+    source = "closed form derived here: a step in time"
 
     def displacement(self, path, target, shift_x_um, shift_y_um, shift_z_um, time_s):
         after = (path.time_s > time_s).astype(float)

@@ -23,6 +23,10 @@ class ProbeRadius(Effect):
     usual_size = "1 to 10 um"
     confirm = "measure a calibrated ring or sphere in the same job"
     cure = "qualify the probe again"
+    source = (
+        "ISO 10360-5, probing systems; closed form derived here: a radius off by c shifts "
+        "each surface by n c"
+    )
 
     def displacement(self, path, target, radius_um):
         return 1e-3 * radius_um * path.normal

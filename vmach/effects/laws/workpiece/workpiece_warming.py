@@ -33,6 +33,9 @@ class WorkpieceWarming(OfWarmthByTime):
     usual_size = "23 ppm per kelvin in aluminium, 12 in steel; warm after 10 to 60 minutes"
     confirm = "log the part's temperature while it is cut; cut one early feature again at the end"
     cure = "flood coolant at measuring temperature, finish in one go after a pause to cool"
+    source = (
+        "ISO 1, reference temperature; closed form derived here: -alpha dT(t) p, dT by Newton's law"
+    )
 
     def displacement(self, path, target, expansion_ppm, at_zero_x_um, at_zero_y_um, **time):
         blank = path.job.blank

@@ -1,0 +1,36 @@
+"""FANUC with custom macro B."""
+
+from __future__ import annotations
+
+import re
+
+from gcode.dialects.fanuc.reader import FanucReader
+from gcode.dialects.fanuc.turning import looks_like_turning
+from gcode.language.dialect import Dialect
+
+__all__ = ["Fanuc"]
+
+
+class Fanuc(Dialect):
+    """FANUC with custom macro B."""
+
+    name = "fanuc"
+    title = "FANUC Series 0i and 30i"
+    source = "FANUC Series 30i/31i/32i-B Operator's Manual B-64484EN, part II"
+    rank = 20
+    marks = re.compile(
+        r"^[ \t]*(?:N\d+[ \t]*)?(?:IF[ \t]*\[[^\n]*\][ \t]*(?:GOTO|THEN)"
+        r"|WHILE[ \t]*\[[^\n]*\][ \t]*DO|GOTO[ \t]*[\d#\[]|END[ \t]*[123]\b)"
+        r"|^[^(;\n]*\bG0*6[56](?![\d.])"
+        r"|^[^(;\n]*\bG(?:154|187)(?!\d)|^[^(;\n]*\bG0*54\.1[ \t]*P|^[^(;\n]*,[ \t]*[RC][ \t]*[\d.]"
+        r"|^[^(;\n]*\bG0*5\.1[ \t]*Q|^[^(;\n]*\bM0*97[ \t]*P",
+        re.IGNORECASE | re.MULTILINE,
+    )
+    reader = FanucReader
+    is_rs274 = True
+    reads = ("linuxcnc", "haas")
+
+    @classmethod
+    def detect(cls, text: str) -> bool:
+        """By its words, or as a turning program, which the reader then refuses."""
+        return super().detect(text) or bool(looks_like_turning(text.splitlines()))

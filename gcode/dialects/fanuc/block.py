@@ -1,0 +1,139 @@
+"""One block: its words with their values, in the increments of the control."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from gcode.dialects.fanuc.expressions import MacroReader, Variables, is_null
+from gcode.errors import ProgramError
+from gcode.text.expressions import value_of
+
+__all__ = ["INCREMENTS", "Increments", "MacroBlock", "read_words"]
+
+#: Words that count in least input increments where they have no decimal point.
+_LENGTHS = frozenset("xyzuvwijkrq")
+_ANGLES = frozenset("abc")
+
+
+@dataclass(frozen=True)
+class Increments:
+    """What a number without a decimal point counts (parameters 1013 ISx and 3401#0 DPI)."""
+
+    mm: float
+    inch: float
+    degree: float
+
+    def of(self, letter: str, *, unit_mm: float) -> float:
+        """Factor of a number of this letter."""
+        if letter in _ANGLES:
+            return self.degree
+        if letter not in _LENGTHS:
+            return 1.0
+        return self.mm if unit_mm == 1.0 else self.inch
+
+
+#: name of an increment system -> its increments; the calculator type takes numbers as they stand
+INCREMENTS = {
+    "IS-A": Increments(0.01, 0.001, 0.01),
+    "IS-B": Increments(0.001, 0.0001, 0.001),
+    "IS-C": Increments(0.0001, 0.00001, 0.0001),
+    "calculator": Increments(1.0, 1.0, 1.0),
+}
+
+
+@dataclass
+class MacroBlock:
+    """A block with all its values; words whose variable is <null> are left out.
+
+    Attributes
+    ----------
+    words : dict
+        Lower-case letter -> value; of a letter that stands twice the last one.
+    all_words : list of (str, float)
+        Every word but G and M, in the order of the text.
+    g, m : list of float
+    pointless : set of str
+        Letters whose number has no decimal point.
+    corner : tuple of (str, float) or None
+        ``,R`` or ``,C`` with its length.
+    """
+
+    words: dict[str, float] = field(default_factory=dict)
+    all_words: list[tuple[str, float]] = field(default_factory=list)
+    g: list[float] = field(default_factory=list)
+    m: list[int] = field(default_factory=list)
+    pointless: set[str] = field(default_factory=set)
+    corner: tuple[str, float] | None = None
+
+    def has(self, *codes: float) -> bool:
+        """Whether one of some G codes stands in the block."""
+        return any(code in self.g for code in codes)
+
+    def take(self, *codes: float) -> float | None:
+        """Take out one of some G codes; None where there is none."""
+        found = next((code for code in codes if code in self.g), None)
+        if found is not None:
+            self.g.remove(found)
+        return found
+
+    def pop(self, letters: str) -> dict[str, float]:
+        """Take out words."""
+        return {letter: self.words.pop(letter) for letter in letters if letter in self.words}
+
+    def text(self) -> str:
+        """The block in RS274/NGC."""
+        codes = [f"g{code:g}" for code in self.g]
+        words = [f"{letter}{_number(value)}" for letter, value in self.words.items()]
+        return "".join([*codes, *words, *(f"m{code}" for code in self.m)])
+
+
+def _number(value: float) -> str:
+    text = repr(float(value))
+    return text if "e" not in text else f"{value:.20f}"
+
+
+def read_words(text: str, variables: Variables) -> MacroBlock:
+    """Read a block without label, comments and blanks, in lower case.
+
+    Raises
+    ------
+    ProgramError
+        For what is no word.
+    """
+    reader, block = MacroReader(text), MacroBlock()
+    while reader.position < len(text):
+        comma = reader.accept(",")
+        letter = reader.peek()
+        if not ("a" <= letter <= "z") or (comma and letter not in ("r", "c", "a")):
+            raise ProgramError(f"cannot read '{text[reader.position:]}'",
+                               accepted="letters with numbers or variables, ,R and ,C")
+        reader.position += 1
+        start = reader.position
+        value = value_of(reader.value(), variables)
+        if is_null(value):
+            continue
+        if not math.isfinite(value):
+            raise ProgramError(f"{letter.upper()} is not a finite number")
+        literal = text[start : reader.position]
+        if comma:
+            block.corner = (letter, value)
+        elif letter == "g":
+            block.g.append(round(value, 1))
+        elif letter == "m":
+            block.m.append(_whole(value, "M code"))
+        elif letter != "n":
+            block.words[letter] = value
+            block.all_words.append((letter, value))
+            if literal.lstrip("+-").isdigit():
+                block.pointless.add(letter)
+            else:
+                block.pointless.discard(letter)
+    return block
+
+
+def _whole(value: float, what: str) -> int:
+    nearest = math.floor(value + 0.5)
+    if abs(value - nearest) > 1e-4:
+        raise ProgramError(f"{what} {value:g} is not a whole number")
+    return nearest

@@ -1,0 +1,571 @@
+"""A block of a Fanuc program, obeyed: frames, offsets, transformations and motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from gcode.dialects.fanuc.block import INCREMENTS, MacroBlock
+from gcode.dialects.fanuc.corners import HeldLine
+from gcode.dialects.fanuc.cycles import CYCLES, DrillingCycle
+from gcode.dialects.fanuc.offset_words import OffsetWords
+from gcode.dialects.fanuc.settings import FanucSettings
+from gcode.dialects.fanuc.transform import Transform
+from gcode.dialects.fanuc.turning import check_milling
+from gcode.errors import ProgramError
+from gcode.motion import frames
+from gcode.motion.interpolation import traverse
+from gcode.state.block_values import whole
+from gcode.state.codes import CODES
+from gcode.state.controller import PLANE_AXES
+from gcode.state.record import Call
+
+if TYPE_CHECKING:
+    from gcode.dialects.fanuc.reader import FanucReader
+
+__all__ = ["BlockRunner", "FanucSettings"]
+
+#: G codes that move nothing here, with the words that are theirs
+_NOTED = {5.0: ("high-speed cycle machining", "pq"), 5.1: ("AI contour control", "qr"),
+          8.0: ("look-ahead control", "p"), 22.0: ("stored stroke check on", "xyzijk"),
+          23.0: ("stored stroke check off", ""), 25.0: ("spindle speed detection off", ""),
+          26.0: ("spindle speed detection on", "pqr"), 50.2: ("polygon turning off", ""),
+          64.0: ("cutting mode", ""), 97.0: ("constant spindle speed", ""),
+          103.0: ("block look-ahead limit", "p"), 113.0: ("polar interpolation off", ""),
+          160.0: ("in-feed control off", ""), 187.0: ("smoothness", "pe"),
+          13.1: ("polar interpolation off", ""),
+          40.1: ("normal direction control off", "")}  # fmt: skip
+#: G codes that are refused
+_REFUSED = {7.1: "cylindrical interpolation", 12.1: "polar interpolation",
+            43.4: "tool centre point", 43.5: "tool centre point", 68.2: "tilted plane",
+            68.3: "tilted plane", 6.2: "NURBS interpolation", 2.2: "involute", 3.2: "involute",
+            254.0: "dynamic offset", 234.0: "tool centre point", 10.6: "retraction",
+            33.0: "threading", 47.0: "engraving", 96.0: "constant surface speed",
+            107.0: "cylindrical mapping", 143.0: "five-axis compensation",
+            150.0: "pocket cycle", 36.0: "automatic offset", 37.0: "automatic offset",
+            70.0: "bolt pattern", 71.0: "bolt pattern", 72.0: "bolt pattern",
+            12.0: "circular pocket", 13.0: "circular pocket", 100.0: "mirror image of Haas",
+            101.0: "mirror image of Haas", 35.0: "automatic offset"}  # fmt: skip
+_END_OF_BLOCK_M = (0, 1, 2, 5, 9, 30, 60)
+_ENDS = (2, 30)
+_SENSES = {13: 3, 14: 4}
+
+
+class BlockRunner:
+    """Obeys blocks without flow.
+
+    Parameters
+    ----------
+    reader : FanucReader
+    settings : FanucSettings
+    """
+
+    def __init__(self, reader: FanucReader, settings: FanucSettings) -> None:
+        self.reader, self.settings, self.controller = reader, settings, reader.controller
+        control = reader.options.control
+        self.increments = INCREMENTS[control.increment or "calculator"]
+        self.is_told = control.increment is not None
+        self.ended = False
+        self.transform = Transform()
+        self.polar: list[float] | None = None  #: its centre X Y Z
+        self.offsets = OffsetWords(self)
+        self.cycle: DrillingCycle | None = None
+        self.corner: HeldLine | None = None
+        controller = self.controller
+        controller.retract_to_initial = True  # G98 after power-on
+        controller.start_up = "A"
+        self._modal_variables()
+
+    # whole program
+
+    def check_whole_program(self, lines: list[str]) -> None:
+        """Refuse turning programs, which look like milling ones."""
+        check_milling(lines)
+
+    def finish(self) -> None:
+        """At the end of the text."""
+        self.finish_corner()
+
+    def memory(self) -> tuple:
+        """What tells one round of a loop from another."""
+        return (self.transform, self.polar, self.offsets.memory(), repr(self.cycle),
+                repr(self.corner))  # fmt: skip
+
+    # blocks
+
+    def execute(self, text: str) -> None:
+        """Hand a block of RS274/NGC to the interpreter; the trace has the words as written."""
+        trace, self.controller.trace = self.controller.trace, None
+        try:
+            self.reader.execute(text)
+        finally:
+            self.controller.trace = trace
+        self.ended = self.ended or self.reader.ended
+
+    def obey(self, block: MacroBlock) -> bool:
+        """Obey a block; tells whether it moved the axes."""
+        self._count_increments(block)
+        self._refuse(block)
+        self._note(block)
+        after = self._m_codes(block)
+        self._frames(block)
+        moved = self._motion(block)
+        for code in after:
+            self.finish_corner()
+            self.execute(f"m{30 if code in _ENDS else code}")
+        return moved
+
+    def _count_increments(self, block: MacroBlock) -> None:
+        lengths = set("xyzijkrqabc") - (set("ijk") if block.has(51) else set())
+        letters = sorted(block.pointless & lengths & block.words.keys())
+        if not self.is_told and any(block.words[letter] for letter in letters):
+            word = next(letter for letter in letters if block.words[letter])
+            self._note_increments(f"{word.upper()}{block.words[word]:g}")
+        for letter in letters:
+            block.words[letter] *= self.increments.of(letter, unit_mm=self.controller.unit_mm)
+
+    def _note_increments(self, word: str) -> None:
+        notes = self.controller.notes
+        if not any(name == "increment" for _, name in notes):
+            self.controller.note(
+                "increment", f"{word} has no decimal point and is read as it stands (calculator "
+                "type); where the control counts 0.001 mm, say increment = \"IS-B\"")  # fmt: skip
+
+    def _refuse(self, block: MacroBlock) -> None:
+        for code in block.g:
+            if code in _REFUSED:
+                raise ProgramError(f"G{code:g} ({_REFUSED[code]}) is not read",
+                                   hint="post the program without it")
+        for letter in "uvw":
+            if letter in block.words and not (letter == "u" and block.has(4)):
+                raise ProgramError(f"{letter.upper()} word: incremental words of a lathe, or an "
+                                   "axis that does not exist here", accepted="X Y Z A B C")
+
+    def _note(self, block: MacroBlock) -> None:
+        for code in [code for code in block.g if code in _NOTED]:
+            text, letters = _NOTED[code]
+            self.controller.note(f"G{code:g}", text)
+            if code not in (64.0,):
+                block.g.remove(code)
+                block.pop(letters)
+        for code, rs274 in ((61.0, 61.1), (62.0, 64.0), (63.0, 64.0)):
+            if code in block.g:
+                block.g[block.g.index(code)] = rs274
+
+    def _m_codes(self, block: MacroBlock) -> list[int]:
+        """Obey the M codes that act before the motion; gives those that act after it."""
+        after = [code for code in block.m if code in _END_OF_BLOCK_M]
+        before = [code for code in block.m if code not in after]
+        block.m = []
+        tool = block.pop("t")
+        if tool:
+            self.execute(f"t{whole(tool['t'], 'T word')}")
+        if "s" in block.words:
+            self.execute(f"s{block.words.pop('s'):g}")
+        for code in before:
+            if code in (3, 4, 6, 7, 8, 19):
+                self.finish_corner()
+                if code == 19:
+                    block.pop("pr")
+                self.execute(f"m{code}")
+            elif code in _SENSES:
+                self.execute(f"m{_SENSES[code]}m8")
+            elif code in self.settings.builder_m:
+                block.pop("p" if code not in (29,) else "")
+                self.controller.note(f"M{code}", self.settings.builder_m[code])
+            elif code in self.reader.options.control.ignore_m:
+                self.controller.note(f"M{code}", "machine builder's code, ignored as told")
+            else:
+                raise self._unknown_m()
+        return after
+
+    def _unknown_m(self) -> ProgramError:
+        """One error for all M codes of the program that nobody knows."""
+        known = {*self.settings.builder_m, *self.reader.options.control.ignore_m, *_SENSES,
+                 *_END_OF_BLOCK_M, 3, 4, 6, 7, 8, 19, 97, 98, 99}  # fmt: skip
+        found = self.reader.m_codes() - known
+        listed = ", ".join(str(code) for code in sorted(found))
+        names = " ".join(f"M{code}" for code in sorted(found))
+        return ProgramError(f"M codes of the machine's builder: {names}",
+                            accepted=f"ignore_m = [{listed}] in [control], if they move nothing")
+
+    # frames and offsets
+
+    def _frames(self, block: MacroBlock) -> None:
+        """Everything before the motion; takes its words out of the block."""
+        self._extended_system(block)
+        for codes in ((20, 21), (17, 18, 19), (90, 91), (93, 94, 95), (61.1, 64),
+                      (98, 99), (54, 55, 56, 57, 58, 59)):  # fmt: skip
+            code = block.take(*codes)
+            if code is not None:
+                self.finish_corner()
+                self.execute(f"g{code:g}")
+        if "f" in block.words and not block.has(93) and self.controller.feed_mode != "inverse":
+            self.execute(f"f{block.words.pop('f')!r}")
+        self._polar(block)
+        self._transformations(block)
+        self.offsets.obey(block)
+        if block.has(52, 92):
+            self.finish_corner()
+            self.execute(MacroBlock(block.pop("xyzabc"), g=[block.take(52, 92)]).text())
+        if block.has(92.1):
+            block.take(92.1)
+            self.execute("g92.1")
+
+    def _extended_system(self, block: MacroBlock) -> None:
+        """G54.1 P5 and G154 P5: further work offsets."""
+        code = block.take(54.1, 154)
+        if code is None and block.has(54) and "p" in block.words:
+            code = block.take(54)
+        if code is None:
+            return
+        if "p" not in block.words:
+            raise ProgramError(f"G{code:g} without P word", accepted="P1 to P99")
+        frames.select_system(self.controller, f"G54.1 P{whole(block.words.pop('p'), 'P word')}")
+
+    def _polar(self, block: MacroBlock) -> None:
+        if block.take(15) is not None:
+            self.polar = None
+        if block.take(16) is not None:
+            absolute = self.controller.absolute
+            self.polar = [0.0] * 3 if absolute else list(self.here())
+        # with G16 the first axis of the plane is a radius, the second an angle
+
+    def _transformations(self, block: MacroBlock) -> None:
+        controller = self.controller
+        codes = [code for code in (50.1, 51.1, 50.0, 51.0, 68.0, 69.0) if code in block.g]
+        if not codes:
+            return
+        self.finish_corner()
+        controller.require_no_compensation("change scaling, rotation or mirror image")
+        for code in codes:
+            block.g.remove(code)
+            if code in (50.1, 51.1):
+                self.transform = self.transform.mirrored(block.pop("xyz"), on=code == 51.1)
+            elif code == 50.0:
+                self.transform = self.transform.unscaled()
+            elif code == 51.0:
+                self.transform = self._scaling(block)
+            elif code == 69.0:
+                self.transform = self.transform.unrotated()
+            else:
+                self.transform = self._rotation(block)
+
+    def _scaling(self, block: MacroBlock) -> Transform:
+        words = block.pop("xyzijkp")
+        if not words.keys() & set("ijkp"):
+            raise ProgramError("G51 without scale factor", accepted="P, or I J K")
+        if not self.settings.pointless_factor and block.pointless & words.keys() & set("ijkp"):
+            raise ProgramError("G51 with a scale factor without a decimal point",
+                               accepted="P1.5; its unit is parameter 5400#7 of the control")
+        return self.transform.scaled(words, self.here())
+
+    def _rotation(self, block: MacroBlock) -> Transform:
+        if "r" not in block.words:
+            raise ProgramError("G68 without R word", accepted="R with the angle in degrees")
+        first, second, _ = PLANE_AXES[self.controller.plane]
+        words, here = block.pop("xyzr"), self.here()
+        pivot = (words.get("xyz"[first], here[first]), words.get("xyz"[second], here[second]))
+        angle = words["r"]
+        if not self.controller.absolute and self.transform.angle_deg:
+            angle += self.transform.angle_deg
+        return self.transform.rotated(pivot, angle, self.controller.plane)
+
+    # positions
+
+    def here(self) -> list[float]:
+        """Programmed position X Y Z before transformations, program units."""
+        if self.corner is not None:
+            return list(self.corner.end)
+        return self._programmed() if self._known is None else list(self._known)
+
+    _known: list[float] | None = None  #: while transformations make it differ from the control's
+
+    def _programmed(self) -> list[float]:
+        c = self.controller
+        return list(c.programmed if c.side and not c.entering else c.position[:3])
+
+    def target(self, block: MacroBlock) -> list[float]:
+        """Programmed end X Y Z of a block."""
+        here, words = self.here(), block.words
+        if self.polar is not None:
+            return self._polar_target(here, words)
+        if self.controller.absolute:
+            return [words.get(a, h) for a, h in zip("xyz", here, strict=True)]
+        return [h + words.get(a, 0.0) for a, h in zip("xyz", here, strict=True)]
+
+    def _polar_target(self, here: list[float], words: dict[str, float]) -> list[float]:
+        first, second, axial = PLANE_AXES[self.controller.plane]
+        names = "xyz"
+        end, absolute, centre = list(here), self.controller.absolute, self.polar
+        step = words.get(names[axial], 0.0 if not absolute else here[axial])
+        end[axial] = step if absolute else here[axial] + step
+        if names[first] in words or names[second] in words:
+            out = here[first] - centre[first], here[second] - centre[second]
+            radius = words.get(names[first], math.hypot(*out))
+            before = math.degrees(math.atan2(out[1], out[0]))
+            angle = words.get(names[second], before if absolute else 0.0)
+            angle = math.radians(angle if absolute else before + angle)
+            end[first] = centre[first] + radius * math.cos(angle)
+            end[second] = centre[second] + radius * math.sin(angle)
+        return end
+
+    # motion
+
+    def _motion(self, block: MacroBlock) -> bool:
+        handler = self._own_motion(block)
+        if handler is not None:
+            self.finish_corner()
+            return handler(block)
+        exact = block.take(9) is not None
+        code = next((c for c in (*CYCLES, 80.0, 0.0, 1.0, 2.0, 3.0) if c in block.g), None)
+        if code in CYCLES or (self.cycle is not None and code is None):
+            self.finish_corner()
+            return self._drill(block, code)
+        if code is not None:
+            self.cycle = None
+            if code == 80.0:
+                block.g.remove(80.0)
+                self.controller.motion = "G80"
+                if block.words.keys() & set("xyz"):
+                    block.g.append(0.0)
+                    code = 0.0
+        if not (block.words or block.g):
+            return False
+        return self._exactly(exact, lambda: self._interpolate(block, code))
+
+    def _exactly(self, exact: bool, move: Callable[[], bool]) -> bool:
+        """Move with an exact stop where G9 asks for one."""
+        before = self.controller.path_control
+        if not exact or before == "G61.1":
+            return move()
+        self.execute("g61.1")
+        moved = move()
+        self.execute(before.lower())
+        return moved
+
+    def _own_motion(self, block: MacroBlock) -> Callable[[MacroBlock], bool] | None:
+        if block.has(4):
+            return self._dwell
+        if block.has(28, 30):
+            return self._reference
+        if block.has(53):
+            return self._machine_position
+        if block.has(31):
+            return self._skip
+        if block.has(10, 11):
+            return self.offsets.write
+        return None
+
+    def _dwell(self, block: MacroBlock) -> bool:
+        """G4: P in milliseconds, X or U in seconds (B-64484EN 5.4, "Dwell")."""
+        block.take(4)
+        words = block.pop("pxu")
+        if len(words) != 1:
+            raise ProgramError("G4 needs one of P, X and U",
+                               accepted="P in milliseconds: G4 P500; X in seconds: G4 X0.5")
+        letter, value = words.popitem()
+        if letter == "p":
+            pointed = "p" not in block.pointless
+            if pointed and not self.settings.pointed_p_is_seconds and value != int(value):
+                raise ProgramError(f"G4 P{value:g}: P takes no decimal point",
+                                   accepted="P in milliseconds, or X in seconds")
+            if pointed and self.settings.pointed_p_is_seconds:
+                value *= 1000.0
+            value *= 0.001
+        if value < 0.0:
+            raise ProgramError(f"negative dwell {value:g} s")
+        self.execute(f"g4p{value!r}" if value >= 1e-9 else "g4p0")
+        return False
+
+    def _reference(self, block: MacroBlock) -> bool:
+        """G28, G30: over an intermediate point to the reference point; G0 or G1 beside it."""
+        code = block.take(28, 30)
+        block.take(0, 1)
+        if "p" in block.words and code == 30:
+            point = whole(block.words.pop("p"), "P word of G30")
+            if point != 2:
+                raise ProgramError(f"G30 P{point}: third and fourth reference point",
+                                   accepted="G28, G30 or G30 P2")
+        words = block.pop("xyzabc")
+        if not words:
+            raise ProgramError(f"G{code:g} without axes", accepted="G91 G28 Z0.")
+        if not self.transform.is_identity or self.polar is not None:
+            raise ProgramError(f"G{code:g} with rotation, scaling, mirror image or G16 on",
+                               hint="cancel them first")
+        modal = self.controller.motion
+        self.execute(MacroBlock(words, g=[code]).text())
+        self.controller.motion = modal if modal in ("G0", "G1", "G2", "G3") else "G0"
+        return True
+
+    def _machine_position(self, block: MacroBlock) -> bool:
+        """G53: rapid in machine coordinates; without effect in G91 (B-64484EN 7.1)."""
+        block.take(53)
+        modal = self.controller.motion
+        own = block.take(0, 1)
+        words = block.pop("xyzabc")
+        if not words:
+            return False
+        if not self.controller.absolute:
+            raise ProgramError("G53 in G91 is ignored by the control", hint="use G90")
+        self.execute(MacroBlock(words, g=[53.0, 0.0]).text())
+        self.controller.motion = f"G{own:g}" if own is not None else modal
+        self._forget()
+        return True
+
+    def _skip(self, block: MacroBlock) -> bool:
+        block.take(31)
+        self.controller.note("G31", "skip: the input is taken to stay off to the end of the move")
+        block.pop("pqm")
+        modal = self.controller.motion
+        moved = self._interpolate(block, 1.0)
+        self.controller.motion = modal
+        return moved
+
+    def _drill(self, block: MacroBlock, code: float | None) -> bool:
+        if code is not None:
+            block.g.remove(code)
+            previous = self.cycle
+            level = previous.initial if previous else self.here()[self._axial]
+            self.cycle = DrillingCycle(code, level, previous)
+        return self.cycle.obey(self, block)
+
+    @property
+    def _axial(self) -> int:
+        return PLANE_AXES[self.controller.plane][2]
+
+    def _interpolate(self, block: MacroBlock, code: float | None) -> bool:
+        """G0 to G3, transformed where a transformation is on."""
+        axes = bool(block.words.keys() & set("xyzabcijkr"))
+        if code is None and not axes:
+            if block.g or block.words:
+                self.execute(block.text())
+            return False
+        if code is None and self.controller.motion in (None, "G80"):
+            self.controller.motion = "G0"
+        if block.corner is not None or self.corner is not None:
+            return self._with_corner(block, code)
+        if self.transform.is_identity and self.polar is None:
+            self._forget()
+            self._arc_without_end(block, code)
+            self.execute(block.text())
+            return bool(block.words.keys() & set("xyzabcijk"))
+        return self._transformed(block, code)
+
+    def _arc_without_end(self, block: MacroBlock, code: float | None) -> None:
+        """A block that says an arc's motion and feed alone moves nothing."""
+        if code in (2.0, 3.0) and not block.words.keys() & set("xyzijkr"):
+            block.g.remove(code)
+            self.controller.motion = f"G{code:g}"
+
+    def _with_corner(self, block: MacroBlock, code: float | None) -> bool:
+        motion = f"G{code:g}" if code is not None else self.controller.motion
+        line = HeldLine(self.here(), self.target(block), motion, block)
+        held, self.corner = self.corner, None
+        if held is not None:
+            held.round_towards(self, line)
+        if block.corner is None:
+            block.words = {k: v for k, v in block.words.items() if k not in "xyz"}
+            self.straight_to(line.end, motion, block)
+        else:
+            self.corner = line
+        return True
+
+    def finish_corner(self) -> None:
+        """Obey a line that waits for the one behind it."""
+        held, self.corner = self.corner, None
+        if held is not None:
+            raise ProgramError(",R or ,C without a line behind it", line=held.line)
+
+    def straight_to(self, end: list[float], motion: str, block: MacroBlock | None = None) -> None:
+        """Go to a programmed point; other words of the block with it."""
+        words = dict(block.words) if block else {}
+        words |= dict(zip("xyz", end, strict=True))
+        self._transformed(MacroBlock(words, g=[float(motion[1:])]), float(motion[1:]),
+                          absolute=True)  # fmt: skip
+
+    def _transformed(
+        self, block: MacroBlock, code: float | None, *, absolute: bool = False
+    ) -> bool:
+        """A block whose end is said in absolute numbers of the control's own system."""
+        c, words = self.controller, block.words
+        modal = f"G{code:g}" if code is not None else c.motion
+        if absolute:
+            end = [words.get(a, h) for a, h in zip("xyz", self.here(), strict=True)]
+        else:
+            end = self.target(block)
+        motion, named = modal, words.keys() & set("xyz")
+        goal = self.transform.point(end)
+        now = self._programmed()
+        said = {a: g for a, g, n in zip("xyz", goal, now, strict=True)
+                if a in words or abs(g - n) > 0.0}  # fmt: skip
+        said |= {k: v for k, v in words.items() if k not in "xyzijkr"}
+        if motion in ("G2", "G3"):
+            motion = self._arc_words(words, said, motion)
+        others = [g for g in block.g if getattr(CODES.get(f"G{g:g}"), "group", "") != "motion"]
+        was_absolute, c.absolute = c.absolute, True
+        try:
+            self.execute(MacroBlock(said, g=[*others, float(motion[1:])]).text())
+        finally:
+            c.absolute = was_absolute
+        c.motion = modal
+        self._known = None if self.transform.is_identity else end
+        return bool(named)
+
+    def _arc_words(
+        self, words: dict[str, float], said: dict[str, float], motion: str
+    ) -> str:
+        """I J K or R after the transformation; gives the arc's sense."""
+        plane = self.controller.plane
+        first, second, _ = PLANE_AXES[plane]
+        if "r" in words:
+            said["r"] = words["r"] * self.transform.arc_factor(plane)
+            for axis in (first, second):
+                said.setdefault("xyz"[axis], self.transform.point(self.here())[axis])
+        else:
+            self.transform.arc_factor(plane)
+            out = self.transform.vector([words.get(k, 0.0) for k in "ijk"])
+            said |= {"ijk"[axis]: out[axis] for axis in (first, second)}
+        return {"G2": "G3", "G3": "G2"}[motion] if self.transform.flips(plane) else motion
+
+    def _forget(self) -> None:
+        self._known = None
+
+    def arc_to(self, block: MacroBlock, code: float) -> None:
+        """An arc to a programmed point, whatever the modes are."""
+        self._transformed(block, code, absolute=True)
+
+    def place_for_hole(self, end: list[float]) -> None:
+        """Rapid in the plane to a programmed point; the axis of the plane stays."""
+        goal, c = self.transform.point(end), self.controller
+        position = list(c.position)
+        for axis in range(3):
+            if axis != self._axial:
+                position[axis] = goal[axis]
+        traverse(c, position, Call.TRAVERSE)
+        self._known = None if self.transform.is_identity else list(end)
+
+    def stand_at(self, point: list[float]) -> None:
+        """The programmed position after a hole."""
+        self._known = None if self.transform.is_identity else point
+
+    def _modal_variables(self) -> None:
+        c, modal = self.controller, self.reader.variables.modal
+        planes = {1: 17.0, 3: 18.0, 2: 19.0}
+        modal |= {
+            4001: lambda: float((c.motion or "G0")[1:]),
+            4002: lambda: planes[c.plane],
+            4003: lambda: 90.0 if c.absolute else 91.0,
+            4005: lambda: {"minute": 94.0, "revolution": 95.0, "inverse": 93.0}[c.feed_mode],
+            4006: lambda: 21.0 if c.unit_mm == 1.0 else 20.0,
+            4007: lambda: {0: 40.0, 1: 41.0, -1: 42.0}[c.side],
+            4010: lambda: 98.0 if c.retract_to_initial else 99.0,
+            4012: lambda: 53.0 + min(c.system, 6),
+            4014: lambda: 53.0 + min(c.system, 6),
+            4107: lambda: self.offsets.d or 0.0,
+            4109: lambda: c.feed,
+            4111: lambda: self.offsets.h or 0.0,
+            4119: lambda: c.speed,
+            4120: lambda: float(c.selected_tool or c.tool),
+        }

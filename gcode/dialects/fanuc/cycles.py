@@ -1,0 +1,236 @@
+"""G73 to G89 as Fanuc and Haas have them (B-64484EN 5.1, "Canned cycle for drilling")."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from gcode.dialects.fanuc.block import MacroBlock
+from gcode.errors import ProgramError
+from gcode.motion.interpolation import traverse
+from gcode.state.block_values import whole
+from gcode.state.controller import PLANE_AXES
+from gcode.state.record import Call
+
+if TYPE_CHECKING:
+    from gcode.dialects.fanuc.blocks import BlockRunner
+
+__all__ = ["CYCLES", "DrillingCycle"]
+
+_NAMES = "xyz"
+#: more pecks than this are a mistake
+_MOST_PECKS = 100_000
+
+
+class DrillingCycle:
+    """A cycle in force and its data, which stay until it is cancelled.
+
+    Parameters
+    ----------
+    code : float
+        As 81.0.
+    initial : float
+        Level to which G98 retracts: where the axis stood when the first cycle began.
+    previous : DrillingCycle or None
+        Whose data stay.
+    """
+
+    def __init__(self, code: float, initial: float, previous: DrillingCycle | None) -> None:
+        self.code, self.initial = code, initial
+        self.r: float | None = previous.r if previous else None  #: levels, absolute
+        self.bottom: float | None = previous.bottom if previous else None
+        self.dwell_s = previous.dwell_s if previous else 0.0
+        self.words: dict[str, float] = dict(previous.words) if previous else {}
+
+    def __repr__(self) -> str:
+        return f"{self.code} {self.r} {self.bottom} {self.dwell_s} {sorted(self.words.items())}"
+
+    def obey(self, runner: BlockRunner, block: MacroBlock) -> bool:
+        """Take the data of a block and do the holes that it asks for."""
+        controller = runner.controller
+        first, second, axial = PLANE_AXES[controller.plane]
+        controller.motion = f"G{self.code:g}"
+        repeats = self._take(runner, block, axial)
+        if not block.words.keys() & set(_NAMES) and not self._new_levels:
+            if block.words or block.g:
+                runner.execute(block.text())
+            return False
+        controller.require_no_compensation(f"use G{self.code:g}")
+        if self.bottom is None:
+            raise ProgramError(f"G{self.code:g} without {_NAMES[axial].upper()} word")
+        if self.r is None:
+            self.r = self.initial
+        if controller.feed == 0.0:
+            raise ProgramError(f"G{self.code:g} with feed zero", hint="give a feed first")
+        block.words.pop(_NAMES[axial], None)
+        for _ in range(repeats):
+            end = runner.target(block)
+            runner.place_for_hole(end)
+            _Hole(runner, self, end, (first, second, axial)).drill()
+        controller.motion = f"G{self.code:g}"
+        return repeats > 0
+
+    def _take(self, runner: BlockRunner, block: MacroBlock, axial: int) -> int:
+        """R, depth, P, Q, I J K from the block; gives the number of repetitions."""
+        absolute, words = runner.controller.absolute, block.words
+        name = _NAMES[axial]
+        self._new_levels = "r" in words or name in words
+        if "r" in words:
+            r = words.pop("r")
+            self.r = r if absolute else self.initial + r
+        if name in words:
+            above = self.initial if self.r is None else self.r
+            self.bottom = words[name] if absolute else above + words[name]
+        if "p" in words:
+            pointed = "p" not in block.pointless and runner.settings.pointed_p_is_seconds
+            self.dwell_s = words.pop("p") * (1.0 if pointed else 0.001)
+        for letter in "qijd":
+            if letter in words:
+                self.words[letter] = words.pop(letter)
+        block.pop("e")
+        repeats = [words.pop(letter) for letter in "kl" if letter in words]
+        count = whole(repeats[0], "K or L word") if repeats else 1
+        if count < 0:
+            raise ProgramError(f"G{self.code:g} repeated {count} times")
+        return count
+
+
+class _Hole:
+    """One hole: levels of the programmed axis, transformed by the runner where they are gone to."""
+
+    def __init__(
+        self, runner: BlockRunner, cycle: DrillingCycle, place: list[float],
+        axes: tuple[int, int, int],
+    ) -> None:  # fmt: skip
+        self.runner, self.cycle, self.place, self.axes = runner, cycle, place, axes
+        controller = runner.controller
+        self.r, self.bottom = cycle.r, cycle.bottom
+        self.clear = cycle.initial if controller.retract_to_initial else self.r
+
+    def drill(self) -> None:
+        """Above the hole, to R, the cycle, and out."""
+        self.rapid(self.r)
+        _CYCLES[self.cycle.code](self)
+        self.rapid(self.clear)
+        self.runner.stand_at(self.point(self.clear))
+
+    def point(self, level: float, aside: tuple[float, float] = (0.0, 0.0)) -> list[float]:
+        """Programmed point of the hole's axis at a level."""
+        first, second, axial = self.axes
+        point = list(self.place)
+        point[first] += aside[0]
+        point[second] += aside[1]
+        point[axial] = level
+        return point
+
+    def go(self, call: Call, level: float, aside: tuple[float, float] = (0.0, 0.0)) -> None:
+        """Move to a level."""
+        controller = self.runner.controller
+        end = list(controller.position)
+        end[:3] = self.runner.transform.point(self.point(level, aside))
+        traverse(controller, end, call)
+
+    def rapid(self, level: float, aside: tuple[float, float] = (0.0, 0.0)) -> None:
+        """At rapid."""
+        self.go(Call.TRAVERSE, level, aside)
+
+    def feed(self, level: float) -> None:
+        """At feed."""
+        self.go(Call.FEED, level)
+
+    def dwell(self) -> None:
+        """P, where there is one."""
+        if self.cycle.dwell_s:
+            self.runner.controller.record.dwell(self.cycle.dwell_s)
+
+    def pecks(self) -> list[float]:
+        """Depths of the pecks but the last."""
+        q = abs(self.cycle.words.get("q", 0.0))
+        if q == 0.0:
+            return []
+        down = 1.0 if self.bottom > self.r else -1.0
+        count = abs(self.bottom - self.r) / q
+        if count > _MOST_PECKS:
+            raise ProgramError(f"pecks of Q{q:g} make {count:.0f} steps")
+        depths = [self.r + down * q * k for k in range(1, int(count) + 1)]
+        return [depth for depth in depths if (self.bottom - depth) * down > 1e-9]
+
+    def clearance(self) -> float:
+        """Above the last depth, signed towards R."""
+        size = self.runner.settings.peck_clearance_mm / self.runner.controller.unit_mm
+        return size if self.bottom < self.r else -size
+
+    def shift(self) -> tuple[float, float]:
+        """By which G76 and G87 leave the wall: I J, or Q along the first axis."""
+        words = self.cycle.words
+        if "i" in words or "j" in words:
+            return words.get("i", 0.0), words.get("j", 0.0)
+        return abs(words.get("q", 0.0)), 0.0
+
+
+def _g81(hole: _Hole) -> None:
+    hole.feed(hole.bottom)
+    hole.dwell() if hole.cycle.code == 82.0 else None
+
+
+def _g73(hole: _Hole) -> None:
+    for depth in hole.pecks():
+        hole.feed(depth)
+        hole.rapid(depth + hole.clearance())
+    hole.feed(hole.bottom)
+    hole.dwell()
+
+
+def _g83(hole: _Hole) -> None:
+    for depth in hole.pecks():
+        hole.feed(depth)
+        hole.rapid(hole.r)
+        hole.rapid(depth + hole.clearance())
+    hole.feed(hole.bottom)
+    hole.dwell()
+
+
+def _g84(hole: _Hole) -> None:
+    """G74 and G84: down and back at feed with the spindle turned round, by pecks with Q."""
+    for depth in hole.pecks():
+        hole.feed(depth)
+        hole.feed(hole.r)
+        hole.feed(depth + hole.clearance())
+    hole.feed(hole.bottom)
+    hole.dwell()
+    hole.feed(hole.r)
+
+
+def _g85(hole: _Hole) -> None:
+    """G85 and G89: in and out at feed."""
+    hole.feed(hole.bottom)
+    hole.dwell() if hole.cycle.code == 89.0 else None
+    hole.feed(hole.r)
+
+
+def _g86(hole: _Hole) -> None:
+    """G86, and G88 whose retraction by hand is taken for granted."""
+    hole.feed(hole.bottom)
+    hole.dwell() if hole.cycle.code == 88.0 else None
+    if hole.cycle.code == 88.0:
+        hole.runner.controller.note("G88", "retraction by hand")
+
+
+def _g76(hole: _Hole) -> None:
+    """Bore, leave the wall by the shift, out."""
+    hole.feed(hole.bottom)
+    hole.dwell()
+    aside = hole.shift()
+    hole.rapid(hole.bottom, aside)
+    hole.rapid(hole.clear, aside)
+
+
+def _refused(hole: _Hole) -> None:
+    raise ProgramError("G87 (back boring) is not read", hint="post it without the cycle")
+
+
+_CYCLES: dict[float, Callable[[_Hole], None]] = {
+    73.0: _g73, 74.0: _g84, 76.0: _g76, 81.0: _g81, 82.0: _g81, 83.0: _g83, 84.0: _g84,
+    85.0: _g85, 86.0: _g86, 87.0: _refused, 88.0: _g86, 89.0: _g85,
+}  # fmt: skip
+CYCLES = frozenset(_CYCLES)

@@ -1,0 +1,138 @@
+"""Variables of custom macro B: local, common, and those of the system."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from gcode.errors import ProgramError
+from gcode.state.controller import Controller
+from gcode.state.tools import ToolEntry
+from gcode.text.parameters import system_base
+
+__all__ = ["LOCALS", "MacroVariables", "OffsetColumn", "OffsetColumns"]
+
+LOCALS = range(1, 34)
+_COMMON = (range(100, 200), range(500, 1000))
+_SYSTEMS = 6  #: G54 to G59 have variables of their own
+_SIDES = {0: 40.0, 1: 41.0, -1: 42.0}
+
+
+@dataclass(frozen=True)
+class OffsetColumn:
+    """Variables of one column of the offset memory.
+
+    Attributes
+    ----------
+    first : int
+        Variable of number 1.
+    name : str
+        Attribute of `gcode.ToolEntry`.
+    count : int
+    """
+
+    first: int
+    name: str
+    count: int = 200
+
+
+OffsetColumns = tuple[OffsetColumn, ...]
+
+
+class MacroVariables:
+    """Values by number; NaN is <null>.
+
+    Parameters
+    ----------
+    controller : Controller
+    columns : tuple of OffsetColumn
+        Where the offset memory is found.
+    radius_in_d : bool
+        D holds radii.
+    """
+
+    def __init__(
+        self, controller: Controller, columns: OffsetColumns, *, radius_in_d: bool
+    ) -> None:
+        self.controller, self.columns, self.radius_in_d = controller, columns, radius_in_d
+        self.locals: dict[int, float] = {}
+        self.common: dict[int, float] = {}
+        self.external_mm = [0.0] * 6
+        self.modal: dict[int, Callable[[], float]] = {}
+
+    def get(self, key: int | str) -> float:
+        """Read a variable."""
+        if key == 0:
+            return math.nan
+        if key in LOCALS:
+            return self.locals.get(key, math.nan)
+        if any(key in some for some in _COMMON):
+            return self.common.get(key, math.nan)
+        return self._system(int(key))
+
+    def set(self, key: int, value: float) -> None:
+        """Write a variable; raises ProgramError for one that cannot be written."""
+        if key in LOCALS:
+            self._put(self.locals, key, value)
+        elif any(key in some for some in _COMMON):
+            self._put(self.common, key, value)
+        elif key == 3000:
+            raise ProgramError(f"the program raises alarm {value:g} (#3000)")
+        elif 3001 <= key <= 3902:
+            self.controller.note(f"#{key}", "clock, counters and messages of the control")
+        elif not self._set_offset(key, value):
+            raise ProgramError(f"system variable #{key} cannot be written",
+                               accepted="#1 to #33, #100 to #199, #500 to #999, offsets")
+
+    @staticmethod
+    def _put(values: dict[int, float], key: int, value: float) -> None:
+        if math.isnan(value):
+            values.pop(key, None)
+        else:
+            values[key] = value
+
+    def _system(self, key: int) -> float:
+        if key in self.modal:
+            return self.modal[key]()
+        place = self._place(key)
+        if place is not None:
+            return place
+        column = self._column(key)
+        if column is not None:
+            entry = self.controller.offsets.get(key - column.first + 1, ToolEntry())
+            return getattr(entry, column.name) * self._factor(column) / self.controller.unit_mm
+        raise ProgramError(f"system variable #{key} is not read",
+                           accepted="positions #5001 ..., work offsets #5201 ..., tool offsets, "
+                           "modes #4001 ...")
+
+    def _factor(self, column: OffsetColumn) -> float:
+        return 0.5 if self.radius_in_d and column.name.startswith("diameter") else 1.0
+
+    def _column(self, key: int) -> OffsetColumn | None:
+        return next((c for c in self.columns if c.first <= key < c.first + c.count), None)
+
+    def _place(self, key: int) -> float | None:
+        """Positions and work offsets, X Y Z."""
+        c = self.controller
+        for first, values in (
+            (5001, c.position), (5041, c.position), (5061, c.position),
+            (5021, c.machine_position()), (5201, c.to_program(self.external_mm)),
+        ):  # fmt: skip
+            if first <= key < first + 6:
+                return values[key - first]
+        system, axis = divmod(key - 5221, 20)
+        if 0 <= system < _SYSTEMS and axis < 6:
+            stored = c.to_program(c.parameters.vector(system_base(system + 1)))
+            return stored[axis] - c.to_program(self.external_mm)[axis]
+        return None
+
+    def _set_offset(self, key: int, value: float) -> bool:
+        column = self._column(key)
+        if column is None:
+            return False
+        c, number = self.controller, key - column.first + 1
+        entry = c.offsets.get(number, ToolEntry())
+        size = value * c.unit_mm / self._factor(column)
+        c.offsets[number] = replace(entry, **{column.name: size})
+        return True

@@ -1,0 +1,106 @@
+"""The probability of readings, worked out here in full with dense covariances."""
+
+import numpy as np
+import pytest
+from scipy.linalg import null_space
+from scipy.stats import multivariate_normal
+
+from tests.unit.test_diagnosis_verdicts import stretched_and_loose, tip_job
+from vmach.diagnosis.inference.prepare import prepare_weighing
+from vmach.diagnosis.residuals.job_survey import survey_job
+from vmach.effects import catalogue
+from vmach.fit.feature_noise import FeatureNoise
+from vmach.fit.marginal_likelihood import Base, Effects, Sizes
+
+
+@pytest.fixture(scope="module")
+def weighing(tmp_path_factory):
+    job = tip_job(tmp_path_factory.mktemp("job"), stretched_and_loose)
+    wanted = [catalogue()[name] for name in ("scale", "backlash", "squareness")]
+    return prepare_weighing(survey_job(job), wanted)
+
+
+def explained(weighing, *labels):
+    found = weighing.nothing()
+    for label in labels:
+        found = weighing.extend(found, weighing.index_of(label))
+    return found
+
+
+def dense_noise(noise):
+    """Covariance of single readings, mm², from the definition."""
+    names, number = np.unique(noise.group, return_inverse=True)
+    covariance = np.diag((1.0 - noise.share) / noise.weight)
+    for k in range(len(names)):
+        rows = np.flatnonzero(number == k)
+        apart = np.abs(np.subtract.outer(np.arange(len(rows)), np.arange(len(rows))))
+        covariance[np.ix_(rows, rows)] += noise.share * noise.correlation**apart
+    return covariance * np.outer(noise.u_mm, noise.u_mm)
+
+
+@pytest.mark.parametrize(("share", "tails"), [(0.0, False), (0.6, False), (0.6, True)])
+def test_probability_is_that_of_a_normal_distribution(weighing, share, tails):
+    """Readings off the nuisance; a difference of two models, as constants are left out."""
+    survey, members = weighing.survey, weighing.members
+    random = np.random.default_rng(3)
+    weight = random.uniform(0.2, 1.0, len(survey)) if tails else np.ones(len(survey))
+    noise = FeatureNoise(survey.u_mm, survey.group, weight, share, 0.8)
+    base = Base(survey, noise, members)
+    scale = weighing.candidates[weighing.index_of("scale X")].signatures_mm[:, 0]
+    free = null_space(survey.nuisance.T)
+
+    def both(sizes, columns):
+        covariance = sizes.factor**2 * dense_noise(noise) + columns @ columns.T
+        covariance += members.fixed_mm @ members.fixed_mm.T
+        for size, member in zip(sizes.members, members.columns_mm, strict=True):
+            covariance += size**2 * member @ member.T
+        dense = multivariate_normal.logpdf(
+            free.T @ survey.residual_mm, cov=free.T @ covariance @ free
+        )
+        ours = base.posterior(sizes, Effects(base, columns)).log_probability
+        return dense, ours - sizes.log_prior
+
+    count = len(members.names)
+    one = both(Sizes(1.0, (0.3,) * count), np.zeros((len(survey), 0)))
+    other = both(Sizes(1.4, tuple(np.linspace(0.0, 2.0, count))), 1.5 * scale)
+    assert one[1] - other[1] == pytest.approx(one[0] - other[0], rel=1e-6)
+
+
+def test_its_slope_is_that_of_differences(weighing):
+    found = explained(weighing, "scale X")
+    at = Sizes(1.3, (0.4, 0.2, 0.7, 1.5)[: len(weighing.members.names)])
+    effects, base = found.posterior.effects, weighing.base
+    slope = base.posterior(at, effects).slope
+    for k in range(len(slope)):
+        step = 1e-5 * np.eye(len(slope))[k]
+        up, down = (
+            base.posterior(Sizes.at(at.logarithms + way * step), effects).log_probability
+            for way in (1.0, -1.0)
+        )
+        assert slope[k] == pytest.approx((up - down) / 2e-5, rel=1e-3, abs=1e-3)
+
+
+def test_evidence_of_a_candidate_is_what_it_adds(weighing):
+    """The bank's short cut against a posterior with the candidate among its effects."""
+    here, k = explained(weighing, "backlash Y"), weighing.index_of("scale X")
+    evidence = weighing.evidence(here)[k]
+    signature = weighing.candidates[k].signatures_mm[:, 0]
+    gains = []
+    for width in (0.1, 0.4, 1.5, 6.0):
+        columns = np.hstack([here.posterior.effects.columns_mm, width * signature])
+        effects = Effects(weighing.base, columns, here.posterior.effects.log_prior)
+        more = weighing.base.posterior(here.posterior.sizes, effects)
+        gains.append(more.log_probability - here.score)
+    assert evidence.log_factor[0] == pytest.approx(np.log(np.mean(np.exp(gains))), rel=1e-6)
+
+
+def test_score_does_not_depend_on_the_way_to_a_set(weighing):
+    one, other = ("scale X", "backlash Y"), ("backlash Y", "scale X")
+    scores = explained(weighing, *one).score, explained(weighing, *other).score
+    assert scores[0] == pytest.approx(scores[1], abs=0.2)
+
+
+def test_a_needless_effect_lowers_the_score(weighing):
+    pair = explained(weighing, "scale X", "backlash Y")
+    more = explained(weighing, "scale X", "backlash Y", "squareness C0Y")
+    assert more.score < pair.score - 1.0

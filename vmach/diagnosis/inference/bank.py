@@ -1,0 +1,74 @@
+"""Signatures of many candidates, weighed together beside members and effects.
+
+Only inner products of the signatures with each other, with the members' columns and with the
+readings enter. They are worked out once for a survey; an explanation changes them by a matrix of
+low rank.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from vmach.fit.candidates import Candidate
+from vmach.fit.evidence import Evidence, evidence_at_places
+from vmach.fit.marginal_likelihood import Base, Posterior
+
+__all__ = ["Bank"]
+
+
+class Bank:
+    """Candidates over one base.
+
+    Parameters
+    ----------
+    base : Base
+    candidates : sequence of Candidate
+    """
+
+    def __init__(self, base: Base, candidates: Sequence[Candidate]) -> None:
+        self._candidates = list(candidates)
+        shapes = [c.signatures_mm.shape[1:] for c in candidates]
+        # candidates with equally many coefficients lie side by side
+        order = sorted(range(len(shapes)), key=lambda c: shapes[c][1])
+        columns = [candidates[c].signatures_mm.reshape(len(base.y), -1) for c in order]
+        self._rows = base.white(np.hstack(columns)).T if columns else np.zeros((0, len(base.y)))
+        sizes = [shapes[c][0] * shapes[c][1] for c in order]
+        starts = np.cumsum([0, *sizes])
+        self._first = {c: int(start) for c, start in zip(order, starts[:-1], strict=True)}
+        self._shapes = shapes
+        self._members: dict[int, list[int]] = {}
+        for c in order:
+            self._members.setdefault(shapes[c][1], []).append(c)
+        self._gram = {k: _products(self._part(self._rows, k)) for k in self._members}
+        self._with_members = self._rows @ base.z
+        self._seen = self._rows @ base.y
+
+    def evidence(self, posterior: Posterior) -> list[Evidence]:
+        """Evidence of every candidate beside members and effects of a posterior."""
+        k, effects = posterior.sizes.factor, posterior.effects
+        shared = np.hstack([self._with_members, self._rows @ effects.x]) * posterior.scale
+        inner = (self._seen - k * (shared @ posterior.mean)) / k**2
+        taken = solve_triangular(
+            posterior.root, shared.T, lower=True, check_finite=False, overwrite_b=False
+        ).T
+        found: dict[int, Evidence] = {}
+        for terms, members in self._members.items():
+            part = self._part(taken, terms)
+            gram = (self._gram[terms] - part @ part.transpose(0, 2, 1)) / k**2
+            priors = [self._candidates[c].log_prior for c in members]
+            here = self._part(inner[:, None], terms)
+            found |= dict(zip(members, evidence_at_places(gram, here, priors), strict=True))
+        return [found[c] for c in range(len(self._shapes))]
+
+    def _part(self, rows: np.ndarray, terms: int) -> np.ndarray:
+        """Rows of the candidates with so many coefficients, (places, coefficients, ...)."""
+        members = self._members[terms]
+        end = self._first[members[-1]] + int(np.prod(self._shapes[members[-1]]))
+        return rows[self._first[members[0]] : end].reshape(-1, terms, rows.shape[1])
+
+
+def _products(rows: np.ndarray) -> np.ndarray:
+    return np.matmul(rows, rows.transpose(0, 2, 1))

@@ -1,0 +1,77 @@
+"""Search over sets of effects: adding, dropping and exchanging until nothing is more probable."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes
+from vmach.diagnosis.inference.weighing import Explanation, Weighing
+from vmach.fit.marginal_likelihood import Sizes
+
+__all__ = ["search"]
+
+#: candidates that are tried at each step, by their odds beside the discrepancy and without it
+_TRIED = 3
+#: a move counts where it makes the whole more probable by this much
+_STEP = 0.5
+#: moves at most; a search that goes on has something to report already
+_MOVES = 12
+
+
+def search(weighing: Weighing, start: Explanation | None = None) -> Explanation:
+    """The most probable set that single moves lead to."""
+    here = start or weighing.nothing()
+    for _ in range(_MOVES):
+        better = _best(_added(weighing, here), here) or _best(_exchanged(weighing, here), here)
+        if better is None:
+            break
+        here = _without_needless(weighing, better)
+    return here
+
+
+def _best(found: Iterator[Explanation], than: Explanation) -> Explanation | None:
+    best = max(found, key=lambda e: e.score, default=None)
+    return best if best is not None and best.score > than.score + _STEP else None
+
+
+def _added(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
+    for k in _leading(weighing, here, here.labels):
+        child = weighing.extend(here, k)
+        if not has_impossible_sizes(child.fit):
+            yield child
+
+
+def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
+    for k in range(len(here.terms)):
+        others = weighing.without(here, [k])
+        for i in _leading(weighing, others, here.labels):
+            child = weighing.extend(others, i)
+            if not has_impossible_sizes(child.fit):
+                yield child
+
+
+def _leading(weighing: Weighing, here: Explanation, but: Collection[str]) -> list[int]:
+    """Candidates worth a fit: the first ones beside the discrepancy, and nearly without it."""
+    sizes = here.posterior.sizes
+    small = Sizes(min(sizes.factor, 1.0), tuple(min(s, 0.3) for s in sizes.members))
+    plain = replace(here, posterior=replace(here.posterior, sizes=small))
+    found: list[int] = []
+    for view in (here, plain):
+        gains = weighing.gains(view)
+        ranked = [k for k in np.argsort(-gains) if weighing.candidates[k].label not in but]
+        found += [k for k in ranked[:_TRIED] if gains[k] > -2.0 and k not in found]
+    return found
+
+
+def _without_needless(weighing: Weighing, here: Explanation) -> Explanation:
+    """Drop effects that the others make needless."""
+    while len(here.terms) > 1:
+        fewer = [weighing.without(here, [k]) for k in range(len(here.terms))]
+        best = max(fewer, key=lambda e: e.score)
+        if best.score < here.score:
+            break
+        here = best
+    return here

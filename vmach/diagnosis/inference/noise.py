@@ -1,0 +1,103 @@
+"""The noise of single readings, estimated from what an explanation leaves of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.special import gammaln, stdtrit
+
+from vmach.diagnosis.inference.weighing import Explanation, Weighing
+from vmach.fit.feature_noise import FeatureNoise
+from vmach.fit.marginal_likelihood import Base
+from vmach.measurements import apart_from_neighbours
+
+__all__ = ["noise_after"]
+
+#: degrees of freedom of Student's t that are tried for heavy tails; infinite is normal
+_TAILS = (3.0, 5.0, 10.0)
+#: log probability that a further parameter of the noise has to bring (Bayesian information
+#: criterion at a thousand readings)
+_WORTH = 3.5
+_CORRELATIONS = (0.3, 0.98)
+
+
+def noise_after(weighing: Weighing, explanation: Explanation) -> FeatureNoise | None:
+    """The noise that the rest of an explanation shows; None where it is the one assumed."""
+    noise = weighing.base.noise
+    weight = _weights(weighing, explanation)
+    if np.abs(np.log(weight / noise.weight)).max() > 0.3:
+        noise = replace(noise, weight=weight)
+    correlated = _correlated(weighing, explanation, noise)
+    if correlated is weighing.base.noise:
+        return None
+    return correlated
+
+
+def _weights(weighing: Weighing, explanation: Explanation) -> np.ndarray:
+    """Weight of every reading as one of Student's t, whose tails the readings tell."""
+    noise, group = weighing.base.noise, weighing.survey.group
+    left = noise.standardised(explanation.posterior.left)
+    away = np.abs(left)
+    normal = -0.5 * len(away) * (1.0 + np.log(2.0 * np.pi * np.mean(away**2)))
+    best = normal + _WORTH, np.ones(len(away))
+    # neighbours that lie together have a cause, and are no tail
+    alone = np.minimum(away, apart_from_neighbours(left, group))
+    for degrees in _TAILS:
+        scale = np.median(away) / stdtrit(degrees, 0.75)
+        log = gammaln(0.5 * (degrees + 1)) - gammaln(0.5 * degrees)
+        log -= 0.5 * np.log(np.pi * degrees) + np.log(scale)
+        square = (away / scale) ** 2 / degrees
+        total = len(away) * log - 0.5 * (degrees + 1) * np.log1p(square).sum()
+        if total > best[0]:
+            best = total, (degrees + 1.0) / (degrees + (alone / scale) ** 2)
+    return best[1]
+
+
+def _correlated(weighing: Weighing, explanation: Explanation, noise: FeatureNoise) -> FeatureNoise:
+    """The noise with the correlation along features that makes the readings most probable."""
+    left = weighing.base.noise.standardised(explanation.posterior.left)
+    pairs = [_lagged(left, weighing.survey.group, lag) for lag in (1, 2)]
+    if noise.share == 0.0 and pairs[0] * np.sqrt(len(left)) < 3.0:
+        return noise
+    low, high = _CORRELATIONS
+    correlation = noise.correlation or float(np.clip(pairs[1] / max(pairs[0], 1e-3), 0.5, high))
+    share = noise.share or float(np.clip(pairs[0] / correlation, 0.1, 0.95))
+
+    def log_probability(trial: FeatureNoise) -> float:
+        base = Base(weighing.survey, trial, weighing.members)
+        effects = explanation.posterior.effects.on(base)
+        return base.best_sizes(explanation.posterior.sizes, effects).log_probability
+
+    start = replace(noise, share=share, correlation=correlation)
+    plain = log_probability(replace(noise, share=0.0))
+    best, found = log_probability(start), start
+    for step in (0.6, 0.3):
+        for way in ((step, 0), (-step, 0), (0, step), (0, -step)):
+            trial = replace(
+                found,
+                share=_moved(found.share, way[0], 0.02, 0.98),
+                correlation=_moved(found.correlation, way[1], low, high),
+            )
+            if (here := log_probability(trial)) > best + 0.1:
+                best, found = here, trial
+    if best < plain + _WORTH:
+        return noise if noise.share == 0.0 else replace(noise, share=0.0)
+    is_same = abs(found.share - noise.share) < 0.1 and noise.share > 0.0
+    return noise if is_same else found
+
+
+def _moved(share: float, step: float, low: float, high: float) -> float:
+    odds = np.log(share / (1.0 - share)) + 2.0 * step
+    return float(np.clip(1.0 / (1.0 + np.exp(-odds)), low, high))
+
+
+def _lagged(left: np.ndarray, group: np.ndarray, lag: int) -> float:
+    """Autocorrelation of readings that follow each other in a feature."""
+    _, number = np.unique(group, return_inverse=True)
+    order = np.argsort(number, kind="stable")
+    value, number = left[order], number[order]
+    same = number[lag:] == number[:-lag]
+    if not same.any():
+        return 0.0
+    return float(np.mean((value[lag:] * value[:-lag])[same]) / np.mean(value**2))

@@ -1,0 +1,255 @@
+"""Sets of effects weighed beside the discrepancy: each by the probability of all readings."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+
+from vmach.diagnosis.gates.absorbing import slack_of
+from vmach.diagnosis.inference.bank import Bank
+from vmach.effects import Effect
+from vmach.fit.candidates import Candidate
+from vmach.fit.discrepancy import members_of
+from vmach.fit.evidence import WIDTHS, Evidence, width_of
+from vmach.fit.feature_noise import FeatureNoise
+from vmach.fit.joint_fit import fit_terms
+from vmach.fit.marginal_likelihood import Base, Effects, Posterior, Sizes
+from vmach.fit.survey import Survey
+from vmach.fit.terms import JointFit, Term
+from vmach.fit.whitening import MemberWhitening
+
+__all__ = ["Explanation", "Weighing"]
+
+#: log prior odds of a component that the machine file has no table of: it is there, unmeasured
+_MISSING_TABLE = 4.0
+#: sizes in u that a search starts from
+_START = 0.3
+#: times that what the laws leave open is set by the fit before, so that it is a share of the last
+_PASSES = 3
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A set of effects, fitted, with the sizes of what stands beside them.
+
+    Attributes
+    ----------
+    fit : JointFit or None
+        None for the empty set.
+    posterior : Posterior
+    """
+
+    fit: JointFit | None
+    posterior: Posterior
+
+    @property
+    def score(self) -> float:
+        """Log probability of readings, set and sizes, up to what all sets share."""
+        return self.posterior.log_probability
+
+    @property
+    def terms(self) -> tuple[Term, ...]:
+        """The effects in the set, as fitted."""
+        return self.fit.terms if self.fit else ()
+
+    @property
+    def labels(self) -> frozenset[str]:
+        """Their names and targets."""
+        return frozenset(term.label for term in self.terms)
+
+
+class Weighing:
+    """The candidates of one survey, weighed alone and in sets.
+
+    Parameters
+    ----------
+    survey : Survey
+    candidates : sequence of Candidate
+    excluded : sequence of (Effect, target, why)
+        What the survey cannot show.
+    """
+
+    def __init__(
+        self,
+        survey: Survey,
+        candidates: Sequence[Candidate],
+        *,
+        excluded: Sequence[tuple[Effect, str, str]] = (),
+        noise: FeatureNoise | None = None,
+    ) -> None:
+        self.survey, self.candidates = survey, list(candidates)
+        self.excluded = tuple(excluded)
+        self.members = members_of(survey)
+        self._place = {c.label: k for k, c in enumerate(self.candidates)}
+        self._take(noise or FeatureNoise(survey.u_mm, survey.group, np.ones(len(survey))))
+
+    def _take(self, noise: FeatureNoise) -> None:
+        self.base = Base(self.survey, noise, self.members)
+        self.bank = Bank(self.base, self.candidates)
+        # by identity: a posterior is asked again and again
+        self._known: dict[int, tuple[Posterior, list[Evidence]]] = {}
+        self.alone = self._empty(Sizes(1.0, (0.0,) * len(self.members.names)))
+
+    def _empty(self, sizes: Sizes) -> Explanation:
+        """The empty set beside members of given sizes."""
+        none = Effects(self.base, np.zeros((len(self.survey), 0)))
+        return Explanation(None, self.base.posterior(sizes, none))
+
+    def on(self, survey: Survey) -> Self:
+        """The same over other readings of the same design."""
+        other = copy.copy(self)
+        other.survey = survey
+        other._take(FeatureNoise(survey.u_mm, survey.group, np.ones(len(survey))))
+        return other
+
+    def with_noise(self, noise: FeatureNoise) -> Self:
+        """The same with another covariance of single readings."""
+        other = copy.copy(self)
+        other._take(noise)
+        return other
+
+    @cached_property
+    def missing_tables(self) -> frozenset[str]:
+        """Labels of components that the machine file has no table of."""
+        tables = self.survey.job.machine.components
+        components = [c for c in self.candidates if c.effect.name == "component"]
+        return frozenset(c.label for c in components if c.target not in tables)
+
+    def log_prior(self, candidate: Candidate) -> float:
+        """Prior odds of a candidate; a component without a table is expected to be missing."""
+        if candidate.label in self.missing_tables:
+            return _MISSING_TABLE - np.log(len(self.candidates))
+        return -candidate.effect.rarity - np.log(len(self.candidates))
+
+    def index_of(self, label: str) -> int:
+        """Which candidate has a given name and target."""
+        return self._place[label]
+
+    # sets, fitted -----------------------------------------------------------------------------
+
+    def nothing(self, start: Sizes | None = None) -> Explanation:
+        """The empty set."""
+        start = start or Sizes(1.0, (_START,) * len(self.members.names))
+        none = Effects(self.base, np.zeros((len(self.survey), 0)))
+        return Explanation(None, self.base.best_sizes(start, none))
+
+    def explain(
+        self, terms: Sequence[Term], sizes: Sizes, *, refine: bool = True, resize: bool = True
+    ) -> Explanation:
+        """The explanation by given terms.
+
+        Parameters
+        ----------
+        terms : sequence of Term
+        sizes : Sizes
+            Of what stands beside, to start from.
+        refine : bool
+            Whether inner parameters move.
+        resize : bool
+            Whether the sizes do.
+        """
+        if not terms:
+            return self.nothing(sizes) if resize else self._empty(sizes)
+        whiten = MemberWhitening(self.base, sizes)
+        fit = fit_terms(self.survey, terms, whiten, refine=refine)
+        return self._weighed(fit, sizes, resize=resize)
+
+    def _weighed(self, fit: JointFit, sizes: Sizes, *, resize: bool) -> Explanation:
+        effects = Effects(self.base, self._columns(fit), self._log_prior_of(fit))
+        if resize:
+            return Explanation(fit, self.base.best_sizes(sizes, effects))
+        return Explanation(fit, self.base.posterior(sizes, effects))
+
+    def _columns(self, fit: JointFit) -> np.ndarray:
+        """Signatures of unit prior variance of all that is open about a fit, (n, K) mm."""
+        columns = []
+        for k, term in enumerate(fit.terms):
+            width = term.width or width_of(fit.coefficients[k])
+            columns += [width * fit.signatures_mm[k], fit.tangents_mm[k] * term.spread_of_inner]
+            if term.effect.slack_share > 0.0:
+                columns.append(self.survey.slack(term.effect, term.target, fit.parameters(k)))
+        return np.hstack(columns)
+
+    def _log_prior_of(self, fit: JointFit) -> float:
+        total = 0.0
+        for term in fit.terms:
+            candidate = self.candidates[self.index_of(term.label)]
+            looked_at = 1 if term.free_inner else len(candidate.grid)
+            total += self.log_prior(candidate) - np.log(looked_at * len(WIDTHS))
+            total -= 0.5 * float(np.sum(term.unusual**2))
+        return total
+
+    def extend(self, explanation: Explanation, k: int, *, resize: bool = True) -> Explanation:
+        """The explanation with candidate k added and everything refitted."""
+        terms = [*explanation.terms, self.term(k, explanation)]
+        return self.explain(terms, explanation.posterior.sizes, resize=resize)
+
+    def careful(self, explanation: Explanation) -> JointFit | None:
+        """The fit with what its laws leave open counted as uncertainty of the readings."""
+        fit = explanation.fit
+        for _ in range(_PASSES if fit else 0):
+            slack = slack_of(self.survey, replace(fit, slack_mm=None))
+            whiten = MemberWhitening(self.base, explanation.posterior.sizes, slack)
+            fit = fit_terms(self.survey, fit.terms, whiten)
+            if slack.shape[1] == 0:
+                return fit
+            fit = replace(fit, slack_mm=slack)
+        return fit
+
+    def without(
+        self, explanation: Explanation, ks: Sequence[int], *, resize: bool = True
+    ) -> Explanation:
+        """The explanation without some of its terms; the others keep their inner parameters."""
+        left = [term for k, term in enumerate(explanation.terms) if k not in ks]
+        sizes = explanation.posterior.sizes
+        return self.explain(left, sizes, refine=False, resize=resize)
+
+    def term(self, k: int, explanation: Explanation) -> Term:
+        """Candidate k with its best inner parameters on what an explanation leaves."""
+        candidate, evidence = self.candidates[k], self.evidence(explanation)[k]
+        width = None
+        if not candidate.effect.amplitudes:
+            width = WIDTHS[int(evidence.best_width[0])]
+        return Term(
+            candidate.effect, candidate.target, candidate.grid[int(evidence.best[0])], width
+        )
+
+    def whitening_beside(self, explanation: Explanation) -> MemberWhitening:
+        """Turns readings into unit noise, the terms of an explanation open as before the fit."""
+        columns = explanation.posterior.effects.columns_mm
+        return MemberWhitening(self.base, explanation.posterior.sizes, columns)
+
+    # candidates, weighed ----------------------------------------------------------------------
+
+    def evidence(self, explanation: Explanation) -> list[Evidence]:
+        """Of every candidate beside an explanation, at its sizes."""
+        posterior = explanation.posterior
+        if id(posterior) not in self._known:
+            self._known[id(posterior)] = posterior, self.bank.evidence(posterior)
+        return self._known[id(posterior)][1]
+
+    def gains(self, explanation: Explanation) -> np.ndarray:
+        """Log odds of every candidate beside an explanation, at its sizes."""
+        evidence = self.evidence(explanation)
+        found = [float(e.log_factor[0]) for e in evidence]
+        return np.array(found) + [self.log_prior(c) for c in self.candidates]
+
+    def fitted_alone(self, k: int) -> tuple[Term, np.ndarray]:
+        """Candidate k fitted alone: the term and its coefficients (K,)."""
+        term = self.term(k, self.alone)
+        place = int(self.evidence(self.alone)[k].best[0])
+        columns = self.candidates[k].signatures_mm[:, place]
+        width = WIDTHS[int(self.evidence(self.alone)[k].best_width[0])]
+        white, reading = self.base.white(columns), self.base.y
+        prior = np.eye(white.shape[1]) / width**2
+        return term, np.linalg.solve(white.T @ white + prior, white.T @ reading)
+
+    def alone_mm(self, k: int) -> np.ndarray:
+        """What candidate k does to the readings when it is fitted alone, (n,) mm."""
+        place = int(self.evidence(self.alone)[k].best[0])
+        return self.candidates[k].signatures_mm[:, place] @ self.fitted_alone(k)[1]

@@ -1,0 +1,141 @@
+"""What no model holds: shape of features, wandering in time, smooth fields, and the device.
+
+A discrepancy in the sense of Kennedy and O'Hagan (J. R. Statist. Soc. B 63 (2001) 425): its size
+is estimated together with the effects. The device that measured has scales and squareness of its
+own, within what is stated of it.
+
+Source: M. Kennedy and A. O'Hagan, J. R. Statist. Soc. B 63 (2001) 425.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from vmach.effects.laws.heat.wandering import wandering
+from vmach.fit.survey import Survey
+
+__all__ = ["Members", "members_of"]
+
+#: bends that a wandering makes in the time of a measurement
+_WAVES_IN_TIME = 6.0
+#: degree of the smooth field: half waves over the volume that was visited
+_FIELD_DEGREE = 3
+#: scale and squareness of a coordinate measuring machine whose a + L/b is not stated: the limit
+#: L/350 of an ordinary one (ISO 10360-2) taken as a rectangular distribution
+_DEVICE_PER_MM = 1.0 / 350e3 / np.sqrt(3.0)
+#: a feature whose normals are that much along Z is a floor
+_UPRIGHT = 0.7
+#: a cause whose largest signature is this share of u is left out
+_BLIND = 1e-3
+
+
+@dataclass(frozen=True)
+class Members:
+    """Columns of unit variance that stand beside the effects.
+
+    Attributes
+    ----------
+    fixed_mm : (n, q) float64
+        Of known size: tables' uncertainty, effects of the job, the device.
+    names : tuple of str
+        Of the members of unknown size.
+    columns_mm : tuple of (n, k) float64
+        Of each; a size of one makes about one median `u_um`.
+    """
+
+    fixed_mm: np.ndarray
+    names: tuple[str, ...]
+    columns_mm: tuple[np.ndarray, ...]
+
+
+def members_of(survey: Survey) -> Members:
+    """All that may differ without being an effect."""
+    unit = float(np.median(survey.u_mm))
+    found = {
+        **{name: unit * columns for name, columns in _offsets(survey).items()},
+        "form": unit * _forms(survey),
+        "time": unit * _in_time(survey),
+        "field": unit * _field(survey),
+    }
+    fixed = _condensed(np.hstack([survey.factors, _device(survey)]), survey.u_mm)
+    kept = {name: c for name, c in found.items() if c.shape[1]}
+    return Members(fixed, tuple(kept), tuple(kept.values()))
+
+
+def _condensed(columns: np.ndarray, u_mm: np.ndarray) -> np.ndarray:
+    """The same covariance by fewer columns: what adds less than one per cent of u² is left out."""
+    scaled = columns / u_mm[:, None]
+    squared, vectors = np.linalg.eigh(scaled.T @ scaled)
+    return columns @ vectors[:, squared > 1e-2]
+
+
+def _offsets(survey: Survey) -> dict[str, np.ndarray]:
+    """An offset of each group of readings: floors, walls and runs have a size of their own."""
+    names, number = np.unique(survey.group, return_inverse=True)
+    inside = np.eye(len(names))[number]
+    on_part = np.concatenate([np.full(len(m), m.on_part) for m in survey.measurements])
+    upright = np.bincount(number, np.abs(survey.sensing[:, 2])) / np.bincount(number) > _UPRIGHT
+    of_part = np.bincount(number, on_part) > 0
+    return {
+        "floors": inside[:, of_part & upright],
+        "walls": inside[:, of_part & ~upright],
+        "runs": inside[:, ~of_part],
+    }
+
+
+def _forms(survey: Survey) -> np.ndarray:
+    """Slope and bend of each group of readings, (n, K)."""
+    names, number = np.unique(survey.group, return_inverse=True)
+    inside, place = np.eye(len(names))[number], np.zeros(len(survey))
+    for k in range(len(names)):
+        rows = np.flatnonzero(number == k)
+        place[rows] = np.linspace(-1.0, 1.0, len(rows)) if len(rows) > 2 else 0.0
+    shapes = np.sqrt(3.0) * place, np.sqrt(5.0) * (1.5 * place**2 - 0.5) * (place != 0.0)
+    return np.hstack([inside * shape[:, None] for shape in shapes])
+
+
+def _in_time(survey: Survey) -> np.ndarray:
+    """Wandering of the tool along X, Y and Z, new in every measurement, (n, K)."""
+    blocks = []
+    for path, m in zip(survey.paths, survey.measurements, strict=True):
+        seconds = path.time_s
+        waves = wandering(seconds, max(float(np.ptp(seconds)), 1.0) / _WAVES_IN_TIME)
+        waves = waves[:, np.abs(waves).max(axis=0) > 0.05]
+        blocks.append((m.sensing[:, :, None] * waves[:, None, :]).reshape(len(m), -1))
+    return _seen(block_diag(*blocks))
+
+
+def _field(survey: Survey) -> np.ndarray:
+    """Smooth displacement of the tool over the volume, along X, Y and Z, (n, K)."""
+    nose = np.vstack([path.nose_mm for path in survey.paths])
+    low, high = nose.min(axis=0), nose.max(axis=0)
+    share = (nose - low) / np.maximum(high - low, 50.0)
+    parts = []
+    for degrees in itertools.product(range(_FIELD_DEGREE + 1), repeat=3):
+        if 1 <= sum(degrees) <= _FIELD_DEGREE:
+            wave = np.cos(np.pi * share * np.array(degrees)).prod(axis=1)
+            parts.append(survey.sensing * wave[:, None] / sum(degrees))
+    return _seen(np.hstack(parts))
+
+
+def _device(survey: Survey) -> np.ndarray:
+    """Scales and squareness of the machine that measured the part, of unit variance, (n, K) mm."""
+    blocks = [np.zeros((0, 0))]
+    for path, m in zip(survey.paths, survey.measurements, strict=True):
+        if not m.on_part:
+            blocks.append(np.zeros((len(m), 0)))
+            continue
+        place = path.on_part_mm - path.on_part_mm.mean(axis=0)
+        n = m.sensing
+        sheared = [n[:, 0] * place[:, 1], n[:, 0] * place[:, 2], n[:, 1] * place[:, 2]]
+        columns = np.column_stack([n * place, *sheared])
+        blocks.append(_DEVICE_PER_MM * columns)
+    return block_diag(*blocks)[:, :] if len(blocks) > 1 else np.zeros((len(survey), 0))
+
+
+def _seen(columns: np.ndarray) -> np.ndarray:
+    return columns[:, np.abs(columns).max(axis=0) > _BLIND]

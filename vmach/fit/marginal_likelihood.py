@@ -1,0 +1,200 @@
+"""Probability of all readings with what is unknown integrated out, and sizes that make it largest.
+
+Readings y in units of their feature noise, nuisance projected out (its prior is flat), are
+
+    y = Z D^(1/2) f + X c + k e
+
+with unit-variance f of members whose sizes D are known (tables, device) or unknown (discrepancy),
+effects X c, and a factor k on the stated uncertainty. Everything but k and the sizes is integrated
+in closed form; only inner products enter, so a trial of other sizes costs no pass over readings.
+
+Source: C. Rasmussen and C. Williams, Gaussian Processes for Machine Learning (2006), eq. 5.8, the
+marginal likelihood; closed form derived here: f and c integrated as normal variables.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import cho_solve, cholesky
+from scipy.linalg.lapack import dtrtri
+from scipy.optimize import minimize
+
+from vmach.fit.discrepancy import Members
+from vmach.fit.feature_noise import FeatureNoise
+from vmach.fit.survey import Survey
+
+__all__ = ["Base", "Posterior", "Sizes"]
+
+#: prior of the logarithm of the factor on u: stated uncertainties are right within a factor of 2
+_LOG_FACTOR = float(np.log(2.0))
+#: prior of a member's size: half a Cauchy distribution whose median is this, in u
+_HALF_SIZE = 0.5
+#: a member of this size, in u, counts as absent
+_ABSENT = 0.02
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Factor on u, and the size of each member of unknown size, in median u."""
+
+    factor: float
+    members: tuple[float, ...]
+
+    @property
+    def logarithms(self) -> np.ndarray:
+        return np.log(np.maximum([self.factor, *self.members], 1.01 * _ABSENT))
+
+    @classmethod
+    def at(cls, logarithms: np.ndarray) -> Sizes:
+        factor, *members = np.exp(logarithms).tolist()
+        return cls(factor, tuple(members))
+
+    @property
+    def log_prior(self) -> float:
+        """Logarithm of how likely they are beforehand, up to a constant."""
+        usual = -0.5 * (np.log(self.factor) / _LOG_FACTOR) ** 2
+        return float(usual - np.log1p((np.array(self.members) / _HALF_SIZE) ** 2).sum())
+
+    @property
+    def slope_of_prior(self) -> np.ndarray:
+        """Derivative of `log_prior` by the logarithms."""
+        ratio = (np.array(self.members) / _HALF_SIZE) ** 2
+        return np.array([-np.log(self.factor) / _LOG_FACTOR**2, *(-2 * ratio / (1 + ratio))])
+
+
+class Base:
+    """Readings of a survey in the units of one feature noise, nuisance projected out.
+
+    Attributes
+    ----------
+    y : (n,) float64
+    z : (n, q) float64
+        Members' columns.
+    """
+
+    def __init__(self, survey: Survey, noise: FeatureNoise, members: Members) -> None:
+        self.survey, self.noise, self.members = survey, noise, members
+        nuisance = noise.white(survey.nuisance)
+        norms = np.linalg.norm(nuisance, axis=0)
+        left, size, _ = np.linalg.svd(nuisance / np.where(norms > 0, norms, 1.0), False)
+        seen = size > 1e-9 * max(size.max(initial=0.0), 1e-300)
+        self._free = left[:, seen]
+        self._constant = -0.5 * noise.log_determinant - float(np.log(size[seen]).sum())
+        self._constant -= float(np.log(norms[norms > 0]).sum())
+        self.y = self.white(survey.residual_mm[:, None])[:, 0]
+        self.z = self.white(np.hstack([members.fixed_mm, *members.columns_mm]))
+        counts = [members.fixed_mm.shape[1], *(c.shape[1] for c in members.columns_mm)]
+        self.member_of = np.repeat(np.arange(len(counts)), counts)
+        self.degrees = len(survey) - self._free.shape[1]
+        self._gram, self._seen = self.z.T @ self.z, self.z.T @ self.y
+        self._square = float(self.y @ self.y)
+
+    def white(self, columns_mm: np.ndarray) -> np.ndarray:
+        """Columns (n, k) mm in unit noise without what the nuisance can explain."""
+        white = self.noise.white(columns_mm)
+        return white - self._free @ (self._free.T @ white)
+
+    def posterior(self, sizes: Sizes, effects: Effects) -> Posterior:
+        """What the readings say with given sizes beside given effects."""
+        return Posterior(self, sizes, effects)
+
+    def best_sizes(self, start: Sizes, effects: Effects) -> Posterior:
+        """The posterior at the most probable sizes."""
+
+        def negative(logarithms: np.ndarray) -> tuple[float, np.ndarray]:
+            here = Posterior(self, Sizes.at(logarithms), effects)
+            return -here.log_probability, -here.slope
+
+        low = np.log([0.1, *([_ABSENT] * len(start.members))])
+        found = minimize(
+            negative,
+            np.maximum(start.logarithms, low),
+            jac=True,
+            bounds=[(b, b + 12.0) for b in low],
+            method="L-BFGS-B",
+            options={"maxiter": 15, "ftol": 1e-5},
+        )
+        return Posterior(self, Sizes.at(found.x), effects)
+
+
+class Effects:
+    """Whitened columns of effects, of unit prior variance, and their products with a base."""
+
+    def __init__(self, base: Base, columns_mm: np.ndarray, log_prior: float = 0.0) -> None:
+        self.columns_mm, self.log_prior = columns_mm, log_prior
+        self.x = base.white(columns_mm)
+        cross = base.z.T @ self.x
+        self.gram = np.block([[base._gram, cross], [cross.T, self.x.T @ self.x]])
+        self.seen = np.concatenate([base._seen, self.x.T @ base.y])
+        self.columns = np.hstack([base.z, self.x])
+        self.member_of = np.concatenate([base.member_of, np.zeros(self.x.shape[1], dtype=int)])
+
+    def on(self, base: Base) -> Effects:
+        """The same over another base of the survey."""
+        return Effects(base, self.columns_mm, self.log_prior)
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Members' and effects' coefficients, given sizes.
+
+    Attributes
+    ----------
+    base : Base
+    sizes : Sizes
+    effects : Effects
+    """
+
+    base: Base
+    sizes: Sizes
+    effects: Effects
+
+    @cached_property
+    def scale(self) -> np.ndarray:
+        """Prior standard deviation of every column's coefficient in units of the factor."""
+        each = np.array([1.0, *self.sizes.members])
+        return each[self.effects.member_of] / self.sizes.factor
+
+    @cached_property
+    def root(self) -> np.ndarray:
+        """Lower Cholesky factor of the posterior precision, in prior standard deviations."""
+        precision = self.scale[:, None] * self.effects.gram * self.scale
+        precision[np.diag_indices(len(precision))] += 1.0
+        return cholesky(precision, lower=True, check_finite=False, overwrite_a=True)
+
+    @cached_property
+    def mean(self) -> np.ndarray:
+        """Expected coefficients in prior standard deviations."""
+        aim = self.scale * self.effects.seen / self.sizes.factor
+        return cho_solve((self.root, True), aim, check_finite=False)
+
+    @cached_property
+    def log_probability(self) -> float:
+        """Of readings and sizes, constants that all models of a survey share left out."""
+        k = self.sizes.factor
+        square = self.base._square / k**2
+        square -= self.mean @ (self.scale * self.effects.seen) / k
+        half = 0.5 * square + np.log(np.diag(self.root)).sum() + self.base.degrees * np.log(k)
+        return float(self.base._constant - half + self.sizes.log_prior + self.effects.log_prior)
+
+    @cached_property
+    def slope(self) -> np.ndarray:
+        """Derivative of `log_probability` by the logarithms of the sizes."""
+        inverse, _ = dtrtri(self.root, lower=True)
+        variance = (inverse**2).sum(axis=0)
+        k, member = self.sizes.factor, self.effects.member_of
+        amount = self.scale * self.mean
+        rest = self.base._square / k**2 - 2 * amount @ self.effects.seen / k
+        rest += amount @ self.effects.gram @ amount
+        by_factor = -self.base.degrees + rest + len(variance) - variance.sum()
+        by_size = np.bincount(member, self.mean**2 + variance - 1.0, len(self.sizes.members) + 1)
+        return np.array([by_factor, *by_size[1:]]) + self.sizes.slope_of_prior
+
+    @cached_property
+    def left(self) -> np.ndarray:
+        """What members and effects leave of the white readings, (n,), in units of the factor."""
+        amount = self.scale * self.mean * self.sizes.factor
+        return (self.base.y - self.effects.columns @ amount) / self.sizes.factor
