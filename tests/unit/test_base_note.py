@@ -54,7 +54,7 @@ def test_no_record_holds_notes_as_words():
     found = [
         path.relative_to(ROOT).as_posix()
         for path in (ROOT / "vmach").rglob("*.py")
-        if words.search(path.read_text())
+        if path.parent.name != "schemas" and words.search(path.read_text())
     ]
     assert found == []
 

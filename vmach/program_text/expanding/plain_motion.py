@@ -59,7 +59,7 @@ def plain(program: Program, *, floating_tap: bool) -> Expanded | None:
             raise InputError(f"{why} cannot be compensated", file=program.path, line=line)
         if step is not None and why and step.modes.motion in _TAPPING and not floating_tap:
             raise InputError(
-                "tapping cycle cannot be written out for this control",
+                f"tapping cycle {step.modes.motion} cannot be written out for this control",
                 file=program.path,
                 line=line,
                 accepted="LinuxCNC, whose G84 feeds and reverses the spindle",
@@ -103,7 +103,10 @@ class _Writer:
         self.moves = self.program.moves
         order = self.path.line
         if (np.diff(order) < 0).any():
-            raise InputError("moves out of the order of the lines", file=self.program.path)
+            line = int(order[1:][np.diff(order) < 0][0])
+            raise InputError(
+                f"moves of line {line} out of the order of the lines", file=self.program.path
+            )
         moving = np.flatnonzero(self.moves.kind != MoveKind.DWELL)
         self.first_row = int(moving[0]) if len(moving) else -1
         self.angle = rotation_of_moves(self.program)
@@ -111,12 +114,12 @@ class _Writer:
         self.seconds = dict(self.program.record.dwells)
 
     def rows_of(self, line: int) -> np.ndarray:
-        """Rows of the record that a line makes."""
+        """Rows of the record that a line makes, (R,) indices."""
         first, stop = np.searchsorted(self.path.line, [line, line + 1])
         return np.arange(first, stop)
 
     def motion_of(self, row: int) -> np.ndarray:
-        """Motion of a row in the axes of the program, mm; frames may change between rows."""
+        """Motion of a row in the axes of the program, (3,) mm; frames may change between rows."""
         motion = self.moves.end_mm[row] - self.moves.start_mm[row]
         return turned_about_z(motion, -self.angle[row])
 
