@@ -58,6 +58,7 @@ class Kind(StrEnum):
     INSIDE_OUT = "inside out"
     BODIES = "bodies"  #: solids and surfaces of a CAD file
     NARROW = "narrow"  #: faces without room for a point
+    NO_SOLID = "no solid"  #: the program is too long for one
     UNCUT = "uncut"
     GOUGED = "gouged"
     OVERCUT = "overcut"

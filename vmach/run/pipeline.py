@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stock import Sweeps, VirtualPart, cut_part
-from vmach.base.note import Level, Note, in_file
+from vmach.base.note import Kind, Level, Note, in_file
 from vmach.base.stage_clock import Progress, StageClock, silent
 from vmach.effects import read_effects
 from vmach.errors import InputError
@@ -49,10 +49,6 @@ __all__ = [
 #: programs of more moves are inspected without a solid, unless it is asked for: cutting it takes
 #: minutes from here on
 SOLID_MOVES = 100_000
-_NO_SOLID = (
-    "no solid was cut: the program has {moves} moves, more than {most}; the deviations come from "
-    "the exact engine all the same ('--solid' cuts it)"
-)
 
 
 @dataclass(frozen=True)
@@ -187,10 +183,18 @@ def machine_part(
         notes=(
             *collision_notes(found.preparation, collisions),
             *comparison_notes(comparison),
-            *([_NO_SOLID.format(moves=moves, most=SOLID_MOVES)] if is_left_out else []),
+            *([_no_solid(moves)] if is_left_out else []),
             *found.notes,
         ),
     )
+
+
+def _no_solid(moves: int) -> Note:
+    said = (
+        f"no solid was cut: the program has {moves} moves, more than {SOLID_MOVES}; the deviations "
+        "come from the exact engine all the same ('--solid' cuts it)"
+    )
+    return Note.plain(Kind.NO_SOLID, said, moves, "1")
 
 
 def inspect_part(

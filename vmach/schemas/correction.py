@@ -41,6 +41,20 @@ class _Finding(_Open):
     where: str
 
 
+class _Candidate(_Open):
+    """How a single effect does on its own."""
+
+    effect: str
+    target: str
+    score: float
+    """Natural logarithm of the odds for it."""
+    rms_after_um: float
+    status: str
+    """For people: "tested", or why it could not be."""
+    is_tested: bool
+    why_not: str
+
+
 class _BlindSpot(_Open):
     """An effect that could be there unseen."""
 
@@ -93,7 +107,7 @@ class DiagnosisFigures(_Open):
     """RMS of what remains beside noise."""
     rms_um: dict[str, float]
     """Of measured minus predicted: before, after, expected noise."""
-    candidates: list[dict[str, Any]]
+    candidates: list[_Candidate]
     where_it_fails: list[_Failure]
     next_measurement: _NextMeasurement | None
     blind_spots: list[_BlindSpot]
