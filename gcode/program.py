@@ -14,7 +14,7 @@ from gcode.errors import ProgramError
 from gcode.geometry.arc_tolerance import ArcTolerance, arc_tolerance
 from gcode.language.dialect import Dialect
 from gcode.language.options import ControlSettings, RunOptions
-from gcode.language.registry import choose_dialect, dialect_called
+from gcode.language.registry import Recognition, choose_dialect, dialect_called
 from gcode.motion.frames import load_offsets
 from gcode.moves.clock import MachineLimits
 from gcode.moves.moves import Moves
@@ -74,6 +74,8 @@ class Program:
         Nose position at the start, where it is known.
     options : mapping
         How it was read: arguments of `read_program`.
+    assumed : str
+        Which control it was read for, and why.
     """
 
     path: Path
@@ -84,6 +86,7 @@ class Program:
     limits: MachineLimits = field(repr=False)
     home_mm: np.ndarray | None = field(repr=False)
     options: Mapping[str, object] = field(repr=False)
+    assumed: str = ""
 
     @property
     def language(self) -> type[Dialect]:
@@ -203,22 +206,22 @@ def read_program(
         controller.trace.end()
     notes = tuple(Note(line, word, text) for (line, word), text in controller.notes.items())
     home = None if home_mm is None else np.array(home_mm, np.float64)
-    return Program(source.path, spoken.name, source, notes, controller.record,
-                   limits or MachineLimits(), home, options)  # fmt: skip
+    return Program(source.path, spoken.dialect.name, source, notes, controller.record,
+                   limits or MachineLimits(), home, options, str(spoken))  # fmt: skip
 
 
 def _run_as_recognised(
     run: Callable[[type[Dialect]], Controller], data: bytes, name: str
-) -> tuple[type[Dialect], Controller]:
+) -> tuple[Recognition, Controller]:
     """Run in the dialect of the text's head; where that is refused, in that of the whole text."""
     spoken = choose_dialect(name, data)
     try:
-        return spoken, run(spoken)
+        return spoken, run(spoken.dialect)
     except ProgramError:
         other = choose_dialect(name, data, whole=True)
-        if other is spoken:
+        if other.dialect is spoken.dialect:
             raise
-        return other, run(other)
+        return other, run(other.dialect)
 
 
 def _prepare(

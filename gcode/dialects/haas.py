@@ -34,6 +34,5 @@ class Haas(Fanuc):
     reads = ("linuxcnc", "fanuc")
 
     @classmethod
-    def detect(cls, text: str) -> bool:
+    def detect(cls, text: str) -> None:
         """Never: its programs are Fanuc's until somebody says so."""
-        return False

@@ -15,6 +15,9 @@ from gcode.writing.line_edit import LineEdit
 
 __all__ = ["Dialect"]
 
+#: so much of a mark is shown
+_SHOWN = 30
+
 
 class Dialect:
     """Base of all dialects; a subclass in a file of `gcode.dialects` is all that a new one takes.
@@ -81,9 +84,13 @@ class Dialect:
     edit: type[LineEdit] = LineEdit
 
     @classmethod
-    def detect(cls, text: str) -> bool:
-        """Tell whether a program is written in this dialect."""
-        return cls.marks is not None and cls.marks.search(text) is not None
+    def detect(cls, text: str) -> str | None:
+        """Why a program is recognised as one of this dialect; None where it is not."""
+        found = None if cls.marks is None else cls.marks.search(text)
+        if found is None:
+            return None
+        words = " ".join(found.group().split())[:_SHOWN]
+        return f"'{words}' in line {text.count(chr(10), 0, found.end()) + 1}"
 
     @classmethod
     def run(cls, controller: Controller, source: Source, options: RunOptions) -> None:

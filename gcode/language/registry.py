@@ -8,6 +8,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -16,8 +17,8 @@ from gcode.errors import ProgramError
 from gcode.language.check import check_dialect
 from gcode.language.dialect import Dialect
 
-__all__ = ["ENTRY_POINTS", "choose_dialect", "dialect_called", "dialect_name", "dialect_names",
-           "dialect_of", "load_dialects"]  # fmt: skip
+__all__ = ["ENTRY_POINTS", "Recognition", "choose_dialect", "dialect_called", "dialect_name",
+           "dialect_names", "dialect_of", "load_dialects"]  # fmt: skip
 
 ENTRY_POINTS = "vmach.dialects"
 #: has the programs that no other dialect recognises
@@ -98,7 +99,18 @@ def dialect_name(name: str) -> str:
     return "auto" if name.lower() == "auto" else dialect_called(name).name
 
 
-def choose_dialect(name: str, data: bytes, *, whole: bool = False) -> type[Dialect]:
+@dataclass(frozen=True)
+class Recognition:
+    """Which dialect a program is read in, and why."""
+
+    dialect: type[Dialect]
+    reason: str
+
+    def __str__(self) -> str:
+        return f"read as {self.dialect.title} ({self.dialect.name}): {self.reason}"
+
+
+def choose_dialect(name: str, data: bytes, *, whole: bool = False) -> Recognition:
     """The dialect of a name; for ``auto`` the one whose marks are found in the text.
 
     Parameters
@@ -110,13 +122,16 @@ def choose_dialect(name: str, data: bytes, *, whole: bool = False) -> type[Diale
         Search all of it, and not its head alone.
     """
     if name.lower() != "auto":
-        return dialect_called(name)
+        return Recognition(dialect_called(name), "as told")
     text = (data if whole else data[:_HEAD]).decode("latin-1")
-    return next((kind for kind in _dialects().values() if kind.detect(text)),
-                _dialects()[_FALLBACK])  # fmt: skip
+    for kind in dict.fromkeys(_dialects().values()):
+        reason = kind.detect(text)
+        if reason is not None:
+            return Recognition(kind, reason)
+    return Recognition(_dialects()[_FALLBACK], "it has no word of another control")
 
 
 def dialect_of(path: str | Path, name: str = "auto") -> str:
     """The dialect in which `read_program` will read a file; arguments and errors as there."""
     with Path(path).open("rb") as file:
-        return choose_dialect(name, file.read(_HEAD)).name
+        return choose_dialect(name, file.read(_HEAD)).dialect.name

@@ -168,12 +168,12 @@ def _in_plane(
 
 
 def _heights(
-    material: Material, point: np.ndarray, normal: np.ndarray, sides: np.ndarray, way_mm: float
+    material: Material, point: np.ndarray, normal: np.ndarray, sides: np.ndarray, offset_mm: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Height of the surface on either side in two directions, (P, 2, 2), and where it is known."""
-    step = way_mm * np.stack([sides, -sides], axis=2)  # (P, side, sign, 3)
+    step = offset_mm * np.stack([sides, -sides], axis=2)  # (P, side, sign, 3)
     beside = (point[:, None, None] + step).reshape(-1, 3)
-    edges: Edges = material.edges(beside, np.repeat(normal, 4, axis=0), 2.0 * _STEEP * way_mm)
+    edges: Edges = material.edges(beside, np.repeat(normal, 4, axis=0), 2.0 * _STEEP * offset_mm)
     known = (edges.status == EdgeStatus.CUT).reshape(-1, 4).all(axis=1)
     return edges.deviation_mm.reshape(-1, 2, 2), known
 

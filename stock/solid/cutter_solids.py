@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from manifold3d import Manifold, OpType
 
+from stock.solid.buried_strokes import Footprints
 from stock.solid.level_cutters import level_groups, level_solid
 from stock.solid.ring_stack import RingStack
 from stock.solid.strokes import Strokes
@@ -17,6 +18,8 @@ __all__ = ["CutterSolids"]
 
 #: strokes that are united in one go; more grow like n^1.5
 LEAF_STROKES = 32
+#: cylinders that stand for a round tool when strokes are looked at from above
+_STEPS = 4
 
 
 @dataclass
@@ -63,6 +66,23 @@ class CutterSolids:
         high = np.maximum(s.start_mm, s.end_mm) + np.column_stack([side, side, height + play])
         return low, high
 
+    def footprints(self) -> Footprints:
+        """What every stroke reaches and takes for sure, seen from above."""
+        s, play = self.strokes, self._play_mm
+        outer = np.array([stack.rings[:, 0].max() for stack in self.stacks])[s.tool]
+        inner, height = np.moveaxis([_steps(stack) for stack in self.stacks], 2, 0)[:, s.tool]
+        lowest = np.minimum(s.start_mm, s.end_mm)[:, 2]
+        plunges = (s.start_mm[:, :2] == s.end_mm[:, :2]).all(axis=1)
+        highest = np.where(plunges, lowest, np.maximum(s.start_mm, s.end_mm)[:, 2])
+        return Footprints(
+            start_mm=s.start_mm[:, :2],
+            end_mm=s.end_mm[:, :2],
+            outer_mm=outer + play,
+            low_mm=lowest - play,
+            inner_mm=np.where(self._open[:, None], inner - play[:, None], 0.0),
+            floor_mm=(highest + play)[:, None] + height,
+        )
+
     def union(self, index: np.ndarray, done: Callable[[int], None]) -> Manifold:
         """One solid of the strokes `index`, (S,); `done` is told how many are finished."""
         single = np.zeros(len(self.strokes), dtype=bool)
@@ -105,3 +125,13 @@ class CutterSolids:
         )
         self.move_of_id[solid.original_id()] = int(s.move[i])
         return solid
+
+
+def _steps(stack: RingStack) -> np.ndarray:
+    """Radius and lower end of cylinders within a faceted tool, (`_STEPS`, 2); 0 where none."""
+    widest = int(np.argmax(stack.rings[:, 0]))
+    k = np.unique(np.linspace(widest, 0, _STEPS).round().astype(np.int64))
+    steps = np.zeros((_STEPS, 2))
+    steps[: len(k), 0] = stack.rings[k, 0] * np.cos(np.pi / stack.azimuths[k])
+    steps[: len(k), 1] = stack.rings[k, 1]
+    return steps

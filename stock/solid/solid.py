@@ -12,6 +12,7 @@ from manifold3d import Manifold
 from stock.errors import StockError
 from stock.solid.advancing_cut import BLOCK_STROKES, finished_pieces
 from stock.solid.blank import blank_solid
+from stock.solid.buried_strokes import needed_strokes
 from stock.solid.cutter_solids import CutterSolids
 from stock.solid.ring_stack import ring_stack
 from stock.solid.seams import PieceMesh, join_pieces
@@ -96,7 +97,10 @@ def cut_part(
     solid = blank_solid(blank)
     strokes = strokes_of(sweeps, tolerance_mm)
     stacks = [ring_stack(tool, tolerance_mm) for tool in tools]
-    cutters = CutterSolids(strokes, stacks, top_mm=solid.bounding_box()[5])
+    low_mm, high_mm = np.reshape(solid.bounding_box(), (2, 3))
+    cutters = CutterSolids(strokes, stacks, top_mm=high_mm[2])
+    needed = needed_strokes(cutters.footprints(), low_mm, high_mm)
+    cutters = CutterSolids(strokes.only(needed), stacks, top_mm=high_mm[2])
     move_of_id = cutters.move_of_id
     move_of_id[solid.original_id()] = BLANK
     pieces, volume_mm3 = [], 0.0

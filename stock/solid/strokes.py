@@ -44,6 +44,20 @@ class Strokes:
     def __len__(self) -> int:
         return len(self.start_mm)
 
+    def only(self, kept: np.ndarray) -> Strokes:
+        """Those of the strokes that are `kept`, (S,) bool; paths end where one is left out."""
+        joined = self.joined.copy()
+        joined[1:] &= kept[:-1]
+        return Strokes(
+            start_mm=self.start_mm[kept],
+            end_mm=self.end_mm[kept],
+            start_tilt_rad=self.start_tilt_rad[kept],
+            end_tilt_rad=self.end_tilt_rad[kept],
+            tool=self.tool[kept],
+            move=self.move[kept],
+            joined=joined[kept],
+        )
+
     def before(self, i: int) -> np.ndarray:
         """Motion (3,) of the stroke that stroke i continues, zero where it begins a path."""
         if not self.joined[i]:

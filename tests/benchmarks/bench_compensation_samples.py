@@ -105,7 +105,8 @@ class BeforeRounding:
         self.part = view.deviation(solution.run)
         rounding = Rounding(iteration.rewriter, solution.plan, solution.target, resolution_mm)
         probes = surface_probes(self.part, points.normal[self.part.row],
-                                left_mm=self.part.error_mm, way_mm=1.0).in_order()  # fmt: skip
+                                left_mm=self.part.error_mm,
+                                path_length_mm=1.0).in_order()  # fmt: skip
         course, places = rounding.candidates(probes)
         ends = rounding.points(probes, places, np.arange(len(solution.plan.pieces)))
         step_mm = rounding.step_mm.max()

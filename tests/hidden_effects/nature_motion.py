@@ -110,7 +110,7 @@ def hysteresis(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     return Hidden(
         "hysteresis",
         ("hysteresis",),
-        {"axis": "XYZ"[axis], "size_um": size, "way_mm": way},
+        {"axis": "XYZ"[axis], "size_um": size, "travel_mm": way},
         move,
         target="XYZ"[axis],
     )
@@ -199,7 +199,7 @@ def quadrant_glitch(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     return Hidden(
         "quadrant_glitch",
         ("quadrant_glitch",),
-        {"axis": "XYZ"[axis], "size_um": size, "way_mm": way},
+        {"axis": "XYZ"[axis], "size_um": size, "travel_mm": way},
         move,
         target="XYZ"[axis],
     )

@@ -109,7 +109,7 @@ def intended_pieces(kept, *, numbers_only):
                 kept["written"].line_of_piece[index], piece.move, piece.start, piece.end,
                 piece.is_arc, target.ends_mm[index] * (not piece.kept),
                 kept["chosen_mm"][index] * (not piece.kept), target.middles_mm[index],
-                rewriter.said[piece.move], float(rewriter.angle[piece.move]),
+                rewriter.programmed[piece.move], float(rewriter.angle[piece.move]),
                 moves.axis[piece.move], unit * 10.0 ** -(decimals + more),
             )
         )  # fmt: skip

@@ -41,7 +41,7 @@ class Tilt:
     def at_surface(self, states):
         return np.zeros((len(states), 3))
 
-    def left_open(self, states):
+    def uncertainty_patterns(self, states):
         return np.zeros((len(states), 3, 0))
 
 

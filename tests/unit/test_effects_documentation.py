@@ -16,6 +16,7 @@ from vmach.job import read_job
 from vmach.path.preparation import prepare
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "effects.md"
+LAWS = DOCUMENT.with_name("laws.md")
 
 
 @pytest.mark.usefixtures("no_effects_added")
@@ -38,6 +39,16 @@ def test_every_effect_and_parameter_is_in_the_table():
         )
         if name not in ("fixture", "datum_shift", "component"):
             assert all(f"`{p.name}`" in row for p in effect.parameters), name
+
+
+def test_every_law_has_its_equation():
+    """The number in the source of a class is that of its row in the page of the laws."""
+    rows = re.findall(r"^\| \((\d+)\) \| `(\w+)` \|", LAWS.read_text(encoding="utf-8"), re.M)
+    assert [int(number) for number, _ in rows] == list(range(1, len(rows) + 1))
+    stated = {name: effect.source for name, effect in catalogue().items()}
+    assert {name for _, name in rows} == set(stated)
+    for number, name in rows:
+        assert stated[name].startswith(f"equation ({number}) of docs/laws.md; "), name
 
 
 def test_docstring_example():

@@ -1,12 +1,14 @@
 """An effect of a user's own is checked when its file is loaded: what it says, and what it does."""
 
 import re
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from vmach.cli import app
 from vmach.effects import catalogue, load_effect_file
+from vmach.effects.declaration import check_declaration
 from vmach.errors import InputError
 
 pytestmark = pytest.mark.usefixtures("no_effects_added")
@@ -94,6 +96,25 @@ def test_what_a_law_does_is_checked(tmp_path, law, message):
     assert re.match(r".*twist\.py:(12|14): displacement\(\) of effect 'twist'", str(caught.value))
 
 
+def test_an_effect_that_turns_the_tool_says_so(tmp_path):
+    turned = (
+        'return along("Z", 1e-6 * (a_um * x + b_um * y))',
+        "turn = 1e-9 * np.outer(a_um * x + b_um * y, [1.0, 0.0, 0.0])\n"
+        "        return RigidDisplacement(0 * turn, turn)",
+    )
+    imported = (
+        "import numpy as np",
+        "import numpy as np\nfrom vmach.machine import RigidDisplacement",
+    )
+    file = written(tmp_path, turned, imported)
+    with pytest.raises(InputError, match=r"it turns the tool.*accepted: turns_tool = True"):
+        load_effect_file(file)
+    file = written(
+        tmp_path, turned, imported, ('targets = ("",)', 'targets = ("",)\n    turns_tool = True')
+    )
+    load_effect_file(file)
+
+
 def test_a_second_file_with_the_same_name_is_refused(tmp_path):
     load_effect_file(written(tmp_path))
     other = tmp_path / "other.py"
@@ -103,8 +124,6 @@ def test_a_second_file_with_the_same_name_is_refused(tmp_path):
 
 
 def test_every_effect_of_the_catalogue_says_what_it_has_to():
-    from vmach.effects.declaration import check_declaration
-
     for effect in catalogue().values():
         check_declaration(type(effect))
 
@@ -126,3 +145,26 @@ def test_a_factor_that_is_missing_is_asked_about(tmp_path):
     little = written(tmp_path, ("1e-6 *", "1e-12 *"))
     found = CliRunner().invoke(app, ["effects", "check", str(little)])
     assert "it moves nothing on the trial part" in found.stdout
+
+
+def test_an_effect_of_the_package_states_its_equation(tmp_path):
+    file = written(tmp_path)
+    effect = load_effect_file(file)
+    with pytest.raises(
+        InputError, match=r"twist\.py:6: .*source = ''; accepted: equation \(NUMBER\)"
+    ):
+        check_declaration(type(effect), file, needs_source=True)
+
+
+def test_the_core_knows_no_single_effect():
+    """Outside the laws nothing imports one, but for what several rooms share."""
+    root = Path(__file__).parents[2] / "vmach"
+    imports = re.compile(r"from vmach\.effects\.laws\.(\S+) import")
+    wrong = [
+        f"{path.relative_to(root)}: {found}"
+        for path in root.rglob("*.py")
+        if "laws" not in path.parts
+        for found in imports.findall(path.read_text(encoding="utf-8"))
+        if found != "heat.wandering"
+    ]
+    assert not wrong

@@ -39,7 +39,7 @@ def refusal(text, **options):
     ],
 )
 def test_recognised_by_the_text(text, dialect):
-    assert choose_dialect("auto", text.encode()).name == dialect
+    assert choose_dialect("auto", text.encode()).dialect.name == dialect
 
 
 FANUC = """%

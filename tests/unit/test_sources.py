@@ -53,6 +53,7 @@ WITHOUT_PHYSICS = {
     "vmach/machine/machine.py",
     "vmach/machine/single_errors.py",
     "vmach/nominal/part.py",
+    "vmach/nominal/patches.py",
     "vmach/nominal/points.py",
     "vmach/nominal/reading.py",
     "vmach/path/preparation.py",

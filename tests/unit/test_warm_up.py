@@ -17,6 +17,9 @@ def test_warm_up_runs_a_part_and_a_diagnosis(monkeypatch, capsys):
 
 def test_the_first_command_says_why_it_takes_long(monkeypatch, capsys):
     monkeypatch.setattr(warm_up, "is_cold", lambda: True)
+    warm_up.tell_if_cold("run")
+    assert capsys.readouterr().err == ""  # nobody looks
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     for command in ("run", "effects", None):
         warm_up.tell_if_cold(command)
     told = capsys.readouterr().err

@@ -49,6 +49,7 @@ class Kind(StrEnum):
     LENGTH = "length"
     TOOL = "tool"  #: which tool is in the spindle
     TOOL_OFFSET = "tool offset"
+    CONTROL = "control"  #: which one the program was read for
     TILT = "tilt"  #: of the tool, which three axes cannot correct
     COLLISION = "collision"
     TRAVEL = "travel"

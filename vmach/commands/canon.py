@@ -24,10 +24,20 @@ def canon(
     machine_unit: Annotated[
         Literal["mm", "inch"], typer.Option(help="unit of the tool table and of stored offsets")
     ] = "mm",
+    control: Annotated[
+        str, typer.Option(help="control that the program is written for; auto recognises it")
+    ] = "auto",
     as_json: AsJson = False,
 ) -> None:
     """What the program says to the machine: one resolved move a line."""
-    from gcode import UnknownToolError, canon_calls, canon_lines, read_program, read_tool_table
+    from gcode import (
+        UnknownToolError,
+        canon_calls,
+        canon_lines,
+        dialect_name,
+        read_program,
+        read_tool_table,
+    )
 
     if not program.is_file():
         raise InputError("NC program not found", file=program)
@@ -36,10 +46,13 @@ def canon(
     with progress_bar() as progress:
         progress("read", 0, 1)
         try:
-            read = read_program(program, tools=table, machine_unit_mm=unit_mm)
+            read = read_program(
+                program, tools=table, machine_unit_mm=unit_mm, dialect=dialect_name(control)
+            )
         except UnknownToolError as error:
             error.hint = f"add it to {tools}" if tools else "give the tool table with --tools"
             raise
+    print(f"note: {program.name} is {read.assumed}", file=sys.stderr)
     if as_json:
         calls = [{"line": n, "call": name, "arguments": a} for n, name, a in canon_calls(read)]
         print(json.dumps(calls, indent=1))

@@ -13,7 +13,7 @@ from vmach.base.progress import progress_bar
 from vmach.base.stage_clock import StageClock
 from vmach.base.units import mm_from_um
 from vmach.base.variant import Variant
-from vmach.commands.options import JobPath, Model, command_line
+from vmach.commands.options import Control, JobPath, Model, command_line
 from vmach.errors import InputError
 from vmach.files.atomic import atomic_file, check_outputs
 
@@ -56,6 +56,7 @@ def compensate(
     ] = None,
     report: Annotated[Path | None, typer.Option(help="HTML file to write")] = None,
     json_: Annotated[bool, typer.Option("--json", help="print the figures as JSON")] = False,
+    control: Control = None,
 ) -> None:
     """Move the program against the predicted error of the tool, and verify it."""
     from gcode import dialect_of

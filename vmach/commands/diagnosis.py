@@ -17,6 +17,7 @@ from vmach.base.progress import progress_bar
 from vmach.base.terminal import console
 from vmach.commands.options import (
     AsJson,
+    Control,
     JobPath,
     OutDir,
     OwnEffects,
@@ -41,6 +42,7 @@ def diagnose(
         Path | None, typer.Option("--next", help="where to write the next measurement's program")
     ] = None,
     effect_file: OwnEffects = None,
+    control: Control = None,
 ) -> None:
     """Compare with the measurements and say what the model lacks."""
     from vmach.diagnosis.diagnose import diagnose as diagnose_survey
@@ -109,6 +111,7 @@ def add(
     out: Annotated[Path | None, typer.Option("-o", "--out", help="job file to write")] = None,
     effect_file: OwnEffects = None,
     as_json: AsJson = False,
+    control: Control = None,
 ) -> None:
     """Fit effects to the measurements and put them into a new job; the old one stays."""
     from vmach.diagnosis.gates.impossible_sizes import impossible_size_notes
@@ -179,6 +182,7 @@ def history(
     picture: Annotated[Path | None, typer.Option(help="PNG file to draw")] = None,
     as_json: AsJson = False,
     effect_file: OwnEffects = None,
+    control: Control = None,
 ) -> None:
     """How the error fell, model by model."""
     from vmach.history import draw_history, history_of

@@ -11,7 +11,15 @@ import typer
 from vmach.base.progress import progress_bar
 from vmach.base.terminal import console
 from vmach.base.variant import Variant
-from vmach.commands.options import AsJson, JobPath, Model, OutDir, command_line, input_files
+from vmach.commands.options import (
+    AsJson,
+    Control,
+    JobPath,
+    Model,
+    OutDir,
+    command_line,
+    input_files,
+)
 from vmach.errors import InputError
 from vmach.files.atomic import check_folder, check_outputs
 
@@ -33,6 +41,7 @@ def run(
         ),
     ] = None,
     as_json: AsJson = False,
+    control: Control = None,
 ) -> None:
     """Machine the part virtually and compare it with its nominal CAD."""
     variants = (Variant.NONE,) if model is Variant.NONE else (Variant.NONE, model)
@@ -44,7 +53,9 @@ def run(
     _machine(job, model, variants, out=out, part_file=part, as_json=as_json, solid=solid)
 
 
-def compare(job: JobPath, out: OutDir = None, as_json: AsJson = False) -> None:
+def compare(
+    job: JobPath, out: OutDir = None, as_json: AsJson = False, control: Control = None
+) -> None:
     """Error-model variants side by side, and against the measured points of the job."""
     _machine(
         job,

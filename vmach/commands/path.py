@@ -11,7 +11,7 @@ import typer
 
 from vmach.base.progress import progress_bar
 from vmach.base.variant import Variant
-from vmach.commands.options import AsJson, JobPath, Model, input_files
+from vmach.commands.options import AsJson, Control, JobPath, Model, input_files
 from vmach.files.atomic import atomic_file, check_outputs
 
 __all__ = ["path"]
@@ -22,6 +22,7 @@ def path(
     model: Model = Variant.ABBE,
     out: Annotated[Path | None, typer.Option("-o", "--out", help="CSV to write")] = None,
     as_json: AsJson = False,
+    control: Control = None,
 ) -> None:
     """Error of the tool tip along the program, whatever it cuts."""
     from vmach.prediction.tip_errors import tip_errors, write_tip_errors_csv

@@ -11,7 +11,7 @@ import typer
 
 from vmach.base.progress import progress_bar
 from vmach.base.variant import Variant
-from vmach.commands.options import AsJson, JobPath, Model, input_files
+from vmach.commands.options import AsJson, Control, JobPath, Model, input_files
 from vmach.files.atomic import check_outputs
 
 __all__ = ["predict"]
@@ -24,6 +24,7 @@ def predict(
     model: Model = Variant.ABBE,
     out: Annotated[Path | None, typer.Option("-o", "--out", help="CSV to write")] = None,
     as_json: AsJson = False,
+    control: Control = None,
 ) -> None:
     """Predicted deviation at given surface points, with the NC line that made each."""
     from vmach.run.pipeline import predict_points

@@ -14,7 +14,7 @@ from vmach.base.progress import progress_bar
 from vmach.base.terminal import console
 from vmach.base.units import mm_from_um
 from vmach.base.variant import Variant
-from vmach.commands.options import AsJson, Model, input_files
+from vmach.commands.options import AsJson, Control, Model, input_files
 from vmach.errors import InputError
 from vmach.files.atomic import atomic_folder, check_folder
 
@@ -67,6 +67,7 @@ def tables(
         Literal["correction", "error"], typer.Option(help="sign of SINUMERIK's CEC entries")
     ] = "correction",
     as_json: AsJson = False,
+    control: Control = None,
 ) -> None:
     """Compensation tables for controls, read back and applied as the control would."""
     from vmach.controller_tables import make_tables

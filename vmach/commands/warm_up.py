@@ -103,7 +103,12 @@ def _diagnose(folder: Path) -> None:
 
 
 def tell_if_cold(command: str | None) -> None:
-    """Say on standard error why the first command takes longer than the next."""
+    """Say on a terminal why the first command takes longer than the next.
+
+    Where standard error is no terminal nobody waits, and a message of an error stands alone.
+    """
+    if not sys.stderr.isatty():
+        return
     if command in _COMPILING and not {"-h", "--help"} & set(sys.argv) and is_cold():
         print(
             "vmach: compiling first, once after an installation or an update, up to a minute; "

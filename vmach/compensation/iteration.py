@@ -104,9 +104,10 @@ class Iteration:
                 hint="name X, Y and Z in blocks before it",
             )
         self.stuck = np.zeros((len(moves), 3), bool)
-        for move in np.flatnonzero(~rewriter.said.all(axis=1) & (moves.kind != MoveKind.DWELL)):
+        incomplete = ~rewriter.programmed.all(axis=1) & (moves.kind != MoveKind.DWELL)
+        for move in np.flatnonzero(incomplete):
             named = {word.letter for word in rewriter.text.words(int(moves.line[move]))}
-            self.stuck[move] = ~rewriter.said[move] & [axis not in named for axis in "XYZ"]
+            self.stuck[move] = ~rewriter.programmed[move] & [axis not in named for axis in "XYZ"]
             if rewriter.angle[move] != 0.0:
                 self.stuck[move, :2] |= self.stuck[move, :2].any()
 
@@ -188,7 +189,7 @@ class Iteration:
             plan,
             model=self.model,
             expansion=self.expansion,
-            said=self.rewriter.said,
+            programmed=self.rewriter.programmed,
             unknown_start=self.rewriter.unknown_start,
             shift=self.shift,
         )

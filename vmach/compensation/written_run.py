@@ -51,9 +51,9 @@ class WrittenRun:
         Pieces that rounding has left a block.
     row : (W,) int64
         Their moves in `again`.
-    said : (M, 3) bool
+    programmed : (M, 3) bool
     unknown_start : (M,) bool
-        Of the nominal moves, as `said_axes` finds them.
+        Of the nominal moves, as `programmed_axes` finds them.
     shift : PathShift, optional
         Where the tool shall be beside its nominal path.
     """
@@ -64,17 +64,17 @@ class WrittenRun:
     plan: Plan
     written: np.ndarray
     row: np.ndarray
-    said: np.ndarray
+    programmed: np.ndarray
     unknown_start: np.ndarray
     shift: PathShift | None = None
 
     @classmethod
     def of(
         cls, original: Preparation, written: Written, plan: Plan, *, model: TipModel,
-        expansion: Expanded, said: np.ndarray, unknown_start: np.ndarray,
+        expansion: Expanded, programmed: np.ndarray, unknown_start: np.ndarray,
         shift: PathShift | None = None,
     ) -> WrittenRun:  # fmt: skip
-        """Read a program back; `said` (N, 3) and `unknown_start` (N,) are of `said_axes`.
+        """Read a program back; `programmed` (N, 3), `unknown_start` (N,) are of `programmed_axes`.
 
         The tool shall be where `shift` asks for, beside its nominal path.
 
@@ -102,13 +102,13 @@ class WrittenRun:
         sorted_lines = moves.line[moving][order]
         place = np.minimum(np.searchsorted(sorted_lines, lines), len(sorted_lines) - 1)
         known = np.flatnonzero(sorted_lines[place] == lines)
-        return cls(original, again, model, plan, known, moving[order[place[known]]], said,
-                   unknown_start, shift)  # fmt: skip
+        return cls(original, again, model, plan, known, moving[order[place[known]]],
+                   programmed, unknown_start, shift)  # fmt: skip
 
     def miss(self, share: float | np.ndarray, rows: np.ndarray | None = None) -> np.ndarray:
         """Tool minus the place where it shall be at shares of the written pieces, (K, 3) mm.
 
-        Zero along axes whose place the program does not say (`said_axes`).
+        Zero along axes whose place the program does not say (`programmed_axes`).
 
         Parameters
         ----------
@@ -128,7 +128,7 @@ class WrittenRun:
         wanted = position_at(self.original.path.nodes.moves, move, parameter)
         if self.shift is not None:
             wanted = wanted + self.shift.at(move, parameter)
-        return (there + error - wanted) * self.said[move]
+        return (there + error - wanted) * self.programmed[move]
 
     def miss_at(self, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
         """Tool minus the place where it shall be at places of the nominal moves, (P, 3) mm.

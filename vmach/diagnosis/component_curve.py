@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from vmach.effects import Circumstances
-from vmach.effects.laws.geometry.component import Component
 from vmach.fit.terms import JointFit, Term
 from vmach.machine.component_errors import component_of
 
@@ -43,7 +42,7 @@ def component_directions(fit: JointFit, k: int, path: Circumstances) -> list[dic
 def _curve_in_use(term: Term, path: Circumstances) -> tuple[np.ndarray, np.ndarray]:
     """From coefficients of a component to its correction, (N, K), at positions in use (N,)."""
     effect, target = term.effect, term.target
-    assert isinstance(effect, Component)
+    assert effect.corrects_table
     root = effect.curve(path, target, **term.inner)
     knots = effect.knots_mm(path, target)
     position = path.nose_mm[:, component_of(target)[1]]

@@ -11,7 +11,6 @@ from vmach.diagnosis.residuals.where_it_fails import Failure
 from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.words import where_component
 from vmach.effects import Effect, label_of
-from vmach.effects.laws.geometry.component import Component
 from vmach.fit.terms import JointFit
 
 __all__ = ["Finding", "findings_of", "something_unknown"]
@@ -96,7 +95,7 @@ def findings_of(found: Inference) -> tuple[Finding, ...]:
 def _finding(found: Inference, fit: JointFit, k: int) -> Finding:
     effect, target = fit.terms[k].effect, fit.terms[k].target
     fitted = fitted_parameters(found.weighing.survey, fit, k)
-    is_component = isinstance(effect, Component)
+    is_component = effect.corrects_table
     return Finding(
         effect=effect,
         target=target,

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from vmach.diagnosis.component_curve import component_parameters
-from vmach.effects.laws.geometry.component import Component
 from vmach.fit.survey import Survey
 from vmach.fit.terms import JointFit
 from vmach.fit.uncertainty import parameter_uncertainty
@@ -35,7 +34,7 @@ class FittedParameters:
 
 def fitted_parameters(survey: Survey, fit: JointFit, k: int) -> FittedParameters:
     """The parameters of term k of a fit to a survey."""
-    if isinstance(fit.terms[k].effect, Component):
+    if fit.terms[k].effect.corrects_table:
         return FittedParameters(*component_parameters(fit, k, survey.paths[0]))
     spreads = parameter_uncertainty(survey, fit, k)
     return FittedParameters(

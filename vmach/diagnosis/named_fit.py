@@ -17,7 +17,6 @@ from vmach.diagnosis.inference.verdicts import odds_of
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.effects import Effect, catalogue, label_of
 from vmach.effects.catalogue import unknown_effect_hint
-from vmach.effects.laws.geometry.component import Component
 from vmach.errors import InputError
 from vmach.fit.survey import Survey
 from vmach.fit.terms import JointFit
@@ -106,7 +105,7 @@ def _extended(
 def _named_effect(survey: Survey, fit: JointFit, k: int, *, is_called_for: bool) -> NamedEffect:
     """Term k of a fit, with the uncertainty that goes into a job."""
     term, fitted = fit.terms[k], fitted_parameters(survey, fit, k)
-    if isinstance(term.effect, Component):
+    if term.effect.corrects_table:
         one_sigma = component_directions(fit, k, survey.paths[0])
     else:
         one_sigma = fit.directions(k)

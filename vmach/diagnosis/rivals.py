@@ -11,16 +11,9 @@ from scipy.optimize import lsq_linear
 from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes
 from vmach.diagnosis.inference.rules import RIVAL
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
-from vmach.effects.laws.tool.sudden import Sudden
+from vmach.effects import catalogue
 
 __all__ = ["Rivals", "rivals_of"]
-
-#: effects that are always there a little and may join in an imitation
-_NEVER_EXACT = ("tool_radius", "tool_length")
-#: effects that imitate another one when they act alike on all axes, or on all tools
-_TEAMS = ("scale", "tool_radius", "tool_length", "runout")
-#: effects with the same signature: one never counts as a team of the other
-_SAME_AS = dict.fromkeys(("tool_radius", "runout"), ("tool_radius", "runout"))
 
 
 @dataclass(frozen=True)
@@ -69,20 +62,22 @@ def _needs_impossible_size(weighing: Weighing, others: Explanation, i: int) -> b
 def _teams(weighing: Weighing, explanation: Explanation, k: int, others: Explanation) -> list[str]:
     """Effects that do the same when they act on all their targets at once: three scales ..."""
     assert explanation.fit is not None
-    own = explanation.fit.terms[k].effect.name
+    own = explanation.fit.terms[k].effect
     found = []
-    for name in _TEAMS:
+    for one in catalogue().values():
+        if not one.imitates_as_team or one.is_twin_of(own):
+            continue
         members = [
             i
             for i, candidate in enumerate(weighing.candidates)
-            if candidate.effect.name in (name, *_NEVER_EXACT)
-            and candidate.effect.name not in _SAME_AS.get(own, (own,))
+            if (candidate.effect.name == one.name or candidate.effect.is_never_exact)
+            and not candidate.effect.is_twin_of(own)
         ]
-        if own in _SAME_AS.get(name, (name,)) or not members:
+        if not members:
             continue
         span = np.hstack([weighing.candidates[i].signatures_mm[:, 0, :] for i in members])
         if _can_imitate(span, weighing, others, explanation.fit.explained_mm(k)):
-            found.append(name)
+            found.append(one.name)
     return found
 
 
@@ -92,12 +87,12 @@ def _at_once(
     """Sudden effects that do the same at the same moment: the part jumped, or the tool."""
     assert explanation.fit is not None
     own = explanation.fit.terms[k]
-    if not isinstance(own.effect, Sudden):
+    if not own.effect.is_sudden:
         return []
     found = []
     for candidate in weighing.candidates:
         effect, target = candidate.effect, candidate.target
-        if isinstance(effect, Sudden) and effect is not own.effect:
+        if effect.is_sudden and effect is not own.effect:
             span = weighing.survey.signature(effect, target, own.inner)
             least = [0.0 if p.is_size else -np.inf for p in effect.amplitudes]
             if _can_imitate(span, weighing, others, explanation.fit.explained_mm(k), least=least):

@@ -3,36 +3,17 @@
 from __future__ import annotations
 
 import difflib
+import inspect
+import pkgutil
+from collections.abc import Iterator
 from functools import lru_cache
+from importlib import import_module
 from importlib.metadata import entry_points
+from pathlib import Path
 
+from vmach.effects import laws
 from vmach.effects.declaration import check_declaration
 from vmach.effects.effect import Effect
-from vmach.effects.laws.geometry import (
-    component,
-    cyclic_pitch,
-    gravity_sag,
-    head_tilt,
-    reflector,
-    rotary_location,
-    scale,
-    squareness,
-)
-from vmach.effects.laws.heat import (
-    ambient_drift,
-    axis_expansion,
-    spindle_growth,
-    thermal_bow,
-    tool_growth,
-)
-from vmach.effects.laws.servo import backlash, inertia, reversal, servo
-from vmach.effects.laws.tool import tool_chip, tool_deflection, tool_size, tool_slip
-from vmach.effects.laws.workpiece import (
-    datum,
-    probe_radius,
-    workpiece_temperature,
-    workpiece_warming,
-)
 from vmach.errors import InputError
 from vmach.job import Job
 
@@ -46,45 +27,6 @@ __all__ = [
 #: group of entry points under which a package offers its own effects
 ENTRY_POINT = "vmach.effects"
 
-#: the commonest first: where data cannot tell, the earlier name leads
-_OWN: tuple[type[Effect], ...] = (
-    backlash.Backlash,
-    spindle_growth.SpindleGrowth,
-    squareness.Squareness,
-    workpiece_temperature.WorkpieceTemperature,
-    scale.Scale,
-    tool_size.ToolRadius,
-    tool_size.ToolLength,
-    tool_deflection.ToolDeflection,
-    tool_size.ToolWear,
-    axis_expansion.AxisExpansion,
-    cyclic_pitch.CyclicPitch,
-    servo.ServoMismatch,
-    servo.ServoLag,
-    head_tilt.HeadTilt,
-    workpiece_warming.WorkpieceWarming,
-    ambient_drift.AmbientDrift,
-    component.Component,
-    gravity_sag.GravitySag,
-    thermal_bow.ThermalBow,
-    tool_growth.ToolGrowth,
-    datum.Fixture,
-    datum.DatumShift,
-    tool_slip.ToolSlip,
-    tool_chip.ToolChip,
-    probe_radius.ProbeRadius,
-    tool_size.Runout,
-    reversal.QuadrantGlitch,
-    reversal.Hysteresis,
-    reversal.LateralPlay,
-    servo.CornerRounding,
-    inertia.Inertia,
-    gravity_sag.TableLoadSag,
-    reflector.Reflector,
-    rotary_location.RotaryLocation,
-)
-
-
 #: a name is a slip of one that is there from this likeness on, 0 to 1
 _CLOSE = 0.75
 #: effects that were added while the program runs, by their names
@@ -93,7 +35,8 @@ _added: dict[str, Effect] = {}
 
 def catalogue() -> dict[str, Effect]:
     """Every known effect by its name, in order of how common it is; the caller's own copy."""
-    return _installed() | _added
+    known = _installed() | _added
+    return dict(sorted(known.items(), key=lambda item: -item[1].commonness))
 
 
 def add_effect(effect: Effect) -> None:
@@ -103,8 +46,25 @@ def add_effect(effect: Effect) -> None:
 
 @lru_cache(maxsize=1)
 def _installed() -> dict[str, Effect]:
-    """Effects of vmach and of packages beside it."""
-    effects: dict[str, Effect] = {kind.name: kind() for kind in _OWN}
+    """Effects of the rooms of ``laws``, and of packages beside vmach."""
+    effects: dict[str, Effect] = {}
+    for kind in _of_rooms():
+        check_declaration(kind, Path(inspect.getfile(kind)), needs_source=True)
+        effects[kind.name] = kind()
+    return effects | _of_packages()
+
+
+def _of_rooms() -> Iterator[type[Effect]]:
+    """Classes with a name in the files of the rooms; what several have in common has none."""
+    for module in pkgutil.walk_packages(laws.__path__, f"{laws.__name__}."):
+        for value in vars(import_module(module.name)).values():
+            is_effect = isinstance(value, type) and issubclass(value, Effect)
+            if is_effect and "name" in vars(value) and value.__module__ == module.name:
+                yield value
+
+
+def _of_packages() -> dict[str, Effect]:
+    effects: dict[str, Effect] = {}
     for entry in entry_points(group=ENTRY_POINT):
         try:
             kind = entry.load()

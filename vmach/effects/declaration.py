@@ -28,14 +28,29 @@ _UNIT = re.compile(
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 #: attributes that say yes or no; words; numbers
-_YES_OR_NO = ("needs_surface", "is_flexible", "is_slow", "has_untold")
-_WORDS = ("usual_size", "confirm", "cure", "source")
-_NUMBERS = ("rarity", "slack_share", "slack_time_s")
+_YES_OR_NO = (
+    "needs_surface",
+    "is_flexible",
+    "is_slow",
+    "has_untold",
+    "corrects_table",
+    "turns_tool",
+    "is_sudden",
+    "is_of_one_tool",
+    "is_never_exact",
+    "imitates_as_team",
+)
+_WORDS = ("usual_size", "confirm", "cure", "source", "signature")
+_NUMBERS = ("commonness", "rarity", "slack_share", "slack_time_s")
+#: how a source names its equation: "equation (3) of ..."
+_EQUATION = re.compile(r"equation \(\d+\) of \S")
 #: likeness (0 to 1) from which on an attribute, or a function, is a slip of a known one
 _LIKE = (0.6, 0.8)
 
 
-def check_declaration(kind: type[Effect], file: Path | None = None) -> None:
+def check_declaration(
+    kind: type[Effect], file: Path | None = None, *, needs_source: bool = False
+) -> None:
     """Refuse a class that does not say what an effect has to say.
 
     Parameters
@@ -43,13 +58,22 @@ def check_declaration(kind: type[Effect], file: Path | None = None) -> None:
     kind : subclass of Effect
     file : Path, optional
         Where it stands.
+    needs_source : bool
+        Whether it has to say where its law comes from, with the number of the equation.
 
     Raises
     ------
     InputError
         With the file and the line of what is missing, unknown or wrong.
     """
-    _Declaration(kind, file).check()
+    declaration = _Declaration(kind, file)
+    declaration.check()
+    if needs_source and not _EQUATION.match(kind.source):
+        raise declaration.error(
+            f"source = {kind.source!r}",
+            key="source",
+            accepted="equation (NUMBER) of PAGE; and where the law comes from",
+        )
 
 
 def _of_base(name: str) -> object:

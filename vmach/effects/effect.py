@@ -16,6 +16,7 @@ from vmach.effects.laws.heat.wandering import wandering
 from vmach.job import Job
 from vmach.machine import LINEAR_AXES, RigidDisplacement
 from vmach.path.circumstances import Circumstances
+from vmach.path.toolpath import PathStates
 
 __all__ = [
     "Displaced",
@@ -158,6 +159,22 @@ class Effect(ABC):
     targets: ClassVar[tuple[str, ...]] = LINEAR_AXES
     #: whether it acts on the cutting edge at a surface, and not on the tool as a whole
     needs_surface: ClassVar[bool] = False
+    #: whether it turns the tool too: what reads tilts sees no other effect
+    turns_tool: ClassVar[bool] = False
+    #: rank by how often it is met: where data cannot tell effects apart, the larger leads
+    commonness: ClassVar[int] = 0
+    #: whether it corrects an error table: its parameters are then the lists of a curve
+    corrects_table: ClassVar[bool] = False
+    #: whether it begins at one moment, its inner parameter ``time_s``
+    is_sudden: ClassVar[bool] = False
+    #: whether its target is one tool: ``T1``
+    is_of_one_tool: ClassVar[bool] = False
+    #: whether it is always there a little, and may join in an imitation of another effect
+    is_never_exact: ClassVar[bool] = False
+    #: whether it imitates another effect when it acts alike on all axes, or on all tools
+    imitates_as_team: ClassVar[bool] = False
+    #: effects with the same signature share this word: none is a team against the other
+    signature: ClassVar[str] = ""
     #: how many times rarer than the common effects, as a logarithm; weighs in close calls only
     rarity: ClassVar[float] = 0.0
     #: whether it can take so many shapes that two of them would explain nearly anything
@@ -172,6 +189,7 @@ class Effect(ABC):
     usual_size: ClassVar[str] = ""
     confirm: ClassVar[str] = ""
     cure: ClassVar[str] = ""
+    #: where the law comes from, with the number of its equation
     source: ClassVar[str] = ""
     #: where it was loaded from, for an effect of a user's own
     file: Path | None = None
@@ -218,6 +236,26 @@ class Effect(ABC):
     ) -> np.ndarray:
         """Displacements of unit variance by which another run may differ, (P, 3, K); the slack."""
         return self.slack(path, target, parameters)
+
+    def shows_on(self, states: PathStates) -> bool:
+        """Whether readings of this kind can show it: of a surface, of a place, of a tilt."""
+        if states.arm_mm is not None and not self.turns_tool:
+            return False
+        return states.normal is not None or not self.needs_surface
+
+    def is_twin_of(self, other: Effect) -> bool:
+        """Whether it is the other effect, or has the same signature."""
+        return self.name == other.name or (
+            self.signature != "" and self.signature == other.signature
+        )
+
+    def knots_mm(self, path: Circumstances, target: str) -> np.ndarray:
+        """Axis positions of the curve of an effect that corrects a table, (K,)."""
+        raise NotImplementedError
+
+    def curve(self, path: Circumstances, target: str, **inner_values: float) -> np.ndarray:
+        """From its coefficients to the correction at the knots, um or urad, (K, K)."""
+        raise NotImplementedError
 
     # what a fit works with; an effect overrides these only where its amplitudes hide ----------
 

@@ -54,7 +54,7 @@ class EffectInstance:
         path = Circumstances(states, self.job)
         return at_contact(self._evaluate(states), path)
 
-    def left_open(self, states: PathStates) -> np.ndarray:
+    def uncertainty_patterns(self, states: PathStates) -> np.ndarray:
         """Displacements at the contact, of unit variance, by which the truth may differ.
 
         What another run may do otherwise and what is not known of the parameters, (P, 3, K) mm.
@@ -78,8 +78,8 @@ class EffectInstance:
         return moved
 
     def _is_out_of_sight(self, path: Circumstances) -> bool:
-        """Whether it acts on surfaces, and there is none."""
-        return self.effect.needs_surface and path.states.normal is None
+        """Whether readings of this kind cannot show it."""
+        return not self.effect.shows_on(path.states)
 
     def _towards(self, change: Mapping[str, Any]) -> dict[str, Any]:
         """The parameters, moved by a small share of a change."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from vmach.effects.effect import Effect, at_contact, label_of
 from vmach.errors import InputError
+from vmach.machine import RigidDisplacement
 from vmach.path.circumstances import Circumstances
 
 __all__ = ["check_law", "largest_displacement_mm"]
@@ -71,6 +72,7 @@ class _Trial:
                 hint="is a factor missing? 1 um is 1e-3 mm",
             )
         self._check_zero(largest)
+        self._check_turning(columns.shape[2])
         for k in range(columns.shape[2]):
             for factor in _TRIED:
                 self._check_proportion(columns, k, factor)
@@ -91,6 +93,16 @@ class _Trial:
                 f"with {names} = 0 it still moves by up to {rest:.3g} mm "
                 f"({largest_mm:.3g} mm at the usual size)",
                 "no displacement without the amplitudes",
+            )
+
+    def _check_turning(self, count: int) -> None:
+        parameters = self.effect.settle(np.ones(count), self.inner)
+        moved = self.effect.displacement(self.path, self.target, **parameters)
+        turns = isinstance(moved, RigidDisplacement) and bool(moved.tilt_rad.any())
+        if turns and not self.effect.turns_tool:
+            raise self._error(
+                "it turns the tool, and its class does not say so",
+                "turns_tool = True where a tilt is given",
             )
 
     def _check_proportion(self, columns: np.ndarray, k: int, factor: float) -> None:

@@ -26,6 +26,7 @@ class {kind}(Effect):
     usual_size = "1 to 10 um per metre"
     confirm = "how to see it on the machine"
     cure = "how to mend it"
+    source = "where the law comes from, with the number of its equation"
 
     def displacement(self, path, target, rise_um_per_m):
         # (P, 3) mm, tool relative to workpiece; `path` knows position, direction, time, tool ...

@@ -35,7 +35,8 @@ def prediction_u_mm(prediction: Prediction) -> np.ndarray:
 def _variance(prediction: Prediction, states: PathStates, normals: np.ndarray) -> np.ndarray:
     job = prediction.preparation.job
     parts = [
-        np.einsum("pi,pik->pk", normals, effect.left_open(states)) for effect in prediction.effects
+        np.einsum("pi,pik->pk", normals, effect.uncertainty_patterns(states))
+        for effect in prediction.effects
     ]
     if prediction.variant is not Variant.NONE:
         tables = TableUncertainty.of(job.machine)

@@ -192,5 +192,5 @@ class Survey:
 
 
 def _can_show(measurement: Measurement, effect: Effect) -> bool:
-    """Whether it is of a machined surface, where the effect needs one."""
-    return measurement.on_part or not effect.needs_surface
+    """Whether its readings can show the effect, as of a machined surface where it needs one."""
+    return effect.shows_on(measurement.states)

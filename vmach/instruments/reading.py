@@ -19,14 +19,14 @@ from vmach.machine import Variant, displacement
 from vmach.measurements.columns import Columns, read_columns
 from vmach.measurements.instrument import Instrument
 from vmach.measurements.measurement import Measurement
-from vmach.measurements.plausibility.motion_check import check_times
-from vmach.measurements.plausibility.otherwise import (
-    Otherwise,
+from vmach.measurements.plausibility.alternatives import (
+    Alternative,
+    alternative_notes,
     exchanged,
     exchanged_tables,
     is_doubtful,
-    otherwise_notes,
 )
+from vmach.measurements.plausibility.motion_check import check_times
 from vmach.measurements.plausibility.reading_check import (
     check_readings,
     check_signs,
@@ -62,20 +62,20 @@ def read_instruments(
         check_unit(test, path)
         test = test.noted(*in_file((*noticed, *_twice(test, found), *_length(settings)), path))
         if is_doubtful(test):
-            others = _otherwise(settings, table, job=job, variant=variant, effects=effects)
-            test = test.noted(*otherwise_notes(test, others))
+            others = _alternatives(settings, table, job=job, variant=variant, effects=effects)
+            test = test.noted(*alternative_notes(test, others))
         found.append(test)
     return tuple(found)
 
 
-def _otherwise(
+def _alternatives(
     settings: Instrument,
     table: Columns,
     *,
     job: Job,
     variant: Variant,
     effects: Sequence[ActingEffect],
-) -> Iterator[Otherwise]:
+) -> Iterator[Alternative]:
     """What the model says of a test if something that the job says of it were mistaken."""
     model = _Model(job, variant, effects)
     for change in settings.mistaken():
@@ -84,7 +84,7 @@ def _otherwise(
             other = settings.model_copy(update=change).read(table, model)
             said = f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value:g}"
             question = f"is {key} = {getattr(settings, key)} in the job right?"
-            yield Otherwise(said, question, other.predicted_mm)
+            yield Alternative(said, question, other.predicted_mm)
     for axes, machine in exchanged_tables(job.machine):
         other_model = _Model(replace(job, machine=machine), variant, effects)
         yield exchanged(axes, settings.read(table, other_model).predicted_mm)

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gcode import OffsetEntry
+from gcode import ControlSettings, OffsetEntry
 from stock import StockError, Tool, make_tool
 from vmach.base.units import mm_from_um
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import line_of_key, read_toml
+from vmach.job.control import control_told
 from vmach.job.schema import InspectionEntry, JobSchema, ToolEntry
 from vmach.machine import Machine
 from vmach.plausibility import admitted_machine, check_tools
@@ -119,6 +120,8 @@ class Job:
     machine_path, program : Path
     dialect : str
         Of the program; "auto" to recognise it.
+    control : ControlSettings
+        Its switches.
     nominal, measured : Path or None
     nominal_unit : str or None
         Unit of nominal CAD that does not say its own: um, mm, cm, m or inch.
@@ -143,6 +146,7 @@ class Job:
     machine_path: Path
     program: Path
     dialect: str
+    control: ControlSettings
     nominal: Path | None
     measured: Path | None
     nominal_unit: str | None
@@ -228,7 +232,8 @@ def read_job(path: Job | str | Path) -> Job:
         machine=admitted_machine(machine_path),
         machine_path=machine_path,
         program=program,
-        dialect=data.dialect,
+        dialect=_dialect(data, at("dialect")),
+        control=_control_settings(data),
         nominal=existing("nominal", data.nominal),
         measured=existing("measured", data.measured),
         nominal_unit=data.nominal_unit,
@@ -243,6 +248,25 @@ def read_job(path: Job | str | Path) -> Job:
         measurements=data.measurements,
         history=[step.model_dump(exclude_none=True) for step in data.history],
         fitted={(f.effect, f.target): tuple(f.one_sigma) for f in data.fitted},
+    )
+
+
+def _dialect(data: JobSchema, where: dict[str, Any]) -> str:
+    """The control's name: from the command line, [control] or the older key ``dialect``."""
+    told, own = control_told(), data.control.name
+    if data.dialect is not None and own not in ("auto", data.dialect):
+        raise InputError(f"dialect = '{data.dialect}' and [control] name = '{own}'", **where,
+                         accepted="one of them")  # fmt: skip
+    return told or (own if data.dialect is None else data.dialect)
+
+
+def _control_settings(data: JobSchema) -> ControlSettings:
+    control = data.control
+    switches = control.block_delete
+    return ControlSettings(
+        increment=control.increment,
+        block_delete=switches if isinstance(switches, bool) else frozenset(switches),
+        ignore_m=frozenset(control.ignore_m),
     )
 
 

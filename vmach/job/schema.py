@@ -6,10 +6,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field
 
-from gcode import WORK_OFFSETS, ProgramError, dialect_name, dialect_names
+from gcode import INCREMENT_SYSTEMS, WORK_OFFSETS, ProgramError, dialect_name, dialect_names
 from vmach.files.toml_file import FileSection, Finite, NonNegative, Point, Positive, Whole
 
 __all__ = [
+    "ControlEntry",
     "FittedEntry",
     "HistoryEntry",
     "InspectionEntry",
@@ -26,11 +27,13 @@ _LARGEST_TOOL = 99_999
 def _known_offsets(offsets: dict[str, Point]) -> dict[str, Point]:
     for name in offsets:
         if name not in WORK_OFFSETS:
-            raise ValueError(f"accepted: {', '.join(WORK_OFFSETS)}")
+            raise ValueError("accepted: G54 to G59, G59.1 to G59.3, G54.1 P1 to G54.1 P99")
     return offsets
 
 
-def _known_dialect(name: str) -> str:
+def _known_dialect(name: str | None) -> str | None:
+    if name is None:
+        return None
     try:
         return dialect_name(name)
     except ProgramError:
@@ -39,6 +42,21 @@ def _known_dialect(name: str) -> str:
 
 #: units of length that CAD without a unit of its own can be told
 LengthUnit = Literal["um", "mm", "cm", "m", "inch"]
+
+
+def _known_increment(name: str | None) -> str | None:
+    if name is not None and name not in INCREMENT_SYSTEMS:
+        raise ValueError(f"accepted: {', '.join(INCREMENT_SYSTEMS)}")
+    return name
+
+
+class ControlEntry(FileSection):
+    """[control]: which control reads the program, and its switches."""
+
+    name: Annotated[str, AfterValidator(_known_dialect)] = "auto"
+    increment: Annotated[str | None, AfterValidator(_known_increment)] = None
+    block_delete: bool | list[Annotated[int, Field(ge=1, le=9)]] = False
+    ignore_m: list[Annotated[int, Field(ge=0, le=99_999)]] = []
 
 
 class StockEntry(FileSection):
@@ -112,7 +130,8 @@ class JobSchema(FileSection):
     schema_: Literal[1] = Field(alias="schema")
     machine: str
     program: str
-    dialect: Annotated[str, AfterValidator(_known_dialect)] = "auto"
+    dialect: Annotated[str | None, AfterValidator(_known_dialect)] = None
+    control: ControlEntry = ControlEntry()
     nominal: str | None = None
     nominal_unit: LengthUnit | None = None
     measured: str | None = None

@@ -107,8 +107,8 @@ def _travel(machine: Machine, axis: str, nose_mm: np.ndarray, variant: Variant) 
     j = LINEAR_AXES.index(axis)
     lean = np.zeros(3) if variant is Variant.NONE else machine.squareness_rad[j]
     line = Rotation.from_rotvec(lean).apply(np.eye(3)[j])
-    way_mm = nose_mm[:, j] if machine.chain.carries_tool(axis) else -nose_mm[:, j]
-    return _matrix(way_mm[:, None] * line, np.zeros((len(nose_mm), 3)))
+    travel_mm = nose_mm[:, j] if machine.chain.carries_tool(axis) else -nose_mm[:, j]
+    return _matrix(travel_mm[:, None] * line, np.zeros((len(nose_mm), 3)))
 
 
 def _turn(machine: Machine, axis: str, rotary_rad: np.ndarray, variant: Variant) -> np.ndarray:

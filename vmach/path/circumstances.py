@@ -238,9 +238,9 @@ class Circumstances:
         return values[self.tool]
 
     @property
-    def cutting_way_mm(self) -> np.ndarray:
+    def cutting_length_mm(self) -> np.ndarray:
         """Way that the tool has gone at feed so far, (P,)."""
-        return self.history.cutting_way_mm(self.states.move, self.states.parameter)
+        return self.history.cutting_length_mm(self.states.move, self.states.parameter)
 
     @cached_property
     def feed_per_tooth_mm(self) -> np.ndarray:

@@ -37,13 +37,13 @@ class _Contacts(NamedTuple):
     """Where the tool made the surface, P contacts in machine coordinates.
 
     `position_mm` is (P, 3), `direction` (P, 2) the horizontal part of the normal as a unit
-    vector, zero where there is none; `way_mm` (P,) is the way of the program up to the contact,
-    `radius_mm` (P,) the tool's.
+    vector, zero where there is none; `path_length_mm` (P,) is the program's up to the
+    contact, `radius_mm` (P,) the tool's.
     """
 
     position_mm: np.ndarray
     direction: np.ndarray
-    way_mm: np.ndarray
+    path_length_mm: np.ndarray
     radius_mm: np.ndarray
 
 
@@ -89,11 +89,11 @@ def radial_depth_mm(states: PathStates, normal: np.ndarray, radii_mm: np.ndarray
         way[states.move] + states.parameter * length[states.move],
         radii_mm[states.tool],
     )
-    return _depths(contacts, _chords(states, radii_mm, way_mm=way, length_mm=length))
+    return _depths(contacts, _chords(states, radii_mm, path_length_mm=way, length_mm=length))
 
 
 def _chords(
-    states: PathStates, radii_mm: np.ndarray, *, way_mm: np.ndarray, length_mm: np.ndarray
+    states: PathStates, radii_mm: np.ndarray, *, path_length_mm: np.ndarray, length_mm: np.ndarray
 ) -> _Chords:
     """Chords of the whole program; of each move the way before it and its length, (N,)."""
     moves, lengths = states.moves, states.tool_lengths_mm
@@ -106,7 +106,7 @@ def _chords(
     step = np.arange(len(move)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
     count = np.repeat(pieces, pieces)
     drop = np.column_stack([np.zeros((len(move), 2)), tool_length[move]])
-    way = way_mm[move] + step / count * length_mm[move]
+    way = path_length_mm[move] + step / count * length_mm[move]
     return _Chords(
         position_at(moves, move, step / count) - drop,
         position_at(moves, move, (step + 1) / count) - drop,
@@ -130,7 +130,7 @@ def _depth(contacts, k, chords):
     """Way from contact k to the nearest pass of an earlier cut that leaves the surface, mm."""
     point, start, end, cut = contacts.position_mm[k], chords.start_mm, chords.end_mm, chords.cut
     normal = (contacts.direction[k, 0], contacts.direction[k, 1])
-    way = contacts.way_mm[k] - _SAME_CUT_RADII * contacts.radius_mm[k]
+    way = contacts.path_length_mm[k] - _SAME_CUT_RADII * contacts.radius_mm[k]
     nearest = 2.0 * contacts.radius_mm[k]
     in_cut, gouges = nearest, False
     for c in range(len(start)):

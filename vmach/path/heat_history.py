@@ -91,10 +91,10 @@ class HeatHistory:
             self._heats[axis] = self._per_s(2.0 * forwards * np.diff(sines, axis=0))
         return self._heats[axis]
 
-    def _per_s(self, way_mm: np.ndarray) -> np.ndarray:
+    def _per_s(self, travel_mm: np.ndarray) -> np.ndarray:
         """Ways made on the pieces as speeds, in reference speeds; 0 where no time passes."""
-        duration = self.duration_s.reshape(-1, *[1] * (way_mm.ndim - 1))
-        speed = np.divide(way_mm, duration, out=np.zeros_like(way_mm), where=duration > 0)
+        duration = self.duration_s.reshape(-1, *[1] * (travel_mm.ndim - 1))
+        speed = np.divide(travel_mm, duration, out=np.zeros_like(travel_mm), where=duration > 0)
         return speed / REFERENCE_AXIS_MM_PER_S
 
     def _response(

@@ -96,7 +96,7 @@ class MotionHistory:
         start_s = self.moves.start_s[move] + (key[:-1] - move) * duration
         return HeatHistory(corner, start_s, np.diff(key) * duration)
 
-    def cutting_way_mm(self, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
+    def cutting_length_mm(self, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
         """Way that the tool in the spindle has gone at feed since the program's start, (P,)."""
         moves = self.moves
         feeding = moves.at_feed

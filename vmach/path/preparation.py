@@ -82,8 +82,10 @@ def prepare(
         offsets=job.offsets,
         limits=_limits(job),
         dialect=job.dialect,
+        control=job.control,
     )
     moves, notes = _with_only_tool(program.moves, job, source)
+    notes = _assumptions(program) + notes
     _check_tools(job, moves, source)
     _check_no_rotary_motion(moves, source)
     if job.touched_off:
@@ -106,6 +108,14 @@ def prepare(
     index[list(job.tools)] = np.arange(len(job.tools))
     cutters = tuple(tool.cutter for tool in job.tools.values())
     return Preparation(job, program, path, zero, cutters, index, notes, doubtful)
+
+
+def _assumptions(program: Program) -> tuple[Note, ...]:
+    """Which control the program was read for, and what that leaves open."""
+    read = Note.plain(Kind.CONTROL, f"{program.path.name} is {program.assumed}")
+    open_ones = (Note.plain(Kind.CONTROL, f"line {note.line}: {note.meaning}")
+                 for note in program.notes if note.word == "increment")  # fmt: skip
+    return (read, *open_ones)
 
 
 def job_doubts(job: Job) -> tuple[Note, ...]:

@@ -38,8 +38,8 @@ class ActingEffect(Protocol):
     def at_surface(self, states: PathStates) -> np.ndarray:
         """Further displacement of the cutting edge at the contact, (P, 3) mm."""
 
-    def left_open(self, states: PathStates) -> np.ndarray:
-        """Displacements at the contact, (P, 3, K) mm of unit variance, that are left open."""
+    def uncertainty_patterns(self, states: PathStates) -> np.ndarray:
+        """Displacements at the contact, (P, 3, K) mm of unit variance, by which truth may differ."""
 
 
 @dataclass(frozen=True)

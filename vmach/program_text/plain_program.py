@@ -10,7 +10,7 @@ from gcode import Dialect, MoveKind, Program, Step
 from vmach.path.geometry import move_length_mm, position_at
 from vmach.program_text.blocks.block_modes import BlockModes
 from vmach.program_text.frame_shift import rotation_of_moves, turned_about_z, zero_settings
-from vmach.program_text.said_axes import said_axes
+from vmach.program_text.programmed_axes import programmed_axes
 
 __all__ = ["PlainProgram"]
 
@@ -29,8 +29,8 @@ class PlainProgram:
 
     Attributes
     ----------
-    said : (N, 3) bool
-        Axes that every move may correct, see `said_axes`.
+    programmed : (N, 3) bool
+        Axes that every move may correct, see `programmed_axes`.
     unknown_start : (N,) bool
         Moves that begin where the program does not say.
     code : list of int
@@ -56,7 +56,7 @@ class PlainProgram:
         self.program, self.modes, self.moves, self.own = program, modes, program.moves, own
         self.control, self.text = control, program.language.text(program.source)
         self.angle = rotation_of_moves(program)
-        self.said, self.unknown_start = said_axes(program, modes, self.text)
+        self.programmed, self.unknown_start = programmed_axes(program, modes, self.text)
         self.end_mm = program.record.path().point_mm
         count, kind = len(self.moves), self.moves.kind
         self.start_mm = self.places(np.arange(count), np.zeros(count))

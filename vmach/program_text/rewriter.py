@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vmach.program_text.block_state import BlockState
 from vmach.program_text.blocks.move_writer import Goal, MoveWriter
 from vmach.program_text.blocks.pieces import Piece
 from vmach.program_text.plain_program import PlainProgram
-from vmach.program_text.standing import Standing
 
 __all__ = ["Rewriter", "Target", "Written"]
 
@@ -69,15 +69,15 @@ class Rewriter(PlainProgram):
         for index, piece in enumerate(target.pieces):
             pieces_of_move[piece.move].append(index)
         line_of_piece, inserted_after, swallowed = [0] * len(goals), [], 0
-        standing, labels = Standing(), self.text.free_labels()
+        state, labels = BlockState(), self.text.free_labels()
         for move in self.moving:
             line, pieces = int(self.moves.line[move]), pieces_of_move.get(move)
             for step, angle in self.zeros_before(move):
-                standing = standing.after_zero(step, angle)
+                state = state.after_zero(step, angle)
             if pieces is None:
-                standing = self._after_user_line(line, standing)
+                state = self._after_user_line(line, state)
                 continue
-            writer = MoveWriter(self, move, standing, resolution_mm)
+            writer = MoveWriter(self, move, state, resolution_mm)
             written = writer.write([goals[index] for index in pieces], labels)
             for index, extra in zip(pieces, written.extra_blocks, strict=True):
                 if extra is not None:
@@ -85,7 +85,7 @@ class Rewriter(PlainProgram):
                     line_of_piece[index] = line + len(inserted_after)
             changes |= written.changes
             swallowed += written.swallowed
-            standing = written.standing
+            state = written.state
         text = self.text.finish(self.program.source.rewritten(changes))
         return Written(text, line_of_piece, inserted_after, swallowed)
 
@@ -97,7 +97,7 @@ class Rewriter(PlainProgram):
         middles = self.places(move, 0.5 * (spans[:, 0] + spans[:, 1]), target.middles_mm)
         return [Goal(*goal) for goal in zip(target.pieces, ends, middles, strict=True)]
 
-    def _after_user_line(self, line: int, standing: Standing) -> Standing:
+    def _after_user_line(self, line: int, state: BlockState) -> BlockState:
         named = {word.letter for word in self.text.words(line)} & set("XYZ")
         says_motion = self.text.motion_word(line) is not None
-        return standing.after_user_line(named, says_motion=says_motion)
+        return state.after_user_line(named, says_motion=says_motion)

@@ -242,8 +242,9 @@ def inspect_part(
                 predict_surface(preparation, points, variant, effects, sweeps=sweeps[variant])
             )
             step(len(predictions), len(variants))
-        check_some_cut(job, points, predictions[-1])
-        if points.measured_mm is not None:
+        if points.measured_mm is None:
+            check_some_cut(job, points, predictions[-1])
+        else:
             count = int(predictions[-1].is_cut.sum())
             check_cut(preparation, points, count, path=job.measured)
     inspected, notes = inspected_points(job, points, predictions)

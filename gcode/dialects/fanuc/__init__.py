@@ -31,6 +31,10 @@ class Fanuc(Dialect):
     reads = ("linuxcnc", "haas")
 
     @classmethod
-    def detect(cls, text: str) -> bool:
+    def detect(cls, text: str) -> str | None:
         """By its words, or as a turning program, which the reader then refuses."""
-        return super().detect(text) or bool(looks_like_turning(text.splitlines()))
+        found = super().detect(text)
+        if found is not None:
+            return found
+        turning = looks_like_turning(text.splitlines())
+        return ", ".join(turning) if turning else None

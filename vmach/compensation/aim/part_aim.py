@@ -83,7 +83,7 @@ def aim_at_part(
         Of the tool, from where it shall be.
     """
     moves = iteration.preparation.path.nodes.moves
-    shift = no_shift(moves, found.plan, iteration.rewriter.said & ~iteration.stuck)
+    shift = no_shift(moves, found.plan, iteration.rewriter.programmed & ~iteration.stuck)
     before = now = best = view.deviation(found.run)
     kept, rounds, demand = (found, shift), 0, None
     for number in range(1, _ROUNDS + 1):

@@ -40,7 +40,7 @@ class Probes:
         Unit vectors, machine axes.
     left_mm : (P,) float64
         Deviation along them before rounding.
-    way_mm : (P,) float64
+    path_length_mm : (P,) float64
         Way of the path that each stands for.
     only_below : (P,) bool
         Counts where it is negative: where it is not, another move leaves less.
@@ -50,7 +50,7 @@ class Probes:
     parameter: np.ndarray
     normal: np.ndarray
     left_mm: np.ndarray
-    way_mm: np.ndarray
+    path_length_mm: np.ndarray
     only_below: np.ndarray
 
     @cached_property
@@ -94,7 +94,7 @@ def path_probes(run: WrittenRun) -> Probes:
         parameter=np.repeat(first + at * (last - first), 2),
         normal=sides.reshape(-1, 3),
         left_mm=left.ravel(),
-        way_mm=np.repeat(length / count, count).repeat(2),
+        path_length_mm=np.repeat(length / count, count).repeat(2),
         only_below=np.zeros(2 * len(rows), bool),
     )
 
@@ -119,11 +119,11 @@ def near_surface(path: Probes, surface: Probes, length_mm: np.ndarray) -> Probes
     total = np.concatenate([np.zeros((1, 3, 3)), np.cumsum(pairs, axis=0)])
     seen = np.einsum("pij,pi,pj->p", total[last] - total[first], path.normal, path.normal)
     share = _UNSEEN + (1.0 - _UNSEEN) * seen / np.maximum(last - first, 1)
-    return replace(path, way_mm=share * path.way_mm)
+    return replace(path, path_length_mm=share * path.path_length_mm)
 
 
 def surface_probes(
-    deviation: PartDeviation, normal: np.ndarray, *, left_mm: np.ndarray, way_mm: float,
+    deviation: PartDeviation, normal: np.ndarray, *, left_mm: np.ndarray, path_length_mm: float,
     only_below: bool = False,
 ) -> Probes:  # fmt: skip
     """The normals of surface points where the tool makes them.
@@ -134,14 +134,14 @@ def surface_probes(
     normal : (Q, 3) float64
     left_mm : (Q,) float64
         Before rounding.
-    way_mm : float
+    path_length_mm : float
         Way of the path for every point.
     only_below : bool
         The points are made by other moves unless these go deeper.
     """
     count = len(deviation.row)
     return Probes(deviation.move, deviation.parameter, normal, left_mm,
-                  np.full(count, way_mm), np.full(count, only_below))  # fmt: skip
+                  np.full(count, path_length_mm), np.full(count, only_below))  # fmt: skip
 
 
 def _across(tangent: np.ndarray) -> np.ndarray:

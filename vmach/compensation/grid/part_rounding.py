@@ -96,10 +96,10 @@ class _Makers:
     def __init__(self, exact: WrittenRun, view: PartView) -> None:
         self.exact, self.normal = exact, view.points.normal
         part, path = view.deviation(exact), path_probes(exact)
-        self.way_mm = 0.5 * path.way_mm.sum() / max(len(part.row), 1)
+        self.path_length_mm = 0.5 * path.path_length_mm.sum() / max(len(part.row), 1)
         self.known = made_by(part.row, part.move)
         surface = surface_probes(
-            part, self.normal[part.row], left_mm=part.error_mm, way_mm=self.way_mm
+            part, self.normal[part.row], left_mm=part.error_mm, path_length_mm=self.path_length_mm
         )
         length_mm = move_length_mm(exact.original.path.nodes.moves)
         self.probes = surface.beside(near_surface(path, surface, length_mm))
@@ -113,6 +113,8 @@ class _Makers:
         moved = now.run.miss_at(*place) - self.exact.miss_at(*place)
         left = part.error_mm - np.einsum("pi,pi->p", normal, moved)
         self.probes = self.probes.beside(
-            surface_probes(part, normal, left_mm=left, way_mm=self.way_mm, only_below=True)
+            surface_probes(
+                part, normal, left_mm=left, path_length_mm=self.path_length_mm, only_below=True
+            )
         )
         return bool(new.any())

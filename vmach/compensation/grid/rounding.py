@@ -28,7 +28,7 @@ _AT_ONCE = 4096
 #: weight of the eighth power beside the second, in steps: keeps the largest small
 _LARGE = 16.0
 #: weight of the whole distance of an end, and the way that a piece has at least for it
-_STAYS, _LEAST_WAY_MM = 0.02, 0.1
+_STAYS, _LEAST_LENGTH_MM = 0.02, 0.1
 #: weight of a step of an axis that stands in the user's program, and of one that is to stand
 _A_STEP, _NO_STEP = 0.01, 1e4
 #: an axis that moves by no more stands
@@ -67,7 +67,7 @@ class Rounding:
         self.is_arc = np.array([p.is_arc for p in plan.pieces], bool)
         self.first, self.last = plan.parameter(0.0), plan.parameter(1.0)
         feed = rewriter.moves.kind[plan.move] != MoveKind.RAPID
-        self.way_mm = np.maximum(np.where(feed, self.grid.length_mm, 0.0), _LEAST_WAY_MM)
+        self.path_length_mm = np.maximum(np.where(feed, self.grid.length_mm, 0.0), _LEAST_LENGTH_MM)
 
     def rounded(self, probes: Probes) -> tuple[Plan, Target]:
         """Plan and target with ends on the grid, that leave least at some probes.
@@ -127,12 +127,12 @@ class Rounding:
             normal=normal / self.step_mm[piece][:, None],
             base=(probes.left_mm - np.einsum("pi,pi->p", probes.normal, wanted))
             / self.step_mm[piece],
-            weight=probes.way_mm,
+            weight=probes.path_length_mm,
             parameter=probes.parameter,
             only_below=probes.only_below,
             begin=np.where(inside, -1, np.searchsorted(probes.key, plan.move + first)),
             start=first,
-            stays=_STAYS * self.way_mm / self.step_mm**2,
+            stays=_STAYS * self.path_length_mm / self.step_mm**2,
             still=self._still(),
             large=_LARGE,
         )
@@ -143,7 +143,7 @@ class Rounding:
         way = position_at(moves, move, self.last) - position_at(moves, move, self.first)
         stands = (np.abs(way) < _STANDING_MM) & (self.rewriter.angle[move] == 0.0)[:, None]
         asked = np.abs(np.diff(self.target.ends_mm, axis=0, prepend=np.inf))
-        weight = np.where(asked < 0.5 * step, _A_STEP * self.way_mm[:, None], 0.0)
+        weight = np.where(asked < 0.5 * step, _A_STEP * self.path_length_mm[:, None], 0.0)
         weight = np.where(asked < _STANDING_MM, _NO_STEP, weight)
         return np.where(stands, weight / step**2, 0.0)
 

@@ -117,7 +117,7 @@ class Weighing:
     def missing_tables(self) -> frozenset[str]:
         """Labels of components that the machine file has no table of."""
         tables = self.survey.job.machine.components
-        components = [c for c in self.candidates if c.effect.name == "component"]
+        components = [c for c in self.candidates if c.effect.corrects_table]
         return frozenset(c.label for c in components if c.target not in tables)
 
     def log_prior(self, candidate: Candidate) -> float:

@@ -173,4 +173,6 @@ def _on_test(test: PlannedTest, path: Circumstances, term: Term, inner) -> np.nd
     if effect.needs_surface:
         return np.zeros((len(test.sensing), max(len(effect.amplitudes), 1)))
     moved = effect.columns(path, term.target, inner)
+    if not effect.shows_on(test.states):
+        moved = np.zeros_like(moved)
     return np.einsum("pi,pik->pk", test.sensing, moved)

@@ -7,7 +7,6 @@ import math
 from vmach.diagnosis.diagnose import Diagnosis
 from vmach.diagnosis.words import expected
 from vmach.effects import Effect
-from vmach.effects.laws.geometry.component import Component
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["chance_words", "headline", "quantity", "state_words"]
@@ -91,7 +90,7 @@ def state_words(found: Diagnosis) -> dict[str, str]:
 
 
 def _named(effect: Effect, target: str) -> str:
-    if isinstance(effect, Component):
+    if effect.corrects_table:
         return f"the error table {target} as it is now"
     title = effect.title.split(" (")[0]
     if target in LINEAR_AXES:

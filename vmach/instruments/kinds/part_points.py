@@ -14,7 +14,8 @@ from vmach.machine import Variant
 from vmach.measurements.instrument import Instrument
 from vmach.measurements.measurement import Measurement
 from vmach.measurements.neighbours import apart_from_neighbours
-from vmach.measurements.plausibility.otherwise import otherwise_notes
+from vmach.measurements.plausibility.alternatives import alternative_notes
+from vmach.measurements.plausibility.part_alternatives import part_alternatives
 from vmach.measurements.plausibility.part_check import (
     check_aligned,
     check_cut,
@@ -23,8 +24,7 @@ from vmach.measurements.plausibility.part_check import (
     rounding_notes,
     some_of,
 )
-from vmach.measurements.plausibility.part_otherwise import part_otherwise
-from vmach.measurements.plausibility.tools_otherwise import tool_that_would_cut
+from vmach.measurements.plausibility.tool_alternatives import tool_that_would_cut
 from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.path.preparation import Preparation
 from vmach.prediction import ActingEffect, Prediction, predict_surface
@@ -84,8 +84,8 @@ def measure_part(
             *in_file([Note.plain(Kind.UNCERTAINTY, _NO_UNCERTAINTY, place="u_um")], path)
         )
     part = _without_outliers(part)
-    others = part_otherwise(part, preparation, variant)
-    return part.noted(*_doubtful_uncertainty(part), *otherwise_notes(part, others)), prediction
+    others = part_alternatives(part, preparation, variant)
+    return part.noted(*_doubtful_uncertainty(part), *alternative_notes(part, others)), prediction
 
 
 _NO_UNCERTAINTY = (

@@ -13,7 +13,7 @@ from vmach.base.units import um_from_mm
 from vmach.errors import InputError
 from vmach.machine import Variant
 from vmach.measurements.measurement import Measurement
-from vmach.measurements.plausibility.tools_otherwise import tool_that_would_cut
+from vmach.measurements.plausibility.tool_alternatives import tool_that_would_cut
 from vmach.measurements.plausibility.wrong_frame import wrong_frame
 from vmach.nominal.points import SurfacePoints
 from vmach.path.preparation import Preparation

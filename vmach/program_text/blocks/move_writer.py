@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gcode import SAME, UNKNOWN, BlockMotion, Labels, Word
+from vmach.program_text.block_state import BlockState
 from vmach.program_text.blocks.block_modes import PLANE_AXES
 from vmach.program_text.blocks.pieces import Piece
 from vmach.program_text.blocks.written_arc import WantedArc, best_centre, best_radius, chord_miss
 from vmach.program_text.expanding.expanded_text import number_text
 from vmach.program_text.frame_shift import turned_about_z
 from vmach.program_text.plain_program import PlainProgram
-from vmach.program_text.standing import Standing
 
 __all__ = ["Goal", "MoveWriter", "WrittenMove"]
 
@@ -44,14 +44,14 @@ class WrittenMove:
         the piece.
     swallowed : int
         Corrections too small to change a word.
-    standing : Standing
+    state : BlockState
         For the next line.
     """
 
     changes: dict[tuple[int, int], str]
     extra_blocks: list[int | None]
     swallowed: int
-    standing: Standing
+    state: BlockState
 
 
 @dataclass(frozen=True)
@@ -69,23 +69,23 @@ class MoveWriter:
     ----------
     plain : PlainProgram
     move : int
-    standing : Standing
+    state : BlockState
         Before the line.
     resolution_mm : float
     """
 
     def __init__(
-        self, plain: PlainProgram, move: int, standing: Standing, resolution_mm: float
+        self, plain: PlainProgram, move: int, state: BlockState, resolution_mm: float
     ) -> None:
         line = int(plain.moves.line[move])
-        self.plain, self.move, self.standing = plain, move, standing
+        self.plain, self.move, self.state = plain, move, state
         self.angle, self.end_mm = plain.angle[move], plain.end_mm[move]
-        self.mode, self.said = plain.modes[line], plain.said[move]
+        self.mode, self.programmed = plain.modes[line], plain.programmed[move]
         self.is_users = line not in plain.own
         self.unit = self.mode.unit_mm
         self.decimals = plain.control.decimals(resolution_mm, self.unit)
         self.step = 10.0**-self.decimals  # in program units
-        self.zero = turned_about_z(standing.frame.total_mm(self.angle), -self.angle)
+        self.zero = turned_about_z(state.frame.total_mm(self.angle), -self.angle)
         self.edit = plain.program.language.edit(
             plain.text, line, nominal=plain.code[move], ending=plain.control.ending
         )
@@ -102,23 +102,23 @@ class MoveWriter:
             else:
                 extra_blocks.append(self.edit.extra_blocks(motion, is_own=not motions))
                 motions.append(motion)
-        changes = self.edit.changes(motions, self.standing.motion, labels)
+        changes = self.edit.changes(motions, self.state.motion, labels)
         return WrittenMove(changes, extra_blocks, swallowed, self._left(place, motions[-1].code))
 
     def _begin(self) -> _Place:
-        start_mm, standing = self.plain.start_mm[self.move], self.standing
-        written = start_mm + turned_about_z(standing.carried_mm, -self.angle)
-        aimed = start_mm + turned_about_z(standing.aimed_mm, -self.angle)
+        start_mm, state = self.plain.start_mm[self.move], self.state
+        written = start_mm + turned_about_z(state.carried_mm, -self.angle)
+        aimed = start_mm + turned_about_z(state.aimed_mm, -self.angle)
         if self.move == self.plain.first_move:  # which is taken to start where it ends
             words = [self.edit.own.get(axis) for axis in "XYZ"]
             way = [self.unit * w.value if w and self._counts_on(w) else 0.0 for w in words]
             written = self.end_mm - np.array(way)
         return _Place(written, aimed)
 
-    def _left(self, place: _Place, code: int) -> Standing:
+    def _left(self, place: _Place, code: int) -> BlockState:
         """What the next line finds."""
         return replace(
-            self.standing,
+            self.state,
             carried_mm=turned_about_z(place.written - self.end_mm, self.angle),
             aimed_mm=turned_about_z(place.aimed - self.end_mm, self.angle),
             motion=UNKNOWN if self.edit.may_be_skipped else code,
@@ -143,7 +143,7 @@ class MoveWriter:
         if self.mode.inverse_time and code and (numbers or own is self.edit.own):
             length_mm = float(np.linalg.norm(reached - place.written))
             numbers["F"] = number_text("F", self._inverse_feed(goal.piece, length_mm))
-        aimed = np.where(self.said | named, goal.end_mm, place.written)
+        aimed = np.where(self.programmed | named, goal.end_mm, place.written)
         return BlockMotion(code, numbers), _Place(reached, aimed), swallowed
 
     def _code(self, piece: Piece) -> int:
@@ -166,7 +166,7 @@ class MoveWriter:
             base = before[axis] if self._counts_on(word) else self.zero[axis]
             value = (wanted[axis] - base) / self.unit
             old = word.value if word else (before[axis] - base) / self.unit
-            if word is None and not self.said[axis]:
+            if word is None and not self.programmed[axis]:
                 continue
             if abs(value - old) < 0.5 * self.step and (self.is_users or not word):
                 swallowed += int(abs(value - old) > _NOTHING)

@@ -23,6 +23,11 @@ class Component(Effect):
 
     name = "component"
     title = "error table of one component, missing or no longer true"
+    commonness = 18
+    source = (
+        "equation (17) of docs/laws.md; ISO 230-1, error motions of a linear axis; closed "
+        "form derived here: a change of a table acts through the arm of that table"
+    )
     parameters = (
         Parameter("position_mm", "axis positions, increasing", -1e6, 1e6, 100.0),
         Parameter(
@@ -37,13 +42,10 @@ class Component(Effect):
     targets = COMPONENT_NAMES
     rarity = 1.5
     is_flexible = True
+    corrects_table = turns_tool = True
     usual_size = "5 to 20 um, 10 to 60 urad; locally more after a collision or with worn guides"
     confirm = "measure this component again over the range where it differs"
     cure = "enter the new table; mend the guide where the damage is local"
-    source = (
-        "ISO 230-1, error motions of a linear axis; closed form derived here: a change of a "
-        "table acts through the arm of that table"
-    )
 
     def displacement(self, path, target, position_mm, correction_um=None, correction_urad=None):
         _, axis, angular = component_of(target)

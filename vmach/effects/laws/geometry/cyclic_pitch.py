@@ -19,6 +19,11 @@ class CyclicPitch(Effect):
 
     name = "cyclic_pitch"
     title = "cyclic error of the screw's pitch or of the encoder"
+    commonness = 24
+    source = (
+        "equation (11) of docs/laws.md; ISO 230-2 on periodic errors; closed form derived "
+        "here: e = a sin(2 pi q / p + phi)"
+    )
     parameters = (
         linear("amplitude_um", "amplitude", usual=3.0),
         inner("pitch_mm", "period along the axis", (_SHORTEST_MM, _LONGEST_MM), usual=10.0),
@@ -35,7 +40,6 @@ class CyclicPitch(Effect):
     usual_size = "1 to 5 um; the period is the pitch, 5 to 20 mm, or a fraction of it"
     confirm = "laser line in steps of a tenth of the pitch over three pitches"
     cure = "mend the coupling or the encoder's mounting, or set interpolated compensation"
-    source = "ISO 230-2 on periodic errors; closed form derived here: e = a sin(2 pi q / p + phi)"
 
     def displacement(self, path, target, amplitude_um, pitch_mm, phase_rad):
         angle = 2 * np.pi * path.nose_mm[:, LINEAR_AXES.index(target)] / pitch_mm

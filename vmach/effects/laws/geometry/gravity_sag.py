@@ -13,6 +13,12 @@ class GravitySag(Effect):
 
     name = "gravity_sag"
     title = "sag of a beam or ram under its weight"
+    commonness = 17
+    source = (
+        "equation (18) of docs/laws.md; Euler-Bernoulli beam on two supports: a load at u "
+        "sinks by (1 - u^2)^2 of its sag at the middle, 1 - 2 u^2 near there, so that sag_um "
+        "is negative for such a beam under the tool"
+    )
     parameters = (
         linear("sag_um", "drop at the ends of the travel against its middle", usual=10.0),
     )
@@ -21,11 +27,6 @@ class GravitySag(Effect):
     usual_size = "10 um for 100 N at the end of a slim 250 mm arm"
     confirm = "straightness of the axis with and without added weight"
     cure = "set straightness compensation, or counterbalance the weight"
-    source = (
-        "Euler-Bernoulli beam on two supports: a load at u sinks by (1 - u^2)^2 of its sag at "
-        "the middle, 1 - 2 u^2 near there, so that sag_um is negative for such a beam under "
-        "the tool"
-    )
 
     def displacement(self, path, target, sag_um):
         return along("Z", -1e-3 * sag_um * from_middle(path, target) ** 2)
@@ -36,13 +37,16 @@ class TableLoadSag(Effect):
 
     name = "table_load_sag"
     title = "sag of the table under the workpiece"
+    commonness = 3
+    source = (
+        "equation (32) of docs/laws.md; Euler-Bernoulli cantilever, P L^3 / (3 E I), L the overhang"
+    )
     parameters = (linear("sag_um", "drop at the ends of the travel", usual=10.0),)
     targets = ("X", "Y")
     rarity = 2.5
     usual_size = "5 to 20 um for half the permitted load"
     confirm = "measure flatness of the axis' motion with the table empty and loaded"
     cure = "clamp heavy parts over the guides, or compensate by load"
-    source = "Euler-Bernoulli cantilever, P L^3 / (3 E I), L the overhang"
 
     def displacement(self, path, target, sag_um):
         return along("Z", 1e-3 * sag_um * from_middle(path, target) ** 3)

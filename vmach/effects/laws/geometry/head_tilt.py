@@ -14,6 +14,11 @@ class HeadTilt(OfWarmSpindle):
 
     name = "head_tilt"
     title = "thermal tilt of head or column"
+    commonness = 21
+    source = (
+        "equation (14) of docs/laws.md; ISO 230-3, distortion by the rotating spindle; "
+        "closed form derived here: a rotation w moves the tip at T by w x T"
+    )
     parameters = (
         linear("tilt_urad", "rotation when warm at 8000 rpm, right-handed", usual=40.0),
         linear("shift_um", "sideways motion of the spindle nose when warm", usual=10.0),
@@ -27,15 +32,12 @@ class HeadTilt(OfWarmSpindle):
         SPEED_EXPONENT,
     )
     targets = ("A", "B")
+    turns_tool = True
     rarity = 0.5
     slack_share = 0.15
     usual_size = "50 urad above 5000 rpm, time constant 0.5 to 4 hours"
     confirm = "drift test with two tool lengths, or with a nest of five probes"
     cure = "warm up before finishing; cool the head; compensate by temperature"
-    source = (
-        "ISO 230-3, distortion by the rotating spindle; closed form derived here: a rotation "
-        "w moves the tip at T by w x T"
-    )
 
     def displacement(self, path, target, tilt_urad, shift_um, time_constant_s, speed_exponent):
         warmth = path.warmth_of_spindle(time_constant_s, speed_exponent)[:, None]

@@ -23,6 +23,12 @@ class Reflector(Effect):
 
     name = "reflector"
     title = "documented position of a reflector"
+    commonness = 2
+    source = (
+        "equation (33) of docs/laws.md; the Abbe-consistent model (virtual machining of "
+        "free-form slots), e = E + theta x (r - R); closed form derived here: R off by d "
+        "changes e by -theta x d"
+    )
     parameters = tuple(
         replace(linear(name, meaning, usual=100.0), most=_FARTHEST_MM)
         for name, meaning in (
@@ -35,10 +41,6 @@ class Reflector(Effect):
     usual_size = "centimetres to decimetres"
     confirm = "measure the component again and write down where the reflector stands"
     cure = "correct measured_at_mm in the machine file"
-    source = (
-        "the Abbe-consistent model (virtual machining of free-form slots), e = E + theta x (r "
-        "- R); closed form derived here: R off by d changes e by -theta x d"
-    )
 
     def displacement(self, path, target, first_mm, second_mm):
         direction, axis, _ = component_of(target)

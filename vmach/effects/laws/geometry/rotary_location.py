@@ -12,6 +12,8 @@ class RotaryLocation(Effect):
 
     name = "rotary_location"
     title = "location error of a rotary axis"
+    commonness = 1
+    source = "equation (34) of docs/laws.md; ISO 230-7, XOC, YOC and the like"
     parameters = (
         linear("first_um", "offset along the first direction across the axis", usual=15.0),
         linear("second_um", "offset along the second direction", usual=15.0),
@@ -21,7 +23,6 @@ class RotaryLocation(Effect):
     usual_size = "5 to 50 um"
     confirm = "R-test: sphere on the table, rotary axis turned, linear axes following"
     cure = "measure and enter the centre of rotation"
-    source = "ISO 230-7, XOC, YOC and the like: e = (R(c) - 1) d"
 
     def displacement(self, path, target, first_um, second_um):
         axis = "ABC".index(target)

@@ -11,16 +11,18 @@ class Scale(Effect):
 
     name = "scale"
     title = "scale error (pitch of the screw or scale, or its temperature)"
+    commonness = 30
+    source = (
+        "equation (5) of docs/laws.md; ISO 230-2, positioning deviation; closed form derived "
+        "here: a pitch wrong by the share a errs by a q"
+    )
     parameters = (
         linear("scale_ppm", "um per metre of travel, positive: goes too far", usual=20.0),
     )
     usual_size = "up to 20 ppm; 12 ppm is one kelvin of steel over the scale's reference"
     confirm = "measure the axis with a laser, the material sensor on the screw or scale"
     cure = "set the axis' linear compensation, or mend the temperature compensation"
-    source = (
-        "ISO 230-2, positioning deviation; closed form derived here: a pitch wrong by the "
-        "share a errs by a q"
-    )
+    imitates_as_team = True
 
     def displacement(self, path, target, scale_ppm):
         return along(target, 1e-6 * scale_ppm * path.nose_mm[:, LINEAR_AXES.index(target)])

@@ -15,6 +15,8 @@ class Squareness(Effect):
 
     name = "squareness"
     title = "squareness of two axes"
+    commonness = 32
+    source = "equation (3) of docs/laws.md; ISO 230-1, squareness of linear axes"
     parameters = (
         linear("squareness_urad", "rotation of the axis' line, right-handed", usual=30.0),
     )
@@ -22,10 +24,6 @@ class Squareness(Effect):
     usual_size = "10 to 50 urad (um per metre); more after a collision"
     confirm = "cut or measure a square, turn it by 90 degrees, measure again; or a ballbar"
     cure = "align the guides, or set the control's squareness compensation"
-    source = (
-        "ISO 230-1, E(C)0Y and the like; "
-        "dx = -C0Y y, dz = -B0X x, dz = +A0Y y, dx = +B0Z z, dy = -A0Z z"
-    )
 
     def displacement(self, path, target, squareness_urad):
         axis, rotation = _PAIRS[target]

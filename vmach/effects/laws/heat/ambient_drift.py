@@ -23,6 +23,11 @@ class AmbientDrift(Effect):
 
     name = "ambient_drift"
     title = "drift with the temperature of the shop"
+    commonness = 19
+    source = (
+        "equation (16) of docs/laws.md; ISO 230-3, environmental temperature variation "
+        "error; closed form derived here: one sine wave of time"
+    )
     parameters = (
         *_waves("the target", ""),
         *(wave for axis in LINEAR_AXES for wave in _waves(axis, f"_{axis.lower()}")),
@@ -42,10 +47,6 @@ class AmbientDrift(Effect):
     usual_size = "5 to 30 um a day for a few kelvin"
     confirm = "drift test with the spindle standing, over a working day (ISO 230-3, ETVE)"
     cure = "keep sun and draught off the machine; probe the datum again before finishing"
-    source = (
-        "ISO 230-3, environmental temperature variation error; closed form derived here: one "
-        "sine wave of time"
-    )
 
     def displacement(self, path, target, period_s, **amplitudes):
         angle = 2 * np.pi * path.time_s / period_s

@@ -20,6 +20,11 @@ class AxisExpansion(Effect):
 
     name = "axis_expansion"
     title = "expansion of the warm screw"
+    commonness = 25
+    source = (
+        "equation (10) of docs/laws.md; ISO 230-3, distortion by moving axes; closed form "
+        "derived here: alpha dT (q - q_fixed), dT by Newton's law"
+    )
     parameters = (
         linear("expansion_ppm", "stretch when warm at a mean speed of 100 mm/min", usual=40.0),
         linear("local_ppm", "further stretch, most where the nut works", usual=40.0),
@@ -44,10 +49,6 @@ class AxisExpansion(Effect):
     usual_size = "20 to 100 ppm with a time constant of 10 to 60 minutes"
     confirm = "laser the same line cold, after 30 and after 60 minutes of work"
     cure = "measure with a linear scale, cool the screw, or warm up and re-datum"
-    source = (
-        "ISO 230-3, distortion by moving axes; closed form derived here: alpha dT (q - "
-        "q_fixed), dT by Newton's law"
-    )
 
     def displacement(
         self, path, target, expansion_ppm, at_home_um, time_constant_s, work_share, local_ppm=0.0

@@ -11,6 +11,11 @@ class SpindleGrowth(OfWarmSpindle):
 
     name = "spindle_growth"
     title = "growth of the warm spindle"
+    commonness = 33
+    source = (
+        "equation (2) of docs/laws.md; ISO 230-3, distortion by the rotating spindle; closed "
+        "form derived here: one body warms by Newton's law"
+    )
     parameters = (
         linear("growth_um", "lengthening when warm at 8000 rpm", usual=20.0),
         inner(
@@ -27,10 +32,6 @@ class SpindleGrowth(OfWarmSpindle):
     usual_size = "10 to 100 um with a time constant of 5 to 60 minutes"
     confirm = "drift test: run the spindle for an hour, then let it stand, with a probe on the tool"
     cure = "warm up before finishing, touch off the tool again, or compensate by temperature"
-    source = (
-        "ISO 230-3, distortion by the rotating spindle; closed form derived here: one body "
-        "warms by Newton's law"
-    )
 
     def displacement(self, path, target, growth_um, time_constant_s, speed_exponent):
         warmth = path.warmth_of_spindle(time_constant_s, speed_exponent)

@@ -12,6 +12,11 @@ class ThermalBow(OfWarmthByTime):
 
     name = "thermal_bow"
     title = "bed or beam that bows as one side of it warms"
+    commonness = 16
+    source = (
+        "equation (19) of docs/laws.md; closed form derived here: a beam of height h bends "
+        "by alpha dT / h, which is an arch alpha dT l^2 / (8 h) over its length l"
+    )
     parameters = (
         linear("bow_um", "rise of the tool against the part at mid-travel when warm", usual=10.0),
         OfWarmthByTime.time_constant("time to reach 63 % of the final bow"),
@@ -21,10 +26,6 @@ class ThermalBow(OfWarmthByTime):
     usual_size = "10 um over a metre for 1 K between top and bottom of a bed 140 mm high"
     confirm = "straightness of the axis cold and after an hour; thermometers above and below"
     cure = "keep warm chips and coolant off the bed; warm up before finishing"
-    source = (
-        "closed form derived here: a beam of height h bends by alpha dT / h, which is an arch "
-        "alpha dT l^2 / (8 h) over its length l"
-    )
 
     def displacement(self, path, target, bow_um, time_constant_s):
         arch = 1.0 - from_middle(path, target) ** 2

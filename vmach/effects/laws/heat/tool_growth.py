@@ -12,6 +12,11 @@ class ToolGrowth(Effect):
 
     name = "tool_growth"
     title = "growth of the tools in the cut"
+    commonness = 15
+    source = (
+        "equation (20) of docs/laws.md; closed form derived here: one body warms by Newton's "
+        "law, dL = alpha L dT"
+    )
     parameters = (
         linear("growth_um", "lengthening when warm", usual=10.0, is_size=True),
         inner(
@@ -31,7 +36,6 @@ class ToolGrowth(Effect):
     usual_size = "5 to 20 um within 1 to 5 minutes of cutting, more when dry"
     confirm = "measure the tool's length before and right after a long cut"
     cure = "coolant on the tool; let it cut before it finishes; measure it warm"
-    source = "closed form derived here: one body warms by Newton's law, dL = alpha L dT"
 
     def displacement(self, path, target, growth_um, time_constant_s):
         return along("Z", -1e-3 * growth_um * _warmth(path, time_constant_s))

@@ -12,6 +12,11 @@ class Backlash(Effect):
 
     name = "backlash"
     title = "backlash (lost motion at reversal)"
+    commonness = 34
+    source = (
+        "equation (1) of docs/laws.md; ISO 230-2, reversal value B: e = -B / 2 times the "
+        "side that it comes from"
+    )
     parameters = (
         linear("reversal_um", "reversal value B of ISO 230-2", usual=10.0),
         inner(
@@ -29,7 +34,6 @@ class Backlash(Effect):
         "not depend on the feed"
     )
     cure = "preload the nut or the bearing, or set the control's backlash compensation"
-    source = "ISO 230-2, reversal value B: e = -B / 2 times the side that it comes from"
 
     def displacement(self, path, target, reversal_um, take_up_mm):
         side = taken_up(path, LINEAR_AXES.index(target), take_up_mm)

@@ -17,6 +17,11 @@ class Inertia(Effect):
 
     name = "inertia"
     title = "moving mass bends the structure (circles too large along one axis)"
+    commonness = 4
+    source = (
+        "equation (31) of docs/laws.md; closed form derived here: a spring far below its "
+        "resonance gives way by m a / k"
+    )
     parameters = (
         linear("sway_ms2", "moving mass over stiffness, m / k", usual=5.0, is_size=True),
         POLYLINE_SHARE,
@@ -26,7 +31,6 @@ class Inertia(Effect):
     usual_size = "1 to 10 um at 1 to 5 m/s2"
     confirm = "circle at two feeds by ballbar: it grows with feed squared, the scales show nothing"
     cure = "less feed on small radii, lower acceleration and jerk, or a stiffer structure"
-    source = "closed form derived here: a spring far below its resonance gives way by m a / k"
 
     def displacement(self, path, target, sway_ms2, polyline_share):
         acceleration = acceleration_on_curves(path, polyline_share)

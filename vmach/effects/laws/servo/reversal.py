@@ -17,9 +17,9 @@ TAKE_UP_MM = (0.0025, 0.01, 0.03, 0.1)
 _WIDEST_LOOP_UM = 20.0
 
 
-def taken_up(path: Circumstances, axis: int, way_mm: float) -> np.ndarray:
+def taken_up(path: Circumstances, axis: int, travel_mm: float) -> np.ndarray:
     """Side of an axis, going over from -1 to +1 with the way since it reversed, (P,)."""
-    gone = np.exp(-path.travel_since_reversal_mm[:, axis] / way_mm)
+    gone = np.exp(-path.travel_since_reversal_mm[:, axis] / travel_mm)
     return path.play_side[:, axis] * (1.0 - 2.0 * gone)
 
 
@@ -28,10 +28,15 @@ class QuadrantGlitch(Effect):
 
     name = "quadrant_glitch"
     title = "reversal spike (friction at the quadrants)"
+    commonness = 8
+    source = (
+        "equation (27) of docs/laws.md; ISO 230-4, circular tests; closed form derived here: "
+        "a spike fades as exp(-s / w)"
+    )
     parameters = (
         linear("spike_um", "displacement right after the reversal", usual=5.0),
         inner(
-            "way_mm",
+            "travel_mm",
             "way over which it fades to 37 %",
             (0.02, 0.05, 0.1, 0.25, 0.6, 1.5),
             usual=0.3,
@@ -41,11 +46,10 @@ class QuadrantGlitch(Effect):
     usual_size = "2 to 10 um over 0.1 to 1 mm"
     confirm = "ballbar at two feeds: spikes at the quadrants, higher with feed"
     cure = "set the control's friction compensation; lubricate"
-    source = "ISO 230-4, circular tests; closed form derived here: a spike fades as exp(-s / w)"
 
-    def displacement(self, path, target, spike_um, way_mm):
+    def displacement(self, path, target, spike_um, travel_mm):
         axis = LINEAR_AXES.index(target)
-        fade = np.exp(-path.travel_since_reversal_mm[:, axis] / way_mm)
+        fade = np.exp(-path.travel_since_reversal_mm[:, axis] / travel_mm)
         return along(target, -1e-3 * spike_um * path.play_side[:, axis] * fade)
 
 
@@ -54,10 +58,15 @@ class Hysteresis(Effect):
 
     name = "hysteresis"
     title = "hysteresis of guide and structure"
+    commonness = 7
+    source = (
+        "equation (28) of docs/laws.md; P. Dahl, A Solid Friction Model (1968): F / F_c = 1 "
+        "- 2 exp(-s / w) after a reversal"
+    )
     parameters = (
         replace(linear("width_um", "width of the loop", usual=5.0), most=_WIDEST_LOOP_UM),
         inner(
-            "way_mm",
+            "travel_mm",
             "way over which it builds up to 63 %",
             (2, 4, 8, 16, 32, 64),
             usual=10.0,
@@ -69,10 +78,9 @@ class Hysteresis(Effect):
     usual_size = "1 to 5 um over 5 to 50 mm"
     confirm = "approach one position from both sides with different overruns"
     cure = "mend the guide's preload; always approach from one side with the same overrun"
-    source = "P. Dahl, A Solid Friction Model (1968): F / F_c = 1 - 2 exp(-s / w) after a reversal"
 
-    def displacement(self, path, target, width_um, way_mm):
-        side = taken_up(path, LINEAR_AXES.index(target), way_mm)
+    def displacement(self, path, target, width_um, travel_mm):
+        side = taken_up(path, LINEAR_AXES.index(target), travel_mm)
         return along(target, -0.5e-3 * width_um * side)
 
 
@@ -81,6 +89,11 @@ class LateralPlay(Effect):
 
     name = "lateral_play"
     title = "lateral play of a guide"
+    commonness = 6
+    source = (
+        "equation (29) of docs/laws.md; closed form derived here: half the play to either "
+        "side, taken up as 1 - 2 exp(-s / w)"
+    )
     parameters = (
         linear("play_um", "sideways difference between both directions", usual=5.0),
         inner(
@@ -97,7 +110,6 @@ class LateralPlay(Effect):
     usual_size = "1 to 10 um"
     confirm = "dial gauge across the guide while the axis reverses"
     cure = "set the gibs or the guide's preload"
-    source = "closed form derived here: half the play to either side, taken up as 1 - 2 exp(-s / w)"
 
     def displacement(self, path, target, play_um, take_up_mm):
         side = taken_up(path, LINEAR_AXES.index(target[0]), take_up_mm)

@@ -40,6 +40,11 @@ class ServoLag(Effect):
 
     name = "servo_lag"
     title = "lag of the position loop (circles too small)"
+    commonness = 22
+    source = (
+        "equation (13) of docs/laws.md; closed form derived here: on a circle the size of 1 "
+        "/ (1 + j w / Kv) is 1 - (w / Kv)^2 / 2, so that the radius shrinks by a / (2 Kv^2)"
+    )
     parameters = (
         linear("lag_ms2", "square of the time constant 1/Kv", usual=25.0),
         POLYLINE_SHARE,
@@ -49,10 +54,6 @@ class ServoLag(Effect):
     usual_size = "6 um at 4 m/min on a radius of 150 mm with Kv 50 1/s"
     confirm = "ballbar or a milled circle at two feeds: the shrinking goes with feed squared"
     cure = "raise Kv or switch feed-forward on; less feed on small radii"
-    source = (
-        "closed form derived here: on a circle the size of 1 / (1 + j w / Kv) is "
-        "1 - (w / Kv)^2 / 2, so that the radius shrinks by a / (2 Kv^2)"
-    )
 
     def displacement(self, path, target, lag_ms2, polyline_share):
         return 0.5e-6 * lag_ms2 * acceleration_on_curves(path, polyline_share)
@@ -63,6 +64,11 @@ class ServoMismatch(Effect):
 
     name = "servo_mismatch"
     title = "position loops of two axes do not match"
+    commonness = 23
+    source = (
+        "equation (12) of docs/laws.md; ISO 230-4, circular tests; closed form derived here: "
+        "an axis lags by v / Kv, half of the difference each"
+    )
     parameters = (
         linear("mismatch_ms", "lag of the second axis minus lag of the first", usual=0.3),
     )
@@ -70,10 +76,6 @@ class ServoMismatch(Effect):
     usual_size = "13 um at 4 m/min for 2 % difference at Kv 50 1/s"
     confirm = "ballbar both ways round: the ellipse changes its side with the direction"
     cure = "set equal Kv on both axes"
-    source = (
-        "ISO 230-4, circular tests; closed form derived here: an axis lags by v / Kv, half of "
-        "the difference each"
-    )
 
     def displacement(self, path, target, mismatch_ms):
         first, second = (LINEAR_AXES.index(axis) for axis in target)
@@ -91,6 +93,11 @@ class CornerRounding(Effect):
 
     name = "corner_rounding"
     title = "corners rounded by lag and look-ahead"
+    commonness = 5
+    source = (
+        "equation (30) of docs/laws.md; closed form derived here: the lag 1 / (1 + s / Kv) "
+        "of a velocity that changes evenly"
+    )
     parameters = (
         linear("lag_ms", "lag right at the corner", usual=10.0),
         inner("time_constant_ms", "decay after the corner", (3, 6, 12, 25, 50, 100), usual=20.0),
@@ -107,7 +114,6 @@ class CornerRounding(Effect):
     usual_size = "5 to 50 um with look-ahead, 170 um at 1 m/min and Kv 50 1/s without"
     confirm = "cut the same corner at three feeds, and once with exact stop (G9)"
     cure = "exact stop or a tighter contour tolerance (G64, G61.1) at the corners that matter"
-    source = "closed form derived here: the lag 1 / (1 + s / Kv) of a velocity that changes evenly"
 
     def displacement(self, path, target, lag_ms, time_constant_ms, rise_ms):
         jump, elapsed = path.corner

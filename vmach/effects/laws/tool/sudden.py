@@ -26,6 +26,8 @@ def moment(meaning: str):
 class Sudden(Effect):
     """Base of the effects that begin at one moment, their inner parameter ``time_s``."""
 
+    is_sudden = True
+
     def sees(self, path, target) -> np.ndarray:
         """Which states could show it, (P,) bool."""
         return np.ones(len(path), dtype=bool)

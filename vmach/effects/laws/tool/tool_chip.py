@@ -15,6 +15,11 @@ class ToolChip(Sudden, OfOneTool):
 
     name = "tool_chip"
     title = "tool whose edge chipped"
+    commonness = 11
+    source = (
+        "equation (24) of docs/laws.md; closed form derived here: radius and length change "
+        "by a step in time"
+    )
     parameters = (
         linear("radius_um", "loss of cutting radius", usual=10.0, is_size=True),
         linear("length_um", "loss of length", usual=10.0, is_size=True),
@@ -25,7 +30,6 @@ class ToolChip(Sudden, OfOneTool):
     usual_size = "5 to 50 um while it still cuts"
     confirm = "look at the edges under a magnifier; measure the tool's length and radius again"
     cure = "change the tool; less feed or engagement at entry, a tougher grade, less stick-out"
-    source = "closed form derived here: radius and length change by a step in time"
 
     def sees(self, path, target):
         """A chip before the tool's first point, or after its last, is none to these points."""

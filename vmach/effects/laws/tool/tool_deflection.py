@@ -30,6 +30,11 @@ class ToolDeflection(Effect):
 
     name = "tool_deflection"
     title = "deflection of the tool under the cutting force"
+    commonness = 27
+    source = (
+        "equation (8) of docs/laws.md; cantilever L^3/(3 E I); chip thickness exponent 1 - "
+        "m_c after Kienzle"
+    )
     parameters = (
         linear("tool_um", "bending of the tool in the reference cut", usual=3.0, is_size=True),
         linear(
@@ -80,7 +85,6 @@ class ToolDeflection(Effect):
     cure = "shorter or thicker tool, smaller allowance, lower feed per tooth, or a spring pass"
     # the mean chip thickness is f_z sqrt(a_e / D) over an arc of 2 sqrt(a_e / D): with Kienzle's
     # exponent p = 1 - m_c of the feed, the radial depth has (1 + p) / 2
-    source = "cantilever L^3/(3 E I); chip thickness exponent 1 - m_c after Kienzle"
 
     def displacement(
         self,

@@ -13,6 +13,7 @@ class OfOneTool(Effect):
     """Base of the effects that belong to one tool; the target is its number: ``T1``."""
 
     targets = ()
+    is_of_one_tool = True
 
     def possible_targets(self, job):
         return tuple(f"T{number}" for number in job.tools)
@@ -26,12 +27,18 @@ class ToolRadius(OfOneTool):
 
     name = "tool_radius"
     title = "radius of the tool"
+    commonness = 29
+    source = (
+        "equation (6) of docs/laws.md; closed form derived here: a wall lies off by the "
+        "change of radius, along its normal"
+    )
     parameters = (linear("radius_um", "true minus stated radius", usual=10.0),)
+    is_never_exact = imitates_as_team = True
+    signature = "radius of one tool"
     needs_surface = True
     usual_size = "5 to 20 um; regrinds more"
     confirm = "measure the tool; compare a boss and a bore, whose sizes err in opposite ways"
     cure = "enter the measured radius in the tool table"
-    source = "closed form derived here: a wall lies off by the change of radius, along its normal"
 
     def displacement(self, path, target, radius_um):
         return -1e-3 * radius_um * by_tool(path, target)[:, None] * path.side_normal
@@ -46,6 +53,11 @@ class Runout(OfOneTool):
 
     name = "runout"
     title = "runout of the tool"
+    commonness = 9
+    source = (
+        "equation (26) of docs/laws.md; closed form derived here: a flute of radius R leaves "
+        "marks f^2 / (8 R) high, f^2 / (24 R) in the mean"
+    )
     parameters = (
         replace(
             linear("runout_um", "growth of the cutting radius", usual=10.0, is_size=True),
@@ -59,14 +71,12 @@ class Runout(OfOneTool):
         ),
     )
     needs_surface = True
+    imitates_as_team = True
+    signature = "radius of one tool"
     rarity = 1.0
     usual_size = "3 to 20 um"
     confirm = "dial gauge on the shank at two heights, spindle turned by hand"
     cure = "clean collet and taper; clamp the tool again; balance it"
-    source = (
-        "closed form derived here: a flute of radius R leaves marks f^2 / (8 R) high, f^2 / "
-        "(24 R) in the mean"
-    )
 
     def displacement(self, path, target, runout_um, marks_share):
         turn_mm = path.feed_per_tooth_mm * np.nan_to_num(path.of_tool("flutes"), nan=2.0)
@@ -80,6 +90,11 @@ class ToolWear(OfOneTool):
 
     name = "tool_wear"
     title = "wear of the tool"
+    commonness = 26
+    source = (
+        "equation (9) of docs/laws.md; ISO 8688-2, tool life in end milling; the power of "
+        "the way cut is empirical"
+    )
     parameters = (
         linear(
             "wear_um", "loss of radius after the first ten metres of cut", usual=5.0, is_size=True
@@ -98,10 +113,9 @@ class ToolWear(OfOneTool):
     usual_size = "10 um per 5 to 60 minutes of cutting"
     confirm = "measure the tool before and after; cut the first feature again at the end"
     cure = "change the tool earlier, or compensate its radius by way"
-    source = "ISO 8688-2, tool life in end milling; the power of the way cut is empirical"
 
     def displacement(self, path, target, wear_um, exponent):
-        way = (path.cutting_way_mm / 10e3) ** exponent
+        way = (path.cutting_length_mm / 10e3) ** exponent
         left_mm = 1e-3 * wear_um * way * by_tool(path, target)
         return left_mm[:, None] * path.side_normal
 
@@ -111,12 +125,17 @@ class ToolLength(OfOneTool):
 
     name = "tool_length"
     title = "length of the tool"
+    commonness = 28
+    source = (
+        "equation (7) of docs/laws.md; closed form derived here: a floor lies off by the "
+        "change of length"
+    )
     parameters = (linear("length_um", "true minus stated length", usual=15.0),)
+    is_never_exact = imitates_as_team = True
     needs_surface = True
     usual_size = "5 to 30 um"
     confirm = "touch off all tools on one surface"
     cure = "measure the tool again and enter its length"
-    source = "closed form derived here: a floor lies off by the change of length"
 
     def displacement(self, path, target, length_um):
         return along("Z", -1e-3 * length_um * by_tool(path, target))

@@ -17,6 +17,11 @@ class ToolSlip(Sudden, OfOneTool):
 
     name = "tool_slip"
     title = "tool that slipped in its holder"
+    commonness = 12
+    source = (
+        "equation (23) of docs/laws.md; closed form derived here: the length changes by a "
+        "step in time"
+    )
     parameters = (
         linear("slip_um", "how far it came out", usual=15.0),
         moment("when it slipped"),
@@ -26,7 +31,6 @@ class ToolSlip(Sudden, OfOneTool):
     usual_size = "5 to 100 um"
     confirm = "measure the tool's length again and compare with the tool table"
     cure = "clean collet and shank, tighten to the stated torque, take a holder that grips harder"
-    source = "closed form derived here: the length changes by a step in time"
 
     def sees(self, path, target):
         """A slip before the tool's first level, or after its last, is none to these points."""

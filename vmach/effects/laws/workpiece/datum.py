@@ -14,6 +14,11 @@ class Fixture(Effect):
 
     name = "fixture"
     title = "clamping of one set-up against the first"
+    commonness = 14
+    source = (
+        "equation (21) of docs/laws.md; closed form derived here: a rigid body that is "
+        "shifted and turned a little: d + w x p"
+    )
     parameters = (
         linear("shift_x_um", "shift of the tool against the part along X", usual=30.0),
         linear("shift_y_um", "along Y", usual=30.0),
@@ -28,7 +33,6 @@ class Fixture(Effect):
     usual_size = "10 to 200 um and 0.1 to 1 mrad"
     confirm = "probe the datum surfaces on the machine after each clamping"
     cure = "probe and correct the work offset of the set-up"
-    source = "closed form derived here: a rigid body that is shifted and turned a little: d + w x p"
 
     def possible_targets(self, job):
         return tuple(list(job.work_offsets_mm)[1:])
@@ -50,6 +54,8 @@ class DatumShift(Sudden):
 
     name = "datum_shift"
     title = "sudden shift of the datum (collision, slipped clamping)"
+    commonness = 13
+    source = "equation (22) of docs/laws.md; closed form derived here: a step in time"
     parameters = (
         linear("shift_x_um", "shift of the tool against the part along X", usual=15.0),
         linear("shift_y_um", "along Y", usual=15.0),
@@ -63,7 +69,6 @@ class DatumShift(Sudden):
     usual_size = "any"
     confirm = "probe the datums again and compare with the start of the program"
     cure = "find the collision or the loose clamp; probe between operations"
-    source = "closed form derived here: a step in time"
 
     def displacement(self, path, target, shift_x_um, shift_y_um, shift_z_um, time_s):
         after = (path.time_s > time_s).astype(float)

@@ -15,6 +15,11 @@ class ProbeRadius(Effect):
 
     name = "probe_radius"
     title = "effective radius of the measuring probe"
+    commonness = 10
+    source = (
+        "equation (25) of docs/laws.md; ISO 10360-5, probing systems; closed form derived "
+        "here: a radius off by c shifts each surface by n c"
+    )
     parameters = (linear("radius_um", "deviation seen on every surface", usual=5.0),)
     targets = ("",)
     needs_surface = True
@@ -23,10 +28,6 @@ class ProbeRadius(Effect):
     usual_size = "1 to 10 um"
     confirm = "measure a calibrated ring or sphere in the same job"
     cure = "qualify the probe again"
-    source = (
-        "ISO 10360-5, probing systems; closed form derived here: a radius off by c shifts "
-        "each surface by n c"
-    )
 
     def displacement(self, path, target, radius_um):
         return 1e-3 * radius_um * path.normal

@@ -10,6 +10,11 @@ class WorkpieceTemperature(Effect):
 
     name = "workpiece_temperature"
     title = "temperature of the workpiece while it was cut"
+    commonness = 31
+    source = (
+        "equation (4) of docs/laws.md; ISO 1, reference temperature; closed form derived "
+        "here: -alpha dT p"
+    )
     parameters = (
         linear("expansion_ppm", "stretch while cut: expansion coefficient x warming", usual=20.0),
     )
@@ -18,7 +23,6 @@ class WorkpieceTemperature(Effect):
     usual_size = "23 ppm per kelvin in aluminium, 12 in steel"
     confirm = "log the part's temperature while it is cut and while it is measured"
     cure = "cut with coolant at measuring temperature, or scale the program"
-    source = "ISO 1, reference temperature; closed form derived here: -alpha dT p"
 
     def displacement(self, path, target, expansion_ppm):
         return -1e-6 * expansion_ppm * path.on_part_mm

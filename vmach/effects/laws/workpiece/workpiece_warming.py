@@ -18,6 +18,11 @@ class WorkpieceWarming(OfWarmthByTime):
 
     name = "workpiece_warming"
     title = "workpiece that warms while it is cut"
+    commonness = 20
+    source = (
+        "equation (15) of docs/laws.md; ISO 1, reference temperature; closed form derived "
+        "here: -alpha dT(t) p, dT by Newton's law"
+    )
     parameters = (
         replace(
             linear("expansion_ppm", "stretch when warm: expansion coefficient x warming", usual=20),
@@ -33,9 +38,6 @@ class WorkpieceWarming(OfWarmthByTime):
     usual_size = "23 ppm per kelvin in aluminium, 12 in steel; warm after 10 to 60 minutes"
     confirm = "log the part's temperature while it is cut; cut one early feature again at the end"
     cure = "flood coolant at measuring temperature, finish in one go after a pause to cool"
-    source = (
-        "ISO 1, reference temperature; closed form derived here: -alpha dT(t) p, dT by Newton's law"
-    )
 
     def displacement(self, path, target, expansion_ppm, at_zero_x_um, at_zero_y_um, **time):
         blank = path.job.blank

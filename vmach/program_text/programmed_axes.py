@@ -9,7 +9,7 @@ import numpy as np
 from gcode import BlockText, MoveKind, Program
 from vmach.program_text.blocks.block_modes import BlockModes
 
-__all__ = ["said_axes"]
+__all__ = ["programmed_axes"]
 
 #: what makes the place of axes uncertain, where it says something new or (these) in any case
 _FRAMES = {"set_g5x_offset": (True, True, True), "set_xy_rotation": (True, True, False)}
@@ -18,7 +18,7 @@ _MOVES_MM = 1e-9
 _ANYWAY = {"tool_offset": (False, False, True), "change_tool": (True, True, True)}
 
 
-def said_axes(
+def programmed_axes(
     program: Program, modes: Mapping[int, BlockModes], text: BlockText
 ) -> tuple[np.ndarray, np.ndarray]:
     """Axes that have had a word in the frame that a move is made in.
@@ -38,7 +38,7 @@ def said_axes(
 
     Returns
     -------
-    said : (N, 3) bool
+    programmed : (N, 3) bool
         Of every move, its own words included.
     unknown_start : (N,) bool
         Moves along an axis that had none before: they begin wherever the tool is, so that no

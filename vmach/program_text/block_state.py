@@ -9,11 +9,11 @@ import numpy as np
 from gcode import AS_PROGRAMMED, Step
 from vmach.program_text.frame_shift import FrameShift
 
-__all__ = ["Standing"]
+__all__ = ["BlockState"]
 
 
 @dataclass(frozen=True)
-class Standing:
+class BlockState:
     """What one line leaves to the next.
 
     Attributes
@@ -31,11 +31,11 @@ class Standing:
     motion: int = AS_PROGRAMMED
     frame: FrameShift = field(default_factory=FrameShift)
 
-    def after_zero(self, step: Step, angle_rad: float) -> Standing:
+    def after_zero(self, step: Step, angle_rad: float) -> BlockState:
         """After a line that sets or chooses a zero, see `FrameShift.after`."""
         return replace(self, frame=self.frame.after(step, self.carried_mm, angle_rad))
 
-    def after_user_line(self, named: set[str], *, says_motion: bool) -> Standing:
+    def after_user_line(self, named: set[str], *, says_motion: bool) -> BlockState:
         """After a line that stays: the axes that it names are where the program has them.
 
         A line without any leads all axes there: a cycle, a reference point.

@@ -1,4 +1,4 @@
-"""What the model would say of a part if its job were otherwise: lengths, zeros, directions.
+"""Predictions of a part under alternative assumptions: lengths, zeros, directions.
 
 The tool goes where it went; only the errors there are asked for again, to first order.
 """
@@ -14,17 +14,17 @@ from gcode import WORK_OFFSETS
 from vmach.errors import InputError
 from vmach.machine import LINEAR_AXES, Machine, Variant, displacement
 from vmach.measurements.measurement import Measurement
-from vmach.measurements.plausibility.otherwise import Otherwise, exchanged, exchanged_tables
+from vmach.measurements.plausibility.alternatives import Alternative, exchanged, exchanged_tables
 from vmach.path.preparation import Preparation
 from vmach.plausibility import lengths_meant_mm
 
-__all__ = ["part_otherwise"]
+__all__ = ["part_alternatives"]
 
 
-def part_otherwise(
+def part_alternatives(
     part: Measurement, preparation: Preparation, variant: Variant
-) -> Iterator[Otherwise]:
-    """Predictions of measured points with one number of the job, or its tables, otherwise.
+) -> Iterator[Alternative]:
+    """Predictions of measured points with one number of the job, or its tables, changed.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def part_otherwise(
         nose = nose_mm + shift_mm + longer_mm
         if np.all((nose >= low) & (nose <= high)):
             with suppress(InputError):  # beyond a table
-                yield Otherwise(
+                yield Alternative(
                     what, question, here_mm + errors_mm(job.machine, nose, tool_mm - longer_mm)
                 )
 

@@ -1,4 +1,4 @@
-"""Would readings agree with the model far better if one thing in the files were otherwise?
+"""Would readings agree with the model far better under another assumption about the files?
 
 A sign, a letter or a unit that is wrong gives readings which no effect explains. Each of these
 mistakes is tried: the model is asked again with it put right.
@@ -16,7 +16,7 @@ from vmach.base.units import um_from_mm
 from vmach.machine import LINEAR_AXES, Machine
 from vmach.measurements.measurement import Measurement
 
-__all__ = ["Otherwise", "exchanged", "exchanged_tables", "is_doubtful", "otherwise_notes"]
+__all__ = ["Alternative", "alternative_notes", "exchanged", "exchanged_tables", "is_doubtful"]
 
 #: readings further away than so many standard uncertainties are worth a question
 _CLEAR_U = 2.0
@@ -33,8 +33,8 @@ _FEWEST_LEFT = 12
 
 
 @dataclass(frozen=True)
-class Otherwise:
-    """What the model would say if one thing in the files were otherwise.
+class Alternative:
+    """What the model would predict if one thing in the files were different.
 
     Attributes
     ----------
@@ -59,13 +59,13 @@ def is_doubtful(test: Measurement) -> bool:
     return apart >= _CLEAR_U * float(np.median(test.u_mm))
 
 
-def otherwise_notes(test: Measurement, others: Iterable[Otherwise]) -> tuple[Note, ...]:
-    """A note where readings would agree far better if something were otherwise.
+def alternative_notes(test: Measurement, others: Iterable[Alternative]) -> tuple[Note, ...]:
+    """A note where readings would agree far better under an alternative assumption.
 
     Parameters
     ----------
     test : Measurement
-    others : iterable of Otherwise
+    others : iterable of Alternative
         What may be wrong beside the sign of the readings.
 
     Returns
@@ -95,9 +95,9 @@ def otherwise_notes(test: Measurement, others: Iterable[Otherwise]) -> tuple[Not
     return (Note.question(Kind.EXCHANGED, said, size_um, "um", place=best.what, file=test.name),)
 
 
-def _other_sign(test: Measurement) -> Otherwise:
+def _other_sign(test: Measurement) -> Alternative:
     meaning = f"{test.instrument.sign_meaning}, and so do the error tables count"
-    return Otherwise("the other sign", meaning, -test.predicted_mm)
+    return Alternative("the other sign", meaning, -test.predicted_mm)
 
 
 def _apart_mm(test: Measurement, predicted_mm: np.ndarray) -> tuple[float, float]:
@@ -122,9 +122,9 @@ def exchanged_tables(machine: Machine) -> Iterator[tuple[str, Machine]]:
         yield " and ".join(axes), _exchanged(machine, axes)
 
 
-def exchanged(axes: str, predicted_mm: np.ndarray) -> Otherwise:
+def exchanged(axes: str, predicted_mm: np.ndarray) -> Alternative:
     """What the model says with such tables, (P,) mm."""
-    return Otherwise(
+    return Alternative(
         f"forward and backward of {axes} exchanged",
         "is approach the sign of the last motion, and are the columns of the error tables in "
         "their order?",
