@@ -93,6 +93,17 @@ def test_compare_sets_variants_and_measurement_side_by_side(job, tmp_path, monke
     assert summary["variants"]["abbe"]["remainder_rms_um"] > 0.1
 
 
+def test_compare_needs_neither_solid_nor_blank(job, tmp_path, monkeypatch, capsys):
+    with_solid = run_vmach(monkeypatch, capsys, "compare", job, "--out", tmp_path / "w", "--solid")
+    replace(job, "[stock]\nmin_mm = [-30, -25, -20]\nmax_mm = [60, 25, 0]\n", "")
+    without = run_vmach(monkeypatch, capsys, "compare", job, "--out", tmp_path / "o")
+    assert (with_solid[0], without[0]) == (0, 0)
+    assert [(tmp_path / n / "part.stl").exists() for n in "wo"] == [True, False]
+    assert "part.stl" not in without[1]
+    one, other = ((tmp_path / n / "deviations.csv").read_bytes() for n in "wo")
+    assert one == other
+
+
 def test_predict_writes_a_row_for_every_point(job, tmp_path, monkeypatch, capsys):
     out = tmp_path / "out.csv"
     points = job.parent / "points.csv"

@@ -59,11 +59,11 @@ class Kind(StrEnum):
     INSIDE_OUT = "inside out"
     BODIES = "bodies"  #: solids and surfaces of a CAD file
     NARROW = "narrow"  #: faces without room for a point
-    NO_SOLID = "no solid"  #: the program is too long for one
     UNCUT = "uncut"
     GOUGED = "gouged"
     OVERCUT = "overcut"
     ALIGNMENT = "alignment"
+    SOLID = "solid"  #: the virtual part was not cut as a solid
     DIFFERENCE = "difference"  #: of the virtual part and the nominal CAD
     # measurements
     UNIT = "unit"  #: numbers that look like those of another unit

@@ -35,16 +35,31 @@ __all__ = ["add", "diagnose", "history"]
 
 
 def diagnose(
-    job: JobPath,
+    job: Annotated[
+        Path | None, typer.Argument(metavar="JOB", help="job.toml, or the folder it is in")
+    ] = None,
     out: OutDir = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="JSON file to write")] = None,
     next_file: Annotated[
         Path | None, typer.Option("--next", help="where to write the next measurement's program")
     ] = None,
     effect_file: OwnEffects = None,
+    add_all: Annotated[
+        bool, typer.Option("--add-all", help="add what is shown, and go on until nothing is left")
+    ] = False,
+    rules: Annotated[
+        bool, typer.Option("--rules", help="print the numbers that decide a verdict")
+    ] = False,
     control: Control = None,
 ) -> None:
     """Compare with the measurements and say what the model lacks."""
+    if rules:
+        from vmach.diagnosis.inference.rules import rules_text
+
+        print(rules_text())
+        return
+    if job is None:
+        raise typer.BadParameter("which job? JOB is job.toml, or the folder it is in")
     from vmach.diagnosis.diagnose import diagnose as diagnose_survey
     from vmach.diagnosis.report import as_text, write_figures
     from vmach.diagnosis.residuals.job_survey import survey_job
@@ -80,7 +95,9 @@ def diagnose(
             if found.next_measurement is not None:
                 program = program or str(out / written[-1])
     print(as_text(found, program=program))
-    if found.verdict in ("named", "class", "partly"):
+    if add_all:
+        _add_all(job)
+    elif found.verdict in ("named", "class", "partly"):
         print(f"to put it into the model: vmach add {job} {' '.join(map(_word, found.findings))}")
     if found.next_measurement is not None and program is None:
         print("--next FILE writes the program of the measurement to do next")
@@ -90,6 +107,21 @@ def diagnose(
         print("--out DIR makes a page with pictures of it")
     else:
         _tell(out, written, FOLDER_FILES)
+
+
+def _add_all(job: Path) -> None:
+    """Add what is shown, round by round, each in a job of its own."""
+    from vmach.history.rounds import rounds
+
+    with progress_bar() as progress:
+        progress("add", 0, 1)
+        steps = list(rounds(job))
+    for step in steps:
+        print(
+            f"{step.job}: {', '.join(step.added)}; {step.before_um:.2f} -> {step.after_um:.2f} um"
+        )
+    last = steps[-1].job if steps else job
+    print(f"nothing further is shown; go on from {last}, or from any job before it")
 
 
 def _word(finding: Finding) -> str:

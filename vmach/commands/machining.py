@@ -54,7 +54,13 @@ def run(
 
 
 def compare(
-    job: JobPath, out: OutDir = None, as_json: AsJson = False, control: Control = None
+    job: JobPath,
+    out: OutDir = None,
+    solid: Annotated[
+        bool, typer.Option("--solid", help="also cut the virtual part as a solid")
+    ] = False,
+    as_json: AsJson = False,
+    control: Control = None,
 ) -> None:
     """Error-model variants side by side, and against the measured points of the job."""
     _machine(
@@ -64,6 +70,7 @@ def compare(
         prefer_measured=True,
         out=out,
         as_json=as_json,
+        solid=solid,
     )
 
 

@@ -16,6 +16,7 @@ from vmach.diagnosis.inference.verdicts import Inference, Weak, infer
 from vmach.diagnosis.inference.weighing import Weighing
 from vmach.diagnosis.next_test.blind_spots import BlindSpot, blind_spots
 from vmach.diagnosis.next_test.next_measurement import NextMeasurement, next_measurement
+from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.residuals.where_it_fails import Failure, where_it_fails
 from vmach.fit.survey import Survey
@@ -45,6 +46,8 @@ class Diagnosis:
         Effects that the readings speak for, though not clearly.
     remains_um : float
         Root mean square of what neither effects nor noise explain.
+    proposals : tuple of Proposal
+        Forms for what remains, the most probable first.
     rms_um : dict
         "before", "after", "expected_noise": over all readings, alignment taken off.
     candidates : tuple of CandidateScore
@@ -61,6 +64,7 @@ class Diagnosis:
     findings: tuple[Finding, ...]
     weak: tuple[Weak, ...]
     remains_um: float
+    proposals: tuple[Proposal, ...]
     rms_um: dict[str, float]
     candidates: tuple[CandidateScore, ...]
     failures: tuple[Failure, ...]
@@ -104,6 +108,7 @@ def diagnose(
         findings=findings,
         weak=found.weak,
         remains_um=found.remains_um,
+        proposals=found.proposals,
         rms_um=residuals.rms_um,
         candidates=candidate_scores(weighing, residuals.rms_um["before"]),
         failures=failures,

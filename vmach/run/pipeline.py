@@ -9,9 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import numpy as np
 
 from stock import Sweeps, VirtualPart, cut_part
 from vmach.base.note import Kind, Level, Note, in_file
@@ -32,9 +29,6 @@ from vmach.report import InspectedPoints, SolidComparison
 from vmach.run.collisions import collision_notes, job_collisions
 from vmach.run.inspection import check_some_cut, inspected_points, surface_points, with_causes
 from vmach.run.solid_comparison import compare_solids, comparison_notes
-
-if TYPE_CHECKING:
-    import trimesh
 
 __all__ = [
     "SOLID_MOVES",
@@ -153,7 +147,8 @@ def machine_part(
     """
     clock = StageClock(progress)
     job = read_job(job_path)
-    blank = _blank_of(job)
+    if solid is not False:
+        _check_blank(job)
     found = inspect_part(
         job, variants=variants, prefer_measured=prefer_measured, also=model, clock=clock
     )
@@ -162,7 +157,9 @@ def machine_part(
     is_left_out = solid is None and moves > SOLID_MOVES
     if solid or (solid is None and not is_left_out):
         with clock.stage("cut") as step:
-            part = cut_part(found.sweeps[model], found.preparation.cutters, blank, progress=step)
+            part = cut_part(
+                found.sweeps[model], found.preparation.cutters, job.blank.solid, progress=step
+            )
     if part is not None and found.nominal is not None:
         with clock.stage("solids"):
             limit_mm = job.inspection.difference_mm
@@ -183,18 +180,10 @@ def machine_part(
         notes=(
             *collision_notes(found.preparation, collisions),
             *comparison_notes(comparison),
-            *([_no_solid(moves)] if is_left_out else []),
+            *([_no_solid_note(moves)] if is_left_out else []),
             *found.notes,
         ),
     )
-
-
-def _no_solid(moves: int) -> Note:
-    said = (
-        f"no solid was cut: the program has {moves} moves, more than {SOLID_MOVES}; the deviations "
-        "come from the exact engine all the same ('--solid' cuts it)"
-    )
-    return Note.plain(Kind.NO_SOLID, said, moves, "1")
 
 
 def inspect_part(
@@ -267,15 +256,23 @@ def _assumptions(job: Job) -> tuple[Note, ...]:
     return in_file(assumed, job.machine_path)
 
 
-def _blank_of(job: Job) -> tuple[np.ndarray, np.ndarray] | trimesh.Trimesh:
-    """The blank that the virtual part is cut from, two corners or a mesh."""
+def _no_solid_note(moves: int) -> Note:
+    said = (
+        f"no solid was cut: the program has {moves} moves, more than {SOLID_MOVES}; the deviations "
+        "come from the exact engine all the same ('--solid' cuts it)"
+    )
+    return Note.plain(Kind.SOLID, said, moves, "1")
+
+
+def _check_blank(job: Job) -> None:
+    """Refuse a job without the blank that the virtual part is cut from."""
     if job.blank is None:
         raise InputError(
             "the virtual part needs a blank",
             file=job.path,
             accepted="[stock] with min_mm and max_mm, or file",
+            hint="--no-solid inspects the surface without a virtual part",
         )
-    return job.blank.solid
 
 
 def predict_points(
