@@ -67,7 +67,7 @@ class Trees(NamedTuple):
 
 
 def build_trees(motion: Motion, sweeps: Sweeps, reach_of_tool_mm: np.ndarray) -> Trees:
-    """Sort the pieces of all sweeps and bound them, tool by tool."""
+    """Sort the pieces of all sweeps and bound them, tool by tool; reaches (T,) mm."""
     sweep, span = _pieces(motion, sweeps.sweep_rad != 0.0)
     box = _piece_boxes(motion, sweep, span)
     first_piece, piece_count, first_node, leaves = [], [], [], []

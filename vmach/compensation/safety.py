@@ -134,6 +134,6 @@ def check_part(
 
 
 def lines_text(lines: np.ndarray | list[int] | Mapping[int, float]) -> str:
-    """The first of the lines, for a message."""
+    """The first of the lines, (L,), for a message."""
     found = sorted({int(line) for line in lines})
     return ", ".join(map(str, found[:_MOST_LINES])) + (" ..." if len(found) > _MOST_LINES else "")

@@ -76,7 +76,7 @@ class AxisTable:
 
 
 def scaled(knots: Knots, at_mm: np.ndarray) -> np.ndarray:
-    """Position along an axis as -1 at the first entry, 1 at the last."""
+    """Positions along an axis, (P,) mm, as -1 at the first entry and 1 at the last, (P,)."""
     ends = knots.position_mm[[0, -1]]
     return (2.0 * at_mm - ends.sum()) / (ends[1] - ends[0])
 
@@ -112,7 +112,7 @@ class Projection:
         ]
 
     def tables(self, error_mm: np.ndarray) -> list[AxisTable]:
-        """The entries as tables."""
+        """The entries that correct errors, (P, 3) mm, as tables."""
         found = []
         for mine, values in zip(self.terms, self.entries(error_mm), strict=True):
             for term in mine:

@@ -82,7 +82,7 @@ def history_of(job_path: str | Path, *, check: Job | None = None) -> list[Step]:
 
 
 def rms_um(survey: Survey, explained_mm: np.ndarray | float = 0.0) -> float:
-    """RMS of measured minus predicted minus explained, what the instruments leave free fitted."""
+    """RMS of measured minus predicted minus explained, (n,) mm, free parameters fitted."""
     weight = 1.0 / survey.u_mm
     residual = survey.residual_mm - explained_mm
     solution = np.linalg.lstsq(survey.nuisance * weight[:, None], residual * weight, rcond=None)[0]

@@ -146,7 +146,7 @@ class ComponentError:
         return np.where(direction == 0, mean(position_mm), one_way)
 
     def check_covers(self, position_mm: np.ndarray) -> None:
-        """Refuse positions beyond the table, unless its extrapolation is set.
+        """Refuse positions, (P,) mm, beyond the table, unless its extrapolation is set.
 
         Raises
         ------

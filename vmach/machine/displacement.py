@@ -132,7 +132,7 @@ def contributions(
     direction: np.ndarray | None = None,
     rotary_rad: np.ndarray | None = None,
 ) -> Iterator[tuple[str, RigidDisplacement]]:
-    """The share of every component error, by its ISO 230-1 symbol; they add up to the whole.
+    """The share of every component error at P places, by its ISO 230-1 symbol; they add up.
 
     Parameters as in `displacement`.
     """

@@ -124,7 +124,7 @@ def align(
         return Alignment(mode, np.zeros(3), np.zeros(3), np.zeros(3), 0, np.zeros((6, 6)))
     if not datums:
         raise InputError(
-            "alignment by datums needs datum features",
+            f"alignment {mode!r} needs datum features",
             accepted='lists of feature names, for example [["top"], ["side A"], ["bore 1"]]',
         )
     stages = [_matching(points.feature, names) for names in datums]
@@ -227,7 +227,8 @@ def _checked(
     if not len(points):
         raise InputError("no points to align")
     if (weights < 0.0).any() or not weights.any():
-        raise InputError("weights of an alignment", accepted="numbers of 0 and above, not all 0")
+        what = f"weights of an alignment from {weights.min():g} to {weights.max():g}"
+        raise InputError(what, accepted="numbers of 0 and above, not all 0")
     return deviation_mm, np.sqrt(weights)
 
 

@@ -155,7 +155,7 @@ class Rounding:
         return Points(*(np.concatenate([np.zeros_like(a[:1]), a]) for a in points))
 
     def points(self, probes: Probes, places: GridPlaces, ends: np.ndarray) -> Points:
-        """What places of some ends do to the pieces on both sides of them."""
+        """What places of some ends, (K,), do to the pieces on both sides of them."""
         following = np.minimum(ends + 1, len(self.first) - 1)
         same = self.plan.move[following] == self.plan.move[ends]
         there = np.where(same[:, None], places.parameter, self.first[following][:, None])

@@ -67,8 +67,8 @@ def read_volumetric_file(path: Path, format_name: str) -> VolumetricFile:
         _store(found, path, line, name=name, pairs=pairs)
     if not found.tables and not found.squareness_rad:
         raise InputError(
-            "no error found in the volumetric file", file=path,
-            hint=f"format '{format_name}' was asked for; there is {', '.join(FORMATS)}",
+            f"no error found in the volumetric file, read as format '{format_name}'", file=path,
+            accepted=", ".join(FORMATS),
         )  # fmt: skip
     return found
 
