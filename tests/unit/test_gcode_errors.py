@@ -48,7 +48,23 @@ def test_refused_with_file_line_and_reason(text, line, words):
 
 def test_message_says_what_is_accepted_and_gives_a_hint():
     message = refusal("G21\nG1 X1\n")
-    assert message == "part.nc:2: G1 with feed zero (hint: give a feed first, for example F500)"
+    hint = "give a feed first, for example F500"
+    assert message == f"part.nc:2: G1 with feed zero: 'G1 X1' (hint: {hint})"
+
+
+@pytest.mark.parametrize(
+    ("text", "block"),
+    [
+        ("G21\nM98 L3\n", "'M98 L3'"),
+        ("G21\n  G2 X1 R5 I2 F100 ; in\r\n", "'G2 X1 R5 I2 F100 ; in'"),
+        ("#1 = [1 / 0]\n", "'#1 = [1 / 0]'"),
+        (f"M98 (no P{' and more' * 20})\n", "'M98 (no P" + " and more" * 5 + " and m...'"),
+    ],
+)  # fmt: skip
+def test_message_shows_the_block(text, block):
+    """What is refused may be a word that lacks, a value or all of it: the block has them."""
+    message = refusal(text)
+    assert f": {block}" in message and "\n" not in message
 
 
 def test_too_many_blocks_end():

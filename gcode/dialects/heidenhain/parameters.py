@@ -110,7 +110,7 @@ class QParameters:
 
     def _asks(self, text: str) -> None:
         """FN 18 asks the machine: whoever reads the answer is refused."""
-        match = re.match(r"Q([LR]?\d+)\s*=\s*(SYSREAD.*)", text)
+        match = re.match(r"(?:SYSREAD\s+)?Q([LR]?\d+)\s*=\s*((?:SYSREAD\s+)?ID.*)", text)
         if match is None:
             raise ProgramError(f"cannot read FN 18: {text}")
 
