@@ -232,7 +232,7 @@ class KlartextReader(Translated):
     def _repeat(self, label: int, repeats: int) -> None:
         here = self.next
         if label not in self.labels:
-            raise ProgramError(f"LBL {label} does not stand above")
+            raise ProgramError(f"LBL {label} is not above this block")
         if self.calls and self.calls[-1][:2] == (self.labels[label], here):
             *_, left, begun = self.calls.pop()
         else:

@@ -154,7 +154,7 @@ class Controller:
     def require_spindle(self, name: str) -> None:
         """Raise ProgramError where the spindle stands that the cycle `name` wants to turn."""
         if self.spindle == 0:
-            raise ProgramError(f"{name} with the spindle standing", hint="start it with M3 or M4")
+            raise ProgramError(f"{name} with the spindle stopped", hint="start it with M3 or M4")
 
     def check_tool(self, number: int, *, word: str) -> None:
         """Raise UnknownToolError for a tool that is not in the magazine; 0 stands for none."""

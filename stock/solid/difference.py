@@ -148,7 +148,7 @@ class _Volumes:
         self._gouge = None if one is None or other is None else other - one
 
     def within(self, low_mm: np.ndarray, high_mm: np.ndarray, *, excess: bool) -> float:
-        """Volume of the excess or of the gouge in a box, mm3."""
+        """Volume of the excess or of the gouge in a box with corners (3,) mm, in mm3."""
         solid = self._excess if excess else self._gouge
         if solid is None:
             return float("nan")

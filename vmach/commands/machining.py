@@ -47,7 +47,8 @@ def run(
     variants = (Variant.NONE,) if model is Variant.NONE else (Variant.NONE, model)
     if part is not None:
         if solid is False:
-            raise InputError("--part without the solid", accepted="one of --part and --no-solid")
+            what = f"--part {part} without the solid"
+            raise InputError(what, accepted="one of --part and --no-solid")
         solid = True
     _machine(job, model, variants, out=out, part_file=part, as_json=as_json, solid=solid)
 

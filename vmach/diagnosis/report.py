@@ -6,12 +6,14 @@ import json
 from pathlib import Path
 from typing import Any
 
+from vmach.base.note import note_records
 from vmach.diagnosis.diagnose import Diagnosis
 from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.inference.verdicts import Weak
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.residuals.where_it_fails import Failure
 from vmach.diagnosis.words import describe, expected
+from vmach.effects.declaration import unit_of
 from vmach.files.atomic import atomic_file
 
 __all__ = ["as_json", "as_text", "write_figures"]
@@ -46,8 +48,9 @@ def as_json(found: Diagnosis, *, program: str | None = None) -> dict[str, Any]:
             "text": following.text,
             "program": program,
         },
-        "blind_spots": [vars(spot) for spot in found.blind_spots],
-        "notes": list(found.notes),
+        "blind_spots": [vars(b) | {"unit": unit_of(b.parameter)} for b in found.blind_spots],
+        "notes": [str(note) for note in found.notes],
+        "note_records": note_records(found.notes),
     }
 
 

@@ -65,22 +65,22 @@ class Cells:
 
 
 def fixed(values: np.ndarray, decimals: int, *, shown: np.ndarray | None = None) -> Cells:
-    """Numbers as ``f"{value:.{decimals}f}"`` writes them."""
+    """Numbers, (N,), as ``f"{value:.{decimals}f}"`` writes them."""
     return Cells(np.asarray(values, np.float64), f"{{:.{decimals}f}}".format, decimals, shown=shown)
 
 
 def rounded(values: np.ndarray, decimals: int) -> Cells:
-    """Numbers as ``repr`` writes them after ``numpy.round``."""
+    """Numbers, (N,), as ``repr`` writes them after ``numpy.round``."""
     return Cells(np.asarray(values, np.float64).round(decimals), repr, decimals, is_trimmed=True)
 
 
 def whole(values: np.ndarray, *, shown: np.ndarray | None = None) -> Cells:
-    """Whole numbers."""
+    """Whole numbers, (N,)."""
     return Cells(np.asarray(values, np.int64), str, shown=shown)
 
 
 def words(names: Sequence[str], index: np.ndarray | None = None) -> Cells:
-    """Words: `names` themselves, or for every cell the one at `index`."""
+    """Words: `names` themselves, or for every cell the one at `index`, (N,)."""
     known = np.asarray(names, dtype=str)
     return Cells(np.arange(len(known)) if index is None else np.asarray(index), None, names=known)
 
@@ -124,7 +124,7 @@ class _Words:
         self.length = 0
 
     def add(self, texts: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-        """Where the texts begin, and their lengths."""
+        """Where the texts begin, and their lengths, both (N,) int64."""
         encoded = [text.encode() for text in texts]
         size = np.fromiter(map(len, encoded), np.int64, len(encoded))
         begin = self.length + np.cumsum(size) - size

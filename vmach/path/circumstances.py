@@ -301,5 +301,5 @@ class Circumstances:
 
     @cached_property
     def axis_tilt_rad(self) -> np.ndarray:
-        """Rotation of the tool by the angular tables of each axis, (3 axes, P, 3) rad."""
+        """Rotation of the tool by the angular tables of each axis, (3, P, 3) rad, axis first."""
         return tilts_of_axes_rad(self.job.machine, self.nose_mm, self.tool_mm)

@@ -43,10 +43,6 @@ __all__ = [
 #: programs of more moves are inspected without a solid, unless it is asked for: cutting it takes
 #: minutes from here on
 SOLID_MOVES = 100_000
-_NO_SOLID = (
-    "no solid was cut: the program has {moves} moves, more than {most}; the deviations come from "
-    "the exact engine all the same ('--solid' cuts it)"
-)
 
 
 @dataclass(frozen=True)
@@ -261,7 +257,10 @@ def _assumptions(job: Job) -> tuple[Note, ...]:
 
 
 def _no_solid_note(moves: int) -> Note:
-    said = _NO_SOLID.format(moves=moves, most=SOLID_MOVES)
+    said = (
+        f"no solid was cut: the program has {moves} moves, more than {SOLID_MOVES}; the deviations "
+        "come from the exact engine all the same ('--solid' cuts it)"
+    )
     return Note.plain(Kind.SOLID, said, moves, "1")
 
 

@@ -105,7 +105,7 @@ def states_of(job: Job, path: Circumstances) -> Iterator[State]:
             "spindle", f"warmth of the spindle within {tau:g} s",
             f"path.warmth_of_spindle({tau}, 1.0)",
         )  # fmt: skip
-    yield State("cutting way", "cutting way in 10 m", "1e-4 * path.cutting_way_mm")
+    yield State("cutting length", "cutting length in 10 m", "1e-4 * path.cutting_length_mm")
     yield State("feed per tooth", "feed per tooth in 0.1 mm", "10.0 * path.feed_per_tooth_mm")
     for power in (1.0, 1.5, 2.0):
         words = f"depth below the top in 10 mm{'' if power == 1 else f' to the power {power:g}'}"

@@ -65,7 +65,7 @@ class PiecewiseCubic:
 
     @property
     def origins(self) -> np.ndarray:
-        """(K + 1,) where each piece's local coordinate is zero."""
+        """Where each piece's local coordinate is zero, (K,): at its break."""
         return np.concatenate((self.breaks[:1], self.breaks))
 
     def __call__(self, position: np.ndarray) -> np.ndarray:
@@ -76,7 +76,7 @@ class PiecewiseCubic:
         return c[..., 0] + local * (c[..., 1] + local * (c[..., 2] + local * c[..., 3]))
 
     def on(self, breaks: np.ndarray) -> PiecewiseCubic:
-        """The same curve on finer breaks, which include those of this curve."""
+        """The same curve on finer breaks, (K,), which include those of this curve."""
         origins = np.concatenate((breaks[:1], breaks))
         inside = np.concatenate(([breaks[0] - 1.0], breaks))
         piece = np.searchsorted(self.breaks, inside, side="right")
