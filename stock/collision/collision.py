@@ -162,7 +162,10 @@ def _table(outline: Outline | None) -> np.ndarray:
         return table
     points = np.asarray(outline, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
-        raise StockError("an outline of a shank or holder is no list of points (r, z) in mm")
+        raise StockError(
+            f"an outline of a shank or holder is no list of points: {points.tolist()}",
+            accepted="points (r, z), finite numbers in mm",
+        )
     if len(points) < 2 or (points[:, 0] < 0).any() or not points[:, 0].max() > 0:
         raise StockError(
             f"an outline of a shank or holder encloses no volume: {points.tolist()}",

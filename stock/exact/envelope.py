@@ -1,7 +1,8 @@
 """Where tools may leave surface: points of them that graze along their way, or end it.
 
 The boundary of a swept tool is made by the tool's points whose outward normal is square to the
-way, and, where the way ends or turns, by those that look ahead before and not after [1]_.
+motion. Where the motion ends or turns, it is also made by those that look ahead before and not
+after [1]_.
 
 .. [1] Blackmore, Leu, Wang: The sweep-envelope differential equation algorithm and its
    application to NC machining verification, Computer-Aided Design 29 (1997) 629, section 2.

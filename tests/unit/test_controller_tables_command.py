@@ -112,7 +112,7 @@ def test_comp_type_1_and_error_signs_are_read_as_they_were_written(tmp_path, cap
         ),
         ({"machine": "machine.toml", "tolerance_um": 0.0}, "--tolerance-um 0"),
         ({"machine": "machine.toml", "model": "none"}, "no error to compensate"),
-        ({"job": "job.toml", "tool_length": 5.0}, "--tool-length goes with --machine"),
+        ({"job": "job.toml", "tool_length": 5.0}, "--tool-length 5 goes with --machine"),
         ({"machine": "absent.toml"}, "not found"),
     ],
 )

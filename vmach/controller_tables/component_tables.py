@@ -93,6 +93,8 @@ def _table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         position, up, down = np.array([[float(row[key]) for key in keys] for row in rows]).T
     except (KeyError, TypeError, ValueError, csv.Error):
         raise InputError(
-            "no error table", file=path, accepted="position_mm, forward_um, backward_um (or _urad)"
+            f"no error table: it begins with {lines[0] if lines else ''!r}",
+            file=path,
+            accepted="position_mm, forward_um, backward_um (or _urad), and numbers below",
         ) from None
     return position, scale * up, scale * down

@@ -112,7 +112,10 @@ def read_grid(folder: Path) -> SpatialGrid:
         rows = np.array([[float(r[name]) for name in _COLUMNS] for r in csv.DictReader(lines)])
         axes, places = zip(*(np.unique(q, return_inverse=True) for q in rows[:, :3].T), strict=True)
     except (KeyError, TypeError, ValueError, IndexError):
-        raise InputError("no grid", file=path, accepted=", ".join(_COLUMNS)) from None
+        begins = lines[0] if lines else ""
+        raise InputError(
+            f"no grid: it begins with {begins!r}", file=path, accepted=", ".join(_COLUMNS)
+        ) from None
     error = np.full((*map(len, axes), 3), np.nan)
     error[places] = mm_from_um(rows[:, 3:])
     if len(rows) != error[..., 0].size or not np.isfinite(error).all():

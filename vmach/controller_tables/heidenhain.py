@@ -110,7 +110,12 @@ def read_heidenhain(folder: Path) -> AxisErrorCompensation:
 def _table(path: Path) -> tuple[list[str], list[list[str]]]:
     lines = [line.split() for line in read_text(path, what="table").splitlines() if line.strip()]
     if len(lines) < 3 or lines[0][0] != "BEGIN" or lines[-1] != ["[END]"]:
-        raise InputError("no table", file=path, accepted="BEGIN ..., column names, rows, [END]")
+        begins, ends = (" ".join(lines[k]) if lines else "" for k in (0, -1))
+        raise InputError(
+            f"no table: it begins with {begins!r} and ends with {ends!r}",
+            file=path,
+            accepted="BEGIN ..., column names, rows, [END]",
+        )
     head = lines[1]
     for number, row in enumerate(lines[2:-1], 3):
         if len(row) != len(head):
@@ -124,8 +129,8 @@ def _com(path: Path) -> dict[str, np.ndarray]:
     head, rows = _table(path)
     try:
         values = np.array(rows, dtype=float)
-    except ValueError:
-        raise InputError("a cell is no number", file=path) from None
+    except ValueError as error:
+        raise InputError(f"a cell is no number: {error}", file=path) from None
     columns = {name: values[:, k] for k, name in enumerate(head) if name != "NR"}
     if len(rows) > MOST_ENTRIES or np.any(np.diff(columns["AXISPOS"]) <= 0):
         raise InputError(

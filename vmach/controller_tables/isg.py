@@ -92,7 +92,8 @@ def read_isg(folder: Path) -> RigidChain:
     """
     settings = dict(_settings(folder / "volcomp.lis"))
     if settings.get("workpiece_axes", "0") != "0":
-        raise InputError("workpiece_axes", file=folder / "volcomp.lis", accepted="0")
+        axes = settings["workpiece_axes"]
+        raise InputError(f"workpiece_axes = {axes}", file=folder / "volcomp.lis", accepted="0")
     found = RigidChain(settings["chain"])
     for key, name in settings.items():
         if not key.startswith("file["):

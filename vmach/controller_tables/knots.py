@@ -55,7 +55,7 @@ class Knots:
 
     @property
     def position_mm(self) -> np.ndarray:
-        """(intervals + 1,) float64."""
+        """Positions of the entries, (K,) float64, K being `intervals` + 1."""
         steps = self.step_mm * np.arange(self.intervals + 1)
         return np.round(self.low_mm + steps, POSITION_DIGITS)
 

@@ -198,6 +198,7 @@ class _ReadTable:
     settings: dict[str, str] = field(default_factory=dict)
 
     def at(self, position_mm: np.ndarray) -> np.ndarray:
+        """Values of the table at positions, (P,) mm, as the control interpolates them, (P,)."""
         step, low = float(self.settings["STEP"]), float(self.settings["MIN"])
         count = round((float(self.settings["MAX"]) - low) / step) + 1
         entries = np.array([self.values.get(k, 0.0) for k in range(count)])

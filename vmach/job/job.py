@@ -57,7 +57,7 @@ class Blank:
 
     @property
     def solid(self) -> tuple[np.ndarray, np.ndarray] | trimesh.Trimesh:
-        """The blank as the removal engine takes it: two corners, or a mesh."""
+        """The blank as the removal engine takes it: two corners, (3,) mm each, or a mesh."""
         return (self.min_mm, self.max_mm) if self.mesh is None else self.mesh
 
     @property
@@ -276,11 +276,14 @@ def _blank(data: JobSchema, path: Path, at: Any) -> Blank | None:
         return None
     if stock.file is not None:
         if stock.min_mm or stock.max_mm:
-            raise InputError("[stock] has both a file and a box", **at("stock"), accepted="one")
+            what = f"[stock] has both a box and file = {str(stock.file)!r}"
+            raise InputError(what, **at("stock"), accepted="one of the two")
         return _blank_from_file(path.parent / stock.file, stock.unit, at("stock", "file"))
     if stock.min_mm is None or stock.max_mm is None:
         raise InputError(
-            "[stock] is incomplete", **at("stock"), accepted="min_mm and max_mm, or file"
+            f"[stock] has min_mm = {stock.min_mm} and max_mm = {stock.max_mm}",
+            **at("stock"),
+            accepted="min_mm and max_mm, or file",
         )
     low, high = np.array(stock.min_mm), np.array(stock.max_mm)
     if not (low < high).all():
@@ -334,7 +337,7 @@ def _tool(number: int, tool: ToolEntry, where: dict[str, Any]) -> JobTool:
 def _inspection(data: InspectionEntry, where: dict[str, Any]) -> Inspection:
     if data.alignment == "datum" and not data.datums:
         raise InputError(
-            'alignment = "datum" needs datums',
+            f'alignment = "{data.alignment}" needs datums',
             **where,
             accepted='lists of feature names: datums = [["top"], ["side *"], ["bore 1"]]',
         )

@@ -60,7 +60,7 @@ class PathShift:
     value_mm: np.ndarray
 
     def with_values(self, value_mm: np.ndarray) -> PathShift:
-        """The same knots with other shifts."""
+        """The same knots with other shifts, (U, 3) mm; those that are not free stay 0."""
         return replace(self, value_mm=np.where(self.free, value_mm, 0.0))
 
     def at(self, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:

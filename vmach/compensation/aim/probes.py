@@ -55,7 +55,7 @@ class Probes:
 
     @cached_property
     def key(self) -> np.ndarray:
-        """Number of the move plus parameter, below 1: in order of the path."""
+        """Number of the move plus parameter, (P,), the latter below 1: in order of the path."""
         return self.move + np.minimum(self.parameter, _INSIDE)
 
     def in_order(self) -> Probes:

@@ -62,7 +62,7 @@ class GridPlaces:
         )
 
     def put(self, ends: np.ndarray, places: GridPlaces) -> None:
-        """Fill in the points of some ends."""
+        """Fill in the points of the ends with numbers (K,)."""
         self.parameter[ends] = places.parameter
         self.wanted_mm[ends] = places.wanted_mm
         self.off_mm[ends] = places.off_mm
@@ -97,7 +97,7 @@ class Grid:
         self.inserted = _inserted(rewriter, plan)
 
     def of_inserted(self, ends: np.ndarray) -> GridPlaces:
-        """Points beside the path of their move, for ends that may stand for other places."""
+        """Points beside the path of their move, for ends (K,) that may stand for other places."""
         axis, per_axis = self._main_axis(ends, self.last[ends])
         step, per_axis = self.step_mm[ends][:, None], per_axis[:, None]
         length = self.rewriter.length_mm[self.plan.move[ends]][:, None]
@@ -121,7 +121,7 @@ class Grid:
         return np.clip(ways, -_FAR.max() * before, _FAR.max() * after)
 
     def of_programmed(self, ends: np.ndarray) -> GridPlaces:
-        """Points about the ends, more of them along the moves that meet there."""
+        """Points about the ends (K,), more of them along the moves that meet there."""
         following = np.minimum(ends + 1, len(self.last) - 1)
         place, step = self._wanted(ends, np.zeros((len(ends), 1))), self.step_mm[ends][:, None]
         around = []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["DOMINATES", "RIVAL", "RULES", "SHOWN", "STRUCTURE", "TRUST", "Rule"]
+__all__ = ["DOMINATES", "RIVAL", "RULES", "SHOWN", "STRUCTURE", "TRUST", "Rule", "rules_text"]
 
 #: log odds from which an effect counts as shown, given everything else
 SHOWN = 5.0
@@ -53,7 +53,7 @@ RULES = (
         STRUCTURE,
         "stated u",
         "what remains is structure where its size is above the uncertainty of one reading",
-        "GUM 4.3.7: what is below u cannot be told from a reading's own scatter",
+        "chosen: what is below u hides in the scatter of a reading",
         "tests/benchmarks/bench_hidden_effects.py, foreign kinds",
     ),
     Rule(
@@ -73,3 +73,15 @@ RULES = (
         "tests/unit/test_diagnosis_verdicts.py, a ripple that no effect explains",
     ),
 )
+
+
+def rules_text() -> str:
+    """All rules for people."""
+    lines = []
+    for rule in RULES:
+        lines += [
+            f"{rule.name} = {rule.value:g} {rule.unit}: {rule.meaning}",
+            f"    origin: {rule.origin}",
+            f"    guarded by: {rule.guard}",
+        ]
+    return "\n".join(lines)
