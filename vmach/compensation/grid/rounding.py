@@ -40,10 +40,10 @@ class Rounding:
     """Chooses the grid points of a target's ends.
 
     Rounding an end to the nearest point moves the tool by up to 0.9 steps. What counts is less:
-    along the path next to nothing, and across it what is left at the probes, all along the
-    pieces, as the error of a straight move goes linearly from one end's to the other's, and
-    that of an arc likewise in radius, tangent and axis. Ends that are not the user's may stand
-    for other places of their move, where the grid comes nearer to the path.
+    next to nothing along the path, and across it what is left at the probes. Along a straight
+    move the error is linear between its ends; along an arc it is linear in radius, tangent and
+    axis. Inserted ends may be written at other places of their move, where the grid comes nearer
+    to the path.
 
     Of the points around every end those are kept that leave least between exact neighbours; the
     best sequence of these is found by dynamic programming.
