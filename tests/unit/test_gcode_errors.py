@@ -122,3 +122,16 @@ def test_arc_tolerance_of_each_control(control, mismatch_mm, accepted):
         assert len(read_program(Source(text.encode()), arc_tolerances=control).moves) == 2
     else:
         assert "differs from radius" in refusal(text, arc_tolerances=control)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("#1 = 0\nG0 X[#2 + 5 / #1]\n", "5 / 0"),
+        ("#1 = 7\nG10 L#1 P1\n", "G10 with L7"),
+        ("#1 = 0\nS1 M3\nG76 P1 Z-5 I-1 J#1 K2\n", "J0 K2"),
+        ("G21 F9\n#1 = 4\nG2 X0 Y0 R#1\n", "R4 ends where it starts"),
+    ],
+)
+def test_message_shows_values_that_parameters_hide(text, said):
+    assert said in refusal(text)

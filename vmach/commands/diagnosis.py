@@ -98,7 +98,7 @@ def diagnose(
     if add_all:
         _add_all(job)
     elif found.verdict in ("named", "class", "partly"):
-        print(f"to put it into the model: vmach add {job} {' '.join(map(_word, found.findings))}")
+        print(f"to add it to the model: vmach add {job} {' '.join(map(_word, found.findings))}")
     if found.next_measurement is not None and program is None:
         print("--next FILE writes the program of the measurement to do next")
     if next_file is not None and program is None:
@@ -134,7 +134,7 @@ def _tell(out: Path, written: Sequence[str], possible: Sequence[str]) -> None:
     print(f"results in {out}: {', '.join(written)}")
     for name in possible:
         if name not in written and (out / name).exists():
-            print(f"{out / name} is of an earlier diagnosis; this one calls for no measurement")
+            print(f"{out / name} is from an earlier diagnosis; this one calls for no measurement")
 
 
 def add(
@@ -160,7 +160,7 @@ def add(
     for effect in found:
         if not effect.is_called_for:
             place = effect.label
-            said = f"these measurements do not call for {place}: clean ones would give it as much"
+            said = f"these measurements do not call for {place}: noise alone would give it as much"
             notes.append(Note.plain(Kind.NOT_CALLED_FOR, said, place=place))
     notes += impossible_size_notes(found)
     if as_json:

@@ -82,7 +82,7 @@ def check(
     for one in found[:_MOST_TOLD]:
         target = f" {one.target}" if one.target else ""
         print(
-            f"hardly told from {one.label}: it leaves {one.share_left:.0%} of "
+            f"hardly distinguished from {one.label}: it leaves {one.share_left:.0%} of "
             f"{effect.name}{target} ({rows})"
         )
     for note in _notes(effect, largest_mm):

@@ -2,8 +2,8 @@
 
 A table of straight lines between entries is a sum of hat functions of one axis' position; a
 product with another axis' position scales them by that position. Every correction that such
-tables can give is therefore A x with a sparse matrix A (one row a sample, one column an entry),
-and the entries that leave the least mean square over the samples solve
+tables can give is therefore A x with a sparse matrix A (one row per sample, one column per entry).
+The entries that leave the least mean square over the samples solve
 
     (A' W A + r I) x = -A' W e
 

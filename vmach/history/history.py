@@ -62,7 +62,7 @@ def history_of(job_path: str | Path, *, check: Job | None = None) -> list[Step]:
     seen: set[Path] = set()
     while True:
         if job.path.resolve() in seen:
-            raise InputError("the history goes round in a circle", file=job.path)
+            raise InputError("the chain of jobs refers back to itself", file=job.path)
         seen.add(job.path.resolve())
         last = job.history[-1] if job.history else {}
         survey = survey_job(job.path)

@@ -165,5 +165,5 @@ class ComponentError:
             file=self.source or None,
             accepted=f"{low:g} .. {high:g} mm",
             hint=f'in the machine file, [errors.{self.name}] extrapolation = "hold" keeps the '
-            'value at the end, "linear" goes on along the tangent',
+            'value at the end, "linear" continues along the tangent',
         )

@@ -98,9 +98,9 @@ def displacement(
 
     Notes
     -----
-    With arms r_j = T + mask_j q (`Chain.arm_masks`), measuring points R_ij (zero in the
-    conventional form), theta_j the rotation vector of axis j, sigma_j that of its reference line
-    and all component errors turned to "tool relative to workpiece":
+    All component errors are turned to "tool relative to workpiece". The arms are
+    r_j = T + mask_j q (`Chain.arm_masks`), the measuring points R_ij (zero in the conventional
+    form). theta_j is the rotation vector of axis j, sigma_j that of its reference line:
 
         e_i = sum_j (E_ij + [theta_j x (r_j - R_ij)]_i) + sum_j q_j [sigma_j x e_j]_i
     """

@@ -73,7 +73,7 @@ def agreed_value(um_per_m: float | None, arcsec: float | None, use: str | None) 
         if _agree(arcsec, um_per_m):
             hint = (
                 f"swapped, {um_per_m:g} arcsec and {arcsec:g} um/m are the same angle, so the "
-                f"numbers most likely stand at each other's units; {hint}"
+                f"two numbers are probably exchanged; {hint}"
             )
         raise InputError(
             f"{um_per_m:g} um/m is {also:.4g} arcsec, but {arcsec:g} arcsec is stated", hint=hint

@@ -1,8 +1,8 @@
 """Alignment of measured or predicted deviations to the nominal part, as a CMM does it.
 
-A part that lies on the CMM shifted by d and turned by w (small) about p0 shows, at a surface
-point p with outward normal n, the deviation n.(d + w x (p - p0)) on top of its own. Alignment
-finds d and w and takes that away.
+Let a part lie on the CMM shifted by d and turned by w (small) about p0. A surface point p with
+outward normal n then shows the deviation n.(d + w x (p - p0)) on top of its own. Alignment finds
+d and w and takes that away.
 
 Source: ISO 5459 (datums); Gaussian best fit by least squares; closed form derived here: n . (w x
 r) = w . (r x n).
@@ -139,9 +139,9 @@ def fit_alignment(
 ) -> Alignment:
     """Best fit: the motion that leaves the least weighted sum of squared deviations.
 
-    Where the points do not determine all six numbers (a single plane leaves three free) the
-    motion of least length is taken, rotations counted at the points' RMS distance from their
-    centroid, and `notes` says what is free.
+    Points may not determine all six numbers; a single plane leaves three free. Then the motion
+    of least length is taken, with rotations counted at the points' RMS distance from their
+    centroid. `notes` says what is free.
 
     Parameters
     ----------

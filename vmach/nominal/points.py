@@ -112,8 +112,8 @@ def read_points_csv(path: str | Path) -> SurfacePoints:
     Raises
     ------
     InputError
-        The file cannot be read, a column is missing, or a row holds a value that is not a
-        finite number, a normal that is no unit vector or an uncertainty that is not positive.
+        The file cannot be read, a column is missing, or a value is not a finite number. A normal
+        is no unit vector, or an uncertainty is not positive.
     """
     path = Path(path)
     columns, rows, lines = _read_rows(path)

@@ -96,7 +96,7 @@ def _store(
             accepted="two or more rows, each position once",
         )  # fmt: skip
     if name in found.tables:
-        raise InputError(f"{name} stands there twice", file=path, line=line)
+        raise InputError(f"{name} occurs twice", file=path, line=line)
     found.tables[name] = (table[:, 0], table[:, 1])
 
 

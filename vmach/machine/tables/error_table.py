@@ -235,7 +235,7 @@ def _check_positions(position: np.ndarray, header: _Header) -> None:
     twice = np.flatnonzero(np.diff(position) < _SAME_POSITION * header.position_scale)
     if twice.size:
         raise InputError(
-            f"position {position[twice[0]] / header.position_scale:g} stands there twice",
+            f"position {position[twice[0]] / header.position_scale:g} occurs twice",
             file=header.path,
             hint="single runs go into columns forward_1, forward_2, ...",
         )
