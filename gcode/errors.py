@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 __all__ = ["ProgramError", "UnknownToolError"]
+
+#: characters of a block that a message shows
+_SHOWN = 60
 
 
 class ProgramError(ValueError):
     """A program, or a file that goes with it, cannot be read or obeyed.
 
-    The message reads ``FILE:LINE: what; accepted: ... (hint: ...)``.
+    The message reads ``FILE:LINE: what: 'BLOCK'; accepted: ... (hint: ...)``.
 
     Parameters
     ----------
@@ -39,7 +43,7 @@ class ProgramError(ValueError):
         hint: str | None = None,
     ) -> None:
         self.what, self.file, self.line, self.column = what, file, line, column
-        self.accepted, self.hint = accepted, hint
+        self.accepted, self.hint, self.block = accepted, hint, ""
         super().__init__(what)
 
     def located(self, *, file: str | Path | None, line: int | None) -> ProgramError:
@@ -48,10 +52,19 @@ class ProgramError(ValueError):
         self.line = line if self.line is None else self.line
         return self
 
+    def in_block(self, lines: Sequence[str]) -> ProgramError:
+        """Show the block at fault, out of the program's lines; returns the error itself."""
+        if self.line is not None and 0 < self.line <= len(lines):
+            text = lines[self.line - 1].strip()
+            self.block = text if len(text) <= _SHOWN else text[:_SHOWN] + "..."
+        return self
+
     def __str__(self) -> str:
         parts = [str(self.file)] if self.file is not None else []
         parts += [str(n) for n in (self.line, self.column) if n is not None] if parts else []
         text = ":".join(parts) + ": " + self.what if parts else self.what
+        if self.block and self.block not in self.what:
+            text += f": '{self.block}'"
         if self.accepted:
             text += f"; accepted: {self.accepted}"
         if self.hint:

@@ -107,7 +107,13 @@ class Program:
         try:
             return to_moves(self.record, limits=self.limits, home_mm=self.home_mm)
         except ProgramError as error:
-            raise error.located(file=self.path, line=None) from None
+            raise _placed(error, self.source) from None
+
+
+def _placed(error: ProgramError, source: Source) -> ProgramError:
+    """The error with its file, and the block at fault where that is of the program itself."""
+    error.located(file=source.path, line=None)
+    return error.in_block(source.lines) if error.file == source.path else error
 
 
 def read_program(
@@ -195,7 +201,7 @@ def read_program(
     try:
         spoken, controller = _run_as_recognised(run, source.data[source.mark :], dialect)
     except ProgramError as error:
-        raise error.located(file=source.path, line=None) from None
+        raise _placed(error, source) from None
     if controller.trace is not None:
         controller.trace.end()
     notes = tuple(Note(line, word, text) for (line, word), text in controller.notes.items())

@@ -27,7 +27,7 @@ njit_inlined = partial(njit_part, forceinline=True)
 
 
 def read_only(array: np.ndarray) -> np.ndarray:
-    """View of an array for kernels that only read it.
+    """View of an array of any shape, (...,), for kernels that only read it.
 
     A kernel is compiled once for arrays that may be written and once more for those that may
     not, whatever it does with them. Callers' arrays come in both kinds.

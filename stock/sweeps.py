@@ -29,8 +29,8 @@ _COLUMNS: dict[str, tuple[type, tuple[int, ...]]] = {
 class Sweeps:
     """M elementary sweeps in cutting order, in workpiece coordinates, mm and rad.
 
-    With s from 0 to 1 along a sweep, the nominal tool tip is on the straight line from
-    `start_mm` to `end_mm`, or, where `sweep_rad` is not zero, on the arc (helix, spiral) about
+    Let s go from 0 to 1 along a sweep. The nominal tool tip is on the straight line from
+    `start_mm` to `end_mm`. Where `sweep_rad` is not zero, it is on the arc (helix, spiral) about
     `axis` through `centre_mm`. The displaced tool is the nominal one, axis along +Z of the
     workpiece frame, moved by a small rigid motion: the tool point c (from the tip) is at
 

@@ -23,6 +23,7 @@ from vmach.commands.iso230 import iso230
 from vmach.commands.machining import compare, run
 from vmach.commands.path import path
 from vmach.commands.predict import predict
+from vmach.commands.schema import schema
 from vmach.commands.tables import HelpWithFormats, tables
 from vmach.commands.view import view
 from vmach.commands.warm_up import tell_if_cold, warm_up
@@ -65,7 +66,7 @@ def _before_any_command(
 for _command in (run, compare, predict, path, diagnose, add, history, compensate):
     app.command()(_command)
 app.command(cls=HelpWithFormats)(tables)
-for _command in (accuracy, iso230, canon, view, warm_up):
+for _command in (accuracy, iso230, canon, schema, view, warm_up):
     app.command()(_command)
 app.add_typer(effects_app, name="effects")
 

@@ -1,7 +1,7 @@
 """Quirks of LinuxCNC's stand-alone interpreter, which a machine does not share.
 
-Without a machine to ask, that interpreter takes the last straight move's coordinates for the
-position after a tool change, reads the tool table anew, and keeps the number of the tool
+That interpreter has no machine to ask. After a tool change it takes the last straight move's
+coordinates for the position and reads the tool table anew. It keeps the number of the tool
 offset when the unit changes. Only comparison with its output needs this (`preview`).
 """
 

@@ -76,7 +76,9 @@ def centre_from_radius(
         Start and end coincide, or are further apart than the diameter.
     """
     if start == end:
-        raise ProgramError("arc with R ends where it starts", hint="use I J K for a full circle")
+        raise ProgramError(
+            f"arc with R{radius:g} ends where it starts", hint="use I J K for a full circle"
+        )
     size = abs(radius)
     middle = ((end[0] + start[0]) / 2.0, (end[1] + start[1]) / 2.0)
     half = math.hypot(middle[0] - end[0], middle[1] - end[1])

@@ -52,6 +52,8 @@ class Dialect:
         Words that no other control reads which shares its letters and numbers.
     flow_lines : re.Pattern or None
         Lines that are left out where loops and subprograms are written out.
+    unwritable : re.Pattern or None
+        In a line that moves: words whose ends cannot be written anew.
     inch_decimals : int
         Decimals of an inch beyond those of a mm: 1 gives 0.0001 inch beside 0.001 mm.
     ending : frozenset of int
@@ -77,6 +79,7 @@ class Dialect:
     reads: tuple[str, ...] = ()
     own_words: re.Pattern[str] | None = None
     flow_lines: re.Pattern[str] | None = None
+    unwritable: re.Pattern[str] | None = None
     inch_decimals: int = 1
     ending: frozenset[int] = frozenset((0, 1, 2, 5, 9, 30, 60))
     floating_tap: bool = False

@@ -35,6 +35,11 @@ class CompensatedPath:
         self.programmed = self._plane(controller.programmed)
         self.end = self._plane(end)
 
+    @property
+    def goes_straight(self) -> bool:
+        """Whether outer corners are passed by lines, not by arcs."""
+        return bool(self.controller.start_up) and not self.controller.round_corners
+
     def _plane(self, position: list[float]) -> Point:
         return position[self.first], position[self.second]
 

@@ -45,8 +45,11 @@ def line_after_arc(path: CompensatedPath, arc_before: WaitingMove, heading: floa
     depth += -path.radius if inside else path.radius
     ratio = depth / radius if radius else math.inf
     if abs(ratio) > 1.0:
-        raise ProgramError("arc to straight motion makes a corner the compensated tool can't fit "
-                           "in without gouging", hint="use a smaller tool")
+        raise ProgramError(
+            f"arc of radius {radius:.6g} to straight motion makes a corner the compensated tool of "
+            f"radius {path.radius:.6g} can't fit in without gouging",
+            hint="use a smaller tool",
+        )
     swing = math.acos(ratio) if ccw != inside else -math.acos(ratio)
     return beside(centre, radius, theta + HALF + swing)
 
@@ -60,8 +63,11 @@ def arc_after_line(
     reach = radius - path.radius if inside else radius + path.radius
     ratio = across / reach if reach else math.inf
     if abs(ratio) > 1.0:
-        raise ProgramError("Arc move in concave corner cannot be reached by the tool without "
-                           "gouging", hint="use a smaller tool")
+        raise ProgramError(
+            f"arc move of radius {radius:.6g} in a concave corner cannot be reached by the tool of "
+            f"radius {path.radius:.6g} without gouging",
+            hint="use a smaller tool",
+        )
     swing = math.asin(ratio) if turns > 0 else -math.asin(ratio)
     angle = theta + swing if inside else theta + HALF - swing
     return beside(centre, reach, angle)
@@ -75,10 +81,16 @@ def arc_after_arc(
     new_radius = radius - path.radius if path.inside(turns) else radius + path.radius
     between = distance(before.centre, centre)
     if old_radius == 0.0 or between == 0.0:
-        raise ProgramError("arc to arc motion is invalid because the arcs have the same centre")
+        raise ProgramError(
+            "arc to arc motion is invalid because the arcs have the same centre or no radius: "
+            f"centres {between:.6g} apart, radius {old_radius:.6g}"
+        )
     cosine = (old_radius**2 + between**2 - new_radius**2) / (2.0 * old_radius * between)
     if abs(cosine) > 1.0:
-        raise ProgramError("arc to arc motion makes a corner the compensated tool can't fit in "
-                           "without gouging", hint="use a smaller tool")
+        raise ProgramError(
+            f"arc of radius {old_radius:.6g} to arc of radius {radius:.6g} makes a corner the "
+            f"compensated tool of radius {path.radius:.6g} can't fit in without gouging",
+            hint="use a smaller tool",
+        )
     pullback = math.acos(cosine) if path.inside(before.turns) == (turns > 0) else -math.acos(cosine)
     return beside(before.centre, old_radius, direction(before.centre, centre) + pullback)

@@ -95,11 +95,12 @@ def axis_offsets(controller: Controller, block: Values, code: str) -> None:
 def write_tables(controller: Controller, block: Values) -> None:
     """G10 in all its L forms: write the tool table or the offsets of a work system."""
     if "l" not in block.words or block.words["l"] not in (0, 1, 2, 10, 11, 20):
-        raise ProgramError("G10 without a known L word", accepted="L1 L2 L10 L11 L20")
+        given = f"L{block.words['l']:g}" if "l" in block.words else "no L word"
+        raise ProgramError(f"G10 with {given}", accepted="L0 L1 L2 L10 L11 L20")
     form = int(block.words["l"])
     if form == 0:
         if controller.tool:
-            raise ProgramError("G10 L0 with a tool in the spindle")
+            raise ProgramError(f"G10 L0 with tool T{controller.tool} in the spindle")
         controller.note("G10 L0", "reload of the tool table")
         return
     if "p" not in block.words:

@@ -45,8 +45,10 @@ def run_threading(controller: Controller, block: Values) -> None:
     scale = 0.5 if controller.diameter_mode else 1.0
     i, j, k = (words[letter] * scale for letter in "ijk")
     if i == 0.0 or j <= 0.0 or k <= j or words["p"] <= 0.0:
-        raise ProgramError("G76 needs I not zero, J positive, K greater than J, P positive",
-                           accepted="I offset, J first cut, K full depth, P pitch")
+        raise ProgramError(
+            f"G76 with I{i:g} J{j:g} K{k:g} P{words['p']:g}",
+            accepted="I offset, not 0; J first cut above 0; K full depth above J; P pitch above 0",
+        )
     if end[3:] != controller.position[3:]:
         raise ProgramError("rotary axes in G76")
     thread = _Thread(controller, block, end, depths=(abs(i), abs(j), abs(k)), boring=i > 0.0)

@@ -122,7 +122,8 @@ def nurbs_point(controller: Controller, block: Values) -> None:
         raise ProgramError("G5.2 with one of X and Y", accepted="both")
     weight = words.get("p", -1.0)
     if points and (weight <= 0.0 or "x" not in words):
-        raise ProgramError("G5.2 needs X, Y and a positive weight P")
+        given = f"P{weight:g}" if "p" in words else "no P"
+        raise ProgramError(f"G5.2 with {given}", accepted="X, Y and a positive weight P")
     if not points:
         first = weight if weight > 0.0 and "x" not in words else 1.0
         points.append((controller.position[0], controller.position[1], first))
@@ -131,7 +132,8 @@ def nurbs_point(controller: Controller, block: Values) -> None:
         controller.nurbs_order = int(words["l"])
     if "x" in words:
         if weight <= 0.0:
-            raise ProgramError("G5.2 needs a positive weight P")
+            given = f"P{weight:g}" if "p" in words else "no P"
+            raise ProgramError(f"G5.2 with {given}", accepted="a positive weight P")
         end = block_end(controller, block)
         points.append((end[0], end[1], weight))
     controller.motion = "G5.2"

@@ -90,7 +90,7 @@ class Geometry:
         return arm - along * np.einsum("ij,ij->i", arm, along)[:, None]
 
     def radii(self, arcs: np.ndarray, point: np.ndarray) -> np.ndarray:
-        """Distance of `point` from the axis of the moves `arcs`."""
+        """Distance of one point a move, (M, 3) mm, from the axes of the moves `arcs`, (N,)."""
         return np.sqrt((self._arms(arcs, point) ** 2).sum(axis=1))
 
     def directions(self, point: np.ndarray) -> np.ndarray:

@@ -55,9 +55,9 @@ def evaluate(block: Block, parameters: Parameters) -> Values:
         Unknown codes, two codes of one group, words out of range.
     """
     values = Values({k: value_of(v, parameters) for k, v in block.words.items()})
-    for value in values.words.values():
+    for letter, value in values.words.items():
         if not math.isfinite(value):
-            raise ProgramError("calculation resulted in a value that is not finite")
+            raise ProgramError(f"calculation resulted in {letter.upper()} = {value}, not finite")
     for expression in block.g_codes:
         _add_g(values, value_of(expression, parameters))
     for expression in block.m_codes:

@@ -102,6 +102,7 @@ class Controller:
     orientation: int = 0
     entering: bool = True
     starting: bool = False  #: its first line waits for the next move
+    round_corners: bool = False  #: with type A: arcs about outer corners in place of lines
     start_up: str = ""  #: cutter compensation: type A or B of Fanuc, empty for LinuxCNC's
     programmed: list[float] = field(default_factory=lambda: [0.0] * 3)
     straight_only: bool = False
@@ -154,7 +155,7 @@ class Controller:
     def require_spindle(self, name: str) -> None:
         """Raise ProgramError where the spindle stands that the cycle `name` wants to turn."""
         if self.spindle == 0:
-            raise ProgramError(f"{name} with the spindle standing", hint="start it with M3 or M4")
+            raise ProgramError(f"{name} with the spindle stopped", hint="start it with M3 or M4")
 
     def check_tool(self, number: int, *, word: str) -> None:
         """Raise UnknownToolError for a tool that is not in the magazine; 0 stands for none."""

@@ -24,13 +24,13 @@ def value_of(expression: Expression, parameters: Parameters) -> float:
 
 def _divide(a: float, b: float) -> float:
     if b == 0.0:
-        raise ProgramError("attempt to divide by zero")
+        raise ProgramError(f"attempt to divide by zero, {a:g} / 0")
     return a / b
 
 
 def _modulo(a: float, b: float) -> float:
     if b == 0.0:
-        raise ProgramError("MOD by zero")
+        raise ProgramError(f"MOD by zero, {a:g} MOD 0")
     remainder = math.fmod(a, b)
     return remainder + abs(b) if remainder < 0.0 else remainder
 
@@ -39,7 +39,7 @@ def _power(a: float, b: float) -> float:
     if a < 0.0 and math.floor(b) != b:
         raise ProgramError(f"attempt to raise the negative number {a:g} to the power {b:g}")
     if a == 0.0 and b < 0.0:
-        raise ProgramError("attempt to raise zero to a negative power")
+        raise ProgramError(f"attempt to raise zero to the negative power {b:g}")
     return a**b
 
 

@@ -165,7 +165,7 @@ def _read_item(reader: Reader, block: Block) -> None:
         block.constant = False
     else:
         if not (letter in _WORDS or letter in "gm"):
-            hint = "decimals stand behind a point" if letter == "," else None
+            hint = "decimals follow a point" if letter == "," else None
             raise ProgramError(f"bad character '{letter}'", column=start + 1, hint=hint,
                                accepted="words of RS274/NGC: A-F G H I J K L M P Q R S T X Y Z")
         reader.position += 1

@@ -101,7 +101,7 @@ class Source:
 
     @cached_property
     def line_starts(self) -> np.ndarray:
-        """(lines + 1,) int64: byte offset of every line's first byte, then the file's length."""
+        """Byte offset of every line's first byte, then the file's length; (L,) int64, lines + 1."""
         ends = np.flatnonzero(np.frombuffer(self.data, np.uint8) == 10) + 1
         starts = np.concatenate(([self.mark], ends))
         last = [] if len(self.data) == starts[-1] else [len(self.data)]

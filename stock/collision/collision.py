@@ -162,7 +162,10 @@ def _table(outline: Outline | None) -> np.ndarray:
         return table
     points = np.asarray(outline, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
-        raise StockError("an outline of a shank or holder is no list of points (r, z) in mm")
+        raise StockError(
+            f"an outline of a shank or holder is no list of points: {points.tolist()}",
+            accepted="points (r, z), finite numbers in mm",
+        )
     if len(points) < 2 or (points[:, 0] < 0).any() or not points[:, 0].max() > 0:
         raise StockError(
             f"an outline of a shank or holder encloses no volume: {points.tolist()}",
@@ -226,18 +229,27 @@ def _follow(ends, tool, rapid, tables, dexels, clearance, worst) -> None:
     cell, top = dexels[1], dexels[5]
     for s in range(len(ends)):
         step = ends[s, 1] - ends[s, 0]
-        stops = int(np.ceil(2 * np.sqrt((step**2).sum()) / cell)) + 1
+        stops = max(int(np.ceil(2 * np.sqrt((step**2).sum()) / cell)), 1)
+        first = 1 if _goes_on(ends, tool, rapid, s) else 0
         cutter = tables[tool[s], _CUTTER]
         if rapid[s]:
-            for stop in range(stops + 1):
+            for stop in range(first, stops + 1):
                 tip = ends[s, 0] + step * (stop / stops)
                 _hold(tip, cutter, dexels, clearance, worst[s, _CUTTER])
-        for stop in range(stops + 1):
+        for stop in range(first, stops + 1):
             tip = ends[s, 0] + step * (stop / stops)
             for body in range(_CUTTER + 1, len(KINDS)):
                 _hold(tip, tables[tool[s], body], dexels, clearance, worst[s, body])
             if tip[2] < top:
                 _cut(tip, cutter, dexels)
+
+
+@njit(cache=True)
+def _goes_on(ends, tool, rapid, s) -> bool:
+    """Whether a stroke begins as the one before has ended: nothing is new there."""
+    if s == 0 or tool[s] != tool[s - 1] or rapid[s] != rapid[s - 1]:
+        return False
+    return (ends[s, 0] == ends[s - 1, 1]).all()
 
 
 @njit(cache=True)

@@ -99,7 +99,7 @@ def _cross(
 def overlap(
     low: np.ndarray, high: np.ndarray, count: int, bottom: float, top: float
 ) -> tuple[float, float]:
-    """Longest stretch of one line's material between two heights, and where it begins."""
+    """Longest stretch of one line's material, intervals (K,), between heights, and its begin."""
     longest, begins = 0.0, 0.0
     for k in range(count):
         begin, end = max(low[k], bottom), min(high[k], top)
@@ -110,7 +110,7 @@ def overlap(
 
 @njit(cache=True)
 def remove(low: np.ndarray, high: np.ndarray, count: int, bottom: float, top: float) -> int:
-    """Take what lies between two heights from one line; returns its number of intervals."""
+    """Take what lies between two heights from one line, intervals (K,); returns their number."""
     k = 0
     while k < count:
         if top <= low[k] or bottom >= high[k]:

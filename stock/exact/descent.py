@@ -1,8 +1,8 @@
 """Down into one valley of phi(h, s) along s, by Newton's method in a bracket.
 
 From the tangent at s, phi can fall no farther than by what it bends: `bend_of` bounds that. So
-the search knows how much lower the minimum can be than the lowest value so far, and ends once
-that is nothing, or once the tool is sure to stay farther off than the caller cares.
+the search knows how much lower the minimum can be than the lowest value so far. It ends once that
+is nothing, or once the tool is sure to stay farther off than the caller cares.
 
 Source: closed form derived here: Newton's method kept in a bracket; a bound of the second
 derivative bounds the fall.

@@ -127,7 +127,7 @@ class Material:
         self._work = Work(cut, build_trees(motion, sweeps, size))
 
     def edges(self, points_mm: np.ndarray, normals: np.ndarray, reach_mm: float) -> Edges:
-        """Edges on normals; parameters and result as of `find_edges`."""
+        """Edges on normals, (P, 3), through points, (P, 3) mm; as `find_edges`."""
         points, normals = _checked_points(points_mm, normals)
         if not (math.isfinite(reach_mm) and reach_mm > 0.0):
             raise StockError(f"reach_mm = {reach_mm!r}", accepted="a finite length above 0")

@@ -1,7 +1,8 @@
 """Where tools may leave surface: points of them that graze along their way, or end it.
 
 The boundary of a swept tool is made by the tool's points whose outward normal is square to the
-way, and, where the way ends or turns, by those that look ahead before and not after [1]_.
+motion. Where the motion ends or turns, it is also made by those that look ahead before and not
+after [1]_.
 
 .. [1] Blackmore, Leu, Wang: The sweep-envelope differential equation algorithm and its
    application to NC machining verification, Computer-Aided Design 29 (1997) 629, section 2.
@@ -56,6 +57,12 @@ class Contacts(NamedTuple):
     normal: np.ndarray
     sweep: np.ndarray
 
+    def inside(self, box_mm: tuple[np.ndarray, np.ndarray]) -> Contacts:
+        """Those inside a box, off its faces."""
+        low, high = box_mm
+        kept = ((self.point_mm > low) & (self.point_mm < high)).all(axis=1)
+        return Contacts(*(column[kept] for column in self))
+
     @classmethod
     def joined(cls, parts: Sequence[Contacts]) -> Contacts:
         """Several of them as one."""
@@ -65,7 +72,12 @@ class Contacts(NamedTuple):
 
 
 def envelope_contacts(
-    sweeps: Sweeps, tools: Sequence[Tool], is_cutting: np.ndarray, spacing_mm: float
+    sweeps: Sweeps,
+    tools: Sequence[Tool],
+    is_cutting: np.ndarray,
+    *,
+    spacing_mm: float,
+    box_mm: tuple[np.ndarray, np.ndarray],
 ) -> Contacts:
     """Tool points that may leave surface, in steps of about half the spacing along the way.
 
@@ -79,6 +91,8 @@ def envelope_contacts(
         Sweeps that are looked at.
     spacing_mm : float
         Distance of the points on the tools.
+    box_mm : pair of (3,) float64
+        Corners of the box that the points are looked for in.
     """
     along, ends = [], []
     for number, tool in enumerate(tools):
@@ -89,9 +103,9 @@ def envelope_contacts(
         for turn, phase in enumerate(_PHASES):
             outline = outline_places(tool, spacing_mm, phase)
             of_turn = tuple(column[turn :: len(_PHASES)] for column in place)
-            along.append(_grazing(sweeps, of_turn, outline, spacing_mm))
+            along.append(_grazing(sweeps, of_turn, (outline, spacing_mm, box_mm)))
         outline = outline_places(tool, spacing_mm)
-        ends.append(_ending(sweeps, rows, is_cutting, (outline, spacing_mm)))
+        ends.append(_ending(sweeps, rows, is_cutting, (outline, spacing_mm, box_mm)))
     return Contacts.joined([*along, *ends])
 
 
@@ -138,40 +152,46 @@ def _way(sweeps: Sweeps, sweep: np.ndarray, parameter: np.ndarray) -> np.ndarray
 
 
 def _grazing(
-    sweeps: Sweeps, place: tuple[np.ndarray, np.ndarray], outline: np.ndarray, spacing_mm: float
+    sweeps: Sweeps, place: tuple[np.ndarray, np.ndarray], tool: tuple[np.ndarray, float, tuple]
 ) -> Contacts:
     """Points of the tool whose normal is square to its way."""
+    outline, spacing_mm, box_mm = tool
     sweep = place[0]
     tip, way = sweeps.nominal_tip_at(*place), _way(sweeps, *place)
     level = np.hypot(way[:, 0], way[:, 1])
     towards = np.arctan2(way[:, 1], way[:, 0])
     parts = []
     for r, z, u_r, u_z in outline:
+        high = (tip[:, 2] + z > box_mm[0][2]) & (tip[:, 2] + z < box_mm[1][2])
+        if not high.any():
+            continue
         if abs(u_r) < _LEVEL:  # the level bottom of a tool that goes level
-            rows = np.flatnonzero((np.abs(way[:, 2]) < _LEVEL) & (level > 0.0))
+            rows = np.flatnonzero(high & (np.abs(way[:, 2]) < _LEVEL) & (level > 0.0))
             off = np.full(len(rows), 0.5 * math.pi)
         else:
             with np.errstate(divide="ignore", invalid="ignore"):
                 cosine = -u_z * way[:, 2] / (u_r * level)
-            rows = np.flatnonzero((np.abs(cosine) <= 1.0) & (level > _LEVEL))
+            rows = np.flatnonzero(high & (np.abs(cosine) <= 1.0) & (level > _LEVEL))
             off = np.arccos(cosine[rows])
         for side in (-1.0, 1.0):
             azimuth = towards[rows] + side * off
-            parts.append(_contacts(tip[rows], azimuth, (r, z, u_r, u_z), sweep[rows]))
+            found = _contacts(tip[rows], azimuth, (r, z, u_r, u_z), sweep[rows])
+            parts.append(found.inside(box_mm))
         if abs(u_z) < _LEVEL:  # all around a tool that goes along its axis
-            rows = np.flatnonzero((level <= _LEVEL) & (np.abs(way[:, 2]) > 0.0))
+            rows = np.flatnonzero(high & (level <= _LEVEL) & (np.abs(way[:, 2]) > 0.0))
             count = max(_AROUND, math.ceil(2 * math.pi * r / spacing_mm))
             azimuth = np.tile(2 * math.pi * np.arange(count) / count, len(rows))
             rows = np.repeat(rows, count)
-            parts.append(_contacts(tip[rows], azimuth, (r, z, u_r, u_z), sweep[rows]))
+            found = _contacts(tip[rows], azimuth, (r, z, u_r, u_z), sweep[rows])
+            parts.append(found.inside(box_mm))
     return Contacts.joined(parts)
 
 
 def _ending(
-    sweeps: Sweeps, rows: np.ndarray, is_cutting: np.ndarray, tool: tuple[np.ndarray, float]
+    sweeps: Sweeps, rows: np.ndarray, is_cutting: np.ndarray, tool: tuple[np.ndarray, float, tuple]
 ) -> Contacts:
     """Points of the tool that look ahead where the way ends or turns, and not behind."""
-    outline, spacing_mm = tool
+    outline, spacing_mm, box_mm = tool
     here = np.concatenate([rows, rows])
     parameter = np.repeat([0.0, 1.0], len(rows))
     before = np.where(parameter == 0.0, here - 1, here)
@@ -188,12 +208,13 @@ def _ending(
     parts = []
     for r, z, u_r, u_z in outline:
         count = max(_AROUND, math.ceil(2 * math.pi * r / spacing_mm))
-        azimuth = np.tile(2 * math.pi * np.arange(count) / count, len(here))
-        k = np.repeat(np.arange(len(here)), count)
+        high = np.flatnonzero((tip[:, 2] + z > box_mm[0][2]) & (tip[:, 2] + z < box_mm[1][2]))
+        azimuth = np.tile(2 * math.pi * np.arange(count) / count, len(high))
+        k = np.repeat(high, count)
         found = _contacts(tip[k], azimuth, (r, z, u_r, u_z), here[k])
         ahead = -np.einsum("ij,ij->i", found.normal, coming[k]) >= -_LOOKS
         behind = -np.einsum("ij,ij->i", found.normal, going[k]) <= _LOOKS
-        parts.append(Contacts(*(column[ahead & behind] for column in found)))
+        parts.append(Contacts(*(column[ahead & behind] for column in found)).inside(box_mm))
     return Contacts.joined(parts)
 
 

@@ -88,7 +88,8 @@ def find_left_surface(
         In the order in which the surface was made; empty where nothing is cut.
     """
     material = Material(sweeps, tools, blank_mm)
-    starts = _inside(envelope_contacts(sweeps, tools, is_cutting, spacing_mm), blank_mm)
+    box_mm = np.asarray(blank_mm[0]) + _BLANK_MM, np.asarray(blank_mm[1]) - _BLANK_MM
+    starts = envelope_contacts(sweeps, tools, is_cutting, spacing_mm=spacing_mm, box_mm=box_mm)
     cell = _cells(starts.point_mm, starts.normal, spacing_mm)
     order = np.lexsort((starts.sweep, cell))
     starts = Contacts(*(column[order] for column in starts))
@@ -102,14 +103,7 @@ def find_left_surface(
         there = _surface_at(material, starts, rows, (spacing_mm, margin_mm))
         found.append(there[0])
         is_open[asked[there[1]]] = False
-    return _thinned(found, blank_mm, spacing_mm)
-
-
-def _inside(starts: Contacts, blank_mm: tuple) -> Contacts:
-    """Those inside the blank, off its faces."""
-    low, high = np.asarray(blank_mm[0]) + _BLANK_MM, np.asarray(blank_mm[1]) - _BLANK_MM
-    kept = ((starts.point_mm > low) & (starts.point_mm < high)).all(axis=1)
-    return Contacts(*(column[kept] for column in starts))
+    return _thinned(found, box_mm, spacing_mm)
 
 
 def _cells(point_mm: np.ndarray, normal: np.ndarray, spacing_mm: float) -> np.ndarray:
@@ -185,12 +179,12 @@ def _tangents(normal: np.ndarray) -> np.ndarray:
     return np.stack([one, np.cross(normal, one)], axis=1)
 
 
-def _thinned(found: Sequence[LeftSurface], blank_mm: tuple, spacing_mm: float) -> LeftSurface:
+def _thinned(found: Sequence[LeftSurface], box_mm: tuple, spacing_mm: float) -> LeftSurface:
     """One point a cell, in the order of the sweeps, without those on the blank's own faces."""
     point = np.concatenate([part.point_mm for part in found])
     normal = np.concatenate([part.normal for part in found])
     sweep = np.concatenate([part.sweep for part in found])
-    inside = _inside(Contacts(point, normal, np.arange(len(sweep))), blank_mm).sweep
+    inside = Contacts(point, normal, np.arange(len(sweep))).inside(box_mm).sweep
     point, normal, sweep = point[inside], normal[inside], sweep[inside]
     _, first = np.unique(_cells(point, normal, spacing_mm), return_index=True)
     rows = first[np.argsort(sweep[first], kind="stable")]

@@ -1,8 +1,8 @@
 """Bounding-volume trees over sweeps, one a tool, for finding the sweeps near a point.
 
-A node holds the box of the displaced tool tip, not of the swept tool: the distance of a point
-from the tool with its tip anywhere in a box is bounded below by the outline itself, so that a
-query reaches only the sweeps that are really near, however large the tool is.
+A node holds the box of the displaced tool tip, not of the swept tool. The outline itself bounds
+from below the distance of a point from a tool whose tip is anywhere in the box. So a query
+reaches only the sweeps that are really near, however large the tool is.
 
 Source: closed form derived here: a distance to a box bounds the distance to all that is in it
 from below.
@@ -67,7 +67,7 @@ class Trees(NamedTuple):
 
 
 def build_trees(motion: Motion, sweeps: Sweeps, reach_of_tool_mm: np.ndarray) -> Trees:
-    """Sort the pieces of all sweeps and bound them, tool by tool."""
+    """Sort the pieces of all sweeps and bound them, tool by tool; reaches (T,) mm."""
     sweep, span = _pieces(motion, sweeps.sweep_rad != 0.0)
     box = _piece_boxes(motion, sweep, span)
     first_piece, piece_count, first_node, leaves = [], [], [], []

@@ -84,7 +84,7 @@ class CutterSolids:
         )
 
     def union(self, index: np.ndarray, done: Callable[[int], None]) -> Manifold:
-        """One solid of the strokes `index`; `done` is told how many are finished."""
+        """One solid of the strokes `index`, (S,); `done` is told how many are finished."""
         single = np.zeros(len(self.strokes), dtype=bool)
         single[index] = True
         solids = []

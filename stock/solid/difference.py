@@ -11,10 +11,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts are loaded when they are first used
 from manifold3d import Manifold
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from stock.errors import StockError
 from stock.solid.blank import blank_solid
@@ -150,7 +148,7 @@ class _Volumes:
         self._gouge = None if one is None or other is None else other - one
 
     def within(self, low_mm: np.ndarray, high_mm: np.ndarray, *, excess: bool) -> float:
-        """Volume of the excess or of the gouge in a box, mm3."""
+        """Volume of the excess or of the gouge in a box with corners (3,) mm, in mm3."""
         solid = self._excess if excess else self._gouge
         if solid is None:
             return float("nan")
@@ -230,7 +228,7 @@ class _Nearness:
         area = _areas(self._corners).sum()
         self._limit = float(np.sqrt(2.0 * area / _PIECES))
         pieces, self._triangle = _cut_small(self._corners, self._limit)
-        self._tree = cKDTree(pieces.mean(axis=1))
+        self._tree = scipy.spatial.cKDTree(pieces.mean(axis=1))
 
     @property
     def _cover(self) -> float:
@@ -342,6 +340,8 @@ def _places(points: np.ndarray, kind: np.ndarray, cell_mm: float) -> np.ndarray:
     cells = np.column_stack([np.floor(points / cell_mm), 3.0 * kind])
     cells, cell = np.unique(cells, axis=0, return_inverse=True)
     touching = 1.8  # in cells: more than the root of 3, less than 2 and than the step of kinds
-    pairs = cKDTree(cells).query_pairs(touching, output_type="ndarray")
-    graph = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(cells), len(cells)))
-    return connected_components(graph, directed=False)[1][cell.reshape(-1)]
+    pairs = scipy.spatial.cKDTree(cells).query_pairs(touching, output_type="ndarray")
+    graph = scipy.sparse.coo_array(
+        (np.ones(len(pairs)), tuple(pairs.T)), shape=(len(cells), len(cells))
+    )
+    return scipy.sparse.csgraph.connected_components(graph, directed=False)[1][cell.reshape(-1)]

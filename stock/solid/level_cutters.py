@@ -66,7 +66,7 @@ def _is_flat(stack: RingStack) -> bool:
 def level_solid(
     strokes: Strokes, stack: RingStack, group: np.ndarray, *, top_mm: float
 ) -> tuple[Manifold, dict[int, int]]:
-    """The prism that a group of level strokes removes, up to `top_mm`.
+    """The prism that a group, (G,), of level strokes removes, up to `top_mm`.
 
     Returns
     -------

@@ -54,7 +54,7 @@ def ring_stack(tool: Tool, tolerance_mm: float) -> RingStack:
 
 
 def azimuth_count(radius_mm: np.ndarray, tolerance_mm: float) -> np.ndarray:
-    """Corners of the polygon that stays within `tolerance_mm` of a circle, a multiple of four.
+    """Corners of polygons, (N,), within `tolerance_mm` of circles, (N,) mm; multiples of four.
 
     The corners lie on the circle, which leaves a sagitta of r (1 - cos(pi / n)).
     """

@@ -81,7 +81,7 @@ CASES = {
             (f / "EXX.csv").write_text("position_mm,forward,backward\n-400,1,1e6\n0,1,1\n"),
             replace(f / "machine.toml", "[axes.X]", '[errors.EXX]\ntable = "EXX.csv"\n[axes.X]'),
         ),
-        ["EXX.csv:2", "an error of 1000 mm", "accepted: 10 mm at most", "unit"],
+        ["EXX.csv:2", "an error of 1000 mm", "accepted: 1 mm at most", "unit"],
     ),
     "effect's parameter in quotes": (
         lambda f: (f / "job.toml").write_text(

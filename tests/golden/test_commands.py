@@ -75,7 +75,7 @@ def test_a_run_without_the_solid_has_the_same_deviations(job, tmp_path, monkeypa
         monkeypatch, capsys, "run", job, "--no-solid", "--part", tmp_path / "part.glb"
     )
     assert status != 0
-    assert "--part without the solid" in error
+    assert "--part " in error and " without the solid" in error
 
 
 def test_compare_sets_variants_and_measurement_side_by_side(job, tmp_path, monkeypatch, capsys):
@@ -91,6 +91,17 @@ def test_compare_sets_variants_and_measurement_side_by_side(job, tmp_path, monke
     # the part was "measured" exactly nominal
     assert summary["variants"]["none"]["remainder_rms_um"] < 1e-6
     assert summary["variants"]["abbe"]["remainder_rms_um"] > 0.1
+
+
+def test_compare_needs_neither_solid_nor_blank(job, tmp_path, monkeypatch, capsys):
+    with_solid = run_vmach(monkeypatch, capsys, "compare", job, "--out", tmp_path / "w", "--solid")
+    replace(job, "[stock]\nmin_mm = [-30, -25, -20]\nmax_mm = [60, 25, 0]\n", "")
+    without = run_vmach(monkeypatch, capsys, "compare", job, "--out", tmp_path / "o")
+    assert (with_solid[0], without[0]) == (0, 0)
+    assert [(tmp_path / n / "part.stl").exists() for n in "wo"] == [True, False]
+    assert "part.stl" not in without[1]
+    one, other = ((tmp_path / n / "deviations.csv").read_bytes() for n in "wo")
+    assert one == other
 
 
 def test_predict_writes_a_row_for_every_point(job, tmp_path, monkeypatch, capsys):

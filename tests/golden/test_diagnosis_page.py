@@ -107,7 +107,7 @@ def test_a_sound_machine_has_a_page_too(tmp_path, monkeypatch, capsys):
     assert "with the effects found" not in page.text
     # a program of an earlier diagnosis stays, and that is said
     assert (out / "next.nc").read_text() == "of yesterday"
-    assert f"{out / 'next.nc'} is of an earlier diagnosis" in text
+    assert f"{out / 'next.nc'} is from an earlier diagnosis" in text
 
 
 @pytest.mark.parametrize("target", ["file", "input", "nowhere"])

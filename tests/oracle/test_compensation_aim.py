@@ -208,7 +208,7 @@ def test_a_path_shifted_the_wrong_way_is_refused(tmp_path, monkeypatch):
     assert found.part_aim.rounds == 0, "it is worse than none"
     monkeypatch.setattr(part_aim, "_BETTER", np.inf)
     monkeypatch.setattr(part_aim, "_WORSE", np.inf)
-    with pytest.raises(InputError, match="are left on it") as caught:
+    with pytest.raises(InputError, match="are left on the part") as caught:
         aimed(job, effects)
     assert caught.value.line in range(10, 16)
 

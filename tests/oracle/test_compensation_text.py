@@ -213,7 +213,8 @@ def test_a_full_turn_from_an_unknown_height_is_refused(tmp_path):
     job.program.write_text(head + "G3 X80. Z-1. I20. F100\nX80. I20.\nM30\n")
     assert "\nG3 X" in compensate(job, effects).text.decode()
     job.program.write_text(head + "G3 X40. Y10. Z-1. I20. F100\nX80. I20.\nM30\n")
-    with pytest.raises(InputError, match="begins where the program has not said") as caught:
+    stated = "begins at a position that the program does not state"
+    with pytest.raises(InputError, match=stated) as caught:
         compensate(job, effects)
     assert caught.value.line == 4
 

@@ -12,7 +12,7 @@ from tests.small_job import write_job
 from vmach.cli import app
 from vmach.commands.tables import tables
 from vmach.controller_tables import FORMATS
-from vmach.controller_tables.linuxcnc import read_linuxcnc
+from vmach.controller_tables.formats.linuxcnc import read_linuxcnc
 from vmach.errors import InputError
 
 ERRORS = {
@@ -112,7 +112,7 @@ def test_comp_type_1_and_error_signs_are_read_as_they_were_written(tmp_path, cap
         ),
         ({"machine": "machine.toml", "tolerance_um": 0.0}, "--tolerance-um 0"),
         ({"machine": "machine.toml", "model": "none"}, "no error to compensate"),
-        ({"job": "job.toml", "tool_length": 5.0}, "--tool-length goes with --machine"),
+        ({"job": "job.toml", "tool_length": 5.0}, "--tool-length 5 goes with --machine"),
         ({"machine": "absent.toml"}, "not found"),
     ],
 )

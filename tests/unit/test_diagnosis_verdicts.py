@@ -13,7 +13,7 @@ import pytest
 from tests.small_job import measurement, write_job
 from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.findings import Finding
-from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossible_sizes
+from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossible_size_notes
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.next_test.planned_program import write_program
 from vmach.diagnosis.report import as_json, as_text
@@ -216,9 +216,10 @@ def test_a_size_surely_below_zero_is_no_finding(machine_um, is_possible):
     parameters |= dict.fromkeys(["taper_um", "climb_um"], 0.0)
     u = dict.fromkeys(parameters, 1.0)
     finding = Finding(catalogue()["tool_deflection"], "", parameters, u, Rivals((), ()), None, {})
-    left, notes = impossible_sizes([finding])
-    assert (not left) == is_possible
-    assert all("machine_um = -9" in note for note in notes)
+    notes = impossible_size_notes([finding])
+    assert (not notes) == is_possible
+    assert all((note.size, note.unit) == (-9.0, "um") for note in notes)
+    assert all("machine_um = -9" in str(note) for note in notes)
 
 
 @pytest.mark.parametrize(
@@ -237,9 +238,9 @@ def test_nature_bounds_what_an_effect_can_be(name, parameters, says):
     usual = {"tool_um": 3.0} | {p.name: 0.0 for p in effect.parameters if p.name != "tool_um"}
     parameters = usual | parameters
     u = dict.fromkeys(parameters, 1.0)
-    left, notes = impossible_sizes([Finding(effect, "", parameters, u, Rivals((), ()), None, {})])
-    assert bool(left) == bool(says)
-    assert says in "".join(notes)
+    notes = impossible_size_notes([Finding(effect, "", parameters, u, Rivals((), ()), None, {})])
+    assert bool(notes) == bool(says)
+    assert says in "".join(map(str, notes))
 
 
 def test_what_makes_an_effect_has_to_be_there():

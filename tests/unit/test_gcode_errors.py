@@ -48,7 +48,23 @@ def test_refused_with_file_line_and_reason(text, line, words):
 
 def test_message_says_what_is_accepted_and_gives_a_hint():
     message = refusal("G21\nG1 X1\n")
-    assert message == "part.nc:2: G1 with feed zero (hint: give a feed first, for example F500)"
+    hint = "give a feed first, for example F500"
+    assert message == f"part.nc:2: G1 with feed zero: 'G1 X1' (hint: {hint})"
+
+
+@pytest.mark.parametrize(
+    ("text", "block"),
+    [
+        ("G21\nM98 L3\n", "'M98 L3'"),
+        ("G21\n  G2 X1 R5 I2 F100 ; in\r\n", "'G2 X1 R5 I2 F100 ; in'"),
+        ("#1 = [1 / 0]\n", "'#1 = [1 / 0]'"),
+        (f"M98 (no P{' and more' * 20})\n", "'M98 (no P" + " and more" * 5 + " and m...'"),
+    ],
+)  # fmt: skip
+def test_message_shows_the_block(text, block):
+    """What is refused may be a word that lacks, a value or all of it: the block has them."""
+    message = refusal(text)
+    assert f": {block}" in message and "\n" not in message
 
 
 def test_too_many_blocks_end():
@@ -106,3 +122,16 @@ def test_arc_tolerance_of_each_control(control, mismatch_mm, accepted):
         assert len(read_program(Source(text.encode()), arc_tolerances=control).moves) == 2
     else:
         assert "differs from radius" in refusal(text, arc_tolerances=control)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("#1 = 0\nG0 X[#2 + 5 / #1]\n", "5 / 0"),
+        ("#1 = 7\nG10 L#1 P1\n", "G10 with L7"),
+        ("#1 = 0\nS1 M3\nG76 P1 Z-5 I-1 J#1 K2\n", "J0 K2"),
+        ("G21 F9\n#1 = 4\nG2 X0 Y0 R#1\n", "R4 ends where it starts"),
+    ],
+)
+def test_message_shows_values_that_parameters_hide(text, said):
+    assert said in refusal(text)

@@ -86,7 +86,7 @@ def test_file_is_read_in_mm_and_rad(write):
         ('"ECX.csv"', '"ECX.csv"\nunit = "um"', 21, ["unit 'um' of ECX", "arcsec"]),
         ('"ECX.csv"', '"ECX.csv"\ninterpolation = "fourier"', 21, ["without an order"]),
         ('"ECX.csv"', '"ECX.csv"\ninterpolation = "legendre"\norder = 5', 21, ["needs 6 points"]),
-        ("[-250, -200, -350]", "[-250, -200, -350]\nstick_out_mm = 5", 16, ["in one way"]),
+        ("[-250, -200, -350]", "[-250, -200, -350]\nstick_out_mm = 5", 16, ["in one form"]),
         ("20000", "-1", 9, ["greater than 0"]),
         ("schema = 1", "schema = 2", 1, ["schema"]),
     ],
@@ -109,7 +109,7 @@ def test_complaints_name_file_line_and_what_is_accepted(write, old, new, line, p
         ("position_mm,forward,backward\n0,1,2\n1,2\n", 3, ["1, 2"]),
         ("position_mm,forward,backward\n0,1,2\n1,2,nan\n", 3, ["1, 2, nan"]),
         ("position_mm,forward,backward\n0,1,2\n,2,5\n", 3, ["no position"]),
-        ("position_mm,forward,backward\n0,1,2\n0,2,2\n5,6,6\n", None, ["0 stands there twice"]),
+        ("position_mm,forward,backward\n0,1,2\n0,2,2\n5,6,6\n", None, ["0 occurs twice"]),
         ("position_mm,forward,backward\n0,1,2\n", None, ["1 position", "two or more"]),
         ("position_mm,forward,backward\n0,1,2\n1,,2\n", None, ["no forward reading at 1 mm"]),
         ("position_mm,forward_grad,backward\n0,1,2\n1,1,2\n", 1, ["unit 'grad'", "um"]),
@@ -190,7 +190,7 @@ def test_squareness_with_its_two_numbers_swapped_is_caught(write):
     swapped = "[squareness.EA0Z]\num_per_m = 13.757\narcsec = 66.697"
     with pytest.raises(InputError) as caught:
         read_machine(write(SQUARE, swapped))
-    for part in ("13.757 um/m is 2.838 arcsec, but 66.697 arcsec", "each other's units", "use ="):
+    for part in ("13.757 um/m is 2.838 arcsec, but 66.697 arcsec", "probably exchanged", "use ="):
         assert part in str(caught.value)
     path = write(SQUARE, swapped + '\nuse = "arcsec"')
     assert read_machine(path).squareness_rad[2, 0] == pytest.approx(323.357e-6, rel=1e-5)

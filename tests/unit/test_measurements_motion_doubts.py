@@ -23,7 +23,7 @@ def along_x(values):
 def test_exchanged_approaches_are_asked_about():
     assert approach_notes(along_x(THERE_AND_BACK), along_x(SIGNS)) == ()
     (note,) = approach_notes(along_x(THERE_AND_BACK), along_x(-SIGNS))
-    assert "76 of 76 approaches go against the way" in note.text
+    assert "76 of 76 approaches contradict the direction" in note.text
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

@@ -89,7 +89,7 @@ def test_many_points_that_no_move_cut_raise_doubt(job, tmp_path):
         raised[:count, 2] += 200.0
         part, _ = measure_part(job, file_of(tmp_path, raised, normals, raised))
         (note,) = part.notes
-        assert f"no move cut them ({count} of {len(points)})" in note.text
+        assert f"no move cuts them ({count} of {len(points)})" in note.text
         assert (note.level is Level.QUESTION) == is_doubtful
 
 

@@ -87,7 +87,7 @@ def spoil(vertices, count, value):
     [
         (lambda v: spoil(v, 1, 1e9), "points of the part lie outside"),
         (lambda v: spoil(v, len(v), 1e30), "points of the part lie outside"),
-        (lambda v: spoil(v, len(v), 3.0), "every triangle of the mesh is degenerate"),
+        (lambda v: spoil(v, len(v), 3.0), "triangles are degenerate"),
     ],
 )
 def test_coordinates_astray_and_degenerate_triangles(tmp_path, change, match):

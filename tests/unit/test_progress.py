@@ -44,6 +44,22 @@ def test_a_stage_of_known_length_shows_its_share(bars):
         assert cut.finished and not measure.finished
 
 
+def test_a_stage_of_known_length_says_how_long_it_still_takes(bars):
+    clock = iter(range(1000))
+    with progress.progress_bar() as report:
+        bars[0].get_time = lambda: float(next(clock))
+        report("read", 0, 1)
+        for done in range(1, 6):
+            report("cut", done, 10)
+        read, cut = bars[0].tasks
+        column = bars[0].columns[-1]
+        cut.get_time = read.get_time = bars[0].get_time
+        assert str(column.render(read)) == ""
+        assert str(column.render(cut)).endswith(" to go")
+        report("cut", 10, 10)
+        assert str(column.render(cut)) == ""
+
+
 def test_nothing_is_drawn_where_nobody_looks(monkeypatch):
     monkeypatch.setattr(progress, "console", lambda stderr: Console(file=io.StringIO()))
     with progress.progress_bar() as report:

@@ -94,7 +94,12 @@ def surface_points(
     normals = np.broadcast_to(normals, points.shape)
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     if not (np.isfinite(points).all() and np.isfinite(length).all() and length.all()):
-        raise ValueError("points and normals have to be finite, and normals longer than zero")
+        wrong = ~(np.isfinite(points).all(axis=1) & np.isfinite(length[:, 0]) & (length[:, 0] > 0))
+        row = int(np.argmax(wrong))
+        raise ValueError(
+            f"point {points[row]} with normal {normals[row]}; accepted: finite numbers, and a "
+            "normal longer than zero"
+        )
     return SurfacePoints(
         id=np.arange(1, len(points) + 1).astype(str),
         feature=np.broadcast_to(np.asarray(feature, dtype=str), len(points)).copy(),

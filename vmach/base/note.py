@@ -63,6 +63,7 @@ class Kind(StrEnum):
     GOUGED = "gouged"
     OVERCUT = "overcut"
     ALIGNMENT = "alignment"
+    SOLID = "solid"  #: the virtual part was not cut as a solid
     DIFFERENCE = "difference"  #: of the virtual part and the nominal CAD
     # measurements
     UNIT = "unit"  #: numbers that look like those of another unit
@@ -78,6 +79,9 @@ class Kind(StrEnum):
     CLOCK = "clock"
     LOST_MOTION = "lost motion"
     EXCHANGED = "exchanged"  #: what readings look like if one thing in the files is mistaken
+    SCATTER = "scatter"  #: of what an explanation leaves, beside the stated uncertainty
+    IMPOSSIBLE = "impossible"  #: a fitted size that nature does not have
+    NOT_CALLED_FOR = "not called for"  #: an effect that the measurements do not ask for
     # evaluations
     RUNS = "runs"  #: too few runs for a figure
     TARGETS = "targets"

@@ -6,7 +6,16 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    Task,
+    TaskID,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+from rich.text import Text
 
 from vmach.base.stage_clock import Progress as Report
 from vmach.base.stage_clock import silent
@@ -16,6 +25,15 @@ __all__ = ["progress_bar"]
 
 #: work that is over sooner shows nothing
 _PATIENCE_S = 2.0
+
+
+class _TimeToGo(TimeRemainingColumn):
+    """What a stage of known length still takes; nothing where that cannot be told."""
+
+    def render(self, task: Task) -> Text:
+        if task.finished or task.total is None or task.time_remaining is None:
+            return Text("")
+        return Text.assemble(super().render(task), " to go")
 
 
 @contextmanager
@@ -28,7 +46,7 @@ def progress_bar() -> Iterator[Report]:
     if not screen.is_terminal:
         yield silent
         return
-    columns = TextColumn("{task.description:>9}"), BarColumn(), TimeElapsedColumn()
+    columns = TextColumn("{task.description:>9}"), BarColumn(), TimeElapsedColumn(), _TimeToGo()
     bar = Progress(*columns, console=screen, transient=True)
     tasks: dict[str, TaskID] = {}
 

@@ -38,8 +38,8 @@ def compensate(
     aim: Annotated[
         Aim,
         typer.Option(
-            help="the tool's tip on its nominal path, or the part: the path is shifted so that "
-            "what tilt and effects at the cutting edge leave is centred"
+            help="tool: the tip on its nominal path; part: the path is shifted so that the "
+            "deviations of the part are centred"
         ),
     ] = Aim.TOOL,
     resolution_mm: Annotated[float, typer.Option(help="of the target control")] = 1e-3,

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
+from vmach.base.note import Kind, Note, note_records
 from vmach.base.progress import progress_bar
 from vmach.base.terminal import console
 from vmach.commands.options import (
@@ -26,7 +27,6 @@ from vmach.commands.options import (
 from vmach.files.atomic import atomic_file, check_folder, check_outputs
 
 if TYPE_CHECKING:
-    from vmach.base.note import Note
     from vmach.diagnosis.findings import Finding
     from vmach.diagnosis.named_fit import NamedEffect
     from vmach.job import Job
@@ -35,16 +35,31 @@ __all__ = ["add", "diagnose", "history"]
 
 
 def diagnose(
-    job: JobPath,
+    job: Annotated[
+        Path | None, typer.Argument(metavar="JOB", help="job.toml, or the folder it is in")
+    ] = None,
     out: OutDir = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="JSON file to write")] = None,
     next_file: Annotated[
         Path | None, typer.Option("--next", help="where to write the next measurement's program")
     ] = None,
     effect_file: OwnEffects = None,
+    add_all: Annotated[
+        bool, typer.Option("--add-all", help="add what is shown, and go on until nothing is left")
+    ] = False,
+    rules: Annotated[
+        bool, typer.Option("--rules", help="print the numbers that decide a verdict")
+    ] = False,
     control: Control = None,
 ) -> None:
     """Compare with the measurements and say what the model lacks."""
+    if rules:
+        from vmach.diagnosis.inference.rules import rules_text
+
+        print(rules_text())
+        return
+    if job is None:
+        raise typer.BadParameter("which job? JOB is job.toml, or the folder it is in")
     from vmach.diagnosis.diagnose import diagnose as diagnose_survey
     from vmach.diagnosis.report import as_text, write_figures
     from vmach.diagnosis.residuals.job_survey import survey_job
@@ -80,8 +95,10 @@ def diagnose(
             if found.next_measurement is not None:
                 program = program or str(out / written[-1])
     print(as_text(found, program=program))
-    if found.verdict in ("named", "class", "partly"):
-        print(f"to put it into the model: vmach add {job} {' '.join(map(_word, found.findings))}")
+    if add_all:
+        _add_all(job)
+    elif found.verdict in ("named", "class", "partly"):
+        print(f"to add it to the model: vmach add {job} {' '.join(map(_word, found.findings))}")
     if found.next_measurement is not None and program is None:
         print("--next FILE writes the program of the measurement to do next")
     if next_file is not None and program is None:
@@ -90,6 +107,21 @@ def diagnose(
         print("--out DIR makes a page with pictures of it")
     else:
         _tell(out, written, FOLDER_FILES)
+
+
+def _add_all(job: Path) -> None:
+    """Add what is shown, round by round, each in a job of its own."""
+    from vmach.history.rounds import rounds
+
+    with progress_bar() as progress:
+        progress("add", 0, 1)
+        steps = list(rounds(job))
+    for step in steps:
+        print(
+            f"{step.job}: {', '.join(step.added)}; {step.before_um:.2f} -> {step.after_um:.2f} um"
+        )
+    last = steps[-1].job if steps else job
+    print(f"nothing further is shown; go on from {last}, or from any job before it")
 
 
 def _word(finding: Finding) -> str:
@@ -102,7 +134,7 @@ def _tell(out: Path, written: Sequence[str], possible: Sequence[str]) -> None:
     print(f"results in {out}: {', '.join(written)}")
     for name in possible:
         if name not in written and (out / name).exists():
-            print(f"{out / name} is of an earlier diagnosis; this one calls for no measurement")
+            print(f"{out / name} is from an earlier diagnosis; this one calls for no measurement")
 
 
 def add(
@@ -114,7 +146,7 @@ def add(
     control: Control = None,
 ) -> None:
     """Fit effects to the measurements and put them into a new job; the old one stays."""
-    from vmach.diagnosis.gates.impossible_sizes import impossible_sizes
+    from vmach.diagnosis.gates.impossible_sizes import impossible_size_notes
     from vmach.history.added_effects import add_effects
     from vmach.job import read_job
 
@@ -122,15 +154,15 @@ def add(
     check_outputs([out])
     with progress_bar() as progress:
         progress("fit", 0, 1)
-        noticed: list[Note] = []
-        path, found = add_effects(job, effects, out=out, tell=noticed.append)
+        notes: list[Note] = []
+        path, found = add_effects(job, effects, out=out, tell=notes.append)
     rms = read_job(path).history[-1]
-    notes = [str(note) for note in noticed] + [
-        f"these measurements do not call for {e.label}: clean ones would give it as much"
-        for e in found
-        if not e.is_called_for
-    ]
-    notes += impossible_sizes(found)[1]
+    for effect in found:
+        if not effect.is_called_for:
+            place = effect.label
+            said = f"these measurements do not call for {place}: noise alone would give it as much"
+            notes.append(Note.plain(Kind.NOT_CALLED_FOR, said, place=place))
+    notes += impossible_size_notes(found)
     if as_json:
         rows = [
             {
@@ -142,7 +174,8 @@ def add(
             for e in found
         ]
         fall = {"before": rms["rms_before_um"], "after": rms["rms_after_um"]}
-        told = {"job": str(path), "effects": rows, "rms_um": fall, "notes": notes}
+        told = {"job": str(path), "effects": rows, "rms_um": fall}
+        told |= {"notes": [str(note) for note in notes], "note_records": note_records(notes)}
         print(json.dumps(told, indent=1))
         return
     for effect in found:
@@ -184,7 +217,6 @@ def history(
     control: Control = None,
 ) -> None:
     """How the error fell, model by model."""
-    from vmach.base.note import note_records
     from vmach.history import draw_history, history_of
 
     _load(effect_file)

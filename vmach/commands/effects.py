@@ -1,4 +1,4 @@
-"""Commands: effects list, new, check."""
+"""Commands: effects list, new, check, propose."""
 
 from __future__ import annotations
 
@@ -82,11 +82,51 @@ def check(
     for one in found[:_MOST_TOLD]:
         target = f" {one.target}" if one.target else ""
         print(
-            f"hardly told from {one.label}: it leaves {one.share_left:.0%} of "
+            f"hardly distinguished from {one.label}: it leaves {one.share_left:.0%} of "
             f"{effect.name}{target} ({rows})"
         )
     for note in _notes(effect, largest_mm):
         print(f"note: {note}")
+
+
+@effects_app.command()
+def propose(
+    job: Annotated[Path, typer.Argument(metavar="JOB", help="measured job")],
+    out: Annotated[Path, typer.Option("-o", "--out", help="Python file to write")],
+    number: Annotated[int, typer.Option(min=1, help="which of the proposals")] = 1,
+) -> None:
+    """Write a form for what no effect explains as an effect of your own."""
+    import re
+
+    from vmach.diagnosis.diagnose import diagnose
+    from vmach.diagnosis.proposals.effect_text import effect_text
+    from vmach.diagnosis.residuals.job_survey import survey_job
+    from vmach.errors import InputError
+    from vmach.files.atomic import atomic_file, check_outputs
+
+    check_outputs([out])
+    name = out.stem
+    if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", name) or out.suffix != ".py":
+        raise InputError(
+            f"'{out.name}' cannot be the file of an effect",
+            accepted="lower-case words joined by underscores, and .py",
+        )
+    if out.exists():
+        raise InputError("file is there already", file=out, hint="choose another name with -o")
+    with progress_bar() as progress:
+        progress("diagnose", 0, 1)
+        found = diagnose(survey_job(job))
+    for k, one in enumerate(found.proposals, 1):
+        print(f"{k}: {one.amount_um:.3g} um x {one.form.formula} (log odds {one.odds:.0f})")
+    if len(found.proposals) < number:
+        raise InputError(
+            f"there are {len(found.proposals)} proposals for this job",
+            file=job,
+            hint="forms are proposed where the verdict is unknown or partly",
+        )
+    with atomic_file(out) as temporary:
+        temporary.write_text(effect_text(found.proposals[number - 1], name=name), encoding="utf-8")
+    print(f"{out}: proposal {number}; look at it, then  vmach add {job} {name} --effect-file {out}")
 
 
 def _told(parameter: Parameter) -> str:

@@ -47,13 +47,20 @@ def run(
     variants = (Variant.NONE,) if model is Variant.NONE else (Variant.NONE, model)
     if part is not None:
         if solid is False:
-            raise InputError("--part without the solid", accepted="one of --part and --no-solid")
+            what = f"--part {part} without the solid"
+            raise InputError(what, accepted="one of --part and --no-solid")
         solid = True
     _machine(job, model, variants, out=out, part_file=part, as_json=as_json, solid=solid)
 
 
 def compare(
-    job: JobPath, out: OutDir = None, as_json: AsJson = False, control: Control = None
+    job: JobPath,
+    out: OutDir = None,
+    solid: Annotated[
+        bool, typer.Option("--solid", help="also cut the virtual part as a solid")
+    ] = False,
+    as_json: AsJson = False,
+    control: Control = None,
 ) -> None:
     """Error-model variants side by side, and against the measured points of the job."""
     _machine(
@@ -63,6 +70,7 @@ def compare(
         prefer_measured=True,
         out=out,
         as_json=as_json,
+        solid=solid,
     )
 
 

@@ -12,7 +12,7 @@ import typer
 from vmach.base.progress import progress_bar
 from vmach.base.variant import Variant
 from vmach.commands.options import AsJson, Control, JobPath, Model, input_files
-from vmach.files.atomic import atomic_file, check_outputs
+from vmach.files.atomic import check_outputs
 
 __all__ = ["path"]
 
@@ -20,20 +20,23 @@ __all__ = ["path"]
 def path(
     job: JobPath,
     model: Model = Variant.ABBE,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="CSV to write")] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="table to write: .csv, .npz, .parquet")
+    ] = None,
     as_json: AsJson = False,
     control: Control = None,
 ) -> None:
     """Error of the tool tip along the program, whatever it cuts."""
-    from vmach.prediction.tip_errors import tip_errors, write_tip_errors_csv
+    from vmach.files.table_file import check_table_file, write_table
+    from vmach.prediction.tip_errors import tip_error_columns, tip_errors
 
     check_outputs([out], inputs=input_files(job))
+    check_table_file(out)
     with progress_bar() as progress:
         progress("path", 0, 1)
         found = tip_errors(job, model)
     if out is not None:
-        with atomic_file(out) as temporary:
-            write_tip_errors_csv(temporary, found)
+        write_table(out, tip_error_columns(found))
     for note in found.notes:
         print(f"note: {note}", file=sys.stderr)
     figures = found.summary()

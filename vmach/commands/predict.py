@@ -22,16 +22,20 @@ def predict(
     points: Annotated[Path, typer.Option(help="surface points: id,feature,x,y,z,i,j,k")],
     program: Annotated[Path | None, typer.Option(help="another NC program")] = None,
     model: Model = Variant.ABBE,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="CSV to write")] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="table to write: .csv, .npz, .parquet")
+    ] = None,
     as_json: AsJson = False,
     control: Control = None,
 ) -> None:
     """Predicted deviation at given surface points, with the NC line that made each."""
+    from vmach.files.table_file import check_table_file, write_table
     from vmach.run.pipeline import predict_points
-    from vmach.run.results import prediction_summary, write_prediction, write_prediction_csv
+    from vmach.run.results import prediction_columns, prediction_summary, write_prediction
 
     inputs = [*input_files(job), points, *([program] if program else [])]
     check_outputs([out], inputs=inputs)
+    check_table_file(out)
     with progress_bar() as progress:
         found, prediction = predict_points(
             job, points, program_path=program, variant=model, progress=progress
@@ -39,7 +43,7 @@ def predict(
     for note in (*prediction.preparation.notes, *found.notes):
         print(f"note: {note}", file=sys.stderr)
     if out is not None:
-        write_prediction_csv(out, found, prediction)
+        write_table(out, prediction_columns(found, prediction))
     if as_json:
         print(json.dumps(prediction_summary(found, prediction), indent=1))
     elif out is None:

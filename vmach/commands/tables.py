@@ -117,18 +117,21 @@ def _task(
     from vmach.plausibility import admitted_machine
 
     if (job is None) == (machine is None):
+        given = "neither" if job is None else f"{job} and {machine}"
         raise InputError(
-            "tables are made for a job or for a machine", accepted="JOB, or --machine FILE"
+            f"tables are made for a job or for a machine; there is {given}",
+            accepted="JOB, or --machine FILE",
         )
     if model is Variant.NONE:
-        raise InputError("--model none has no error to compensate", accepted="abbe, htm")
+        raise InputError(f"--model {model} has no error to compensate", accepted="abbe, htm")
     if job is None:
         length = 0.0 if tool_length is None else tool_length
         return task_of_machine(
             admitted_machine(machine), model, tool_length_mm=length, tolerance_mm=tolerance_mm
         )
     if tool_length is not None:
-        raise InputError("--tool-length goes with --machine", hint="a job names its own tools")
+        what = f"--tool-length {tool_length:g} goes with --machine"
+        raise InputError(what, hint="a job names its own tools")
     return task_of_job(read_job(job), model, tolerance_mm=tolerance_mm)
 
 

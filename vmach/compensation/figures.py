@@ -16,7 +16,7 @@ from vmach.compensation.safety import lines_text
 
 __all__ = ["as_json", "as_text", "remarks", "rows"]
 
-_CENTRED = "what a shift of the path cannot mend where a move makes several places"
+_CENTRED = "what a shift of the path cannot correct: one move makes several places"
 _STAYS = "machine coordinates or reference point"
 
 

@@ -96,7 +96,8 @@ class Iteration:
         far = np.abs(moves.sweep_rad) > LARGEST_SWEEP_RAD
         for move in np.flatnonzero(rewriter.unknown_start & far)[:1]:
             raise InputError(
-                "an arc begins where the program has not said",
+                f"an arc of {np.degrees(abs(moves.sweep_rad[move])):.4g} degrees begins at "
+                "a position that the program does not state",
                 file=self.preparation.program.path,
                 line=int(self.expansion.user_line(moves.line[move])),
                 accepted="arcs of at most 181 degrees, which need not be divided",

@@ -35,7 +35,7 @@ class TipModel:
     def displacement_at(
         self, preparation: Preparation, move: np.ndarray, parameter: np.ndarray
     ) -> RigidDisplacement:
-        """Shift of the tip and tilt of the tool at P places."""
+        """Shift of the tip and tilt of the tool at places of moves, both (P,)."""
         nodes = preparation.path.nodes
         shift, tilt = np.zeros((len(move), 3)), np.zeros((len(move), 3))
         tool = np.minimum(nodes.moves.tool[move], len(nodes.tool_lengths_mm) - 1)

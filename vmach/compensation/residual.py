@@ -50,7 +50,7 @@ class Residual:
         return dict(zip(lines[far].tolist(), largest[far].tolist(), strict=True))
 
     def by_line(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lines, increasing, and the largest distance of each, mm."""
+        """Lines, (L,) increasing, and the largest distance of each, (L,) mm."""
         lines, place = np.unique(self.line, return_inverse=True)
         largest = np.zeros(len(lines))
         np.maximum.at(largest, place, self.distance_mm)

@@ -55,10 +55,10 @@ def check_result(
 ) -> None:
     """Refuse a written program that cuts where the nominal one does not, or passes there.
 
-    The tool at feed is held everywhere against the path that it is asked to take, so that its
-    swept volume is that of the nominal program within the residual, and the shift if it is asked
-    beside its nominal path (`check_part`). Rapids, and moves that begin where the
-    program has not said, must not pass farther from their nominal path than the limit, unless
+    The tool at feed is compared everywhere with the path that it is asked to take. So its swept
+    volume is that of the nominal program within the residual. Where the path is shifted
+    (`check_part`), it is within residual and shift. Rapids, and moves that begin where the
+    program does not state, must not pass farther from their nominal path than the limit, unless
     the user's program does so itself.
 
     Raises
@@ -88,8 +88,9 @@ def check_part(
 ) -> None:  # fmt: skip
     """Refuse a shift of the path that spoils the part, or has nothing to answer.
 
-    Where a move makes several points, it may well spoil one for the sake of another, but leaves
-    none farther off than the worst of them was with the tool on its nominal path, beyond a limit.
+    Where a move makes several points, it may make one worse for the sake of another. It must
+    leave none farther off, beyond a limit, than the worst of them was with the tool on its
+    nominal path.
     The swept volume differs from that of the nominal program by no more than the shift, which is
     no larger than a few times the deviations that it answers.
 
@@ -116,8 +117,8 @@ def check_part(
     size = np.abs(written.error_mm)
     shift, most = aim.shift_of_moves(), _MOST_SHIFT * np.abs(tool.tip_right_mm).max(initial=0.0)
     refused = {
-        "aimed at the part, {:.2f} um are left on it": (size > allowed, size, written.move),
-        "aimed at the part, the path is shifted by {:.2f} um": (
+        "with --aim part, {:.2f} um are left on the part": (size > allowed, size, written.move),
+        "with --aim part, the path is shifted by {:.2f} um": (
             shift > most + limit_mm, shift, np.arange(len(line))),
     }  # fmt: skip
     for what, (wrong, size, move) in refused.items():
@@ -134,6 +135,6 @@ def check_part(
 
 
 def lines_text(lines: np.ndarray | list[int] | Mapping[int, float]) -> str:
-    """The first of the lines, for a message."""
+    """The first of the lines, (L,), for a message."""
     found = sorted({int(line) for line in lines})
     return ", ".join(map(str, found[:_MOST_LINES])) + (" ..." if len(found) > _MOST_LINES else "")

@@ -14,7 +14,7 @@ from vmach.path.preparation import Preparation
 
 __all__ = ["largest_tilt", "uncorrected"]
 
-_UNKNOWN_START = "the program has not said where it begins, so that only its end is corrected"
+_UNKNOWN_START = "the program does not state where it begins: only its end is corrected"
 #: places along such a line
 _PLACES = 33
 _TOO_FAST = "the error changes faster than the block is long, as while lost motion is taken up"
@@ -29,7 +29,8 @@ def uncorrected(
     reasons = {}
     for move in np.flatnonzero(iteration.stuck.any(axis=1)).tolist():
         axes = ", ".join(np.array(list("XYZ"))[iteration.stuck[move]])
-        reasons[int(user_line(moves.line[move]))] = f"the program has not said where {axes} is"
+        reason = f"the program does not state the position of {axes}"
+        reasons[int(user_line(moves.line[move]))] = reason
     far = found.residual.told_in(iteration.expansion).lines_beyond(tolerance_mm)
     left = {line: (size, reasons.get(line, _TOO_FAST)) for line, size in far.items()}
     return left | _of_unknown_start(iteration)

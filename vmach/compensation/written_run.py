@@ -24,7 +24,7 @@ from vmach.program_text import Expanded, Written
 
 __all__ = ["WrittenRun"]
 
-#: distance of the places at which the tool is held against the nominal path
+#: distance of the places at which the tool is compared with the nominal path
 _SPACING_MM = 0.5
 #: of every piece, most and fewest; of moves without points
 _MOST_INSIDE, _FEWEST_INSIDE = 400, 4
@@ -74,7 +74,7 @@ class WrittenRun:
         expansion: Expanded, programmed: np.ndarray, unknown_start: np.ndarray,
         shift: PathShift | None = None,
     ) -> WrittenRun:  # fmt: skip
-        """Read a program back; `programmed` and `unknown_start` as `programmed_axes` finds them.
+        """Read a program back; `programmed` (N, 3), `unknown_start` (N,) are of `programmed_axes`.
 
         The tool shall be where `shift` asks for, beside its nominal path.
 
@@ -158,7 +158,7 @@ class WrittenRun:
 
     @cached_property
     def cuts(self) -> np.ndarray:
-        """Written pieces at feed from a known place, indices into `written`."""
+        """Written pieces at feed from a known place, (C,) indices into `written`."""
         move = self.plan.move[self.written]
         kind = self.original.path.nodes.moves.kind[move]
         return np.flatnonzero((kind != MoveKind.RAPID) & ~self.unknown_start[move])

@@ -18,7 +18,7 @@ __all__ = ["Knots", "choose_intervals", "hat_matrix"]
 
 #: digits of positions in every format: 0.1 um
 POSITION_DIGITS = 4
-#: places at which curves are held against straight lines, and the fewest intervals
+#: places at which curves are compared with straight lines, and the fewest intervals
 _DENSE = 2001
 _FEWEST = 2
 
@@ -55,7 +55,7 @@ class Knots:
 
     @property
     def position_mm(self) -> np.ndarray:
-        """(intervals + 1,) float64."""
+        """Positions of the entries, (K,) float64, K being `intervals` + 1."""
         steps = self.step_mm * np.arange(self.intervals + 1)
         return np.round(self.low_mm + steps, POSITION_DIGITS)
 

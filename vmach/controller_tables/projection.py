@@ -2,8 +2,8 @@
 
 A table of straight lines between entries is a sum of hat functions of one axis' position; a
 product with another axis' position scales them by that position. Every correction that such
-tables can give is therefore A x with a sparse matrix A (one row a sample, one column an entry),
-and the entries that leave the least mean square over the samples solve
+tables can give is therefore A x with a sparse matrix A (one row per sample, one column per entry).
+The entries that leave the least mean square over the samples solve
 
     (A' W A + r I) x = -A' W e
 
@@ -76,7 +76,7 @@ class AxisTable:
 
 
 def scaled(knots: Knots, at_mm: np.ndarray) -> np.ndarray:
-    """Position along an axis as -1 at the first entry, 1 at the last."""
+    """Positions along an axis, (P,) mm, as -1 at the first entry and 1 at the last, (P,)."""
     ends = knots.position_mm[[0, -1]]
     return (2.0 * at_mm - ends.sum()) / (ends[1] - ends[0])
 
@@ -112,7 +112,7 @@ class Projection:
         ]
 
     def tables(self, error_mm: np.ndarray) -> list[AxisTable]:
-        """The entries as tables."""
+        """The entries that correct errors, (P, 3) mm, as tables."""
         found = []
         for mine, values in zip(self.terms, self.entries(error_mm), strict=True):
             for term in mine:

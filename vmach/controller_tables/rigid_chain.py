@@ -1,9 +1,9 @@
 """Error tables of three rigid bodies in a row, and how a control takes them back.
 
 A control that is given the component errors of ISO 230-1 carries the tool through the chain with
-homogeneous matrices. The form used here has the axes in the order from the workpiece to the tool
-and all errors as motion of the tool side relative to the workpiece side, stated at the origin of
-the frame that moves with the axis (spindle nose with every axis at home):
+homogeneous matrices. The form used here has the axes in the order from the workpiece to the tool.
+All errors are motions of the tool side relative to the workpiece side. They are stated at the
+origin of the frame that moves with the axis, the spindle nose with every axis at home:
 
     tip = S_1 E_1 S_2 E_2 S_3 E_3 (0, 0, -L)
 

@@ -49,7 +49,7 @@ class ErrorSamples:
         return len(self.nose_mm)
 
     def of_components(self, machine: Machine, variant: Variant) -> dict[str, np.ndarray]:
-        """Share of each component error of the machine in `error_mm`, and of the job's effects."""
+        """Share of each component error and of the job's effects in `error_mm`, (P, 3) mm each."""
         shares = {
             name: part.shift_mm
             for name, part in contributions(
@@ -122,7 +122,7 @@ def lattice_samples(
     *,
     both_ways: bool = True,
 ) -> ErrorSamples:
-    """Samples on the regular grid of a volume.
+    """Samples on the regular grid of a volume; `tool_mm` (3,) leads from nose to tip.
 
     With `both_ways`, and where the machine's tables keep the directions apart, every grid point
     counts in all eight combinations of directions; else directions are not known.

@@ -25,7 +25,10 @@ class CandidateScore:
     rms_after_um : float
         Root mean square that the effect leaves of it.
     status : str
-        "tested", or why it could not be.
+        "tested", or why it could not be, as people read it.
+    is_tested : bool
+    why_not : str
+        Why it could not be tested; empty where it was.
     """
 
     effect: str
@@ -33,6 +36,8 @@ class CandidateScore:
     score: float
     rms_after_um: float
     status: str
+    is_tested: bool = True
+    why_not: str = ""
 
     @property
     def label(self) -> str:
@@ -60,7 +65,7 @@ def candidate_scores(weighing: Weighing, before_um: float) -> tuple[CandidateSco
         for c, gain, rms in zip(weighing.candidates, gains, after, strict=True)
     ]
     untested = [
-        CandidateScore(e.name, target, 0.0, round(before_um, 3), f"not testable: {why}")
+        CandidateScore(e.name, target, 0.0, round(before_um, 3), f"not testable: {why}", False, why)
         for e, target, why in weighing.excluded
     ]
     return (*sorted(tested, key=lambda s: -s.score), *untested)

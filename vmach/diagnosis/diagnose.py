@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from vmach.base.note import Kind, Note
 from vmach.diagnosis.candidate_scores import CandidateScore, candidate_scores
 from vmach.diagnosis.findings import Finding, findings_of, something_unknown
 from vmach.diagnosis.inference.prepare import prepare_weighing
@@ -15,6 +16,7 @@ from vmach.diagnosis.inference.verdicts import Inference, Weak, infer
 from vmach.diagnosis.inference.weighing import Weighing
 from vmach.diagnosis.next_test.blind_spots import BlindSpot, blind_spots
 from vmach.diagnosis.next_test.next_measurement import NextMeasurement, next_measurement
+from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.residuals.where_it_fails import Failure, where_it_fails
 from vmach.fit.survey import Survey
@@ -44,6 +46,8 @@ class Diagnosis:
         Effects that the readings speak for, though not clearly.
     remains_um : float
         Root mean square of what neither effects nor noise explain.
+    proposals : tuple of Proposal
+        Forms for what remains, the most probable first.
     rms_um : dict
         "before", "after", "expected_noise": over all readings, alignment taken off.
     candidates : tuple of CandidateScore
@@ -51,7 +55,7 @@ class Diagnosis:
         Where the model fails, before anything is added.
     blind_spots : tuple of BlindSpot
     next_measurement : NextMeasurement or None
-    notes : tuple of str
+    notes : tuple of Note
     residuals : Residuals
         Measured minus predicted, to be looked at.
     """
@@ -60,12 +64,13 @@ class Diagnosis:
     findings: tuple[Finding, ...]
     weak: tuple[Weak, ...]
     remains_um: float
+    proposals: tuple[Proposal, ...]
     rms_um: dict[str, float]
     candidates: tuple[CandidateScore, ...]
     failures: tuple[Failure, ...]
     blind_spots: tuple[BlindSpot, ...]
     next_measurement: NextMeasurement | None
-    notes: tuple[str, ...]
+    notes: tuple[Note, ...]
     residuals: Residuals
 
 
@@ -103,12 +108,13 @@ def diagnose(
         findings=findings,
         weak=found.weak,
         remains_um=found.remains_um,
+        proposals=found.proposals,
         rms_um=residuals.rms_um,
         candidates=candidate_scores(weighing, residuals.rms_um["before"]),
         failures=failures,
         blind_spots=blind_spots(weighing, explanation, is_named=verdict != "unknown"),
         next_measurement=next_measurement(weighing, explanation, findings),
-        notes=(*map(str, survey.notes), *_doubtful_uncertainty(found), *_outliers(found)),
+        notes=(*survey.notes, *_doubtful_uncertainty(found), *_outliers(found)),
         residuals=residuals,
     )
 
@@ -122,23 +128,25 @@ def _verdict(found: Inference, findings: Sequence[Finding]) -> str:
     return "class" if any(f.status == "class" for f in findings) else "named"
 
 
-def _doubtful_uncertainty(found: Inference) -> tuple[str, ...]:
+def _doubtful_uncertainty(found: Inference) -> tuple[Note, ...]:
     """A note where the rest scatters far less or more than the readings' uncertainty says."""
     factor = found.explanation.posterior.sizes.factor
     if factor < _TOO_QUIET:
-        return (
+        said = (
             f"what is left scatters {1.0 / factor:.3g} times less than u_um says: is u_um "
-            "too large? Effects go unseen by it, and intervals are too wide",
+            "too large? Effects go unseen by it, and intervals are too wide"
         )
+        return (Note.question(Kind.SCATTER, said, float(factor), "1", place="u_um"),)
     if factor > _TOO_LOUD:
-        return (
+        said = (
             f"readings scatter {factor:.3g} times more than u_um says: the scatter that they "
-            "show is what counted",
+            "show is what counted"
         )
+        return (Note.plain(Kind.SCATTER, said, float(factor), "1", place="u_um"),)
     return ()
 
 
-def _outliers(found: Inference) -> tuple[str, ...]:
+def _outliers(found: Inference) -> tuple[Note, ...]:
     """A note on readings that stand apart from their neighbours."""
     survey = found.weighing.survey
     apart = np.flatnonzero(found.weighing.base.noise.weight < _LITTLE)
@@ -147,7 +155,8 @@ def _outliers(found: Inference) -> tuple[str, ...]:
     names = [f"{m.name} {own}" for m in survey.measurements for own in m.id]
     shown = ", ".join(names[k] for k in apart[:6])
     more = f" and {len(apart) - 6} more" if len(apart) > 6 else ""
-    return (
+    said = (
         f"count for little, as they are out of all proportion ({len(apart)} of {len(survey)}): "
-        f"{shown}{more}",
+        f"{shown}{more}"
     )
+    return (Note.plain(Kind.LEFT_OUT, said, len(apart), "1", place=names[apart[0]]),)

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from vmach.diagnosis.fitted_parameters import fitted_parameters
-from vmach.diagnosis.inference.verdicts import Inference, sizes_um
+from vmach.diagnosis.inference.remains import sizes_um
+from vmach.diagnosis.inference.verdicts import Inference
 from vmach.diagnosis.residuals.where_it_fails import Failure
 from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.words import where_component

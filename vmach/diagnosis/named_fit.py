@@ -12,8 +12,8 @@ from vmach.diagnosis.component_curve import component_directions
 from vmach.diagnosis.fitted_parameters import fitted_parameters
 from vmach.diagnosis.inference.noise import noise_after
 from vmach.diagnosis.inference.prepare import prepare_weighing
+from vmach.diagnosis.inference.remains import odds_of
 from vmach.diagnosis.inference.rules import SHOWN
-from vmach.diagnosis.inference.verdicts import odds_of
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.effects import Effect, catalogue, label_of
 from vmach.effects.catalogue import unknown_effect_hint

@@ -6,11 +6,14 @@ import json
 from pathlib import Path
 from typing import Any
 
+from vmach.base.note import note_records
 from vmach.diagnosis.diagnose import Diagnosis
 from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.inference.verdicts import Weak
+from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.residuals.where_it_fails import Failure
 from vmach.diagnosis.words import describe, expected
+from vmach.effects.declaration import unit_of
 from vmach.files.atomic import atomic_file
 
 __all__ = ["as_json", "as_text", "write_figures"]
@@ -32,6 +35,7 @@ def as_json(found: Diagnosis, *, program: str | None = None) -> dict[str, Any]:
         "effects": [_finding(finding) for finding in found.findings],
         "weak_effects": [_weak(weak) for weak in found.weak],
         "remains_um": round(found.remains_um, 3),
+        "proposals": [_proposal(p) for p in found.proposals],
         "rms_um": {name: round(value, 4) for name, value in found.rms_um.items()},
         "candidates": [vars(score) for score in found.candidates],
         "where_it_fails": [
@@ -44,8 +48,9 @@ def as_json(found: Diagnosis, *, program: str | None = None) -> dict[str, Any]:
             "text": following.text,
             "program": program,
         },
-        "blind_spots": [vars(spot) for spot in found.blind_spots],
-        "notes": list(found.notes),
+        "blind_spots": [vars(b) | {"unit": unit_of(b.parameter)} for b in found.blind_spots],
+        "notes": [str(note) for note in found.notes],
+        "note_records": note_records(found.notes),
     }
 
 
@@ -56,6 +61,21 @@ def _weak(weak: Weak) -> dict[str, Any]:
         "log_odds": round(weak.odds, 2),
         "why": weak.why,
         "status": "weak",
+    }
+
+
+def _proposal(proposal: Proposal) -> dict[str, Any]:
+    without, with_it = proposal.held_out_um
+    return {
+        "formula": proposal.form.formula,
+        "states": [state.words for state in proposal.form.states],
+        "direction": proposal.form.direction.words,
+        "amount_um": _rounded(proposal.amount_um),
+        "u_um": _rounded(proposal.u_um),
+        "evidence": round(proposal.odds, 2),
+        "remains_um": round(proposal.remains_um, 3),
+        "held_out_um": {"without": round(without, 3), "with": round(with_it, 3)},
+        "refuted_by": proposal.form.refute,
     }
 
 
@@ -93,6 +113,14 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
         lines += _finding_lines(finding)
     if found.verdict in ("partly", "unknown"):
         lines.append(f"  what remains beside noise: {found.remains_um:.2f} um RMS")
+    for number, p in enumerate(found.proposals, 1):
+        without, with_it = p.held_out_um
+        lines.append(
+            f"  form {number}: {p.amount_um:.3g} um (u = {p.u_um:.2g}) x {p.form.formula}; "
+            f"log odds {p.odds:.0f}, features held out {without:.2f} -> {with_it:.2f} um"
+        )
+    if found.proposals:
+        lines.append("  `vmach effects propose JOB -o my_effect.py` writes the first as an effect")
     lines += [
         f"  weak: {weak.term.label}, log odds {weak.odds:.1f}: {weak.why}; not counted as there"
         for weak in found.weak

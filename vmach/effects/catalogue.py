@@ -93,10 +93,10 @@ def unknown_effect_hint(name: str, job: Job | None = None) -> str:
             return f"it is in {file}: vmach --effect-file {file} COMMAND ..."
         if kept:
             return (
-                f"it was in {file}, which is not there: where is the file now? Say it with "
+                f"it was in {file}, which is not there: where is the file now? Name it with "
                 "vmach --effect-file FILE COMMAND ..."
             )
     close = difflib.get_close_matches(name, catalogue(), n=1, cutoff=_CLOSE)
     if close:
         return f"did you mean '{close[0]}'?"
-    return "is it an effect of your own? Say its file: vmach --effect-file FILE COMMAND ..."
+    return "is it an effect of your own? Name its file: vmach --effect-file FILE COMMAND ..."

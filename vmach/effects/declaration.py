@@ -18,7 +18,7 @@ from vmach.effects.effect import Effect, Parameter
 from vmach.errors import InputError
 from vmach.files.class_lines import lines_of_class
 
-__all__ = ["check_declaration", "has_unit"]
+__all__ = ["check_declaration", "has_unit", "unit_of"]
 
 #: units that end the names of parameters, perhaps followed by what they are counted per
 _UNIT = re.compile(
@@ -217,6 +217,12 @@ class _Declaration:
 def has_unit(name: str) -> bool:
     """Whether the name of a parameter ends in a unit: ``rise_um_per_m``."""
     return _UNIT.search(name) is not None
+
+
+def unit_of(name: str) -> str:
+    """The unit at the end of a parameter's name; empty where there is none."""
+    found = _UNIT.search(name)
+    return "" if found is None else found[0].removeprefix("_")
 
 
 def _is_target(target: object) -> bool:

@@ -28,9 +28,9 @@ def load_effect_file(path: str | Path) -> Effect:
     Raises
     ------
     InputError
-        No such file, an error inside it, not exactly one subclass of `Effect`, a class that does
-        not say what it has to, a name that another effect has, or a law that is not proportional
-        to its amplitudes.
+        There is no such file, it has an error, or it has not exactly one subclass of `Effect`.
+        The class lacks a statement, or has the name of another effect. The law is not
+        proportional to its amplitudes.
     """
     path = Path(path)
     read_text(path, what="effect file")

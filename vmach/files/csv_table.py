@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import BinaryIO
@@ -26,6 +27,8 @@ _LARGEST = 1e15
 _PRODUCT = 2.3e-16
 #: digits of the largest int64, sign, point and comma
 _WIDEST = 24
+#: what divides cells and rows
+_DIVIDES = re.compile('[,"\r\n]')
 #: ``repr`` writes smaller numbers with an exponent
 _SMALLEST_PLAIN = 1e-4
 
@@ -62,22 +65,22 @@ class Cells:
 
 
 def fixed(values: np.ndarray, decimals: int, *, shown: np.ndarray | None = None) -> Cells:
-    """Numbers as ``f"{value:.{decimals}f}"`` writes them."""
+    """Numbers, (N,), as ``f"{value:.{decimals}f}"`` writes them."""
     return Cells(np.asarray(values, np.float64), f"{{:.{decimals}f}}".format, decimals, shown=shown)
 
 
 def rounded(values: np.ndarray, decimals: int) -> Cells:
-    """Numbers as ``repr`` writes them after ``numpy.round``."""
+    """Numbers, (N,), as ``repr`` writes them after ``numpy.round``."""
     return Cells(np.asarray(values, np.float64).round(decimals), repr, decimals, is_trimmed=True)
 
 
 def whole(values: np.ndarray, *, shown: np.ndarray | None = None) -> Cells:
-    """Whole numbers."""
+    """Whole numbers, (N,)."""
     return Cells(np.asarray(values, np.int64), str, shown=shown)
 
 
 def words(names: Sequence[str], index: np.ndarray | None = None) -> Cells:
-    """Words: `names` themselves, or for every cell the one at `index`."""
+    """Words: `names` themselves, or for every cell the one at `index`, (N,)."""
     known = np.asarray(names, dtype=str)
     return Cells(np.arange(len(known)) if index is None else np.asarray(index), None, names=known)
 
@@ -106,7 +109,7 @@ def _part(cells: Cells, rows: slice) -> Cells:
 
 def _quoted(word: str) -> str:
     """A word as a CSV cell: in quotes where it holds what divides cells."""
-    if not any(mark in word for mark in ',"\r\n'):
+    if not _DIVIDES.search(word):
         return word
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerow([word])
@@ -121,7 +124,7 @@ class _Words:
         self.length = 0
 
     def add(self, texts: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-        """Where the texts begin, and their lengths."""
+        """Where the texts begin, and their lengths, both (N,) int64."""
         encoded = [text.encode() for text in texts]
         size = np.fromiter(map(len, encoded), np.int64, len(encoded))
         begin = self.length + np.cumsum(size) - size
@@ -139,8 +142,10 @@ def _text(columns: list[Cells]) -> memoryview:
     pool = _Words()
     for cells, number, length, negative in zip(columns, magnitude, size, is_negative, strict=True):
         if cells.names is not None:
-            in_use, place = np.unique(cells.values, return_inverse=True)
-            begin, lengths = pool.add([_quoted(name) for name in cells.names[in_use].tolist()])
+            texts = cells.names[cells.values].tolist()
+            number_of = {text: k for k, text in enumerate(dict.fromkeys(texts))}
+            place = np.fromiter(map(number_of.__getitem__, texts), np.int64, count)
+            begin, lengths = pool.add([_quoted(text) for text in number_of])
             number[:], length[:] = begin[place], lengths[place]
             continue
         number[:], negative[:], is_sure = _digits(cells)

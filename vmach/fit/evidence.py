@@ -1,8 +1,8 @@
 """How much better readings are explained with an effect than without: log evidence.
 
-For readings y in unit noise and coefficients c with independent normal priors of variance
-lambda^2, the Bayes factor of y = X c + noise against plain noise is, with the singular value
-decomposition X = U s V^T and z = U^T y,
+Let readings y have unit noise, and coefficients c independent normal priors of variance lambda^2.
+With the singular value decomposition X = U s V^T and z = U^T y, the Bayes factor of y = X c + noise
+against plain noise is
 
     log B = 1/2 sum_k [ z_k^2 w_k - log(1 + lambda^2 s_k^2) ],  w_k = lambda^2 s_k^2 / (1 + ...)
 

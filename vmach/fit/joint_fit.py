@@ -172,7 +172,7 @@ class _Problem:
         return rows, np.concatenate([self.reading, np.zeros(len(prior))])
 
     def residual(self, logarithms: np.ndarray) -> np.ndarray:
-        """What is left at given logarithms with the best coefficients, priors included."""
+        """What is left, (n + K,), at logarithms (q,) with the best coefficients and priors."""
         here = self.at(logarithms)
         rows, aim = here._system()
         solution = np.linalg.lstsq(rows, aim, rcond=None)[0]

@@ -45,10 +45,12 @@ class Sizes:
 
     @property
     def logarithms(self) -> np.ndarray:
+        """Of the factor and of each member, (q,); a member that is absent has a finite one."""
         return np.log(np.maximum([self.factor, *self.members], 1.01 * _ABSENT))
 
     @classmethod
     def at(cls, logarithms: np.ndarray) -> Sizes:
+        """Sizes of given logarithms, (q,)."""
         factor, *members = np.exp(logarithms).tolist()
         return cls(factor, tuple(members))
 
@@ -60,7 +62,7 @@ class Sizes:
 
     @property
     def slope_of_prior(self) -> np.ndarray:
-        """Derivative of `log_prior` by the logarithms."""
+        """Derivative of `log_prior` by the logarithms, (q,)."""
         ratio = (np.array(self.members) / _HALF_SIZE) ** 2
         return np.array([-np.log(self.factor) / _LOG_FACTOR**2, *(-2 * ratio / (1 + ratio))])
 
@@ -154,20 +156,20 @@ class Posterior:
 
     @cached_property
     def scale(self) -> np.ndarray:
-        """Prior standard deviation of every column's coefficient in units of the factor."""
+        """Prior standard deviation of every column's coefficient in units of the factor, (k,)."""
         each = np.array([1.0, *self.sizes.members])
         return each[self.effects.member_of] / self.sizes.factor
 
     @cached_property
     def root(self) -> np.ndarray:
-        """Lower Cholesky factor of the posterior precision, in prior standard deviations."""
+        """Lower Cholesky factor of the posterior precision, (k, k), in prior deviations."""
         precision = self.scale[:, None] * self.effects.gram * self.scale
         precision[np.diag_indices(len(precision))] += 1.0
         return cholesky(precision, lower=True, check_finite=False, overwrite_a=True)
 
     @cached_property
     def mean(self) -> np.ndarray:
-        """Expected coefficients in prior standard deviations."""
+        """Expected coefficients in prior standard deviations, (k,)."""
         aim = self.scale * self.effects.seen / self.sizes.factor
         return cho_solve((self.root, True), aim, check_finite=False)
 
@@ -182,7 +184,7 @@ class Posterior:
 
     @cached_property
     def slope(self) -> np.ndarray:
-        """Derivative of `log_probability` by the logarithms of the sizes."""
+        """Derivative of `log_probability` by the logarithms of the sizes, (q,)."""
         inverse, _ = dtrtri(self.root, lower=True)
         variance = (inverse**2).sum(axis=0)
         k, member = self.sizes.factor, self.effects.member_of

@@ -22,9 +22,10 @@ _BATCH = 2000
 def prediction_u_mm(prediction: Prediction) -> np.ndarray:
     """Standard uncertainty of the deviation of every point that was cut, (C,) mm.
 
-    It holds the noise of the tables' readings, the curve between their points and the
-    squareness, and of every effect of the job what its law leaves open and what is not known of
-    its parameters; not what the model lacks. A perfect machine has the effects' share alone.
+    It holds the noise of the tables' readings, the curve between their points, and squareness. Of
+    every effect of the job it holds the inexactness of the law and the uncertainty of the
+    parameters. It does not hold what the model lacks. A perfect machine has the effects' share
+    alone.
     """
     states, normals = prediction.states, prediction.normals[prediction.is_cut]
     batches = np.array_split(np.arange(len(states)), len(states) // _BATCH + 1)

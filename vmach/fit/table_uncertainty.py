@@ -36,10 +36,10 @@ class TableUncertainty:
         Of the mean of both directions at a table's position; from the scatter of their
         difference over all tables of the machine.
     bend : mapping of component to (K - 1,) float64
-        By how much the curve departs from the straight line in the middle of every interval of
-        the table, mm or rad, as the curvature of the table says.
+        Distance of the curve from the straight line in the middle of every interval, mm or rad,
+        by the curvature of the table.
     bend_apart : mapping of component to float
-        RMS of what neighbouring points say differently of it: how far it may be otherwise.
+        RMS of the differences of it between neighbouring points: its uncertainty.
     squareness_rad : float
     """
 

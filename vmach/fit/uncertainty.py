@@ -2,7 +2,7 @@
 
 Close to the best fit an inner parameter (a time constant, a width) is not always described by a
 tangent: the readings may allow it a long way up but not down. So its probability is worked out on
-a grid of values, amplitudes and the other effects eliminated at each, and the uncertainty is the
+a grid of values, with amplitudes and the other effects eliminated at each. The uncertainty is the
 root of the mean square distance from the value that is stated.
 
 Source: JCGM 101:2008, intervals from a distribution; closed form derived here: amplitudes

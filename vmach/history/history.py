@@ -62,7 +62,7 @@ def history_of(job_path: str | Path, *, check: Job | None = None) -> list[Step]:
     seen: set[Path] = set()
     while True:
         if job.path.resolve() in seen:
-            raise InputError("the history goes round in a circle", file=job.path)
+            raise InputError("the chain of jobs refers back to itself", file=job.path)
         seen.add(job.path.resolve())
         last = job.history[-1] if job.history else {}
         survey = survey_job(job.path)
@@ -82,7 +82,7 @@ def history_of(job_path: str | Path, *, check: Job | None = None) -> list[Step]:
 
 
 def rms_um(survey: Survey, explained_mm: np.ndarray | float = 0.0) -> float:
-    """RMS of measured minus predicted minus explained, what the instruments leave free fitted."""
+    """RMS of measured minus predicted minus explained, (n,) mm, free parameters fitted."""
     weight = 1.0 / survey.u_mm
     residual = survey.residual_mm - explained_mm
     solution = np.linalg.lstsq(survey.nuisance * weight[:, None], residual * weight, rcond=None)[0]

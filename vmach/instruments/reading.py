@@ -99,6 +99,7 @@ class _Model:
         self.rapid_mm_per_min = job.machine.motion.rapid_mm_per_min
 
     def predicted_mm(self, states: PathStates, sensing: np.ndarray) -> np.ndarray:
+        """Displacement along the sensing directions, (P, 3) unit vectors, at states; (P,) mm."""
         machine = self._job.machine
         direction = states.direction if machine.separate_directions else None
         moved = displacement(

@@ -103,7 +103,7 @@ def three_directions(
     nuisance: np.ndarray,
     notes: Sequence[Note],
 ) -> Measurement:
-    """One reading along each of X, Y and Z at every state; `nuisance` is (3 P, K)."""
+    """One reading along each of X, Y and Z at each of P states; `nuisance` is (R, K), R = 3 P."""
     count = len(states)
     thrice = states[np.repeat(np.arange(count), 3)]
     sensing = np.tile(np.eye(3), (count, 1))
@@ -140,7 +140,7 @@ def in_three_directions(
     nuisance: np.ndarray,
     maps_work_space: bool = False,
 ) -> PlannedTest:
-    """A planned test with a reading along each of X, Y and Z at every state."""
+    """A planned test, read along X, Y, Z at each of P states; `nuisance` is (R, K), R = 3 P."""
     thrice = states[np.repeat(np.arange(len(states)), 3)]
     sensing = np.tile(np.eye(3), (len(states), 1))
     return PlannedTest(name, text, settings, thrice, sensing, nuisance, maps_work_space)

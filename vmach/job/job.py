@@ -16,7 +16,7 @@ from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import line_of_key, read_toml
 from vmach.job.control import control_told
-from vmach.job.schema import InspectionEntry, JobSchema, ToolEntry
+from vmach.job.schema import InspectionEntry, JobSchema, MeasuringMachineEntry, ToolEntry
 from vmach.machine import Machine
 from vmach.plausibility import admitted_machine, check_tools
 
@@ -57,7 +57,7 @@ class Blank:
 
     @property
     def solid(self) -> tuple[np.ndarray, np.ndarray] | trimesh.Trimesh:
-        """The blank as the removal engine takes it: two corners, or a mesh."""
+        """The blank as the removal engine takes it: two corners, (3,) mm each, or a mesh."""
         return (self.min_mm, self.max_mm) if self.mesh is None else self.mesh
 
     @property
@@ -109,6 +109,20 @@ class Inspection:
 
 
 @dataclass(frozen=True)
+class Device:
+    """Standard uncertainties of the scales and squareness of a coordinate measuring machine.
+
+    Attributes
+    ----------
+    scale_u, squareness_u_rad : float
+        Of each scale, in mm/mm, and of each squareness.
+    """
+
+    scale_u: float
+    squareness_u_rad: float
+
+
+@dataclass(frozen=True)
 class Job:
     """A machining job, read and checked.
 
@@ -135,6 +149,8 @@ class Job:
     offsets : mapping of number to OffsetEntry
         What H and D of a number mean where it is not the tool of that number.
     inspection : Inspection
+    device : Device
+        What is known of the machine that measured the part.
     effects, measurements, history
         As in the file; read by the parts of the program that know them.
     fitted : mapping of (effect, target) to tuple of mapping
@@ -157,6 +173,7 @@ class Job:
     tools: Mapping[int, JobTool]
     offsets: Mapping[int, OffsetEntry]
     inspection: Inspection
+    device: Device
     effects: Mapping[str, Any]
     measurements: Sequence[Mapping[str, Any]]
     history: Sequence[Mapping[str, Any]]
@@ -244,10 +261,20 @@ def read_job(path: Job | str | Path) -> Job:
         tools=tools,
         offsets={k: OffsetEntry(**row.model_dump()) for k, row in data.offsets.items()},
         inspection=_inspection(data.inspection, at("inspection", "alignment")),
+        device=_device(data.measuring_machine),
         effects=data.effects,
         measurements=data.measurements,
         history=[step.model_dump(exclude_none=True) for step in data.history],
         fitted={(f.effect, f.target): tuple(f.one_sigma) for f in data.fitted},
+    )
+
+
+def _device(data: MeasuringMachineEntry) -> Device:
+    """The limit L/K of a length as a rectangular distribution, where nothing else is stated."""
+    share = 1e-3 / data.k_mm_per_um / np.sqrt(3.0)
+    scale, square = data.scale_u_ppm, data.squareness_u_urad
+    return Device(
+        share if scale is None else 1e-6 * scale, share if square is None else 1e-6 * square
     )
 
 
@@ -276,11 +303,14 @@ def _blank(data: JobSchema, path: Path, at: Any) -> Blank | None:
         return None
     if stock.file is not None:
         if stock.min_mm or stock.max_mm:
-            raise InputError("[stock] has both a file and a box", **at("stock"), accepted="one")
+            what = f"[stock] has both a box and file = {str(stock.file)!r}"
+            raise InputError(what, **at("stock"), accepted="one of the two")
         return _blank_from_file(path.parent / stock.file, stock.unit, at("stock", "file"))
     if stock.min_mm is None or stock.max_mm is None:
         raise InputError(
-            "[stock] is incomplete", **at("stock"), accepted="min_mm and max_mm, or file"
+            f"[stock] has min_mm = {stock.min_mm} and max_mm = {stock.max_mm}",
+            **at("stock"),
+            accepted="min_mm and max_mm, or file",
         )
     low, high = np.array(stock.min_mm), np.array(stock.max_mm)
     if not (low < high).all():
@@ -334,7 +364,7 @@ def _tool(number: int, tool: ToolEntry, where: dict[str, Any]) -> JobTool:
 def _inspection(data: InspectionEntry, where: dict[str, Any]) -> Inspection:
     if data.alignment == "datum" and not data.datums:
         raise InputError(
-            'alignment = "datum" needs datums',
+            f'alignment = "{data.alignment}" needs datums',
             **where,
             accepted='lists of feature names: datums = [["top"], ["side *"], ["bore 1"]]',
         )

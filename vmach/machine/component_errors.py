@@ -146,7 +146,7 @@ class ComponentError:
         return np.where(direction == 0, mean(position_mm), one_way)
 
     def check_covers(self, position_mm: np.ndarray) -> None:
-        """Refuse positions beyond the table, unless its extrapolation is set.
+        """Refuse positions, (P,) mm, beyond the table, unless its extrapolation is set.
 
         Raises
         ------
@@ -165,5 +165,5 @@ class ComponentError:
             file=self.source or None,
             accepted=f"{low:g} .. {high:g} mm",
             hint=f'in the machine file, [errors.{self.name}] extrapolation = "hold" keeps the '
-            'value at the end, "linear" goes on along the tangent',
+            'value at the end, "linear" continues along the tangent',
         )

@@ -98,9 +98,9 @@ def displacement(
 
     Notes
     -----
-    With arms r_j = T + mask_j q (`Chain.arm_masks`), measuring points R_ij (zero in the
-    conventional form), theta_j the rotation vector of axis j, sigma_j that of its reference line
-    and all component errors turned to "tool relative to workpiece":
+    All component errors are turned to "tool relative to workpiece". The arms are
+    r_j = T + mask_j q (`Chain.arm_masks`), the measuring points R_ij (zero in the conventional
+    form). theta_j is the rotation vector of axis j, sigma_j that of its reference line:
 
         e_i = sum_j (E_ij + [theta_j x (r_j - R_ij)]_i) + sum_j q_j [sigma_j x e_j]_i
     """
@@ -132,7 +132,7 @@ def contributions(
     direction: np.ndarray | None = None,
     rotary_rad: np.ndarray | None = None,
 ) -> Iterator[tuple[str, RigidDisplacement]]:
-    """The share of every component error, by its ISO 230-1 symbol; they add up to the whole.
+    """The share of every component error at P places, by its ISO 230-1 symbol; they add up.
 
     Parameters as in `displacement`.
     """

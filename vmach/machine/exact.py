@@ -36,10 +36,10 @@ def exact_displacement(
 
     Notes
     -----
-    ``H_tool = prod (bed to tool) S_j Tr(q_j) S_j^-1 E_j``, ``H_work`` the same with ``-q_j``, and
-    for a rotary axis with centre c, location error D and angle ``+-phi_j`` the factor
-    ``Tr(c) E_j D Rot(phi_j) D^-1 Tr(-c)``; the tip in workpiece coordinates is
-    ``H_work^-1 H_tool (T, 1)``, nominally with the same product without errors.
+    ``H_tool = prod (bed to tool) S_j Tr(q_j) S_j^-1 E_j``, and ``H_work`` is the same with
+    ``-q_j``. A rotary axis with centre c, location error D and angle ``+-phi_j`` has the factor
+    ``Tr(c) E_j D Rot(phi_j) D^-1 Tr(-c)``. The tip in workpiece coordinates is
+    ``H_work^-1 H_tool (T, 1)``; its nominal place is the same product without errors.
     """
     if rotary_rad is None:
         rotary_rad = np.zeros_like(nose_mm)

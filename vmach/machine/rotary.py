@@ -48,7 +48,7 @@ class RotaryError:
         return self.interpolation.fit(self.position_rad, self.value, self.extrapolation)
 
     def evaluate(self, angle_rad: np.ndarray) -> np.ndarray:
-        """The error at angles of the axis, mm or rad.
+        """The error at angles of the axis, (P,) rad; (P,) mm or rad.
 
         Raises
         ------

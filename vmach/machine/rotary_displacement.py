@@ -88,8 +88,8 @@ def _rotary(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Shift at the tip and rotation by a rotary axis, in the frame of its carrier.
 
-    A turn R about a line that is displaced by d and tilted by s differs from the turn about the
-    nominal line by the screw motion ``(1 - R) d`` and ``(1 - R) s``.
+    Let the line of a turn R be displaced by d and tilted by s. The turn then differs from that
+    about the nominal line by the screw motion ``(1 - R) d`` and ``(1 - R) s``.
     """
     rotary = machine.rotary[joint.axis]
     shift, rotation = rotary.motion(rotary_rad[:, ROTARY_AXES.index(joint.axis)])

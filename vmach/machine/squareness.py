@@ -64,7 +64,8 @@ def agreed_value(um_per_m: float | None, arcsec: float | None, use: str | None) 
         if value is not None
     }
     if not given or (use is not None and use not in given):
-        raise InputError("no value", accepted="um_per_m, arcsec or both")
+        what = "no value" if use is None else f'no value for use = "{use}"'
+        raise InputError(what, accepted="um_per_m, arcsec or both")
     chosen = use or next(iter(given))
     if use is None and len(given) == 2 and not _agree(um_per_m, arcsec):
         also = um_per_m * _RAD["um_per_m"] / _RAD["arcsec"]
@@ -72,7 +73,7 @@ def agreed_value(um_per_m: float | None, arcsec: float | None, use: str | None) 
         if _agree(arcsec, um_per_m):
             hint = (
                 f"swapped, {um_per_m:g} arcsec and {arcsec:g} um/m are the same angle, so the "
-                f"numbers most likely stand at each other's units; {hint}"
+                f"two numbers are probably exchanged; {hint}"
             )
         raise InputError(
             f"{um_per_m:g} um/m is {also:.4g} arcsec, but {arcsec:g} arcsec is stated", hint=hint

@@ -101,6 +101,6 @@ class Measurement:
         return replace(self, notes=(*self.notes, *notes))
 
     def keep(self, rows: np.ndarray, *notes: Note) -> Measurement:
-        """The measurement with some of its rows (bool or index), and notes why."""
+        """The measurement with some of its rows, (P,) bool or (R,) index, and notes why."""
         kept = {name: getattr(self, name)[rows] for name in _WITH_ROWS}
         return replace(self, notes=(*self.notes, *notes), **kept)

@@ -36,7 +36,7 @@ class MotionRecord:
         return self._add(MoveKind.DWELL, self._nose, until_s, rpm=rpm)
 
     def line(self, end_mm: np.ndarray, *, until_s: float) -> int:
-        """Straight to `end_mm`; returns the move's index."""
+        """Straight to `end_mm`, (3,); returns the move's index."""
         return self._add(MoveKind.LINE, end_mm, until_s)
 
     def arc(
@@ -48,7 +48,7 @@ class MotionRecord:
         sweep_rad: float,
         until_s: float,
     ) -> int:
-        """Along a circle; returns the move's index."""
+        """Along a circle, to `end_mm` about `centre_mm`, (3,) each; returns the move's index."""
         return self._add(
             MoveKind.ARC, end_mm, until_s, centre_mm=centre_mm, axis=axis, sweep_rad=sweep_rad
         )
@@ -73,7 +73,7 @@ class MotionRecord:
         return len(self._rows) - 1
 
     def states(self, move: np.ndarray, parameter: np.ndarray) -> PathStates:
-        """States of the whole record at given places; the reading is taken at the tool's tip."""
+        """States at moves and parameters, both (P,); the reading is taken at the tool's tip."""
         rows, count = self._rows, len(self._rows)
 
         def column(name: str) -> np.ndarray:

@@ -1,8 +1,8 @@
 """Alignment of measured or predicted deviations to the nominal part, as a CMM does it.
 
-A part that lies on the CMM shifted by d and turned by w (small) about p0 shows, at a surface
-point p with outward normal n, the deviation n.(d + w x (p - p0)) on top of its own. Alignment
-finds d and w and takes that away.
+Let a part lie on the CMM shifted by d and turned by w (small) about p0. A surface point p with
+outward normal n then shows the deviation n.(d + w x (p - p0)) on top of its own. Alignment finds
+d and w and takes that away.
 
 Source: ISO 5459 (datums); Gaussian best fit by least squares; closed form derived here: n . (w x
 r) = w . (r x n).
@@ -124,7 +124,7 @@ def align(
         return Alignment(mode, np.zeros(3), np.zeros(3), np.zeros(3), 0, np.zeros((6, 6)))
     if not datums:
         raise InputError(
-            "alignment by datums needs datum features",
+            f"alignment {mode!r} needs datum features",
             accepted='lists of feature names, for example [["top"], ["side A"], ["bore 1"]]',
         )
     stages = [_matching(points.feature, names) for names in datums]
@@ -139,9 +139,9 @@ def fit_alignment(
 ) -> Alignment:
     """Best fit: the motion that leaves the least weighted sum of squared deviations.
 
-    Where the points do not determine all six numbers (a single plane leaves three free) the
-    motion of least length is taken, rotations counted at the points' RMS distance from their
-    centroid, and `notes` says what is free.
+    Points may not determine all six numbers; a single plane leaves three free. Then the motion
+    of least length is taken, with rotations counted at the points' RMS distance from their
+    centroid. `notes` says what is free.
 
     Parameters
     ----------
@@ -227,7 +227,8 @@ def _checked(
     if not len(points):
         raise InputError("no points to align")
     if (weights < 0.0).any() or not weights.any():
-        raise InputError("weights of an alignment", accepted="numbers of 0 and above, not all 0")
+        what = f"weights of an alignment from {weights.min():g} to {weights.max():g}"
+        raise InputError(what, accepted="numbers of 0 and above, not all 0")
     return deviation_mm, np.sqrt(weights)
 
 

@@ -21,7 +21,7 @@ class Frame:
 
     @classmethod
     def from_axis(cls, origin: np.ndarray, z: np.ndarray, x: np.ndarray | None) -> Frame:
-        """Frame with the axis z whose x is as near as can be to the one given (or any)."""
+        """Frame with the axis z, (3,), whose x is as near as can be to the one given (or any)."""
         z = z / np.linalg.norm(z)
         if x is None or np.linalg.norm(np.cross(z, x)) < 1e-9 * np.linalg.norm(x):
             x = np.eye(3)[np.argmin(np.abs(z))]

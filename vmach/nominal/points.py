@@ -72,8 +72,10 @@ class SurfacePoints:
                 self._freeze(name, np.ascontiguousarray(value, dtype=np.float64), shape)
         for name in ("id", "feature"):
             self._freeze(name, np.asarray(getattr(self, name), dtype=str), (count,))
-        if count and np.abs(np.linalg.norm(self.normal, axis=1) - 1.0).max() > 1e-9:
-            raise ValueError("SurfacePoints.normal holds vectors that are not unit vectors")
+        off = np.abs(np.linalg.norm(self.normal, axis=1) - 1.0)
+        if count and off.max() > 1e-9:
+            worst = self.normal[int(off.argmax())]
+            raise ValueError(f"SurfacePoints.normal holds {worst}, which is no unit vector")
         object.__setattr__(self, "notes", tuple(self.notes))
 
     def _freeze(self, name: str, array: np.ndarray, shape: tuple[int, ...]) -> None:
@@ -110,8 +112,8 @@ def read_points_csv(path: str | Path) -> SurfacePoints:
     Raises
     ------
     InputError
-        The file cannot be read, a column is missing, or a row holds a value that is not a
-        finite number, a normal that is no unit vector or an uncertainty that is not positive.
+        The file cannot be read, a column is missing, or a value is not a finite number. A normal
+        is no unit vector, or an uncertainty is not positive.
     """
     path = Path(path)
     columns, rows, lines = _read_rows(path)
@@ -204,14 +206,16 @@ class _Table:
         return all(name in self._cells for name in names)
 
     def text(self, name: str) -> np.ndarray:
+        """Cells of a column without blanks at their ends, (P,) str; empty where it is missing."""
         cells = self._cells.get(name, ("",) * len(self._lines))
         return np.array([cell.strip() for cell in cells], dtype=str)
 
     def vectors(self, names: tuple[str, ...]) -> np.ndarray:
+        """Numbers of some columns, (P, K)."""
         return np.column_stack([self._numbers(name) for name in names])
 
     def check(self, good: np.ndarray, what, *, accepted: str) -> None:
-        """Raise for the first row that is not good; `what` words it from the row's index."""
+        """Raise for the first row that is not good, (P,) bool; `what` words it from its index."""
         if not good.all():
             row = int(np.argmin(good))
             raise InputError(

@@ -237,6 +237,22 @@ class Circumstances:
             values[number] = np.nan if given is None else given
         return values[self.tool]
 
+    @cached_property
+    def tool_changes(self) -> np.ndarray:
+        """How many times the tool was changed before, (P,)."""
+        return np.searchsorted(self._changes, self.states.move, side="right")
+
+    @cached_property
+    def time_since_tool_change_s(self) -> np.ndarray:
+        """Time since the tool was taken, (P,); since the start for the first one."""
+        since = np.concatenate([self.moves.start_s[:1], self.moves.start_s[self._changes]])
+        return np.maximum(self.time_s - since[self.tool_changes], 0.0)
+
+    @cached_property
+    def _changes(self) -> np.ndarray:
+        """Moves that are the first with another tool."""
+        return 1 + np.flatnonzero(np.diff(self.moves.tool))
+
     @property
     def cutting_length_mm(self) -> np.ndarray:
         """Way that the tool has gone at feed so far, (P,)."""
@@ -285,5 +301,5 @@ class Circumstances:
 
     @cached_property
     def axis_tilt_rad(self) -> np.ndarray:
-        """Rotation of the tool by the angular tables of each axis, (3 axes, P, 3) rad."""
+        """Rotation of the tool by the angular tables of each axis, (3, P, 3) rad, axis first."""
         return tilts_of_axes_rad(self.job.machine, self.nose_mm, self.tool_mm)

@@ -159,7 +159,7 @@ def _with_only_tool(moves: Moves, job: Job, source: Path) -> tuple[Moves, tuple[
     number = next(iter(job.tools))
     note = Note.plain(
         Kind.TOOL,
-        f"{source.name} changes no tool: T{number} is taken to be in the spindle all along",
+        f"{source.name} changes no tool: T{number} is taken to be in the spindle throughout",
         place=f"tool {number}",
     )
     return replace(moves, tool=np.full(len(moves), number)), (note,)
@@ -224,8 +224,8 @@ def _offsets_that_differ(job: Job, moves: Moves, source: Path) -> tuple[Note, ..
             higher_mm = float(offset[first] - tool.length_mm)
             said = (
                 f"tool {number} is {tool.length_mm:g} mm long but cuts with a length offset of "
-                f"{offset[first]:g} mm, so its tip is {higher_mm:+g} mm from the programmed height "
-                '(tool_offsets = "touched off" in the job if the offsets hold for the tip)'
+                f"{offset[first]:g} mm: its tip is {higher_mm:+g} mm from the programmed height. "
+                'If the offsets hold for the tip, set tool_offsets = "touched off" in the job'
             )
             note = Note.question(Kind.TOOL_OFFSET, said, higher_mm, "mm", place=f"tool {number}")
             notes += in_file([note], source, int(moves.line[first]))

@@ -152,7 +152,7 @@ class Toolpath:
     def split(
         cls, moves: Moves, tool_lengths_mm: np.ndarray, spacing_mm: float = NODE_SPACING_MM
     ) -> Toolpath:
-        """Split every move that carries a tool into equal pieces no longer than `spacing_mm`.
+        """Split every move that carries a tool, (M,) of them, into equal pieces up to `spacing_mm`.
 
         An arc's piece is an arc: the spacing is that of the nodes at which errors are evaluated.
         """

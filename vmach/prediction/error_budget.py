@@ -79,7 +79,7 @@ def error_budget(prediction: Prediction, effects: Sequence[ActingEffect] = ()) -
 
 
 def write_budget_csv(path: Path, ids: np.ndarray, states: PathStates, budget: ErrorBudget) -> None:
-    """Write one row for every point that was cut: how it was made, and its budget in um.
+    """Write one row for every point that was cut, (P,): how it was made, and its budget in um.
 
     Columns: id; line and tool; X, Y, Z of the spindle nose in machine coordinates; the sign of
     the last motion of each axis; feed; time; one column a source.

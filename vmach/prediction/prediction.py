@@ -39,7 +39,7 @@ class ActingEffect(Protocol):
         """Further displacement of the cutting edge at the contact, (P, 3) mm."""
 
     def uncertainty_patterns(self, states: PathStates) -> np.ndarray:
-        """Displacements at the contact, of unit variance, by which the truth may differ."""
+        """Displacements at the contact, (P, 3, K) mm of unit variance, that are left open."""
 
 
 @dataclass(frozen=True)

@@ -14,14 +14,14 @@ import numpy as np
 from vmach.base.note import Note
 from vmach.base.units import um_from_mm
 from vmach.effects import read_effects
-from vmach.files.csv_table import Cells, rounded, whole, write_csv
+from vmach.files.csv_table import Cells, rounded, whole
 from vmach.job import Job, read_job
 from vmach.machine import Variant
 from vmach.path.preparation import prepare
 from vmach.path.toolpath import PathStates
 from vmach.prediction import displacement_of
 
-__all__ = ["TipErrors", "tip_error_columns", "tip_errors", "write_tip_errors_csv"]
+__all__ = ["TipErrors", "tip_error_columns", "tip_errors"]
 
 
 @dataclass(frozen=True)
@@ -82,9 +82,3 @@ def tip_error_columns(found: TipErrors) -> dict[str, Cells]:
         **{f"d{axis}_um": rounded(um_from_mm(error), 4)
            for axis, error in zip("xyz", found.error_mm.T, strict=True)},
     }  # fmt: skip
-
-
-def write_tip_errors_csv(path: Path, found: TipErrors) -> None:
-    """Write `tip_error_columns` to a file."""
-    with path.open("wb") as file:
-        write_csv(file, tip_error_columns(found))

@@ -123,7 +123,7 @@ def _check_unit(job: Job, nominal: NominalPart) -> None:
             f"the nominal part measures {_size(nominal.bounds_mm)} mm, the stock at least "
             f"{times:.4g} times as much in every direction",
             file=job.nominal,
-            accepted=f"less than {_UNIT_DOUBT:g} times, or the unit said in the job",
+            accepted=f"less than {_UNIT_DOUBT:g} times, or the unit stated in the job",
             hint='nominal_unit = "inch", "m" or "cm" in the job; "mm" if it is right',
         )
 
@@ -136,7 +136,7 @@ def _check_volume(job: Job, nominal: NominalPart) -> None:
             f"the nominal part has {part_mm3:.6g} mm3, the stock that it lies in {blank_mm3:.6g}",
             file=job.nominal,
             accepted="no more material than the stock has",
-            hint="do bodies of the CAD lie in each other?",
+            hint="do bodies of the CAD overlap?",
         )
 
 
@@ -202,9 +202,8 @@ def _notes_on_states(prediction: Prediction) -> list[Note]:
     if overcut:
         line = prediction.states.line[np.argmax(prediction.overcut[prediction.is_cut])]
         said = (
-            f"{overcut} measured points, the first from line {line}, are surface on the part, "
-            "yet other moves of the program as read would have cut them away; they are predicted "
-            "from the move that makes them"
+            f"{overcut} measured points, the first from line {line}, would be cut away by other "
+            "moves of the program as read. They are predicted from the move that makes them"
         )
         notes.append(Note.plain(Kind.OVERCUT, said, overcut, "1", place=f"line {line}"))
     return notes

@@ -9,12 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import numpy as np
 
 from stock import Sweeps, VirtualPart, cut_part
-from vmach.base.note import Level, Note, in_file
+from vmach.base.note import Kind, Level, Note, in_file
 from vmach.base.stage_clock import Progress, StageClock, silent
 from vmach.effects import read_effects
 from vmach.errors import InputError
@@ -33,9 +30,6 @@ from vmach.run.collisions import collision_notes, job_collisions
 from vmach.run.inspection import check_some_cut, inspected_points, surface_points, with_causes
 from vmach.run.solid_comparison import compare_solids, comparison_notes
 
-if TYPE_CHECKING:
-    import trimesh
-
 __all__ = [
     "SOLID_MOVES",
     "MachinedPart",
@@ -49,10 +43,6 @@ __all__ = [
 #: programs of more moves are inspected without a solid, unless it is asked for: cutting it takes
 #: minutes from here on
 SOLID_MOVES = 100_000
-_NO_SOLID = (
-    "no solid was cut: the program has {moves} moves, more than {most}; the deviations come from "
-    "the exact engine all the same ('--solid' cuts it)"
-)
 
 
 @dataclass(frozen=True)
@@ -157,7 +147,8 @@ def machine_part(
     """
     clock = StageClock(progress)
     job = read_job(job_path)
-    blank = _blank_of(job)
+    if solid is not False:
+        _check_blank(job)
     found = inspect_part(
         job, variants=variants, prefer_measured=prefer_measured, also=model, clock=clock
     )
@@ -166,7 +157,9 @@ def machine_part(
     is_left_out = solid is None and moves > SOLID_MOVES
     if solid or (solid is None and not is_left_out):
         with clock.stage("cut") as step:
-            part = cut_part(found.sweeps[model], found.preparation.cutters, blank, progress=step)
+            part = cut_part(
+                found.sweeps[model], found.preparation.cutters, job.blank.solid, progress=step
+            )
     if part is not None and found.nominal is not None:
         with clock.stage("solids"):
             limit_mm = job.inspection.difference_mm
@@ -187,7 +180,7 @@ def machine_part(
         notes=(
             *collision_notes(found.preparation, collisions),
             *comparison_notes(comparison),
-            *([_NO_SOLID.format(moves=moves, most=SOLID_MOVES)] if is_left_out else []),
+            *([_no_solid_note(moves)] if is_left_out else []),
             *found.notes,
         ),
     )
@@ -263,15 +256,23 @@ def _assumptions(job: Job) -> tuple[Note, ...]:
     return in_file(assumed, job.machine_path)
 
 
-def _blank_of(job: Job) -> tuple[np.ndarray, np.ndarray] | trimesh.Trimesh:
-    """The blank that the virtual part is cut from, two corners or a mesh."""
+def _no_solid_note(moves: int) -> Note:
+    said = (
+        f"no solid was cut: the program has {moves} moves, more than {SOLID_MOVES}; the deviations "
+        "come from the exact engine all the same ('--solid' cuts it)"
+    )
+    return Note.plain(Kind.SOLID, said, moves, "1")
+
+
+def _check_blank(job: Job) -> None:
+    """Refuse a job without the blank that the virtual part is cut from."""
     if job.blank is None:
         raise InputError(
             "the virtual part needs a blank",
             file=job.path,
             accepted="[stock] with min_mm and max_mm, or file",
+            hint="--no-solid inspects the surface without a virtual part",
         )
-    return job.blank.solid
 
 
 def predict_points(

@@ -47,7 +47,6 @@ __all__ = [
     "run_record",
     "write_coloured_part",
     "write_prediction",
-    "write_prediction_csv",
     "write_results",
 ]
 
@@ -189,12 +188,6 @@ def prediction_columns(points: SurfacePoints, prediction: Prediction) -> dict[st
         "time_s": fixed(spread(states.time_s), 3, shown=cut),
         "status": words(STATUSES, prediction.edges.status),
     }
-
-
-def write_prediction_csv(path: Path, points: SurfacePoints, prediction: Prediction) -> None:
-    """Write `prediction_columns` to a file, the whole file or nothing."""
-    with atomic_file(path) as temporary, temporary.open("wb") as file:
-        write_csv(file, prediction_columns(points, prediction))
 
 
 def write_prediction(file: TextIO, points: SurfacePoints, prediction: Prediction) -> None:

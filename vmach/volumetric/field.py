@@ -43,7 +43,7 @@ class Volume:
 
     @property
     def coordinates_mm(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Grid positions along X, Y and Z."""
+        """Grid positions along X, Y and Z, (N,) mm each, as many as `counts` says."""
         return tuple(
             np.linspace(low, high, count) if count > 1 else np.array([0.5 * (low + high)])
             for low, high, count in zip(self.low_mm, self.high_mm, self.counts, strict=True)

@@ -70,7 +70,7 @@ def accuracy_figures(
 def arms_compared(
     machine: Machine, tool_mm: np.ndarray, fields: dict[Variant, ErrorField]
 ) -> Comparison | None:
-    """Both forms of the arms, where every measuring point is known."""
+    """Both forms of the arms with a tool (3,) mm, where every measuring point is known."""
     try:
         machine.measuring_points_mm()
     except InputError:

@@ -33,7 +33,7 @@ def accuracy_pictures(
     machine: Machine, field: ErrorField, comparison: Comparison | None,
     tool_mm: np.ndarray, *, model: Variant,
 ) -> dict[str, bytes]:  # fmt: skip
-    """Every picture of a machine's accuracy, by file name."""
+    """Every picture of a machine's accuracy with a tool (3,) mm, by file name, PNG."""
     largest = assess(field).largest_difference_mm
     edges, counts, _ = difference_histogram(field.error_mm, largest)
     coarse = Volume(field.volume.low_mm, field.volume.high_mm, _CONE_GRID)
@@ -108,7 +108,7 @@ def _cones(base_mm: np.ndarray, vector_mm: np.ndarray) -> np.ndarray:
 def draw_histogram(
     magnitude_mm: np.ndarray, edges_mm: np.ndarray, counts: np.ndarray, *, largest_mm: float
 ) -> bytes:
-    """Lengths of the error vectors, and of the differences between all pairs of them."""
+    """Lengths of error vectors, (P,) mm, and of the differences of all pairs, (B,) counts; PNG."""
     figure = Figure(figsize=(10.0, 4.2), dpi=120, layout="constrained")
     FigureCanvasAgg(figure)
     one, pairs = figure.subplots(1, 2)
@@ -154,7 +154,7 @@ def draw_maps(comparison: Comparison, *, title: str) -> bytes:
 
 
 def draw_profile(distance_mm: np.ndarray, error_mm: np.ndarray, *, title: str) -> bytes:
-    """Errors in X, Y, Z and their length along a path."""
+    """Errors in X, Y, Z, (P, 3) mm, and their length along a path, (P,) mm; PNG."""
     figure = Figure(figsize=(9.0, 4.4), dpi=120, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()

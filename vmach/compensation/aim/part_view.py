@@ -50,7 +50,7 @@ class PartDeviation:
     parameter: np.ndarray
 
     def taken(self, rows: np.ndarray) -> PartDeviation:
-        """Some of the points."""
+        """Some of the points, rows (R,) of them."""
         return PartDeviation(*(getattr(self, name)[rows] for name in self.__dataclass_fields__))
 
     @property

@@ -59,7 +59,8 @@ class ProgramSurface:
         left = self._in_blank(left)
         if not len(left):
             raise InputError(
-                "the program cuts no surface out of the blank",
+                "the program cuts no surface out of the blank, "
+                f"{job.blank.min_mm} to {job.blank.max_mm} mm",
                 file=job.path,
                 accepted="[stock] that the tools reach at feed",
                 hint="is the blank in workpiece coordinates?",

@@ -181,7 +181,9 @@ def check_surface(
     rows = np.flatnonzero(was_cut & new.is_cut & (new.overcut == old.overcut))
     if not len(rows):
         raise InputError(
-            "no inspection point is cut", file=job.path, hint="is the CAD in workpiece coordinates?"
+            f"none of the {len(surface.points)} inspection points is cut",
+            file=job.path,
+            hint="is the CAD in workpiece coordinates?",
         )
     states, at_edge = old.states, {}
     of_old, of_new = _places(old, rows), _places(new, rows)

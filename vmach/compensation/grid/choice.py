@@ -88,10 +88,7 @@ def _left(course, k, one, a, i, two, b, j):
         for axis in range(3):
             there = start[axis] + share * (end[axis] - start[axis])
             x += course.normal[probe, axis] * there
-        if x > 0.0 and course.only_below[probe]:
-            continue
-        square = x * x
-        cost += course.weight[probe] * (square + course.large * square**4)
+        cost += _at_probe(course, probe, x)
     for axis in range(3):
         moved = two.corrected[b, j, axis] - one.corrected[a, i, axis]
         cost += course.still[k, axis] * moved**2
@@ -119,16 +116,34 @@ def best_points(course, exact, points, ends, count):
 
 @njit(cache=True)
 def best_sequence(course, exact, points):
-    """Point of every end, (K,), so that the sum of costs along the path is smallest."""
+    """Point of every end, (K,), so that the sum of costs along the path is smallest.
+
+    No piece costs less than nothing: what is dearer before a piece than the best so far behind it
+    needs no look. Of equals the first counts.
+    """
     ends, tries = points.parameter.shape
     came_from = np.zeros((ends, tries), np.int64)
     total = np.array([_left(course, 0, exact, 0, 0, points, 0, j) for j in range(tries)])
+    room = _most_probes(course, points)
+    by_start, by_end = np.empty((tries, room)), np.empty((tries, room))
     for k in range(1, ends):
         now = np.full(tries, np.inf)
+        cheapest_first = np.argsort(total)
+        count = _shares(course, k, points, by_start, by_end)
         for j in range(tries):
-            for i in range(tries):
-                cost = total[i] + _left(course, k, points, k - 1, i, points, k, j)
-                if cost < now[j]:
+            for i in cheapest_first:
+                if total[i] > now[j]:
+                    break
+                if count < 0:
+                    cost = total[i] + _left(course, k, points, k - 1, i, points, k, j)
+                else:
+                    cost = total[i] + _at_ends(course, k, points, i, j)
+                    first = course.begin[k]
+                    for n in range(count):
+                        if cost > now[j]:
+                            break
+                        cost += _at_probe(course, first + n, by_start[i, n] + by_end[j, n])
+                if cost < now[j] or (cost == now[j] and i < came_from[k, j]):
                     now[j], came_from[k, j] = cost, i
         total = now - now.min()
     best = np.zeros(ends, np.int64)
@@ -137,3 +152,58 @@ def best_sequence(course, exact, points):
         best[k] = point
         point = came_from[k, point]
     return best
+
+
+@njit(cache=True)
+def _most_probes(course, points):
+    """Probes of the piece that has most."""
+    most = 1
+    for k in range(len(course.begin)):
+        if course.begin[k] >= 0:
+            most = max(most, points.bound[k].max() - course.begin[k])
+    return most
+
+
+@njit(cache=True)
+def _shares(course, k, points, by_start, by_end):
+    """What every start and every end of piece k add at its probes; how many these are.
+
+    -1 where the points of an end lie at different places, so that the shares are not theirs alone.
+    """
+    first, p0 = course.begin[k], course.start[k]
+    last, p1 = points.bound[k, 0], points.parameter[k, 0]
+    if first < 0 or (points.bound[k] != last).any() or (points.parameter[k] != p1).any():
+        return -1
+    per_span = 1.0 / (p1 - p0) if p1 > p0 else 0.0
+    for n in range(last - first):
+        normal = course.normal[first + n]
+        share = (course.parameter[first + n] - p0) * per_span
+        for t in range(points.parameter.shape[1]):
+            start, end = points.at_start[k - 1, t], points.at_end[k, t]
+            by_start[t, n] = (1.0 - share) * (
+                normal[0] * start[0] + normal[1] * start[1] + normal[2] * start[2]
+            )
+            by_end[t, n] = course.base[first + n] + share * (
+                normal[0] * end[0] + normal[1] * end[1] + normal[2] * end[2]
+            )
+    return max(last - first, 0)
+
+
+@njit(cache=True)
+def _at_probe(course, probe, x):
+    """Cost of what is left at a probe."""
+    if x > 0.0 and course.only_below[probe]:
+        return 0.0
+    square = x * x
+    return course.weight[probe] * (square + course.large * square**4)
+
+
+@njit(cache=True)
+def _at_ends(course, k, points, i, j):
+    """Cost of piece k by the places of its ends alone."""
+    cost = 0.0
+    for axis in range(3):
+        moved = points.corrected[k, j, axis] - points.corrected[k - 1, i, axis]
+        cost += course.still[k, axis] * moved**2
+        cost += course.stays[k] * points.off[k, j, axis] ** 2
+    return cost

@@ -27,7 +27,7 @@ _FAR = np.concatenate([np.linspace(-0.4, -0.025, 16), np.linspace(0.025, 0.4, 16
 _CROSSING = 2
 #: in the two axes across
 _UP_OR_DOWN = ((0, 0), (0, 1), (1, 0), (1, 1))
-_NO_WAY_MM = 1e-9
+_NO_LENGTH_MM = 1e-9
 _NO_SPAN = 1e-12
 
 
@@ -62,7 +62,7 @@ class GridPlaces:
         )
 
     def put(self, ends: np.ndarray, places: GridPlaces) -> None:
-        """Fill in the points of some ends."""
+        """Fill in the points of the ends with numbers (K,)."""
         self.parameter[ends] = places.parameter
         self.wanted_mm[ends] = places.wanted_mm
         self.off_mm[ends] = places.off_mm
@@ -97,7 +97,7 @@ class Grid:
         self.inserted = _inserted(rewriter, plan)
 
     def of_inserted(self, ends: np.ndarray) -> GridPlaces:
-        """Points beside the path of their move, for ends that may stand for other places."""
+        """Points beside the path of their move, for ends (K,) that may stand for other places."""
         axis, per_axis = self._main_axis(ends, self.last[ends])
         step, per_axis = self.step_mm[ends][:, None], per_axis[:, None]
         length = self.rewriter.length_mm[self.plan.move[ends]][:, None]
@@ -121,7 +121,7 @@ class Grid:
         return np.clip(ways, -_FAR.max() * before, _FAR.max() * after)
 
     def of_programmed(self, ends: np.ndarray) -> GridPlaces:
-        """Points about the ends, more of them along the moves that meet there."""
+        """Points about the ends (K,), more of them along the moves that meet there."""
         following = np.minimum(ends + 1, len(self.last) - 1)
         place, step = self._wanted(ends, np.zeros((len(ends), 1))), self.step_mm[ends][:, None]
         around = []
@@ -149,8 +149,8 @@ class Grid:
         move = self.plan.move[piece]
         tangent = tangent_at(self.rewriter.moves, move, parameter)
         length = np.linalg.norm(tangent, axis=1, keepdims=True)
-        tangent = tangent / np.maximum(length, _NO_WAY_MM)
-        tangent = np.where(length > _NO_WAY_MM, tangent, np.eye(3)[0])
+        tangent = tangent / np.maximum(length, _NO_LENGTH_MM)
+        tangent = np.where(length > _NO_LENGTH_MM, tangent, np.eye(3)[0])
         return turned_about_z(tangent, -self.rewriter.angle[move])
 
     def _main_axis(self, piece: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

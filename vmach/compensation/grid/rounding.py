@@ -32,7 +32,7 @@ _STAYS, _LEAST_LENGTH_MM = 0.02, 0.1
 #: weight of a step of an axis that stands in the user's program, and of one that is to stand
 _A_STEP, _NO_STEP = 0.01, 1e4
 #: an axis that moves by no more stands
-_STANDING_MM = 2e-7
+_AT_REST_MM = 2e-7
 _NO_SPAN = 1e-12
 
 
@@ -40,10 +40,10 @@ class Rounding:
     """Chooses the grid points of a target's ends.
 
     Rounding an end to the nearest point moves the tool by up to 0.9 steps. What counts is less:
-    along the path next to nothing, and across it what is left at the probes, all along the
-    pieces, as the error of a straight move goes linearly from one end's to the other's, and
-    that of an arc likewise in radius, tangent and axis. Ends that are not the user's may stand
-    for other places of their move, where the grid comes nearer to the path.
+    next to nothing along the path, and across it what is left at the probes. Along a straight
+    move the error is linear between its ends; along an arc it is linear in radius, tangent and
+    axis. Inserted ends may be written at other places of their move, where the grid comes nearer
+    to the path.
 
     Of the points around every end those are kept that leave least between exact neighbours; the
     best sequence of these is found by dynamic programming.
@@ -141,10 +141,10 @@ class Rounding:
         """Weight against motion of axes that stand in a piece, and so need no word, (K, 3)."""
         moves, move, step = self.rewriter.moves, self.plan.move, self.step_mm[:, None]
         way = position_at(moves, move, self.last) - position_at(moves, move, self.first)
-        stands = (np.abs(way) < _STANDING_MM) & (self.rewriter.angle[move] == 0.0)[:, None]
+        stands = (np.abs(way) < _AT_REST_MM) & (self.rewriter.angle[move] == 0.0)[:, None]
         asked = np.abs(np.diff(self.target.ends_mm, axis=0, prepend=np.inf))
         weight = np.where(asked < 0.5 * step, _A_STEP * self.path_length_mm[:, None], 0.0)
-        weight = np.where(asked < _STANDING_MM, _NO_STEP, weight)
+        weight = np.where(asked < _AT_REST_MM, _NO_STEP, weight)
         return np.where(stands, weight / step**2, 0.0)
 
     def exact(self, probes: Probes) -> Points:
@@ -155,7 +155,7 @@ class Rounding:
         return Points(*(np.concatenate([np.zeros_like(a[:1]), a]) for a in points))
 
     def points(self, probes: Probes, places: GridPlaces, ends: np.ndarray) -> Points:
-        """What places of some ends do to the pieces on both sides of them."""
+        """What places of some ends, (K,), do to the pieces on both sides of them."""
         following = np.minimum(ends + 1, len(self.first) - 1)
         same = self.plan.move[following] == self.plan.move[ends]
         there = np.where(same[:, None], places.parameter, self.first[following][:, None])

@@ -98,6 +98,7 @@ class _Planner:
         self.settled, self.settled_error = self._settled(
             found.move, start, turned, self.tolerance_mm
         )
+        self.turns = self._turns_of_arcs(np.flatnonzero(kind == MoveKind.ARC))
         self.in_tube = self.is_bent.copy()  # moves that may begin off the corrected curve
         self.in_tube[1:] |= straight[1:] & self.is_bent[:-1]
 
@@ -141,6 +142,25 @@ class _Planner:
         grows &= np.linalg.norm(farther - in_full, axis=1) < (1.0 - _SUDDEN) * growth
         return np.where(grows, later, soon), np.where(grows[:, None], in_full, at_once)
 
+    def _turns_of_arcs(self, arcs: np.ndarray) -> dict[int, tuple[np.ndarray, ...]]:
+        """Where axes turn back on arcs, where the error is there in full, and after and before.
+
+        Asked for all arcs at once: one question takes as long as thousands.
+        """
+        if not len(arcs):
+            return {}
+        found = [reversals_of_arc(self.moves, int(self.found.move[index])) for index in arcs]
+        count = np.array([len(place) for place, _ in found], np.int64)
+        owner = np.repeat(arcs, count)
+        place = np.concatenate([place for place, _ in found])
+        axes = np.concatenate([axis for _, axis in found])
+        row = self.found.move[owner]
+        later, after = self._settled(row, place, axes, self.tolerance_mm[owner])
+        before = self.error_at(row, place - _ASIDE)
+        ends = np.cumsum(count)[:-1]
+        parts = (np.split(column, ends) for column in (place, later, after, before))
+        return dict(zip(arcs.tolist(), zip(*parts, strict=True), strict=True))
+
     def _put(self, piece: Piece, aim_mm: np.ndarray | None = None) -> None:
         self.pieces.append(piece)
         self.aim_mm.append(np.zeros(3) if aim_mm is None else aim_mm)
@@ -148,11 +168,9 @@ class _Planner:
     def _arc(self, index: int, error: np.ndarray) -> None:
         """Arcs between the places where an axis turns back and the error jumps."""
         move, parameter = int(self.found.move[index]), self.found.of(index)[0]
-        places, axes = reversals_of_arc(self.moves, move)
-        row = np.full(len(places), move)
-        later, after = self._settled(row, places, axes, self.tolerance_mm[index])
-        before = self.error_at(row, places - _ASIDE)
-        jump = across(after - before, tangent_at(self.moves, row, places))
+        places, later, after, before = self.turns[index]
+        tangent = tangent_at(self.moves, np.full(len(places), move), places)
+        jump = across(after - before, tangent)
         jumps = np.flatnonzero(np.linalg.norm(jump, axis=1) > self.tolerance_mm[index])
         cuts = [0.0, *places[jumps], 1.0]
         for number, (start, end) in enumerate(pairwise(cuts)):

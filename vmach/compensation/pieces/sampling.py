@@ -48,7 +48,7 @@ class ErrorAlongMoves:
     error_mm: np.ndarray
 
     def of(self, index: int) -> tuple[np.ndarray, np.ndarray]:
-        """Parameters and errors of one move."""
+        """Parameters, (S,), and errors, (S, 3) mm, of one move."""
         part = slice(self.first[index], self.first[index + 1])
         return self.parameter[part], self.error_mm[part]
 
@@ -74,7 +74,7 @@ class ErrorAlongMoves:
 def sample_error(
     moves: Moves, used: np.ndarray, error_at: ErrorAt, *, tolerance_mm: float
 ) -> ErrorAlongMoves:
-    """Sample the error so closely that between two samples it is straight within a thirtieth."""
+    """Sample the error of the moves `used`, (U,), straight between samples within a thirtieth."""
     length = move_length_mm(moves)[used]
     count = np.maximum(np.ceil(0.5 * length / _SPACING_MM).astype(np.int64), 1) * 2
     count = np.where(moves.kind[used] == MoveKind.ARC, np.maximum(count, _FEWEST_ON_ARC), count)

@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
+from vmach.base.note import Kind, Note
+from vmach.effects.declaration import unit_of
 from vmach.effects.effect import Effect, Parameter
 from vmach.fit.terms import JointFit
 
@@ -13,31 +15,29 @@ if TYPE_CHECKING:
     from vmach.diagnosis.findings import Finding
     from vmach.diagnosis.named_fit import NamedEffect
 
-__all__ = ["has_impossible_sizes", "impossible_sizes", "impossible_terms"]
+__all__ = ["has_impossible_sizes", "impossible_size_notes", "impossible_terms"]
 
 #: beyond a bound by so many standard uncertainties
 _SURELY = 3.0
 
 
-def impossible_sizes(
-    findings: Iterable[Finding | NamedEffect],
-) -> tuple[dict[str, float], list[str]]:
-    """Sizes that nature does not have: by how many standard uncertainties, and in words.
+def impossible_size_notes(findings: Iterable[Finding | NamedEffect]) -> tuple[Note, ...]:
+    """A note on every size that nature does not have, in the parameter's unit.
 
     Amplitudes are fitted with either sign and any size. A tool that bends towards the wall
     imitates something else.
     """
-    left, notes = {}, []
+    notes = []
     for finding in findings:
-        effect = finding.effect
-        for parameter, ratio, why in _beyond(effect, finding.parameters, finding.u):
-            name = parameter.name
-            left["an impossible size"] = max(ratio, left.get("an impossible size", 0.0))
-            notes.append(
-                f"{finding.label} would fit with {name} = {finding.parameters[name]:.3g} "
+        for parameter, why in _beyond(finding.effect, finding.parameters, finding.u):
+            name, size = parameter.name, finding.parameters[parameter.name]
+            said = (
+                f"{finding.label} would fit with {name} = {size:.3g} "
                 f"(u = {finding.u[name]:.2g}), which cannot be {why}"
             )
-    return left, notes
+            place = finding.label
+            notes.append(Note.question(Kind.IMPOSSIBLE, said, size, unit_of(name), place=place))
+    return tuple(notes)
 
 
 def has_impossible_sizes(fit: JointFit) -> bool:
@@ -65,8 +65,8 @@ def _is_impossible(fit: JointFit, k: int) -> bool:
 
 def _beyond(
     effect: Effect | None, value: Mapping[str, float], u: Mapping[str, float]
-) -> Iterator[tuple[Parameter, float, str]]:
-    """Parameters surely beyond a bound: by how many standard uncertainties, and which bound."""
+) -> Iterator[tuple[Parameter, str]]:
+    """Parameters surely beyond a bound, and which bound."""
     for p in effect.parameters if effect else ():
         here = value.get(p.name)
         checks = []
@@ -79,4 +79,4 @@ def _beyond(
             checks.append((over, both, f"more than {p.at_most} = {value[p.at_most]:.3g}"))
         for over, spread, why in checks:
             if over > _SURELY * spread:
-                yield p, over / spread, why
+                yield p, why

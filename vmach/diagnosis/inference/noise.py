@@ -12,16 +12,26 @@ from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.marginal_likelihood import Base
 from vmach.measurements import apart_from_neighbours
 
-__all__ = ["noise_after"]
+__all__ = ["noise_after", "noise_before"]
 
 #: degrees of freedom of Student's t that are tried for heavy tails; infinite is normal
 _TAILS = (3.0, 5.0, 10.0)
 #: log probability that a further parameter of the noise has to bring (Bayesian information
 #: criterion at a thousand readings)
 _WORTH = 3.5
+#: logarithm by which a weight has to differ to count as another
+_OTHER = 0.3
 _CORRELATIONS = (0.3, 0.98)
 #: readings that leave less than this of their stated uncertainty leave what arithmetic rounds
 _ROUNDING = 1e-9
+
+
+def noise_before(weighing: Weighing) -> FeatureNoise:
+    """The noise before any effect is looked for: readings apart from all neighbours weigh less.
+
+    A sudden effect could take up one of them.
+    """
+    return replace(weighing.base.noise, weight=_weights(weighing, weighing.nothing()))
 
 
 def noise_after(weighing: Weighing, explanation: Explanation) -> FeatureNoise | None:
@@ -33,12 +43,10 @@ def noise_after(weighing: Weighing, explanation: Explanation) -> FeatureNoise | 
     if np.median(np.abs(noise.standardised(explanation.posterior.left))) < _ROUNDING:
         return None
     weight = _weights(weighing, explanation)
-    if np.abs(np.log(weight / noise.weight)).max() > 0.3:
+    if np.abs(np.log(weight / noise.weight)).max() > _OTHER:
         noise = replace(noise, weight=weight)
     correlated = _correlated(weighing, explanation, noise)
-    if correlated is weighing.base.noise:
-        return None
-    return correlated
+    return None if correlated is weighing.base.noise else correlated
 
 
 def _weights(weighing: Weighing, explanation: Explanation) -> np.ndarray:

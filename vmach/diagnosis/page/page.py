@@ -71,7 +71,7 @@ def write_diagnosis_page(
     residuals, job = found.residuals, found.residuals.survey.job
     part = residual_map(residuals, nominal)
     heading, summary = headline(found)
-    tested = [c for c in found.candidates if c.status == "tested"]
+    tested = [c for c in found.candidates if c.is_tested]
     page = render_page(
         _HERE / "page.html.jinja",
         title=title,
@@ -89,7 +89,7 @@ def write_diagnosis_page(
         panels=covariate_panels(residuals),
         instruments=instrument_pictures(residuals),
         tested=tested,
-        excluded=[c for c in found.candidates if c.status != "tested"],
+        excluded=[c for c in found.candidates if not c.is_tested],
         most=_MOST,
         blind=[spot for spot in found.blind_spots if spot.from_size is not None],
         unseen=[spot for spot in found.blind_spots if spot.from_size is None],

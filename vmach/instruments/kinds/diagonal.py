@@ -33,7 +33,7 @@ class Diagonal(Instrument):
         length = float(np.linalg.norm(end - start))
         if length == 0.0:
             raise InputError(
-                "from_mm and to_mm are the same place",
+                f"from_mm and to_mm are the same place, {start.tolist()}",
                 file=table.path,
                 accepted="two ends of a diagonal",
             )

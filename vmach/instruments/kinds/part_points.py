@@ -121,7 +121,7 @@ def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Meas
 def _uncut_note(points: SurfacePoints, prediction: Prediction, name: str) -> Note:
     """Which points no move cut, and why that may be where they are many."""
     uncut = points.id[~prediction.is_cut]
-    said = f"left out, as no move cut them ({len(uncut)} of {len(points)}): {_listed(uncut)}"
+    said = f"left out because no move cuts them ({len(uncut)} of {len(points)}): {_listed(uncut)}"
     note = Note.plain(Kind.UNCUT, said, len(uncut), "1", file=name)
     if len(uncut) <= _MANY * len(points):
         return note
@@ -138,7 +138,7 @@ def _without_repeats(part: Measurement, points_mm: np.ndarray) -> Measurement:
         return part
     told = tuple(note for note in part.notes if note.kind is not Kind.REPEAT)
     count = len(part) - len(first)
-    said = f"{count} rows that repeat another row, reading and all, are left out"
+    said = f"{count} rows that repeat another row, reading included, are left out"
     note = Note.plain(Kind.LEFT_OUT, said, count, "1", file=part.name)
     return replace(part, notes=told).keep(np.sort(first), note)
 
@@ -157,7 +157,7 @@ def _without_outliers(part: Measurement) -> Measurement:
         return part
     bad = part.id[~good]
     said = (
-        "left out, as they stand out from their neighbours, as with a chip under "
+        "left out as outliers among their neighbours, such as a chip under "
         f"the probe ({len(bad)} of {len(part)}): {_listed(bad)}"
     )
     return part.keep(good, Note.plain(Kind.LEFT_OUT, said, len(bad), "1", file=part.name))

@@ -214,7 +214,7 @@ class _Source:
             if entry.measured_at_mm or entry.nose_at_mm is None or entry.stick_out_mm is None:
                 raise self.fail(
                     keys,
-                    f"{name} does not say in one way where it was measured",
+                    f"{name} does not state its measuring point in one form",
                     "measured_at_mm, or nose_at_mm together with stick_out_mm",
                 )
             tip = np.array([0.0, 0.0, -entry.stick_out_mm])

@@ -67,8 +67,8 @@ def read_volumetric_file(path: Path, format_name: str) -> VolumetricFile:
         _store(found, path, line, name=name, pairs=pairs)
     if not found.tables and not found.squareness_rad:
         raise InputError(
-            "no error found in the volumetric file", file=path,
-            hint=f"format '{format_name}' was asked for; there is {', '.join(FORMATS)}",
+            f"no error found in the volumetric file, read as format '{format_name}'", file=path,
+            accepted=", ".join(FORMATS),
         )  # fmt: skip
     return found
 
@@ -96,7 +96,7 @@ def _store(
             accepted="two or more rows, each position once",
         )  # fmt: skip
     if name in found.tables:
-        raise InputError(f"{name} stands there twice", file=path, line=line)
+        raise InputError(f"{name} occurs twice", file=path, line=line)
     found.tables[name] = (table[:, 0], table[:, 1])
 
 

@@ -52,7 +52,7 @@ def cross_validate(
     value: np.ndarray,
     candidates: tuple[Interpolation, ...] = CANDIDATES,
 ) -> tuple[Score, ...]:
-    """Leave out each inner point in turn and predict it from the rest.
+    """Leave out each inner point of (K,) positions and values in turn; predict it from the rest.
 
     Of long tables every 40th inner point is left out at once. Methods that need more points than
     there are take no part; fewer than three points tell nothing.

@@ -192,7 +192,8 @@ def _numbers(cells: list[str], header: _Header, path: Path, line: int) -> np.nda
     if not np.isfinite(numbers[keys]).all():
         raise InputError(f"row '{', '.join(cells)}' has no position", file=path, line=line)
     if header.approach is not None and numbers[header.approach] == 0:
-        raise InputError("approach 0", file=path, line=line, accepted="1 or -1")
+        approach = cells[header.approach]
+        raise InputError(f"approach {approach}", file=path, line=line, accepted="1 or -1")
     values = numbers * header.scale
     sizes = np.abs(values[[*header.forward, *header.backward]])
     if (sizes > header.largest).any():
@@ -234,7 +235,7 @@ def _check_positions(position: np.ndarray, header: _Header) -> None:
     twice = np.flatnonzero(np.diff(position) < _SAME_POSITION * header.position_scale)
     if twice.size:
         raise InputError(
-            f"position {position[twice[0]] / header.position_scale:g} stands there twice",
+            f"position {position[twice[0]] / header.position_scale:g} occurs twice",
             file=header.path,
             hint="single runs go into columns forward_1, forward_2, ...",
         )

@@ -13,13 +13,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy  # its parts are loaded when they are first used
 from numpy.polynomial import Legendre
-from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator, PPoly
-from scipy.interpolate import make_smoothing_spline as smoothing_spline
 
 from vmach.errors import InputError
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
 
 __all__ = ["LINEAR", "Extrapolation", "Interpolation", "Method", "PiecewiseCubic"]
 
@@ -62,7 +65,7 @@ class PiecewiseCubic:
 
     @property
     def origins(self) -> np.ndarray:
-        """(K + 1,) where each piece's local coordinate is zero."""
+        """Where each piece's local coordinate is zero, (K,): at its break."""
         return np.concatenate((self.breaks[:1], self.breaks))
 
     def __call__(self, position: np.ndarray) -> np.ndarray:
@@ -73,7 +76,7 @@ class PiecewiseCubic:
         return c[..., 0] + local * (c[..., 1] + local * (c[..., 2] + local * c[..., 3]))
 
     def on(self, breaks: np.ndarray) -> PiecewiseCubic:
-        """The same curve on finer breaks, which include those of this curve."""
+        """The same curve on finer breaks, (K,), which include those of this curve."""
         origins = np.concatenate((breaks[:1], breaks))
         inside = np.concatenate(([breaks[0] - 1.0], breaks))
         piece = np.searchsorted(self.breaks, inside, side="right")
@@ -144,15 +147,15 @@ LINEAR = Interpolation()
 
 def _linear(_: Interpolation, position: np.ndarray, value: np.ndarray) -> PPoly:
     slope = np.diff(value) / np.diff(position)
-    return PPoly(np.array([slope, value[:-1]]), position)
+    return scipy.interpolate.PPoly(np.array([slope, value[:-1]]), position)
 
 
 def _pchip(_: Interpolation, position: np.ndarray, value: np.ndarray) -> PPoly:
-    return PchipInterpolator(position, value)
+    return scipy.interpolate.PchipInterpolator(position, value)
 
 
 def _cubic(_: Interpolation, position: np.ndarray, value: np.ndarray) -> PPoly:
-    return CubicSpline(position, value)
+    return scipy.interpolate.CubicSpline(position, value)
 
 
 def _smoothing(_: Interpolation, position: np.ndarray, value: np.ndarray) -> PPoly:
@@ -160,9 +163,10 @@ def _smoothing(_: Interpolation, position: np.ndarray, value: np.ndarray) -> PPo
         raise InputError(f"interpolation 'smoothing' needs 5 points, the table has {len(position)}")
     # SciPy searches its smoothing parameter in bounds meant for steps of about one
     step = (position[-1] - position[0]) / (len(position) - 1)
-    curve = PPoly.from_spline(smoothing_spline((position - position[0]) / step, value))
+    smooth = scipy.interpolate.make_smoothing_spline((position - position[0]) / step, value)
+    curve = scipy.interpolate.PPoly.from_spline(smooth)
     powers = np.arange(len(curve.c))[::-1, None]
-    return PPoly(curve.c / step**powers, position[0] + step * curve.x)
+    return scipy.interpolate.PPoly(curve.c / step**powers, position[0] + step * curve.x)
 
 
 def _legendre(chosen: Interpolation, position: np.ndarray, value: np.ndarray) -> PPoly:
@@ -200,7 +204,7 @@ def _fourier(chosen: Interpolation, position: np.ndarray, value: np.ndarray) -> 
 def _sampled(curve: Callable, slope: Callable, position: np.ndarray, *, pieces: int) -> PPoly:
     """Cubics with the values and slopes of a smooth curve at the ends of equal pieces."""
     x = np.linspace(position[0], position[-1], pieces + 1)
-    return CubicHermiteSpline(x, curve(x), slope(x))
+    return scipy.interpolate.CubicHermiteSpline(x, curve(x), slope(x))
 
 
 def _with_ends(curve: PPoly, extrapolation: Extrapolation) -> PiecewiseCubic:

@@ -96,7 +96,7 @@ def alternative_notes(test: Measurement, others: Iterable[Alternative]) -> tuple
 
 
 def _other_sign(test: Measurement) -> Alternative:
-    meaning = f"{test.instrument.sign_meaning}, and so do the error tables count"
+    meaning = f"{test.instrument.sign_meaning}, and the error tables use the same sign"
     return Alternative("the other sign", meaning, -test.predicted_mm)
 
 

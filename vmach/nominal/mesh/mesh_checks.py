@@ -76,7 +76,7 @@ def _first_of_runs(edge: np.ndarray) -> np.ndarray:
 
 
 def check_closed(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> None:
-    """Raise InputError unless every edge is run along equally often in both directions."""
+    """Raise InputError unless every edge of (T, 3) triangles is run along equally both ways."""
     balance = _unpaired(triangles)
     if not balance.any():
         return
@@ -95,7 +95,7 @@ def check_closed(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> Non
 
 
 def count_intersections(vertices: np.ndarray, triangles: np.ndarray) -> int | None:
-    """How many pairs of triangles cut through or lie on each other; None: too many to look.
+    """How many pairs of (T, 3) triangles cut through or lie on each other; None: too many.
 
     Found are edges that pierce the inside of another triangle, which every transversal
     intersection of closed surfaces has, and triangles that overlap within one plane.

@@ -34,7 +34,7 @@ _MOST_BODIES = 500
 
 
 def check_each_triangle_once(path: Path, triangles: np.ndarray) -> None:
-    """Raise InputError where three vertices carry more than one triangle."""
+    """Raise InputError where three vertices carry more than one of the (T, 3) triangles."""
     _, count = np.unique(np.sort(triangles, axis=1), axis=0, return_counts=True)
     repeated = int((count > 1).sum())
     if repeated:
@@ -49,7 +49,7 @@ def check_each_triangle_once(path: Path, triangles: np.ndarray) -> None:
 def check_encloses_once(
     path: Path, vertices: np.ndarray, triangles: np.ndarray, *, bodies_touch: bool = False
 ) -> None:
-    """Raise InputError unless the winding number is 1 behind and 0 before every body's surface.
+    """Raise InputError unless (T, 3) triangles wind once behind, never before, each body's surface.
 
     The mesh is closed and its whole volume positive. Bodies that may touch have 0 or 1 before.
     """

@@ -16,6 +16,8 @@ __all__ = ["read_stl"]
 
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _HEADER_BYTES = 84
+#: characters of a line that a message shows
+_SHOWN = 40
 
 
 def read_stl(path: Path) -> np.ndarray:
@@ -72,7 +74,10 @@ def _binary(path: Path, data: bytes) -> np.ndarray:
 def _ascii(path: Path, data: bytes) -> np.ndarray:
     text = data.decode("ascii", errors="replace").lower()
     if "endsolid" not in text:
-        raise InputError("the ASCII STL is cut short: no endsolid", file=path)
+        last = text.rstrip().rpartition("\n")[2][:_SHOWN]
+        raise InputError(
+            f"the ASCII STL is cut short: it ends with {last!r}", file=path, accepted="endsolid"
+        )
     lines = text.splitlines()
     numbered = [(n, line.split()) for n, line in enumerate(lines, 1) if "vertex" in line]
     vertices = np.empty((len(numbered), 3))

@@ -147,7 +147,7 @@ def read_stl_part(path: Path, unit_mm: float | None = None) -> NominalPart:
     vertices, triangles, merged_within = merge_corners(corners)
     if not len(triangles):
         raise InputError(
-            "every triangle of the mesh is degenerate: two of its corners are one",
+            f"all {len(corners)} triangles are degenerate: two of their corners are one",
             file=path,
             accepted="triangles with an area",
         )
@@ -242,7 +242,7 @@ class _Joints:
         return float(error[bends.max(axis=0) > 1].max(initial=0.0))
 
     def regions(self) -> tuple[tuple[MeshRegion, ...], np.ndarray]:
-        """Smooth regions, and the index of the region of each triangle."""
+        """Smooth regions, and the index of the region of each triangle, (T,)."""
         owner = self._components(self.angle_rad < SMOOTH_RAD)
         sharp = owner[self.left] != owner[self.right]
         normals = _normals(self.corners)

@@ -13,7 +13,7 @@ __all__ = ["near_segments", "spread"]
 
 
 def spread(points_mm: np.ndarray, distance_mm: float) -> np.ndarray:
-    """Mask of points at least `distance_mm` apart such that every other point has one nearer.
+    """Mask, (P,), of points at least `distance_mm` apart such that every other has one nearer.
 
     A maximal independent set by fixed pseudo-random priorities, the same at every call.
     """

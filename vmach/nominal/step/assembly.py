@@ -148,10 +148,11 @@ class _Assembly:
         """Bodies of a group and of all that it contains, each with its geometry."""
         self._visits += 1
         if depth > _DEEPEST:
-            raise InputError("an assembly contains itself", file=self._step.path)
+            what = f"an assembly contains itself, at {depth} levels"
+            raise InputError(what, file=self._step.path)
         if self._visits > _MOST_PARTS:
             raise InputError(
-                "too many parts in the assembly",
+                f"{self._visits} or more parts in the assembly",
                 file=self._step.path,
                 accepted=f"at most {_MOST_PARTS}",
             )

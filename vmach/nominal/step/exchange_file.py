@@ -134,19 +134,19 @@ def _parse_instance(text: str) -> dict[str, list]:
         parts, end = {}, 1
         while found[end] != ("mark", ")"):
             if found[end][0] != "keyword":
-                raise ValueError("a type was expected")
+                raise ValueError(f"a type was expected, not {found[end][1]!r}")
             name = found[end][1].upper()
             parts[name], end = _parse_list(found, end + 1)
         end += 1
     if end != len(found) or not parts:
-        raise ValueError("text after the entity")
+        raise ValueError(f"text after the entity: {found[-1][1]!r}")
     return parts
 
 
 def _parse_list(found: list[tuple[str, str]], at: int) -> tuple[list, int]:
     """Values between the bracket at `at` and the one that closes it, and the place after it."""
     if found[at] != ("mark", "("):
-        raise ValueError("a bracket was expected")
+        raise ValueError(f"a bracket was expected, not {found[at][1]!r}")
     at, values = at + 1, []
     while found[at] != ("mark", ")"):
         if values and found[at] == ("mark", ","):
@@ -164,7 +164,7 @@ def _parse_value(found: list[tuple[str, str]], at: int) -> tuple[object, int]:
     if (kind, text) == ("mark", "("):
         return _parse_list(found, at)
     if kind == "mark" and text not in "*$":
-        raise ValueError("a value was expected")
+        raise ValueError(f"a value was expected, not {text!r}")
     return _VALUES[kind](text), at + 1
 
 

@@ -246,7 +246,7 @@ def _implied_knots(entity: StepEntity, degree: int, count: int) -> np.ndarray:
 
 def _positive(weights: np.ndarray) -> np.ndarray:
     if not (np.isfinite(weights) & (weights > 0.0)).all():
-        raise ValueError("weights that are not positive")
+        raise ValueError(f"weights from {weights.min():g} on, which are not all positive")
     return weights
 
 

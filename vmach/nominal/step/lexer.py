@@ -77,7 +77,9 @@ def read_text(path: Path) -> str:
     text = read_bytes(path, what="nominal CAD").decode("latin-1").replace("\r\n", "\n")
     if not text.lstrip().startswith("ISO-10303-21"):
         raise InputError(
-            "not a STEP file", file=path, accepted="a file that begins with ISO-10303-21;"
+            f"not a STEP file: it begins with {text.lstrip()[:_SHOWN]!r}",
+            file=path,
+            accepted="a file that begins with ISO-10303-21;"
         )
     if _END not in text[-2000:]:
         raise InputError(
@@ -98,7 +100,7 @@ def _without_comments(text: str, path: Path) -> str:
             end = text.find("*/", match.end()) + 2
             if end == 1:
                 raise InputError(
-                    "a comment without an end",
+                    f"a comment without an end: {text[match.start() :][:_SHOWN]!r}",
                     file=path,
                     line=_line(text, match.start()),
                     accepted="/* ... */",
@@ -144,7 +146,10 @@ def _check_rest(text: str, position: int, path: Path) -> None:
         if not text[position:].strip():
             return
         raise InputError(
-            "a statement without a semicolon", file=path, line=_line(text, position), accepted=";"
+            f"a statement without a semicolon: {text[position:].strip()[:_SHOWN]!r}",
+            file=path,
+            line=_line(text, position),
+            accepted=";",
         )
     string = re.compile(_STRING).match(text, start)
     end = len(text) if string is None else string.end()
@@ -175,7 +180,7 @@ def tokens(text: str) -> list[tuple[str, str]]:
     while position < len(text):
         match = _TOKEN.match(text, position)
         if match is None:
-            raise ValueError("unknown token")
+            raise ValueError(f"unknown token {text[position : position + 20]!r}")
         kind = match.lastgroup
         found.append((kind, match[kind]))
         position = match.end()

@@ -41,7 +41,7 @@ class Edge:
     points_mm: np.ndarray
 
     def split(self, segments: np.ndarray) -> Edge:
-        """The same edge with a point more in the middle of each of the segments."""
+        """The same edge with a point more in the middle of each of the segments, (S,) indices."""
         middle = (self.t[segments] + self.t[segments + 1]) / 2.0
         points = self.curve.evaluate(middle)
         return Edge(

@@ -95,14 +95,16 @@ class BSplineSurface:
         return np.where(self._period, wrapped, np.clip(uv, self._low, self._high))
 
     def evaluate(self, uv: np.ndarray) -> np.ndarray:
+        """Points at parameters (N, 2); (N, 3) mm."""
         return evaluate_surface(*self._spline, self._inside(uv))[:, 0]
 
     def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """dS/du and dS/dv at parameters (N, 2); (N, 3) each."""
         found = evaluate_surface(*self._spline, self._inside(uv))
         return found[:, 1], found[:, 2]
 
     def parameters(self, points: np.ndarray) -> np.ndarray:
-        """Of the nearest point, by Gauss-Newton steps from the nearest of a grid of seeds."""
+        """Of the points nearest to (N, 3) mm, by Gauss-Newton steps from seeds; (N, 2)."""
         points = np.ascontiguousarray(points)
         start = self._seed_uv[self._tree.query(points)[1]]
         return nearest_parameters(*self._spline, start, points, self._period)

@@ -38,7 +38,7 @@ class Curve(Protocol):
         ...
 
     def breaks(self, start: float, end: float) -> np.ndarray:
-        """Parameters from start to end between which the curve is smooth and turns little."""
+        """Parameters from start to end between which it is smooth and turns little; (B,)."""
         ...
 
 
@@ -51,15 +51,19 @@ class Line:
     period = 0.0
 
     def evaluate(self, t: np.ndarray) -> np.ndarray:
+        """Points at parameters (N,); (N, 3) mm."""
         return self.origin + t[:, None] * self.direction
 
     def derivative(self, t: np.ndarray) -> np.ndarray:
+        """dC/dt at parameters (N,); (N, 3)."""
         return np.broadcast_to(self.direction, (len(t), 3))
 
     def parameter(self, points: np.ndarray) -> np.ndarray:
+        """Parameters of points (N, 3) mm on the curve; (N,)."""
         return (points - self.origin) @ self.direction
 
     def breaks(self, start: float, end: float) -> np.ndarray:
+        """Parameters from start to end between which it is smooth and turns little; (B,)."""
         return np.array([start, end])
 
 
@@ -73,18 +77,22 @@ class Ellipse:
     period = 2.0 * np.pi
 
     def evaluate(self, t: np.ndarray) -> np.ndarray:
+        """Points at parameters (N,); (N, 3) mm."""
         x, y = self.a * np.cos(t), self.b * np.sin(t)
         return self.frame.world(np.column_stack([x, y, np.zeros_like(t)]))
 
     def derivative(self, t: np.ndarray) -> np.ndarray:
+        """dC/dt at parameters (N,); (N, 3)."""
         x, y = -self.a * np.sin(t), self.b * np.cos(t)
         return self.frame.direction(np.column_stack([x, y, np.zeros_like(t)]))
 
     def parameter(self, points: np.ndarray) -> np.ndarray:
+        """Parameters of points (N, 3) mm on the curve; (N,)."""
         local = self.frame.local(points)
         return np.arctan2(local[:, 1] / self.b, local[:, 0] / self.a)
 
     def breaks(self, start: float, end: float) -> np.ndarray:
+        """Parameters from start to end between which it is smooth and turns little; (B,)."""
         return np.linspace(start, end, int(np.ceil(abs(end - start) / np.radians(15.0))) + 1)
 
 
@@ -98,17 +106,21 @@ class Hyperbola:
     period = 0.0
 
     def evaluate(self, t: np.ndarray) -> np.ndarray:
+        """Points at parameters (N,); (N, 3) mm."""
         x, y = self.a * np.cosh(t), self.b * np.sinh(t)
         return self.frame.world(np.column_stack([x, y, np.zeros_like(t)]))
 
     def derivative(self, t: np.ndarray) -> np.ndarray:
+        """dC/dt at parameters (N,); (N, 3)."""
         x, y = self.a * np.sinh(t), self.b * np.cosh(t)
         return self.frame.direction(np.column_stack([x, y, np.zeros_like(t)]))
 
     def parameter(self, points: np.ndarray) -> np.ndarray:
+        """Parameters of points (N, 3) mm on the curve; (N,)."""
         return np.arcsinh(self.frame.local(points)[:, 1] / self.b)
 
     def breaks(self, start: float, end: float) -> np.ndarray:
+        """Parameters from start to end between which it is smooth and turns little; (B,)."""
         return np.linspace(start, end, 9)
 
 
@@ -121,17 +133,21 @@ class Parabola:
     period = 0.0
 
     def evaluate(self, t: np.ndarray) -> np.ndarray:
+        """Points at parameters (N,); (N, 3) mm."""
         x, y = self.focal * t**2, 2.0 * self.focal * t
         return self.frame.world(np.column_stack([x, y, np.zeros_like(t)]))
 
     def derivative(self, t: np.ndarray) -> np.ndarray:
+        """dC/dt at parameters (N,); (N, 3)."""
         x, y = 2.0 * self.focal * t, np.full_like(t, 2.0 * self.focal)
         return self.frame.direction(np.column_stack([x, y, np.zeros_like(t)]))
 
     def parameter(self, points: np.ndarray) -> np.ndarray:
+        """Parameters of points (N, 3) mm on the curve; (N,)."""
         return self.frame.local(points)[:, 1] / (2.0 * self.focal)
 
     def breaks(self, start: float, end: float) -> np.ndarray:
+        """Parameters from start to end between which it is smooth and turns little; (B,)."""
         return np.linspace(start, end, 9)
 
 
@@ -181,14 +197,17 @@ class BSplineCurve:
         return low + np.mod(t - low, self.period) if self.period else np.clip(t, low, high)
 
     def evaluate(self, t: np.ndarray) -> np.ndarray:
+        """Points at parameters (N,); (N, 3) mm."""
         return self._raw(self._wrapped(t))
 
     def derivative(self, t: np.ndarray) -> np.ndarray:
+        """dC/dt at parameters (N,); (N, 3)."""
         t = self._wrapped(t)
         value, slope = self._spline(t), self._slope(t)
         return (slope[:, :3] - slope[:, 3:] * value[:, :3] / value[:, 3:]) / value[:, 3:]
 
     def parameter(self, points: np.ndarray) -> np.ndarray:
+        """Parameters of points (N, 3) mm on the curve; (N,)."""
         t = self._seeds[self._tree.query(points)[1]]
         for _ in range(20):
             slope = self.derivative(t)
@@ -198,6 +217,7 @@ class BSplineCurve:
         return t
 
     def breaks(self, start: float, end: float) -> np.ndarray:
+        """Parameters from start to end between which it is smooth and turns little; (B,)."""
         low, high = min(start, end), max(start, end)
         knots = self._knots
         if self.period:

@@ -81,13 +81,16 @@ class Plane:
     v_limits = _ENDLESS
 
     def evaluate(self, uv: np.ndarray) -> np.ndarray:
+        """Points at parameters (N, 2); (N, 3) mm."""
         return self.frame.origin + uv @ self.frame.axes[:2]
 
     def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """dS/du and dS/dv at parameters (N, 2); (N, 3) each."""
         shape = (len(uv), 3)
         return tuple(np.broadcast_to(axis, shape) for axis in self.frame.axes[:2])
 
     def parameters(self, points: np.ndarray) -> np.ndarray:
+        """u and v of points (N, 3) mm on the surface; (N, 2)."""
         return self.frame.local(points)[:, :2]
 
 
@@ -107,11 +110,13 @@ class _AboutAxis:
         raise NotImplementedError
 
     def evaluate(self, uv: np.ndarray) -> np.ndarray:
+        """Points at parameters (N, 2); (N, 3) mm."""
         u, v = uv.T
         radius, height = self._profile(v)
         return self.frame.world(np.column_stack([radius * np.cos(u), radius * np.sin(u), height]))
 
     def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """dS/du and dS/dv at parameters (N, 2); (N, 3) each."""
         u, v = uv.T
         cos, sin = np.cos(u), np.sin(u)
         radius, _ = self._profile(v)
@@ -141,6 +146,7 @@ class Cylinder(_AboutAxis):
         return np.zeros_like(v), np.ones_like(v)
 
     def parameters(self, points: np.ndarray) -> np.ndarray:
+        """u and v of points (N, 3) mm on the surface; (N, 2)."""
         x, y, z = self.frame.local(points).T
         return np.column_stack([_angle(x, y), z])
 
@@ -170,6 +176,7 @@ class Cone(_AboutAxis):
         return np.full_like(v, np.tan(self.half_angle)), np.ones_like(v)
 
     def parameters(self, points: np.ndarray) -> np.ndarray:
+        """u and v of points (N, 3) mm on the surface; (N, 2)."""
         x, y, z = self.frame.local(points).T
         return np.column_stack([_angle(x, y), z])
 
@@ -194,11 +201,12 @@ class Sphere(_AboutAxis):
         return -self.radius * np.sin(v), self.radius * np.cos(v)
 
     def parameters(self, points: np.ndarray) -> np.ndarray:
+        """u and v of points (N, 3) mm on the surface; (N, 2)."""
         x, y, z = self.frame.local(points).T
         return np.column_stack([_angle(x, y), np.arctan2(z, np.hypot(x, y))])
 
     def away_from(self, points: np.ndarray) -> Sphere:
-        """The same sphere with its poles turned away from the points (the edges of a face)."""
+        """The same sphere, poles turned away from points (N, 3) mm (edges of a face)."""
         if not len(points):
             return self
         seen = self.frame.local(points) / self.radius
@@ -233,6 +241,7 @@ class Torus(_AboutAxis):
         return -self.minor * np.sin(v), self.minor * np.cos(v)
 
     def parameters(self, points: np.ndarray) -> np.ndarray:
+        """u and v of points (N, 3) mm on the surface; (N, 2)."""
         x, y, z = self.frame.local(points).T
         return np.column_stack([_angle(x, y), np.arctan2(z, np.hypot(x, y) - self.major)])
 
@@ -252,13 +261,16 @@ class Extrusion:
         return self.curve.period
 
     def evaluate(self, uv: np.ndarray) -> np.ndarray:
+        """Points at parameters (N, 2); (N, 3) mm."""
         return self.curve.evaluate(uv[:, 0]) + uv[:, 1:] * self.direction
 
     def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """dS/du and dS/dv at parameters (N, 2); (N, 3) each."""
         return self.curve.derivative(uv[:, 0]), np.broadcast_to(self.direction, (len(uv), 3))
 
     def parameters(self, points: np.ndarray) -> np.ndarray:
         # alternate between the nearest point of the curve and the height above it
+        """u and v of points (N, 3) mm on the surface; (N, 2)."""
         height = np.zeros(len(points))
         for _ in range(50):
             u = self.curve.parameter(points - height[:, None] * self.direction)
@@ -289,10 +301,12 @@ class Revolution:
         return np.column_stack([cos * x - sin * y, sin * x + cos * y, z])
 
     def evaluate(self, uv: np.ndarray) -> np.ndarray:
+        """Points at parameters (N, 2); (N, 3) mm."""
         local = self.frame.local(self.curve.evaluate(uv[:, 1]))
         return self.frame.world(self._turned(local, uv[:, 0]))
 
     def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """dS/du and dS/dv at parameters (N, 2); (N, 3) each."""
         u, v = uv.T
         x, y, z = self._turned(self.frame.local(self.curve.evaluate(v)), u).T
         slope = self.curve.derivative(v) @ self.frame.axes.T
@@ -300,6 +314,7 @@ class Revolution:
         return self.frame.direction(along_u), self.frame.direction(self._turned(slope, u))
 
     def parameters(self, points: np.ndarray) -> np.ndarray:
+        """u and v of points (N, 3) mm on the surface; (N, 2)."""
         local = self.frame.local(points)
         u = np.zeros(len(points))
         for _ in range(50):
@@ -335,10 +350,11 @@ class Offset:
         return self.basis.v_period
 
     def evaluate(self, uv: np.ndarray) -> np.ndarray:
+        """Points at parameters (N, 2); (N, 3) mm."""
         return self.basis.evaluate(uv) + self.distance * unit_normals(self.basis, uv)
 
     def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """By central differences, good enough for lengths."""
+        """dS/du and dS/dv, (N, 3) each, by central differences, good enough for lengths."""
         step = 1e-5 * np.maximum(np.ptp(uv, axis=0), 1e-3)
         across = [np.array([step[0], 0.0]), np.array([0.0, step[1]])]
         return tuple(
@@ -347,4 +363,5 @@ class Offset:
         )
 
     def parameters(self, points: np.ndarray) -> np.ndarray:
+        """u and v of points (N, 3) mm on the surface; (N, 2)."""
         return self.basis.parameters(points)

@@ -75,11 +75,26 @@ def block_modes(program: Program) -> dict[int, BlockModes]:
             refused.setdefault(line, "several motions of one block")
         if step.modes.motion == _RIGID_TAP and found.incremental:
             refused.setdefault(line, "tapping by G33.1 in G91")
+        if not found.left:
+            refused |= _not_written(program, step)
         modes[line] = found
     for line in moving[1:][np.diff(moving) < 0].tolist():
         refused.setdefault(line, "motion out of the order of the lines")
     _refuse(program, refused)
     return modes
+
+
+def _not_written(program: Program, step: Step) -> dict[int, str]:
+    """Why a line of a dialect that is not written out cannot get another end."""
+    language = program.language
+    if language.is_rs274:
+        return {}
+    if step.modes.side or step.before.side:
+        return {step.line: "cutter compensation"}
+    text = program.source.lines[step.line - 1]
+    if language.unwritable is not None and language.unwritable.search(text):
+        return {step.line: "a parameter, polar coordinates or a tangential arc"}
+    return {}
 
 
 def _modes(step: Step) -> BlockModes:

@@ -43,7 +43,7 @@ class WantedArc:
 
     @property
     def centre(self) -> np.ndarray | None:
-        """Of the circle through the three points; None where they are in line."""
+        """Of the circle through the three points, (3,) mm; None where they are in line."""
         return circle_through(self.begin, self.middle, self.end)
 
     @property

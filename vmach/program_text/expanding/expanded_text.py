@@ -43,7 +43,7 @@ class Expanded:
         return cls(program.source, np.arange(1, len(program.source) + 1), frozenset(), {})
 
     def user_line(self, line: int | np.ndarray) -> np.ndarray:
-        """1-based lines of the user's program for lines of the new text."""
+        """1-based lines of the user's program for lines of the new text, (L,) or one."""
         return self.origin[np.asarray(line) - 1]
 
     def then(self, later: Expanded) -> Expanded:

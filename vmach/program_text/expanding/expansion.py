@@ -101,7 +101,7 @@ def _check_same_path(program: Program, again: Program, step: Expanded) -> None:
     else:
         line = min(step.reasons)
     raise InputError(
-        "written out, the path would be another one",
+        "written out, the program would follow another path",
         file=program.path,
         line=line,
         hint="post the program without cycles, subprograms and cutter compensation",

@@ -22,7 +22,6 @@ _REFUSED = {"G5": "spline", "G5.1": "spline", "G5.2": "spline", "G5.3": "spline"
             "G33": "threading", "G38.2": "probing", "G38.3": "probing", "G38.4": "probing",
             "G38.5": "probing", "G76": "threading", "G87": "back boring",
             "G88": "boring with retraction by hand"}  # fmt: skip
-_DIAMETER = "diameter mode"
 _PLAIN = {"G0", "G1", "G2", "G3"}
 _COMPENSATION = {"G41", "G42", "G41.1", "G42.1"}
 _GONE = _PLAIN | _COMPENSATION | _CYCLES | {"G40", "G53", "G80", "G98", "G99"}
@@ -54,12 +53,13 @@ def plain(program: Program, *, floating_tap: bool) -> Expanded | None:
     of_line = {step.line: step for step in program.steps}
     for line in range(1, len(program.source) + 1):
         step = of_line.get(line)
-        why = None if step is None else _why(step, writer.rows_of(line))
-        if step is not None and why in {_DIAMETER, *_REFUSED.values()}:
-            raise InputError(f"{why} cannot be compensated", file=program.path, line=line)
+        rows = writer.rows_of(line)
+        if step is not None and (refused := _refused(step, rows)) is not None:
+            raise InputError(f"{refused} cannot be compensated", file=program.path, line=line)
+        why = None if step is None else _why(step, rows)
         if step is not None and why and step.modes.motion in _TAPPING and not floating_tap:
             raise InputError(
-                "tapping cycle cannot be written out for this control",
+                f"tapping cycle {step.modes.motion} cannot be written out for this control",
                 file=program.path,
                 line=line,
                 accepted="LinuxCNC, whose G84 feeds and reverses the spindle",
@@ -69,15 +69,18 @@ def plain(program: Program, *, floating_tap: bool) -> Expanded | None:
     return writer.lines.result() if writer.lines.reasons else None
 
 
+def _refused(step: Step, rows: np.ndarray) -> str | None:
+    """What of a line, with rows (R,) of the record, cannot be written in plain blocks."""
+    for code in (*step.g_names, *([step.modes.motion] if len(rows) else [])):
+        if code in _REFUSED:
+            return _REFUSED[code]
+    return "diameter mode" if len(rows) and step.modes.diameter else None
+
+
 def _why(step: Step, rows: np.ndarray) -> str | None:
     """Why a line is to be written out; None where it may stay."""
     codes = step.g_names
     modes, switched = step.modes, step.before.side != step.modes.side
-    for code in (*codes, *([modes.motion] if len(rows) else [])):
-        if code in _REFUSED:
-            return _REFUSED[code]
-    if len(rows) and modes.diameter:
-        return _DIAMETER
     if modes.motion in _CYCLES and (len(rows) or codes & _CYCLES):
         return "canned cycle: plain motion"
     if modes.side or step.before.side or switched or codes & _COMPENSATION:
@@ -103,7 +106,10 @@ class _Writer:
         self.moves = self.program.moves
         order = self.path.line
         if (np.diff(order) < 0).any():
-            raise InputError("moves out of the order of the lines", file=self.program.path)
+            line = int(order[1:][np.diff(order) < 0][0])
+            raise InputError(
+                f"moves of line {line} out of the order of the lines", file=self.program.path
+            )
         moving = np.flatnonzero(self.moves.kind != MoveKind.DWELL)
         self.first_row = int(moving[0]) if len(moving) else -1
         self.angle = rotation_of_moves(self.program)
@@ -111,12 +117,12 @@ class _Writer:
         self.seconds = dict(self.program.record.dwells)
 
     def rows_of(self, line: int) -> np.ndarray:
-        """Rows of the record that a line makes."""
+        """Rows of the record that a line makes, (R,) indices."""
         first, stop = np.searchsorted(self.path.line, [line, line + 1])
         return np.arange(first, stop)
 
     def motion_of(self, row: int) -> np.ndarray:
-        """Motion of a row in the axes of the program, mm; frames may change between rows."""
+        """Motion of a row in the axes of the program, (3,) mm; frames may change between rows."""
         motion = self.moves.end_mm[row] - self.moves.start_mm[row]
         return turned_about_z(motion, -self.angle[row])
 

@@ -104,9 +104,9 @@ def _running_text(program: Program, step: Step, *, first: bool) -> str | None:
         flow = program.language.flow_lines
         return None if flow is not None and flow.match(text) else text
     code = _code(program, step.line)
-    if _MODAL_MEMORY & {int(m) for m in step.m_codes}:
+    if memory := _MODAL_MEMORY & {int(m) for m in step.m_codes}:
         raise InputError(
-            "M70 to M73 cannot be written out together with loops and subprograms",
+            f"M{min(memory)} cannot be written out together with loops and subprograms",
             file=program.path,
             line=step.line,
         )
@@ -136,7 +136,7 @@ def _with_values(program: Program, step: Step, *, settings: bool) -> str | None:
         items = list(_items(text, step, settings=settings))
     except (ProgramError, StopIteration):
         raise InputError(
-            "a block inside a control statement cannot be written out",
+            f"a block inside a control statement cannot be written out: '{text.strip()}'",
             file=program.path,
             line=step.line,
             hint="write the block on a line of its own",

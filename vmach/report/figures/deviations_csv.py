@@ -71,7 +71,12 @@ def read_deviations_csv(path: str | Path) -> InspectedPoints:
     ]
     missing = [name for name in _POINT_COLUMNS if not rows or name not in rows[0]]
     if missing or not names:
-        raise InputError("not a table of deviations", file=path, accepted="what vmach run wrote")
+        lacks = ", ".join(missing) or f"NAME{_DEVIATION}"
+        raise InputError(
+            f"not a table of deviations: it lacks {lacks}",
+            file=path,
+            accepted="what vmach run wrote",
+        )
     table = {name: [row[name] for row in rows] for name in rows[0]}
     try:
         return _points(table, names)

@@ -99,7 +99,7 @@ def worst_apart_mm(points: InspectedPoints) -> float:
 
 
 def worst_places(points: InspectedPoints, column: Column, count: int = 10) -> np.ndarray:
-    """Indices of the `count` worst places of the part, worst first.
+    """Indices, (N,), of the worst places of the part, worst first, at most `count`.
 
     A place is the cut point of largest abs(deviation) among its neighbours: points of its feature
     within `worst_apart_mm` are not named beside it. Ties keep the order of the points, so that the

@@ -1,9 +1,9 @@
 """The mesh and the points as one compressed block for the page.
 
 Layout before compression (gzip): the length of a JSON header (uint32, little-endian), the header
-(UTF-8), then the columns that it lists, each as differences between neighbours (modulo the width
-of the type), all low bytes first, then all next bytes. Neighbours are alike, so the high bytes
-are nearly all equal and cost nothing. `scene.js` has the reader.
+(UTF-8), then the columns that it lists. A column holds the differences between neighbours (modulo
+the width of the type), all low bytes first, then all next bytes. Neighbours are
+alike, so the high bytes are nearly all equal and cost nothing. `scene.js` has the reader.
 """
 
 from __future__ import annotations

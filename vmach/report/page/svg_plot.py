@@ -12,7 +12,7 @@ __all__ = ["Frame", "Plot", "number_text", "ticks"]
 
 
 def ticks(low: float, high: float, *, most: int = 6) -> np.ndarray:
-    """Round numbers within an interval, at most so many: steps of 1, 2 or 5 times 10^k."""
+    """Round numbers within an interval, (N,), at most so many: steps of 1, 2 or 5 times 10^k."""
     span = max(high - low, 1e-12)
     decade = 10.0 ** np.floor(np.log10(span / most))
     step = next(s * decade for s in (1, 2, 5, 10, 20) if span / (s * decade) <= most)
@@ -40,12 +40,12 @@ class Frame:
     bottom: float = 34.0
 
     def columns(self, x: np.ndarray) -> np.ndarray:
-        """Pixels from the left; values beyond the frame lie on its edge."""
+        """Pixels from the left, (N,); values beyond the frame lie on its edge."""
         share = np.clip((np.asarray(x) - self.x[0]) / (self.x[1] - self.x[0]), 0.0, 1.0)
         return self.left + share * (self.width - self.left - self.right)
 
     def rows(self, y: np.ndarray) -> np.ndarray:
-        """Pixels from the top; values beyond the frame lie on its edge."""
+        """Pixels from the top, (N,); values beyond the frame lie on its edge."""
         share = np.clip((np.asarray(y) - self.y[0]) / (self.y[1] - self.y[0]), 0.0, 1.0)
         return self.height - self.bottom - share * (self.height - self.top - self.bottom)
 
@@ -58,12 +58,12 @@ class Plot:
     parts: list[str] = field(default_factory=list)
 
     def dots(self, x: np.ndarray, y: np.ndarray, kind: str) -> None:
-        """A round dot at every point; its size is the width of the stroke."""
+        """A round dot at every point, (N,) each; its size is the width of the stroke."""
         places = "".join(f"M{at}h0" for at in self._places(x, y))
         self.parts.append(f'<path class="dots {kind}" d="{places}"/>')
 
     def line(self, x: np.ndarray, y: np.ndarray, kind: str) -> None:
-        """A line through all points."""
+        """A line through all points, (N,) each."""
         self.parts.append(f'<path class="line {kind}" d="M{"L".join(self._places(x, y))}"/>')
 
     def bands(
@@ -107,7 +107,7 @@ class Plot:
     def x_axis(
         self, label: str, values: Sequence[float] | np.ndarray | None = None, *, zero: str = "grid"
     ) -> None:
-        """Grid lines, numbers below, and what they are; `zero` is the style of the line at 0."""
+        """Grid lines at values, (N,), with numbers and label; `zero` is the style at 0."""
         f = self.frame
         foot = f.height - f.bottom
         for value in ticks(*f.x) if values is None else values:

@@ -44,7 +44,7 @@ def nice_ceiling(value: float) -> float:
 
 
 def colour_range(values_mm: list[np.ndarray], *, floor_mm: float = 1e-6) -> float:
-    """Return the end of a common colour scale: a round number that 99 % of the values are within.
+    """Return the end of a common colour scale: 99 % of all values, (P,) mm each, are within.
 
     A few gross points must not wash out the rest; they keep the colour of the end.
     """

@@ -81,7 +81,7 @@ class Component(Effect):
         return size * lever[:, :, None] * (hats @ _root(knots, **inner_values))[:, None, :]
 
     def knots_mm(self, path, target) -> np.ndarray:
-        """Positions of the correction's values: equal steps over the axis' travel."""
+        """Positions of the correction's values, (K,) mm: equal steps over the axis' travel."""
         low, high = path.job.machine.travel_mm[:, component_of(target)[1]]
         return np.linspace(low, high, 1 + int(np.ceil((high - low) / _KNOT_SPACING_MM)))
 

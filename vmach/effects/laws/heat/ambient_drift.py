@@ -45,7 +45,7 @@ class AmbientDrift(Effect):
     slack_share = 0.3
     slack_time_s = 1500.0
     usual_size = "5 to 30 um a day for a few kelvin"
-    confirm = "drift test with the spindle standing, over a working day (ISO 230-3, ETVE)"
+    confirm = "drift test with the spindle stopped, over a working day (ISO 230-3, ETVE)"
     cure = "keep sun and draught off the machine; probe the datum again before finishing"
 
     def displacement(self, path, target, period_s, **amplitudes):

@@ -21,7 +21,7 @@ class Backlash(Effect):
         linear("reversal_um", "reversal value B of ISO 230-2", usual=10.0),
         inner(
             "take_up_mm",
-            "way over which the lost motion is taken up to 63 %",
+            "travel over which the lost motion is taken up to 63 %",
             TAKE_UP_MM,
             usual=0.005,
             spread=1.5,

@@ -37,7 +37,7 @@ class QuadrantGlitch(Effect):
         linear("spike_um", "displacement right after the reversal", usual=5.0),
         inner(
             "travel_mm",
-            "way over which it fades to 37 %",
+            "travel over which it fades to 37 %",
             (0.02, 0.05, 0.1, 0.25, 0.6, 1.5),
             usual=0.3,
         ),
@@ -67,7 +67,7 @@ class Hysteresis(Effect):
         replace(linear("width_um", "width of the loop", usual=5.0), most=_WIDEST_LOOP_UM),
         inner(
             "travel_mm",
-            "way over which it builds up to 63 %",
+            "travel over which it builds up to 63 %",
             (2, 4, 8, 16, 32, 64),
             usual=10.0,
             spread=1.0,
@@ -98,7 +98,7 @@ class LateralPlay(Effect):
         linear("play_um", "sideways difference between both directions", usual=5.0),
         inner(
             "take_up_mm",
-            "way over which the carriage shifts to 63 %",
+            "travel over which the carriage shifts to 63 %",
             TAKE_UP_MM,
             usual=0.005,
             spread=1.5,

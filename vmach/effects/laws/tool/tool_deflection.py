@@ -39,7 +39,7 @@ class ToolDeflection(Effect):
         linear("tool_um", "bending of the tool in the reference cut", usual=3.0, is_size=True),
         linear(
             "machine_um",
-            "give of spindle and machine in the reference cut",
+            "compliance of spindle and machine in the reference cut",
             usual=1.0,
             is_size=True,
         ),

@@ -36,7 +36,7 @@ class ToolRadius(OfOneTool):
     is_never_exact = imitates_as_team = True
     signature = "radius of one tool"
     needs_surface = True
-    usual_size = "5 to 20 um; regrinds more"
+    usual_size = "5 to 20 um, more after regrinding"
     confirm = "measure the tool; compare a boss and a bore, whose sizes err in opposite ways"
     cure = "enter the measured radius in the tool table"
 
@@ -93,7 +93,7 @@ class ToolWear(OfOneTool):
     commonness = 26
     source = (
         "equation (9) of docs/laws.md; ISO 8688-2, tool life in end milling; the power of "
-        "the way cut is empirical"
+        "the cutting length is empirical"
     )
     parameters = (
         linear(
@@ -101,7 +101,7 @@ class ToolWear(OfOneTool):
         ),
         inner(
             "exponent",
-            "of the loss with the way cut; below one where a new edge wears quickly",
+            "of the loss with the cutting length; below one where a new edge wears quickly",
             (0.5, 0.7, 0.85, 1.0, 1.4),
             usual=1.0,
             spread=0.5,
@@ -112,7 +112,7 @@ class ToolWear(OfOneTool):
     slack_share = 0.05
     usual_size = "10 um per 5 to 60 minutes of cutting"
     confirm = "measure the tool before and after; cut the first feature again at the end"
-    cure = "change the tool earlier, or compensate its radius by way"
+    cure = "change the tool earlier, or compensate its radius by cutting length"
 
     def displacement(self, path, target, wear_um, exponent):
         way = (path.cutting_length_mm / 10e3) ** exponent

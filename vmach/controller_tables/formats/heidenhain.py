@@ -16,17 +16,27 @@ Source: HEIDENHAIN, MANUALplus 620 Technical Manual and TNC 407 Technical Manual
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from vmach.controller_tables.projection import AxisTable
+from vmach.controller_tables.knots import Knots
+from vmach.controller_tables.projection import AxisTable, Term
+from vmach.controller_tables.table_format import TableFormat, projected
+from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
 
-__all__ = ["MOST_ENTRIES", "AxisErrorCompensation", "read_heidenhain", "write_heidenhain"]
+__all__ = [
+    "FORMATS",
+    "MOST_ENTRIES",
+    "AxisErrorCompensation",
+    "read_heidenhain",
+    "write_heidenhain",
+]
 
 MOST_ENTRIES = 256
 _AXES = "XYZ"
@@ -110,7 +120,12 @@ def read_heidenhain(folder: Path) -> AxisErrorCompensation:
 def _table(path: Path) -> tuple[list[str], list[list[str]]]:
     lines = [line.split() for line in read_text(path, what="table").splitlines() if line.strip()]
     if len(lines) < 3 or lines[0][0] != "BEGIN" or lines[-1] != ["[END]"]:
-        raise InputError("no table", file=path, accepted="BEGIN ..., column names, rows, [END]")
+        begins, ends = (" ".join(lines[k]) if lines else "" for k in (0, -1))
+        raise InputError(
+            f"no table: it begins with {begins!r} and ends with {ends!r}",
+            file=path,
+            accepted="BEGIN ..., column names, rows, [END]",
+        )
     head = lines[1]
     for number, row in enumerate(lines[2:-1], 3):
         if len(row) != len(head):
@@ -124,8 +139,8 @@ def _com(path: Path) -> dict[str, np.ndarray]:
     head, rows = _table(path)
     try:
         values = np.array(rows, dtype=float)
-    except ValueError:
-        raise InputError("a cell is no number", file=path) from None
+    except ValueError as error:
+        raise InputError(f"a cell is no number: {error}", file=path) from None
     columns = {name: values[:, k] for k, name in enumerate(head) if name != "NR"}
     if len(rows) > MOST_ENTRIES or np.any(np.diff(columns["AXISPOS"]) <= 0):
         raise InputError(
@@ -133,3 +148,29 @@ def _com(path: Path) -> dict[str, np.ndarray]:
             accepted=f"at most {MOST_ENTRIES}, AXISPOS increasing",
         )  # fmt: skip
     return columns
+
+
+def _cross_own_reversal(task: TableTask) -> list[Term]:
+    return [Term(j, i, task.by_direction and i == j) for i in range(3) for j in range(3)]
+
+
+def _write(
+    folder: Path, task: TableTask, knots: tuple[Knots, Knots, Knots], options: Mapping[str, Any]
+) -> list[Path]:
+    return write_heidenhain(folder, projected(task, _cross_own_reversal(task), knots)[1])
+
+
+FORMATS = (
+    TableFormat(
+        name="heidenhain",
+        rank=30,
+        title="HEIDENHAIN nonlinear axis-error compensation (.COM, .CMA)",
+        holds="positioning with reversal, "
+        "straightness and squareness by the position of one axis each",
+        lacks="reversal across, angles (their mean at one tool length is in), tool length, tilt",
+        most_entries=MOST_ENTRIES,
+        write=_write,
+        read=lambda folder, options: read_heidenhain(folder),
+        terms=_cross_own_reversal,
+    ),
+)

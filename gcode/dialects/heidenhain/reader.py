@@ -1,0 +1,578 @@
+"""Klartext, line by line: motion, labels, Q parameters and drilling cycles."""
+
+from __future__ import annotations
+
+import math
+import re
+
+from gcode.dialects.heidenhain.cycles import DRILLING, drill
+from gcode.dialects.heidenhain.parameters import NUMBER, QParameters
+from gcode.errors import ProgramError
+from gcode.geometry.corners import broken_corner
+from gcode.language.options import RunOptions
+from gcode.language.translate import Translated, number
+from gcode.state.controller import Controller
+
+__all__ = ["KlartextReader"]
+
+_WORD = re.compile(
+    r"(I?[XYZABC]|I?P[RA]|DR|R[0LR](?![\d.])|LEN|MB|F\s*(?:MAX|AUTO)|F|S|M|R|[A-Z]+)\s*"
+    rf"({NUMBER}|MAX)?\s*([+-])?(?=\s|$|[A-Z])"
+)
+_ACCEPTED = "X Y Z IX IY IZ PR PA IPA R DR RL RR R0 F FMAX M"
+_COMMA = re.compile(r"(?<=\d),(?=\d)")
+_LABEL = re.compile(r"(?:CALL\s+)?LBL\s+(\d+|\"[^\"]*\")")
+_TOOL = re.compile(r"TOOL CALL(?:\s+(\d+|Q\d+|\"[^\"]*\"))?(?:\s+([XYZ])(?!\w))?(.*)")
+_TOOL_WORD = re.compile(rf"\s*(DL|DR2|DR|S|F)\s*({NUMBER})")
+_NO_SHIFT = re.compile(r"7\.0(?:\s+DATUM SHIFT)?")
+_PLAIN_M = {3: "m3", 4: "m4", 5: "m5", 7: "m7", 8: "m8", 9: "m9", 0: "m0", 1: "m1", 6: ""}
+_FIRST_M = frozenset((3, 4, 7, 8, 13, 14))
+#: M functions that move nothing here: feeds at corners, look-ahead, rotary axes that stand still
+_NOTED_M = {90: "corners", 94: "rotary display", 103: "plunging feed", 107: "oversize", 108: "",
+            109: "feed at the edge", 110: "feed at inner arcs", 111: "feed of the centre",
+            112: "corners", 113: "corners", 117: "", 118: "handwheel", 120: "look-ahead",
+            124: "points left out", 126: "short way of rotary axes", 127: "", 129: "TCPM off",
+            134: "", 135: "", 137: "", 138: "", 141: "", 142: "", 143: "", 145: "", 148: "",
+            149: "", 150: "", 197: ""}  # fmt: skip
+_LEVELS = 19
+
+
+class KlartextReader(Translated):
+    """Runs Klartext; every line becomes blocks of RS274/NGC."""
+
+    def __init__(self, controller: Controller, lines: list[str], options: RunOptions) -> None:
+        super().__init__(controller, lines, options)
+        controller.start_up, controller.round_corners = "A", True
+        self.pole: tuple[float, float] | None = None
+        self.feed: float | None = None
+        self.tool_feed: float | None = None
+        self.parameters = QParameters()
+        self.cycle: tuple[int, dict[str, float]] | None = None
+        self.modal_cycle = False  #: M89
+        self.corner: tuple[str, float] | None = None  #: RND or CHF that waits
+        #: start and end of the line before it
+        self.held: tuple[list[float], tuple[float, ...]] | None = None
+        self.corner_start = [0.0] * 6
+        self.labels: dict[str, int] = {}
+        self.begun: dict[str, int] = {}  #: blocks obeyed when what stands below a label began
+        #: label line, return line, repeats left, what `begun` was before the repeats
+        self.calls: list[tuple[int, int, int, int]] = []
+        self.contents: dict[int, str] = {}
+        computed = self.parameters.computed
+        computed["108"] = lambda: self._tool_of_spindle().offset_diameter_mm / 2.0
+        computed["114"] = lambda: self._tool_of_spindle().offset_length_mm
+        computed["109"] = lambda: 2.0
+
+    def _tool_of_spindle(self):
+        return self.controller.offsets[self.controller.tool]
+
+    def _content(self, index: int) -> str:
+        """A line without number, comment and structure, in upper case."""
+        text = self.contents.get(index)
+        if text is None:
+            text = re.sub(r";.*", "", self.lines[index]).replace("~", " ").strip().upper()
+            text = _COMMA.sub(".", re.sub(r"^\d+(?:\s+|$)", "", text))
+            self.contents[index] = text
+        return text
+
+    def obey(self, text: str) -> None:
+        """Obey one line."""
+        content = self._content(self.next - 1)
+        if not content or content.startswith(("*", "~")):
+            return
+        if content.startswith("/"):
+            if self.options.skips(1):
+                return
+            content = content[1:].strip()
+        head = re.match(r"[A-Z]+|", content)[0]
+        if head in ("L", "C", "CR", "CT", "LP", "CP"):
+            self._move(head, content[len(head) :])
+            return
+        for start, action in (
+            ("BEGIN PGM", self._begin), ("END PGM", lambda _: self.execute("m30")),
+            ("BLK FORM", lambda _: self._noted("BLK FORM", "blank for the control's graphics")),
+            ("TOOL CALL", self._tool_call), ("TOOL DEF", lambda _: self._noted(
+                "TOOL DEF", "tool preselection; its dimensions are those of the job")),
+            ("CYCL DEF", self._cycle), ("CYCL CALL", self._call_cycle),
+            ("CALL LBL", self._call_label), ("LBL", self._label), ("CC", self._centre),
+            ("FN", self._function), ("RND", self._corner), ("CHF", self._corner),
+            ("PLANE", self._plane), ("FUNCTION", self._control_function),
+            ("STOP", lambda _: self.execute("m0")), ("M", self._only_m),
+        ):  # fmt: skip
+            if content.startswith(start):
+                action(content)
+                return
+        if not self.parameters.assign(content):
+            raise ProgramError(
+                f"Klartext word '{head or content}' is not read",
+                accepted="L C CR CT CC LP CP RND CHF LBL CALL LBL TOOL CALL FN Q CYCL DEF STOP M",
+                hint="post the program with plain lines and arcs",
+            )
+
+    def _noted(self, word: str, meaning: str) -> None:
+        self.controller.note(word, meaning)
+
+    def _begin(self, content: str) -> None:
+        self.execute("g20" if content.endswith("INCH") else "g21", "g17g90g40g80")
+
+    def _plane(self, content: str) -> None:
+        angles = re.findall(rf"SP[ABC]\s*({NUMBER})", content)
+        is_flat = content.startswith("PLANE SPATIAL") and angles and not any(
+            self.parameters.number(angle) for angle in angles)  # fmt: skip
+        if not is_flat and not content.startswith("PLANE RESET"):
+            raise ProgramError(f"'{content}' tilts the plane", accepted="PLANE RESET")
+        self._noted("PLANE RESET", "no tilted plane")
+
+    def _control_function(self, content: str) -> None:
+        if re.search(r"TCPM|TURN|PARAX|FACING", content) and "RESET" not in content:
+            raise ProgramError(f"'{content}' is not read", accepted="milling with three axes")
+        self._noted("FUNCTION", "mode of the control")
+
+    # cycles
+
+    def _cycle(self, content: str) -> None:
+        text = content.removeprefix("CYCL DEF").strip()
+        code = re.match(r"(\d+)(?:\.(\d+))?", text)
+        if code is None:
+            raise ProgramError(f"cannot read '{content}'", accepted="CYCL DEF with a number")
+        cycle = int(code[1])
+        data = self._cycle_data(text)
+        if cycle in DRILLING:
+            self.cycle = (cycle, data)
+        elif cycle == 32:
+            self._noted("CYCL DEF 32", "tolerance of the control's path")
+        elif cycle == 7:
+            self._datum_shift(text)
+        elif cycle == 9:
+            self._dwell(text)
+        elif cycle == 247:
+            self._noted("CYCL DEF 247", "preset: the work offset of the job")
+        elif cycle in (8, 10, 11, 19, 26) and self._changes_nothing(text):
+            self._noted(f"CYCL DEF {cycle}", "changes nothing")
+        else:
+            raise ProgramError(
+                f"Klartext cycle '{content}' is not read",
+                accepted="CYCL DEF 7, 9, 32, 247 and " + ", ".join(map(str, sorted(DRILLING))),
+                hint="post the program without this cycle",
+            )
+
+    @staticmethod
+    def _changes_nothing(text: str) -> bool:
+        body = re.sub(r"^\d+\.\d+\s*", "", text)
+        return not re.search(r"\d", body) or bool(
+            re.fullmatch(r"(?:(?:ROT|[ABC])\s*[+-]?0+\.?0*\s*|SCL\s*1(?:\.0*)?)+", body))
+
+    def _cycle_data(self, text: str) -> dict[str, float]:
+        """Q parameters of a cycle, on its line and on those that follow."""
+        pieces = [text]
+        while self.next < len(self.lines) and re.match(r"Q\d+\s*=", self._content(self.next)):
+            if re.match(r"\s*\d+\s+", self.lines[self.next]):  # a block of its own: an assignment
+                break
+            pieces.append(self._content(self.next))
+            self.next += 1
+        found = re.findall(rf"Q(\d+)\s*=\s*({NUMBER}|MAX|AUTO)", " ".join(pieces))
+        data = {}
+        for name, value in found:
+            if value not in ("MAX", "AUTO"):
+                data[name] = self.parameters.number(value)
+            elif value == "AUTO" and self.tool_feed is not None:
+                data[name] = self.tool_feed
+        self.parameters.values |= data
+        return data
+
+    def _datum_shift(self, text: str) -> None:
+        """CYCL DEF 7: the datum moves by X Y Z, or by IX IY IZ on from where it is."""
+        body = re.sub(r"^7\.\d+\s*", "", text).removeprefix("DATUM SHIFT").strip()
+        if body.startswith("#"):
+            raise ProgramError("datum table of CYCL DEF 7 is not read", accepted="X Y Z")
+        c = self.controller
+        for name, value in re.findall(rf"(I?[XYZABC])\s*({NUMBER})", body):
+            axis = "XYZABC".index(name[-1])
+            shift = self.parameters.number(value) + (c.g92[axis] if name[0] == "I" else 0.0)
+            if shift != c.g92[axis]:
+                self.execute(f"g52{name[-1]}{number(shift)}")
+
+    def _dwell(self, text: str) -> None:
+        found = re.search(rf"DWELL\s*({NUMBER})", text)
+        if found:
+            self.execute(f"g4p{number(self.parameters.number(found[1]))}")
+
+    def _call_cycle(self, content: str) -> None:
+        if content.startswith("CYCL CALL POS"):
+            words, _ = self._words(content.removeprefix("CYCL CALL POS"))
+            end = self._target(words)
+            self.execute(f"g0x{number(end[0])}y{number(end[1])}")
+        elif content.startswith("CYCL CALL PAT"):
+            raise ProgramError("CYCL CALL PAT is not read", accepted="CYCL CALL, M99")
+        else:
+            codes = re.findall(r"M(\d+)", content)
+            self.execute(*(self._m_code(int(code)) for code in codes))
+        self._drill()
+
+    def _drill(self) -> None:
+        if self.cycle is None:
+            raise ProgramError("no cycle to call", accepted="CYCL DEF 200 ... before it")
+        drill(self, *self.cycle)
+
+    # M functions
+
+    def _only_m(self, content: str) -> None:
+        if not re.fullmatch(r"(?:M\s*\d+\s*)+", content):
+            raise ProgramError(f"cannot read '{content}'", accepted="M with a number")
+        for code in map(int, re.findall(r"M\s*(\d+)", content)):
+            if code == 99:
+                self._drill()
+            else:
+                self.execute(self._m_code(code))
+
+    def _m_code(self, code: int) -> str:
+        if code in (13, 14):
+            return f"m{code - 10}m8"
+        if code in (2, 30):
+            return "m30"
+        if code in _NOTED_M or code in self.options.control.ignore_m:
+            self._noted(f"M{code}", _NOTED_M.get(code) or "moves nothing here")
+            return ""
+        if code == 89:
+            self.modal_cycle = True
+            return ""
+        if code not in _PLAIN_M:
+            raise ProgramError(f"M{code} is not read",
+                               accepted="M0 M1 M2 M3-M6 M7-M9 M13 M14 M30 M89 M91 M99; others "
+                               f"that move nothing by ignore_m = [{code}] in [control]")
+        return _PLAIN_M[code]
+
+    # words
+
+    def _words(self, content: str) -> tuple[dict[str, float | str | None], list[int]]:
+        """Words of a motion line, and its M codes."""
+        words: dict[str, float | str | None] = {}
+        codes, position = [], 0
+        for match in _WORD.finditer(content):
+            if content[position : match.start()].strip():
+                break
+            position = match.end()
+            letter, value, sign = re.sub(r"\s", "", match[1]), match[2], match[3]
+            if letter == "M" and value is not None:
+                codes.append(int(self.parameters.number(value)))
+            elif letter == "DR" and (sign or value is None):
+                words["DR"] = sign
+            elif letter == "MB":
+                words["MB"] = None if value in (None, "MAX") else self.parameters.number(value)
+            elif letter in ("R0", "RL", "RR", "FMAX", "FAUTO") and value is None:
+                words[letter] = None
+            elif value in (None, "MAX") or letter not in _LETTERS:
+                raise ProgramError(f"Klartext word '{letter}' is not read in a motion line",
+                                   accepted=_ACCEPTED)  # fmt: skip
+            elif letter in words:
+                raise ProgramError(f"two {letter} words in one line")
+            else:
+                words[letter] = self.parameters.number(value)
+        if content[position:].strip():
+            raise ProgramError(f"cannot read '{content[position:].strip()}'", accepted=_ACCEPTED)
+        return words, codes
+
+    def _here(self) -> list[float]:
+        """Programmed position X Y Z A B C."""
+        c = self.controller
+        if self.held is not None:
+            return list(self.held[1])
+        here = list(c.position)
+        if c.side and not c.entering:
+            here[:3] = c.programmed
+        return here
+
+    def _target(self, words: dict[str, float | str | None]) -> tuple[float, ...]:
+        """X Y Z A B C where the line ends."""
+        end = self._here()
+        for axis, letter in enumerate("XYZABC"):
+            if letter in words and "I" + letter in words:
+                raise ProgramError(f"{letter} and I{letter} in one line")
+            end[axis] = words.get(letter, end[axis] + words.get("I" + letter, 0.0))
+        return tuple(end)
+
+    def _polar_target(self, words: dict[str, float | str | None]) -> tuple[float, ...]:
+        """PR, PA, IPR, IPA about the pole, and the tool axis."""
+        if self.pole is None:
+            raise ProgramError("polar coordinates without a pole", hint="give CC first")
+        here = self._here()
+        out = here[0] - self.pole[0], here[1] - self.pole[1]
+        radius = words.get("PR", math.hypot(*out) + words.get("IPR", 0.0))
+        before = math.degrees(math.atan2(out[1], out[0]))
+        angle = math.radians(words.get("PA", before + words.get("IPA", 0.0)))
+        end = list(self._target({k: v for k, v in words.items() if k[-1] in "ZABC"}))
+        end[0] = self.pole[0] + radius * math.cos(angle)
+        end[1] = self.pole[1] + radius * math.sin(angle)
+        return tuple(end)
+
+    def _centre(self, content: str) -> None:
+        words, _ = self._words(content.removeprefix("CC"))
+        if "PR" in words or "PA" in words or "IPA" in words:
+            self.pole = self._polar_target(words)[:2]
+        else:
+            self.pole = self._target(words)[:2]
+
+    # motion
+
+    def _move(self, head: str, content: str) -> None:
+        words, codes = self._words(content)
+        before = [self._m_code(c) for c in codes if c in _FIRST_M]
+        after = [self._m_code(c) for c in codes if c not in _FIRST_M and c not in (91, 99, 140)]
+        if "F" in words:
+            self.feed = words["F"]
+        if "FAUTO" in words:
+            self.feed = self.tool_feed
+        if 140 in codes:
+            self._retract(words)
+        self.execute(*before, self._side(words))
+        blocks = self._line(head, words, codes) if head in ("L", "LP") else self._arc(head, words)
+        self.execute(blocks, *after)
+        if 99 in codes or (self.modal_cycle and {"X", "Y"} & words.keys()):
+            self.modal_cycle = self.modal_cycle and 99 not in codes
+            self._drill()
+
+    def _retract(self, words: dict[str, float | str | None]) -> None:
+        raise ProgramError("M140 retracts to the end of the travel, which the program does not say",
+                           accepted="L Z with a level, or M91")
+
+    def _side(self, words: dict[str, float | str | None]) -> str:
+        """G40, G41 or G42 where the line changes it."""
+        side = next((k for k in ("R0", "RL", "RR") if k in words), None)
+        c = self.controller
+        wanted = {"R0": 0, "RL": 1, "RR": -1, None: c.side}[side]
+        if wanted == c.side:
+            return ""
+        if wanted and c.side:
+            raise ProgramError("RL and RR without R0 between them")
+        return f"g{41 if wanted > 0 else 42}d{c.tool}" if wanted else "g40"
+
+    def _line(self, head: str, words: dict[str, float | str | None], codes: list[int]) -> str:
+        rapid = "FMAX" in words
+        if 91 in codes:
+            if any("I" + letter in words for letter in "XYZABC"):
+                raise ProgramError("incremental words with M91")
+            axes = [(letter, words[letter]) for letter in "XYZABC" if letter in words]
+            motion = "g53g0" if rapid else "g53g1"
+        else:
+            end = self._polar_target(words) if head == "LP" else self._target(words)
+            named = {name[-1] for name in words if name.lstrip("I") in ("X", "Y", "Z", *"ABC")}
+            named |= {"X", "Y"} if head == "LP" else set()
+            motion = "g0" if rapid else "g1"
+            axes = [(a, end[k]) for k, a in enumerate("XYZABC") if a in named]
+            self._round_towards(end, rapid=rapid)
+            if self._waits() and not rapid:
+                self.held = (self._here(), end)
+                return ""
+        if not axes:
+            return ""
+        self.corner_start = self._here()
+        return motion + "".join(f"{a}{number(v)}" for a, v in axes) + self._feed(rapid)
+
+    def _feed(self, rapid: bool) -> str:
+        if rapid:
+            return ""
+        if self.feed is None:
+            raise ProgramError("motion without feed", hint="give F or FMAX")
+        return f"f{number(self.feed)}"
+
+    def _arc(self, head: str, words: dict[str, float | str | None]) -> str:
+        if self.corner is not None or self.held is not None:
+            raise ProgramError("RND or CHF between a line and an arc is not read",
+                               accepted="two lines")
+        end = self._polar_target(words) if head == "CP" else self._target(words)
+        start = self._here()
+        if head == "CT":
+            return self._tangent_arc(start, end)
+        if words.get("DR") not in ("+", "-"):
+            raise ProgramError(f"{head} without DR+ or DR-")
+        code = "g3" if words["DR"] == "+" else "g2"
+        text = f"{code}x{number(end[0])}y{number(end[1])}"
+        if end[2] != start[2]:
+            text += f"z{number(end[2])}"
+        if head == "CR":
+            if "R" not in words:
+                raise ProgramError("CR without R")
+            return text + f"r{number(words['R'])}" + self._feed(False)
+        if self.pole is None:
+            raise ProgramError("C without a circle centre", hint="give CC first")
+        turns = abs(words.get("IPA", 0.0)) / 360.0
+        if turns > 1.0 + 1e-9:
+            text += f"p{math.ceil(turns - 1e-9)}"
+        offsets = (self.pole[0] - start[0], self.pole[1] - start[1])
+        return text + f"i{number(offsets[0])}j{number(offsets[1])}" + self._feed(False)
+
+    def _tangent_arc(self, start: list[float], end: tuple[float, ...]) -> str:
+        """CT: the arc that goes on from the line or arc before it without a corner."""
+        heading = self._heading()
+        out = end[0] - start[0], end[1] - start[1]
+        across = heading[0] * out[1] - heading[1] * out[0]
+        if abs(across) < 1e-12:
+            raise ProgramError("CT ends straight ahead")
+        radius = (out[0] ** 2 + out[1] ** 2) / (2.0 * across)
+        code = "g3" if across > 0.0 else "g2"
+        centre = -heading[1] * radius, heading[0] * radius
+        text = f"{code}x{number(end[0])}y{number(end[1])}"
+        if end[2] != start[2]:
+            text += f"z{number(end[2])}"
+        return text + f"i{number(centre[0])}j{number(centre[1])}" + self._feed(False)
+
+    def _heading(self) -> tuple[float, float]:
+        """Unit direction in the plane at the end of the last move."""
+        if self.controller.side:
+            raise ProgramError("CT with radius compensation is not read", accepted="R0")
+        record = self.controller.record
+        end, before = record.path().point_mm[-1], self.corner_start
+        arc = record.arcs[-1] if record.arcs and record.arcs[-1][0] == len(record) - 1 else None
+        if arc is not None:
+            out = end[0] - arc[4], end[1] - arc[5]
+            sense = 1.0 if arc[6] > 0 else -1.0
+            along = -out[1] * sense, out[0] * sense
+        else:
+            unit = self.controller.unit_mm
+            along = end[0] / unit - before[0], end[1] / unit - before[1]
+        size = math.hypot(*along)
+        if size == 0.0:
+            raise ProgramError("CT behind a move without a direction")
+        return along[0] / size, along[1] / size
+
+    # RND and CHF
+
+    def _corner(self, content: str) -> None:
+        """RND R5, CHF 5: the line before has waited for it."""
+        found = re.fullmatch(rf"(RND|CHF)\s*R?\s*({NUMBER})(?:\s*F\s*{NUMBER})?", content)
+        if found is None:
+            raise ProgramError(f"cannot read '{content}'", accepted="RND R5 or CHF 5")
+        if self.held is None:
+            raise ProgramError(f"{found[1]} behind anything but a line L is not read",
+                               accepted="two lines")
+        self.corner = (found[1], self.parameters.number(found[2]))
+
+    def _waits(self) -> bool:
+        """Whether RND or CHF stands in the next line."""
+        return self.next < len(self.lines) and bool(
+            re.match(r"(?:RND|CHF)\b", self._content(self.next)))
+
+    def _round_towards(self, end: tuple[float, ...], *, rapid: bool) -> None:
+        """Go along the line that waits, and round its corner."""
+        held, corner = self.held, self.corner
+        self.held = self.corner = None
+        if held is None:
+            return
+        if corner is None or rapid:
+            raise ProgramError("a line with RND or CHF needs a line at feed behind it")
+        start, middle = held
+        broken = broken_corner(start[:2], middle[:2], end[:2], corner[1],
+                               chamfer=corner[0] == "CHF")  # fmt: skip
+        first, second, sense = broken or (middle[:2], middle[:2], 0)
+        level = "" if middle[2] == start[2] else f"z{number(middle[2])}"
+        self.execute(f"g1x{number(first[0])}y{number(first[1])}{level}" + self._feed(False))
+        if sense and corner[0] == "RND":
+            self.execute(f"g{3 if sense > 0 else 2}x{number(second[0])}y{number(second[1])}"
+                         f"r{number(corner[1])}")  # fmt: skip
+        elif sense:
+            self.execute(f"g1x{number(second[0])}y{number(second[1])}")
+
+    # tools
+
+    def _tool_call(self, content: str) -> None:
+        match = _TOOL.fullmatch(content)
+        said = match[1]
+        rest = match[3]
+        if match[2] not in (None, "Z") or _TOOL_WORD.sub("", rest).strip():
+            raise ProgramError(f"cannot read '{content}'",
+                               accepted="TOOL CALL 1 Z S3500 F500 DL+0.1 DR-0.05")
+        words = {k: self.parameters.number(v) for k, v in _TOOL_WORD.findall(rest)}
+        if "S" in words:
+            self.execute(f"s{number(words['S'])}")
+        if "F" in words:
+            self.feed = self.tool_feed = words["F"]
+        if said is None:
+            return
+        if said.startswith('"'):
+            raise ProgramError(f"TOOL CALL {said}: tools have numbers here",
+                               accepted="TOOL CALL with the number of the job's tool")
+        tool = int(self.parameters.number(said))
+        self.execute("g40", f"t{tool}m6")
+        if tool:
+            self._apply_oversize(tool, words)
+            self.execute(f"g43h{tool}")
+        else:
+            self.execute("g49")
+
+    def _apply_oversize(self, tool: int, words: dict[str, float]) -> None:
+        """DL and DR of the call, for as long as the tool is in the spindle."""
+        from dataclasses import replace
+
+        c = self.controller
+        c.check_tool(tool, word="TOOL CALL ")
+        unit = c.unit_mm
+        entry = c.first_offsets[tool] if tool in c.first_offsets else c.find_offset(tool, word="H")
+        c.offsets[tool] = replace(
+            entry,
+            length_wear_mm=entry.length_wear_mm + words.get("DL", 0.0) * unit,
+            diameter_wear_mm=entry.diameter_wear_mm + 2.0 * words.get("DR", 0.0) * unit,
+        )
+
+    # flow
+
+    def _function(self, content: str) -> None:
+        match = re.match(r"FN\s*(\d+)\s*:?\s*(.*)", content)
+        if match is None:
+            raise ProgramError(f"cannot read '{content}'", accepted="FN 0: Q1 = +5")
+        if int(match[1]) == 14:
+            raise ProgramError(f"the program stops itself: {content}")
+        label = self.parameters.function(int(match[1]), match[2].strip())
+        if label is not None:
+            self.next = self._find(label) + 1
+
+    def _name(self, content: str) -> str:
+        match = _LABEL.match(content)
+        if match is None:
+            raise ProgramError(f"cannot read '{content}'", accepted="a label with a number or name")
+        return match[1]
+
+    def _label(self, content: str) -> None:
+        label = self._name(content)
+        if label != "0":
+            self.labels[label], self.begun[label] = self.next - 1, self.budget.executed
+        elif self.calls and self.calls[-1][2] < 0:
+            self.next = self.calls.pop()[1]
+
+    def _find(self, label: str) -> int:
+        for index in range(len(self.lines)):
+            content = self._content(index)
+            if content.startswith("LBL") and self._name(content) == label:
+                return index
+        raise ProgramError(f"LBL {label} does not exist")
+
+    def _call_label(self, content: str) -> None:
+        """CALL LBL n jumps to a subprogram that LBL 0 ends; with REP it repeats what is above."""
+        label = self._name(content)
+        repeats = re.search(rf"REP\s*({NUMBER})?", content)
+        if repeats and repeats[1]:
+            self._repeat(label, int(self.parameters.number(repeats[1])))
+            return
+        target = self._find(label)
+        if len(self.calls) >= _LEVELS:
+            raise ProgramError(f"subprograms nested deeper than {_LEVELS}")
+        self.calls.append((target, self.next, -1, 0))
+        self.next = target + 1
+
+    def _repeat(self, label: str, repeats: int) -> None:
+        here = self.next
+        if label not in self.labels:
+            raise ProgramError(f"LBL {label} is not above this block")
+        if self.calls and self.calls[-1][:2] == (self.labels[label], here):
+            *_, left, begun = self.calls.pop()
+        else:
+            left, begun = repeats, self.begun[label]
+            self.budget.check_rounds(repeats, self.budget.executed - begun)
+        if left > 0:
+            self.calls.append((self.labels[label], here, left - 1, begun))
+            self.next, self.begun[label] = self.labels[label] + 1, self.budget.executed
+        else:
+            self.begun[label] = begun
+
+
+_LETTERS = frozenset(("X", "Y", "Z", "A", "B", "C", "IX", "IY", "IZ", "IA", "IB", "IC", "F", "R",
+                      "S", "PR", "PA", "IPR", "IPA"))  # fmt: skip

@@ -1,0 +1,125 @@
+"""Klartext as HEIDENHAIN's manuals state it, computed by hand.
+
+TNC 640 User's Manuals for Klartext Programming and for Cycle Programming: Q parameters, contour
+functions, radius compensation, cycles 200, 201, 206, 240, label calls.
+"""
+
+import numpy as np
+import pytest
+
+from gcode import ControlSettings, ProgramError, Source, ToolEntry, read_program
+from tests.oracle.test_compensation_programs import SCALE, job_with
+from vmach.compensation import compensate
+from vmach.errors import InputError
+
+TOOLS = {1: ToolEntry(100.0, 10.0)}
+
+
+def read(body, **options):
+    text = f"BEGIN PGM A MM\nTOOL CALL 1 Z S1000 F300\n{body}\nEND PGM A MM\n"
+    return read_program(Source(text.encode(), "part.h"), tools=TOOLS, **options)
+
+
+def places(body, **options):
+    """Ends of the moves of the tip, X Y Z."""
+    moves = read(body, **options).moves
+    moved = np.abs(moves.end_mm - moves.start_mm).max(axis=1) > 1e-9
+    return np.round(moves.end_mm[moved] - [0, 0, 100], 6).tolist()
+
+
+# figures of the manual's examples of FN 0 to FN 8 and FN 13
+@pytest.mark.parametrize(
+    ("line", "value"),
+    [
+        ("FN 0: Q5 = +60", 60), ("FN 1: Q5 = -Q2 + -5", -9), ("FN 2: Q5 = +10 - +5", 5),
+        ("FN 3: Q5 = +3 * +3", 9), ("FN 4: Q5 = +4 DIV +Q2", 1), ("FN 5: Q5 = SQRT 4", 2),
+        ("FN 6: Q5 = SIN 30", 0.5), ("FN 7: Q5 = COS +60", 0.5), ("FN 8: Q5 = +5 LEN +12", 13),
+        ("FN 13: Q5 = +25 ANG +25", 45), ("Q5 = SIN 30 + 2 * Q2 ^ 2", 32.5),
+        ("Q5 = ( Q2 + 1 ) * 3", 15), ("Q5 = INT 3.7", 3), ("Q5 = NEG Q2", -4), ("Q5 = 2,5", 2.5),
+    ],
+)  # fmt: skip
+def test_functions_of_q_parameters(line, value):
+    assert places(f"Q2 = 4\n{line}\nL X+Q5 R0 FMAX\nL X-999 FMAX")[0][0] == pytest.approx(-999)
+    found = read(f"Q2 = 4\n{line}\nL X+Q5 R0 FMAX").moves.end_mm[-1, 0]
+    assert found == pytest.approx(value)
+
+
+def test_branches_and_labels_with_names():
+    body = ("Q1 = 0\nLBL \"NEXT\"\nQ1 = Q1 + 1\nL X+Q1 R0 FMAX\n"
+            "FN 12: IF +Q1 LT +3 GOTO LBL \"NEXT\"\nL Y+7 FMAX")  # fmt: skip
+    assert [p[:2] for p in places(body)] == [[2, 0], [3, 0], [3, 7]]
+
+
+def test_polar_coordinates_helix_and_tangent():
+    body = ("L X+20 Y+0 R0 FMAX\nCC X+0 Y+0\nLP PR+20 PA+90 F100\nLP IPA+90 F100\n"
+            "CP IPA-720 IZ-4 DR-\n")  # fmt: skip
+    moves = read(body).moves
+    assert moves.end_mm[-1] == pytest.approx([-20, 0, -4], abs=1e-9)
+    assert moves.sweep_rad[-1] == pytest.approx(-4 * np.pi)
+    tangent = read("L X+0 Y+0 R0 FMAX\nL X+10 F100\nCT X+20 Y+10\nL Y+20").moves
+    assert tangent.centre_mm[-2, :2] == pytest.approx([10, 10])
+
+
+def test_rounding_and_chamfer():
+    body = "L X+0 Y+0 R0 FMAX\nL X+20 F100\nRND R5\nL Y+20\nCHF 2\nL X+0"
+    assert [p[:2] for p in places(body)] == [[15, 0], [20, 5], [20, 18], [18, 20], [0, 20]]
+
+
+def test_radius_compensation_is_square_at_its_ends_and_round_outside():
+    body = ("L X-30 Y+0 R0 FMAX\nL X+0 Y+0 RL F200\nL Y+40\nL X+40\nL Y-20\n"
+            "L X-60 R0\n")  # fmt: skip
+    moves = read(body).moves
+    ends = np.round(moves.end_mm[:, :2], 6).tolist()
+    assert ends[2:] == [[-5, 0], [-5, 40], [0, 45], [40, 45], [45, 40], [45, -20], [-60, -20]]
+    assert moves.kind[moves.sweep_rad != 0].tolist() == [2, 2]
+
+
+def test_oversize_of_the_call_widens_the_path():
+    body = "TOOL CALL 1 Z DL+0.5 DR+0.2\nL X-30 Y+0 R0 FMAX\nL X+0 RL F200\nL Y+40\nL X-9 R0"
+    moves = read(body).moves
+    assert -5.2 in np.round(moves.end_mm[:, 0], 6)
+    assert moves.tool_offset_mm[-1, 2] == 100.5
+
+
+CYCLE_200 = """CYCL DEF 200 DRILLING ~
+  Q200=+2 ;SET-UP CLEARANCE ~
+  Q201=-10 ;DEPTH ~
+  Q206=+150 ;FEED ~
+  Q202=+4 ;INFEED ~
+  Q210=+0 ;DWELL ~
+  Q203=+1 ;SURFACE ~
+  Q204=+20 ;2ND CLEARANCE ~
+  Q211=+0.5 ;DWELL"""
+
+
+def test_cycle_200():
+    body = f"{CYCLE_200}\nL X+10 Y+5 R0 FMAX M99\nL X+30 FMAX M99"
+    levels = [p[2] for p in places(f"L Z+50 R0 FMAX\n{body}")]
+    hole = [3, -3, 3, -2.8, -7, 3, -6.8, -9, 21]
+    assert levels[-20:] == [50, *hole, 21, *hole][-20:]
+    moves = read(body).moves
+    assert moves.duration_s[moves.kind == 3].sum() == pytest.approx(1.0)
+
+
+def test_datum_shift():
+    body = ("CYCL DEF 7.0 DATUM SHIFT\nCYCL DEF 7.1 X+10\nCYCL DEF 7.2 IY+5\n"
+            "L X+1 Y+1 R0 FMAX\nCYCL DEF 7.0\nCYCL DEF 7.1 X+0\nL X+2 FMAX")  # fmt: skip
+    assert [p[:2] for p in places(body, home_mm=(0, 0, 100))] == [[11, 6], [2, 6]]
+
+
+def test_block_skip():
+    body = "L X+1 R0 FMAX\n/ L X+9 FMAX"
+    assert places(body)[-1][0] == 9
+    skipped = read(body, control=ControlSettings(block_delete=True)).moves
+    assert skipped.end_mm[-1, 0] == 1
+
+
+@pytest.mark.parametrize(
+    "line", ["L X+Q1 F200", "LP PR+20 PA+45 F200", "L X+30 RL F200\nL Y+40"]
+)
+def test_what_is_read_but_not_written_back_is_refused(tmp_path, line):
+    job, effects = job_with(tmp_path, "", SCALE)
+    head = "BEGIN PGM A MM\nTOOL CALL 1 Z S1000\nQ1 = 20\nCC X+0 Y+0\nL X+0 Y+0 Z+5 R0 FMAX\n"
+    job.program.write_text(f"{head}{line}\nL Z+9 R0 FMAX\nEND PGM A MM\n")
+    with pytest.raises((InputError, ProgramError), match="cannot be compensated"):
+        compensate(job, effects)

@@ -1,0 +1,88 @@
+"""Forms for what no effect explains, adding in rounds, and the page of rules."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from tests.unit.test_diagnosis_verdicts import nothing, stretched_and_loose, tip_job
+from vmach.cli import app
+from vmach.diagnosis.diagnose import diagnose
+from vmach.diagnosis.inference.rules import RULES
+from vmach.diagnosis.report import as_json, as_text
+from vmach.diagnosis.residuals.job_survey import survey_job
+from vmach.effects import catalogue, load_effect_file
+from vmach.history.rounds import rounds
+
+
+def run(*words):
+    found = CliRunner().invoke(app, [str(word) for word in words])
+    assert found.exit_code == 0, found.exception or found.output
+    return found.stdout
+
+
+def both_turned(q, side, time):
+    """X is pushed when Y and Z come from the same side: no effect does that."""
+    return np.outer(side[:, 1] * side[:, 2] * 4.0, [1.0, 0.0, 0.0])
+
+
+@pytest.fixture(scope="module")
+def pushed_job(tmp_path_factory):
+    return tip_job(tmp_path_factory.mktemp("pushed"), both_turned, count=120)
+
+
+def test_a_clean_machine_gets_no_form(tmp_path):
+    assert diagnose(survey_job(tip_job(tmp_path, nothing))).proposals == ()
+
+
+def test_a_form_names_the_states_that_were_hidden(tmp_path):
+    found = diagnose(survey_job(tip_job(tmp_path, both_turned, count=120)))
+    assert found.verdict == "unknown"
+    first = as_json(found)["proposals"][0]
+    assert first["states"] == ["direction of Y", "direction of Z"]
+    assert first["direction"] == "along X"
+    assert first["amount_um"] == pytest.approx(4.0, abs=4.0 * first["u_um"])
+    assert first["held_out_um"]["with"] < 0.6 * first["held_out_um"]["without"]
+    assert "direction of Y x direction of Z, along X" in as_text(found)
+    json.dumps(as_json(found))
+
+
+def test_a_proposal_is_an_effect_file_that_can_be_added(pushed_job, tmp_path):
+    file = tmp_path / "proposed_push.py"
+    said = run("effects", "propose", pushed_job, "-o", file)
+    assert "1: " in said and str(file) in said
+    effect = load_effect_file(file)
+    try:
+        assert effect.name == "proposed_push"
+        assert effect.confirm.startswith("measure again")
+        said = run("add", pushed_job, "proposed_push", "-o", tmp_path / "2.toml")
+        before, after = map(float, re.search(r"([\d.]+) um before, ([\d.]+) um", said).groups())
+        assert after < 0.4 * before
+    finally:
+        catalogue().pop("proposed_push", None)
+
+
+def test_where_nothing_remains_there_is_nothing_to_propose(tmp_path):
+    job = tip_job(tmp_path, nothing)
+    found = CliRunner().invoke(app, ["effects", "propose", str(job), "-o", str(tmp_path / "a.py")])
+    assert found.exit_code != 0
+    assert "there are 0 proposals" in str(found.exception)
+    assert not (tmp_path / "a.py").exists()
+
+
+def test_rounds_add_what_is_shown_until_nothing_is_left(tmp_path):
+    job = tip_job(tmp_path, stretched_and_loose, count=120)
+    (step,) = rounds(job)
+    assert set(step.added) == {"scale X", "backlash Y"}
+    assert step.after_um < 0.7 < step.before_um
+    assert list(rounds(step.job)) == []
+
+
+def test_every_number_that_decides_is_told():
+    said = run("diagnose", "--rules")
+    assert len(RULES) <= 8
+    for rule in RULES:
+        assert f"{rule.name} = {rule.value:g}" in said
+        assert rule.origin in said and rule.guard in said

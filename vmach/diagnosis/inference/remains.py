@@ -1,0 +1,66 @@
+"""What remains beside effects and noise, and the odds of effects in its presence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from vmach.base.units import um_from_mm
+from vmach.diagnosis.inference.rules import STRUCTURE, TRUST
+from vmach.diagnosis.inference.weighing import Explanation, Weighing
+
+__all__ = ["is_structure", "odds_of", "remains_um", "sizes_um", "usual_u_um"]
+
+
+def is_structure(weighing: Weighing, size_um: float) -> bool:
+    """Whether something of that root mean square is more than the uncertainty of one reading."""
+    return size_um > STRUCTURE * usual_u_um(weighing)
+
+
+def usual_u_um(weighing: Weighing) -> float:
+    """Median stated uncertainty."""
+    return float(um_from_mm(np.median(weighing.survey.u_mm)))
+
+
+def odds_of(weighing: Weighing, found: Explanation) -> list[float]:
+    """Log odds of every effect, given everything else.
+
+    Where something remains whose law is not known, readings are no independent witnesses: log
+    odds are divided by the dispersion, the variance of what is not explained in that of noise
+    (McCullagh and Nelder, Generalized Linear Models, 1989, chapter 9).
+    """
+    fewer = [weighing.without(found, [k]) for k in range(len(found.terms))]
+    noise = weighing.survey.u_mm * found.posterior.sizes.factor
+    dispersion = 1.0 + float(np.mean((remains_mm(weighing, found) / noise) ** 2))
+    return [(found.score - e.score) / dispersion for e in fewer]
+
+
+def remains_mm(weighing: Weighing, found: Explanation) -> np.ndarray:
+    """What the discrepancy takes of the readings, alignment and zeros taken off, (n,)."""
+    posterior, members = found.posterior, weighing.members
+    amount = posterior.scale * posterior.mean * posterior.sizes.factor
+    columns = np.hstack([np.zeros((len(weighing.survey), 0)), *members.columns_mm])
+    first = members.fixed_mm.shape[1]
+    taken = columns @ amount[first : first + columns.shape[1]]
+    return taken - weighing.survey.aligned(taken[:, None])[:, 0]
+
+
+def remains_um(weighing: Weighing, found: Explanation) -> float:
+    """Root mean square of the discrepancy, and of scatter beyond what noise may be."""
+    beyond = max(found.posterior.sizes.factor**2 - TRUST**2, 0.0)
+    scatter = beyond * usual_u_um(weighing) ** 2
+    return float(np.sqrt(_rms_um(remains_mm(weighing, found)) ** 2 + scatter))
+
+
+def _rms_um(values_mm: np.ndarray) -> float:
+    return float(um_from_mm(np.sqrt(np.mean(values_mm**2))))
+
+
+def sizes_um(weighing: Weighing, found: Explanation) -> Sequence[float]:
+    """Root mean square of what each effect does to the aligned readings."""
+    if found.fit is None:
+        return ()
+    explained = [found.fit.explained_mm(k) for k in range(len(found.terms))]
+    aligned = [e - weighing.survey.aligned(e[:, None])[:, 0] for e in explained]
+    return tuple(_rms_um(a) for a in aligned)

@@ -1,0 +1,1 @@
+"""Forms for what no effect of the catalogue explains."""

@@ -1,0 +1,176 @@
+"""Forms for what remains, weighed by the same evidence beside the same discrepancy."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from vmach.diagnosis.inference.bank import Bank
+from vmach.diagnosis.inference.remains import remains_um, usual_u_um
+from vmach.diagnosis.inference.rules import SHOWN, WORTH_A_FORM
+from vmach.diagnosis.inference.weighing import Explanation, Weighing
+from vmach.diagnosis.proposals.form import Form, FormEffect
+from vmach.diagnosis.proposals.form_columns import FormColumns
+from vmach.diagnosis.proposals.held_out import held_out_um
+from vmach.diagnosis.proposals.proposal import Proposal
+from vmach.fit.candidates import Candidate
+from vmach.fit.marginal_likelihood import Sizes
+
+__all__ = ["Forms"]
+
+#: forms that are fitted at each step, by their evidence beside the discrepancy and nearly without
+_FITTED = 6
+#: forms that are added one after the other
+_MOST = 4
+#: proposals that are told
+_TOLD = 3
+#: sizes in u of a discrepancy that leaves a form to show
+_SMALL = 0.3
+#: a form whose readings follow those of another one that closely is the same
+_SAME = 0.98
+
+
+class Forms:
+    """The forms over the readings of a weighing, beside what a search found there.
+
+    Parameters
+    ----------
+    weighing : Weighing
+    found : Explanation
+        Its effects stay candidates.
+    """
+
+    def __init__(self, weighing: Weighing, found: Explanation) -> None:
+        self._weighing = weighing
+        self._known = [weighing.candidates[weighing.index_of(t.label)] for t in found.terms]
+        self._columns = FormColumns(weighing.survey)
+        self._chosen: dict[str, Form] = {}
+        self._singles: list[tuple[Form, Explanation, float]] = []
+
+    @property
+    def labels(self) -> frozenset[str]:
+        """Labels of the forms that were added."""
+        return frozenset(self._chosen)
+
+    def grown(self, found: Explanation) -> tuple[Weighing, Explanation]:
+        """An explanation with forms added while that is clearly more probable."""
+        weighing, here = self._with(()), found
+        here = weighing.explain(found.terms, found.posterior.sizes, refine=False)
+        for _ in range(_MOST):
+            if remains_um(weighing, here) < WORTH_A_FORM * usual_u_um(weighing):
+                break
+            leading = self._leading(here)
+            weighing = self._with(leading)
+            trials = [weighing.extend(here, weighing.index_of(_label(f))) for f in leading]
+            best = max(range(len(trials)), key=lambda k: trials[k].score, default=None)
+            if best is None or trials[best].score < here.score + SHOWN:
+                break
+            self._chosen[_label(leading[best])] = leading[best]
+            here = _without_needless(weighing, trials[best])
+        return self._with(()), here
+
+    def proposals(self, alone: Explanation, grown: Explanation) -> tuple[Proposal, ...]:
+        """The forms of a grown explanation, then others that would do nearly as well.
+
+        Parameters
+        ----------
+        alone : Explanation
+            The effects that are shown.
+        grown : Explanation
+            With forms.
+        """
+        leading = self._leading(alone)
+        weighing = self._with(leading)
+        start = weighing.explain(alone.terms, alone.posterior.sizes, refine=False)
+        trials = [weighing.extend(start, weighing.index_of(_label(f))) for f in leading]
+        ranked = sorted(zip(trials, leading, strict=True), key=lambda both: -both[0].score)
+        first = [self._chosen[t.label] for t in grown.terms if t.label in self._chosen]
+        told: list[Proposal] = []
+        for form in (*first, *(form for _, form in ranked)):
+            if len(told) == _TOLD:
+                break
+            if any(form.kinds == p.form.kinds for p in told):
+                continue
+            proposal = self._proposal(start, form)
+            without, with_it = proposal.held_out_um
+            if (form in first or proposal.odds > SHOWN) and with_it < without:
+                told.append(proposal)
+        return tuple(told)
+
+    def _proposal(self, start: Explanation, form: Form) -> Proposal:
+        weighing = self._with([form])
+        trial = weighing.extend(start, weighing.index_of(_label(form)))
+        fit, last = trial.fit, len(trial.terms) - 1
+        assert fit is not None
+        return Proposal(
+            form=form,
+            amount_um=fit.parameters(last)["amount_um"],
+            u_um=fit.uncertainty(last)["amount_um"],
+            odds=trial.score - start.score,
+            remains_um=remains_um(weighing, trial),
+            held_out_um=held_out_um(weighing.survey, fit, last),
+        )
+
+    def _with(self, forms: Sequence[Form]) -> Weighing:
+        """A weighing of the known effects, the forms that were added, and some more."""
+        every = {_label(form): form for form in (*self._chosen.values(), *forms)}
+        candidates = [*self._known, *(self._columns.candidate(f) for f in every.values())]
+        prices = {f"form {f.formula}": float(np.log(len(self._columns))) for f in every.values()}
+        return _Priced(self._weighing, candidates, prices)
+
+    def _leading(self, here: Explanation) -> list[Form]:
+        """Forms worth a fit, beside an explanation."""
+        sizes = here.posterior.sizes
+        small = Sizes(sizes.factor, tuple(min(s, _SMALL) for s in sizes.members))
+        views = (here.posterior, replace(here.posterior, sizes=small))
+        gains: tuple[list[float], list[float]] = ([], [])
+        forms: list[Form] = []
+        for some in self._columns.batches():
+            bank = Bank(self._weighing.base, [self._columns.candidate(form) for form in some])
+            forms += some
+            for view, gain in zip(views, gains, strict=True):
+                gain += [float(e.log_factor[0]) for e in bank.evidence(view)]
+        chosen: list[Form] = []
+        for gain in gains:
+            taken: list[np.ndarray] = []
+            for k in np.argsort(-np.array(gain)):
+                if gain[k] < SHOWN or len(taken) == _FITTED:
+                    break
+                column = self._columns.direction_of(forms[k])
+                if all(abs(column @ other) < _SAME for other in taken):
+                    taken.append(column)
+                    chosen += [forms[k]] if forms[k] not in chosen else []
+        return [form for form in chosen if _label(form) not in self._chosen]
+
+
+class _Priced(Weighing):
+    """A weighing over the base of another, in which forms cost what looking for them does."""
+
+    def __init__(
+        self, like: Weighing, candidates: Sequence[Candidate], prices: dict[str, float]
+    ) -> None:
+        self._like, self._prices = like, prices
+        super().__init__(like.survey, candidates, noise=like.base.noise)
+
+    def log_prior(self, candidate: Candidate) -> float:
+        """Logarithm of the prior odds of an effect, or of a form."""
+        if isinstance(candidate.effect, FormEffect):
+            return -self._prices[candidate.label]
+        return self._like.log_prior(candidate)
+
+
+def _label(form: Form) -> str:
+    return f"form {form.formula}"
+
+
+def _without_needless(weighing: Weighing, here: Explanation) -> Explanation:
+    """Drop terms that the others make needless."""
+    while len(here.terms) > 1:
+        fewer = [weighing.without(here, [k]) for k in range(len(here.terms))]
+        best = max(fewer, key=lambda e: e.score)
+        if best.score < here.score:
+            break
+        here = best
+    return here

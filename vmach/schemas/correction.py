@@ -1,0 +1,193 @@
+"""Schemas of what is missing and what is mended: ``diagnose --json``, ``compensate --json``."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import ConfigDict, Field
+
+from vmach.schemas.base import NoteRecord, Output
+
+__all__ = ["CompensationFigures", "DiagnosisFigures"]
+
+
+class _Open(Output):
+    """A record that may get more keys."""
+
+    model_config = ConfigDict(extra="allow", use_attribute_docstrings=True)
+
+
+class _Finding(_Open):
+    """An effect that is missing in the model, or something unknown."""
+
+    effect: str | None
+    target: str | None
+    """Axis, component or feature that it acts on."""
+    status: str
+    """"shown" where it is told from all others, "class" where it is not."""
+    share: float
+    """Of what the model misses, in squares; without unit."""
+    size_um: float
+    log_odds: float
+    """Natural logarithm, for it against without it."""
+    parameters: dict[str, Any]
+    """Numbers, or lists of a correction curve; the unit ends each name."""
+    u: dict[str, Any]
+    """Standard uncertainties, in the unit of the parameter."""
+    interval_95: dict[str, Any]
+    """Lower and upper end, in the unit of the parameter."""
+    members: list[str] = Field(alias="class")
+    """Effects that these measurements do not tell from it."""
+    where: str
+
+
+class _Candidate(_Open):
+    """How a single effect does on its own."""
+
+    effect: str
+    target: str
+    score: float
+    """Natural logarithm of the odds for it."""
+    rms_after_um: float
+    status: str
+    """For people: "tested", or why it could not be."""
+    is_tested: bool
+    why_not: str
+
+
+class _BlindSpot(_Open):
+    """An effect that could be there unseen."""
+
+    effect: str
+    target: str
+    parameter: str
+    unit: str
+    """Of the two sizes; it ends the parameter's name."""
+    from_size: float | None
+    """Smallest amplitude that would be found; null where none would."""
+    from_size_alone: float | None
+    """The same if nothing else had been found."""
+    text: str
+
+
+class _Failure(_Open):
+    """A pattern that the model leaves."""
+
+    by: str
+    p: float = Field(ge=0.0, le=1.0)
+    """How often chance alone would look like this."""
+    text: str
+
+
+class _NextMeasurement(_Open):
+    separates: list[str]
+    text: str
+    program: str | None
+    """File of the test's program."""
+
+
+class _Weak(_Open):
+    """An effect that may be there; it is not counted."""
+
+    effect: str
+    target: str | None
+    status: Literal["weak"]
+    log_odds: float
+    """Natural logarithm, for it against without it."""
+    why: str
+
+
+class DiagnosisFigures(_Open):
+    """``diagnose --json``: what the model lacks; more keys may come."""
+
+    verdict: str
+    effects: list[_Finding]
+    weak_effects: list[_Weak]
+    remains_um: float
+    """RMS of what remains beside noise."""
+    rms_um: dict[str, float]
+    """Of measured minus predicted: before, after, expected noise."""
+    candidates: list[_Candidate]
+    where_it_fails: list[_Failure]
+    next_measurement: _NextMeasurement | None
+    blind_spots: list[_BlindSpot]
+    notes: list[str]
+    note_records: list[NoteRecord]
+    """The notes as records."""
+
+
+class _Surface(Output):
+    """Points of the part, in the model."""
+
+    points: int
+    of: str
+    before_largest_um: float
+    before_mean_um: float
+    after_largest_um: float
+    after_mean_um: float
+    after_rms_um: float
+    u_largest_um: float
+    """Standard uncertainty that tables and effects leave."""
+    u_mean_um: float
+    u_rms_um: float
+    expected_rms_um: float
+    mean_before_over_after: float | None
+    """Ratio of the means."""
+    points_lost: int
+
+
+class _AimedAt(Output):
+    points: int
+    tool_largest_um: float
+    """With the tool in its nominal place."""
+    tool_mean_um: float
+    part_largest_um: float
+    """With the part in its nominal place."""
+    part_mean_um: float
+    largest_shift_um: float
+    rounds: int
+
+
+class _UncorrectedLine(Output):
+    um: float
+    why: str
+
+
+class _Uncorrected(Output):
+    """What a path cannot correct."""
+
+    what: str
+    urad: float | None = None
+    """Of a tilt."""
+    surface_um: float | None = None
+    """What it makes on the part."""
+
+
+class CompensationFigures(Output):
+    """``compensate --json``: what the compensated program leaves."""
+
+    before_largest_um: float
+    """Error of the tool tip along the program, like the five below."""
+    before_mean_um: float
+    before_rounding_largest_um: float
+    before_rounding_mean_um: float
+    after_largest_um: float
+    after_mean_um: float
+    worst_line_after: int | None
+    surface: _Surface | None
+    aimed_at: _AimedAt | None
+    largest_correction_um: float
+    growth: float
+    """Blocks written over blocks read."""
+    steps: int
+    arcs: int
+    arcs_kept: int
+    expanded_lines: dict[str, str]
+    """Why each of these lines was written out."""
+    left_lines: list[int]
+    swallowed_words: int
+    uncorrected_lines: dict[str, _UncorrectedLine]
+    uncorrected: list[_Uncorrected]
+    notes: list[str]
+    note_records: list[NoteRecord]
+    """The notes as records."""

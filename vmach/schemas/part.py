@@ -1,0 +1,150 @@
+"""Schemas of predicted parts: ``summary.json``, ``predict --json`` and ``path --json``."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from vmach.schemas.base import NoteRecord, Output, Vector
+
+__all__ = ["PathErrors", "PointPrediction", "Summary"]
+
+
+class _Figures(Output):
+    """Statistics of deviations; null where no point has one."""
+
+    status: dict[str, int]
+    """Number of points by status: cut, uncut, gouged away."""
+    mean_um: float | None
+    rms_um: float | None
+    min_um: float | None
+    max_um: float | None
+    peak_to_valley_um: float | None
+    outside_tolerance: int
+    """Number of points."""
+    outside_tolerance_share: float | None = Field(ge=0.0, le=1.0)
+
+
+class _Worst(Output):
+    """One of the points that deviate most, and the move that made it."""
+
+    id: str
+    feature: str
+    deviation_um: float | None
+    point_mm: Vector
+    """Nominal point, workpiece coordinates."""
+    normal: Vector
+    """Outward unit normal."""
+    line: int
+    """1-based NC line; 0 where no move made the point."""
+    nc: str
+    """Text of that line."""
+    tool: int
+    move: int
+    """0-based number of the move; -1 where none made the point."""
+    time_s: float
+    """Since the start of the program."""
+    cause: str | None = None
+    """Largest shares of the deviation, um, in words; of the last predicted variant."""
+
+
+class _Variant(_Figures):
+    """One error model, or the measurement."""
+
+    label: str
+    remainder_rms_um: float | None
+    """Measured minus predicted after a best fit; null without a measurement."""
+    features: dict[str, _Figures]
+    worst: list[_Worst]
+
+
+class _Place(Output):
+    """A place where the virtual part and the nominal CAD differ."""
+
+    kind: str
+    depth_um: float
+    point_mm: Vector
+    size_mm: Vector
+    """Extent along X, Y and Z."""
+    area_mm2: float
+    volume_mm3: float | None
+    feature: str
+    line: int
+    nc: str
+    tool: int
+
+
+class _Differences(Output):
+    threshold_um: float
+    count: int
+    """Places beyond the threshold; the deepest of them are listed."""
+    places: list[_Place]
+
+
+class _InputFile(Output):
+    role: str
+    path: str
+    sha256: str
+    size_bytes: int
+
+
+class _Run(Output):
+    command: str
+    started_at: str
+    """ISO 8601."""
+    files: list[_InputFile]
+    versions: dict[str, str]
+    stages_s: dict[str, float]
+    facts: dict[str, str]
+    warnings: list[str]
+    warning_records: list[NoteRecord]
+    """The warnings of the run as records."""
+
+
+class Summary(Output):
+    """``summary.json``: the figures of ``vmach run`` and ``vmach compare``."""
+
+    format: Literal["vmach-summary-1"] = Field(alias="schema")
+    title: str
+    model: str
+    """Error model that the solid was cut with."""
+    sign_convention: str
+    tolerance_um: float
+    points: int
+    worst_apart_mm: float
+    """Least distance between two points of `worst`."""
+    variants: dict[str, _Variant]
+    differences: _Differences | None
+    """The virtual part against the nominal CAD; null without one."""
+    run: _Run
+
+
+class PointPrediction(Output):
+    """``predict --json``: figures of predicted deviations."""
+
+    points: int
+    model: str
+    status: dict[str, int]
+    """Number of points by status: cut, uncut, gouged away."""
+    mean_um: float | None = None
+    """Of the points that are cut; absent where there are none, like the three below."""
+    rms_um: float | None = None
+    min_um: float | None = None
+    max_um: float | None = None
+    measured_minus_predicted_rms_um: float | None = None
+    """After a best fit; absent where the points were not measured."""
+
+
+class PathErrors(Output):
+    """``path --json``: the error of the tool tip along the program, machine axes."""
+
+    nodes: int
+    largest_abs_xyz_um: Vector
+    range_xyz_um: Vector
+    largest_error_um: float
+    """Length of the longest error vector."""
+    at_line: int
+    """NC line of that node."""
+    at_nose_mm: Vector
+    """Spindle nose there, machine coordinates."""
