@@ -1,4 +1,8 @@
-"""A corner between two lines of a plane, rounded or chamfered."""
+"""A corner between two lines of a plane, rounded or chamfered.
+
+Source: HEIDENHAIN, TNC 640 User's Manual for Klartext Programming (RND, CHF); closed form derived
+here: an arc of radius r in a corner of angle a touches both lines at r / tan(a / 2) from it.
+"""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ import pytest
 
 from tests.machine_cases import ALL_CHAINS, make_machine, random_components, random_squareness
 from vmach.controller_tables import FORMATS, make_tables
-from vmach.controller_tables.linuxcnc import read_linuxcnc
+from vmach.controller_tables.formats.linuxcnc import read_linuxcnc
 from vmach.controller_tables.table_task import task_of_machine
 from vmach.machine import ComponentError, Variant
 

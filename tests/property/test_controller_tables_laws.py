@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from tests.machine_cases import ALL_CHAINS, make_machine, random_components, random_squareness
 from vmach.controller_tables import FORMATS, make_tables
+from vmach.controller_tables.formats.linuxcnc import read_linuxcnc, write_linuxcnc
 from vmach.controller_tables.knots import Knots, hat_matrix
-from vmach.controller_tables.linuxcnc import read_linuxcnc, write_linuxcnc
 from vmach.controller_tables.projection import AxisTable, Term
 from vmach.controller_tables.table_task import task_of_machine
 from vmach.machine import Variant

@@ -12,7 +12,7 @@ from tests.small_job import write_job
 from vmach.cli import app
 from vmach.commands.tables import tables
 from vmach.controller_tables import FORMATS
-from vmach.controller_tables.linuxcnc import read_linuxcnc
+from vmach.controller_tables.formats.linuxcnc import read_linuxcnc
 from vmach.errors import InputError
 
 ERRORS = {

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from vmach.controller_tables.component_tables import read_components, write_components
-from vmach.controller_tables.grid_table import read_grid, write_grid
-from vmach.controller_tables.heidenhain import read_heidenhain, write_heidenhain
-from vmach.controller_tables.isg import read_isg, write_isg
+from vmach.controller_tables import FORMATS, table_formats
+from vmach.controller_tables.formats.components import read_components, write_components
+from vmach.controller_tables.formats.grid import read_grid, write_grid
+from vmach.controller_tables.formats.heidenhain import read_heidenhain, write_heidenhain
+from vmach.controller_tables.formats.isg import read_isg, write_isg
+from vmach.controller_tables.formats.linuxcnc import read_linuxcnc, write_linuxcnc
+from vmach.controller_tables.formats.sinumerik import (
+    read_cec,
+    read_enc_comp,
+    write_cec,
+    write_enc_comp,
+)
 from vmach.controller_tables.knots import Knots
-from vmach.controller_tables.linuxcnc import read_linuxcnc, write_linuxcnc
 from vmach.controller_tables.projection import AxisTable, Term, scaled
-from vmach.controller_tables.sinumerik import read_cec, read_enc_comp, write_cec, write_enc_comp
 from vmach.errors import InputError
 from vmach.machine.files.volumetric_file import read_volumetric_file
 from vmach.machine.tables.error_table import RAD_PER, read_error_table
@@ -391,3 +399,21 @@ def test_grid_comes_back_digit_by_digit(tmp_path):
     written = write_grid(tmp_path, read_grid(tmp_path), tool_length_mm=120.0)[0].read_text()
     assert [line for line in written.splitlines() if line[0] != "#"] == lines
     assert "tool length 120.0000 mm" in written
+
+
+def test_a_format_of_another_package_is_found_and_checked(monkeypatch):
+    mine = replace(FORMATS["grid"], name="mine", rank=5)
+
+    class Entry:
+        name, value = "mine", "shop:FORMATS"
+
+        def __init__(self, offered):
+            self.load = lambda: offered
+
+    monkeypatch.setattr(table_formats, "entry_points", lambda group: [Entry((mine,))])
+    assert next(iter(table_formats._catalogue())) == "mine"
+    for offered, message in ((mine, "accepted: FORMATS"), ((FORMATS["grid"],), "'grid' is taken")):
+        entries = [Entry(offered)]
+        monkeypatch.setattr(table_formats, "entry_points", lambda group, found=entries: found)
+        with pytest.raises(InputError, match=message):
+            table_formats._catalogue()

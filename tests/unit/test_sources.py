@@ -43,6 +43,7 @@ WITHOUT_PHYSICS = {
     "vmach/compensation/report.py",
     "vmach/controller_tables/figures.py",
     "vmach/controller_tables/make_tables.py",
+    "vmach/controller_tables/table_formats.py",
     "vmach/controller_tables/printing.py",
     "vmach/controller_tables/table_task.py",
     "vmach/iso230/printing.py",

@@ -24,7 +24,7 @@ from vmach.program_text import Expanded, Written
 
 __all__ = ["WrittenRun"]
 
-#: distance of the places at which the tool is held against the nominal path
+#: distance of the places at which the tool is compared with the nominal path
 _SPACING_MM = 0.5
 #: of every piece, most and fewest; of moves without points
 _MOST_INSIDE, _FEWEST_INSIDE = 400, 4

@@ -18,7 +18,7 @@ __all__ = ["Knots", "choose_intervals", "hat_matrix"]
 
 #: digits of positions in every format: 0.1 um
 POSITION_DIGITS = 4
-#: places at which curves are held against straight lines, and the fewest intervals
+#: places at which curves are compared with straight lines, and the fewest intervals
 _DENSE = 2001
 _FEWEST = 2
 

@@ -14,7 +14,8 @@ from vmach.base.stage_clock import Progress, silent
 from vmach.controller_tables.knots import Knots
 from vmach.controller_tables.projection import Projection
 from vmach.controller_tables.samples import ErrorSamples
-from vmach.controller_tables.table_formats import FORMATS, AppliedTables, TableFormat, projected
+from vmach.controller_tables.table_format import AppliedTables, TableFormat, projected
+from vmach.controller_tables.table_formats import FORMATS
 from vmach.controller_tables.table_task import TableTask
 
 __all__ = ["MadeTables", "Residual", "make_tables"]

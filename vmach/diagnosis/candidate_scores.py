@@ -65,9 +65,7 @@ def candidate_scores(weighing: Weighing, before_um: float) -> tuple[CandidateSco
         for c, gain, rms in zip(weighing.candidates, gains, after, strict=True)
     ]
     untested = [
-        CandidateScore(
-            e.name, target, 0.0, round(before_um, 3), f"not testable: {why}", False, why
-        )
+        CandidateScore(e.name, target, 0.0, round(before_um, 3), f"not testable: {why}", False, why)
         for e, target, why in weighing.excluded
     ]
     return (*sorted(tested, key=lambda s: -s.score), *untested)

@@ -24,9 +24,6 @@ __all__ = ["Members", "members_of"]
 _WAVES_IN_TIME = 6.0
 #: degree of the smooth field: half waves over the volume that was visited
 _FIELD_DEGREE = 3
-#: scale and squareness of a coordinate measuring machine whose a + L/b is not stated: the limit
-#: L/350 of an ordinary one (ISO 10360-2) taken as a rectangular distribution
-_DEVICE_PER_MM = 1.0 / 350e3 / np.sqrt(3.0)
 #: a feature whose normals are that much along Z is a floor
 _UPRIGHT = 0.7
 #: a cause whose largest signature is this share of u is left out
@@ -124,17 +121,18 @@ def _field(survey: Survey) -> np.ndarray:
 
 def _device(survey: Survey) -> np.ndarray:
     """Scales and squareness of the machine that measured the part, of unit variance, (n, K) mm."""
-    blocks = [np.zeros((0, 0))]
+    blocks = []
     for path, m in zip(survey.paths, survey.measurements, strict=True):
         if not m.on_part:
             blocks.append(np.zeros((len(m), 0)))
             continue
         place = path.on_part_mm - path.on_part_mm.mean(axis=0)
         n = m.sensing
+        device = survey.job.device
         sheared = [n[:, 0] * place[:, 1], n[:, 0] * place[:, 2], n[:, 1] * place[:, 2]]
-        columns = np.column_stack([n * place, *sheared])
-        blocks.append(_DEVICE_PER_MM * columns)
-    return block_diag(*blocks)[:, :] if len(blocks) > 1 else np.zeros((len(survey), 0))
+        stretched, leaning = device.scale_u * n * place, device.squareness_u_rad * np.array(sheared)
+        blocks.append(np.hstack([stretched, leaning.T]))
+    return block_diag(*blocks)
 
 
 def _seen(columns: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import line_of_key, read_toml
 from vmach.job.control import control_told
-from vmach.job.schema import InspectionEntry, JobSchema, ToolEntry
+from vmach.job.schema import InspectionEntry, JobSchema, MeasuringMachineEntry, ToolEntry
 from vmach.machine import Machine
 from vmach.plausibility import admitted_machine, check_tools
 
@@ -109,6 +109,20 @@ class Inspection:
 
 
 @dataclass(frozen=True)
+class Device:
+    """Standard uncertainties of the scales and squareness of a coordinate measuring machine.
+
+    Attributes
+    ----------
+    scale_u, squareness_u_rad : float
+        Of each scale, in mm/mm, and of each squareness.
+    """
+
+    scale_u: float
+    squareness_u_rad: float
+
+
+@dataclass(frozen=True)
 class Job:
     """A machining job, read and checked.
 
@@ -135,6 +149,8 @@ class Job:
     offsets : mapping of number to OffsetEntry
         What H and D of a number mean where it is not the tool of that number.
     inspection : Inspection
+    device : Device
+        What is known of the machine that measured the part.
     effects, measurements, history
         As in the file; read by the parts of the program that know them.
     fitted : mapping of (effect, target) to tuple of mapping
@@ -157,6 +173,7 @@ class Job:
     tools: Mapping[int, JobTool]
     offsets: Mapping[int, OffsetEntry]
     inspection: Inspection
+    device: Device
     effects: Mapping[str, Any]
     measurements: Sequence[Mapping[str, Any]]
     history: Sequence[Mapping[str, Any]]
@@ -244,10 +261,20 @@ def read_job(path: Job | str | Path) -> Job:
         tools=tools,
         offsets={k: OffsetEntry(**row.model_dump()) for k, row in data.offsets.items()},
         inspection=_inspection(data.inspection, at("inspection", "alignment")),
+        device=_device(data.measuring_machine),
         effects=data.effects,
         measurements=data.measurements,
         history=[step.model_dump(exclude_none=True) for step in data.history],
         fitted={(f.effect, f.target): tuple(f.one_sigma) for f in data.fitted},
+    )
+
+
+def _device(data: MeasuringMachineEntry) -> Device:
+    """The limit L/K of a length as a rectangular distribution, where nothing else is stated."""
+    share = 1e-3 / data.k_mm_per_um / np.sqrt(3.0)
+    scale, square = data.scale_u_ppm, data.squareness_u_urad
+    return Device(
+        share if scale is None else 1e-6 * scale, share if square is None else 1e-6 * square
     )
 
 

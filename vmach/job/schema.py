@@ -15,6 +15,7 @@ __all__ = [
     "HistoryEntry",
     "InspectionEntry",
     "JobSchema",
+    "MeasuringMachineEntry",
     "OffsetRow",
     "StockEntry",
     "ToolEntry",
@@ -105,6 +106,14 @@ class InspectionEntry(FileSection):
     datums: list[list[str]] = []
 
 
+class MeasuringMachineEntry(FileSection):
+    """[measuring_machine]: its limit of error A + L/K (ISO 10360-2), or what is known of it."""
+
+    k_mm_per_um: Positive = 350.0
+    scale_u_ppm: NonNegative | None = None
+    squareness_u_urad: NonNegative | None = None
+
+
 class FittedEntry(FileSection):
     """[[fitted]]: what ``vmach add`` left open of an effect's parameters."""
 
@@ -142,6 +151,7 @@ class JobSchema(FileSection):
     tools: dict[Annotated[int, Field(ge=1, le=_LARGEST_TOOL)], ToolEntry]
     offsets: dict[Annotated[int, Field(ge=1, le=_LARGEST_TOOL)], OffsetRow] = {}
     inspection: InspectionEntry = InspectionEntry()
+    measuring_machine: MeasuringMachineEntry = MeasuringMachineEntry()
     effects: dict[str, Any] = {}
     measurements: list[dict[str, Any]] = []
     history: list[HistoryEntry] = []

@@ -16,7 +16,7 @@ _BACK = 1e-6
 #: an axis slower than this share of the path speed counts as standing
 _STANDING = 1e-9
 #: a tangent that is shorter has no direction
-_NO_WAY_MM = 1e-9
+_NO_LENGTH_MM = 1e-9
 
 
 def move_length_mm(moves: Moves) -> np.ndarray:
@@ -69,7 +69,7 @@ def tangent_at(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.ndar
 def across(vector: np.ndarray, tangent: np.ndarray) -> np.ndarray:
     """Parts of vectors (P, 3) that are across tangents (P, 3); all of them where one is zero."""
     length = np.linalg.norm(tangent, axis=-1, keepdims=True)
-    unit = tangent / np.maximum(length, _NO_WAY_MM)
+    unit = tangent / np.maximum(length, _NO_LENGTH_MM)
     return vector - np.sum(vector * unit, axis=-1, keepdims=True) * unit
 
 

@@ -22,7 +22,7 @@ _LARGEST_SWEEP_RAD = np.radians(181.0)
 #: nominal ends and starts that are nearer than this are one place
 _SAME_MM = 1e-6
 _NO_KNOT = -1
-_NO_WAY_MM = 1e-9
+_NO_LENGTH_MM = 1e-9
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ class PathShift:
     def tangents(self, parameter: np.ndarray) -> np.ndarray:
         """Unit tangents of the stretches' moves at parameters (S,), (S, 3); zero for no way."""
         tangent = tangent_at(self.moves, self.move, parameter)
-        return tangent / np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), _NO_WAY_MM)
+        return tangent / np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), _NO_LENGTH_MM)
 
     @cached_property
     def frames(self) -> np.ndarray:

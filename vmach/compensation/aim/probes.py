@@ -23,7 +23,7 @@ _FEWEST, _MOST = 3, 40
 #: way within which surface tells what a place of the path makes, and what counts without any
 _NEAR_MM = 2.0
 _UNSEEN = 0.2
-_NO_WAY_MM = 1e-9
+_NO_LENGTH_MM = 1e-9
 _INSIDE = 1.0 - 1e-9
 
 
@@ -80,7 +80,7 @@ def path_probes(run: WrittenRun) -> Probes:
     plan, moves = run.plan, run.again.path.nodes.moves
     cuts = run.cuts[~plan.is_step[run.written[run.cuts]]]
     length = np.linalg.norm(tangent_at(moves, run.row[cuts], np.zeros(len(cuts))), axis=1)
-    cuts, length = cuts[length > _NO_WAY_MM], length[length > _NO_WAY_MM]
+    cuts, length = cuts[length > _NO_LENGTH_MM], length[length > _NO_LENGTH_MM]
     count = np.clip(np.ceil(length / _SPACING_MM).astype(np.int64), _FEWEST, _MOST)
     rows = np.repeat(cuts, count)
     number = np.arange(len(rows)) - np.repeat(np.cumsum(count) - count, count)
@@ -146,7 +146,7 @@ def surface_probes(
 
 def _across(tangent: np.ndarray) -> np.ndarray:
     """Two unit vectors across every tangent, (P, 2, 3)."""
-    along = tangent / np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), _NO_WAY_MM)
+    along = tangent / np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), _NO_LENGTH_MM)
     one = np.cross(along, np.eye(3)[np.argmin(np.abs(along), axis=1)])
     one /= np.linalg.norm(one, axis=1, keepdims=True)
     return np.stack([one, np.cross(along, one)], axis=1)

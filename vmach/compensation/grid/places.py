@@ -27,7 +27,7 @@ _FAR = np.concatenate([np.linspace(-0.4, -0.025, 16), np.linspace(0.025, 0.4, 16
 _CROSSING = 2
 #: in the two axes across
 _UP_OR_DOWN = ((0, 0), (0, 1), (1, 0), (1, 1))
-_NO_WAY_MM = 1e-9
+_NO_LENGTH_MM = 1e-9
 _NO_SPAN = 1e-12
 
 
@@ -149,8 +149,8 @@ class Grid:
         move = self.plan.move[piece]
         tangent = tangent_at(self.rewriter.moves, move, parameter)
         length = np.linalg.norm(tangent, axis=1, keepdims=True)
-        tangent = tangent / np.maximum(length, _NO_WAY_MM)
-        tangent = np.where(length > _NO_WAY_MM, tangent, np.eye(3)[0])
+        tangent = tangent / np.maximum(length, _NO_LENGTH_MM)
+        tangent = np.where(length > _NO_LENGTH_MM, tangent, np.eye(3)[0])
         return turned_about_z(tangent, -self.rewriter.angle[move])
 
     def _main_axis(self, piece: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

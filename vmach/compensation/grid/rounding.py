@@ -32,7 +32,7 @@ _STAYS, _LEAST_LENGTH_MM = 0.02, 0.1
 #: weight of a step of an axis that stands in the user's program, and of one that is to stand
 _A_STEP, _NO_STEP = 0.01, 1e4
 #: an axis that moves by no more stands
-_STANDING_MM = 2e-7
+_AT_REST_MM = 2e-7
 _NO_SPAN = 1e-12
 
 
@@ -141,10 +141,10 @@ class Rounding:
         """Weight against motion of axes that stand in a piece, and so need no word, (K, 3)."""
         moves, move, step = self.rewriter.moves, self.plan.move, self.step_mm[:, None]
         way = position_at(moves, move, self.last) - position_at(moves, move, self.first)
-        stands = (np.abs(way) < _STANDING_MM) & (self.rewriter.angle[move] == 0.0)[:, None]
+        stands = (np.abs(way) < _AT_REST_MM) & (self.rewriter.angle[move] == 0.0)[:, None]
         asked = np.abs(np.diff(self.target.ends_mm, axis=0, prepend=np.inf))
         weight = np.where(asked < 0.5 * step, _A_STEP * self.path_length_mm[:, None], 0.0)
-        weight = np.where(asked < _STANDING_MM, _NO_STEP, weight)
+        weight = np.where(asked < _AT_REST_MM, _NO_STEP, weight)
         return np.where(stands, weight / step**2, 0.0)
 
     def exact(self, probes: Probes) -> Points:

@@ -10,7 +10,7 @@ from vmach.base.units import um_from_mm
 from vmach.diagnosis.inference.rules import STRUCTURE, TRUST
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 
-__all__ = ["is_structure", "odds_of", "remains_um", "sizes_um"]
+__all__ = ["is_structure", "odds_of", "remains_um", "sizes_um", "usual_u_um"]
 
 
 def is_structure(weighing: Weighing, size_um: float) -> bool:

@@ -10,8 +10,14 @@ import numpy as np
 from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.moves import search
 from vmach.diagnosis.inference.noise import noise_after, noise_before
-from vmach.diagnosis.inference.remains import is_structure, odds_of, remains_um, sizes_um
-from vmach.diagnosis.inference.rules import DOMINATES, SHOWN
+from vmach.diagnosis.inference.remains import (
+    is_structure,
+    odds_of,
+    remains_um,
+    sizes_um,
+    usual_u_um,
+)
+from vmach.diagnosis.inference.rules import DOMINATES, SHOWN, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.proposals.forms import Forms
 from vmach.diagnosis.proposals.proposal import Proposal
@@ -90,7 +96,7 @@ def infer(weighing: Weighing) -> Inference:
         weighing = weighing.with_noise(noise)
         found = search(weighing, weighing.explain(found.terms, found.posterior.sizes))
     plain = _weighed(weighing, found)
-    if not plain.is_structure:
+    if plain.remains_um < WORTH_A_FORM * usual_u_um(weighing):
         return plain
     forms = Forms(weighing, found)
     beside, grown = forms.grown(found)
@@ -99,14 +105,15 @@ def infer(weighing: Weighing) -> Inference:
     odds = dict(zip((t.label for t in judged.explanation.terms), judged.odds, strict=True))
     alone = weighing.explain(shown, plain.explanation.posterior.sizes, refine=False)
     remains = float(np.hypot(remains_um(weighing, alone), judged.imitated_um))
+    structure = is_structure(weighing, remains)
     return Inference(
         weighing,
         alone,
         tuple(odds[t.label] for t in shown),
         judged.weak,
         remains,
-        is_structure(weighing, remains),
-        proposals=forms.proposals(alone, judged.explanation),
+        structure,
+        proposals=forms.proposals(alone, judged.explanation) if structure else (),
     )
 
 

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from vmach.diagnosis.inference.bank import Bank
-from vmach.diagnosis.inference.remains import is_structure, remains_um
-from vmach.diagnosis.inference.rules import SHOWN
+from vmach.diagnosis.inference.remains import remains_um, usual_u_um
+from vmach.diagnosis.inference.rules import SHOWN, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.proposals.form import Form, FormEffect
 from vmach.diagnosis.proposals.form_columns import FormColumns
@@ -59,7 +59,7 @@ class Forms:
         weighing, here = self._with(()), found
         here = weighing.explain(found.terms, found.posterior.sizes, refine=False)
         for _ in range(_MOST):
-            if not is_structure(weighing, remains_um(weighing, here)):
+            if remains_um(weighing, here) < WORTH_A_FORM * usual_u_um(weighing):
                 break
             leading = self._leading(here)
             weighing = self._with(leading)

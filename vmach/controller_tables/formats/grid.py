@@ -12,8 +12,10 @@ Source: ISO/TR 16907, spatial error grid.
 from __future__ import annotations
 
 import csv
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
@@ -23,10 +25,12 @@ from scipy.sparse.linalg import splu
 from vmach.base.units import mm_from_um, um_from_mm
 from vmach.controller_tables.knots import Knots, hat_matrix
 from vmach.controller_tables.samples import ErrorSamples
+from vmach.controller_tables.table_format import TableFormat
+from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
 
-__all__ = ["SpatialGrid", "fit_grid", "read_grid", "write_grid"]
+__all__ = ["FORMATS", "SpatialGrid", "fit_grid", "read_grid", "write_grid"]
 
 _COLUMNS = ("x_mm", "y_mm", "z_mm", "dx_um", "dy_um", "dz_um")
 _HEAD = """# displacement of the tool tip, actual minus nominal, at tool length {length:.4f} mm
@@ -124,3 +128,28 @@ def read_grid(folder: Path) -> SpatialGrid:
             accepted="every combination of X, Y and Z once",
         )  # fmt: skip
     return SpatialGrid(axes, error)
+
+
+#: of a side: 25 cubed rows, where no control sets a limit
+_MOST_ENTRIES = 25
+
+
+def _write(
+    folder: Path, task: TableTask, knots: tuple[Knots, Knots, Knots], options: Mapping[str, Any]
+) -> list[Path]:
+    grid = fit_grid(knots, task.grid_samples(knots))
+    return write_grid(folder, grid, tool_length_mm=task.tool_length_mm)
+
+
+FORMATS = (
+    TableFormat(
+        name="grid",
+        rank=60,
+        title="spatial grid in the terms of ISO/TR 16907 (our own form)",
+        holds="any error that is a function of X, Y and Z, at one tool length",
+        lacks="reversal, other tool lengths, tilt, what bends between grid points",
+        most_entries=_MOST_ENTRIES,
+        write=_write,
+        read=lambda folder, options: read_grid(folder),
+    ),
+)

@@ -14,17 +14,21 @@ Source: LinuxCNC's "INI Configuration", [JOINT_n] COMP_FILE and COMP_FILE_TYPE, 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from vmach.controller_tables.projection import AxisTable
+from vmach.controller_tables.knots import Knots
+from vmach.controller_tables.projection import AxisTable, Term
+from vmach.controller_tables.table_format import TableFormat, projected
+from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
 
-__all__ = ["MOST_ENTRIES", "ScrewCompensation", "read_linuxcnc", "write_linuxcnc"]
+__all__ = ["FORMATS", "MOST_ENTRIES", "ScrewCompensation", "read_linuxcnc", "write_linuxcnc"]
 
 MOST_ENTRIES = 256
 _AXES = "XYZ"
@@ -121,3 +125,29 @@ def _triplets(path: Path, file_type: int) -> np.ndarray:
     if not 1 <= len(rows) <= MOST_ENTRIES:
         raise InputError(f"{len(rows)} entries", file=path, accepted=f"1 .. {MOST_ENTRIES}")
     return np.array(rows)
+
+
+def _own_axis(task: TableTask) -> list[Term]:
+    return [Term(k, k, task.by_direction) for k in range(3)]
+
+
+def _write(
+    folder: Path, task: TableTask, knots: tuple[Knots, Knots, Knots], options: Mapping[str, Any]
+) -> list[Path]:
+    tables = projected(task, _own_axis(task), knots)[1]
+    return write_linuxcnc(folder, tables, file_type=options.get("comp_type", 0))
+
+
+FORMATS = (
+    TableFormat(
+        name="linuxcnc",
+        rank=10,
+        title="LinuxCNC screw compensation (COMP_FILE)",
+        holds="positioning of each axis by its own position, with reversal",
+        lacks="straightness, squareness, angles, any other axis, tool length, tilt",
+        most_entries=MOST_ENTRIES,
+        write=_write,
+        read=lambda folder, options: read_linuxcnc(folder),
+        terms=_own_axis,
+    ),
+)

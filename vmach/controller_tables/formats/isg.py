@@ -14,16 +14,21 @@ measure (offsets mm, angles rad, axis values mm), interpolation mode GRID (linea
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from vmach.controller_tables.fitted_chain import fitted_chain
+from vmach.controller_tables.knots import Knots
 from vmach.controller_tables.rigid_chain import RigidChain
+from vmach.controller_tables.table_format import TableFormat
+from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
 
-__all__ = ["read_isg", "write_isg"]
+__all__ = ["FORMATS", "read_isg", "write_isg"]
 
 _HEAD = """// ISG CSV, volumetric compensation; axis values and errors in mm, angles in rad
 // errors: tool relative to workpiece, actual minus nominal, right-handed, stated at the
@@ -139,3 +144,27 @@ def _store(chain: RigidChain, header: list[str], values: np.ndarray, path: Path)
     else:
         for name, value in zip(header, values[0], strict=True):
             chain.squareness_rad[f"E{name}"] = float(value)
+
+
+#: the control sets no limit
+_MOST_ENTRIES = 251
+
+
+def _write(
+    folder: Path, task: TableTask, knots: tuple[Knots, Knots, Knots], options: Mapping[str, Any]
+) -> list[Path]:
+    return write_isg(folder, fitted_chain(task, knots, by_direction=False))
+
+
+FORMATS = (
+    TableFormat(
+        name="isg",
+        rank=40,
+        title="ISG and Beckhoff TwinCAT volumetric compensation (ISG CSV)",
+        holds="18 component errors and squareness, any tool length",
+        lacks="reversal, tilt",
+        most_entries=_MOST_ENTRIES,
+        write=_write,
+        read=lambda folder, options: read_isg(folder),
+    ),
+)

@@ -18,15 +18,21 @@ from __future__ import annotations
 
 import csv
 import json
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from vmach.controller_tables.fitted_chain import fitted_chain
+from vmach.controller_tables.knots import Knots
 from vmach.controller_tables.rigid_chain import RigidChain
+from vmach.controller_tables.table_format import TableFormat
+from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
 
-__all__ = ["read_components", "write_components"]
+__all__ = ["FORMATS", "read_components", "write_components"]
 
 _MEANING = {
     "schema": 1,
@@ -98,3 +104,27 @@ def _table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             accepted="position_mm, forward_um, backward_um (or _urad), and numbers below",
         ) from None
     return position, scale * up, scale * down
+
+
+#: the control sets no limit
+_MOST_ENTRIES = 251
+
+
+def _write(
+    folder: Path, task: TableTask, knots: tuple[Knots, Knots, Knots], options: Mapping[str, Any]
+) -> list[Path]:
+    return write_components(folder, fitted_chain(task, knots, by_direction=True))
+
+
+FORMATS = (
+    TableFormat(
+        name="components",
+        rank=50,
+        title="component tables in the terms of ISO 230-1 and ISO/TR 16907 (our own form)",
+        holds="18 component errors with reversal and squareness, any tool length",
+        lacks="tilt",
+        most_entries=_MOST_ENTRIES,
+        write=_write,
+        read=lambda folder, options: read_components(folder),
+    ),
+)

@@ -20,19 +20,30 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from vmach.controller_tables.knots import Knots
-from vmach.controller_tables.projection import AxisTable, scaled
+from vmach.controller_tables.projection import AxisTable, Term, scaled
+from vmach.controller_tables.table_format import TableFormat, projected
+from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
 
-__all__ = ["MOST_ENTRIES", "CrossCompensation", "EncoderCompensation", "read_cec", "read_enc_comp",
-           "write_cec", "write_enc_comp"]  # fmt: skip
+__all__ = [
+    "FORMATS",
+    "MOST_ENTRIES",
+    "CrossCompensation",
+    "EncoderCompensation",
+    "read_cec",
+    "read_enc_comp",
+    "write_cec",
+    "write_enc_comp",
+]
 
 #: of a table of SINUMERIK 828D and 808D; 840D sl takes more (MD18342, MD38000)
 MOST_ENTRIES = 200
@@ -314,3 +325,89 @@ def _check(tables: dict[int, _ReadTable], path: Path) -> None:
                 f"table {index} has {len(table.values)} entries for {low:g} .. {high:g} mm in "
                 f"steps of {table.settings['STEP']} mm", file=path,
             )  # fmt: skip
+
+
+def _own_axis_mean(task: TableTask) -> list[Term]:
+    return [Term(k, k) for k in range(3)]
+
+
+def _cross(task: TableTask) -> list[Term]:
+    return [Term(j, i, task.by_direction) for i in range(3) for j in range(3)]
+
+
+def _cross_and_products(task: TableTask) -> list[Term]:
+    products = [
+        Term(j, i, factor_axis=k)
+        for i in range(3)
+        for j in range(3)
+        for k in range(3)
+        if k != j
+    ]  # fmt: skip
+    return _cross(task) + products
+
+
+def _write_enc(
+    folder: Path, task: TableTask, knots: tuple[Knots, Knots, Knots], options: Mapping[str, Any]
+) -> list[Path]:
+    return write_enc_comp(folder, projected(task, _own_axis_mean(task), knots)[1])
+
+
+def _write_cec(
+    folder: Path, task: TableTask, knots: tuple[Knots, Knots, Knots], options: Mapping[str, Any]
+) -> list[Path]:
+    tables = projected(task, _cross(task), knots)[1]
+    return write_cec(folder, tables, knots, entries=_cec_entries(options))
+
+
+def _write_cec_products(
+    folder: Path, task: TableTask, knots: tuple[Knots, Knots, Knots], options: Mapping[str, Any]
+) -> list[Path]:
+    tables = projected(task, _cross_and_products(task), knots)[1]
+    return write_cec(folder, tables, knots, entries=_cec_entries(options))
+
+
+def _read_cec(folder: Path, options: Mapping[str, Any]) -> CrossCompensation:
+    return read_cec(folder, entries=_cec_entries(options))
+
+
+def _cec_entries(options: Mapping[str, Any]) -> str:
+    return options.get("cec_entries", "correction")
+
+
+FORMATS = (
+    TableFormat(
+        name="sinumerik-enc",
+        rank=20,
+        title="SINUMERIK encoder (leadscrew) compensation ($AA_ENC_COMP)",
+        holds="positioning of each axis by its own position, mean of both directions",
+        lacks="reversal, straightness, squareness, angles, any other axis, tool length, tilt",
+        most_entries=MOST_ENTRIES,
+        write=_write_enc,
+        read=lambda folder, options: read_enc_comp(folder),
+        terms=_own_axis_mean,
+    ),
+    TableFormat(
+        name="sinumerik-cec",
+        rank=21,
+        title="SINUMERIK sag and angularity compensation ($AN_CEC), plain tables",
+        holds="positioning, "
+        "straightness and squareness by the position of one axis each, with reversal",
+        lacks="angles (their mean over the other axes at one tool length is in), tool length, tilt",
+        most_entries=MOST_ENTRIES,
+        write=_write_cec,
+        read=_read_cec,
+        terms=_cross,
+    ),
+    TableFormat(
+        name="sinumerik-cec-products",
+        rank=22,
+        title="SINUMERIK sag and angularity compensation ($AN_CEC) with MULT_BY_TABLE",
+        holds="as the plain tables, and angles times the position of another axis, "
+        "at one tool length",
+        lacks="reversal of angles, other tool lengths, tilt",
+        most_entries=MOST_ENTRIES,
+        write=_write_cec_products,
+        read=_read_cec,
+        terms=_cross_and_products,
+    ),
+)

@@ -16,17 +16,27 @@ Source: HEIDENHAIN, MANUALplus 620 Technical Manual and TNC 407 Technical Manual
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from vmach.controller_tables.projection import AxisTable
+from vmach.controller_tables.knots import Knots
+from vmach.controller_tables.projection import AxisTable, Term
+from vmach.controller_tables.table_format import TableFormat, projected
+from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
 
-__all__ = ["MOST_ENTRIES", "AxisErrorCompensation", "read_heidenhain", "write_heidenhain"]
+__all__ = [
+    "FORMATS",
+    "MOST_ENTRIES",
+    "AxisErrorCompensation",
+    "read_heidenhain",
+    "write_heidenhain",
+]
 
 MOST_ENTRIES = 256
 _AXES = "XYZ"
@@ -138,3 +148,29 @@ def _com(path: Path) -> dict[str, np.ndarray]:
             accepted=f"at most {MOST_ENTRIES}, AXISPOS increasing",
         )  # fmt: skip
     return columns
+
+
+def _cross_own_reversal(task: TableTask) -> list[Term]:
+    return [Term(j, i, task.by_direction and i == j) for i in range(3) for j in range(3)]
+
+
+def _write(
+    folder: Path, task: TableTask, knots: tuple[Knots, Knots, Knots], options: Mapping[str, Any]
+) -> list[Path]:
+    return write_heidenhain(folder, projected(task, _cross_own_reversal(task), knots)[1])
+
+
+FORMATS = (
+    TableFormat(
+        name="heidenhain",
+        rank=30,
+        title="HEIDENHAIN nonlinear axis-error compensation (.COM, .CMA)",
+        holds="positioning with reversal, "
+        "straightness and squareness by the position of one axis each",
+        lacks="reversal across, angles (their mean at one tool length is in), tool length, tilt",
+        most_entries=MOST_ENTRIES,
+        write=_write,
+        read=lambda folder, options: read_heidenhain(folder),
+        terms=_cross_own_reversal,
+    ),
+)
