@@ -1,0 +1,64 @@
+"""SINUMERIK in its own language, not its ISO mode."""
+
+from __future__ import annotations
+
+import re
+
+from gcode.dialects.sinumerik.reader import SinumerikReader
+from gcode.geometry.arc_tolerance import ARC_TOLERANCES
+from gcode.language.dialect import Dialect
+from gcode.text.source import Word
+from gcode.writing.block_text import BlockText
+
+__all__ = ["Sinumerik"]
+
+_START = r"^[ \t]*(?:N?\d+[ \t]+)?"  # block number
+
+
+class SinumerikText(BlockText):
+    """Sinumerik: ``X=1.5``, ``CR=`` for the radius, ``TURN=`` for further turns."""
+
+    _TOKEN = re.compile(r"(CR|TURN|[A-Z])[ \t]*(=?)[ \t]*([+-]?(?:\d+\.?\d*|\.\d+))", re.IGNORECASE)
+
+    def _read(self, line: int) -> tuple[Word, ...]:
+        text = self.source.lines[line - 1].split(";")[0]
+        offset = int(self.source.line_starts[line - 1])
+        return tuple(
+            Word({"CR": "R", "TURN": "P"}.get(m[1].upper(), m[1].upper()), float(m[3]), m.group(),
+                 (offset + m.start(), offset + m.end()))
+            for m in self._TOKEN.finditer(text)
+        )  # fmt: skip
+
+    def word(self, letter: str, number: str, like: Word | None = None) -> str:
+        """A word with a number; CR takes an equal sign."""
+        return super().word("CR=" if letter == "R" and like is None else letter, number, like)
+
+
+class Sinumerik(Dialect):
+    """SINUMERIK in its own language, not its ISO mode."""
+
+    name = "sinumerik"
+    title = "SINUMERIK 840D sl, 828D, ONE"
+    source = "SINUMERIK 840D sl/828D Programming Manual Fundamentals 6FC5398-1BP40"
+    synonyms = ("siemens",)
+    rank = 30
+    marks = re.compile(
+        r"^[ \t]*(?:%_N_\w+|;\$PATH=)"
+        rf"|{_START}(?:DEF[ \t]+(?:REAL|INT|BOOL|STRING)|PROC[ \t]|EXTERN[ \t]|ENDFOR|ENDWHILE"
+        r"|STOPRE|WORKPIECE[ \t]*\(|CYCLE\d+[ \t]*\(|TRANS[ \t]|ATRANS[ \t]|MSG[ \t]*\(\")"
+        r"|^[^(;\n]*\b(?:[XYZFS]|CR|TURN|AP|RP)[ \t]*=[ \t]*[-+.\dA-Z]",
+        re.IGNORECASE | re.MULTILINE,
+    )
+    reader = SinumerikReader
+    arcs = ARC_TOLERANCES["sinumerik"]
+    inch_decimals = 2
+    text = SinumerikText
+    flow_lines = re.compile(
+        r"\s*/?\s*(?:N\d+\s*)?(?:\w+:\s*)?(?:IF|ELSE|ENDIF|WHILE|ENDWHILE|FOR|ENDFOR|LOOP|ENDLOOP"
+        r"|REPEATB?|UNTIL|GOTO[FBCS]?)\b",
+        re.IGNORECASE,
+    )
+    unwritable = re.compile(
+        r"=\s*(?![-+.\d])|=\s*[-+]?[\d.]+\s*[-+*/]|\b(?:AP|RP)\s*=|\bMCALL\b|CYCLE8\d|HOLES[12]",
+        re.IGNORECASE,
+    )

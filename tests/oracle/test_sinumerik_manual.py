@@ -1,0 +1,121 @@
+"""Sinumerik as its manuals state it, computed by hand.
+
+SINUMERIK 840D sl/828D Programming Manuals Fundamentals, Job Planning and Cycles: AC and IC, frames,
+poles, tool radius compensation (NORM, G450), variables, program jumps and loops, drilling cycles.
+"""
+
+import numpy as np
+import pytest
+
+from gcode import ControlSettings, ProgramError, Source, ToolEntry, read_program
+from tests.oracle.test_compensation_programs import SCALE, job_with
+from vmach.compensation import compensate
+from vmach.errors import InputError
+
+TOOLS = {1: ToolEntry(100.0, 10.0)}
+
+
+def read(body, **options):
+    options = {"dialect": "sinumerik", "tools": TOOLS, "home_mm": (0, 0, 0)} | options
+    return read_program(Source(f"{body}\nM30\n".encode(), "part.mpf"), **options)
+
+
+def places(body, **options):
+    """Ends of the moves, X Y Z."""
+    moves = read(body, **options).moves
+    moved = np.abs(moves.end_mm - moves.start_mm).max(axis=1) > 1e-9
+    return np.round(moves.end_mm[moved], 6).tolist()
+
+
+@pytest.mark.parametrize(
+    ("expression", "value"),
+    [
+        ("2+3*4", 14), ("(2+3)*4", 20), ("SIN(30)*10", 5), ("POT(3)", 9), ("SQRT(16)", 4),
+        ("7 DIV 2", 3), ("7 MOD 4", 3), ("ATAN2(30,80)", 20.5560452196), ("ABS(-4)", 4),
+        ("TRUNC(3.9)", 3), ("R2/4", 5), ("R[1+1]", 20), ("DEPTH*2", 6), ("-R2+25", 5),
+    ],
+)  # fmt: skip
+def test_expressions(expression, value):
+    body = f"DEF REAL DEPTH=3\nR2=20\nG0 X={expression}"
+    assert read(body).moves.end_mm[-1, 0] == pytest.approx(value)
+
+
+def test_absolute_and_incremental_words():
+    assert places("G90 G0 X10 Y10\nX=IC(5) Y20\nG91 X=AC(3) Y1") == [
+        [10, 10, 0], [15, 20, 0], [3, 21, 0]]  # fmt: skip
+    moves = read("G0 X10 Y0\nG3 X0 Y10 I=AC(0) J=AC(0) F100").moves
+    assert moves.sweep_rad[-1] == pytest.approx(np.pi / 2)
+
+
+def test_frames():
+    body = "TRANS X10 Y5\nG0 X1 Y1\nATRANS X10\nX2 Y2\nTRANS X1\nX0 Y0\nTRANS\nX3 Y3"
+    assert [p[:2] for p in places(body)] == [[11, 6], [22, 7], [1, 0], [3, 3]]
+
+
+def test_poles():
+    body = "G111 X10 Y10\nG0 AP=0 RP=5\nG1 AP=90 F100\nG3 AP=180 CR=5\nG110 X-1\nG0 AP=0 RP=9"
+    found = [p[:2] for p in places(body)]
+    assert found == [[15, 10], [10, 15], [5, 10], [13, 10]]
+
+
+def test_compensation_is_square_at_its_ends_and_round_outside():
+    body = "T1 D1 M6\nG0 X-30 Y0\nG1 G41 X0 Y0 F200\nY40\nX40\nY-20\nG40 X-60"
+    moves = read(body).moves
+    ends = np.round(moves.end_mm[-7:, :2], 6).tolist()
+    assert ends == [[-5, 0], [-5, 40], [0, 45], [40, 45], [45, 40], [45, -20], [-60, -20]]
+
+
+JUMPS = {
+    "GOTOB": ("R1=0\nAGAIN: R1=R1+1\nG0 X=R1\nIF R1<3 GOTOB AGAIN\nY7", [[1], [2], [3]]),
+    "GOTOF": ("GOTOF SKIP\nG0 X99\nSKIP: G0 X5", [[5]]),
+    "WHILE": ("R1=0\nWHILE R1<2\nR1=R1+1\nG0 X=R1\nENDWHILE", [[1], [2]]),
+    "FOR": ("DEF INT K\nFOR K=1 TO 3\nG0 X=K*10\nENDFOR", [[10], [20], [30]]),
+    "nested FOR": ("FOR R1=1 TO 2\nFOR R2=1 TO 2\nG0 X=R1*10+R2\nENDFOR\nENDFOR",
+                   [[11], [12], [21], [22]]),
+    "REPEAT": ("R1=0\nREPEAT\nR1=R1+1\nG0 X=R1\nUNTIL R1>=2", [[1], [2]]),
+    "LOOP": ("R1=0\nLOOP\nR1=R1+1\nG0 X=R1\nIF R1==2 GOTOF OUT\nENDLOOP\nOUT: G0 X9",
+             [[1], [2], [9]]),
+    "IF ELSE": ("R1=5\nIF R1>9\nG0 X1\nELSE\nG0 X2\nENDIF\nIF R1<9\nG0 X3\nELSE\nG0 X4\nENDIF",
+                [[2], [3]]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", JUMPS)
+def test_jumps_and_loops(name):
+    body, expected = JUMPS[name]
+    found = [p[:1] for p in places(body)]
+    assert found[: len(expected)] == expected
+
+
+def test_endless_loop():
+    with pytest.raises(ProgramError, match="loop without end"):
+        read("WHILE TRUE\nG0 X1\nX0\nENDWHILE")
+
+
+def test_modal_drilling_and_patterns():
+    body = ("G0 X0 Y0 Z50\nF200\nMCALL CYCLE82(20,0,2,-15,,0.5)\nX10 Y0\nX20\nMCALL\nX30\n"
+            "MCALL CYCLE81(20,0,2,,5)\nHOLES2(100,0,10,90,0,2)\nMCALL")  # fmt: skip
+    found = places(body)
+    assert [p for p in found if p[2] == -15] == [[10, 0, -15], [20, 0, -15]]
+    assert [p for p in found if p[2] == -5] == [[100, 10, -5], [100, -10, -5]]
+    moves = read(body).moves
+    assert moves.duration_s[moves.kind == 3].sum() == pytest.approx(1.0)
+
+
+def test_pecks():
+    body = "G0 X0 Y0 Z50\nF200\nCYCLE83(20,0,2,-10,,-4,,0,0,0,1,1)"
+    assert [p[2] for p in places(body)] == [50, 2, -4, 2, -3, -8, 2, -7, -10, 20]
+
+
+def test_block_skip():
+    body = "G0 X1\n/X2\n/2 X3"
+    assert places(body)[-1][0] == 3
+    assert places(body, control=ControlSettings(block_delete=True))[-1][0] == 1
+
+
+@pytest.mark.parametrize("line", ["X=R1*2", "G1 AP=45 RP=20", "G41 X30\nY40\nX60"])
+def test_what_is_read_but_not_written_back_is_refused(tmp_path, line):
+    job, effects = job_with(tmp_path, "", SCALE)
+    job.program.write_text(f"MSG(\"A\")\nT1 D1 M6\nR1=20\nG0 X0 Y0 Z5\nG1 F200\n{line}\nM30\n")
+    with pytest.raises((InputError, ProgramError), match="cannot be compensated"):
+        compensate(job, effects)
