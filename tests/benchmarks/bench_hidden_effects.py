@@ -29,13 +29,14 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.hidden_effects import program_runs
 from tests.hidden_effects.experiment import FOREIGN_KINDS, SINGLE_KINDS, make_experiment
 from tests.hidden_effects.instruments import INSTRUMENTS
+from tests.hidden_effects.measuring import NOISES
 from tests.hidden_effects.part import PartDesign
 from tests.hidden_effects.verdict import OUTCOMES, judge
 
 NOISE_UM = 0.8
 COLUMNS = (
-    "kind", "seed", "outcome", "hidden", "said", "parameters", "ratio", "inside", "foretold",
-    "seconds",
+    "kind", "noise", "seed", "outcome", "hidden", "said", "parameters", "ratio", "inside",
+    "foretold", "seconds",
 )  # fmt: skip
 #: pairs that act through the same thing: no data of this kind shows both
 _SAME = ({"tool_radius", "runout"}, {"missing_table", "reflector"})
@@ -45,10 +46,25 @@ PAIRS, TRIPLES = (
 )
 
 
+#: kinds that hide so many effects
+SEVERAL = {"four": 4, "five": 5}
+
+
+def several(count: int, seed: int) -> list[str]:
+    """So many kinds of effects, none of which acts through the same thing as another."""
+    random = np.random.default_rng([count, seed])
+    while True:
+        chosen = [str(kind) for kind in random.choice(SINGLE_KINDS, count, replace=False)]
+        if not any(same <= set(chosen) for same in _SAME):
+            return chosen
+
+
 def effects_of(kind: str, seed: int) -> list[str]:
     """Names of the effects that an experiment of this kind hides."""
     if kind == "none":
         return []
+    if kind in SEVERAL:
+        return several(SEVERAL[kind], seed)
     if kind == "triple":
         chosen = np.random.default_rng([3, seed]).integers(len(TRIPLES))
         return list(TRIPLES[chosen])
@@ -60,13 +76,13 @@ def effects_of(kind: str, seed: int) -> list[str]:
 
 def one(kind: str, seed: int, args: argparse.Namespace) -> dict:
     """Make, diagnose, judge."""
-    folder = args.folder / f"{kind}_{seed}"
-    row = dict.fromkeys(COLUMNS, "") | {"kind": kind, "seed": seed}
+    folder = args.folder / f"{kind}_{args.noise}_{seed}"
+    row = dict.fromkeys(COLUMNS, "") | {"kind": kind, "noise": args.noise, "seed": seed}
     design = PartDesign(corners=seed % 3 == 0, two_set_ups=seed % 5 == 0)
     try:
         made = make_experiment(
             folder, effects=effects_of(kind, seed), seed=seed, design=design,
-            instruments=tuple(args.instruments),
+            instruments=tuple(args.instruments), noise=args.noise,
         )  # fmt: skip
     except ValueError as error:
         return row | {"outcome": "undrawn", "said": str(error)}
@@ -82,7 +98,7 @@ def one(kind: str, seed: int, args: argparse.Namespace) -> dict:
         row["parameters"] = json.dumps(found.parameters)
         if args.held_out and not any(h.once for h in made.hidden):
             job = folder / "job.toml"
-            if report["verdict"] in ("named", "class"):
+            if report["verdict"] in ("named", "class", "partly"):
                 job = program_runs.add(folder, report)
             rms, inside = program_runs.held_out(job, made.check)
             row |= {"ratio": round(rms / NOISE_UM, 4), "inside": round(inside, 4)}
@@ -173,13 +189,14 @@ def append(path: Path, row: dict) -> None:
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    every = ["none", *SINGLE_KINDS, "double", "triple", *FOREIGN_KINDS]
+    every = ["none", *SINGLE_KINDS, "double", "triple", *SEVERAL, *FOREIGN_KINDS]
     parser.add_argument("--kinds", nargs="+", default=every, help="names, or two joined by +")
     parser.add_argument("--count", type=int, default=2)
     parser.add_argument("--seed", type=int, default=100)
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--folder", type=Path, default=Path("hidden_experiments"))
     parser.add_argument("--instruments", nargs="*", default=[], choices=list(INSTRUMENTS))
+    parser.add_argument("--noise", default="white", choices=list(NOISES))
     parser.add_argument("--rows", type=Path, help="default: rows.csv in the folder")
     parser.add_argument("--table", type=Path, help="only print the table of this file")
     parser.add_argument("--held-out", action="store_true")
@@ -189,7 +206,8 @@ def main() -> None:
         return table(read_rows(args.table))
     args.folder.mkdir(parents=True, exist_ok=True)
     args.rows = args.rows or args.folder / "rows.csv"
-    done = {(r["kind"], int(r["seed"])) for r in read_rows(args.rows)}
+    rows = [r for r in read_rows(args.rows) if r["noise"] == args.noise]
+    done = {(r["kind"], int(r["seed"])) for r in rows}
     tasks = [(k, args.seed + n) for n in range(args.count) for k in args.kinds]
     tasks = [t for t in tasks if t not in done]
     if tasks:

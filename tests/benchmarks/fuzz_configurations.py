@@ -3,9 +3,10 @@
     python tests/benchmarks/fuzz_configurations.py [--rounds 2000] [--seed 0] [--list]
 
 A round changes one thing in a copy of a sample and calls a command in this process. Three things
-are counted: faults of the program itself (exit 70), rounds above 20 s, and wrong tables, tools or
-units (25 or 1000 times, shifted, mirrored) that are accepted without a doubt. Squareness and places
-are one number each: those that stay within what a machine can be are listed apart.
+are counted: faults of the program itself (exit 70), rounds above 20 s of processor time, and wrong
+tables, tools or units (25 or 1000 times, shifted, mirrored) that are accepted without a doubt.
+Squareness and places are one number each: those that stay within what a machine can be are listed
+apart.
 """
 
 import argparse
@@ -40,6 +41,7 @@ JOBS = {
     "spline_slot/corner.toml": "spline_slot",
 }
 FACTORS = (1e3, 1e-3, 25.4, 1 / 25.4)
+#: more processor time than this is a fault
 LIMIT_S = 20
 NUMBER = re.compile(r"(?<![\w.\"'-])-?\d+\.?\d*(?:[eE][-+]?\d+)?(?![\w.])")
 ODD_VALUES = (
@@ -295,7 +297,7 @@ def stop(*_):
 def fuzz(rounds, seed, show):
     rng = random.Random(seed)
     counts, examples = defaultdict(Counter), defaultdict(list)
-    signal.signal(signal.SIGALRM, stop)
+    signal.signal(signal.SIGPROF, stop)
     for number in range(rounds):
         name = rng.choice(sorted(JOBS))
         kind = CHANGES[number % len(CHANGES)]
@@ -303,9 +305,9 @@ def fuzz(rounds, seed, show):
             folder, job = sample(name, JOBS[name], Path(place_))
             change = kind(folder, job, rng)
             call = command(folder, job, kind, rng)
-            signal.alarm(LIMIT_S)
+            signal.setitimer(signal.ITIMER_PROF, LIMIT_S)
             found, said = outcome(call)
-            signal.alarm(0)
+            signal.setitimer(signal.ITIMER_PROF, 0)
         counts[change.kind][found] += 1
         bad = found in ("fault", "slow") or (change.is_wrong and found == "silent")
         if bad or (show and found == "silent"):

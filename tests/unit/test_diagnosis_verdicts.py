@@ -279,3 +279,15 @@ def test_the_next_program_says_how_its_readings_come_back(tmp_path):
         elif stated.kind == "ballbar":
             away = np.linalg.norm(nose - stated.centre_mm, axis=1)
             np.testing.assert_allclose(away, stated.radius_mm, atol=1e-9)
+
+
+@pytest.mark.parametrize("states_u", [True, False])
+def test_readings_without_any_error_say_nothing(tmp_path, states_u):
+    job = write_job(tmp_path)  # of a machine without errors, measured where it should be
+    points = tmp_path / "points.csv"
+    if not states_u:
+        lines = [line.rsplit(",", 1)[0] for line in points.read_text().splitlines()]
+        points.write_text("\n".join(lines))
+    found = diagnose(survey_job(job))
+    assert found.verdict == "nothing"
+    assert found.remains_um == pytest.approx(0.0, abs=1e-6)

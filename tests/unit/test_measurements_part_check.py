@@ -125,3 +125,25 @@ def test_coordinates_rounded_beyond_their_uncertainty(job, tmp_path, digits, u_u
     measured = np.round(points + 2e-3 * normals, digits)
     part, _ = measure_part(job, file_of(tmp_path, points, normals, measured, u_um=u_um))
     assert any("more digits" in str(note) for note in part.notes) == is_doubtful
+
+
+def without_uncertainty(path):
+    lines = [line.rsplit(",", 1)[0] for line in path.read_text().splitlines()]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def test_readings_that_do_not_scatter_are_as_uncertain_as_the_best_machine(job, tmp_path):
+    _, points, normals = pocket_points()
+    path = without_uncertainty(file_of(tmp_path, points, normals, points))
+    part, _ = measure_part(job, path)
+    assert part.u_mm == pytest.approx(0.02e-3)
+
+
+@pytest.mark.parametrize("digits", [2, 3])
+def test_rounded_readings_are_as_uncertain_as_their_rounding(job, tmp_path, digits):
+    _, points, normals = pocket_points()
+    points = np.round(points, digits)
+    path = without_uncertainty(file_of(tmp_path, points, normals, points))
+    part, _ = measure_part(job, path)
+    assert part.u_mm == pytest.approx(10.0**-digits / np.sqrt(12.0))

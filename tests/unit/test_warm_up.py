@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 from tests.golden.test_bad_input import run_vmach
 from vmach.base import kernel_cache
@@ -43,3 +44,31 @@ def test_loading_the_command_line_stays_light():
     code = "import sys, vmach.cli; print([m for m in ('numpy', 'pydantic') if m in sys.modules])"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "[]"
+
+
+#: prints which signatures of the kernels of nominal CAD a part of every kind of surface adds
+WARM = """
+import pathlib, sys
+from vmach.commands import warm_up
+from vmach.nominal import read_nominal
+from vmach.nominal.surfaces import bspline_kernel, crossings
+
+def compiled():
+    modules = (bspline_kernel, crossings)
+    kernels = [k for m in modules for k in vars(m).items() if hasattr(k[1], "signatures")]
+    return {(name, str(s)) for name, kernel in kernels for s in kernel.signatures}
+
+warm_up._cad(pathlib.Path(sys.argv[1]))
+before = compiled()
+for path in sys.argv[2:]:
+    read_nominal(path).sample(5.0)
+print(len(before) > 0, sorted(compiled() - before))
+"""
+
+
+def test_warm_up_compiles_all_that_reading_cad_needs(tmp_path):
+    cad = Path(__file__).parents[1] / "golden" / "cad"
+    parts = [str(cad / f"{name}.step") for name in ("loft", "nurbs_torus", "octant", "nut")]
+    code = [sys.executable, "-c", WARM, str(tmp_path), *parts]
+    found = subprocess.run(code, capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "True []"

@@ -74,6 +74,73 @@ M30
     ),
 }
 
+#: a free-form face over the sides of a square, and the face below it: see `_cad`
+_STEP = """\
+ISO-10303-21;
+HEADER;
+FILE_DESCRIPTION((''),'2;1');
+FILE_NAME('','',(''),(''),'','','');
+FILE_SCHEMA(('CONFIG_CONTROL_DESIGN'));
+ENDSEC;
+DATA;
+#1=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNIT_ASSIGNED_CONTEXT((#2,#3))
+REPRESENTATION_CONTEXT('',''));
+#2=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));
+#3=(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.));
+#4=ADVANCED_BREP_SHAPE_REPRESENTATION('',(#5),#1);
+#5=MANIFOLD_SOLID_BREP('',#6);
+#6=CLOSED_SHELL('',(#7,#8));
+#7=ADVANCED_FACE('',(#9),#11,.T.);
+#8=ADVANCED_FACE('',(#10),#12,.F.);
+#9=FACE_OUTER_BOUND('',#13,.T.);
+#10=FACE_OUTER_BOUND('',#14,.T.);
+#11=B_SPLINE_SURFACE_WITH_KNOTS('',2,2,((#41,#51,#44),(#52,#55,#53),(#42,#54,#43)),
+.UNSPECIFIED.,.F.,.F.,.F.,(3,3),(3,3),(0.,1.),(0.,1.),.UNSPECIFIED.);
+#12=PLANE('',#15);
+#13=EDGE_LOOP('',(#16,#17,#18,#19));
+#14=EDGE_LOOP('',(#20,#21,#22,#23));
+#15=AXIS2_PLACEMENT_3D('',#41,$,$);
+#16=ORIENTED_EDGE('',*,*,#24,.T.);
+#17=ORIENTED_EDGE('',*,*,#25,.T.);
+#18=ORIENTED_EDGE('',*,*,#26,.T.);
+#19=ORIENTED_EDGE('',*,*,#27,.T.);
+#20=ORIENTED_EDGE('',*,*,#27,.F.);
+#21=ORIENTED_EDGE('',*,*,#26,.F.);
+#22=ORIENTED_EDGE('',*,*,#25,.F.);
+#23=ORIENTED_EDGE('',*,*,#24,.F.);
+#24=EDGE_CURVE('',#31,#32,#61,.T.);
+#25=EDGE_CURVE('',#32,#33,#62,.T.);
+#26=EDGE_CURVE('',#33,#34,#63,.T.);
+#27=EDGE_CURVE('',#34,#31,#64,.T.);
+#31=VERTEX_POINT('',#41);
+#32=VERTEX_POINT('',#42);
+#33=VERTEX_POINT('',#43);
+#34=VERTEX_POINT('',#44);
+#41=CARTESIAN_POINT('',(0.,0.,0.));
+#42=CARTESIAN_POINT('',(10.,0.,0.));
+#43=CARTESIAN_POINT('',(10.,10.,0.));
+#44=CARTESIAN_POINT('',(0.,10.,0.));
+#51=CARTESIAN_POINT('',(0.,5.,0.));
+#52=CARTESIAN_POINT('',(5.,0.,0.));
+#53=CARTESIAN_POINT('',(5.,10.,0.));
+#54=CARTESIAN_POINT('',(10.,5.,0.));
+#55=CARTESIAN_POINT('',(5.,5.,4.));
+#61=LINE('',#41,#71);
+#62=LINE('',#42,#72);
+#63=LINE('',#43,#73);
+#64=LINE('',#44,#74);
+#71=VECTOR('',#81,1.);
+#72=VECTOR('',#82,1.);
+#73=VECTOR('',#83,1.);
+#74=VECTOR('',#84,1.);
+#81=DIRECTION('',(1.,0.,0.));
+#82=DIRECTION('',(0.,1.,0.));
+#83=DIRECTION('',(-1.,0.,0.));
+#84=DIRECTION('',(0.,-1.,0.));
+ENDSEC;
+END-ISO-10303-21;
+"""
+
 
 def warm_up() -> None:
     """Compile everything that vmach compiles: once after an installation or an update."""
@@ -82,7 +149,8 @@ def warm_up() -> None:
         folder = Path(name)
         for file, text in _FILES.items():
             (folder / file).write_text(text, encoding="utf-8")
-        for what, work in (("a machined part", _machine), ("a diagnosis", _diagnose)):
+        works = (("a machined part", _machine), ("nominal CAD", _cad), ("a diagnosis", _diagnose))
+        for what, work in works:
             print(f"compiling what {what} needs ...", flush=True)
             work(folder)
     print(f"ready after {time.monotonic() - start:.0f} s")
@@ -93,6 +161,14 @@ def _machine(folder: Path) -> None:
     from vmach.run.results import write_results
 
     write_results(machine_part(folder), folder / "out", command="vmach warm-up")
+
+
+def _cad(folder: Path) -> None:
+    from vmach.nominal import read_nominal
+
+    path = folder / "part.step"
+    path.write_text(_STEP, encoding="ascii")
+    read_nominal(path).sample(1.0)
 
 
 def _diagnose(folder: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -46,7 +47,8 @@ def write_table(path: Path, columns: Mapping[str, Cells]) -> None:
     check_table_file(path)
     with atomic_file(path) as temporary:
         if path.suffix == _NPZ:
-            np.savez(temporary, **{name: _array(cells) for name, cells in columns.items()})
+            arrays: dict[str, Any] = {name: _array(cells) for name, cells in columns.items()}
+            np.savez(temporary, **arrays)
         elif path.suffix == _PARQUET:
             _write_parquet(temporary, columns)
         else:
@@ -56,7 +58,7 @@ def write_table(path: Path, columns: Mapping[str, Cells]) -> None:
 
 def _array(cells: Cells) -> np.ndarray:
     if cells.names is not None:
-        return cells.names[cells.values]
+        return np.asarray(cells.names[cells.values])
     if cells.shown is None:
         return cells.values
     return np.where(cells.shown, cells.values, np.nan if cells.values.dtype.kind == "f" else 0)

@@ -11,6 +11,8 @@ __all__ = ["patches"]
 
 #: side of a square where there are no neighbours, mm
 _ALONE_MM = 1.0
+#: points that get a square; of more, some are taken in equal steps, and squares are larger
+_MOST = 40_000
 
 
 def patches(point_mm: np.ndarray, normal: np.ndarray) -> Mesh:
@@ -21,6 +23,9 @@ def patches(point_mm: np.ndarray, normal: np.ndarray) -> Mesh:
     point_mm, normal : (P, 3) float64
         Points and unit normals.
     """
+    step = -(-len(point_mm) // _MOST)
+    if step > 1:
+        point_mm, normal = point_mm[::step], normal[::step]
     side_mm = _ALONE_MM
     if len(point_mm) > 1:
         distance = cKDTree(point_mm).query(point_mm, k=2)[0][:, 1]

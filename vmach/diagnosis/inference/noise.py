@@ -22,6 +22,8 @@ _WORTH = 3.5
 #: logarithm by which a weight has to differ to count as another
 _OTHER = 0.3
 _CORRELATIONS = (0.3, 0.98)
+#: readings that leave less than this of their stated uncertainty leave what arithmetic rounds
+_ROUNDING = 1e-9
 
 
 def noise_before(weighing: Weighing) -> FeatureNoise:
@@ -33,8 +35,13 @@ def noise_before(weighing: Weighing) -> FeatureNoise:
 
 
 def noise_after(weighing: Weighing, explanation: Explanation) -> FeatureNoise | None:
-    """The noise that the rest of an explanation shows; None where it is the one assumed."""
+    """The noise that the rest of an explanation shows; None where it is the one assumed.
+
+    Readings that are what was predicted, as a table of nominal values is, show no noise.
+    """
     noise = weighing.base.noise
+    if np.median(np.abs(noise.standardised(explanation.posterior.left))) < _ROUNDING:
+        return None
     weight = _weights(weighing, explanation)
     if np.abs(np.log(weight / noise.weight)).max() > _OTHER:
         noise = replace(noise, weight=weight)

@@ -17,10 +17,12 @@ from vmach.measurements.neighbours import apart_from_neighbours
 from vmach.measurements.plausibility.alternatives import alternative_notes
 from vmach.measurements.plausibility.part_alternatives import part_alternatives
 from vmach.measurements.plausibility.part_check import (
+    FINEST_MM,
     check_aligned,
     check_cut,
     check_file,
     check_near,
+    rounding_mm,
     rounding_notes,
     some_of,
 )
@@ -79,7 +81,7 @@ def measure_part(
     check_near(part, path)
     part = _without_repeats(part, points.point_mm[cut])
     if points.u_mm is None:
-        u_mm = np.full(len(part), _scatter_of_neighbours_mm(part))
+        u_mm = np.full(len(part), _uncertainty_mm(part, points))
         part = replace(part, u_mm=u_mm).noted(
             *in_file([Note.plain(Kind.UNCERTAINTY, _NO_UNCERTAINTY, place="u_um")], path)
         )
@@ -89,7 +91,7 @@ def measure_part(
 
 
 _NO_UNCERTAINTY = (
-    "no uncertainty in the file: taken from the scatter between neighbouring points"
+    "no uncertainty in the file: taken from the scatter between neighbouring points, or rounding"
 )
 
 
@@ -172,6 +174,15 @@ def _doubtful_uncertainty(part: Measurement) -> tuple[Note, ...]:
     )
     size_um = float(um_from_mm(scatter))
     return (Note.question(Kind.UNCERTAINTY, said, size_um, "um", place="u_um", file=part.name),)
+
+
+def _uncertainty_mm(part: Measurement, points: SurfacePoints) -> float:
+    """Standard uncertainty of readings that state none: what their rounding leaves, or more.
+
+    Readings that are all rounded to what was predicted would scatter by nothing.
+    """
+    rounding = rounding_mm(points) / np.sqrt(12.0)
+    return max(_scatter_of_neighbours_mm(part), rounding, FINEST_MM)
 
 
 def _scatter_of_neighbours_mm(part: Measurement) -> float:

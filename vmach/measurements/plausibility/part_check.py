@@ -20,10 +20,12 @@ from vmach.path.preparation import Preparation
 from vmach.prediction import predict_surface
 
 __all__ = [
+    "FINEST_MM",
     "check_aligned",
     "check_cut",
     "check_file",
     "check_near",
+    "rounding_mm",
     "rounding_notes",
     "some_of",
 ]
@@ -37,7 +39,7 @@ _OTHER_PART_MM = 0.5
 #: median distance from the prediction, alignment taken off, that no machine of this kind has
 _FAR_MM = 0.25
 #: no CMM is finer, and none that is of use is coarser
-_FINEST_MM, _COARSEST_MM = 0.02e-3, 0.1
+FINEST_MM, _COARSEST_MM = 0.02e-3, 0.1
 #: coordinates this near to rounded ones are rounded
 _NO_DIGIT_MM = 1e-9
 #: points on which a guess at what is wrong is tried
@@ -66,12 +68,12 @@ def check_file(points: SurfacePoints, path: Path) -> None:
             accepted=f"{_FEWEST} or more",
             hint="the alignment of the part alone takes six numbers from them",
         )
-    if points.u_mm is not None and not _FINEST_MM <= np.median(points.u_mm) <= _COARSEST_MM:
-        unit = "mm" if np.median(points.u_mm) < _FINEST_MM else "nm"
+    if points.u_mm is not None and not FINEST_MM <= np.median(points.u_mm) <= _COARSEST_MM:
+        unit = "mm" if np.median(points.u_mm) < FINEST_MM else "nm"
         raise InputError(
             f"u_um is {um_from_mm(np.median(points.u_mm)):.4g} um (median)",
             file=path,
-            accepted=f"{um_from_mm(_FINEST_MM):g} to {um_from_mm(_COARSEST_MM):g} um",
+            accepted=f"{um_from_mm(FINEST_MM):g} to {um_from_mm(_COARSEST_MM):g} um",
             hint=f"is the column in {unit}? It has to be in um",
         )
     for note in points.notes:
@@ -136,24 +138,28 @@ def check_aligned(points: SurfacePoints, path: Path) -> None:
     )
 
 
-def rounding_notes(points: SurfacePoints) -> tuple[Note, ...]:
-    """A note where measured coordinates are rounded more coarsely than their uncertainty allows."""
+def rounding_mm(points: SurfacePoints) -> float:
+    """Step that all measured coordinates are rounded to, mm; 0 where they have more digits."""
     assert points.measured_mm is not None
-    if points.u_mm is None:
-        return ()
     for digits in (0, 1, 2, 3):
         rounded = np.round(points.measured_mm, digits)
-        if np.abs(points.measured_mm - rounded).max() > _NO_DIGIT_MM:
-            continue
-        step_mm, u_mm = 10.0**-digits, float(np.median(points.u_mm))
-        if step_mm / np.sqrt(12.0) < u_mm:
-            return ()
-        said = (
-            f"mx, my, mz are rounded to {step_mm:g} mm, u_um says {um_from_mm(u_mm):.2g} um "
-            "(median): export them with more digits"
-        )
-        return (Note.question(Kind.ROUNDING, said, step_mm, "mm", place="mx my mz"),)
-    return ()
+        if np.abs(points.measured_mm - rounded).max() <= _NO_DIGIT_MM:
+            return 10.0**-digits
+    return 0.0
+
+
+def rounding_notes(points: SurfacePoints) -> tuple[Note, ...]:
+    """A note where measured coordinates are rounded more coarsely than their uncertainty allows."""
+    if points.u_mm is None:
+        return ()
+    step_mm, u_mm = rounding_mm(points), float(np.median(points.u_mm))
+    if step_mm / np.sqrt(12.0) < u_mm:
+        return ()
+    said = (
+        f"mx, my, mz are rounded to {step_mm:g} mm, u_um says {um_from_mm(u_mm):.2g} um "
+        "(median): export them with more digits"
+    )
+    return (Note.question(Kind.ROUNDING, said, step_mm, "mm", place="mx my mz"),)
 
 
 def check_near(part: Measurement, path: Path) -> None:
