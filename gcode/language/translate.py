@@ -40,6 +40,8 @@ class Translated:
         """Run to the end of the program."""
         controller = self.controller
         while self.next < len(self.lines) and not self.ended:
+            if self.skip_plain():
+                continue
             here = self.next
             self.next = here + 1
             controller.line = controller.record.line = here + 1
@@ -49,6 +51,10 @@ class Translated:
             self.budget.check()
             self.obey(self.lines[here])
         flush(controller)
+
+    def skip_plain(self) -> bool:
+        """Obey the lines that come in another way, where there is one; tells whether it did."""
+        return False
 
     def obey(self, text: str) -> None:
         """Obey one line."""

@@ -7,6 +7,7 @@ import pytest
 
 from tests.oracle.test_compensation_programs import job_with
 from tests.oracle.test_compensation_surface import STOCK
+from tests.small_job import write_job_with_nominal
 from vmach.compensation import compensate
 from vmach.compensation.aim.surface import check_surface, read_surface
 from vmach.compensation.grid.choice import Course, Points, best_sequence
@@ -148,3 +149,17 @@ def test_axes_that_stand_get_no_word_where_nothing_is_cut(tmp_path):
     lines = compensate(job, effects).text.decode("latin-1").splitlines()
     assert "Y40." in lines
     assert "G0 Z5." in lines
+
+
+def test_a_small_full_circle_stays_two_arcs_wherever_its_inserted_end_goes(tmp_path):
+    """Radius 1 mm: a way of 0.2 mm along the path is 11 degrees, and arcs end at 190."""
+    errors = {
+        "EXX": (lambda x: 20 + 0.03 * x, (0, 0, -100)),
+        "EYX": (lambda x: 6 * np.sin(x / 50), (0, 0, -100)),
+        "EBX": (lambda x: 0.05 * x, None),
+    }
+    job = read_job(write_job_with_nominal(tmp_path, errors))
+    surface = read_surface(job, with_aim=True)
+    found = compensate(job, round_points=surface.aim)
+    assert found.arcs == found.arcs_kept == 1
+    assert found.after.largest_mm < 2e-3

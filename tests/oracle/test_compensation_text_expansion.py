@@ -23,7 +23,7 @@ REFUSED = {
     "probing": "probing",
     "splines": "spline",
     "threading": "threading",
-    "modal_state_m70": "M70",
+    "modal_state_m70": "M7[03] cannot be written out",
 }
 PROGRAMS = sorted(p.stem for p in FOLDER.glob("*.canon"))
 

@@ -305,3 +305,14 @@ def test_turning_programs_are_refused(text, dialect):
 @pytest.mark.parametrize("code", ["G43.4 H1", "G68.2 X0. Y0.", "G12.1"])
 def test_what_turns_is_refused(code):
     assert "is not read" in refusal(f"O1\n{code}\nM30\n")
+
+
+def test_compiled_reading_is_the_same_to_the_bit():
+    line = "G1 X{0:.3f} Y-{0:.2f} F{1}.\nZ-{1}.5\nG0 Z5.\n"
+    plain = "".join(line.format(k * 0.37, 300 + k) for k in range(40))
+    text = (f"O1\nT1 M6\nG43 H1 Z50.\nS900 M3\n{plain}G68 X0. Y0. R30.\n{plain}G69\n{plain}"
+            f"G81 X1. Y2. Z-3. R2. F90.\n{plain}G41 D1 G1 X90. F99.\nY90.\nG40 X0.\n{plain}"
+            f"M98 P7\n{plain}M30\nO7\n{plain}G91\n{plain}G90\nM99\n")  # fmt: skip
+    fast, slow = (read(text, fast=flag).moves for flag in (True, False))
+    for name in ("kind", "line", "end_mm", "feed_mm_per_min", "duration_s", "tool"):
+        assert np.array_equal(getattr(fast, name), getattr(slow, name)), name

@@ -87,6 +87,17 @@ class BlockRunner:
         """At the end of the text."""
         self.finish_corner()
 
+    @property
+    def takes_plain_numbers(self) -> bool:
+        """Whether numbers are read as they stand."""
+        return self.increments is INCREMENTS["calculator"]
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether lines G0 and G1 are those of RS274/NGC."""
+        return (self.cycle is None and self.corner is None and self.polar is None
+                and self.transform.is_identity and self.controller.trace is None)  # fmt: skip
+
     def memory(self) -> tuple:
         """What tells one round of a loop from another."""
         return (self.transform, self.polar, self.offsets.memory(), repr(self.cycle),

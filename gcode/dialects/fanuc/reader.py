@@ -18,6 +18,7 @@ from gcode.state.block_values import whole
 from gcode.state.controller import Controller
 from gcode.text.expressions import value_of
 from gcode.text.lexer import Block
+from gcode.text.source import Source
 
 __all__ = ["FanucReader"]
 
@@ -32,6 +33,8 @@ _SLASH = re.compile(r"\s*(?:n\s*\d+\s*)?/\s*([1-9]?)(?!\s*\d)", re.IGNORECASE)
 _PROGRAM = re.compile(r"(?:o|:)(?:(\d+)|<([^>]*)>)")
 _COMMENT = re.compile(r"\((?:[^()]|\([^()]*\))*\)?")
 _BLANKS = str.maketrans("", "", " \t\r\x0b\x0c")
+#: an axis word without a decimal point
+_POINTLESS = re.compile(rb"[XYZxyz][ \t]*[-+]?[ \t]*\d+(?![\d.])")
 _NO_WORDS = frozenset(("", "%", ";"))
 
 
@@ -58,7 +61,8 @@ class FanucReader(Translated):
         self.variables = MacroVariables(controller, self.settings.columns,
                                         radius_in_d=self.settings.radius_in_d)  # fmt: skip
         self.blocks = BlockRunner(self, self.settings)
-        self.modal_call: dict[str, list[tuple[str, float]] | int] | None = None
+        self.modal_call: list[tuple[str, float]] | None = None
+        self.fast = self.starts = None
         self._forms = (
             (re.compile(r"if(\[.*\])go(?:to)?(.+)"), self._if_goto),
             (re.compile(r"if(\[.*\])th(?:en)?(.+)"), self._if_then),
@@ -73,6 +77,26 @@ class FanucReader(Translated):
         self.blocks.check_whole_program(self.lines)
         super().run()
         self.blocks.finish()
+
+    def use_fast_lane(self, source: Source) -> None:
+        """Give stretches of plain motion to compiled code, where every number has its point."""
+        if not self.blocks.takes_plain_numbers or _POINTLESS.search(source.data):
+            return
+        from gcode.fast.fast_lane import FastLane  # loads the compiler, which small programs spare
+
+        self.fast, self.starts = FastLane(self.controller, source.data), source.line_starts
+
+    def skip_plain(self) -> bool:
+        """Let compiled code obey the lines that come; tells whether it has."""
+        if self.fast is None or self.modal_call is not None or not self.blocks.is_plain:
+            return False
+        line, _ = self.fast.run((self.next, int(self.starts[self.next])))
+        if line == self.next:
+            return False
+        self.budget.executed += line - self.next
+        self.next = line
+        self.budget.check()
+        return True
 
     def obey(self, text: str) -> None:
         """Obey one line."""

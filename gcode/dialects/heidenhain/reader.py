@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 
 from gcode.dialects.heidenhain.cycles import DRILLING, drill
 from gcode.dialects.heidenhain.parameters import NUMBER, QParameters
@@ -12,6 +13,7 @@ from gcode.geometry.corners import broken_corner
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated, number
 from gcode.state.controller import Controller
+from gcode.state.tools import ToolEntry
 
 __all__ = ["KlartextReader"]
 
@@ -63,8 +65,8 @@ class KlartextReader(Translated):
         computed["114"] = lambda: self._tool_of_spindle().offset_length_mm
         computed["109"] = lambda: 2.0
 
-    def _tool_of_spindle(self):
-        return self.controller.offsets[self.controller.tool]
+    def _tool_of_spindle(self) -> ToolEntry:
+        return self.controller.offsets.get(self.controller.tool, ToolEntry())
 
     def _content(self, index: int) -> str:
         """A line without number, comment and structure, in upper case."""
@@ -421,6 +423,8 @@ class KlartextReader(Translated):
         if self.controller.side:
             raise ProgramError("CT with radius compensation is not read", accepted="R0")
         record = self.controller.record
+        if not len(record):
+            raise ProgramError("CT without a move before it")
         end, before = record.path().point_mm[-1], self.corner_start
         arc = record.arcs[-1] if record.arcs and record.arcs[-1][0] == len(record) - 1 else None
         if arc is not None:
@@ -501,8 +505,6 @@ class KlartextReader(Translated):
 
     def _apply_oversize(self, tool: int, words: dict[str, float]) -> None:
         """DL and DR of the call, for as long as the tool is in the spindle."""
-        from dataclasses import replace
-
         c = self.controller
         c.check_tool(tool, word="TOOL CALL ")
         unit = c.unit_mm

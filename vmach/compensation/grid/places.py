@@ -23,6 +23,9 @@ _PROGRAMMED = np.arange(-1, 2)
 _NEAR, _ON = np.arange(-40, 41), np.arange(45, 201, 5)
 _INSERTED = np.concatenate([-_ON[::-1], _NEAR, _ON])
 _FAR = np.concatenate([np.linspace(-0.4, -0.025, 16), np.linspace(0.025, 0.4, 16)])
+#: an arc turns by no more when an end goes along it: between what planning makes, 181 degrees, and
+#: what is written as an arc, 190 degrees
+_LARGEST_SWEEP_RAD = np.radians(185.0)
 #: newton steps to the place where the path crosses the grid
 _CROSSING = 2
 #: in the two axes across
@@ -118,7 +121,20 @@ class Grid:
         is_line = self.rewriter.moves.kind[self.plan.move[ends]] == MoveKind.LINE
         far = _FAR * np.minimum(before, after) * is_line[:, None]
         ways = np.concatenate([_INSERTED * step_mm, far], axis=1)
-        return np.clip(ways, -_FAR.max() * before, _FAR.max() * after)
+        ways = np.clip(ways, -_FAR.max() * before, _FAR.max() * after)
+        longest = self._longest_arc_mm(ends)
+        return np.clip(ways, np.minimum(after - longest, 0.0), np.maximum(longest - before, 0.0))
+
+    def _longest_arc_mm(self, ends: np.ndarray) -> np.ndarray:
+        """Length (E, 1) that an arc beside an end may get; infinite on lines."""
+        move = self.plan.move[ends]
+        sweep_rad = np.abs(self.rewriter.moves.sweep_rad[move])
+        is_arc = self.rewriter.moves.kind[move] == MoveKind.ARC
+        longest = np.full(len(ends), np.inf)
+        np.divide(
+            _LARGEST_SWEEP_RAD * self.rewriter.length_mm[move], sweep_rad, out=longest, where=is_arc
+        )
+        return longest[:, None]
 
     def of_programmed(self, ends: np.ndarray) -> GridPlaces:
         """Points about the ends (K,), more of them along the moves that meet there."""
