@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.small_job import pocket_points, write_job, write_points
+from vmach.base.note import Kind
 from vmach.instruments import measure_part
 from vmach.job import read_job
 from vmach.path.preparation import prepare
@@ -45,8 +46,10 @@ def written(folder, tables, deviation_mm, *, directions="mean"):
 
 
 def notes_of(job):
+    """What is said of the measurement; which control was assumed is said of the program."""
     job = read_job(job)
-    return tuple(str(note) for note in measure_part(prepare(job), job.measured)[0].notes)
+    notes = measure_part(prepare(job), job.measured)[0].notes
+    return tuple(str(note) for note in notes if note.kind is not Kind.CONTROL)
 
 
 def wave_um(x):
