@@ -29,6 +29,8 @@ class LinuxCnc(Dialect):
         r"|4[12]\.1|7(?![\d.])|8(?![\d.])|10\s*L\s*(?:1|10|11|20)(?!\d))|M\s*(?:6[1-8]|7[0-3])(?!\d)",
         re.IGNORECASE,
     )
+    #: dwell in seconds, start-up of compensation, cycles whose defaults differ
+    unlike = re.compile(r"G\s*0*(?:4|4[12]|7[346]|8[1-9])(?![\d.])", re.IGNORECASE)
     inch_decimals = 2
     ending = frozenset((0, 1, 2, 30, 60))
     floating_tap = True

@@ -50,6 +50,8 @@ class Dialect:
         Dialects beside its own whose programs may be written for it.
     own_words : re.Pattern or None
         Words that no other control reads which shares its letters and numbers.
+    unlike : re.Pattern or None
+        Words that controls which share its letters read, but otherwise.
     flow_lines : re.Pattern or None
         Lines that are left out where loops and subprograms are written out.
     unwritable : re.Pattern or None
@@ -78,6 +80,7 @@ class Dialect:
     arcs: ArcTolerance = ArcTolerance(0.005, 0.005, 0.0, 1.0)
     reads: tuple[str, ...] = ()
     own_words: re.Pattern[str] | None = None
+    unlike: re.Pattern[str] | None = None
     flow_lines: re.Pattern[str] | None = None
     unwritable: re.Pattern[str] | None = None
     inch_decimals: int = 1

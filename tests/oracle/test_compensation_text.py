@@ -263,7 +263,7 @@ def test_a_zero_set_at_the_tool_goes_along_with_it(tmp_path):
         ("G1 Z-1. F200\nX30.\nM30\n", "heidenhain", None, "not translated"),
         ("G1 Z-1. F200\nG64 P0.01\nX30.\nM30\n", "haas", 9, "G64 P"),
         ("G1 Z-1. F200\nG61.1\nX30.\nM30\n", "fanuc", 9, "G61.1"),
-        ("M3\nG84 X1. Y1. Z-3. R2. F100\nG80\nM30\n", "haas", 9, "tapping"),
+        ("M3\nG84 X1. Y1. Z-3. R2. F100\nG80\nM30\n", "haas", 9, "another thing on haas"),
     ],
 )
 def test_other_dialects_are_refused(tmp_path, body, dialect, line, said):

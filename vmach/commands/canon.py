@@ -53,6 +53,9 @@ def canon(
             error.hint = f"add it to {tools}" if tools else "give the tool table with --tools"
             raise
     print(f"note: {program.name} is {read.assumed}", file=sys.stderr)
+    for note in read.notes:
+        if note.word == "increment":
+            print(f"note: {program.name}:{note.line}: {note.meaning}", file=sys.stderr)
     if as_json:
         calls = [{"line": n, "call": name, "arguments": a} for n, name, a in canon_calls(read)]
         print(json.dumps(calls, indent=1))

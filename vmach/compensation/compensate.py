@@ -27,6 +27,7 @@ from vmach.program_text import (
     BlockModes,
     Rewriter,
     block_modes,
+    check_meaning,
     check_words,
     prepare_plain,
     target_control,
@@ -210,6 +211,7 @@ def solve(
     model = TipModel(variant, tuple(effects))
     preparation = prepare(job)
     control = target_control(preparation.program.dialect, dialect, file=preparation.program.path)
+    check_meaning(preparation.program, control)
     if model.is_none(preparation) and aim_points is None:
         return None
     preparation, expansion = prepare_plain(preparation, floating_tap=control.floating_tap)

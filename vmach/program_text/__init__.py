@@ -2,7 +2,7 @@
 
 from vmach.program_text.blocks.block_modes import BlockModes, block_modes
 from vmach.program_text.blocks.pieces import Piece, circle_through
-from vmach.program_text.control import check_words, target_control
+from vmach.program_text.control import check_meaning, check_words, target_control
 from vmach.program_text.expanding.expansion import Expanded, prepare_plain
 from vmach.program_text.rewriter import Rewriter, Target, Written
 
@@ -14,6 +14,7 @@ __all__ = [
     "Target",
     "Written",
     "block_modes",
+    "check_meaning",
     "check_words",
     "circle_through",
     "prepare_plain",

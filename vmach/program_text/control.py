@@ -8,7 +8,7 @@ from pathlib import Path
 from gcode import Dialect, Program, ProgramError, dialect_called, dialect_names
 from vmach.errors import InputError
 
-__all__ = ["check_words", "target_control"]
+__all__ = ["check_meaning", "check_words", "target_control"]
 
 
 def target_control(own: str, name: str | None, *, file: Path) -> type[Dialect]:
@@ -40,6 +40,29 @@ def target_control(own: str, name: str | None, *, file: Path) -> type[Dialect]:
             accepted=f"--dialect {own}",
         )
     return control
+
+
+def check_meaning(program: Program, control: type[Dialect]) -> None:
+    """Refuse words that the control reads otherwise than the one the program was read for.
+
+    Raises
+    ------
+    InputError
+        With the first such line.
+    """
+    own = program.language
+    if own is control or own.unlike is None:
+        return
+    for line, text in enumerate(program.source.lines, 1):
+        found = own.unlike.search(re.sub(r"\([^)]*\)|;.*", "", text))
+        if found:
+            raise InputError(
+                f"'{found.group().strip()}' means another thing on {control.name} than on "
+                f"{own.name}, which the program was read for",
+                file=program.path,
+                line=line,
+                accepted=f"--control {control.name}, or [control] name in the job",
+            )
 
 
 def check_words(program: Program, control: type[Dialect]) -> None:

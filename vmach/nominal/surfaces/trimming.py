@@ -26,6 +26,10 @@ from vmach.nominal.surfaces.crossings import (
 __all__ = ["Trim", "is_pole"]
 
 
+#: a row whose v differs from that of a whole segment by less than this runs along it
+_ALONG = 1e-7
+
+
 @dataclass(frozen=True)
 class Trim:
     """The edges of one face on its surface.
@@ -81,6 +85,7 @@ class Trim:
     def row_intervals(self, v: float) -> np.ndarray:
         """Intervals of u that the face covers at one v, (I, 2); a full turn is one interval."""
         period = self.surface.u_period
+        v = self._beside_edges(v)
         u, upward = line_crossings(self.segments_uv, 1, v, self.surface.v_period)
         begins = ~upward
         if not len(u):
@@ -93,6 +98,14 @@ class Trim:
         following[-1] += period
         pairs = begins & ends & (following > u)
         return np.column_stack([u[pairs], following[pairs]])
+
+    def _beside_edges(self, v: float) -> float:
+        """A row that runs along an edge, moved off it: rounding decides what it crosses there."""
+        away = self.segments_uv[:, :, 1] - v
+        if self.surface.v_period:
+            away = away - self.surface.v_period * np.round(away / self.surface.v_period)
+        along = (np.abs(away) < _ALONG).all(axis=1).any()
+        return v + 2.0 * _ALONG if along else v
 
     def contains(self, uv: np.ndarray) -> np.ndarray:
         """Mask of the points (N, 2) that lie inside the face."""
