@@ -30,8 +30,9 @@ __all__ = ["Base", "Posterior", "Sizes"]
 
 #: prior of the logarithm of the factor on u: stated uncertainties are right within a factor of 2
 _LOG_FACTOR = float(np.log(2.0))
-#: prior of a member's size: half a Cauchy distribution whose median is this, in u
-_HALF_SIZE = 0.5
+#: prior of a member's size, in u: falls off as the third power beyond this, as what nobody models
+#: is of the order of u
+_USUAL_SIZE, _POWER = 0.6, 1.5
 #: a member of this size, in u, counts as absent
 _ABSENT = 0.02
 
@@ -58,13 +59,15 @@ class Sizes:
     def log_prior(self) -> float:
         """Logarithm of how likely they are beforehand, up to a constant."""
         usual = -0.5 * (np.log(self.factor) / _LOG_FACTOR) ** 2
-        return float(usual - np.log1p((np.array(self.members) / _HALF_SIZE) ** 2).sum())
+        return float(usual - _POWER * np.log1p((np.array(self.members) / _USUAL_SIZE) ** 2).sum())
 
     @property
     def slope_of_prior(self) -> np.ndarray:
         """Derivative of `log_prior` by the logarithms, (q,)."""
-        ratio = (np.array(self.members) / _HALF_SIZE) ** 2
-        return np.array([-np.log(self.factor) / _LOG_FACTOR**2, *(-2 * ratio / (1 + ratio))])
+        ratio = (np.array(self.members) / _USUAL_SIZE) ** 2
+        return np.array(
+            [-np.log(self.factor) / _LOG_FACTOR**2, *(-2 * _POWER * ratio / (1 + ratio))]
+        )
 
 
 class Base:

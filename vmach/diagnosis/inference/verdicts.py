@@ -118,7 +118,7 @@ def infer(weighing: Weighing) -> Inference:
 
 
 def _weighed(weighing: Weighing, found: Explanation, *, but: Collection[str] = ()) -> Inference:
-    """Effects that are not shown are left out one by one, the weakest first; none of `but`."""
+    """Effects that are shown and those that are not, none of `but` asked about."""
     weak: list[Weak] = []
     imitated = 0.0
     while True:
@@ -126,18 +126,31 @@ def _weighed(weighing: Weighing, found: Explanation, *, but: Collection[str] = (
         remains = float(np.hypot(remains_um(weighing, found), imitated))
         sizes = sizes_um(weighing, found)
         least = DOMINATES * remains if is_structure(weighing, remains) else 0.0
-        asked = [k for k, term in enumerate(found.terms) if term.label not in but]
+        asked = [k for k, t in enumerate(found.terms) if t.label not in but and odds[k] >= SHOWN]
         k, why = _least(weighing, found, {k: (odds[k], sizes[k]) for k in asked}, least)
         if k is None:
             break
         weak.append(Weak(found.terms[k], odds[k], why))
-        if why == IMPOSSIBLE and odds[k] >= SHOWN:
+        if why == IMPOSSIBLE:
             # it imitates something that is there
             imitated = float(np.hypot(imitated, sizes[k]))
         found = weighing.without(found, [k])
-    structure = is_structure(weighing, remains)
+    # beside each other: one that is not shown still explains what others need not
+    kept = [k for k, t in enumerate(found.terms) if t.label in but or odds[k] >= SHOWN]
+    fewer = [k for k in range(len(found.terms)) if k not in kept]
+    why = f"log odds below {SHOWN:g}"
+    weak += [Weak(found.terms[k], odds[k], why) for k in fewer]
+    if fewer:
+        found = weighing.without(found, fewer)
+        remains = float(np.hypot(remains_um(weighing, found), imitated))
     return Inference(
-        weighing, found, tuple(odds), tuple(weak), remains, structure, imitated_um=imitated
+        weighing,
+        found,
+        tuple(odds[k] for k in kept),
+        tuple(weak),
+        remains,
+        is_structure(weighing, remains),
+        imitated_um=imitated,
     )
 
 
@@ -147,7 +160,7 @@ def _least(
     asked: Mapping[int, tuple[float, float]],
     least_um: float,
 ) -> tuple[int | None, str]:
-    """Which effect is the first that is not shown, and why; None where all are.
+    """Which effect of clear evidence is no finding all the same, and why; None where all are.
 
     Parameters
     ----------
@@ -160,9 +173,6 @@ def _least(
     """
     if not asked:
         return None, ""
-    weakest = min(asked, key=lambda k: asked[k][0])
-    if asked[weakest][0] < SHOWN:
-        return weakest, f"log odds below {SHOWN:g}"
     smallest = min(asked, key=lambda k: asked[k][1])
     if asked[smallest][1] < least_um:
         return smallest, "smaller than what remains unexplained"
