@@ -10,7 +10,14 @@ forget_stale_kernels()
 collect_less_often()
 
 
+@pytest.fixture(autouse=True)
+def effects_are_forgotten(monkeypatch):
+    """What a test adds to the catalogue of effects goes with it."""
+    catalogue = import_module("vmach.effects.catalogue")
+    monkeypatch.setattr(catalogue, "_added", dict(catalogue._added))
+
+
 @pytest.fixture
 def no_effects_added(monkeypatch):
-    """Effects of the test's own files are forgotten after it."""
+    """The catalogue as it is installed."""
     monkeypatch.setattr(import_module("vmach.effects.catalogue"), "_added", {})

@@ -78,10 +78,10 @@ def _states(survey: Survey) -> dict[State, np.ndarray]:
 
 
 def _sensed(survey: Survey, direction: Direction) -> np.ndarray:
-    """How readings sense a unit displacement into a direction, (n,)."""
+    """How readings sense a unit displacement into a direction, (n,); tilts sense none."""
     parts = [
         np.einsum("pi,pi->p", m.sensing, direction.at(path))
-        if m.on_part or not direction.needs_surface
+        if (m.on_part or not direction.needs_surface) and path.states.arm_mm is None
         else np.zeros(len(m))
         for path, m in zip(survey.paths, survey.measurements, strict=True)
     ]
