@@ -16,7 +16,7 @@ REFUSED = {
     "cycle_spindle": "boring",
     "expressions": "turns to",
     "lathe_diameter": "diameter mode",
-    "modal_state_m70": "cannot be written out together with loops",
+    "modal_state_m70": "M73 cannot be written out together with loops",
     "probing": "probing",
     "splines": "spline",
     "threading": "threading",
