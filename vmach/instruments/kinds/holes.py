@@ -58,9 +58,9 @@ class Holes(Instrument):
         return iter(())
 
     def read(self, table, model):
-        read = [
-            (axis, *names) for axis, names in _READ.items() if all(n in table.numbers for n in names)
-        ]
+        given = table.numbers
+        read = [(axis, *both) for axis, both in _READ.items() if all(n in given for n in both)]
+        u_mm = self._u_mm(table)
         deviation = {axis: _deviation_mm(table, nominal, own) for axis, nominal, own in read}
         made = hole_contacts(model.preparation, _features(table))
         holes = np.flatnonzero(made.found)
@@ -82,7 +82,7 @@ class Holes(Instrument):
             sensing=sensing,
             measured_mm=np.column_stack(list(deviation.values()))[holes].ravel(),
             predicted_mm=predicted,
-            u_mm=np.repeat(self._u_mm(table)[holes], per_hole),
+            u_mm=np.repeat(u_mm[holes], per_hole),
             group=_groups(table, holes, alone.tool, list(deviation)),
             nuisance=_pose(states, sensing),
             notes=in_file(_left_out(made.found, table), table.path),
@@ -162,9 +162,10 @@ def _check_found(found: np.ndarray, table: Columns, model: ModelOfTest) -> None:
         return
     row = int(np.argmin(found))
     x, y = table.vectors("xy")[row]
+    missing = "" if found.all() else f"; none is at X{x:g} Y{y:g}"
     raise InputError(
         f"{np.count_nonzero(found)} of {len(found)} holes are in the program "
-        f"{model.preparation.program.path.name}; none is at X{x:g} Y{y:g}",
+        f"{model.preparation.program.path.name}{missing}",
         file=table.path,
         line=int(table.lines[row]),
         accepted=f"{_FEWEST} or more holes that a tool plunges into or goes round at feed",
