@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import traceback
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from vmach.effects.effect import Displaced, Effect
 from vmach.effects.law_check import check_law
 from vmach.effects.trial_path import trial_path
 from vmach.errors import InputError
+from vmach.files.plugins import classes_in, line_in, loading
 from vmach.files.text_file import read_text
 from vmach.machine import RigidDisplacement
 from vmach.path.circumstances import Circumstances
@@ -37,20 +37,9 @@ def load_effect_file(path: str | Path) -> Effect:
     spec = importlib.util.spec_from_file_location(f"vmach_user_effect_{path.stem}", path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    try:
+    with loading(path, "effect"):
         spec.loader.exec_module(module)
-    except Exception as error:
-        raise InputError(
-            f"effect file cannot be loaded: {error!r}", file=path, line=_line_in(path, error)
-        ) from error
-    kinds = [
-        value
-        for value in vars(module).values()
-        if isinstance(value, type)
-        and issubclass(value, Effect)
-        and value is not Effect
-        and value.__module__ == module.__name__
-    ]
+    kinds = classes_in(module, Effect)
     if len(kinds) != 1:
         raise InputError(
             f"{len(kinds)} effects in the file", file=path, accepted="one subclass of Effect"
@@ -93,7 +82,7 @@ def _guarded(effect: Effect, file: Path) -> Callable[..., Displaced]:
             raise InputError(
                 f"displacement() of effect '{effect.name}' fails: {error!r}",
                 file=file,
-                line=_line_in(file, error),
+                line=line_in(file, error),
             ) from error
         shape = (len(path), 3)
         if not isinstance(moved, RigidDisplacement) and np.shape(moved) != shape:
@@ -118,12 +107,3 @@ def _guarded(effect: Effect, file: Path) -> Callable[..., Displaced]:
 
 def _told(parameters: Mapping[str, float]) -> str:
     return ", ".join(f"{name} = {value:g}" for name, value in parameters.items())
-
-
-def _line_in(file: Path, error: Exception) -> int | None:
-    """The line of a file that an error comes from."""
-    if isinstance(error, SyntaxError):
-        return error.lineno
-    frames = traceback.extract_tb(error.__traceback__)
-    lines = [f.lineno for f in frames if Path(f.filename).resolve() == file.resolve()]
-    return lines[-1] if lines else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
 
 import numpy as np
 
@@ -125,6 +125,8 @@ class Instrument(FileSection):
     left_free: ClassVar[str]
     #: whether its picture has room for a band of what the effects' laws leave open
     shows_law_band: ClassVar[bool] = False
+    #: how many of its diagrams stand side by side on paper
+    abreast: ClassVar[Literal[2, 3]] = 2
     #: whether a job names its file in a ``[[measurements]]``
     is_section_of_job: ClassVar[bool] = True
     #: how often it is used; of tests that do as well the more frequent is planned first
