@@ -378,7 +378,7 @@ class BlockRunner:
         return None
 
     def _dwell(self, block: MacroBlock) -> bool:
-        """G4: P in milliseconds, X or U in seconds (B-64484EN 5.4, "Dwell")."""
+        """G4: P in milliseconds, X or U in seconds (B-64484EN, "Dwell")."""
         block.take(4)
         words = block.pop("pxu")
         if len(words) != 1:
@@ -426,7 +426,7 @@ class BlockRunner:
         return True
 
     def _machine_position(self, block: MacroBlock) -> bool:
-        """G53: rapid in machine coordinates; without effect in G91 (B-64484EN 7.1)."""
+        """G53: rapid in machine coordinates; without effect in G91 (B-64484EN)."""
         block.take(53)
         modal = self.controller.motion
         own = block.take(0, 1)

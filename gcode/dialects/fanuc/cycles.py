@@ -1,4 +1,4 @@
-"""G73 to G89 as Fanuc and Haas have them (B-64484EN 5.1, "Canned cycle for drilling")."""
+"""G73 to G89 as Fanuc and Haas have them (B-64484EN-2, "Canned cycle for drilling")."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from gcode.dialects.fanuc.variables import OffsetColumn, OffsetColumns
 
 __all__ = ["FANUC_COLUMNS", "HAAS_COLUMNS", "HAAS_M", "FanucSettings"]
 
-#: Memory C with 200 pairs: B-64484EN table 16.2 (tool compensation memory)
+#: Memory C with 200 pairs: B-64484EN, system variables of tool compensation memory C
 FANUC_COLUMNS: OffsetColumns = (
     OffsetColumn(2001, "length_wear_mm"),
     OffsetColumn(2201, "length_mm"),
