@@ -17,13 +17,14 @@ import FreeCAD
 sys.path.insert(0, FreeCAD.getResourceDir() + "Mod/Path")
 sys.path.insert(0, "/usr/share/freecad/Mod/Path")
 import Path
-from PathScripts import PathHelix, PathMillFace, PathProfileEdges  # noqa: F401  (a post asks)
 from PathScripts import PathToolController, PostUtils
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 POSTS = ("fanuc", "heidenhain", "linuxcnc", "grbl", "mach3_mach4", "centroid")
 SEED = 20230517
 PostUtils.editor = lambda text: text
+for kind in ("PathHelix", "PathMillFace", "PathProfileEdges"):  # a post asks for their classes
+    importlib.import_module(f"PathScripts.{kind}")
 
 
 class Operation:
