@@ -346,7 +346,9 @@ class FanucReader(Translated):
             if "p" in words:
                 self._jump(self._labelled(whole(words["p"], "P word"), "M99 P"))
                 return
-            raise ProgramError("M99 in the main program repeats it for ever", hint="use M30")
+            self.controller.note("M99", "the control begins anew; the program is read once")
+            self.ended = True
+            return
         call = self.calls[-1]
         call.repeats -= 1
         if call.repeats > 0:
