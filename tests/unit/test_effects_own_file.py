@@ -1,5 +1,6 @@
 """An effect of a user's own is checked when its file is loaded: what it says, and what it does."""
 
+import inspect
 import re
 from pathlib import Path
 
@@ -121,6 +122,11 @@ def test_a_second_file_with_the_same_name_is_refused(tmp_path):
     other.write_text(SOUND)
     with pytest.raises(InputError, match=r"other\.py:7: .*of this name in .*twist\.py"):
         load_effect_file(other)
+
+
+def test_a_file_of_the_package_may_be_checked():
+    file = Path(inspect.getfile(type(catalogue()["scale"])))
+    assert load_effect_file(file).title == catalogue()["scale"].title
 
 
 def test_every_effect_of_the_catalogue_says_what_it_has_to():

@@ -5,15 +5,17 @@ from __future__ import annotations
 import shlex
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vmach.base.variant import Variant
 
+if TYPE_CHECKING:
+    from vmach.job import Job
+
 __all__ = ["AsJson", "Control", "JobPath", "Model", "OutDir", "OwnEffects",
            "command_line", "input_files"]  # fmt: skip
-
 
 
 def _tell_control(name: str | None) -> str | None:
@@ -42,8 +44,6 @@ def command_line() -> str:
     return shlex.join(["vmach", *sys.argv[1:]])
 
 
-def input_files(job: Path) -> list[Path]:
+def input_files(job: Job) -> list[Path]:
     """The files of a job, which no result may replace."""
-    from vmach.job import read_job
-
-    return [path for _, path in read_job(job).files()]
+    return [path for _, path in job.files()]

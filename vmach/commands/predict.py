@@ -30,15 +30,17 @@ def predict(
 ) -> None:
     """Predicted deviation at given surface points, with the NC line that made each."""
     from vmach.files.table_file import check_table_file, write_table
+    from vmach.job import read_job
     from vmach.run.pipeline import predict_points
     from vmach.run.results import prediction_columns, prediction_summary, write_prediction
 
-    inputs = [*input_files(job), points, *([program] if program else [])]
+    read = read_job(job)
+    inputs = [*input_files(read), points, *([program] if program else [])]
     check_outputs([out], inputs=inputs)
     check_table_file(out)
     with progress_bar() as progress:
         found, prediction = predict_points(
-            job, points, program_path=program, variant=model, progress=progress
+            read, points, program_path=program, variant=model, progress=progress
         )
     for note in (*prediction.preparation.notes, *found.notes):
         print(f"note: {note}", file=sys.stderr)
