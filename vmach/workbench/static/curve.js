@@ -1,10 +1,10 @@
 // How the error fell, model by model: on what was fitted, and on what was held out.
 
-import { bench } from "./bench.js";
+import { attempt, bench } from "./bench.js";
 import { post } from "./api.js";
-import { attempt } from "./bench.js";
 import { el, fixed, svg } from "./dom.js";
 
+const APART = 16; // px between the values of two marks of one model
 const WIDTH = 380, HEIGHT = 190, LEFT = 40, RIGHT = 16, TOP = 14, BOTTOM = 26;
 
 export function historyCurve() {
@@ -14,7 +14,7 @@ export function historyCurve() {
   const steps = chain.map((step, i) => ({
     ...step,
     fitted: step.after_um ?? chain[i + 1]?.before_um ?? found[step.job]?.rms_um,
-    heldOut: found[step.job]?.check_rms_um ?? found[step.job]?.held_out_rms_um,
+    heldOut: found[step.job]?.check_rms_um ?? found[step.job]?.held_out_um,
   }));
   return el("section", { class: "history" }, el("h3", {}, "How the error fell"), plot(steps), buttons(steps));
 }
@@ -40,8 +40,11 @@ function plot(steps) {
         : svg("rect", { class: "mark-" + kind, x: x(i) - 4, y: y(v) - 4, width: 8, height: 8 });
       mark.append(Object.assign(svg("title"), { textContent: `${word}: ${fixed(v)} µm` }));
       made.append(mark);
-      const above = kind === "held";
-      made.append(Object.assign(svg("text", { class: "value", x: x(i), y: y(v) + (above ? -9 : 18), "text-anchor": "middle" }), { textContent: fixed(v) }));
+      const other = kind === "held" ? step.fitted : step.heldOut;
+      const above = kind === "held" || (other !== undefined && v > other);
+      const isSame = kind === "fitted" && other !== undefined && other !== null && fixed(v) === fixed(other);
+      if (isSame) continue; // one number says both
+      made.append(Object.assign(svg("text", { class: "value", x: x(i), y: y(v) + (above ? -10 : APART + 2), "text-anchor": "middle" }), { textContent: fixed(v) }));
     }
   }
   steps.forEach((step, i) => made.append(Object.assign(

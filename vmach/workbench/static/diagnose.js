@@ -36,7 +36,7 @@ function parts() {
   return [
     measuredLine(),
     el("div", { class: "row" }, button, found ? residualButtons() : el("span", { class: "soft" }, "asks which effect is missing")),
-    busy || !found ? runBox(isAtWork("add") ? "add" : "diagnose") : null,
+    runBox(isAtWork("add") ? "add" : "diagnose", busy),
     historyCurve(),
     ...(found ? verdict(found) : []),
     found ? runBox("diagnose") : null,

@@ -23,10 +23,11 @@ export function showRunInHeader() {
   byId("run").replaceChildren(...(run ? progressOf(run) : []));
 }
 
-// A run's box in a panel: its command, how far it is, or what went wrong.
-export function runBox(kind) {
+// A run's box in a panel: its command, how far it is, or what went wrong; of a run that went well
+// only where it is wanted.
+export function runBox(kind, isWanted = true) {
   const run = [...(bench.state.runs ?? [])].reverse().find((one) => one.kind === kind);
-  if (!run) return null;
+  if (!run || (!isWanted && run.state === "done")) return null;
   const parts = [];
   if (isAtWork(kind)) parts.push(el("div", { class: "progress" }, ...progressOf(run)));
   if (run.state === "failed") parts.push(el("p", { class: "trouble", role: "alert" }, run.message));
