@@ -54,7 +54,7 @@ def diagnose(
     ] = False,
     control: Control = None,
 ) -> None:
-    """Compare with the measurements and say what the model lacks."""
+    """Say what the model lacks, from measurements."""
     if rules:
         from vmach.diagnosis.inference.rules import rules_text
 
@@ -163,7 +163,7 @@ def add(
     as_json: AsJson = False,
     control: Control = None,
 ) -> None:
-    """Fit effects to the measurements and put them into a new job; the old one stays."""
+    """Fit effects and write a new job that has them."""
     from vmach.diagnosis.gates.impossible_sizes import impossible_size_notes
     from vmach.history.added_effects import add_effects
     from vmach.job import read_job
@@ -234,7 +234,7 @@ def history(
     effect_file: OwnEffects = None,
     control: Control = None,
 ) -> None:
-    """How the error fell, model by model."""
+    """Show how the error fell from job to job."""
     from vmach.history import draw_history, history_of
     from vmach.job import read_job
 
