@@ -53,7 +53,7 @@ def compensate(
     ] = 5.0,
     dialect: Annotated[
         str | None,
-        typer.Option(help="target control: fanuc, grbl, haas, heidenhain, linuxcnc, sinumerik"),
+        typer.Option(help="control that reads the written program, by the names of --control"),
     ] = None,
     report: Annotated[Path | None, typer.Option(help="HTML file to write")] = None,
     json_: Annotated[bool, typer.Option("--json", help="print the figures as JSON")] = False,

@@ -97,13 +97,13 @@ def diagnose(
     if add_all:
         _add_all(job)
     elif found.verdict in ("named", "class", "partly"):
-        print(f"to add it to the model: vmach add {job} {' '.join(map(_word, found.findings))}")
+        print(f"to add this to the model: vmach add {job} {' '.join(map(_word, found.findings))}")
     if found.next_measurement is not None and program is None:
         print("--next FILE writes the program of the measurement to do next")
     if next_file is not None and program is None:
         print(f"no next measurement is called for; {next_file} was not written")
     if out is None:
-        print("--out DIR makes a page with pictures of it")
+        print("--out DIR writes a page with pictures")
     else:
         _tell(out, written, FOLDER_FILES)
 
@@ -204,7 +204,7 @@ def add(
     )
     for note in notes:
         print(f"note: {note}")
-    print(f"{path} holds them; {job} is as it was")
+    print(f"{path} holds the added effects; {job} is unchanged")
 
 
 def _values(effect: NamedEffect) -> str:

@@ -82,7 +82,7 @@ def check(
     for one in found[:_MOST_TOLD]:
         target = f" {one.target}" if one.target else ""
         print(
-            f"hardly distinguished from {one.label}: it leaves {one.share_left:.0%} of "
+            f"hard to tell from {one.label}, which leaves {100 * one.share_left:.0f} % of "
             f"{effect.name}{target} ({rows})"
         )
     for note in _notes(effect, largest_mm):
