@@ -38,7 +38,7 @@ def accuracy(
     out: Annotated[Path | None, typer.Option("--out", help="folder for json and pictures")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Largest difference of the errors at any two points, and what it comes from."""
+    """Evaluate the volumetric accuracy of a machine."""
     import numpy as np
 
     from vmach.plausibility import admitted_machine

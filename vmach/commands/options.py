@@ -35,7 +35,9 @@ OutDir = Annotated[Path | None, typer.Option("--out", help="folder for the resul
 Model = Annotated[Variant, typer.Option(help="arms of the machine's angular errors")]
 OwnEffects = Annotated[
     list[Path] | None,
-    typer.Option("--effect-file", help="Python file with an effect of your own; repeatable"),
+    typer.Option(
+        "--effect-file", metavar="FILE", help="Python file with an effect of your own; repeatable"
+    ),
 ]
 
 

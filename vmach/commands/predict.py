@@ -28,7 +28,7 @@ def predict(
     as_json: AsJson = False,
     control: Control = None,
 ) -> None:
-    """Predicted deviation at given surface points, with the NC line that made each."""
+    """Predict the deviation at given points of the surface."""
     from vmach.files.table_file import check_table_file, write_table
     from vmach.job import read_job
     from vmach.run.pipeline import predict_points

@@ -69,7 +69,7 @@ def tables(
     as_json: AsJson = False,
     control: Control = None,
 ) -> None:
-    """Compensation tables for controls, read back and applied as the control would."""
+    """Write compensation tables for controls and verify them."""
     from vmach.controller_tables import make_tables
     from vmach.controller_tables.figures import tables_figures
     from vmach.controller_tables.printing import print_tables, tables_readme

@@ -193,7 +193,7 @@ class BlockRunner:
                 block.pop("p" if code not in (29,) else "")
                 self.controller.note(f"M{code}", self.settings.builder_m[code])
             elif code in self.reader.options.control.ignore_m:
-                self.controller.note(f"M{code}", "machine builder's code, ignored as told")
+                self.controller.note(f"M{code}", "machine builder's code, ignored by ignore_m")
             else:
                 raise self._unknown_m()
         return after
