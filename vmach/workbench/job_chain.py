@@ -47,15 +47,15 @@ def job_chain(job: Path) -> list[ChainStep]:
     while path is not None and path not in [step.job for step in earlier] and len(earlier) < _MOST:
         step, path = _step(path)
         earlier.append(step)
-    return earlier[::-1] + _later(job.resolve())
+    return earlier[::-1] + _later(job.resolve(), {step.job for step in earlier})
 
 
-def _later(job: Path) -> list[ChainStep]:
+def _later(job: Path, known: set[Path]) -> list[ChainStep]:
     """The newest chain of jobs beside it that go on from it."""
     following: dict[Path, list[Path]] = {}
     for path in sorted(job.parent.glob("*.toml")):
         _, previous = _step(path)
-        if previous is not None:
+        if previous is not None and path.resolve() not in known:
             following.setdefault(previous, []).append(path.resolve())
     found: list[ChainStep] = []
     while job in following and len(found) < _MOST:
