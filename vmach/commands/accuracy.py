@@ -61,7 +61,7 @@ def accuracy(
         if profile is not None:
             path = read_profile(profile).divided(_PROFILE_SPACING_MM).errors(known, tool_mm, model)
         report = accuracy_figures(known, field, comparison, tool_mm, model=model)
-        if path is not None:
+        if path is not None and profile is not None:
             report["profile"] = profile_figures(profile, path)
         if out is not None:
             from vmach.volumetric.pictures import accuracy_pictures, draw_profile
