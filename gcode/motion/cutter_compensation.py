@@ -106,8 +106,11 @@ def straight(controller: Controller, motion: str, end: list[float]) -> None:
         return
     if controller.entering:
         if distance(path.current, path.end) <= path.radius:
-            raise ProgramError("entry move of cutter compensation is not longer than the tool "
-                               f"radius {path.radius:g}", hint="start further away")
+            raise ProgramError(
+                "entry move of cutter compensation is not longer than the tool "
+                f"radius {path.radius:g}",
+                hint="start further away",
+            )
         angle = direction(path.current, path.end) + path.side * QUARTER
         target = beside(path.end, path.radius, angle)
         path.queue.start = path.current
@@ -138,7 +141,7 @@ def _begin_start_up(path: CompensatedPath, call: Call, level: float) -> None:
 def _end_start_up(path: CompensatedPath, heading: float) -> None:
     """Type A: the first line ends square beside the start of the next move.
 
-    FANUC B-64484EN-2 6.7.2, "Tool movement in start-up".
+    FANUC B-64484EN-2, "Tool movement in start-up".
     """
     if not path.controller.starting:
         return
@@ -151,7 +154,7 @@ def _end_start_up(path: CompensatedPath, heading: float) -> None:
 def _extended_corner(path: CompensatedPath, theta: float, heading: float) -> Point:
     """Fanuc's outer corner: both moves go on straight, to where they meet or by the tool's radius.
 
-    FANUC B-64484EN-2 6.7.3, parameter 19607#2 CCC = 0. Gives where the next move begins.
+    FANUC B-64484EN-2, parameter 19607#2 CCC = 0. Gives where the next move begins.
     """
     turn = abs(math.remainder(heading + path.side * QUARTER - theta, 2.0 * math.pi))
     reach = path.radius * (math.tan(turn / 2.0) if turn <= QUARTER + 1e-9 else 1.0)
@@ -215,8 +218,9 @@ def arc(controller: Controller, block: Values, end: list[float]) -> None:
     """
     path = CompensatedPath(controller, end)
     if controller.entering and controller.start_up:
-        raise ProgramError("cutter compensation begins with an arc",
-                           accepted="G41 or G42 in a block with G0 or G1")
+        raise ProgramError(
+            "cutter compensation begins with an arc", accepted="G41 or G42 in a block with G0 or G1"
+        )
     if controller.entering:
         _entry_arc(path, block)
     else:
@@ -232,8 +236,9 @@ def _set_feed(path: CompensatedPath, block: Values, start: Point, *, centre: Poi
 def _entry_arc(path: CompensatedPath, block: Values) -> None:
     """First compensated move: an arc from the present point tangent to the offset contour."""
     if distance(path.current, path.end) <= path.radius:
-        raise ProgramError("entry arc of cutter compensation is not larger than the tool radius "
-                           f"{path.radius:g}")
+        raise ProgramError(
+            f"entry arc of cutter compensation is not larger than the tool radius {path.radius:g}"
+        )
     centre, turns = arc_centre(path.controller, block, path.current, path.end)
     inside = path.inside(turns)
     size = abs(block.words["r"]) if "r" in block.words else distance(centre, path.current)
@@ -282,9 +287,7 @@ def _following_arc(path: CompensatedPath, block: Values) -> None:
         beta += 2.0 * HALF
     gamma = direction(path.end, centre) if inside else direction(centre, path.end)
     target = beside(path.end, path.radius, gamma)
-    if beta < -_TANGENT or beta > HALF + _TANGENT or (
-        abs(beta - HALF) < _TANGENT and not inside
-    ):
+    if beta < -_TANGENT or beta > HALF + _TANGENT or (abs(beta - HALF) < _TANGENT and not inside):
         before = path.queue.first
         if before is not None and before.turns:
             path.release_to(arc_after_arc(path, before, centre, turns=turns, radius=radius))
@@ -307,5 +310,3 @@ def _following_arc(path: CompensatedPath, block: Values) -> None:
     angle = arc_angle(start, path.end, centre, turns)
     path.add_arc(target, centre, turns, level=level, angle=angle)
     path.finish(target)
-
-

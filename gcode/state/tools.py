@@ -33,6 +33,8 @@ class ToolEntry:
         Lathe tool orientation 1 ... 9, 0 for a mill.
     length_wear_mm, diameter_wear_mm : float
         Added to length and diameter.
+    name : str
+        By which a program may call it: ``TOOL CALL "MILL_D20"``, ``T="MILL_D20"``.
     """
 
     length_mm: float = 0.0
@@ -43,6 +45,7 @@ class ToolEntry:
     orientation: int = 0
     length_wear_mm: float = 0.0
     diameter_wear_mm: float = 0.0
+    name: str = ""
 
     @property
     def offset_length_mm(self) -> float:
@@ -123,8 +126,12 @@ def read_tool_table(path: str | Path, *, unit_mm: float = 1.0) -> dict[int, Tool
             continue
         words = {letter.upper(): float(value) for letter, value in _ENTRY.findall(content)}
         if "T" not in words or _ENTRY.sub("", content).strip():
-            raise ProgramError(f"not a row of a tool table: '{content}'", file=path, line=number,
-                               accepted="T1 P1 D6.0 Z50.2 ; remark")
+            raise ProgramError(
+                f"not a row of a tool table: '{content}'",
+                file=path,
+                line=number,
+                accepted="T1 P1 D6.0 Z50.2 ; remark",
+            )
         if int(words["T"]) in tools:
             raise ProgramError(f"tool T{int(words['T'])} is listed twice", file=path, line=number)
         tools[int(words["T"])] = ToolEntry(

@@ -76,7 +76,9 @@ def test_diagnosis_is_as_its_schema_says(folder):
     result = CliRunner().invoke(app, words, catch_exceptions=False)
     assert result.exit_code == 0, result.output
     found = json.loads(out.read_text())
-    Draft202012Validator(json_schema("diagnose")).validate(found)
+    validator = Draft202012Validator(json_schema("diagnose"))
+    validator.validate(found)
+    assert not validator.is_valid(found | {"new": 1})
     assert all(spot["parameter"].endswith(spot["unit"]) for spot in found["blind_spots"])
 
 

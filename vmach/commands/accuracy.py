@@ -43,7 +43,7 @@ def accuracy(
     seed: Seed = 1,
     as_json: AsJson = False,
 ) -> None:
-    """Largest difference of the errors at any two points, and what it comes from."""
+    """Evaluate the volumetric accuracy of a machine."""
     import numpy as np
 
     from vmach.plausibility import admitted_machine

@@ -43,18 +43,20 @@ def predict(
     as_json: AsJson = False,
     control: Control = None,
 ) -> None:
-    """Predicted deviation at given surface points, with the NC line that made each."""
+    """Predict the deviation at given points of the surface."""
     from vmach.files.table_file import check_table_file, write_table
+    from vmach.job import read_job
     from vmach.run.pipeline import predict_points
     from vmach.run.results import prediction_columns, prediction_summary, write_columns
 
-    inputs = [*input_files(job), points, *([program] if program else [])]
+    read = read_job(job)
+    inputs = [*input_files(read), points, *([program] if program else [])]
     check_outputs([out], inputs=inputs)
     check_table_file(out)
     drawn_too = uncertainty is UncertaintyMethod.MONTE_CARLO
     with progress_bar() as progress:
         found, prediction = predict_points(
-            job, points, program_path=program, variant=model, progress=progress
+            read, points, program_path=program, variant=model, progress=progress
         )
         columns, figures = (f(found, prediction) for f in (prediction_columns, prediction_summary))
         notes = [*prediction.preparation.notes, *found.notes]

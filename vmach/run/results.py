@@ -38,6 +38,7 @@ from vmach.run.pipeline import MachinedPart
 from vmach.uncertainty.first_order import prediction_u_mm
 
 __all__ = [
+    "ALL_FILES",
     "REMAINDER_FILE",
     "RESULT_FILES",
     "SOLID_FILE",
@@ -63,6 +64,8 @@ RESULT_FILES = (
     "budget.csv",
     SOLID_FILE,
 )
+#: and what it may leave there
+ALL_FILES = (*RESULT_FILES, REMAINDER_FILE)
 
 _PACKAGES = ("vmach", "numpy", "scipy", "numba", "manifold3d", "trimesh", "pyvista")
 
@@ -85,7 +88,7 @@ def write_results(
     from vmach.report.pictures.heatmap import draw_heatmap  # late: it loads matplotlib
 
     clock = StageClock(progress)
-    with atomic_folder(out_dir) as folder, clock.stage("write"):
+    with atomic_folder(out_dir, replaced=ALL_FILES) as folder, clock.stage("write"):
         if made.part is not None:
             write_part(made.part, folder / SOLID_FILE)
         write_deviations_csv(folder / "deviations.csv", made.points)

@@ -1,4 +1,4 @@
-"""``,R`` and ``,C``: a line that is rounded or chamfered towards the next one (B-64484EN 6.1)."""
+"""``,R`` and ``,C``: a line that is rounded or chamfered towards the next one (B-64484EN-2)."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from gcode.dialects.fanuc.blocks import BlockRunner
 
 __all__ = ["HeldLine"]
+
 
 @dataclass
 class HeldLine:
@@ -37,8 +38,9 @@ class HeldLine:
 
     def __post_init__(self) -> None:
         if self.motion != "G1":
-            raise ProgramError(f",R or ,C between {self.motion} and another motion",
-                               accepted="two lines G1")
+            raise ProgramError(
+                f",R or ,C between {self.motion} and another motion", accepted="two lines G1"
+            )
 
     def round_towards(self, runner: BlockRunner, other: HeldLine) -> None:
         """Go along this line and round the corner towards another."""
@@ -69,4 +71,3 @@ class HeldLine:
     def _rest(self) -> MacroBlock:
         words = {k: v for k, v in self.block.words.items() if k not in "xyz"}
         return MacroBlock(words, g=list(self.block.g))
-

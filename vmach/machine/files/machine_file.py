@@ -9,8 +9,7 @@ import numpy as np
 
 from vmach.base.units import mm_from_um, rad_from_urad
 from vmach.errors import InputError
-from vmach.files.text_file import read_text
-from vmach.files.toml_file import line_of_key, read_toml
+from vmach.files.toml_file import line_of_key, read_toml_and_text
 from vmach.machine.chain import LINEAR_AXES, Chain
 from vmach.machine.component_errors import COMPONENT_NAMES, ComponentError, component_of
 from vmach.machine.counted_positions import in_machine_coordinates
@@ -37,8 +36,8 @@ def read_machine(path: str | Path) -> Machine:
         Anything wrong with the files, with file, line, key, value and what is accepted.
     """
     path = Path(path)
-    data = read_toml(path, MachineSchema, what="machine file")
-    source = _Source(path, data, read_text(path, what="machine file"))
+    data, text = read_toml_and_text(path, MachineSchema, what="machine file")
+    source = _Source(path, data, text)
     chain = source.chain()
     source.check_travel()
     volumetric = VolumetricFile()
