@@ -124,7 +124,7 @@ def _machine_ends(path: Path, modal: _Modal, offset: np.ndarray) -> tuple[np.nda
     """Ends in machine coordinates: R (program + G92) + G5x + tool offset."""
     origin = modal.column("set_g5x_offset", 6, skip=1)
     g92 = modal.column("set_g92_offset", 6)
-    point = path.point_mm + g92[:, :3]
+    point = _turned(modal, path.point_mm, slice(None)) + g92[:, :3]
     angle = modal.column("set_xy_rotation")[:, 0]
     if angle.any():
         cosine, sine = _rotations(angle)
@@ -133,6 +133,27 @@ def _machine_ends(path: Path, modal: _Modal, offset: np.ndarray) -> tuple[np.nda
         point[:, 1] = x * sine + y * cosine
     rotary = path.rotary_deg + g92[:, 3:] + origin[:, 3:] + offset[:, 3:]
     return point + origin[:, :3] + offset[:, :3], rotary
+
+
+def _turned(modal: _Modal, point: np.ndarray, rows: slice | np.ndarray) -> np.ndarray:
+    """Points after the mirror image and rotation of the programmable frame of their rows."""
+    if "set_turn" not in modal.events:
+        return point
+    angle, x, y = modal.column("set_turn", 3)[rows].T
+    x, y = np.where(x == 0.0, 1.0, x), np.where(y == 0.0, 1.0, y)
+    quarter = np.round(angle / 90.0) * 90.0 == angle
+    cosine, sine = _rotations(angle)
+    cosine = np.where(quarter, np.round(cosine), cosine)
+    sine = np.where(quarter, np.round(sine), sine)
+    first, second = point[:, 0] * x, point[:, 1] * y
+    return np.stack([first * cosine - second * sine, first * sine + second * cosine,
+                     point[:, 2]], axis=1)  # fmt: skip
+
+
+def _signs_of(modal: _Modal, rows: np.ndarray) -> np.ndarray:
+    """Signs of the mirror images of X and Y in some rows, (K, 2)."""
+    signs = modal.column("set_turn", 2, skip=1)[rows]
+    return np.where(signs == 0.0, 1.0, signs)
 
 
 def _start_point(path: Path, end: np.ndarray, home_mm: np.ndarray | None) -> np.ndarray:
@@ -165,7 +186,9 @@ def _arcs(
     middle = np.zeros((len(rows), 3))
     middle[np.arange(len(rows)), first] = table[:, 4]
     middle[np.arange(len(rows)), (first + 1) % 3] = table[:, 5]
-    middle += modal.column("set_g92_offset", 3)[rows]
+    middle = _turned(modal, middle, rows) + modal.column("set_g92_offset", 3)[rows]
+    along = _turned(modal, along, rows)
+    turns = table[:, 6] * np.prod(_signs_of(modal, rows), axis=1)
     cosine, sine = _rotations(modal.column("set_xy_rotation")[rows, 0])
     for vector in (middle, along):
         x, y = vector[:, 0].copy(), vector[:, 1].copy()
@@ -174,7 +197,7 @@ def _arcs(
     rise = np.einsum("ij,ij->i", start[rows] - middle, along)
     middle += along * rise[:, None]
     centre[rows], axis[rows] = middle, along
-    sweep[rows] = _sweeps(start[rows] - middle, end[rows] - middle, along=along, turns=table[:, 6])
+    sweep[rows] = _sweeps(start[rows] - middle, end[rows] - middle, along=along, turns=turns)
     return centre, axis, sweep
 
 

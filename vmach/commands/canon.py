@@ -29,7 +29,7 @@ def canon(
     ] = "auto",
     as_json: AsJson = False,
 ) -> None:
-    """What the program says to the machine: one resolved move a line."""
+    """Print what a program says, one canonical call a line."""
     from gcode import (
         UnknownToolError,
         canon_calls,

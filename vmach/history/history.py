@@ -43,12 +43,12 @@ class Step:
     notes: tuple[Note, ...] = ()
 
 
-def history_of(job_path: str | Path, *, check: Job | None = None) -> list[Step]:
+def history_of(job_path: Job | str | Path, *, check: Job | None = None) -> list[Step]:
     """The models that led to a job, the first one first, each evaluated anew.
 
     Parameters
     ----------
-    job_path : path
+    job_path : path or Job
     check : Job, optional
         Another part of the same machine, with its measured points; its own effects do not count.
 
@@ -65,7 +65,7 @@ def history_of(job_path: str | Path, *, check: Job | None = None) -> list[Step]:
             raise InputError("the chain of jobs refers back to itself", file=job.path)
         seen.add(job.path.resolve())
         last = job.history[-1] if job.history else {}
-        survey = survey_job(job.path)
+        survey = survey_job(job)
         other = None if check is None else survey_part(check, job)
         steps.append(
             Step(

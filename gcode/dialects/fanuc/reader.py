@@ -22,7 +22,7 @@ from gcode.text.source import Source
 
 __all__ = ["FanucReader"]
 
-#: Letter of an argument, specification I -> local variable (B-64484EN 16.5.1).
+#: Letter of an argument, specification I -> local variable (B-64484EN, "Custom macro").
 _ARGUMENTS = {"a": 1, "b": 2, "c": 3, "i": 4, "j": 5, "k": 6, "d": 7, "e": 8, "f": 9, "h": 11,
               "m": 13, "q": 17, "r": 18, "s": 19, "t": 20, "u": 21, "v": 22, "w": 23, "x": 24,
               "y": 25, "z": 26}  # fmt: skip
@@ -342,7 +342,9 @@ class FanucReader(Translated):
             if "p" in words:
                 self._jump(self._labelled(whole(words["p"], "P word"), "M99 P"))
                 return
-            raise ProgramError("M99 in the main program repeats it for ever", hint="use M30")
+            self.controller.note("M99", "the control begins anew; the program is read once")
+            self.ended = True
+            return
         call = self.calls[-1]
         call.repeats -= 1
         if call.repeats > 0:
