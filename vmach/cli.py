@@ -50,7 +50,10 @@ def _before_any_command(
     version: Annotated[bool, typer.Option("--version", help="print the version")] = False,
     effect_file: Annotated[
         list[Path] | None,
-        typer.Option(help="Python file with an effect of your own, for any command; repeatable"),
+        typer.Option(
+            metavar="FILE",
+            help="Python file with an effect of your own, for any command; repeatable",
+        ),
     ] = None,
 ) -> None:
     if version:

@@ -141,7 +141,7 @@ def _begin_start_up(path: CompensatedPath, call: Call, level: float) -> None:
 def _end_start_up(path: CompensatedPath, heading: float) -> None:
     """Type A: the first line ends square beside the start of the next move.
 
-    FANUC B-64484EN-2 6.7.2, "Tool movement in start-up".
+    FANUC B-64484EN-2, "Tool movement in start-up".
     """
     if not path.controller.starting:
         return
@@ -154,7 +154,7 @@ def _end_start_up(path: CompensatedPath, heading: float) -> None:
 def _extended_corner(path: CompensatedPath, theta: float, heading: float) -> Point:
     """Fanuc's outer corner: both moves go on straight, to where they meet or by the tool's radius.
 
-    FANUC B-64484EN-2 6.7.3, parameter 19607#2 CCC = 0. Gives where the next move begins.
+    FANUC B-64484EN-2, parameter 19607#2 CCC = 0. Gives where the next move begins.
     """
     turn = abs(math.remainder(heading + path.side * QUARTER - theta, 2.0 * math.pi))
     reach = path.radius * (math.tan(turn / 2.0) if turn <= QUARTER + 1e-9 else 1.0)

@@ -16,7 +16,7 @@ from vmach.compensation.safety import lines_text
 
 __all__ = ["as_json", "as_text", "remarks", "rows"]
 
-_CENTRED = "what a shift of the path cannot correct: one move makes several places"
+_CENTRED = "places made by one move that would need different shifts"
 _STAYS = "machine coordinates or reference point"
 
 
@@ -131,7 +131,7 @@ def rows(found: Compensation, surface: SurfaceCheck | None) -> dict[str, str]:
         table["largest shift of the path"] = f"{aimed['largest_shift_um']:.2f} um"
     return table | {
         "largest correction": f"{figures['largest_correction_um']:.2f} um",
-        "blocks": f"{found.growth:.2f} times as many; {found.steps} take up jumps of the error",
+        "blocks": f"{found.growth:.2f} times as many; {found.steps} for jumps of the error",
         "arcs": f"{found.arcs_kept} of {found.arcs} stay arcs",
         "words below the resolution": str(found.swallowed),
     }

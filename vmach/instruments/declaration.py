@@ -37,10 +37,14 @@ class _OfInstrument(Declaration):
     def _check_columns(self) -> None:
         columns = self.given("columns", "a tuple of the names of columns")
         self._check_names("columns", columns)
+        self._check_names("optional_columns", self.kind.optional_columns, may_be_empty=True)
+        if self.kind.follows_program:
+            return
         if "t_s" not in columns:
             raise self.error(
-                f"columns = {columns!r} hold no times", key="columns", accepted="t_s among them"
-            )
+                f"columns = {columns!r} hold no times", key="columns", accepted="t_s among them",
+                hint="or follows_program = True where the job's program tells when",
+            )  # fmt: skip
         self._check_names("readings", self.given("readings", "a tuple of columns"), within=columns)
         self._check_names("signs", self.kind.signs, within=columns, may_be_empty=True)
 

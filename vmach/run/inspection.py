@@ -192,7 +192,7 @@ def _notes_on_states(prediction: Prediction) -> list[Note]:
     notes = []
     uncut = int((prediction.edges.status == EdgeStatus.UNCUT).sum())
     if uncut:
-        said = f"{uncut} points lie where no tool came near: raw stock, or left over"
+        said = f"no tool came near {uncut} points: raw stock, or material left"
         notes.append(Note.plain(Kind.UNCUT, said, uncut, "1"))
     gouged = int((prediction.edges.status == EdgeStatus.GOUGED).sum())
     if gouged:

@@ -1,7 +1,7 @@
 """G50.1/G51.1 mirror image, G50/G51 scaling, G68/G69 rotation: what becomes of a programmed point.
 
-They act in this order whatever the order of their blocks (B-64484EN 6.13, "Scaling", "Programmable
-mirror image"; 4.8, "Coordinate system rotation").
+They act in this order whatever the order of their blocks (B-64484EN-2, "Scaling", "Programmable
+mirror image"; B-64484EN, "Coordinate system rotation").
 """
 
 from __future__ import annotations

@@ -15,7 +15,6 @@ from scipy.spatial import cKDTree
 
 from vmach.compensation.aim.program_surface import ProgramSurface
 from vmach.errors import InputError
-from vmach.fit.prediction_uncertainty import prediction_u_mm
 from vmach.job import Job
 from vmach.machine import Variant
 from vmach.nominal import Mesh, NominalPart, read_nominal
@@ -29,6 +28,7 @@ from vmach.prediction import (
     predict_surface,
 )
 from vmach.run.inspection import surface_points
+from vmach.uncertainty.first_order import prediction_u_mm
 
 __all__ = ["Surface", "SurfaceCheck", "check_surface", "read_surface"]
 
