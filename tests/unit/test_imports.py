@@ -20,6 +20,7 @@ LAYERS = [
     {"path"},
     {"effects", "program_text"},
     {"prediction"},
+    {"uncertainty"},
     {"measurements", "instruments", "controller_tables"},
     {"fit"},
     {"diagnosis", "run"},

@@ -1,5 +1,7 @@
 """Who is let in, and what the page cannot reach."""
 
+import itertools
+
 import pytest
 
 OTHERS = {
@@ -84,14 +86,14 @@ def test_a_file_without_end_is_given_up_early(page, measured_folder, monkeypatch
             taken.append(1)
             yield b"x" * 1000
 
-    answer = page.put("/api/files/huge.csv", (chunk for chunk, _ in zip(endless(), range(10**5))))
+    answer = page.put("/api/files/huge.csv", itertools.islice(endless(), 10**5))
     assert answer.status_code == 400 and "10000" in answer.json()["error"]
     assert not (measured_folder / "huge.csv").exists()
     stated = page.put("/api/files/huge.csv", b"", **{"content-length": "1000000000"})
     assert stated.status_code == 400
 
 
-BROKEN = [b"", b"[1]", b"{", b'{"effects": "backlash"}', b'{"effects": ["--help"]}', b"\xff\xfe",
+BROKEN = [b"", b"[1]", b"{", b'{"effects": "backlash"}', b'{"effects": ["--help"]}', b"\xff",
           b'{"effects": ["a; rm"]}', b"[" * 100_000, b'{"effects": NaN}', b"1" * 100_000]  # fmt: skip
 
 
