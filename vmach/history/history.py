@@ -97,8 +97,9 @@ def draw_history(steps: Sequence[Step], path: Path) -> None:
     axes = figure.add_subplot()
     place = np.arange(len(steps))
     rows = {"points that were fitted": [s.rms_um for s in steps]}
-    if all(s.check_rms_um is not None for s in steps):
-        rows["another part"] = [s.check_rms_um for s in steps]
+    checked = [s.check_rms_um for s in steps if s.check_rms_um is not None]
+    if len(checked) == len(steps):
+        rows["another part"] = checked
     wide = 0.8 / len(rows)
     for k, (label, values) in enumerate(rows.items()):
         bars = axes.bar(

@@ -34,9 +34,11 @@ class Statistics:
     status_counts : dict
         Number of all points by status.
     mean_mm, rms_mm, min_mm, max_mm : float
-        `rms_mm` is about zero, not about the mean.
+        `rms_mm` is about zero, not about the mean. It and the mean count points by their weight.
     outside_count : int
         Cut points with abs(deviation) above the tolerance.
+    outside_share : float
+        Share of the cut points outside the tolerance by weight, 0 to 1; NaN without cut points.
     """
 
     count: int
@@ -46,16 +48,12 @@ class Statistics:
     min_mm: float
     max_mm: float
     outside_count: int
+    outside_share: float
 
     @property
     def peak_to_valley_mm(self) -> float:
         """Largest minus smallest deviation."""
         return self.max_mm - self.min_mm
-
-    @property
-    def outside_share(self) -> float:
-        """Share of the cut points outside the tolerance, 0 to 1; NaN without cut points."""
-        return self.outside_count / self.count if self.count else np.nan
 
 
 def column_statistics(
@@ -64,12 +62,16 @@ def column_statistics(
     """Return the statistics of a column, optionally `among` (P,) bool points only."""
     chosen = np.ones(len(column.status), bool) if among is None else among
     status = column.status[chosen]
-    deviation = column.deviation_mm[chosen & column.is_cut]
-    mean, rms, low, high = (
-        (deviation.mean(), np.sqrt(np.mean(deviation**2)), deviation.min(), deviation.max())
-        if deviation.size
-        else (np.nan,) * 4
-    )
+    cut = chosen & column.is_cut
+    deviation = column.deviation_mm[cut]
+    weight = None if column.weight is None else column.weight[cut]
+    outside = np.abs(deviation) > tolerance_mm
+    mean = rms = low = high = share = np.nan
+    if deviation.size:
+        mean, square, share = (
+            np.average(values, weights=weight) for values in (deviation, deviation**2, outside)
+        )
+        rms, low, high = np.sqrt(square), deviation.min(), deviation.max()
     return Statistics(
         count=deviation.size,
         status_counts={name: int((status == name).sum()) for name in STATUSES},
@@ -77,7 +79,8 @@ def column_statistics(
         rms_mm=float(rms),
         min_mm=float(low),
         max_mm=float(high),
-        outside_count=int((np.abs(deviation) > tolerance_mm).sum()),
+        outside_count=int(outside.sum()),
+        outside_share=float(share),
     )
 
 
