@@ -93,8 +93,18 @@ def test_a_file_without_end_is_given_up_early(page, measured_folder, monkeypatch
     assert stated.status_code == 400
 
 
-BROKEN = [b"", b"[1]", b"{", b'{"effects": "backlash"}', b'{"effects": ["--help"]}', b"\xff",
-          b'{"effects": ["a; rm"]}', b"[" * 100_000, b'{"effects": NaN}', b"1" * 100_000]  # fmt: skip
+BROKEN = [
+    b"",
+    b"[1]",
+    b"{",
+    b'{"effects": "backlash"}',
+    b'{"effects": ["--help"]}',
+    b"\xff",
+    b'{"effects": ["a; rm"]}',
+    b"[" * 100_000,
+    b'{"effects": NaN}',
+    b"1" * 100_000,
+]
 
 
 @pytest.mark.parametrize("content", BROKEN, ids=range(len(BROKEN)))
