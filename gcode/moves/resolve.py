@@ -137,7 +137,7 @@ def _machine_ends(path: Path, modal: _Modal, offset: np.ndarray) -> tuple[np.nda
 
 def _turned(modal: _Modal, point: np.ndarray, rows: slice | np.ndarray) -> np.ndarray:
     """Points after the mirror image and rotation of the programmable frame of their rows."""
-    if "set_turn" not in modal.events:
+    if not len(modal.record.events_of("set_turn")[0]):
         return point
     angle, x, y = modal.column("set_turn", 3)[rows].T
     x, y = np.where(x == 0.0, 1.0, x), np.where(y == 0.0, 1.0, y)
