@@ -48,7 +48,7 @@ def _heading(record: Record, unit_mm: float) -> tuple[float, float]:
     if len(record) < 2:
         raise ProgramError("CT without a move before it")
     before, end = record.path().point_mm[-2:] / unit_mm
-    arc = record.arcs[-1] if record.arcs and record.arcs[-1][0] == len(record) - 1 else None
+    arc = record.last_arc
     if arc is not None:
         out = end[0] - arc[4] / unit_mm, end[1] - arc[5] / unit_mm
         sense = 1.0 if arc[6] > 0 else -1.0

@@ -141,7 +141,7 @@ def test_the_command_says_what_an_effect_looks_like(tmp_path):
     found = CliRunner().invoke(app, ["effects", "check", str(slope)])
     assert found.exit_code == 0, found.output
     assert "a_um: size; amplitude, usual 10" in found.stdout
-    assert "hardly distinguished from squareness B0X: it leaves 0% of twist" in found.stdout
+    assert "hard to tell from squareness B0X, which leaves 0 % of twist" in found.stdout
     assert "note: 'source' is empty" in found.stdout and "no unit" not in found.stdout
 
 
