@@ -1,7 +1,7 @@
 """One part, programmed by hand for three controls from one drawing, is one path.
 
-Contour with rounded corners (outer corners differ by control), an arc, tool compensation, a turned and shifted copy of
-three holes, a loop.
+Contour with rounded corners (outer corners differ by control), an arc, tool compensation, a turned
+and shifted copy of three holes, a loop.
 """
 
 import numpy as np
