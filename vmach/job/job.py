@@ -215,6 +215,13 @@ def read_job(path: Job | str | Path) -> Job:
     ------
     InputError
         Anything wrong with the files, with file, line, key, value and what is accepted.
+
+    Examples
+    --------
+    >>> import vmach
+    >>> job = vmach.read_job("samples/freecad_pocket/job.toml")
+    >>> job.machine.chain, sorted(job.tools)
+    (Chain(tool_side=('Z',), work_side=('Y', 'X')), [1, 2])
     """
     if isinstance(path, Job):
         return path

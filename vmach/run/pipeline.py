@@ -144,6 +144,16 @@ def machine_part(
     Raises
     ------
     InputError, gcode.ProgramError, stock.StockError
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> import vmach
+    >>> job = vmach.read_job("samples/freecad_pocket")
+    >>> job = replace(job, inspection=replace(job.inspection, spacing_mm=12.0))
+    >>> found = vmach.machine_part(job, solid=False)
+    >>> [column.name for column in found.points.columns]
+    ['none', 'abbe']
     """
     clock = StageClock(progress)
     job = read_job(job_path)
