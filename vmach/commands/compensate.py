@@ -53,13 +53,13 @@ def compensate(
     ] = 5.0,
     dialect: Annotated[
         str | None,
-        typer.Option(help="target control: fanuc, grbl, haas, heidenhain, linuxcnc, sinumerik"),
+        typer.Option(help="control that reads the written program, by the names of --control"),
     ] = None,
     report: Annotated[Path | None, typer.Option(help="HTML file to write")] = None,
     json_: Annotated[bool, typer.Option("--json", help="print the figures as JSON")] = False,
     control: Control = None,
 ) -> None:
-    """Move the program against the predicted error of the tool, and verify it."""
+    """Move the program against the predicted error."""
     from gcode import dialect_of
     from vmach.compensation.aim.surface import check_surface, read_surface
     from vmach.compensation.compensate import compensate as compensate_job

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import inspect
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -57,7 +58,7 @@ def load_effect_file(path: str | Path) -> Effect:
 def _check_name(name: str, path: Path) -> None:
     """Refuse the name of an effect that is there; a file may be loaded again."""
     other = catalogue().get(name)
-    if other is None or (other.file is not None and other.file.resolve() == path.resolve()):
+    if other is None or path.resolve() in (_file_of(other), _file_of(type(other))):
         return
     where = f"in {other.file}" if other.file else f"already: {other.title}"
     text = read_text(path, what="effect file").splitlines()
@@ -68,6 +69,16 @@ def _check_name(name: str, path: Path) -> None:
         accepted="a name of its own",
         hint=f"call it 'own_{name}'",
     )
+
+
+def _file_of(effect: Effect | type[Effect]) -> Path | None:
+    """Where an effect was loaded from; of a class, where it is written."""
+    if isinstance(effect, Effect):
+        return effect.file and effect.file.resolve()
+    try:
+        return Path(inspect.getfile(effect)).resolve()
+    except (OSError, TypeError):
+        return None
 
 
 def _guarded(effect: Effect, file: Path) -> Callable[..., Displaced]:

@@ -83,6 +83,8 @@ class JobTool:
         Above the cutting part.
     holder_mm : (K, 2) float64 or None
         Outline (r, z) of the holder, z from the tip.
+    name : str
+        By which a program may call it.
     """
 
     number: int
@@ -92,6 +94,7 @@ class JobTool:
     flutes: int | None = None
     shank_diameter_mm: float | None = None
     holder_mm: np.ndarray | None = None
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -356,6 +359,7 @@ def _tool(number: int, tool: ToolEntry, where: dict[str, Any]) -> JobTool:
         flutes=tool.flutes,
         shank_diameter_mm=tool.shank_diameter_mm,
         holder_mm=None if tool.holder_mm is None else np.array(tool.holder_mm),
+        name=tool.name,
     )
 
 
