@@ -71,6 +71,10 @@ def test_another_part_has_to_be_measured(fixed):
     assert "no part was measured" in str(found.exception)
 
 
+#: slow effects that few features show are withheld: the discrepancy can take what they do
+WITHHELD = pytest.mark.xfail(strict=True, reason="the discrepancy takes a slow effect's share")
+
+
 @pytest.mark.parametrize(
     ("effects", "seed"),
     [
