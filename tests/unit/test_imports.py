@@ -20,11 +20,13 @@ LAYERS = [
     {"path"},
     {"effects", "program_text"},
     {"prediction"},
+    {"uncertainty"},
     {"measurements", "instruments", "controller_tables"},
     {"fit"},
     {"diagnosis", "run"},
     {"history", "compensation"},
     {"api"},
+    {"workbench"},
     {"commands"},
     {"cli", "__main__", "__init__"},
 ]

@@ -59,7 +59,7 @@ def compensate(
     json_: Annotated[bool, typer.Option("--json", help="print the figures as JSON")] = False,
     control: Control = None,
 ) -> None:
-    """Move the program against the predicted error of the tool, and verify it."""
+    """Move the program against the predicted error."""
     from gcode import dialect_of
     from vmach.compensation.aim.surface import check_surface, read_surface
     from vmach.compensation.compensate import compensate as compensate_job

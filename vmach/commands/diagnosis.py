@@ -54,7 +54,7 @@ def diagnose(
     ] = False,
     control: Control = None,
 ) -> None:
-    """Compare with the measurements and say what the model lacks."""
+    """Say what the model lacks, from measurements."""
     if rules:
         from vmach.diagnosis.inference.rules import rules_text
 
@@ -163,7 +163,7 @@ def add(
     as_json: AsJson = False,
     control: Control = None,
 ) -> None:
-    """Fit effects to the measurements and put them into a new job; the old one stays."""
+    """Fit effects and write a new job that has them."""
     from vmach.diagnosis.gates.impossible_sizes import impossible_size_notes
     from vmach.history.added_effects import add_effects
     from vmach.job import read_job
@@ -234,7 +234,7 @@ def history(
     effect_file: OwnEffects = None,
     control: Control = None,
 ) -> None:
-    """How the error fell, model by model."""
+    """Show how the error fell from job to job."""
     from vmach.history import draw_history, history_of
     from vmach.job import read_job
 
@@ -254,6 +254,7 @@ def history(
                 "added": list(s.added),
                 "rms_um": s.rms_um,
                 "check_rms_um": s.check_rms_um,
+                "held_out_um": s.held_out_um,
                 "notes": [str(note) for note in s.notes],
                 "note_records": note_records(s.notes),
             }
@@ -261,12 +262,12 @@ def history(
         ]
         print(json.dumps(rows, indent=1))
         return
-    table = Table("job", "added", "RMS fitted, um")
+    table = Table("job", "added", "RMS fitted, um", "held out, um")
     if check is not None:
         table.add_column("RMS other part, um")
     for name, s in zip(_names([s.job for s in steps]), steps, strict=True):
         other = [] if s.check_rms_um is None else [f"{s.check_rms_um:.2f}"]
-        table.add_row(name, ", ".join(s.added), f"{s.rms_um:.2f}", *other)
+        table.add_row(name, ", ".join(s.added), f"{s.rms_um:.2f}", f"{s.held_out_um:.2f}", *other)
     console().print(table)
     for note in steps[-1].notes:
         print(f"note: {note}")

@@ -44,7 +44,7 @@ def run(
     as_json: AsJson = False,
     control: Control = None,
 ) -> None:
-    """Machine the part virtually and compare it with its nominal CAD."""
+    """Machine the part virtually and compare it with its CAD."""
     variants = (Variant.NONE,) if model is Variant.NONE else (Variant.NONE, model)
     if part is not None:
         if solid is False:
@@ -63,7 +63,7 @@ def compare(
     as_json: AsJson = False,
     control: Control = None,
 ) -> None:
-    """Error-model variants side by side, and against the measured points of the job."""
+    """Compare error models with each other and the measured part."""
     _machine(
         job,
         Variant.ABBE,

@@ -26,7 +26,7 @@ def path(
     as_json: AsJson = False,
     control: Control = None,
 ) -> None:
-    """Error of the tool tip along the program, whatever it cuts."""
+    """Predict the error of the tool tip along the program."""
     from vmach.files.table_file import check_table_file, write_table
     from vmach.job import read_job
     from vmach.prediction.tip_errors import tip_error_columns, tip_errors

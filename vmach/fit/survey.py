@@ -16,11 +16,11 @@ from scipy.linalg import block_diag
 
 from vmach.base.note import Note
 from vmach.effects import Circumstances, Effect, EffectInstance
-from vmach.fit.table_uncertainty import TableUncertainty
 from vmach.fit.whitening import Whitening, orthonormal
 from vmach.job import Job
 from vmach.measurements import Measurement
 from vmach.path.preparation import job_doubts
+from vmach.uncertainty.tables import TableUncertainty
 
 __all__ = ["Survey"]
 

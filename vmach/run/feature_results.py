@@ -12,7 +12,6 @@ from vmach.features.feature import Points
 from vmach.features.measure import Measure
 from vmach.features.result import FeatureResult, LineShare, Place, SourceShare, Value
 from vmach.features.verdict import verdict
-from vmach.fit.prediction_uncertainty import combined_u_mm
 from vmach.job import Job
 from vmach.nominal import NominalPart
 from vmach.nominal.points import SurfacePoints
@@ -20,6 +19,7 @@ from vmach.prediction import Prediction
 from vmach.prediction.error_budget import ErrorBudget
 from vmach.report import InspectedPoints
 from vmach.run.drawing import job_drawing
+from vmach.uncertainty.first_order import combined_u_mm
 
 __all__ = ["feature_results"]
 

@@ -17,7 +17,6 @@ from vmach.base.stage_clock import Progress, StageClock, silent
 from vmach.base.units import um_from_mm
 from vmach.files.atomic import atomic_file, atomic_folder
 from vmach.files.csv_table import Cells, fixed, whole, words, write_csv
-from vmach.fit.prediction_uncertainty import prediction_u_mm
 from vmach.job import job_name
 from vmach.nominal.patches import patches
 from vmach.nominal.points import SurfacePoints
@@ -37,6 +36,7 @@ from vmach.report import (
 )
 from vmach.run.inspection import remainder_mm
 from vmach.run.pipeline import MachinedPart
+from vmach.uncertainty.first_order import prediction_u_mm
 
 __all__ = [
     "ALL_FILES",
@@ -49,7 +49,7 @@ __all__ = [
     "prediction_summary",
     "run_record",
     "write_coloured_part",
-    "write_prediction",
+    "write_columns",
     "write_results",
 ]
 
@@ -200,10 +200,10 @@ def prediction_columns(points: SurfacePoints, prediction: Prediction) -> dict[st
     }
 
 
-def write_prediction(file: TextIO, points: SurfacePoints, prediction: Prediction) -> None:
-    """Write `prediction_columns` to an open text file, such as the terminal."""
+def write_columns(file: TextIO, columns: dict[str, Cells]) -> None:
+    """Write a table to an open text file, such as the terminal."""
     text = io.BytesIO()
-    write_csv(text, prediction_columns(points, prediction))
+    write_csv(text, columns)
     file.write(text.getvalue().decode())
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from rich.console import Console
@@ -43,8 +44,24 @@ def print_accuracy(console: Console, report: dict[str, Any]) -> None:
         profile = report["profile"]
         say(f"profile {profile['file']}: largest error {profile['largest_error_um']:.1f} um, "
             f"largest difference {profile['largest_difference_um']:.1f} um")  # fmt: skip
+    if "uncertainty" in report:
+        _say_uncertainty(say, report["uncertainty"])
     for line in report["findings"]:
         say(line)
+
+
+def _say_uncertainty(say: Callable[[str], None], found: dict[str, Any]) -> None:
+    """Intervals of the figures, and what they come from."""
+    for name, one in found["figures"].items():
+        said = name.removesuffix("_um").replace("_", " ")
+        say(f"{said}: {one['stated_um']:.1f} um, with all corrections {one['mean_um']:.1f} um, "
+            f"u {one['u_um']:.2f} um, {100 * found['coverage']:g} % in {one['low_um']:.1f} .. "
+            f"{one['high_um']:.1f} um")  # fmt: skip
+    ranked = [f"{label} {share:.0f} %" for label, share in found["contributors_percent"].items()]
+    say(f"{found['draws']} draws (JCGM 101); of the variance: {', '.join(ranked[:5])}")
+    if found["do_not_stand"]:
+        say(f"{found['do_not_stand']} of these do not stand after so many draws; "
+            "--draws allows more")  # fmt: skip
 
 
 def _vector(values: list[float], digits: str) -> str:

@@ -88,15 +88,16 @@ class BlockRunner:
         self.finish_corner()
 
     @property
-    def takes_plain_numbers(self) -> bool:
-        """Whether numbers are read as they stand."""
-        return self.increments is INCREMENTS["calculator"]
+    def takes_pointless(self) -> bool:
+        """Whether numbers without a point need no further note."""
+        notes = self.controller.notes
+        return self.is_told or any(name == "increment" for _, name in notes)
 
     @property
     def is_plain(self) -> bool:
-        """Whether lines G0 and G1 are those of RS274/NGC."""
-        return (self.cycle is None and self.corner is None and self.polar is None
-                and self.transform.is_identity and self.controller.trace is None)  # fmt: skip
+        """Whether nothing is in force that moves places or holds moves back."""
+        return (self.corner is None and self.polar is None and self._known is None
+                and self.transform.is_identity)  # fmt: skip
 
     def memory(self) -> tuple:
         """What tells one round of a loop from another."""
@@ -193,7 +194,7 @@ class BlockRunner:
                 block.pop("p" if code not in (29,) else "")
                 self.controller.note(f"M{code}", self.settings.builder_m[code])
             elif code in self.reader.options.control.ignore_m:
-                self.controller.note(f"M{code}", "machine builder's code, ignored as told")
+                self.controller.note(f"M{code}", "machine builder's code, ignored by ignore_m")
             else:
                 raise self._unknown_m()
         return after

@@ -33,8 +33,6 @@ _SLASH = re.compile(r"\s*(?:n\s*\d+\s*)?/\s*([1-9]?)(?!\s*\d)", re.IGNORECASE)
 _PROGRAM = re.compile(r"(?:o|:)(?:(\d+)|<([^>]*)>)")
 _COMMENT = re.compile(r"\((?:[^()]|\([^()]*\))*\)?")
 _BLANKS = str.maketrans("", "", " \t\r\x0b\x0c")
-#: an axis word without a decimal point
-_POINTLESS = re.compile(rb"[XYZxyz][ \t]*[-+]?[ \t]*\d+(?![\d.])")
 _NO_WORDS = frozenset(("", "%", ";"))
 
 
@@ -79,16 +77,14 @@ class FanucReader(Translated):
         self.blocks.finish()
 
     def use_fast_lane(self, source: Source) -> None:
-        """Give stretches of plain motion to compiled code, where every number has its point."""
-        if not self.blocks.takes_plain_numbers or _POINTLESS.search(source.data):
-            return
-        from gcode.fast.fast_lane import FastLane  # loads the compiler, which small programs spare
+        """Give stretches of lines to compiled code."""
+        from gcode.dialects.fanuc.lane import FanucLane  # loads the compiler
 
-        self.fast, self.starts = FastLane(self.controller, source.data), source.line_starts
+        self.fast, self.starts = FanucLane(self.blocks, source.data), source.line_starts
 
     def skip_plain(self) -> bool:
         """Let compiled code obey the lines that come; tells whether it has."""
-        if self.fast is None or self.modal_call is not None or not self.blocks.is_plain:
+        if self.fast is None or self.modal_call is not None:
             return False
         line, _ = self.fast.run((self.next, int(self.starts[self.next])))
         if line == self.next:

@@ -361,7 +361,7 @@ class KlartextReader(Translated):
         if not len(record):
             raise ProgramError("CT without a move before it")
         end, before = record.path().point_mm[-1], self.corner_start
-        arc = record.arcs[-1] if record.arcs and record.arcs[-1][0] == len(record) - 1 else None
+        arc = record.last_arc
         if arc is not None:
             out = end[0] - arc[4], end[1] - arc[5]
             sense = 1.0 if arc[6] > 0 else -1.0
