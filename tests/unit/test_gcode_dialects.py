@@ -213,8 +213,8 @@ def test_sinumerik():
     [
         ("X=R[", "ends too early"),
         ("G1 X=NOTHING", "NOTHING"),
-        ("CYCLE86(10,0,2,-5)", "CYCLE86"),
-        ("ROT RPL=10", "R"),
+        ("CYCLE90(10,0,2,-5)", "CYCLE90"),
+        ("ROT X10", "ROT"),
         ("G1 F=AC(5)", "AC with F"),
         ("G451 G41 X5", "G451"),
         ('CYCLE800(1,"",0,57,0,0,0,0,30,0)', "CYCLE800"),

@@ -13,6 +13,7 @@ from gcode.errors import ProgramError
 from gcode.geometry.corners import broken_corner
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated, number
+from gcode.motion.tangent import tangent_centre
 from gcode.state.controller import Controller
 from gcode.state.tools import ToolEntry
 
@@ -54,7 +55,6 @@ class KlartextReader(Translated):
         self.corner: tuple[str, float] | None = None  #: RND or CHF that waits
         #: start and end of the line before it
         self.held: tuple[list[float], tuple[float, ...]] | None = None
-        self.corner_start = [0.0] * 6
         self.labels: dict[str, int] = {}
         self.begun: dict[str, int] = {}  #: blocks obeyed when what stands below a label began
         #: label line, return line, repeats left, what `begun` was before the repeats
@@ -301,7 +301,6 @@ class KlartextReader(Translated):
                 return ""
         if not axes:
             return ""
-        self.corner_start = self.here()
         return motion + "".join(f"{a}{number(v)}" for a, v in axes) + self._feed(rapid)
 
     def _feed(self, rapid: bool) -> str:
@@ -340,39 +339,14 @@ class KlartextReader(Translated):
 
     def _tangent_arc(self, start: list[float], end: tuple[float, ...]) -> str:
         """CT: the arc that goes on from the line or arc before it without a corner."""
-        heading = self._heading()
-        out = end[0] - start[0], end[1] - start[1]
-        across = heading[0] * out[1] - heading[1] * out[0]
-        if abs(across) < 1e-12:
-            raise ProgramError("CT ends straight ahead")
-        radius = (out[0] ** 2 + out[1] ** 2) / (2.0 * across)
-        code = "g3" if across > 0.0 else "g2"
-        centre = -heading[1] * radius, heading[0] * radius
-        text = f"{code}x{number(end[0])}y{number(end[1])}"
+        c = self.controller
+        if c.side:
+            raise ProgramError("CT with radius compensation is not read", accepted="R0")
+        x, y, sense = tangent_centre(c.record, start, end, c.unit_mm)
+        text = f"{'g3' if sense > 0.0 else 'g2'}x{number(end[0])}y{number(end[1])}"
         if end[2] != start[2]:
             text += f"z{number(end[2])}"
-        return text + f"i{number(centre[0])}j{number(centre[1])}" + self._feed(False)
-
-    def _heading(self) -> tuple[float, float]:
-        """Unit direction in the plane at the end of the last move."""
-        if self.controller.side:
-            raise ProgramError("CT with radius compensation is not read", accepted="R0")
-        record = self.controller.record
-        if not len(record):
-            raise ProgramError("CT without a move before it")
-        end, before = record.path().point_mm[-1], self.corner_start
-        arc = record.last_arc
-        if arc is not None:
-            out = end[0] - arc[4], end[1] - arc[5]
-            sense = 1.0 if arc[6] > 0 else -1.0
-            along = -out[1] * sense, out[0] * sense
-        else:
-            unit = self.controller.unit_mm
-            along = end[0] / unit - before[0], end[1] / unit - before[1]
-        size = math.hypot(*along)
-        if size == 0.0:
-            raise ProgramError("CT behind a move without a direction")
-        return along[0] / size, along[1] / size
+        return text + f"i{number(x - start[0])}j{number(y - start[1])}" + self._feed(False)
 
     # RND and CHF
 
