@@ -79,7 +79,7 @@ def _take(w, s, axial):  # pragma: no cover - compiled
         s.cycle_bottom = depth if s.absolute else above + depth
     if w.seen & _OF_P:
         in_seconds = s.pointed_p_is_seconds and not w.pointless & _OF_P
-        s.cycle_p = w.value[_P] * (1.0 if in_seconds else 0.001)
+        s.cycle_p = w.value[_P] * (1.0 if in_seconds else s.dwell_p_s)
     if w.seen & _OF_Q:
         s.cycle_q = w.value[_Q]
     return w.seen & (_OF_R | of_depth) != 0

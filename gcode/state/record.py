@@ -86,6 +86,12 @@ class Record:
         return self._arcs.whole()
 
     @property
+    def last_arc(self) -> np.ndarray | None:
+        """The row of `arcs` of the last move, (8,); None where that is no arc."""
+        arcs = self.arcs
+        return arcs[-1] if len(arcs) and arcs[-1, 0] == len(self) - 1 else None
+
+    @property
     def dwells(self) -> np.ndarray:
         """All pauses, (D, 2) float64: row, seconds."""
         return self._dwells.whole()

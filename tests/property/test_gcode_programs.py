@@ -170,7 +170,7 @@ fanuc = st.one_of(
 
 @settings(max_examples=200, deadline=None)
 @given(
-    st.lists(fanuc, max_size=25), st.sampled_from(["fanuc", "haas"]),
+    st.lists(fanuc, max_size=25), st.sampled_from(["fanuc", "haas", "mach", "centroid"]),
     st.sampled_from([None, "IS-B", "calculator"]), st.booleans(),
 )  # fmt: skip
 def test_compiled_reader_reads_fanuc_to_the_same_bits(lines, dialect, increment, preview):
