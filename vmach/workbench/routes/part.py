@@ -62,6 +62,12 @@ async def _what_if(request: Request) -> Response:
     return framed(figures | {"residual_rms_um": residual["rms_um"]}, content)
 
 
+async def _exact(request: Request) -> Response:
+    """The part cut anew with the sliders as they are."""
+    session = session_of(request)
+    return framed(*await session.ask("exact", changes=session.changes))
+
+
 async def _point(request: Request) -> Response:
     query = request.query_params
     record, _ = await session_of(request).ask(
@@ -123,6 +129,7 @@ routes = [
     Route("/api/mesh", _mesh),
     Route("/api/values", _values),
     Route("/api/what-if", _what_if, methods=["POST"]),
+    Route("/api/exact", _exact),
     Route("/api/point", _point),
     Route("/api/line", _line),
     Route("/api/program", _program),

@@ -1,12 +1,12 @@
 // What if: a card for every effect, with sliders; the part follows them at once.
 
 import { attempt, bench } from "./bench.js";
-import { get, postFramed, TAB } from "./api.js";
+import { framed, get, postFramed, TAB } from "./api.js";
 import { el, fixed, short, units } from "./dom.js";
 import { applyValues, loadValues } from "./stage.js";
 
 const state = { cards: [], values: new Map(), isWaiting: false, isDirty: false, panel: null, open: new Set() };
-const STEPS = 200;
+const STEPS = 200, SETTLED_MS = 700;
 const keyOf = (card) => card.effect + ":" + card.target;
 
 export function whatIfPanel(panel) {
@@ -17,7 +17,8 @@ export function whatIfPanel(panel) {
   const list = el("div", { class: "cards" });
   panel.append(
     el("div", { class: "row" }, filter, reset),
-    el("p", { class: "residual", id: "what-if-residual", role: "status" }), list);
+    el("p", { class: "residual", id: "what-if-residual", role: "status" }),
+    el("p", { class: "residual soft", id: "what-if-exact" }), list);
   filter.oninput = () => showCards(list, filter.value.toLowerCase());
   bench.on("part", attempt(async () => {
     state.cards = (await get("/api/effects")).cards;
@@ -98,6 +99,7 @@ const push = attempt(async () => {
     return;
   }
   state.isWaiting = true;
+  document.getElementById("what-if-exact").textContent = "";
   try {
     do {
       state.isDirty = false;
@@ -108,6 +110,19 @@ const push = attempt(async () => {
   } finally {
     state.isWaiting = false;
   }
+  clearTimeout(state.settling);
+  if (state.values.size && bench.look.quantity === "deviation" && bench.look.model === "abbe")
+    state.settling = setTimeout(cutAnew, SETTLED_MS);
+});
+
+// When the sliders rest, the part is cut anew: another move may make a point then.
+const cutAnew = attempt(async () => {
+  const asked = JSON.stringify(changesNow());
+  const [figures, values] = await framed("/api/exact");
+  if (state.isWaiting || asked !== JSON.stringify(changesNow()) || bench.look.quantity !== "deviation") return;
+  applyValues(figures, values);
+  document.getElementById("what-if-exact").textContent = figures.first_order_off_um >= 0.05
+    ? `Cut anew: up to ${fixed(figures.first_order_off_um)} µm from what the sliders showed.` : "Cut anew: the same.";
 });
 
 function changesNow() {
