@@ -12,11 +12,13 @@ from vmach.report.result import STATUSES, Column, InspectedPoints
 
 __all__ = [
     "Statistics",
+    "apart_on_part_mm",
     "column_statistics",
     "common_range_mm",
     "feature_statistics",
     "worst_apart_mm",
     "worst_places",
+    "worst_rows",
 ]
 
 #: share of the part's size that two worst places of one feature are apart
@@ -97,7 +99,12 @@ def feature_statistics(
 
 def worst_apart_mm(points: InspectedPoints) -> float:
     """Distance that two worst places of one feature keep: a round 5 % of the part's size."""
-    size_mm = np.linalg.norm(np.ptp(points.point_mm, axis=0)) if len(points) else 0.0
+    return apart_on_part_mm(points.point_mm)
+
+
+def apart_on_part_mm(point_mm: np.ndarray) -> float:
+    """The same of points (P, 3) all over a part."""
+    size_mm = np.linalg.norm(np.ptp(point_mm, axis=0)) if len(point_mm) else 0.0
     return nice_ceiling(max(_APART * float(size_mm), 1e-6))
 
 
@@ -109,13 +116,25 @@ def worst_places(points: InspectedPoints, column: Column, count: int = 10) -> np
     answer is the same on every run.
     """
     cut = np.flatnonzero(column.is_cut)
-    left = cut[np.argsort(-np.abs(column.deviation_mm[cut]), kind="stable")]
-    apart_mm, chosen = worst_apart_mm(points), []
+    size_mm = np.abs(column.deviation_mm[cut])
+    rows = worst_rows(
+        points.point_mm[cut], points.feature[cut], size_mm, apart_mm=worst_apart_mm(points),
+        count=count,
+    )  # fmt: skip
+    return cut[rows]
+
+
+def worst_rows(
+    point_mm: np.ndarray, feature: np.ndarray, size_mm: np.ndarray, *, apart_mm: float,
+    count: int = 10,
+) -> np.ndarray:  # fmt: skip
+    """The same of points (C, 3) of features (C,) with sizes (C,), all of which count."""
+    left, chosen = np.argsort(-size_mm, kind="stable"), []
     while left.size and len(chosen) < count:
         worst = left[0]
         chosen.append(worst)
-        away_mm = np.linalg.norm(points.point_mm[left] - points.point_mm[worst], axis=1)
-        near = (points.feature[left] == points.feature[worst]) & (away_mm <= apart_mm)
+        away_mm = np.linalg.norm(point_mm[left] - point_mm[worst], axis=1)
+        near = (feature[left] == feature[worst]) & (away_mm <= apart_mm)
         left = left[~near]
     return np.array(chosen, dtype=np.int64)
 
