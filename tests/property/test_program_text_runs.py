@@ -27,12 +27,16 @@ numbers = st.sampled_from(
         "+.0",
     ]
 )
-words = st.builds(lambda a, b: a + b, st.sampled_from("XYZxyz"), numbers)
-lines = st.lists(
-    st.one_of(words, st.sampled_from(["G1", "g01", "G0", "F200", "(go)", "; end", "N7"])),
-    min_size=1,
-    max_size=5,
-).map(" ".join)
+lines = st.builds(
+    lambda label, code, places, letters, last: " ".join(
+        [label, code, *(k + v for k, v in zip(letters, places, strict=False)), last]
+    ),
+    st.sampled_from(["", "", "N7"]),
+    st.sampled_from(["", "", "G1", "g01", "G0"]),
+    st.lists(numbers, min_size=1, max_size=3),
+    st.sampled_from(["XYZ", "ZXY", "yzx", "XZ"]),
+    st.sampled_from(["", "", "F200", "(go)", "; end"]),
+)
 arcs = st.sampled_from(["G91 G2 X2 I1\nG90", "G91 G1 X1\nG90", "/X5", "X 6 Y1 0", "G20\nX.5\nG21"])
 programs = st.lists(st.one_of(lines, lines, lines, arcs), min_size=1, max_size=25)
 
