@@ -45,7 +45,8 @@ def test_without_a_job_the_page_offers_what_there_is(start):
 
 WRONG = [{"name": "../x"}, {"name": "job"}, {"program": "none.nc"}, {"machine": None},
          {"tools": []}, {"zero_mm": [1, 2]}, {"zero_mm": [1, 2, float("1e400")]},
-         {"tools": [{"number": 1}]}, {"program": "../part.nc"}, {"tools": [{"number": "1]\nx", "shape": "flat"}]}]  # fmt: skip
+         {"tools": [{"number": 1}]}, {"program": "../part.nc"},
+         {"tools": [{"number": "1]\nx", "shape": "flat"}]}]  # fmt: skip
 
 
 @pytest.mark.parametrize("wrong", WRONG, ids=range(len(WRONG)))
