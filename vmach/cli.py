@@ -15,6 +15,7 @@ from vmach.base.kernel_cache import (
     forget_stale_kernels,
 )
 from vmach.commands.accuracy import accuracy
+from vmach.commands.batch import batch
 from vmach.commands.canon import canon
 from vmach.commands.compensate import compensate
 from vmach.commands.diagnosis import add, diagnose, history
@@ -69,7 +70,7 @@ def _before_any_command(
 for _command in (run, compare, predict, path, diagnose, add, history, compensate):
     app.command()(_command)
 app.command(cls=HelpWithFormats)(tables)
-for _command in (accuracy, iso230, canon, schema, view, warm_up):
+for _command in (batch, accuracy, iso230, canon, schema, view, warm_up):
     app.command()(_command)
 app.add_typer(effects_app, name="effects")
 

@@ -24,7 +24,7 @@ LAYERS = [
     {"measurements", "instruments", "controller_tables"},
     {"fit"},
     {"diagnosis", "run"},
-    {"history", "compensation"},
+    {"history", "compensation", "study"},
     {"api"},
     {"commands"},
     {"cli", "__main__", "__init__"},

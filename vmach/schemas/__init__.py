@@ -12,6 +12,7 @@ from vmach.schemas.base import Output
 from vmach.schemas.correction import CompensationFigures, DiagnosisFigures
 from vmach.schemas.machine import Accuracy, Iso230, Tables
 from vmach.schemas.part import PathErrors, PointPrediction, Summary
+from vmach.schemas.study import Batch
 
 __all__ = ["SCHEMAS", "json_schema"]
 
@@ -20,6 +21,7 @@ SCHEMAS: dict[str, type[Output]] = {
     "summary": Summary,
     "predict": PointPrediction,
     "path": PathErrors,
+    "batch": Batch,
     "diagnose": DiagnosisFigures,
     "compensate": CompensationFigures,
     "accuracy": Accuracy,
