@@ -252,11 +252,13 @@ def _entry_arc(path: CompensatedPath, block: Values) -> None:
     base = direction(target, centre)
     spread = math.cos(direction(target, path.current) - base)
     if abs(spread) < 1e-4:
-        raise ProgramError("tool radius is not less than the radius of the entry arc")
+        raise ProgramError(f"tool radius {path.radius:g} is not less than that of the entry arc")
     centre = beside(target, half / spread, base)
     error = abs(distance(centre, target) - distance(centre, path.current))
     if error > path.controller.tolerance.absolute(path.unit_mm):
-        raise ProgramError("cutter compensation finds no entry arc")
+        raise ProgramError(
+            f"cutter compensation finds no entry arc: its ends differ by {error:.3g} in radius"
+        )
     if path.controller.orientation not in (0, 9):
         path.add_line(Call.FEED, path.current, (0.0, 0.0), level=path.level)
         path.queue.start = path.current

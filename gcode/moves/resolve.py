@@ -27,10 +27,7 @@ class _Modal:
     """Values of events as columns over the rows."""
 
     def __init__(self, record: Record, count: int) -> None:
-        self.count = count
-        self.events: dict[str, list[tuple]] = {}
-        for event in record.events:
-            self.events.setdefault(event[2], []).append(event)
+        self.record, self.count = record, count
 
     def column(self, name: str, width: int = 1, *, skip: int = 0) -> np.ndarray:
         """(N, width) last values of an event before each row, zero before the first.
@@ -44,11 +41,11 @@ class _Modal:
         skip : int
             How many values to leave out before them.
         """
-        events = self.events.get(name, [])
-        values = np.zeros((len(events) + 1, width))
-        for index, event in enumerate(events, 1):
-            values[index] = event[3 + skip : 3 + skip + width]
-        rows = np.array([0] + [event[0] for event in events] + [self.count])
+        at, told = self.record.events_of(name)
+        values = np.zeros((len(at) + 1, width))
+        if len(at):
+            values[1:] = told[:, skip : skip + width]
+        rows = np.concatenate(([0], at, [self.count]))
         return np.repeat(values, np.diff(rows, prepend=0)[1:], axis=0)
 
 
@@ -140,7 +137,7 @@ def _machine_ends(path: Path, modal: _Modal, offset: np.ndarray) -> tuple[np.nda
 
 def _turned(modal: _Modal, point: np.ndarray, rows: slice | np.ndarray) -> np.ndarray:
     """Points after the mirror image and rotation of the programmable frame of their rows."""
-    if "set_turn" not in modal.events:
+    if not len(modal.record.events_of("set_turn")[0]):
         return point
     angle, x, y = modal.column("set_turn", 3)[rows].T
     x, y = np.where(x == 0.0, 1.0, x), np.where(y == 0.0, 1.0, y)
@@ -178,9 +175,9 @@ def _arcs(
     """Centre, axis and swept angle of every arc; zero elsewhere."""
     count = len(start)
     centre, axis, sweep = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
-    if not record.arcs:
+    table = record.arcs
+    if not len(table):
         return centre, axis, sweep
-    table = np.array(record.arcs)
     rows, plane = table[:, 0].astype(int), table[:, 1].astype(int)
     first = np.array([0, 0, 1, 2])[plane]
     normal = (first + 2) % 3
@@ -218,5 +215,5 @@ def _sweeps(
 
 def _set_pauses(duration: np.ndarray, record: Record, path: Path, limits: MachineLimits) -> None:
     duration[path.call == Call.CHANGE_TOOL] = limits.tool_change_s
-    for row, seconds in record.dwells:
-        duration[row] = seconds
+    dwells = record.dwells
+    duration[dwells[:, 0].astype(np.int64)] = dwells[:, 1]

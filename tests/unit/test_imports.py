@@ -26,6 +26,7 @@ LAYERS = [
     {"diagnosis", "run"},
     {"history", "compensation", "study"},
     {"api"},
+    {"workbench"},
     {"commands"},
     {"cli", "__main__", "__init__"},
 ]

@@ -66,7 +66,7 @@ def accuracy(
         if profile is not None:
             path = read_profile(profile).divided(_PROFILE_SPACING_MM).errors(known, tool_mm, model)
         report = accuracy_figures(known, field, comparison, tool_mm, model=model)
-        if path is not None:
+        if path is not None and profile is not None:
             report["profile"] = profile_figures(profile, path)
         if uncertainty is UncertaintyMethod.MONTE_CARLO:
             from vmach.uncertainty.monte_carlo import Plan

@@ -33,7 +33,7 @@ def canon(
     from gcode import (
         UnknownToolError,
         canon_calls,
-        canon_lines,
+        canon_text,
         dialect_name,
         read_program,
         read_tool_table,
@@ -60,4 +60,4 @@ def canon(
         calls = [{"line": n, "call": name, "arguments": a} for n, name, a in canon_calls(read)]
         print(json.dumps(calls, indent=1))
     else:
-        sys.stdout.writelines(f"{line}\n" for line in canon_lines(read))
+        sys.stdout.writelines(canon_text(read))

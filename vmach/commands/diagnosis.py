@@ -254,6 +254,7 @@ def history(
                 "added": list(s.added),
                 "rms_um": s.rms_um,
                 "check_rms_um": s.check_rms_um,
+                "held_out_um": s.held_out_um,
                 "notes": [str(note) for note in s.notes],
                 "note_records": note_records(s.notes),
             }
@@ -261,12 +262,12 @@ def history(
         ]
         print(json.dumps(rows, indent=1))
         return
-    table = Table("job", "added", "RMS fitted, um")
+    table = Table("job", "added", "RMS fitted, um", "held out, um")
     if check is not None:
         table.add_column("RMS other part, um")
     for name, s in zip(_names([s.job for s in steps]), steps, strict=True):
         other = [] if s.check_rms_um is None else [f"{s.check_rms_um:.2f}"]
-        table.add_row(name, ", ".join(s.added), f"{s.rms_um:.2f}", *other)
+        table.add_row(name, ", ".join(s.added), f"{s.rms_um:.2f}", f"{s.held_out_um:.2f}", *other)
     console().print(table)
     for note in steps[-1].notes:
         print(f"note: {note}")

@@ -30,7 +30,7 @@ _FIGURES, _README = "tables.json", "README.md"
 class HelpWithFormats(TyperCommand):
     """Its help says what every format holds; they are loaded only when it is asked for."""
 
-    def format_help(self, ctx: typer.Context, formatter: Any) -> None:
+    def format_help(self, ctx: Any, formatter: Any) -> None:
         from vmach.controller_tables import FORMATS
 
         formats = (
@@ -124,7 +124,7 @@ def _task(
         )
     if model is Variant.NONE:
         raise InputError(f"--model {model} has no error to compensate", accepted="abbe, htm")
-    if job is None:
+    if job is None and machine is not None:
         length = 0.0 if tool_length is None else tool_length
         return task_of_machine(
             admitted_machine(machine), model, tool_length_mm=length, tolerance_mm=tolerance_mm
@@ -132,6 +132,7 @@ def _task(
     if tool_length is not None:
         what = f"--tool-length {tool_length:g} goes with --machine"
         raise InputError(what, hint="a job names its own tools")
+    assert job is not None
     return task_of_job(read_job(job), model, tolerance_mm=tolerance_mm)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,7 @@ from vmach.base.units import mm_from_um
 from vmach.errors import InputError
 from vmach.files.toml_file import line_of_key, read_toml_and_text
 from vmach.job.control import control_told
+from vmach.job.drawing import JobDrawing, read_drawing
 from vmach.job.schema import InspectionEntry, JobSchema, MeasuringMachineEntry, ToolEntry
 from vmach.machine import Machine
 from vmach.plausibility import admitted_machine, check_tools
@@ -22,7 +24,7 @@ from vmach.plausibility import admitted_machine, check_tools
 if TYPE_CHECKING:
     import trimesh
 
-__all__ = ["Blank", "Inspection", "Job", "JobTool", "job_name", "read_job"]
+__all__ = ["Blank", "Inspection", "Job", "JobTool", "free_job_name", "job_name", "read_job"]
 
 #: keys of a tool that its cutting part is made from
 _CUTTER_DIMENSIONS = {
@@ -153,6 +155,8 @@ class Job:
     inspection : Inspection
     device : Device
         What is known of the machine that measured the part.
+    drawing : JobDrawing
+        Features, datums and tolerances.
     effects, measurements, history
         As in the file; read by the parts of the program that know them.
     fitted : mapping of (effect, target) to tuple of mapping
@@ -176,6 +180,7 @@ class Job:
     offsets: Mapping[int, OffsetEntry]
     inspection: Inspection
     device: Device
+    drawing: JobDrawing
     effects: Mapping[str, Any]
     measurements: Sequence[Mapping[str, Any]]
     history: Sequence[Mapping[str, Any]]
@@ -192,7 +197,8 @@ class Job:
         files = [("job", self.path), ("program", self.program), ("machine", machine)]
         files += [("error table", table) for table in dict.fromkeys(tables)]
         blank = self.blank.file if self.blank else None
-        optional = [("nominal", self.nominal), ("measured", self.measured), ("stock", blank)]
+        optional = [("nominal", self.nominal), ("measured", self.measured), ("stock", blank),
+                    ("logo", self.drawing.logo)]  # fmt: skip
         return files + [(role, path) for role, path in optional if path is not None]
 
 
@@ -200,6 +206,15 @@ def job_name(path: Path) -> str:
     """What a job is called: its file's name, or its folder's where the file is ``job.toml``."""
     path = path.resolve()
     return path.parent.name if path.name == "job.toml" else path.stem
+
+
+def free_job_name(path: Path) -> Path:
+    """A name for a job that goes on from another, beside it: ``job-2.toml``, ``job-3.toml`` ..."""
+    number = 2
+    stem = re.sub(r"-\d+$", "", path.stem)
+    while (candidate := path.with_name(f"{stem}-{number}.toml")).exists():
+        number += 1
+    return candidate
 
 
 def read_job(path: Job | str | Path) -> Job:
@@ -215,6 +230,13 @@ def read_job(path: Job | str | Path) -> Job:
     ------
     InputError
         Anything wrong with the files, with file, line, key, value and what is accepted.
+
+    Examples
+    --------
+    >>> import vmach
+    >>> job = vmach.read_job("samples/freecad_pocket/job.toml")
+    >>> job.machine.chain, sorted(job.tools)
+    (Chain(tool_side=('Z',), work_side=('Y', 'X')), [1, 2])
     """
     if isinstance(path, Job):
         return path
@@ -263,6 +285,7 @@ def read_job(path: Job | str | Path) -> Job:
         offsets={k: OffsetEntry(**row.model_dump()) for k, row in data.offsets.items()},
         inspection=_inspection(data.inspection, at("inspection", "alignment")),
         device=_device(data.measuring_machine),
+        drawing=read_drawing(data, path.parent, at),
         effects=data.effects,
         measurements=data.measurements,
         history=[step.model_dump(exclude_none=True) for step in data.history],

@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from vmach.base.note import Note
+from vmach.features.result import FeatureResult
 
 __all__ = [
     "STATUSES",
@@ -59,6 +60,8 @@ class Column:
         One of `STATUSES`.
     remainder_mm : (P,) float64, optional
         Measured minus predicted after the alignment that the caller chose; finite where cut.
+    weight : (P,) float64, optional
+        How much each point counts in means and shares; 1 for all without it.
     """
 
     name: str
@@ -66,6 +69,7 @@ class Column:
     deviation_mm: np.ndarray
     status: np.ndarray
     remainder_mm: np.ndarray | None = None
+    weight: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         count = len(self.deviation_mm)
@@ -78,6 +82,8 @@ class Column:
             )
         if not np.isfinite(deviation[self.is_cut]).all():
             raise ValueError(f"column {self.name}: a cut point has no finite deviation")
+        if self.weight is not None:
+            _finite(self, "weight", (count,))
         if self.remainder_mm is not None:
             remainder = _frozen(self, "remainder_mm", np.float64, (count,))
             if not np.isfinite(remainder[self.is_cut]).all():
@@ -101,7 +107,7 @@ class Column:
         if self.remainder_mm is None:
             raise ValueError(f"column {self.name} was not compared with a measurement")
         name, label = f"{self.name}_remainder", f"Measured − {self.label}"
-        return Column(name, label, self.remainder_mm, self.status)
+        return Column(name, label, self.remainder_mm, self.status, weight=self.weight)
 
 
 @dataclass(frozen=True)
@@ -325,6 +331,8 @@ class RunRecord:
         The virtual part against the nominal CAD, where there is one.
     points_file : str
         Name of the table of all points that lies beside the page; empty where there is none.
+    features : tuple of FeatureResult
+        What the drawing asks for and what was found.
     """
 
     title: str
@@ -341,11 +349,12 @@ class RunRecord:
     program_lines: tuple[str, ...] = ()
     comparison: SolidComparison | None = None
     points_file: str = ""
+    features: tuple[FeatureResult, ...] = ()
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.tolerance_mm) and self.tolerance_mm > 0):
             raise ValueError(f"RunRecord.tolerance_mm is {self.tolerance_mm}; expected > 0")
-        for name in ("files", "warnings", "notes", "program_lines"):
+        for name in ("files", "warnings", "notes", "program_lines", "features"):
             object.__setattr__(self, name, tuple(getattr(self, name)))
         for name in ("versions", "stages_s", "facts"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))

@@ -15,6 +15,7 @@ from vmach.base.note import Kind, Level, Note, in_file
 from vmach.base.stage_clock import Progress, StageClock, silent
 from vmach.effects import read_effects
 from vmach.errors import InputError
+from vmach.features.result import FeatureResult
 from vmach.job import Job, read_job
 from vmach.machine import Variant
 from vmach.measurements.plausibility.part_check import check_cut, check_file
@@ -45,9 +46,9 @@ __all__ = [
 SOLID_MOVES = 100_000
 
 
-@dataclass(frozen=True)
-class PartInspection:
-    """The surface of a job's part under several error models, without a solid.
+@dataclass(frozen=True, kw_only=True)
+class _Inspected:
+    """What is known of a job's part without a solid.
 
     Attributes
     ----------
@@ -60,10 +61,10 @@ class PartInspection:
     budget : ErrorBudget
         Of the same points and variant, without alignment.
     nominal : NominalPart or None
-    sweeps : dict of Variant to Sweeps
-        The displaced path of every variant.
     notes : tuple of Note
         What the user should know before trusting the numbers.
+    features : tuple of FeatureResult
+        What the drawing asks for; empty where the job has no tolerances.
     """
 
     job: Job
@@ -72,47 +73,42 @@ class PartInspection:
     states: PathStates
     budget: ErrorBudget
     nominal: NominalPart | None
-    sweeps: dict[Variant, Sweeps]
     notes: tuple[Note, ...]
+    features: tuple[FeatureResult, ...] = ()
 
 
-@dataclass(frozen=True)
-class MachinedPart:
+@dataclass(frozen=True, kw_only=True)
+class PartInspection(_Inspected):
+    """The surface of a job's part under several error models, without a solid.
+
+    Attributes
+    ----------
+    sweeps : dict of Variant to Sweeps
+        The displaced path of every variant.
+    """
+
+    sweeps: dict[Variant, Sweeps]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MachinedPart(_Inspected):
     """What the main job found.
 
     Attributes
     ----------
-    job : Job
-    preparation : Preparation
-    points : InspectedPoints
-        Deviations of every variant, aligned as the job asks.
-    states : PathStates
-        How the points that were cut under the last variant were made.
-    budget : ErrorBudget
-        Of the same points and variant, without alignment.
     part : VirtualPart or None
         The solid that the displaced tools leave; None where it was not cut.
-    nominal : NominalPart or None
     model : Variant
         The error model that the solid was cut with.
     comparison : SolidComparison or None
         The solid against the nominal CAD.
     stages_s : dict of str to float
-    notes : tuple of Note
-        What the user should know before trusting the numbers.
     """
 
-    job: Job
-    preparation: Preparation
-    points: InspectedPoints
-    states: PathStates
-    budget: ErrorBudget
     part: VirtualPart | None
-    nominal: NominalPart | None
     model: Variant
     comparison: SolidComparison | None
     stages_s: dict[str, float]
-    notes: tuple[Note, ...]
 
 
 def machine_part(
@@ -144,6 +140,16 @@ def machine_part(
     Raises
     ------
     InputError, gcode.ProgramError, stock.StockError
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> import vmach
+    >>> job = vmach.read_job("samples/freecad_pocket")
+    >>> job = replace(job, inspection=replace(job.inspection, spacing_mm=12.0))
+    >>> found = vmach.machine_part(job, solid=False)
+    >>> [column.name for column in found.points.columns]
+    ['none', 'abbe']
     """
     clock = StageClock(progress)
     job = read_job(job_path)
@@ -183,6 +189,7 @@ def machine_part(
             *([_no_solid_note(moves)] if is_left_out else []),
             *found.notes,
         ),
+        features=found.features,
     )
 
 
@@ -238,6 +245,10 @@ def inspect_part(
             check_cut(preparation, points, count, path=job.measured)
     inspected, notes = inspected_points(job, points, predictions)
     budget = error_budget(predictions[-1], effects)
+    features: tuple[FeatureResult, ...] = ()
+    if job.drawing.tolerances:
+        with clock.stage("features"):
+            features = _features(job, nominal, points, inspected, predictions[-1], budget)
     return PartInspection(
         job=job,
         preparation=preparation,
@@ -247,7 +258,15 @@ def inspect_part(
         nominal=nominal,
         sweeps=sweeps,
         notes=(*preparation.notes, *_assumptions(job), *points.notes, *notes),
+        features=features,
     )
+
+
+def _features(job: Job, *found) -> tuple[FeatureResult, ...]:
+    """What the drawing asks for; jobs without one do not wait for its modules."""
+    from vmach.run.feature_results import feature_results
+
+    return feature_results(job, *found)
 
 
 def _assumptions(job: Job) -> tuple[Note, ...]:

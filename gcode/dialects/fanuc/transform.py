@@ -109,6 +109,7 @@ class Transform:
         first, second, _ = PLANE_AXES[plane]
         if abs(self.factor[first]) != abs(self.factor[second]):
             raise ProgramError(
-                "arc with different scale factors of its two axes", accepted="G51 with one factor P"
+                f"arc with scale factors {self.factor[first]:g} and {self.factor[second]:g}",
+                accepted="G51 with one factor P",
             )
         return abs(self.factor[first])

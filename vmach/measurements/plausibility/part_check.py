@@ -1,4 +1,7 @@
-"""Are measured points those of this part, in mm, in the coordinates of its program?"""
+"""Are measured points those of this part, in mm, in the coordinates of its program?
+
+Source: JCGM 100:2008 (GUM), 4.3.7: rounding to a step s has the standard uncertainty s / sqrt(12).
+"""
 
 from __future__ import annotations
 
@@ -59,7 +62,9 @@ def check_file(points: SurfacePoints, path: Path) -> None:
     """
     if points.measured_mm is None:
         raise InputError(
-            "the points were not measured", file=path, accepted="columns mx, my, mz, in mm"
+            f"none of the {len(points)} points has a measured place",
+            file=path,
+            accepted="columns mx, my, mz, in mm",
         )
     if len(points) < _FEWEST:
         raise InputError(
