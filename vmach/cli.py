@@ -16,6 +16,7 @@ from vmach.base.kernel_cache import (
 )
 from vmach.commands.accuracy import accuracy
 from vmach.commands.canon import canon
+from vmach.commands.check import check
 from vmach.commands.compensate import compensate
 from vmach.commands.diagnosis import add, diagnose, history
 from vmach.commands.effects import effects_app
@@ -67,7 +68,7 @@ def _before_any_command(
         load_effect_file(file)
 
 
-for _command in (run, compare, predict, path, diagnose, add, history, compensate):
+for _command in (check, run, compare, predict, path, diagnose, add, history, compensate):
     app.command()(_command)
 app.command("open")(open_workbench)
 app.command(cls=HelpWithFormats)(tables)
