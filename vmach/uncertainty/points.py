@@ -96,7 +96,7 @@ def prediction_corrections(prediction: Prediction) -> Corrections:
 
 
 def point_corrections(prediction: Prediction, rows: np.ndarray) -> Corrections:
-    """Corrections of some of the points that were cut, by their index among these."""
+    """Corrections of some of the points that were cut, by their index (K,) among these."""
     states, normals = prediction.states[rows], prediction.normals[prediction.is_cut][rows]
     job = prediction.preparation.job
     path = Circumstances(states, job, prediction.variant)
@@ -117,7 +117,7 @@ def _of_effect(effect: EffectInstance, path: Circumstances, normals: np.ndarray)
 
 
 def parameters_part(effect: EffectInstance, path: Circumstances, normals: np.ndarray) -> Part:
-    """What the corrections of an effect's parameters do, to second order."""
+    """What the corrections of an effect's parameters do along `normals` (P, 3), to second order."""
     count = len(effect.one_sigma)
     unit = np.eye(count)
 
