@@ -1,11 +1,14 @@
 """Fanuc macros, Heidenhain Klartext and Sinumerik: read right, or refused with line and word."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from gcode import MoveKind, ProgramError, Source, ToolEntry, dialect_name, read_program
 from gcode.language.registry import choose_dialect
 
+CONTROLS = Path(__file__).parents[1] / "golden" / "controls"
 TOOLS = {1: ToolEntry(100.0, 10.0), 2: ToolEntry(80.0, 6.0)}
 
 
@@ -94,7 +97,7 @@ def test_fanuc_d_word_stays_in_force():
 @pytest.mark.parametrize(
     ("text", "line", "words"),
     [
-        ("O1\nG65 P2\nM30\n", 2, "O2 is not in this file"),
+        ("O1\nG65 P2\nM30\n", 2, "O2 is neither in this file nor beside it"),
         ("O1\nGOTO 5\nM30\n", 2, "no block N5"),
         ("O1\nWHILE[1 EQ 0]DO1\nG0 X1\nM30\n", 2, "without END1"),
         ("O1\nG65 P1 G1\nM30\n", 2, "another G code"),
@@ -264,3 +267,12 @@ def test_a_word_far_down_still_names_the_dialect():
 )
 def test_okuma_is_recognised_and_refused(text):
     assert "Okuma OSP is not read" in refusal(text)
+
+
+@pytest.mark.parametrize("path", sorted(CONTROLS.iterdir()), ids=lambda p: p.name)
+def test_programs_that_hold_every_word_of_a_control_are_read(path):
+    tools = {1: ToolEntry(100.0, 10.0, name="MILL_10"), 2: ToolEntry(80.0, 6.0)}
+    program = read_program(path, tools=tools, dialect=path.name.split(".")[1])
+    assert len(program.moves) > 100
+    again = read_program(path, tools=tools, dialect=program.dialect, fast=True)
+    assert np.array_equal(again.moves.end_mm, program.moves.end_mm)

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 
+from gcode.dialects.heidenhain.approach import approach, depart
 from gcode.dialects.heidenhain.cycle_calls import CycleCalls
 from gcode.dialects.heidenhain.frames import KlartextFrames
 from gcode.dialects.heidenhain.parameters import NUMBER, QParameters
 from gcode.errors import ProgramError
 from gcode.geometry.corners import broken_corner
+from gcode.language.library import find_beside
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated, number
 from gcode.motion.tangent import tangent_centre
@@ -50,11 +53,16 @@ class KlartextReader(Translated):
         self.feed: float | None = None
         self.tool_feed: float | None = None
         self.parameters = QParameters()
+        self.called_at: int | None = None  #: line of the main program that calls this one
+        self.depth = 0
+        self.stopped = False  #: M2 or M30, which end the calling programs too
         self.cycles = CycleCalls(self)
         self.frames = KlartextFrames(self)
         self.corner: tuple[str, float] | None = None  #: RND or CHF that waits
         #: start and end of the line before it
         self.held: tuple[list[float], tuple[float, ...]] | None = None
+        #: end of the last programmed line or arc, and its direction there
+        self.tangent: tuple[tuple[float, ...], float, float] | None = None
         self.labels: dict[str, int] = {}
         self.begun: dict[str, int] = {}  #: blocks obeyed when what stands below a label began
         #: label line, return line, repeats left, what `begun` was before the repeats
@@ -91,13 +99,15 @@ class KlartextReader(Translated):
             self._move(head, content[len(head) :])
             return
         for start, action in (
-            ("BEGIN PGM", self._begin), ("END PGM", lambda _: self.execute("m30")),
+            ("BEGIN PGM", self._begin), ("END PGM", self._end),
             ("BLK FORM", lambda _: self._noted("BLK FORM", "blank for the control's graphics")),
             ("TOOL CALL", self._tool_call), ("TOOL DEF", lambda _: self._noted(
                 "TOOL DEF", "tool preselection; its dimensions are those of the job")),
             ("CYCL DEF", self.cycles.define), ("CYCL CALL", self.cycles.call),
             ("PATTERN DEF", self.cycles.define_pattern),
-            ("CALL LBL", self._call_label), ("LBL", self._label), ("CC", self._centre),
+            ("APPR", lambda text: approach(self, text)), ("DEP", lambda text: depart(self, text)),
+            ("CALL PGM", self._call_program), ("CALL LBL", self._call_label),
+            ("LBL", self._label), ("CC", self._centre),
             ("FN", self._function), ("RND", self._corner), ("CHF", self._corner),
             ("PLANE", self._plane), ("FUNCTION", self._control_function),
             ("STOP", lambda _: self.execute("m0")), ("M", self._only_m),
@@ -117,6 +127,39 @@ class KlartextReader(Translated):
 
     def _begin(self, content: str) -> None:
         self.execute("g20" if content.endswith("INCH") else "g21", "g17g90g40g80")
+
+    def _end(self, _: str) -> None:
+        if self.called_at is None:
+            self.execute("m30")
+        self.ended = True
+
+    def source_line(self, index: int) -> int:
+        """Line of the program; what a called program does is done by the line that calls it."""
+        return index + 1 if self.called_at is None else self.called_at
+
+    def _call_program(self, content: str) -> None:
+        """CALL PGM: a program in a file beside this one, with the same Q parameters."""
+        name = re.split(r"[\\/:]", content.removeprefix("CALL PGM").strip().strip('"'))[-1]
+        found = find_beside(self.options.folder, [name], endings=("", ".h"))
+        if found is None:
+            raise ProgramError(
+                f"program {name} is not beside this one",
+                accepted=f"a file {name.upper().removesuffix('.H')}.H in its folder",
+            )
+        if self.depth >= _LEVELS:
+            raise ProgramError(f"programs nested deeper than {_LEVELS}")
+        called = type(self)(self.controller, list(found.lines), self.options)
+        for shared in ("parameters", "budget", "feed", "tool_feed", "pole", "cycles", "frames"):
+            setattr(called, shared, getattr(self, shared))
+        called.called_at, called.depth = self.controller.line, self.depth + 1
+        self.cycles.reader = self.frames.reader = called
+        try:
+            called.run()
+        except ProgramError as error:
+            raise error.located(file=found.file, line=called.next) from None
+        self.cycles.reader = self.frames.reader = self
+        self.feed, self.tool_feed, self.pole = called.feed, called.tool_feed, called.pole
+        self.ended = called.stopped
 
     def _plane(self, content: str) -> None:
         angles = re.findall(rf"SP[ABC]\s*({NUMBER})", content)
@@ -146,6 +189,7 @@ class KlartextReader(Translated):
         if code in (13, 14):
             return f"m{code - 10}m8"
         if code in (2, 30):
+            self.stopped = True
             return "m30"
         if code in _NOTED_M or code in self.options.control.ignore_m:
             self._noted(f"M{code}", _NOTED_M.get(code) or "moves nothing here")
@@ -296,14 +340,30 @@ class KlartextReader(Translated):
             motion = "g0" if rapid else "g1"
             axes = [(a, end[k]) for k, a in enumerate("XYZABC") if a in named]
             self._round_towards(end, rapid=rapid)
+            self.tangent = end[:2], end[0] - self.here()[0], end[1] - self.here()[1]
             if self._waits() and not rapid:
                 self.held = (self.here(), end)
                 return ""
         if not axes:
             return ""
-        return motion + "".join(f"{a}{number(v)}" for a, v in axes) + self._feed(rapid)
+        return motion + "".join(f"{a}{number(v)}" for a, v in axes) + self.feed_word(rapid)
 
-    def _feed(self, rapid: bool) -> str:
+    def last_direction(self, end: Sequence[float]) -> tuple[float, float]:
+        """Unit direction of the contour at its last programmed point.
+
+        Raises
+        ------
+        ProgramError
+            The last block was no line L, LP or arc C, CR that ends there.
+        """
+        there, x, y = self.tangent or ((math.nan, math.nan), 0.0, 0.0)
+        size = math.hypot(x, y)
+        if math.dist(there, end) > 1e-9 or size == 0.0:
+            raise ProgramError("DEP needs a line L or an arc C or CR before it")
+        return x / size, y / size
+
+    def feed_word(self, rapid: bool) -> str:
+        """F word of a move; none of a rapid."""
         if rapid:
             return ""
         if self.feed is None:
@@ -325,17 +385,21 @@ class KlartextReader(Translated):
         text = f"{code}x{number(end[0])}y{number(end[1])}"
         if end[2] != start[2]:
             text += f"z{number(end[2])}"
+        sense = 1.0 if words["DR"] == "+" else -1.0
         if head == "CR":
             if "R" not in words:
                 raise ProgramError("CR without R")
-            return text + f"r{number(words['R'])}" + self._feed(False)
+            centre = _centre_of_radius(start, end, words["R"] * sense)
+            self.tangent = end[:2], (centre[1] - end[1]) * sense, (end[0] - centre[0]) * sense
+            return text + f"r{number(words['R'])}" + self.feed_word(False)
         if self.pole is None:
             raise ProgramError("C without a circle centre", hint="give CC first")
+        self.tangent = (end[:2], (self.pole[1] - end[1]) * sense, (end[0] - self.pole[0]) * sense)
         turns = abs(words.get("IPA", 0.0)) / 360.0
         if turns > 1.0 + 1e-9:
             text += f"p{math.ceil(turns - 1e-9)}"
         offsets = (self.pole[0] - start[0], self.pole[1] - start[1])
-        return text + f"i{number(offsets[0])}j{number(offsets[1])}" + self._feed(False)
+        return text + f"i{number(offsets[0])}j{number(offsets[1])}" + self.feed_word(False)
 
     def _tangent_arc(self, start: list[float], end: tuple[float, ...]) -> str:
         """CT: the arc that goes on from the line or arc before it without a corner."""
@@ -346,7 +410,7 @@ class KlartextReader(Translated):
         text = f"{'g3' if sense > 0.0 else 'g2'}x{number(end[0])}y{number(end[1])}"
         if end[2] != start[2]:
             text += f"z{number(end[2])}"
-        return text + f"i{number(x - start[0])}j{number(y - start[1])}" + self._feed(False)
+        return text + f"i{number(x - start[0])}j{number(y - start[1])}" + self.feed_word(False)
 
     # RND and CHF
 
@@ -380,7 +444,7 @@ class KlartextReader(Translated):
                                chamfer=corner[0] == "CHF")  # fmt: skip
         first, second, sense = broken or (middle[:2], middle[:2], 0)
         level = "" if middle[2] == start[2] else f"z{number(middle[2])}"
-        self.execute(f"g1x{number(first[0])}y{number(first[1])}{level}" + self._feed(False))
+        self.execute(f"g1x{number(first[0])}y{number(first[1])}{level}" + self.feed_word(False))
         if sense and corner[0] == "RND":
             self.execute(f"g{3 if sense > 0 else 2}x{number(second[0])}y{number(second[1])}"
                          f"r{number(corner[1])}")  # fmt: skip
@@ -486,6 +550,17 @@ class KlartextReader(Translated):
             self.next, self.begun[label] = self.labels[label] + 1, self.budget.executed
         else:
             self.begun[label] = begun
+
+
+def _centre_of_radius(
+    start: Sequence[float], end: Sequence[float], radius: float
+) -> tuple[float, float]:
+    """Centre of CR; the radius is positive where a short arc turns counter-clockwise."""
+    x, y = end[0] - start[0], end[1] - start[1]
+    chord = math.hypot(x, y)
+    rise = math.sqrt(max(radius * radius - chord * chord / 4.0, 0.0))
+    side = math.copysign(rise, radius) / chord if chord else 0.0
+    return start[0] + x / 2.0 - y * side, start[1] + y / 2.0 + x * side
 
 
 _LETTERS = frozenset(("X", "Y", "Z", "A", "B", "C", "IX", "IY", "IZ", "IA", "IB", "IC", "F", "R",

@@ -58,7 +58,8 @@ _UNIFR = re.compile(
 )
 _WORDS_ALONE = re.compile(r"(?:[A-Z]\d+(?:\.\d*)?)+", re.IGNORECASE)  #: G0X0Y0
 _SUBPROGRAM = re.compile(
-    r"(?:(MCALL|CALL)\s+)?\"?([A-Z_]\w+)\"?\s*(\(.*\))?\s*(?:P\s*=?\s*(\w+))?", re.IGNORECASE
+    r"(?:(MCALL|CALL)\s+)?\"?([A-Z_]\w+)\"?\s*(\(.*\))?(?:(?:\s+|(?<=\)))P\s*=?\s*(\w+))?\s*",
+    re.IGNORECASE,
 )
 _DEFINED = re.compile(r"DEF\s+(?:NCK\s+|CHAN\s+)?(REAL|INT|BOOL)\s+(.*)", re.IGNORECASE)
 _CALLED = re.compile(
