@@ -115,7 +115,6 @@ def test_a_slider_moves_the_colours_and_reset_brings_them_back(tab):
     before = figure(tab, "RMS")
     tab.locator("#tab-what-if").click()
     tab.get_by_label("Find an effect").fill("backlash y")
-    tab.locator(".effect summary").first.click()
     slider = tab.locator(".effect input[type=range]").first
     slider.focus()
     for _ in range(3):

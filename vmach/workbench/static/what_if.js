@@ -39,25 +39,32 @@ function readChanges(changes) {
   state.values = new Map((changes ?? []).map((one) => [one.effect + ":" + (one.target ?? ""), { ...one.parameters }]));
 }
 
+// One card an effect, with the sliders of all its targets; those that were moved come first.
 function showCards(list, wanted) {
-  const rank = (card) => (state.values.has(keyOf(card)) ? 0 : card.in_job ? 1 : 2);
-  const cards = state.cards
-    .filter((card) => !wanted || `${card.effect} ${card.target} ${card.title}`.toLowerCase().includes(wanted))
-    .map((card, i) => [rank(card), i, card]).sort((a, b) => a[0] - b[0] || a[1] - b[1]).map((entry) => entry[2]);
-  list.replaceChildren(...cards.map(cardOf));
-  if (!cards.length) list.append(el("p", { class: "soft" }, "No effect of this name."));
+  const groups = new Map();
+  for (const card of state.cards) {
+    if (wanted && !`${card.effect} ${card.target} ${card.title}`.toLowerCase().includes(wanted)) continue;
+    if (!groups.has(card.effect)) groups.set(card.effect, []);
+    groups.get(card.effect).push(card);
+  }
+  const rank = (cards) => (cards.some((c) => state.values.has(keyOf(c))) ? 0 : cards.some((c) => c.in_job) ? 1 : 2);
+  const sorted = [...groups.values()].map((cards, i) => [rank(cards), i, cards]).sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+  list.replaceChildren(...sorted.map((entry) => cardOf(entry[2], Boolean(wanted) && sorted.length < 4)));
+  if (!sorted.length) list.append(el("p", { class: "soft" }, "No effect of this name."));
 }
 
-function cardOf(card) {
-  const key = keyOf(card), touched = state.values.has(key);
-  const head = el("summary", {}, el("b", {}, card.title), el("code", {}, [card.effect, card.target].join(" ").trim()),
-    card.in_job ? el("span", { class: "tag" }, "in the job") : null, touched ? el("span", { class: "tag moved" }, "moved") : null);
-  const body = card.parameters.length
-    ? card.parameters.map((p) => sliderOf(card, p))
-    : [el("p", { class: "soft" }, "A correction curve; it has no slider.")];
-  const made = el("details", { class: "effect", open: touched || state.open.has(key) }, head, ...body,
-    el("p", { class: "soft" }, card.usual_size ? "Usual: " + card.usual_size.replace(/\bum\b/g, "µm") : ""));
-  made.ontoggle = () => (made.open ? state.open.add(key) : state.open.delete(key));
+function cardOf(cards, isOpen) {
+  const [{ effect, title, usual_size }] = cards, touched = cards.filter((card) => state.values.has(keyOf(card)));
+  const targets = cards.map((card) => card.target).filter(Boolean), inJob = cards.filter((card) => card.in_job);
+  const head = el("summary", {}, el("b", {}, title),
+    el("span", { class: "soft" }, targets.length > 4 ? `${targets.length} targets` : targets.join(" ")),
+    inJob.length ? el("span", { class: "tag" }, ["in the job", ...inJob.map((card) => card.target)].join(" ").trim()) : null,
+    touched.length ? el("span", { class: "tag moved" }, ["moved", ...touched.map((card) => card.target)].join(" ").trim()) : null);
+  const made = el("details", { class: "effect", open: isOpen || touched.length > 0 || state.open.has(effect) }, head,
+    cards.map((card) => el("section", { class: "target" }, targets.length ? el("h4", {}, card.target) : null,
+      card.parameters.length ? card.parameters.map((p) => sliderOf(card, p)) : el("p", { class: "soft" }, "A correction curve; it has no slider."))),
+    el("p", { class: "soft" }, usual_size ? "Usual: " + usual_size.replace(/\bum\b/g, "µm") : ""));
+  made.ontoggle = () => (made.open ? state.open.add(effect) : state.open.delete(effect));
   return made;
 }
 
