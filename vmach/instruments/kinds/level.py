@@ -1,4 +1,7 @@
-"""Electronic levels on tool side and table: the tilt of one against the other along an axis."""
+"""Electronic levels on tool side and table: the tilt of one against the other along an axis.
+
+Source: ISO 230-1, angular error motions of a linear axis, by levels.
+"""
 
 from collections.abc import Iterator
 from dataclasses import replace
