@@ -25,6 +25,7 @@ LAYERS = [
     {"fit"},
     {"diagnosis", "run"},
     {"history", "compensation", "checkup"},
+    {"setup"},
     {"api"},
     {"workbench"},
     {"commands"},
