@@ -15,6 +15,7 @@ from vmach.base.kernel_cache import (
     forget_stale_kernels,
 )
 from vmach.commands.accuracy import accuracy
+from vmach.commands.batch import batch
 from vmach.commands.canon import canon
 from vmach.commands.check import check
 from vmach.commands.compensate import compensate
@@ -86,7 +87,7 @@ for _command in (
     app.command()(_command)
 app.command("open")(open_workbench)
 app.command(cls=HelpWithFormats)(tables)
-for _command in (accuracy, iso230, canon, schema, view, warm_up):
+for _command in (batch, accuracy, iso230, canon, schema, view, warm_up):
     app.command()(_command)
 app.add_typer(effects_app, name="effects")
 

@@ -24,7 +24,7 @@ LAYERS = [
     {"measurements", "instruments", "controller_tables"},
     {"fit"},
     {"diagnosis", "run"},
-    {"history", "compensation", "checkup"},
+    {"history", "compensation", "checkup", "study"},
     {"setup"},
     {"api"},
     {"workbench"},

@@ -13,6 +13,7 @@ from vmach.schemas.checkup import CheckOutput
 from vmach.schemas.correction import CompensationFigures, DiagnosisFigures
 from vmach.schemas.machine import Accuracy, Iso230, Tables
 from vmach.schemas.part import PathErrors, PointPrediction, Summary
+from vmach.schemas.study import Batch
 
 __all__ = ["SCHEMAS", "CheckOutput", "json_schema"]
 
@@ -21,6 +22,7 @@ SCHEMAS: dict[str, type[Output]] = {
     "summary": Summary,
     "predict": PointPrediction,
     "path": PathErrors,
+    "batch": Batch,
     "diagnose": DiagnosisFigures,
     "compensate": CompensationFigures,
     "accuracy": Accuracy,
