@@ -71,10 +71,10 @@ def draw_points(prediction: Prediction, plan: Plan, *, progress: Progress = sile
     for start in range(0, count, size):
         rows = np.arange(start, min(start + size, count))
         corrections = point_corrections(prediction, rows)
-        here = deviation[rows, None]
+        few, here = corrections.for_drawing(), deviation[rows, None]
         parts.append(
             propagate(
-                lambda random, m, c=corrections, y=here: y + c.values_mm(c.draw(random, m)),
+                lambda random, m, c=few, y=here: y + c.values_mm(c.draw(random, m)),
                 plan,
                 first_order=(deviation[rows], corrections.u_mm),
             )
