@@ -128,6 +128,8 @@ class NominalPart:
         estimated sagitta of the facets for STL.
     notes : tuple of Note
         What the reader noticed and survived, one sentence each.
+    exact_volume_mm3 : float, optional
+        Volume that the faces enclose, where it is known better than that of the mesh.
     """
 
     path: Path
@@ -136,6 +138,13 @@ class NominalPart:
     mesh_chord_mm: float
     chord_error_mm: float
     notes: tuple[Note, ...] = ()
+    exact_volume_mm3: float | None = None
+
+    @property
+    def volume_mm3(self) -> float:
+        """Volume of the part."""
+        known = self.exact_volume_mm3
+        return self.mesh.volume_mm3 if known is None else known
 
     @property
     def bounds_mm(self) -> np.ndarray:
