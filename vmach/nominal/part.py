@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from vmach.base.note import Kind, Note
 from vmach.errors import InputError
 from vmach.nominal.points import SurfacePoints
+
+if TYPE_CHECKING:
+    from vmach.nominal.step.pmi import StepPmi
 
 __all__ = [
     "EDGE_MARGIN_MM",
@@ -130,6 +133,8 @@ class NominalPart:
         What the reader noticed and survived, one sentence each.
     exact_volume_mm3 : float, optional
         Volume that the faces enclose, where it is known better than that of the mesh.
+    pmi : StepPmi or None
+        Tolerances that the file holds.
     """
 
     path: Path
@@ -138,6 +143,7 @@ class NominalPart:
     mesh_chord_mm: float
     chord_error_mm: float
     notes: tuple[Note, ...] = ()
+    pmi: StepPmi | None = None
     exact_volume_mm3: float | None = None
 
     @property

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from vmach.diagnosis.inference.bank import Bank
-from vmach.diagnosis.inference.remains import remains_um, usual_u_um
+from vmach.diagnosis.inference.remains import remains_mm, remains_um, usual_u_um
 from vmach.diagnosis.inference.rules import SHOWN, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.proposals.form import Form, FormEffect
@@ -28,6 +28,8 @@ _MOST = 4
 _TOLD = 3
 #: sizes in u of a discrepancy that leaves a form to show
 _SMALL = 0.3
+#: numbers that products of forms may take up while they are kept
+_ROOM = 25_000_000
 #: a form whose readings follow those of another one that closely is the same
 _SAME = 0.98
 
@@ -46,6 +48,8 @@ class Forms:
         self._weighing = weighing
         self._known = [weighing.candidates[weighing.index_of(t.label)] for t in found.terms]
         self._columns = FormColumns(weighing.survey)
+        self._banks: list[tuple[list[Form], Bank]] = []
+        self._listed = 0
         self._chosen: dict[str, Form] = {}
         self._singles: list[tuple[Form, Explanation, float]] = []
 
@@ -61,6 +65,7 @@ class Forms:
         for _ in range(_MOST):
             if remains_um(weighing, here) < WORTH_A_FORM * usual_u_um(weighing):
                 break
+            self._columns.add_waves(self._left_mm(here))
             leading = self._leading(here)
             weighing = self._with(leading)
             trials = [weighing.extend(here, weighing.index_of(_label(f))) for f in leading]
@@ -106,8 +111,8 @@ class Forms:
         assert fit is not None
         return Proposal(
             form=form,
-            amount_um=fit.parameters(last)["amount_um"],
-            u_um=fit.uncertainty(last)["amount_um"],
+            amounts_um=fit.parameters(last),
+            u_um=fit.uncertainty(last),
             odds=trial.score - start.score,
             remains_um=remains_um(weighing, trial),
             held_out_um=held_out_um(weighing.survey, fit, last),
@@ -117,8 +122,18 @@ class Forms:
         """A weighing of the known effects, the forms that were added, and some more."""
         every = {_label(form): form for form in (*self._chosen.values(), *forms)}
         candidates = [*self._known, *(self._columns.candidate(f) for f in every.values())]
-        prices = {f"form {f.formula}": float(np.log(len(self._columns))) for f in every.values()}
+        listed = len(self._columns)
+        prices = {label: float(np.log(listed * f.looked_at)) for label, f in every.items()}
         return _Priced(self._weighing, candidates, prices)
+
+    def _left_mm(self, here: Explanation) -> np.ndarray:
+        """What effects, members and alignment leave of the readings, (n,)."""
+        survey = self._weighing.survey
+        explained = 0.0
+        if here.fit is not None:
+            explained = sum(here.fit.explained_mm(k) for k in range(len(here.terms)))
+        left = survey.residual_mm - explained - remains_mm(self._weighing, here)
+        return left - survey.aligned(left[:, None])[:, 0]
 
     def _leading(self, here: Explanation) -> list[Form]:
         """Forms worth a fit, beside an explanation."""
@@ -127,22 +142,43 @@ class Forms:
         views = (here.posterior, replace(here.posterior, sizes=small))
         gains: tuple[list[float], list[float]] = ([], [])
         forms: list[Form] = []
-        for some in self._columns.batches():
-            bank = Bank(self._weighing.base, [self._columns.candidate(form) for form in some])
+        for some, bank in self._weighed():
             forms += some
             for view, gain in zip(views, gains, strict=True):
-                gain += [float(e.log_factor[0]) for e in bank.evidence(view)]
+                found = bank.evidence(view)
+                gain += [
+                    float(e.log_factor[0] - np.log(f.looked_at))
+                    for e, f in zip(found, some, strict=True)
+                ]
         chosen: list[Form] = []
         for gain in gains:
             taken: list[np.ndarray] = []
             for k in np.argsort(-np.array(gain)):
                 if gain[k] < SHOWN or len(taken) == _FITTED:
                     break
-                column = self._columns.direction_of(forms[k])
-                if all(abs(column @ other) < _SAME for other in taken):
-                    taken.append(column)
+                space = self._columns.space_of(forms[k])
+                if all(_share_within(space, other) < _SAME for other in taken):
+                    taken.append(space)
                     chosen += [forms[k]] if forms[k] not in chosen else []
         return [form for form in chosen if _label(form) not in self._chosen]
+
+    def _weighed(self) -> Iterator[tuple[list[Form], Bank]]:
+        """Forms with their products, kept for the next time where there is room for them."""
+        yield from self._banks
+        known = sum(len(forms) for forms, _ in self._banks) if self._banks else 0
+        room = _ROOM // len(self._weighing.survey)
+        for some in self._columns.batches(self._columns.forms[self._listed :]):
+            bank = Bank(self._weighing.base, [self._columns.candidate(form) for form in some])
+            if (known := known + len(some)) < room:
+                self._banks.append((some, bank))
+            yield some, bank
+        if known < room:
+            self._listed = len(self._columns.forms)
+
+
+def _share_within(space: np.ndarray, other: np.ndarray) -> float:
+    """Which share of a space of readings lies within another one, as a cosine."""
+    return float(np.linalg.norm(other.T @ space) / np.sqrt(max(space.shape[1], 1)))
 
 
 class _Priced(Weighing):
