@@ -39,11 +39,8 @@ def check(
             }
             for f in found
         ]
-        print(
-            json.dumps(
-                CheckOutput(ready=not counts[Weight.MEND], findings=records).model_dump(), indent=1
-            )
-        )
+        report = {"ready": not counts[Weight.MEND], "findings": records}
+        print(json.dumps(CheckOutput.model_validate(report).model_dump(), indent=1))
     else:
         for weight in Weight:
             if counts[weight]:

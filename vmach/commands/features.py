@@ -18,6 +18,7 @@ from vmach.files.atomic import check_outputs
 from vmach.files.together import together
 
 if TYPE_CHECKING:
+    from vmach.job import Job
     from vmach.report import RunRecord
     from vmach.run.pipeline import MachinedPart
 
@@ -88,7 +89,7 @@ def _write_files(files: list[Path], made: MachinedPart, record: RunRecord) -> No
                 write_features_file(path, record, picture=picture, logo=made.job.drawing.logo)
 
 
-def _list_faces(job, as_json: bool) -> None:
+def _list_faces(job: Job, as_json: bool) -> None:
     """Names, kinds and areas of the faces of the CAD."""
     from vmach.nominal import read_nominal
 
