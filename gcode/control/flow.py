@@ -110,8 +110,11 @@ class _Runner:
     def _finish(self) -> None:
         skip, frames = self.flow.skip, self.flow.frames
         if skip is not None:
-            raise ProgramError(f"end of file while seeking O<{skip.label.name}>",
-                               line=skip.since[0] + 1, hint="the O-word has no partner")
+            raise ProgramError(
+                f"end of file while seeking O<{skip.label.name}>",
+                line=skip.since[0] + 1,
+                hint="the O-word has no partner",
+            )
         if frames:
             raise ProgramError(f"end of file inside subroutine O<{frames[-1].label.name}>")
         cutter_compensation.flush(self.controller)

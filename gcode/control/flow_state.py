@@ -143,8 +143,10 @@ class Flow:
         if known is None:
             known = self.openings[label] = Opening(keyword, self.here)
         elif (known.keyword, known.place) != (keyword, self.here):
-            raise ProgramError(f"O<{label.name}> is already used in line {known.place[0] + 1}",
-                               hint="give each O-word its own number")
+            raise ProgramError(
+                f"O<{label.name}> is already used in line {known.place[0] + 1}",
+                hint="give each O-word its own number",
+            )
         return known
 
     def opening(self, label: Label, *keywords: str) -> Opening:

@@ -38,8 +38,9 @@ class BlockBudget:
     def check(self) -> None:
         """Raise ProgramError where the program has run more blocks than it may."""
         if self.executed > self.largest:
-            raise ProgramError(f"program runs more than {self.largest} blocks",
-                               hint="look for a loop without end")
+            raise ProgramError(
+                f"program runs more than {self.largest} blocks", hint="look for a loop without end"
+            )
 
     def check_rounds(
         self, rounds: int, blocks: int, *, exact: bool = True, line: int | None = None
@@ -113,14 +114,19 @@ class LoopGuard:
         """
         self.outermost = min(self.outermost or (level, line), (level, line))
         if self._is_kept(line, flow):
-            raise ProgramError("loop without end: after a round nothing has changed",
-                               line=self.outermost[1],
-                               hint="change in the loop what its condition asks for, or leave it")
+            raise ProgramError(
+                "loop without end: after a round nothing has changed",
+                line=self.outermost[1],
+                hint="change in the loop what its condition asks for, or leave it",
+            )
         if len(self.controller.record) != self.moves:
             self.moves, self.moved_at = len(self.controller.record), executed
         elif executed - self.moved_at > _BLOCKS_WITHOUT_MOVE:
-            raise ProgramError(f"loop runs more than {_BLOCKS_WITHOUT_MOVE} blocks without a move",
-                               line=self.outermost[1], hint="look for a loop without end")
+            raise ProgramError(
+                f"loop runs more than {_BLOCKS_WITHOUT_MOVE} blocks without a move",
+                line=self.outermost[1],
+                hint="look for a loop without end",
+            )
         self.jumps += 1
         if self.jumps == self.replace_at:
             self.replace_at *= 2

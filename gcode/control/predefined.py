@@ -88,7 +88,9 @@ def unknown_input(parameters: Parameters) -> None:
     """M66: from now on #5399 holds what an input said, which nobody knows here."""
 
     def read() -> float:
-        raise ProgramError("#5399 holds the answer of an input (M66), which is not known here",
-                           hint="the path must not depend on inputs of the machine")
+        raise ProgramError(
+            "#5399 holds the answer of an input (M66), which is not known here",
+            hint="the path must not depend on inputs of the machine",
+        )
 
     parameters.computed[5399] = read

@@ -22,8 +22,10 @@ def _sub(flow: Flow, label: Label, block: Block) -> None:
         _arrive(flow, label, "sub")
         return
     if label in flow.openings:
-        raise ProgramError(f"O<{label.name}> SUB stands where the program runs into it",
-                           hint="end the main program with M2 before it")
+        raise ProgramError(
+            f"O<{label.name}> SUB stands where the program runs into it",
+            hint="end the main program with M2 before it",
+        )
     flow.open(label, "sub")
     flow.pass_over(label, SkipReason.DEFINED)
 

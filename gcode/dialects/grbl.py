@@ -53,8 +53,10 @@ class GrblReader(Translated):
     def _check(letter: str, codes: list[float], known: frozenset[float]) -> None:
         for code in codes:
             if round(code, 1) not in known:
-                raise ProgramError(f"{letter}{code:g} is no word of Grbl",
-                                   accepted=" ".join(f"{letter}{k:g}" for k in sorted(known)))
+                raise ProgramError(
+                    f"{letter}{code:g} is no word of Grbl",
+                    accepted=" ".join(f"{letter}{k:g}" for k in sorted(known)),
+                )
 
 
 class Grbl(Dialect):

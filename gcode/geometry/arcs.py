@@ -49,8 +49,10 @@ def centre_from_offsets(
     radius = math.hypot(centre[0] - start[0], centre[1] - start[1])
     end_radius = math.hypot(centre[0] - end[0], centre[1] - end[1])
     if min(radius, end_radius) < _ZERO_RADIUS_MM / unit_mm:
-        raise ProgramError(f"arc with radius zero: {radius:.6g} at its start, {end_radius:.6g} at "
-                           "its end", hint="check I, J, K and the start of the arc")
+        raise ProgramError(
+            f"arc with radius zero: {radius:.6g} at its start, {end_radius:.6g} at its end",
+            hint="check I, J, K and the start of the arc",
+        )
     difference, allowed = abs(radius - end_radius), tolerance.absolute(unit_mm)
     relative = difference / max(radius, end_radius)
     if difference > allowed * tolerance.ceiling or (
@@ -83,8 +85,10 @@ def centre_from_radius(
     middle = ((end[0] + start[0]) / 2.0, (end[1] + start[1]) / 2.0)
     half = math.hypot(middle[0] - end[0], middle[1] - end[1])
     if half - size > _ZERO_RADIUS_MM / unit_mm:
-        raise ProgramError(f"arc radius {size:g} is too small to reach the end point",
-                           accepted=f"at least {half:.6g}")
+        raise ProgramError(
+            f"arc radius {size:g} is too small to reach the end point",
+            accepted=f"at least {half:.6g}",
+        )
     if size == 0.0:
         raise ProgramError("arc radius R is zero")
     if half / size > 1.0 - _SEMICIRCLE:
@@ -116,9 +120,7 @@ def arc_angle(start: Point, end: Point, centre: Point, turns: int) -> float:
     return beta - alpha + (turns + 1) * 2.0 * math.pi
 
 
-def arc_length(
-    start: Point, end: Point, centre: Point, *, turns: int, rise: float
-) -> float:
+def arc_length(start: Point, end: Point, centre: Point, *, turns: int, rise: float) -> float:
     """Length of a helical arc with the radius at its start."""
     radius = math.hypot(centre[0] - start[0], centre[1] - start[1])
     return math.hypot(radius * arc_angle(start, end, centre, turns), rise)

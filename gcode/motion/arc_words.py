@@ -23,9 +23,10 @@ def arc_offsets(controller: Controller, words: dict[str, float]) -> tuple[float,
     first, second, axial = PLANE_AXES[controller.plane]
     letters = "ijk"
     if letters[axial] in words:
-        raise ProgramError(f"{letters[axial].upper()} word in an arc of plane "
-                           f"{'XYZ'[first]}{'XYZ'[second]}",
-                           accepted=f"{letters[first].upper()} {letters[second].upper()}")
+        raise ProgramError(
+            f"{letters[axial].upper()} word in an arc of plane {'XYZ'[first]}{'XYZ'[second]}",
+            accepted=f"{letters[first].upper()} {letters[second].upper()}",
+        )
     for index in (first, second):
         if letters[index] not in words and controller.arc_absolute:
             raise ProgramError(f"{letters[index].upper()} word missing in arc with absolute centre")
@@ -37,8 +38,10 @@ def check_arc_words(controller: Controller, block: Values) -> None:
     words = block.words
     has_ijk = any(letter in words for letter in "ijk")
     if controller.straight_only:
-        raise ProgramError("the move after the end of cutter compensation must be straight",
-                           hint="insert G0 or G1 before the arc")
+        raise ProgramError(
+            "the move after the end of cutter compensation must be straight",
+            hint="insert G0 or G1 before the arc",
+        )
     if "r" not in words and not has_ijk:
         raise ProgramError("arc without R, I, J or K")
     if "r" in words and has_ijk:

@@ -106,8 +106,11 @@ def straight(controller: Controller, motion: str, end: list[float]) -> None:
         return
     if controller.entering:
         if distance(path.current, path.end) <= path.radius:
-            raise ProgramError("entry move of cutter compensation is not longer than the tool "
-                               f"radius {path.radius:g}", hint="start further away")
+            raise ProgramError(
+                "entry move of cutter compensation is not longer than the tool "
+                f"radius {path.radius:g}",
+                hint="start further away",
+            )
         angle = direction(path.current, path.end) + path.side * QUARTER
         target = beside(path.end, path.radius, angle)
         path.queue.start = path.current
@@ -215,8 +218,9 @@ def arc(controller: Controller, block: Values, end: list[float]) -> None:
     """
     path = CompensatedPath(controller, end)
     if controller.entering and controller.start_up:
-        raise ProgramError("cutter compensation begins with an arc",
-                           accepted="G41 or G42 in a block with G0 or G1")
+        raise ProgramError(
+            "cutter compensation begins with an arc", accepted="G41 or G42 in a block with G0 or G1"
+        )
     if controller.entering:
         _entry_arc(path, block)
     else:
@@ -232,8 +236,9 @@ def _set_feed(path: CompensatedPath, block: Values, start: Point, *, centre: Poi
 def _entry_arc(path: CompensatedPath, block: Values) -> None:
     """First compensated move: an arc from the present point tangent to the offset contour."""
     if distance(path.current, path.end) <= path.radius:
-        raise ProgramError("entry arc of cutter compensation is not larger than the tool radius "
-                           f"{path.radius:g}")
+        raise ProgramError(
+            f"entry arc of cutter compensation is not larger than the tool radius {path.radius:g}"
+        )
     centre, turns = arc_centre(path.controller, block, path.current, path.end)
     inside = path.inside(turns)
     size = abs(block.words["r"]) if "r" in block.words else distance(centre, path.current)
@@ -282,9 +287,7 @@ def _following_arc(path: CompensatedPath, block: Values) -> None:
         beta += 2.0 * HALF
     gamma = direction(path.end, centre) if inside else direction(centre, path.end)
     target = beside(path.end, path.radius, gamma)
-    if beta < -_TANGENT or beta > HALF + _TANGENT or (
-        abs(beta - HALF) < _TANGENT and not inside
-    ):
+    if beta < -_TANGENT or beta > HALF + _TANGENT or (abs(beta - HALF) < _TANGENT and not inside):
         before = path.queue.first
         if before is not None and before.turns:
             path.release_to(arc_after_arc(path, before, centre, turns=turns, radius=radius))
@@ -307,5 +310,3 @@ def _following_arc(path: CompensatedPath, block: Values) -> None:
     angle = arc_angle(start, path.end, centre, turns)
     path.add_arc(target, centre, turns, level=level, angle=angle)
     path.finish(target)
-
-

@@ -130,8 +130,7 @@ class _Drill:
             self.step = (words.get(AXES[first], 0.0), words.get(AXES[second], 0.0))
             self.polar_step = (words.get("@", 0.0), math.radians(words.get("^", 0.0)))
         if self.r < self.bottom:
-            raise ProgramError(f"{motion}: R plane {self.r:g} is below the bottom "
-                               f"{self.bottom:g}")
+            raise ProgramError(f"{motion}: R plane {self.r:g} is below the bottom {self.bottom:g}")
         if old < self.r:
             self._lift(axial)
             old = self.level = self.r
@@ -210,8 +209,9 @@ def _tap(hole: Hole, sense: int, name: str) -> None:
     """
     hole.controller.require_spindle(name)
     if hole.controller.spindle != sense:
-        raise ProgramError(f"{name} with the spindle turning the wrong way",
-                           accepted="M3 for G84, M4 for G74")
+        raise ProgramError(
+            f"{name} with the spindle turning the wrong way", accepted="M3 for G84, M4 for G74"
+        )
     _tap_feed(hole, hole.bottom)
     hole.dwell(hole.controller.cycle.p)
     _tap_feed(hole, hole.clear)

@@ -16,14 +16,16 @@ def check_feed(controller: Controller, block: Values, name: str) -> None:
     """Raise ProgramError where a feed move has no feed."""
     if controller.feed_mode == "inverse":
         if "f" not in block.words:
-            raise ProgramError(f"{name} without F in inverse time mode (G93)",
-                               hint="every move needs its own F")
+            raise ProgramError(
+                f"{name} without F in inverse time mode (G93)", hint="every move needs its own F"
+            )
         return
     if controller.feed == 0.0:
         raise ProgramError(f"{name} with feed zero", hint="give a feed first, for example F500")
     if controller.feed_mode == "revolution" and controller.speed == 0.0:
-        raise ProgramError(f"{name} with feed per revolution and spindle speed zero",
-                           hint="give a speed with S")
+        raise ProgramError(
+            f"{name} with feed per revolution and spindle speed zero", hint="give a speed with S"
+        )
 
 
 def set_inverse_time_feed(controller: Controller, block: Values, length: float) -> None:

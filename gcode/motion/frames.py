@@ -87,8 +87,9 @@ def axis_offsets(controller: Controller, block: Values, code: str) -> None:
             if code == "G92.1":
                 parameters.set_vector(applied, [0.0] * 6)
         parameters.numbered[G92_APPLIED] = 1.0 if code == "G92.3" else 0.0
-        controller.position = [p + b - g for p, b, g in
-                               zip(controller.position, before, controller.g92, strict=True)]
+        controller.position = [
+            p + b - g for p, b, g in zip(controller.position, before, controller.g92, strict=True)
+        ]
     controller.record.offset("set_g92_offset", values=controller.g92)
 
 
@@ -232,8 +233,11 @@ def set_tool_length(controller: Controller, block: Values, code: str) -> None:
         else:
             if ("h" in block.words) == bool(words):
                 raise ProgramError("G43.2 takes either an H word or axis words")
-            added = (controller.tool_offset_of(int(block.words["h"]), word="H")
-                     if "h" in block.words else [words.get(axis, 0.0) for axis in range(6)])
+            added = (
+                controller.tool_offset_of(int(block.words["h"]), word="H")
+                if "h" in block.words
+                else [words.get(axis, 0.0) for axis in range(6)]
+            )
             offset = [o + a for o, a in zip(offset, added, strict=True)]
     change = [o - n for o, n in zip(controller.tool_offset, offset, strict=True)]
     rotate(change, -controller.rotation_deg)

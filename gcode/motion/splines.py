@@ -145,8 +145,10 @@ def close_nurbs(controller: Controller) -> None:
     if controller.motion != "G5.2":
         raise ProgramError("G5.3 without G5.2")
     if len(points) < order:
-        raise ProgramError(f"NURBS of order {order} with {len(points)} control points",
-                           accepted=f"at least {order}")
+        raise ProgramError(
+            f"NURBS of order {order} with {len(points)} control points",
+            accepted=f"at least {order}",
+        )
     controller.motion = None
     _emit(controller, list(points), order)
     points.clear()

@@ -45,8 +45,10 @@ class MachineLimits:
             if not getattr(self, name) > 0.0:
                 raise ProgramError(f"{name} is {getattr(self, name)}", accepted="a positive number")
         if self.acceleration_mm_per_s2 is not None and not self.acceleration_mm_per_s2 > 0.0:
-            raise ProgramError(f"acceleration_mm_per_s2 is {self.acceleration_mm_per_s2}",
-                               accepted="a positive number, or None for infinite")
+            raise ProgramError(
+                f"acceleration_mm_per_s2 is {self.acceleration_mm_per_s2}",
+                accepted="a positive number, or None for infinite",
+            )
         for name in ("tool_change_s", "corner_tolerance_mm"):
             if not getattr(self, name) >= 0.0:
                 raise ProgramError(f"{name} is {getattr(self, name)}", accepted="0 or more")
@@ -154,8 +156,12 @@ def _trapezoids(
     entering = geometry.directions(geometry.start_mm)
     tolerance = np.where(blend_mm > 0.0, blend_mm, limits.corner_tolerance_mm)
     tolerance[path_control == PATH_CONTROL["G61"]] = 0.0
-    corners = corner_speeds(leaving, np.roll(entering, -1, axis=0),
-                            acceleration_mm_per_s2=acceleration, tolerance_mm=tolerance)
+    corners = corner_speeds(
+        leaving,
+        np.roll(entering, -1, axis=0),
+        acceleration_mm_per_s2=acceleration,
+        tolerance_mm=tolerance,
+    )
     standing = (lengths <= 1e-7) | (feed <= 0.0)
     corners[(path_control == PATH_CONTROL["G61.1"]) | standing | np.roll(standing, -1)] = 0.0
     speeds = np.where(distance > 0.0, feed, 0.0)

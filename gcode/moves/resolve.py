@@ -52,9 +52,7 @@ class _Modal:
         return np.repeat(values, np.diff(rows, prepend=0)[1:], axis=0)
 
 
-def to_moves(
-    record: Record, *, limits: MachineLimits, home_mm: np.ndarray | None
-) -> Moves:
+def to_moves(record: Record, *, limits: MachineLimits, home_mm: np.ndarray | None) -> Moves:
     """Resolve a record to moves in machine coordinates.
 
     Parameters
@@ -95,8 +93,11 @@ def to_moves(
     _set_pauses(duration, record, path, limits)
     if not np.isfinite(duration).all():
         line = int(path.line[np.flatnonzero(~np.isfinite(duration))[0]])
-        raise ProgramError("move with feed zero never ends", line=line,
-                           hint="give the spindle a speed, or the move a feed")
+        raise ProgramError(
+            "move with feed zero never ends",
+            line=line,
+            hint="give the spindle a speed, or the move a feed",
+        )
     return Moves(
         kind=kind,
         line=path.line,
@@ -122,9 +123,7 @@ def _rotations(angle_deg: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
 
 
-def _machine_ends(
-    path: Path, modal: _Modal, offset: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def _machine_ends(path: Path, modal: _Modal, offset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Ends in machine coordinates: R (program + G92) + G5x + tool offset."""
     origin = modal.column("set_g5x_offset", 6, skip=1)
     g92 = modal.column("set_g92_offset", 6)
@@ -194,9 +193,7 @@ def _sweeps(
     return sense * (angle + (np.abs(turns) - 1.0) * 2.0 * np.pi)
 
 
-def _set_pauses(
-    duration: np.ndarray, record: Record, path: Path, limits: MachineLimits
-) -> None:
+def _set_pauses(duration: np.ndarray, record: Record, path: Path, limits: MachineLimits) -> None:
     duration[path.call == Call.CHANGE_TOOL] = limits.tool_change_s
     for row, seconds in record.dwells:
         duration[row] = seconds

@@ -75,8 +75,9 @@ def _add_g(values: Values, number: float) -> None:
         raise ProgramError(f"unknown G code G{tenths / 10:g}", hint=_HINTS.get(tenths // 10))
     present = values.g.get(code.group)
     if present is not None and "G80" not in (present, code.name):
-        raise ProgramError(f"{present} and {code.name} are of one modal group",
-                           accepted="one of them in a block")
+        raise ProgramError(
+            f"{present} and {code.name} are of one modal group", accepted="one of them in a block"
+        )
     if present is None or code.name != "G80":
         values.g[code.group] = code.name
 
@@ -86,11 +87,15 @@ def _add_m(values: Values, expression: Expression, parameters: Parameters) -> No
     code = code_of("M", 10 * number)
     if code is None:
         known = [code.name for code in CODES.values() if code.name[0] == "M"]
-        raise ProgramError(f"unknown M code M{number}",
-                           accepted=" ".join(sorted(known, key=lambda name: int(name[1:]))))
+        raise ProgramError(
+            f"unknown M code M{number}",
+            accepted=" ".join(sorted(known, key=lambda name: int(name[1:]))),
+        )
     if code.group in values.m:
-        raise ProgramError(f"{values.m[code.group]} and {code.name} are of one modal group",
-                           accepted="one of them in a block")
+        raise ProgramError(
+            f"{values.m[code.group]} and {code.name} are of one modal group",
+            accepted="one of them in a block",
+        )
     values.m[code.group] = code.name
 
 

@@ -110,8 +110,9 @@ class CompensationQueue:
         radius = math.hypot(move.end[0] - move.centre[0], move.end[1] - move.centre[1])
         moved = math.hypot(point[0] - move.centre[0], point[1] - move.centre[1])
         if abs(radius - moved) > 0.01:
-            raise ProgramError("cutter compensation cannot keep the arc's radius: "
-                               f"{radius:g} becomes {moved:g}")
+            raise ProgramError(
+                f"cutter compensation cannot keep the arc's radius: {radius:g} becomes {moved:g}"
+            )
         if move.programmed_angle_rad != 0.0 and self.start is not None:
             angle = arc_angle(self.start, point, move.centre, move.turns)
             slack = 0.0254 if unit_mm == 1.0 else 0.001

@@ -149,8 +149,9 @@ class Controller:
     def require_no_compensation(self, what: str) -> None:
         """Raise ProgramError where cutter compensation forbids `what`."""
         if self.side:
-            raise ProgramError(f"cannot {what} with cutter compensation on",
-                               hint="cancel it with G40 first")
+            raise ProgramError(
+                f"cannot {what} with cutter compensation on", hint="cancel it with G40 first"
+            )
 
     def require_spindle(self, name: str) -> None:
         """Raise ProgramError where the spindle stands that the cycle `name` wants to turn."""
@@ -161,8 +162,11 @@ class Controller:
         """Raise UnknownToolError for a tool that is not in the magazine; 0 stands for none."""
         if number and number not in self.tools:
             known = ", ".join(str(n) for n in sorted(self.tools)) or "none"
-            raise UnknownToolError(f"{word}{number}: tool {number} is not in the tool table",
-                                   accepted=f"tools {known}", hint="add the tool to the table")
+            raise UnknownToolError(
+                f"{word}{number}: tool {number} is not in the tool table",
+                accepted=f"tools {known}",
+                hint="add the tool to the table",
+            )
 
     def find_offset(self, number: int, *, word: str) -> ToolEntry:
         """Look up the offset memory; number 0 means the tool in the spindle."""

@@ -123,8 +123,12 @@ def read_tool_table(path: str | Path, *, unit_mm: float = 1.0) -> dict[int, Tool
             continue
         words = {letter.upper(): float(value) for letter, value in _ENTRY.findall(content)}
         if "T" not in words or _ENTRY.sub("", content).strip():
-            raise ProgramError(f"not a row of a tool table: '{content}'", file=path, line=number,
-                               accepted="T1 P1 D6.0 Z50.2 ; remark")
+            raise ProgramError(
+                f"not a row of a tool table: '{content}'",
+                file=path,
+                line=number,
+                accepted="T1 P1 D6.0 Z50.2 ; remark",
+            )
         if int(words["T"]) in tools:
             raise ProgramError(f"tool T{int(words['T'])} is listed twice", file=path, line=number)
         tools[int(words["T"])] = ToolEntry(

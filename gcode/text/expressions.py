@@ -189,13 +189,27 @@ class Reader:
         return values[0]
 
     def _operator(self) -> str:
-        for operator in ("**", "and", "mod", "xor", "or", *"+-*/", "lt", "eq", "ne", "le", "ge",
-                         "gt"):
+        for operator in (
+            "**",
+            "and",
+            "mod",
+            "xor",
+            "or",
+            *"+-*/",
+            "lt",
+            "eq",
+            "ne",
+            "le",
+            "ge",
+            "gt",
+        ):
             if self.accept(operator):
                 return operator
         found = self.text[self.position : self.position + 8] or "end of line"
-        raise ProgramError(f"unknown operation at '{found}' in an expression",
-                           accepted="+ - * / ** MOD AND OR XOR EQ NE GT GE LT LE ]")
+        raise ProgramError(
+            f"unknown operation at '{found}' in an expression",
+            accepted="+ - * / ** MOD AND OR XOR EQ NE GT GE LT LE ]",
+        )
 
     def _function(self) -> Expression:
         if self.accept("atan"):
@@ -212,9 +226,10 @@ class Reader:
             if self.accept(name):
                 return _apply(function, self.bracket())
         found = self.text[self.position : self.position + 8]
-        raise ProgramError(f"unknown word or function at '{found}'",
-                           accepted="ABS ACOS ASIN ATAN COS EXISTS EXP FIX FUP LN ROUND SIN "
-                           "SQRT TAN")
+        raise ProgramError(
+            f"unknown word or function at '{found}'",
+            accepted="ABS ACOS ASIN ATAN COS EXISTS EXP FIX FUP LN ROUND SIN SQRT TAN",
+        )
 
     def parameter_value(self) -> Expression:
         """Read ``#3``, ``#<name>``, ``##3`` or ``#[...]`` as a value."""

@@ -95,8 +95,10 @@ def compact(text: str) -> str:
             pieces.append(text[position : stop + 1])
             position = stop + 1
             continue
-        stop = min((at for at in (text.find("(", position), text.find(";", position)) if at >= 0),
-                   default=len(text))
+        stop = min(
+            (at for at in (text.find("(", position), text.find(";", position)) if at >= 0),
+            default=len(text),
+        )
         pieces.append(text[position:stop].translate(_SQUEEZE).lower())
         position = stop
     return "".join(pieces)
@@ -166,8 +168,12 @@ def _read_item(reader: Reader, block: Block) -> None:
     else:
         if not (letter in _WORDS or letter in "gm"):
             hint = "decimals follow a point" if letter == "," else None
-            raise ProgramError(f"bad character '{letter}'", column=start + 1, hint=hint,
-                               accepted="words of RS274/NGC: A-F G H I J K L M P Q R S T X Y Z")
+            raise ProgramError(
+                f"bad character '{letter}'",
+                column=start + 1,
+                hint=hint,
+                accepted="words of RS274/NGC: A-F G H I J K L M P Q R S T X Y Z",
+            )
         reader.position += 1
         _add_word(block, letter, reader.value())
 
@@ -181,8 +187,11 @@ def _add_word(block: Block, letter: str, value: Expression) -> None:
         block.m_codes.append(value)
     elif letter not in _WORDS:
         hint = "U V W axes do not exist here" if letter in "uvw" else None
-        raise ProgramError(f"word '{letter.upper()}' is not known", hint=hint,
-                           accepted="A-F G H I J K L M P Q R S T X Y Z")
+        raise ProgramError(
+            f"word '{letter.upper()}' is not known",
+            hint=hint,
+            accepted="A-F G H I J K L M P Q R S T X Y Z",
+        )
     elif letter in block.words:
         raise ProgramError(f"two {letter.upper()} words in one block")
     else:
@@ -201,14 +210,17 @@ def _read_oword(reader: Reader, block: Block) -> None:
     else:
         name = reader.value()
     keyword = re.match(r"[a-z]*", reader.text[reader.position :])[0]
-    keyword = next((k for k in sorted(_KEYWORDS, key=len, reverse=True)
-                    if keyword.startswith(k)), keyword)
+    keyword = next(
+        (k for k in sorted(_KEYWORDS, key=len, reverse=True) if keyword.startswith(k)), keyword
+    )
     reader.position += len(keyword)
     if keyword == "" and reader.peek() in ("", "(", ";"):
         keyword = "program"
     elif keyword not in _KEYWORDS:
-        raise ProgramError(f"unknown command '{keyword or reader.peek()}' after an O-word",
-                           accepted=" ".join(_KEYWORDS))
+        raise ProgramError(
+            f"unknown command '{keyword or reader.peek()}' after an O-word",
+            accepted=" ".join(_KEYWORDS),
+        )
     block.control = OWord(keyword, name)
     if keyword in ("while", "if", "elseif", "repeat"):
         if reader.peek() != "[":
@@ -240,6 +252,9 @@ def _read_fanuc_call(reader: Reader, block: Block, keyword: str) -> None:
 def _read_trailing_comments(reader: Reader, block: Block) -> None:
     while reader.position < len(reader.text):
         if reader.peek() not in ("(", ";"):
-            raise ProgramError(f"unexpected '{reader.peek()}' after an O-word",
-                               column=reader.position + 1, accepted="a comment")
+            raise ProgramError(
+                f"unexpected '{reader.peek()}' after an O-word",
+                column=reader.position + 1,
+                accepted="a comment",
+            )
         _read_item(reader, block)

@@ -20,8 +20,7 @@ from gcode import ProgramError, Source, ToolEntry, canon_lines, read_program
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "gcode"
 TOOLS = {n: ToolEntry(10.0 * n, 2.0 * n) for n in range(1, 6)}
-DIALECTS = ("auto", "linuxcnc", "linuxcnc", "fanuc", "haas", "heidenhain", "sinumerik",
-            "grbl")
+DIALECTS = ("auto", "linuxcnc", "linuxcnc", "fanuc", "haas", "heidenhain", "sinumerik", "grbl")
 PIECES = [
     *"XYZABCIJKRPQLFSTHDE[]#<>()=*/+-%;:@^$ \t", "G0", "G1", "G2", "G3", "G41", "G42", "G41.1",
     "G40", "G17", "G18", "G81", "G83", "G76", "G33", "G5", "G5.2", "G5.3", "G10", "G92", "G43",

@@ -114,9 +114,7 @@ def test_block_skip():
     assert skipped.end_mm[-1, 0] == 1
 
 
-@pytest.mark.parametrize(
-    "line", ["L X+Q1 F200", "LP PR+20 PA+45 F200", "L X+30 RL F200\nL Y+40"]
-)
+@pytest.mark.parametrize("line", ["L X+Q1 F200", "LP PR+20 PA+45 F200", "L X+30 RL F200\nL Y+40"])
 def test_what_is_read_but_not_written_back_is_refused(tmp_path, line):
     job, effects = job_with(tmp_path, "", SCALE)
     head = "BEGIN PGM A MM\nTOOL CALL 1 Z S1000\nQ1 = 20\nCC X+0 Y+0\nL X+0 Y+0 Z+5 R0 FMAX\n"

@@ -116,6 +116,6 @@ def test_block_skip():
 @pytest.mark.parametrize("line", ["X=R1*2", "G1 AP=45 RP=20", "G41 X30\nY40\nX60"])
 def test_what_is_read_but_not_written_back_is_refused(tmp_path, line):
     job, effects = job_with(tmp_path, "", SCALE)
-    job.program.write_text(f"MSG(\"A\")\nT1 D1 M6\nR1=20\nG0 X0 Y0 Z5\nG1 F200\n{line}\nM30\n")
+    job.program.write_text(f'MSG("A")\nT1 D1 M6\nR1=20\nG0 X0 Y0 Z5\nG1 F200\n{line}\nM30\n')
     with pytest.raises((InputError, ProgramError), match="cannot be compensated"):
         compensate(job, effects)

@@ -19,8 +19,10 @@ HOLDER = [(6.0, 14.0), (9.0, 20.0), (9.0, 60.0)]
 def swept(outline, start, end) -> Manifold:
     angles = 2 * np.pi * np.arange(96) / 96
     body = np.concatenate(
-        [np.column_stack([r * np.cos(angles), r * np.sin(angles), 0 * angles + z])
-         for r, z in outline]
+        [
+            np.column_stack([r * np.cos(angles), r * np.sin(angles), 0 * angles + z])
+            for r, z in outline
+        ]
     )
     return Manifold.hull_points(np.concatenate([start + body, end + body]))
 

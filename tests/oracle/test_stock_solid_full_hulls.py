@@ -70,14 +70,13 @@ def random_path(kind: str, rng: np.random.Generator) -> np.ndarray:
 def part_of_full_hulls(path, tilt, outline) -> Manifold:
     angles = 2 * np.pi * np.arange(48) / 48
     tool = np.concatenate(
-        [np.column_stack([r * np.cos(angles), r * np.sin(angles), 0 * angles + z])
-         for r, z in outline]
+        [
+            np.column_stack([r * np.cos(angles), r * np.sin(angles), 0 * angles + z])
+            for r, z in outline
+        ]
     )
     placed = [tip + tool + np.cross(lean, tool) for tip, lean in zip(path, tilt, strict=True)]
-    hulls = [
-        Manifold.hull_points(np.concatenate(pair))
-        for pair in pairwise(placed)
-    ]
+    hulls = [Manifold.hull_points(np.concatenate(pair)) for pair in pairwise(placed)]
     size = tuple(np.subtract(BOX[1], BOX[0]))
     box = Manifold.cube(size).translate(BOX[0])
     return box - Manifold.batch_boolean(hulls, OpType.Add)

@@ -79,9 +79,10 @@ COUNTED = {
 def test_too_many_counted_rounds_are_refused_after_the_first(name):
     text, line = COUNTED[name]
     run = []
-    with patch.object(Record, "straight", lambda self, *_, **__: run.append(1)), pytest.raises(
-        ProgramError, match=r"runs more than .* further rounds"
-    ) as error:
+    with (
+        patch.object(Record, "straight", lambda self, *_, **__: run.append(1)),
+        pytest.raises(ProgramError, match=r"runs more than .* further rounds") as error,
+    ):
         read_program(Source(text.encode()), tools={1: ToolEntry(100, 10)})
     assert error.value.line == line
     assert len(run) < 10_000

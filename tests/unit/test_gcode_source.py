@@ -4,10 +4,7 @@ import pytest
 
 from gcode import ProgramError, Source, canon_lines, read_program
 
-TEXT = (
-    b"%\r\nN10 G1 X 1.5Y-.25 (X9) F#<feed>\n"
-    b"g0 x[#1 + 2*[3]] y2 ; z7\n#3=4 Z[1]\nM3\xe9\n\n"
-)
+TEXT = b"%\r\nN10 G1 X 1.5Y-.25 (X9) F#<feed>\ng0 x[#1 + 2*[3]] y2 ; z7\n#3=4 Z[1]\nM3\xe9\n\n"
 
 
 def test_bytes_come_back_untouched():

@@ -120,7 +120,11 @@ def test_deterministic_and_told_about_progress():
     seen = []
     runs = [
         find_collisions(
-            polyline(path), [FLAT], BOX, rapid_moves=range(0, 30, 3), shanks=[SHANK],
+            polyline(path),
+            [FLAT],
+            BOX,
+            rapid_moves=range(0, 30, 3),
+            shanks=[SHANK],
             progress=lambda *counts: seen.append(counts),
         )
         for _ in range(2)

@@ -15,7 +15,6 @@ __all__ = ["AsJson", "Control", "JobPath", "Model", "OutDir", "OwnEffects",
            "command_line", "input_files"]  # fmt: skip
 
 
-
 def _tell_control(name: str | None) -> str | None:
     from vmach.job.control import tell_control  # late: it loads what a job needs
 

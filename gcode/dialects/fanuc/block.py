@@ -106,8 +106,10 @@ def read_words(text: str, variables: Variables) -> MacroBlock:
         comma = reader.accept(",")
         letter = reader.peek()
         if not ("a" <= letter <= "z") or (comma and letter not in ("r", "c", "a")):
-            raise ProgramError(f"cannot read '{text[reader.position:]}'",
-                               accepted="letters with numbers or variables, ,R and ,C")
+            raise ProgramError(
+                f"cannot read '{text[reader.position :]}'",
+                accepted="letters with numbers or variables, ,R and ,C",
+            )
         reader.position += 1
         start = reader.position
         value = value_of(reader.value(), variables)

@@ -146,12 +146,16 @@ class BlockRunner:
     def _refuse(self, block: MacroBlock) -> None:
         for code in block.g:
             if code in _REFUSED:
-                raise ProgramError(f"G{code:g} ({_REFUSED[code]}) is not read",
-                                   hint="post the program without it")
+                raise ProgramError(
+                    f"G{code:g} ({_REFUSED[code]}) is not read", hint="post the program without it"
+                )
         for letter in "uvw":
             if letter in block.words and not (letter == "u" and block.has(4)):
-                raise ProgramError(f"{letter.upper()} word: incremental words of a lathe, or an "
-                                   "axis that does not exist here", accepted="X Y Z A B C")
+                raise ProgramError(
+                    f"{letter.upper()} word: incremental words of a lathe, or an "
+                    "axis that does not exist here",
+                    accepted="X Y Z A B C",
+                )
 
     def _note(self, block: MacroBlock) -> None:
         for code in [code for code in block.g if code in _NOTED]:
@@ -198,8 +202,10 @@ class BlockRunner:
         found = self.reader.m_codes() - known
         listed = ", ".join(str(code) for code in sorted(found))
         names = " ".join(f"M{code}" for code in sorted(found))
-        return ProgramError(f"M codes of the machine's builder: {names}",
-                            accepted=f"ignore_m = [{listed}] in [control], if they move nothing")
+        return ProgramError(
+            f"M codes of the machine's builder: {names}",
+            accepted=f"ignore_m = [{listed}] in [control], if they move nothing",
+        )
 
     # frames and offsets
 
@@ -268,8 +274,10 @@ class BlockRunner:
         if not words.keys() & set("ijkp"):
             raise ProgramError("G51 without scale factor", accepted="P, or I J K")
         if not self.settings.pointless_factor and block.pointless & words.keys() & set("ijkp"):
-            raise ProgramError("G51 with a scale factor without a decimal point",
-                               accepted="P1.5; its unit is parameter 5400#7 of the control")
+            raise ProgramError(
+                "G51 with a scale factor without a decimal point",
+                accepted="P1.5; its unit is parameter 5400#7 of the control",
+            )
         return self.transform.scaled(words, self.here())
 
     def _rotation(self, block: MacroBlock) -> Transform:
@@ -374,14 +382,18 @@ class BlockRunner:
         block.take(4)
         words = block.pop("pxu")
         if len(words) != 1:
-            raise ProgramError("G4 needs one of P, X and U",
-                               accepted="P in milliseconds: G4 P500; X in seconds: G4 X0.5")
+            raise ProgramError(
+                "G4 needs one of P, X and U",
+                accepted="P in milliseconds: G4 P500; X in seconds: G4 X0.5",
+            )
         letter, value = words.popitem()
         if letter == "p":
             pointed = "p" not in block.pointless
             if pointed and not self.settings.pointed_p_is_seconds and value != int(value):
-                raise ProgramError(f"G4 P{value:g}: P takes no decimal point",
-                                   accepted="P in milliseconds, or X in seconds")
+                raise ProgramError(
+                    f"G4 P{value:g}: P takes no decimal point",
+                    accepted="P in milliseconds, or X in seconds",
+                )
             if pointed and self.settings.pointed_p_is_seconds:
                 value *= 1000.0
             value *= 0.001
@@ -397,14 +409,17 @@ class BlockRunner:
         if "p" in block.words and code == 30:
             point = whole(block.words.pop("p"), "P word of G30")
             if point != 2:
-                raise ProgramError(f"G30 P{point}: third and fourth reference point",
-                                   accepted="G28, G30 or G30 P2")
+                raise ProgramError(
+                    f"G30 P{point}: third and fourth reference point", accepted="G28, G30 or G30 P2"
+                )
         words = block.pop("xyzabc")
         if not words:
             raise ProgramError(f"G{code:g} without axes", accepted="G91 G28 Z0.")
         if not self.transform.is_identity or self.polar is not None:
-            raise ProgramError(f"G{code:g} with rotation, scaling, mirror image or G16 on",
-                               hint="cancel them first")
+            raise ProgramError(
+                f"G{code:g} with rotation, scaling, mirror image or G16 on",
+                hint="cancel them first",
+            )
         modal = self.controller.motion
         self.execute(MacroBlock(words, g=[code]).text())
         self.controller.motion = modal if modal in ("G0", "G1", "G2", "G3") else "G0"
@@ -524,9 +539,7 @@ class BlockRunner:
         self._known = None if self.transform.is_identity else end
         return bool(named)
 
-    def _arc_words(
-        self, words: dict[str, float], said: dict[str, float], motion: str
-    ) -> str:
+    def _arc_words(self, words: dict[str, float], said: dict[str, float], motion: str) -> str:
         """I J K or R after the transformation; gives the arc's sense."""
         plane = self.controller.plane
         first, second, _ = PLANE_AXES[plane]

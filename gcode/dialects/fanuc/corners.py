@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["HeldLine"]
 
+
 @dataclass
 class HeldLine:
     """A line whose end waits for the next one.
@@ -37,8 +38,9 @@ class HeldLine:
 
     def __post_init__(self) -> None:
         if self.motion != "G1":
-            raise ProgramError(f",R or ,C between {self.motion} and another motion",
-                               accepted="two lines G1")
+            raise ProgramError(
+                f",R or ,C between {self.motion} and another motion", accepted="two lines G1"
+            )
 
     def round_towards(self, runner: BlockRunner, other: HeldLine) -> None:
         """Go along this line and round the corner towards another."""
@@ -69,4 +71,3 @@ class HeldLine:
     def _rest(self) -> MacroBlock:
         words = {k: v for k, v in self.block.words.items() if k not in "xyz"}
         return MacroBlock(words, g=list(self.block.g))
-

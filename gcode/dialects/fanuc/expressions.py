@@ -143,8 +143,10 @@ class MacroReader(Reader):
                 operand = self.bracket()
                 return lambda v: function(_filled(_value(operand, v)))
         found = self.text[self.position : self.position + 8]
-        raise ProgramError(f"unknown word or function at '{found}'",
-                           accepted=" ".join(sorted(n.upper() for n in _FUNCTIONS)) + " ATAN POW")
+        raise ProgramError(
+            f"unknown word or function at '{found}'",
+            accepted=" ".join(sorted(n.upper() for n in _FUNCTIONS)) + " ATAN POW",
+        )
 
     def _two_values(self, name: str, function: Callable[[float, float], float]) -> Expression:
         """``ATAN[a]/[b]``, ``ATAN[a,b]``, and ``ATAN[a]`` alone."""

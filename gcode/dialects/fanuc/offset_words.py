@@ -94,8 +94,10 @@ class OffsetWords:
             return
         number = 0 if self.d is None else whole(self.d, "D word")
         if number == 0:
-            raise ProgramError(f"G{code:g} without D word, or with D0",
-                               accepted="D with a number of the offset memory")
+            raise ProgramError(
+                f"G{code:g} without D word, or with D0",
+                accepted="D with a number of the offset memory",
+            )
         self.runner.execute(f"g{code:g}d{number}")
 
     # G10
@@ -115,8 +117,11 @@ class OffsetWords:
             number = self._number(words, form, 1, len(WORK_OFFSETS) - 9)
             self._set_system(WORK_OFFSETS.index(f"G54.1 P{number}") + 1, words)
         else:
-            raise ProgramError(f"G10 L{form} is not read", accepted="L1 L2 L10 L11 L12 L13 L20",
-                               hint="L50, L52 write parameters of the control")
+            raise ProgramError(
+                f"G10 L{form} is not read",
+                accepted="L1 L2 L10 L11 L12 L13 L20",
+                hint="L50, L52 write parameters of the control",
+            )
         return False
 
     @staticmethod

@@ -165,15 +165,17 @@ class FanucReader(Translated):
         """A second program begins: the main program has no end."""
         first = next((i for i in range(len(self.lines)) if _PROGRAM.match(self._content(i))), 0)
         if self.next - 1 > first:
-            raise ProgramError(f"program {content.upper()} begins before the main program ends",
-                               hint="end the main program with M30")
+            raise ProgramError(
+                f"program {content.upper()} begins before the main program ends",
+                hint="end the main program with M30",
+            )
 
     def value(self, text: str) -> float:
         """Value of an expression; NaN for <null>."""
         reader = MacroReader(f"[{text}]")
         value = value_of(reader.bracket(), self.variables)
         if reader.position != len(reader.text):
-            raise ProgramError(f"cannot read '{reader.text[reader.position:]}' in an expression")
+            raise ProgramError(f"cannot read '{reader.text[reader.position :]}' in an expression")
         return value
 
     def _number(self, text: str, what: str) -> int:
@@ -270,8 +272,9 @@ class FanucReader(Translated):
             self.blocks.obey(block)
         else:
             if len(block.g) > 1:
-                raise ProgramError("another G code beside a macro call",
-                                   accepted="G65 and its arguments alone")
+                raise ProgramError(
+                    "another G code beside a macro call", accepted="G65 and its arguments alone"
+                )
             words = list(block.all_words)
             if block.has(66):
                 self.modal_call = words
@@ -284,8 +287,10 @@ class FanucReader(Translated):
             match = _PROGRAM.match(self._content(index))
             if match and match[1] is not None and int(match[1]) == wanted:
                 return index
-        raise ProgramError(f"program O{wanted} is not in this file",
-                           hint="put the called program into the same file")
+        raise ProgramError(
+            f"program O{wanted} is not in this file",
+            hint="put the called program into the same file",
+        )
 
     def _push(self, call: _Call) -> None:
         if len(self.calls) >= _LEVELS:
@@ -363,8 +368,9 @@ def _arguments(words: list[tuple[str, float]]) -> dict[int, float]:
     seen = dict.fromkeys("ijk", 0)
     for letter, value in words:
         if letter not in _ARGUMENTS:
-            raise ProgramError(f"argument {letter.upper()} of a macro call",
-                               accepted="A to Z without G L N O P")
+            raise ProgramError(
+                f"argument {letter.upper()} of a macro call", accepted="A to Z without G L N O P"
+            )
         number = _ARGUMENTS[letter]
         if letter in seen:
             if seen[letter] >= _SETS:

@@ -108,6 +108,7 @@ class Transform:
         """Factor of an arc's radius; raises ProgramError where arcs become ellipses."""
         first, second, _ = PLANE_AXES[plane]
         if abs(self.factor[first]) != abs(self.factor[second]):
-            raise ProgramError("arc with different scale factors of its two axes",
-                               accepted="G51 with one factor P")
+            raise ProgramError(
+                "arc with different scale factors of its two axes", accepted="G51 with one factor P"
+            )
         return abs(self.factor[first])

@@ -41,5 +41,8 @@ def check_milling(lines: list[str]) -> None:
     """Raise ProgramError for a turning program."""
     found = looks_like_turning(lines)
     if found:
-        raise ProgramError(f"a turning program: {', '.join(found)}, and no Y",
-                           line=min(found.values()), accepted="milling with three axes")
+        raise ProgramError(
+            f"a turning program: {', '.join(found)}, and no Y",
+            line=min(found.values()),
+            accepted="milling with three axes",
+        )

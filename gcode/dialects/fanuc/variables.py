@@ -82,8 +82,10 @@ class MacroVariables:
         elif 3001 <= key <= 3902:
             self.controller.note(f"#{key}", "clock, counters and messages of the control")
         elif not self._set_offset(key, value):
-            raise ProgramError(f"system variable #{key} cannot be written",
-                               accepted="#1 to #33, #100 to #199, #500 to #999, offsets")
+            raise ProgramError(
+                f"system variable #{key} cannot be written",
+                accepted="#1 to #33, #100 to #199, #500 to #999, offsets",
+            )
 
     @staticmethod
     def _put(values: dict[int, float], key: int, value: float) -> None:
@@ -102,9 +104,10 @@ class MacroVariables:
         if column is not None:
             entry = self.controller.offsets.get(key - column.first + 1, ToolEntry())
             return getattr(entry, column.name) * self._factor(column) / self.controller.unit_mm
-        raise ProgramError(f"system variable #{key} is not read",
-                           accepted="positions #5001 ..., work offsets #5201 ..., tool offsets, "
-                           "modes #4001 ...")
+        raise ProgramError(
+            f"system variable #{key} is not read",
+            accepted="positions #5001 ..., work offsets #5201 ..., tool offsets, modes #4001 ...",
+        )
 
     def _factor(self, column: OffsetColumn) -> float:
         return 0.5 if self.radius_in_d and column.name.startswith("diameter") else 1.0

@@ -100,8 +100,10 @@ class QParameters:
             self._asks(text)
             return None
         if number > 8 and number != 13:
-            raise ProgramError(f"FN {number} asks or tells the machine and is not read",
-                               accepted="FN 0 to FN 13, FN 18")
+            raise ProgramError(
+                f"FN {number} asks or tells the machine and is not read",
+                accepted="FN 0 to FN 13, FN 18",
+            )
         match = _ASSIGNED.fullmatch(text)
         if match is None:
             raise ProgramError(f"cannot read FN {number}: {text}")
@@ -115,8 +117,10 @@ class QParameters:
             raise ProgramError(f"cannot read FN 18: {text}")
 
         def answer() -> float:
-            raise ProgramError(f"Q{match[1]} holds what FN 18 asked the machine: {match[2]}",
-                               hint="the path must not depend on it")
+            raise ProgramError(
+                f"Q{match[1]} holds what FN 18 asked the machine: {match[2]}",
+                hint="the path must not depend on it",
+            )
 
         self.values.pop(match[1], None)
         self.computed[match[1]] = answer

@@ -162,7 +162,8 @@ class KlartextReader(Translated):
     def _changes_nothing(text: str) -> bool:
         body = re.sub(r"^\d+\.\d+\s*", "", text)
         return not re.search(r"\d", body) or bool(
-            re.fullmatch(r"(?:(?:ROT|[ABC])\s*[+-]?0+\.?0*\s*|SCL\s*1(?:\.0*)?)+", body))
+            re.fullmatch(r"(?:(?:ROT|[ABC])\s*[+-]?0+\.?0*\s*|SCL\s*1(?:\.0*)?)+", body)
+        )
 
     def _cycle_data(self, text: str) -> dict[str, float]:
         """Q parameters of a cycle, on its line and on those that follow."""
@@ -239,9 +240,11 @@ class KlartextReader(Translated):
             self.modal_cycle = True
             return ""
         if code not in _PLAIN_M:
-            raise ProgramError(f"M{code} is not read",
-                               accepted="M0 M1 M2 M3-M6 M7-M9 M13 M14 M30 M89 M91 M99; others "
-                               f"that move nothing by ignore_m = [{code}] in [control]")
+            raise ProgramError(
+                f"M{code} is not read",
+                accepted="M0 M1 M2 M3-M6 M7-M9 M13 M14 M30 M89 M91 M99; others "
+                f"that move nothing by ignore_m = [{code}] in [control]",
+            )
         return _PLAIN_M[code]
 
     # words
@@ -334,8 +337,10 @@ class KlartextReader(Translated):
             self._drill()
 
     def _retract(self, words: dict[str, float | str | None]) -> None:
-        raise ProgramError("M140 retracts to the end of the travel, which the program does not say",
-                           accepted="L Z with a level, or M91")
+        raise ProgramError(
+            "M140 retracts to the end of the travel, which the program does not say",
+            accepted="L Z with a level, or M91",
+        )
 
     def _side(self, words: dict[str, float | str | None]) -> str:
         """G40, G41 or G42 where the line changes it."""
@@ -379,8 +384,9 @@ class KlartextReader(Translated):
 
     def _arc(self, head: str, words: dict[str, float | str | None]) -> str:
         if self.corner is not None or self.held is not None:
-            raise ProgramError("RND or CHF between a line and an arc is not read",
-                               accepted="two lines")
+            raise ProgramError(
+                "RND or CHF between a line and an arc is not read", accepted="two lines"
+            )
         end = self._polar_target(words) if head == "CP" else self._target(words)
         start = self._here()
         if head == "CT":
@@ -447,14 +453,16 @@ class KlartextReader(Translated):
         if found is None:
             raise ProgramError(f"cannot read '{content}'", accepted="RND R5 or CHF 5")
         if self.held is None:
-            raise ProgramError(f"{found[1]} behind anything but a line L is not read",
-                               accepted="two lines")
+            raise ProgramError(
+                f"{found[1]} behind anything but a line L is not read", accepted="two lines"
+            )
         self.corner = (found[1], self.parameters.number(found[2]))
 
     def _waits(self) -> bool:
         """Whether RND or CHF stands in the next line."""
         return self.next < len(self.lines) and bool(
-            re.match(r"(?:RND|CHF)\b", self._content(self.next)))
+            re.match(r"(?:RND|CHF)\b", self._content(self.next))
+        )
 
     def _round_towards(self, end: tuple[float, ...], *, rapid: bool) -> None:
         """Go along the line that waits, and round its corner."""
@@ -483,8 +491,9 @@ class KlartextReader(Translated):
         said = match[1]
         rest = match[3]
         if match[2] not in (None, "Z") or _TOOL_WORD.sub("", rest).strip():
-            raise ProgramError(f"cannot read '{content}'",
-                               accepted="TOOL CALL 1 Z S3500 F500 DL+0.1 DR-0.05")
+            raise ProgramError(
+                f"cannot read '{content}'", accepted="TOOL CALL 1 Z S3500 F500 DL+0.1 DR-0.05"
+            )
         words = {k: self.parameters.number(v) for k, v in _TOOL_WORD.findall(rest)}
         if "S" in words:
             self.execute(f"s{number(words['S'])}")
@@ -493,8 +502,10 @@ class KlartextReader(Translated):
         if said is None:
             return
         if said.startswith('"'):
-            raise ProgramError(f"TOOL CALL {said}: tools have numbers here",
-                               accepted="TOOL CALL with the number of the job's tool")
+            raise ProgramError(
+                f"TOOL CALL {said}: tools have numbers here",
+                accepted="TOOL CALL with the number of the job's tool",
+            )
         tool = int(self.parameters.number(said))
         self.execute("g40", f"t{tool}m6")
         if tool:

@@ -165,8 +165,9 @@ class Variables:
         if name in self.named:
             return self.named[name]
         why = "a variable of the system" if name.startswith("$") else "not declared"
-        raise ProgramError(f"'{name}' is {why} and has no value here",
-                           accepted="R parameters, variables of DEF")
+        raise ProgramError(
+            f"'{name}' is {why} and has no value here", accepted="R parameters, variables of DEF"
+        )
 
     @staticmethod
     def _expect(tokens: list[str], wanted: str) -> None:

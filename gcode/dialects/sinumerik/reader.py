@@ -254,8 +254,9 @@ class SinumerikReader(Translated):
             if side == c.side:
                 continue
             if side and self.meets:
-                raise ProgramError("G451 (outer corners at the intersection) with G41 or G42",
-                                   accepted="G450")
+                raise ProgramError(
+                    "G451 (outer corners at the intersection) with G41 or G42", accepted="G450"
+                )
             if side and c.side:
                 self.execute("g40")
             self.execute(f"g{code:.0f}d{c.tool}" if side else "g40")
@@ -354,16 +355,18 @@ class SinumerikReader(Translated):
     def _cycle(self, name: str, arguments: list[float | None], *, modal: bool) -> None:
         if name in PATTERNS:
             if self.modal is None:
-                raise ProgramError(f"{name} without a cycle",
-                                   accepted="MCALL CYCLE81(...) before it")
+                raise ProgramError(
+                    f"{name} without a cycle", accepted="MCALL CYCLE81(...) before it"
+                )
             for x, y in pattern_points(name, arguments):
                 self.execute(f"g90g0x{number(x)}y{number(y)}")
                 drill(self, *self.modal)
             return
         cycle = int(name.removeprefix("CYCLE"))
         if cycle not in CYCLES:
-            raise ProgramError(f"{name} is not read",
-                               accepted=", ".join(f"CYCLE{k}" for k in sorted(CYCLES)))
+            raise ProgramError(
+                f"{name} is not read", accepted=", ".join(f"CYCLE{k}" for k in sorted(CYCLES))
+            )
         if modal:
             self.modal = (cycle, arguments)
         else:

@@ -2,30 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from vmach.diagnosis.inference.bank import Bank
+from vmach.diagnosis.inference.moves import without_needless
 from vmach.diagnosis.inference.remains import remains_um, usual_u_um
-from vmach.diagnosis.inference.rules import SHOWN, WORTH_A_FORM
+from vmach.diagnosis.inference.rules import CLEARLY, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
-from vmach.diagnosis.proposals.form import Form, FormEffect
+from vmach.diagnosis.proposals.form import Form
 from vmach.diagnosis.proposals.form_columns import FormColumns
 from vmach.diagnosis.proposals.held_out import held_out_um
 from vmach.diagnosis.proposals.proposal import Proposal
-from vmach.fit.candidates import Candidate
 from vmach.fit.marginal_likelihood import Sizes
 
 __all__ = ["Forms"]
 
 #: forms that are fitted at each step, by their evidence beside the discrepancy and nearly without
 _FITTED = 6
+#: the same for the place of an effect
+_IN_PLACE = 3
 #: forms that are added one after the other
 _MOST = 4
 #: proposals that are told
 _TOLD = 3
+#: forms times readings whose signatures are kept in memory
+_NUMBERS_KEPT = 20_000_000
 #: sizes in u of a discrepancy that leaves a form to show
 _SMALL = 0.3
 #: a form whose readings follow those of another one that closely is the same
@@ -47,29 +51,45 @@ class Forms:
         self._known = [weighing.candidates[weighing.index_of(t.label)] for t in found.terms]
         self._columns = FormColumns(weighing.survey)
         self._chosen: dict[str, Form] = {}
-        self._singles: list[tuple[Form, Explanation, float]] = []
+        self._kept: list[tuple[list[Form], Bank]] | None = None
 
     @property
     def labels(self) -> frozenset[str]:
         """Labels of the forms that were added."""
         return frozenset(self._chosen)
 
-    def grown(self, found: Explanation) -> tuple[Weighing, Explanation]:
+    @property
+    def weighing(self) -> Weighing:
+        """Of the effects that were found and the forms that were added."""
+        return self._with(())
+
+    def grown(self, found: Explanation) -> Explanation:
         """An explanation with forms added while that is clearly more probable."""
-        weighing, here = self._with(()), found
-        here = weighing.explain(found.terms, found.posterior.sizes, refine=False)
+        here = self.weighing.explain(found.terms, found.posterior.sizes, refine=False)
         for _ in range(_MOST):
-            if remains_um(weighing, here) < WORTH_A_FORM * usual_u_um(weighing):
+            if remains_um(self._weighing, here) < WORTH_A_FORM * usual_u_um(self._weighing):
                 break
-            leading = self._leading(here)
-            weighing = self._with(leading)
-            trials = [weighing.extend(here, weighing.index_of(_label(f))) for f in leading]
-            best = max(range(len(trials)), key=lambda k: trials[k].score, default=None)
-            if best is None or trials[best].score < here.score + SHOWN:
+            better = self._extended(here, self._leading(here))
+            if better.score < here.score + CLEARLY:
                 break
-            self._chosen[_label(leading[best])] = leading[best]
-            here = _without_needless(weighing, trials[best])
-        return self._with(()), here
+            here = better
+        return here
+
+    def in_place_of(self, here: Explanation, k: int) -> Explanation:
+        """An explanation with the best form in the place of term k, or with none."""
+        rest = self.weighing.without(here, [k])
+        better = self._extended(rest, self._leading(rest, _IN_PLACE))
+        return max(rest, better, key=lambda e: e.score)
+
+    def _extended(self, here: Explanation, leading: Sequence[Form]) -> Explanation:
+        """An explanation with the best of some forms, without what it makes needless."""
+        weighing = self._with(leading)
+        trials = {f: weighing.extend(here, weighing.index_of(_label(f))) for f in leading}
+        best = max(trials, key=lambda f: trials[f].score, default=None)
+        if best is None:
+            return here
+        self._chosen[_label(best)] = best
+        return without_needless(weighing, trials[best])
 
     def proposals(self, alone: Explanation, grown: Explanation) -> tuple[Proposal, ...]:
         """The forms of a grown explanation, then others that would do nearly as well.
@@ -95,7 +115,7 @@ class Forms:
                 continue
             proposal = self._proposal(start, form)
             without, with_it = proposal.held_out_um
-            if (form in first or proposal.odds > SHOWN) and with_it < without:
+            if (form in first or proposal.odds > CLEARLY) and with_it < without:
                 told.append(proposal)
         return tuple(told)
 
@@ -116,19 +136,32 @@ class Forms:
     def _with(self, forms: Sequence[Form]) -> Weighing:
         """A weighing of the known effects, the forms that were added, and some more."""
         every = {_label(form): form for form in (*self._chosen.values(), *forms)}
-        candidates = [*self._known, *(self._columns.candidate(f) for f in every.values())]
-        prices = {f"form {f.formula}": float(np.log(len(self._columns))) for f in every.values()}
-        return _Priced(self._weighing, candidates, prices)
+        return self._weighing.of_candidates(
+            [*self._known, *(self._columns.candidate(f) for f in every.values())],
+            dict.fromkeys(every, -float(np.log(len(self._columns)))),
+        )
 
-    def _leading(self, here: Explanation) -> list[Form]:
-        """Forms worth a fit, beside an explanation."""
+    def _banks(self) -> Iterable[tuple[list[Form], Bank]]:
+        """All forms that show, with their inner products; kept where they are not too many."""
+        if self._kept is not None:
+            return self._kept
+        made = (
+            (some, Bank(self._weighing.base, [self._columns.candidate(form) for form in some]))
+            for some in self._columns.batches()
+        )
+        if len(self._columns) * len(self._weighing.survey) > _NUMBERS_KEPT:
+            return made
+        self._kept = list(made)
+        return self._kept
+
+    def _leading(self, here: Explanation, most: int = _FITTED) -> list[Form]:
+        """Forms worth a fit, beside an explanation, so many at most from either view."""
         sizes = here.posterior.sizes
         small = Sizes(sizes.factor, tuple(min(s, _SMALL) for s in sizes.members))
         views = (here.posterior, replace(here.posterior, sizes=small))
         gains: tuple[list[float], list[float]] = ([], [])
         forms: list[Form] = []
-        for some in self._columns.batches():
-            bank = Bank(self._weighing.base, [self._columns.candidate(form) for form in some])
+        for some, bank in self._banks():
             forms += some
             for view, gain in zip(views, gains, strict=True):
                 gain += [float(e.log_factor[0]) for e in bank.evidence(view)]
@@ -136,41 +169,14 @@ class Forms:
         for gain in gains:
             taken: list[np.ndarray] = []
             for k in np.argsort(-np.array(gain)):
-                if gain[k] < SHOWN or len(taken) == _FITTED:
+                if gain[k] < CLEARLY or len(taken) == most:
                     break
                 column = self._columns.direction_of(forms[k])
                 if all(abs(column @ other) < _SAME for other in taken):
                     taken.append(column)
                     chosen += [forms[k]] if forms[k] not in chosen else []
-        return [form for form in chosen if _label(form) not in self._chosen]
-
-
-class _Priced(Weighing):
-    """A weighing over the base of another, in which forms cost what looking for them does."""
-
-    def __init__(
-        self, like: Weighing, candidates: Sequence[Candidate], prices: dict[str, float]
-    ) -> None:
-        self._like, self._prices = like, prices
-        super().__init__(like.survey, candidates, noise=like.base.noise)
-
-    def log_prior(self, candidate: Candidate) -> float:
-        """Logarithm of the prior odds of an effect, or of a form."""
-        if isinstance(candidate.effect, FormEffect):
-            return -self._prices[candidate.label]
-        return self._like.log_prior(candidate)
+        return [form for form in chosen if _label(form) not in here.labels]
 
 
 def _label(form: Form) -> str:
     return f"form {form.formula}"
-
-
-def _without_needless(weighing: Weighing, here: Explanation) -> Explanation:
-    """Drop terms that the others make needless."""
-    while len(here.terms) > 1:
-        fewer = [weighing.without(here, [k]) for k in range(len(here.terms))]
-        best = max(fewer, key=lambda e: e.score)
-        if best.score < here.score:
-            break
-        here = best
-    return here

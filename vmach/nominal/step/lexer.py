@@ -79,7 +79,7 @@ def read_text(path: Path) -> str:
         raise InputError(
             f"not a STEP file: it begins with {text.lstrip()[:_SHOWN]!r}",
             file=path,
-            accepted="a file that begins with ISO-10303-21;"
+            accepted="a file that begins with ISO-10303-21;",
         )
     if _END not in text[-2000:]:
         raise InputError(
