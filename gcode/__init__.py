@@ -1,6 +1,6 @@
 """NC programs: from text to resolved moves. Knows neither machines' errors nor stock."""
 
-from gcode.canon import canon_calls, canon_lines
+from gcode.canon import canon_calls, canon_lines, canon_text
 from gcode.errors import ProgramError, UnknownToolError
 from gcode.geometry.arc_tolerance import ARC_TOLERANCES, ArcTolerance
 from gcode.language.dialect import Dialect
@@ -21,6 +21,6 @@ __all__ = ["ARC_TOLERANCES", "AS_PROGRAMMED", "INCREMENT_SYSTEMS", "SAME", "UNKN
            "WORK_OFFSETS", "ArcTolerance", "BlockMotion", "BlockText", "ControlSettings",
            "Dialect", "Labels", "LineEdit", "MachineLimits", "Modes", "MoveKind", "Moves", "Note",
            "OffsetEntry", "Program", "ProgramError", "Source", "Step", "ToolEntry",
-           "UnknownToolError", "Word", "block_items", "canon_calls", "canon_lines",
+           "UnknownToolError", "Word", "block_items", "canon_calls", "canon_lines", "canon_text",
            "dialect_called", "dialect_name", "dialect_names", "dialect_of", "read_program",
            "read_tool_table"]  # fmt: skip

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from vmach.api.measuring import add, diagnose
     from vmach.api.path import PathErrors, path_errors
     from vmach.api.points import PointDeviations, predict, surface_points
+    from vmach.api.uncertainty import PointIntervals, accuracy_interval, predict_intervals
     from vmach.compensation.compensate import Compensation
     from vmach.diagnosis.diagnose import Diagnosis
     from vmach.effects import Effect, along, inner, linear
@@ -44,12 +45,14 @@ __all__ = [
     "ModelComparison",
     "PathErrors",
     "PointDeviations",
+    "PointIntervals",
     "SurfacePoints",
     "Variant",
     "VmachError",
     "VolumetricAccuracy",
     "__version__",
     "accuracy",
+    "accuracy_interval",
     "add",
     "add_effect",
     "along",
@@ -65,6 +68,7 @@ __all__ = [
     "machine_part",
     "path_errors",
     "predict",
+    "predict_intervals",
     "read_job",
     "read_machine",
     "surface_points",
@@ -84,11 +88,13 @@ _HOMES = {
     "ModelComparison": "vmach.api.comparison",
     "PathErrors": "vmach.api.path",
     "PointDeviations": "vmach.api.points",
+    "PointIntervals": "vmach.api.uncertainty",
     "SurfacePoints": "vmach.nominal.points",
     "Variant": "vmach.machine",
     "VmachError": "vmach.errors",
     "VolumetricAccuracy": "vmach.volumetric.volumetric",
     "accuracy": "vmach.api.machining",
+    "accuracy_interval": "vmach.api.uncertainty",
     "add": "vmach.api.measuring",
     "add_effect": "vmach.effects.catalogue",
     "along": "vmach.effects",
@@ -104,6 +110,7 @@ _HOMES = {
     "machine_part": "vmach.run.pipeline",
     "path_errors": "vmach.api.path",
     "predict": "vmach.api.points",
+    "predict_intervals": "vmach.api.uncertainty",
     "read_job": "vmach.job",
     "read_machine": "vmach.api.machining",
     "surface_points": "vmach.api.points",

@@ -21,6 +21,7 @@ from vmach.commands.diagnosis import add, diagnose, history
 from vmach.commands.effects import effects_app
 from vmach.commands.iso230 import iso230
 from vmach.commands.machining import compare, run
+from vmach.commands.open import open_workbench
 from vmach.commands.path import path
 from vmach.commands.predict import predict
 from vmach.commands.schema import schema
@@ -50,7 +51,10 @@ def _before_any_command(
     version: Annotated[bool, typer.Option("--version", help="print the version")] = False,
     effect_file: Annotated[
         list[Path] | None,
-        typer.Option(help="Python file with an effect of your own, for any command; repeatable"),
+        typer.Option(
+            metavar="FILE",
+            help="Python file with an effect of your own, for any command; repeatable",
+        ),
     ] = None,
 ) -> None:
     if version:
@@ -65,6 +69,7 @@ def _before_any_command(
 
 for _command in (run, compare, predict, path, diagnose, add, history, compensate):
     app.command()(_command)
+app.command("open")(open_workbench)
 app.command(cls=HelpWithFormats)(tables)
 for _command in (accuracy, iso230, canon, schema, view, warm_up):
     app.command()(_command)

@@ -1,21 +1,30 @@
-"""Fast lane: hands stretches of plain motion to the compiled reader, and takes over after it."""
+"""Fast lane: hands stretches of lines to compiled code, and takes over after it."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from gcode.fast.plain_kernel import plain_stretch
+from gcode.fast.code_table import code_table
+from gcode.fast.lane_output import new_output, put_into
+from gcode.fast.lane_state import (
+    STATE,
+    frames_of,
+    give_back,
+    give_back_cycle,
+    hand_over,
+    hand_over_cycle,
+    note,
+)
+from gcode.fast.line_kernel import obey_lines
+from gcode.fast.line_words import WORDS
 from gcode.state.controller import Controller
-from gcode.state.record import Path
 
 __all__ = ["FastLane"]
 
-#: Stretches shorter than this are not worth the way to the compiled reader, lines.
-_SHORT = 8
-#: lines at most that go to the interpreter before the compiled reader is tried again
+#: Stretches shorter than this are not worth the way to compiled code, lines.
+_SHORT = 4
+#: lines at most that go to the interpreter before compiled code is tried again
 _LONGEST_PAUSE = 256
-#: Bytes from which the number of lines is estimated.
-_SAMPLE = 1 << 16
 
 
 class FastLane:
@@ -29,14 +38,19 @@ class FastLane:
         The program.
     """
 
+    is_sequential = False  #: every word is obeyed for itself, as Fanuc's are
+
+    @property
+    def each_word(self) -> int | None:
+        """The same for the compiler, which leaves out what belongs to None."""
+        return 1 if self.is_sequential else None
+
     def __init__(self, controller: Controller, data: bytes) -> None:
-        self.controller = controller
-        whole_lines = data.rfind(b"\n") + 1
-        self.data = np.frombuffer(data, np.uint8)[:whole_lines]
-        sample = data[:_SAMPLE]
-        self.capacity = len(data) * (sample.count(b"\n") + 1) // max(len(sample), 1) * 9 // 8 + 64
-        self.rows: tuple[np.ndarray, ...] = ()
-        self.free = 0
+        self.controller, self.text = controller, data
+        self.data = np.frombuffer(data, np.uint8)[: data.rfind(b"\n") + 1]
+        self.codes, self.output = code_table(is_sequential=self.is_sequential), new_output()
+        self.state, self.kept = np.zeros(1, STATE), np.zeros(1, STATE)
+        self.words = np.zeros(1, WORDS)
         self.pause = self.longer = 0  # lines to leave to the interpreter, now and next time
 
     def run(self, place: tuple[int, int]) -> tuple[int, int]:
@@ -55,27 +69,36 @@ class FastLane:
         if self.pause:
             self.pause -= 1
             return place
-        c = self.controller
-        if c.side or c.feed_mode != "minute" or c.diameter_mode or c.refresh:
+        if not self.hand_over():
             return place
-        if c.record.feed_mm_per_min != c.feed * c.unit_mm:  # told in another unit
-            return place
-        if self.free >= (len(self.rows[0]) if self.rows else 0):
-            self._allocate()
-        state = np.array([*c.position[:3], {"G0": 0.0, "G1": 1.0}.get(c.motion, -1.0), c.feed,
-                          c.unit_mm, float(c.absolute)])  # fmt: skip
-        offset, line, row = plain_stretch(self.data, place[1], state, self.rows, self.free,
-                                          place[0])  # fmt: skip
-        self._adjust_pause(line - place[0])
-        if line != place[0]:
-            self._bring_forward(state, line, row)
-        return int(line), int(offset)
+        frames, begun, is_full = frames_of(self.controller), place, True
+        while is_full:
+            offset, line = obey_lines(self.data, place[1], place[0], self.state, self.kept,
+                                      self.words, self.codes, frames, self.output,
+                                      self.each_word)  # fmt: skip
+            is_full = bool(self.state[0]["is_full"]) and line != place[0]
+            place = line, offset
+            self._write()
+        self._adjust_pause(place[0] - begun[0])
+        if place != begun:
+            self.give_back()
+        return place
 
-    def _allocate(self) -> None:
-        count = self.capacity
-        self.rows = (np.empty(count, np.int8), np.empty(count, np.int32), np.empty((count, 3)),
-                     np.empty(count))  # fmt: skip
-        self.free = 0
+    def hand_over(self) -> bool:
+        """Put the interpreter's state into the record; False where its modes forbid it."""
+        hand_over_cycle(self.controller.cycle, self.state)
+        return hand_over(self.controller, self.state)
+
+    def give_back(self) -> None:
+        """Take the state over from the record."""
+        give_back_cycle(self.controller.cycle, self.state)
+        give_back(self.controller, self.state)
+
+    def _write(self) -> None:
+        c, count = self.controller, int(self.state[0]["notes"])
+        put_into(c.record, self.output, self.state, self.text)
+        for line, tenths in self.output.notes[:count].tolist():
+            note(c, line, tenths)
 
     def _adjust_pause(self, lines: int) -> None:
         if lines < _SHORT:
@@ -83,21 +106,3 @@ class FastLane:
             self.pause = self.longer
         else:
             self.longer = 0
-
-    def _bring_forward(self, state: np.ndarray, line: int, row: int) -> None:
-        """Put the stretch into the record and its end into the controller."""
-        c, first = self.controller, self.free
-        x, y, z, motion, feed = state[:5].tolist()
-        c.feed, c.record.feed_mm_per_min = feed, feed * c.unit_mm
-        c.line = c.record.line = int(line)
-        if row == first:
-            return
-        calls, lines, points, feeds = (array[first:row] for array in self.rows)
-        rotary = np.broadcast_to(np.array(c.position[3:]), (row - first, 3))
-        c.record.stretch(Path(calls, lines, points, rotary, feeds))
-        c.position = [x, y, z, *c.position[3:]]
-        c.record.last_straight = tuple(c.position)
-        c.motion = "G1" if motion == 1.0 else "G0"
-        c.cycle.initial = None
-        c.straight_only = False
-        self.free = row

@@ -9,14 +9,13 @@ from __future__ import annotations
 import math
 
 from gcode.errors import ProgramError
+from gcode.geometry.arc_centre import centre_of_radius, distance, radii_differ
 from gcode.geometry.arc_tolerance import ArcTolerance
 
-__all__ = ["arc_angle", "arc_length", "centre_from_offsets", "centre_from_radius"]
+__all__ = ["ZERO_RADIUS_MM", "arc_angle", "arc_length", "centre_from_offsets", "centre_from_radius"]
 
 #: LinuxCNC: an arc of a smaller radius is none, and an end may be so far beyond the diameter
-_ZERO_RADIUS_MM = 0.00127
-#: share of the radius below which the ends of an arc count as opposite each other
-_SEMICIRCLE = 1e-12
+ZERO_RADIUS_MM = 0.00127
 
 Point = tuple[float, float]
 
@@ -46,21 +45,20 @@ def centre_from_offsets(
         Radius zero, or radii at start and end that differ too much.
     """
     centre = offsets if absolute else (start[0] + offsets[0], start[1] + offsets[1])
-    radius = math.hypot(centre[0] - start[0], centre[1] - start[1])
-    end_radius = math.hypot(centre[0] - end[0], centre[1] - end[1])
-    if min(radius, end_radius) < _ZERO_RADIUS_MM / unit_mm:
+    radius = distance(centre[0] - start[0], centre[1] - start[1])
+    end_radius = distance(centre[0] - end[0], centre[1] - end[1])
+    if min(radius, end_radius) < ZERO_RADIUS_MM / unit_mm:
         raise ProgramError(
             f"arc with radius zero: {radius:.6g} at its start, {end_radius:.6g} at its end",
             hint="check I, J, K and the start of the arc",
         )
-    difference, allowed = abs(radius - end_radius), tolerance.absolute(unit_mm)
-    relative = difference / max(radius, end_radius)
-    if difference > allowed * tolerance.ceiling or (
-        relative > tolerance.relative and difference > allowed
-    ):
+    allowed = tolerance.absolute(unit_mm)
+    if radii_differ(radius, end_radius, allowed, tolerance.ceiling, tolerance.relative):
+        difference = abs(radius - end_radius)
         raise ProgramError(
             f"radius to end of arc differs from radius to start: {radius:.6g} and "
-            f"{end_radius:.6g}, difference {difference:.4g} ({relative:.3%})",
+            f"{end_radius:.6g}, difference {difference:.4g} "
+            f"({difference / max(radius, end_radius):.3%})",
             accepted=f"up to {allowed:.4g} or {tolerance.relative:.2%}",
             hint="check the end point and I, J, K",
         )
@@ -82,21 +80,15 @@ def centre_from_radius(
             f"arc with R{radius:g} ends where it starts", hint="use I J K for a full circle"
         )
     size = abs(radius)
-    middle = ((end[0] + start[0]) / 2.0, (end[1] + start[1]) / 2.0)
-    half = math.hypot(middle[0] - end[0], middle[1] - end[1])
-    if half - size > _ZERO_RADIUS_MM / unit_mm:
+    half = distance((end[0] + start[0]) / 2.0 - end[0], (end[1] + start[1]) / 2.0 - end[1])
+    if half - size > ZERO_RADIUS_MM / unit_mm:
         raise ProgramError(
             f"arc radius {size:g} is too small to reach the end point",
             accepted=f"at least {half:.6g}",
         )
     if size == 0.0:
         raise ProgramError("arc radius R is zero")
-    if half / size > 1.0 - _SEMICIRCLE:
-        half = size
-    quarter = -math.pi / 2.0 if clockwise == (radius > 0.0) else math.pi / 2.0
-    direction = math.atan2(end[1] - start[1], end[0] - start[0]) + quarter
-    distance = size * math.cos(math.asin(half / size))
-    return (middle[0] + distance * math.cos(direction), middle[1] + distance * math.sin(direction))
+    return centre_of_radius(*start, *end, half, radius, clockwise)
 
 
 def arc_angle(start: Point, end: Point, centre: Point, turns: int) -> float:

@@ -141,7 +141,7 @@ def _begin_start_up(path: CompensatedPath, call: Call, level: float) -> None:
 def _end_start_up(path: CompensatedPath, heading: float) -> None:
     """Type A: the first line ends square beside the start of the next move.
 
-    FANUC B-64484EN-2 6.7.2, "Tool movement in start-up".
+    FANUC B-64484EN-2, "Tool movement in start-up".
     """
     if not path.controller.starting:
         return
@@ -154,7 +154,7 @@ def _end_start_up(path: CompensatedPath, heading: float) -> None:
 def _extended_corner(path: CompensatedPath, theta: float, heading: float) -> Point:
     """Fanuc's outer corner: both moves go on straight, to where they meet or by the tool's radius.
 
-    FANUC B-64484EN-2 6.7.3, parameter 19607#2 CCC = 0. Gives where the next move begins.
+    FANUC B-64484EN-2, parameter 19607#2 CCC = 0. Gives where the next move begins.
     """
     turn = abs(math.remainder(heading + path.side * QUARTER - theta, 2.0 * math.pi))
     reach = path.radius * (math.tan(turn / 2.0) if turn <= QUARTER + 1e-9 else 1.0)
@@ -252,11 +252,13 @@ def _entry_arc(path: CompensatedPath, block: Values) -> None:
     base = direction(target, centre)
     spread = math.cos(direction(target, path.current) - base)
     if abs(spread) < 1e-4:
-        raise ProgramError("tool radius is not less than the radius of the entry arc")
+        raise ProgramError(f"tool radius {path.radius:g} is not less than that of the entry arc")
     centre = beside(target, half / spread, base)
     error = abs(distance(centre, target) - distance(centre, path.current))
     if error > path.controller.tolerance.absolute(path.unit_mm):
-        raise ProgramError("cutter compensation finds no entry arc")
+        raise ProgramError(
+            f"cutter compensation finds no entry arc: its ends differ by {error:.3g} in radius"
+        )
     if path.controller.orientation not in (0, 9):
         path.add_line(Call.FEED, path.current, (0.0, 0.0), level=path.level)
         path.queue.start = path.current

@@ -7,17 +7,29 @@ Source: NISTIR 6556 (RS274/NGC), coordinate systems; LinuxCNC, Coordinate System
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from gcode.errors import ProgramError
+from gcode.geometry.frame_turn import FrameTurn
 from gcode.motion.interpolation import block_end, traverse
 from gcode.state.block_values import Values, whole
 from gcode.state.codes import AXES
 from gcode.state.controller import WORK_OFFSETS, Controller, rotate
 from gcode.text.parameters import FIRST_SYSTEM, G28_HOME, G30_HOME, G92_APPLIED, system_base
 
-__all__ = ["apply_system", "axis_offsets", "end_program", "go_home", "load_offsets",
-           "select_system", "set_home", "set_tool_length", "write_tables"]  # fmt: skip
+__all__ = [
+    "apply_system",
+    "axis_offsets",
+    "end_program",
+    "go_home",
+    "load_offsets",
+    "select_system",
+    "set_home",
+    "set_tool_length",
+    "turn_frame",
+    "write_tables",
+]
 
 
 def _axis_words(block: Values) -> dict[int, float]:
@@ -212,6 +224,34 @@ def apply_system(controller: Controller, offset: list[float], angle: float) -> N
     record = controller.record
     record.offset("set_g5x_offset", controller.system, values=offset)
     record.event("set_xy_rotation", angle)
+
+
+def turn_frame(
+    controller: Controller, shift: Sequence[float], *, angle_deg: float = 0.0,
+    signs: tuple[float, float] = (1.0, 1.0),
+) -> None:  # fmt: skip
+    """Put a programmable frame in force: mirror image, rotation about Z, shift.
+
+    Parameters
+    ----------
+    controller : Controller
+    shift : (6,) sequence of float
+        X Y Z A B C, program units and degrees; takes the place of G92's and G52's.
+    angle_deg : float
+    signs : tuple of float
+        -1.0 where X, or Y, is mirrored.
+    """
+    turn = FrameTurn(angle_deg, signs)
+    if turn == controller.turn and list(shift) == list(controller.g92):
+        return
+    controller.require_no_compensation("change the frame")
+    here = controller.machine_position()
+    turned = turn != controller.turn
+    controller.turn, controller.g92 = turn, list(shift)
+    controller.position = controller.from_machine(here)
+    controller.record.offset("set_g92_offset", values=controller.g92)
+    if turned:
+        controller.record.event("set_turn", angle_deg, *signs)
 
 
 def set_tool_length(controller: Controller, block: Values, code: str) -> None:

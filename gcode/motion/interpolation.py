@@ -54,13 +54,13 @@ def _machine_end(controller: Controller, block: Values) -> list[float]:
     if "@" in words or "^" in words:
         raise ProgramError("polar coordinates with G53", accepted="X Y Z")
     c = controller
-    end = [p + g for p, g in zip(c.position, c.g92, strict=True)]
+    end = [p + g for p, g in zip(c.turn.apply(c.position), c.g92, strict=True)]
     rotate(end, c.rotation_deg)
     for axis in (0, 1):
         if AXES[axis] in words:
             end[axis] = words[AXES[axis]] - c.origin[axis] - c.tool_offset[axis]
     rotate(end, -c.rotation_deg)
-    end = [e - g for e, g in zip(end, c.g92, strict=True)]
+    end = c.turn.undo([e - g for e, g in zip(end, c.g92, strict=True)])
     for axis in range(2, 6):
         end[axis] = c.position[axis]
         if AXES[axis] in words:

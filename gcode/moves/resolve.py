@@ -27,10 +27,7 @@ class _Modal:
     """Values of events as columns over the rows."""
 
     def __init__(self, record: Record, count: int) -> None:
-        self.count = count
-        self.events: dict[str, list[tuple]] = {}
-        for event in record.events:
-            self.events.setdefault(event[2], []).append(event)
+        self.record, self.count = record, count
 
     def column(self, name: str, width: int = 1, *, skip: int = 0) -> np.ndarray:
         """(N, width) last values of an event before each row, zero before the first.
@@ -44,11 +41,11 @@ class _Modal:
         skip : int
             How many values to leave out before them.
         """
-        events = self.events.get(name, [])
-        values = np.zeros((len(events) + 1, width))
-        for index, event in enumerate(events, 1):
-            values[index] = event[3 + skip : 3 + skip + width]
-        rows = np.array([0] + [event[0] for event in events] + [self.count])
+        at, told = self.record.events_of(name)
+        values = np.zeros((len(at) + 1, width))
+        if len(at):
+            values[1:] = told[:, skip : skip + width]
+        rows = np.concatenate(([0], at, [self.count]))
         return np.repeat(values, np.diff(rows, prepend=0)[1:], axis=0)
 
 
@@ -127,7 +124,7 @@ def _machine_ends(path: Path, modal: _Modal, offset: np.ndarray) -> tuple[np.nda
     """Ends in machine coordinates: R (program + G92) + G5x + tool offset."""
     origin = modal.column("set_g5x_offset", 6, skip=1)
     g92 = modal.column("set_g92_offset", 6)
-    point = path.point_mm + g92[:, :3]
+    point = _turned(modal, path.point_mm, slice(None)) + g92[:, :3]
     angle = modal.column("set_xy_rotation")[:, 0]
     if angle.any():
         cosine, sine = _rotations(angle)
@@ -136,6 +133,27 @@ def _machine_ends(path: Path, modal: _Modal, offset: np.ndarray) -> tuple[np.nda
         point[:, 1] = x * sine + y * cosine
     rotary = path.rotary_deg + g92[:, 3:] + origin[:, 3:] + offset[:, 3:]
     return point + origin[:, :3] + offset[:, :3], rotary
+
+
+def _turned(modal: _Modal, point: np.ndarray, rows: slice | np.ndarray) -> np.ndarray:
+    """Points after the mirror image and rotation of the programmable frame of their rows."""
+    if not len(modal.record.events_of("set_turn")[0]):
+        return point
+    angle, x, y = modal.column("set_turn", 3)[rows].T
+    x, y = np.where(x == 0.0, 1.0, x), np.where(y == 0.0, 1.0, y)
+    quarter = np.round(angle / 90.0) * 90.0 == angle
+    cosine, sine = _rotations(angle)
+    cosine = np.where(quarter, np.round(cosine), cosine)
+    sine = np.where(quarter, np.round(sine), sine)
+    first, second = point[:, 0] * x, point[:, 1] * y
+    return np.stack([first * cosine - second * sine, first * sine + second * cosine,
+                     point[:, 2]], axis=1)  # fmt: skip
+
+
+def _signs_of(modal: _Modal, rows: np.ndarray) -> np.ndarray:
+    """Signs of the mirror images of X and Y in some rows, (K, 2)."""
+    signs = modal.column("set_turn", 2, skip=1)[rows]
+    return np.where(signs == 0.0, 1.0, signs)
 
 
 def _start_point(path: Path, end: np.ndarray, home_mm: np.ndarray | None) -> np.ndarray:
@@ -157,9 +175,9 @@ def _arcs(
     """Centre, axis and swept angle of every arc; zero elsewhere."""
     count = len(start)
     centre, axis, sweep = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
-    if not record.arcs:
+    table = record.arcs
+    if not len(table):
         return centre, axis, sweep
-    table = np.array(record.arcs)
     rows, plane = table[:, 0].astype(int), table[:, 1].astype(int)
     first = np.array([0, 0, 1, 2])[plane]
     normal = (first + 2) % 3
@@ -168,7 +186,9 @@ def _arcs(
     middle = np.zeros((len(rows), 3))
     middle[np.arange(len(rows)), first] = table[:, 4]
     middle[np.arange(len(rows)), (first + 1) % 3] = table[:, 5]
-    middle += modal.column("set_g92_offset", 3)[rows]
+    middle = _turned(modal, middle, rows) + modal.column("set_g92_offset", 3)[rows]
+    along = _turned(modal, along, rows)
+    turns = table[:, 6] * np.prod(_signs_of(modal, rows), axis=1)
     cosine, sine = _rotations(modal.column("set_xy_rotation")[rows, 0])
     for vector in (middle, along):
         x, y = vector[:, 0].copy(), vector[:, 1].copy()
@@ -177,7 +197,7 @@ def _arcs(
     rise = np.einsum("ij,ij->i", start[rows] - middle, along)
     middle += along * rise[:, None]
     centre[rows], axis[rows] = middle, along
-    sweep[rows] = _sweeps(start[rows] - middle, end[rows] - middle, along=along, turns=table[:, 6])
+    sweep[rows] = _sweeps(start[rows] - middle, end[rows] - middle, along=along, turns=turns)
     return centre, axis, sweep
 
 
@@ -195,5 +215,5 @@ def _sweeps(
 
 def _set_pauses(duration: np.ndarray, record: Record, path: Path, limits: MachineLimits) -> None:
     duration[path.call == Call.CHANGE_TOOL] = limits.tool_change_s
-    for row, seconds in record.dwells:
-        duration[row] = seconds
+    dwells = record.dwells
+    duration[dwells[:, 0].astype(np.int64)] = dwells[:, 1]

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from gcode.errors import ProgramError, UnknownToolError
 from gcode.geometry.arc_tolerance import ArcTolerance
+from gcode.geometry.frame_turn import FrameTurn
 from gcode.state.compensation_queue import CompensationQueue
 from gcode.state.record import Record
 from gcode.state.tools import ToolEntry
@@ -71,6 +72,9 @@ class Controller:
     origin: list[float] = field(default_factory=lambda: [0.0] * 6)
     tool_offset: list[float] = field(default_factory=lambda: [0.0] * 6)
     rotation_deg: float = 0.0
+    turn: FrameTurn = field(
+        default_factory=FrameTurn
+    )  #: of a programmable frame, before G92's shift
     system: int = 1
 
     unit_mm: float = 1.0
@@ -134,7 +138,7 @@ class Controller:
 
     def machine_position(self, *, with_tool: bool = True) -> list[float]:
         """Nose (or, without tool, controlled point) in machine coordinates, program units."""
-        point = [p + g for p, g in zip(self.position, self.g92, strict=True)]
+        point = [p + g for p, g in zip(self.turn.apply(self.position), self.g92, strict=True)]
         rotate(point, self.rotation_deg)
         tool = self.tool_offset if with_tool else _ZERO
         return [p + o + t for p, o, t in zip(point, self.origin, tool, strict=True)]
@@ -144,7 +148,7 @@ class Controller:
         result = [p - o - t for p, o, t in
                   zip(point, self.origin, self.tool_offset, strict=True)]  # fmt: skip
         rotate(result, -self.rotation_deg)
-        return [r - g for r, g in zip(result, self.g92, strict=True)]
+        return self.turn.undo([r - g for r, g in zip(result, self.g92, strict=True)])
 
     def require_no_compensation(self, what: str) -> None:
         """Raise ProgramError where cutter compensation forbids `what`."""
@@ -167,6 +171,20 @@ class Controller:
                 accepted=f"tools {known}",
                 hint="add the tool to the table",
             )
+
+    def tool_named(self, name: str) -> int:
+        """Number of the tool of that name, whatever its case; raises UnknownToolError."""
+        wanted = name.strip().upper()
+        found = [n for n, tool in self.tools.items() if tool.name.upper() == wanted]
+        if len(found) != 1:
+            known = ", ".join(f'"{tool.name}"' for tool in self.tools.values() if tool.name)
+            what = "no tool has" if not found else f"tools {found} have"
+            raise UnknownToolError(
+                f'{what} the name "{name}"',
+                accepted=known or "numbers of tools",
+                hint=f'give the tool of the job name = "{name}"',
+            )
+        return found[0]
 
     def find_offset(self, number: int, *, word: str) -> ToolEntry:
         """Look up the offset memory; number 0 means the tool in the spindle."""

@@ -7,10 +7,14 @@ modes) is an event that takes effect before the row with the same index.
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
+
+from gcode.state.stretch_events import StretchEvents
+from gcode.state.table import Table
 
 __all__ = ["Call", "Path", "Record"]
 
@@ -53,23 +57,9 @@ class Path:
 
 
 class Record:
-    """Rows and events of one program.
-
-    Attributes
-    ----------
-    arcs : list of tuple
-        (row, plane, first end, second end, first centre, second centre, turns, axial end),
-        first and second axis X Y in G17, Z X in G18, Y Z in G19; turns negative clockwise.
-    dwells : list of tuple
-        (row, seconds).
-    events : list of tuple
-        (row, line, name, values...).
-    """
+    """Rows and events of one program, made one by one or a stretch at a time."""
 
     def __init__(self) -> None:
-        self.arcs: list[tuple] = []
-        self.dwells: list[tuple[int, float]] = []
-        self.events: list[tuple] = []
         self.line = 0  #: line being obeyed
         self.unit_mm = 1.0
         self.feed_mm_per_min = 0.0
@@ -79,10 +69,58 @@ class Record:
         self._parts: list[Path] = []  # settled rows
         self._rows: list[tuple] = []  # rows since then: call, line, x, y, z, a, b, c, feed
         self._settled = 0
+        self._arcs, self._dwells = Table(8), Table(2)
+        self._events: list[list[tuple] | StretchEvents] = [[]]
 
     def __len__(self) -> int:
         """Return the number of rows."""
         return self._settled + len(self._rows)
+
+    @property
+    def arcs(self) -> np.ndarray:
+        """All arcs, (A, 8) float64.
+
+        Row, plane, first end, second end, first centre, second centre, turns, axial end; first
+        and second axis X Y in G17, Z X in G18, Y Z in G19; turns negative clockwise.
+        """
+        return self._arcs.whole()
+
+    @property
+    def last_arc(self) -> np.ndarray | None:
+        """The row of `arcs` of the last move, (8,); None where that is no arc."""
+        arcs = self.arcs
+        return arcs[-1] if len(arcs) and arcs[-1, 0] == len(self) - 1 else None
+
+    @property
+    def dwells(self) -> np.ndarray:
+        """All pauses, (D, 2) float64: row, seconds."""
+        return self._dwells.whole()
+
+    @property
+    def events(self) -> Iterator[tuple]:
+        """All events in order: (row, line, name, values...)."""
+        for part in self._events:
+            yield from part
+
+    def said_events(self, names: Collection[str]) -> Iterator[tuple]:
+        """Events of some names, in order."""
+        for part in self._events:
+            yield from part.named(names) if isinstance(part, StretchEvents) else (
+                event for event in part if event[2] in names)  # fmt: skip
+
+    def events_of(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Rows, (E,) int64, and values, (E, V) float64, of all events of one name."""
+        rows, values = [np.zeros(0, np.int64)], []
+        for part in self._events:
+            if isinstance(part, StretchEvents):
+                found = part.of(name)
+            else:
+                told = [event for event in part if event[2] == name]
+                found = [event[0] for event in told], [event[3:] for event in told]
+            if len(found[0]):
+                rows.append(np.array(found[0], np.int64))
+                values.append(np.array(found[1], np.float64))
+        return np.concatenate(rows), np.concatenate(values) if values else np.zeros((0, 0))
 
     def straight(self, call: Call, position: list[float], *, line: int | None = None) -> None:
         """Append a straight move to `position`, program units and degrees."""
@@ -107,12 +145,22 @@ class Record:
             self._settled += len(self._rows)
             self._rows = []
 
-    def stretch(self, part: Path) -> None:
-        """Append the rows of a stretch of plain motion."""
-        self._settle()
-        self._parts.append(part)
-        self._settled += len(part.call)
-        self.last = (*part.point_mm[-1].tolist(), *part.rotary_deg[-1].tolist())
+    def stretch(self, path: Path, arcs: np.ndarray, dwells: np.ndarray,
+                events: StretchEvents) -> None:  # fmt: skip
+        """Append what a stretch of lines has made: rows, arcs, dwells, events, counted from its own
+        first row.
+        """
+        first = len(self)
+        if len(path.call):
+            self._settle()
+            self._parts.append(path)
+            self._settled += len(path.call)
+        for table, part in (self._arcs, arcs), (self._dwells, dwells):
+            part[:, 0] += first
+            table.extend(part)
+        if len(events):
+            events.table["row"] += first
+            self._events += [events, []]
 
     def path(self) -> Path:
         """All rows as arrays."""
@@ -144,13 +192,13 @@ class Record:
         """
         unit = self.unit_mm
         first, second, centre1, centre2, turns, axial = numbers
-        self.arcs.append((len(self), plane, first * unit, second * unit, centre1 * unit,
-                          centre2 * unit, turns, axial * unit))  # fmt: skip
+        self._arcs.append((len(self), plane, first * unit, second * unit, centre1 * unit,
+                           centre2 * unit, turns, axial * unit))  # fmt: skip
         self.straight(Call.ARC, position, line=line)
 
     def dwell(self, seconds: float) -> None:
         """Append a pause."""
-        self.dwells.append((len(self), seconds))
+        self._dwells.append((len(self), seconds))
         self._row(Call.DWELL, self.line)
 
     def change_tool(self, number: int) -> None:
@@ -160,7 +208,7 @@ class Record:
 
     def event(self, name: str, *values: object) -> None:
         """Append something that takes no time."""
-        self.events.append((len(self), self.line, name, *values))
+        self._events[-1].append((len(self), self.line, name, *values))
 
     def offset(self, name: str, *head: int, values: list[float]) -> None:
         """Append an event with three lengths and three angles."""

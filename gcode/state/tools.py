@@ -33,6 +33,8 @@ class ToolEntry:
         Lathe tool orientation 1 ... 9, 0 for a mill.
     length_wear_mm, diameter_wear_mm : float
         Added to length and diameter.
+    name : str
+        By which a program may call it: ``TOOL CALL "MILL_D20"``, ``T="MILL_D20"``.
     """
 
     length_mm: float = 0.0
@@ -43,6 +45,7 @@ class ToolEntry:
     orientation: int = 0
     length_wear_mm: float = 0.0
     diameter_wear_mm: float = 0.0
+    name: str = ""
 
     @property
     def offset_length_mm(self) -> float:

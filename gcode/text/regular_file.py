@@ -22,10 +22,12 @@ def read_regular_file(path: str | Path) -> bytes:
     ProgramError
         It is no regular file, or above 1 GiB.
     """
-    if not stat.S_ISREG(os.stat(path).st_mode):
+    found = os.stat(path)
+    if not stat.S_ISREG(found.st_mode):
         raise ProgramError("not a file", file=path, accepted="a file, no folder, device or pipe")
     with open(path, "rb") as file:
         content = file.read(_LARGEST_BYTES + 1)
     if len(content) > _LARGEST_BYTES:
-        raise ProgramError("the file is too large", file=path, accepted="at most 1 GiB")
+        size = max(len(content), found.st_size) / 2**30
+        raise ProgramError(f"the file has {size:.3g} GiB", file=path, accepted="at most 1 GiB")
     return content

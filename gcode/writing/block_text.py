@@ -60,6 +60,8 @@ class BlockText:
 
     #: the centre of an arc is said in absolute numbers whatever the modes are
     absolute_centres = False
+    #: a motion word holds until another one comes
+    is_modal = True
     #: all blocks are numbered anew at the end
     renumbers = False
     fewest_decimals = 0

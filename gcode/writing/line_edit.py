@@ -166,7 +166,8 @@ class LineEdit:
 
     def _blocks_behind(self, motion: BlockMotion, in_force: int) -> list[list[str]]:
         """The words of the blocks that a motion takes behind the line."""
-        said = [] if motion.code == in_force else [self.text.motion(motion.code)]
+        holds = self.text.is_modal and motion.code == in_force
+        said = [] if holds else [self.text.motion(motion.code)]
         return [[*said, *self._words(motion)]]
 
     def _words(self, motion: BlockMotion) -> list[str]:

@@ -73,7 +73,7 @@ def find_edges(
     *,
     sweeps: Sweeps,
     tools: Sequence[Tool],
-    blank_mm: tuple[Sequence[float], Sequence[float]] | None,
+    blank_mm: tuple[Sequence[float] | np.ndarray, Sequence[float] | np.ndarray] | None,
     reach_mm: float = 1.0,
 ) -> Edges:
     """Find where the material that the sweeping tools leave ends along surface normals.

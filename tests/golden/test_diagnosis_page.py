@@ -131,7 +131,7 @@ def test_a_folder_that_cannot_be_filled_is_refused_at_once(
 def test_without_a_folder_pictures_are_offered(tmp_path, monkeypatch, capsys):
     status, text, _ = run_vmach(monkeypatch, capsys, "diagnose", tip_job(tmp_path, nothing))
     assert status == 0
-    assert text.splitlines()[-1] == "--out DIR makes a page with pictures of it"
+    assert text.splitlines()[-1] == "--out DIR writes a page with pictures"
 
 
 def test_interrupted_page_leaves_nothing(job, tmp_path, monkeypatch, capsys):

@@ -10,10 +10,10 @@ import pytest
 from tests.small_job import write_job
 from vmach.effects import Circumstances, catalogue, read_effects
 from vmach.errors import InputError
-from vmach.fit.prediction_uncertainty import prediction_u_mm
 from vmach.job import read_job
 from vmach.path.preparation import prepare
 from vmach.run.pipeline import predict_points
+from vmach.uncertainty.first_order import prediction_u_mm
 
 LOOSE = "[effects.backlash.X]\nreversal_um = 6\n"
 FITTED = '[[fitted]]\neffect = "backlash"\ntarget = "X"\none_sigma = [{rows}]\n'

@@ -7,9 +7,9 @@ import pytest
 from scipy.stats import kstest, multivariate_normal
 
 from vmach.fit.evidence import WIDTHS, log_evidence
-from vmach.fit.table_uncertainty import TableUncertainty
 from vmach.fit.whitening import Whitening, orthonormal
 from vmach.machine import read_machine
+from vmach.uncertainty.tables import TableUncertainty
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ from tests.report_case import points, run
 from vmach.errors import InputError
 from vmach.files import workplace
 from vmach.files.atomic import atomic_file, atomic_folder, check_folder, check_outputs
+from vmach.files.together import together
 from vmach.files.written_files import FILES_LIST, RESULTS_LIST, files_in
 from vmach.report import write_summary
 
@@ -251,3 +252,105 @@ def test_outputs_replace_neither_an_input_nor_each_other(tmp_path):
     ):
         with pytest.raises(InputError, match=message):
             check_outputs(outputs, inputs=inputs)
+
+
+def test_results_of_an_earlier_run_do_not_stay_beside_new_ones(tmp_path):
+    out = tmp_path / "out"
+    fill(out, x="one", y="one", z="one")
+    (out / "notes").write_text("a user's")
+    with atomic_folder(out, replaced=["x.txt", "y.txt"]) as folder:
+        (folder / "x.txt").write_text("two")
+    assert contents(out) == {"x.txt": "two", "z.txt": "one", "notes": "a user's"}
+
+
+def test_a_changed_result_of_an_earlier_run_stays(tmp_path):
+    out = tmp_path / "out"
+    fill(out, x="one", y="one")
+    (out / "y.txt").write_text("edited by its user")
+    with atomic_folder(out, replaced=["x.txt", "y.txt"]) as folder:
+        (folder / "x.txt").write_text("two")
+    assert contents(out) == {"x.txt": "two", "y.txt": "edited by its user"}
+
+
+_PAIR_WRITER = """
+import os, sys
+from pathlib import Path
+from vmach.files.atomic import atomic_file, atomic_folder
+from vmach.files.together import together
+
+place, text, last = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3])
+count = 0
+
+def dies(do):
+    def done(*arguments, **keywords):
+        global count
+        count += 1
+        if count > last:
+            os._exit(9)
+        return do(*arguments, **keywords)
+    return done
+
+with together():
+    with atomic_file(place / "part.nc") as temporary:
+        temporary.write_text(text)
+    with atomic_file(place / "report.html") as temporary:
+        temporary.write_text(text)
+    if sys.argv[4] == "folder":
+        with atomic_folder(place / "out") as folder:
+            (folder / "page.html").write_text(text)
+    for name in ("rename", "replace", "link", "unlink", "rmdir"):
+        setattr(os, name, dies(getattr(os, name)))
+    from vmach.files import workplace
+    workplace._exchange_at_once = dies(workplace._exchange_at_once)
+"""
+
+
+@pytest.mark.parametrize("kind", ["files", "folder"])
+def test_a_kill_between_any_two_steps_leaves_no_mixture(tmp_path, kind, monkeypatch):
+    """Dies before every step of the system that moves, links or removes a file, one run each."""
+    monkeypatch.setattr(workplace, "_PATIENCE_S", 0.0)
+    seen = set()
+    for last in range(40):
+        place = tmp_path / str(last)
+        place.mkdir()
+        for text, steps in (("old", 999), ("new", last)):
+            command = [sys.executable, "-c", _PAIR_WRITER, str(place), text, str(steps), kind]
+            status = subprocess.run(command).returncode
+        texts = {text for name, text in contents(place).items() if ".vmach-" not in name}
+        assert len(texts) == 1, (last, contents(place))
+        seen |= texts
+        with together():  # what is known may be replaced
+            write(place / "part.nc", "last")
+            write(place / "report.html", "last")
+        assert (place / "report.html").read_text() == "last"
+        if status == 0:
+            break
+    assert status == 0
+    assert seen == {"old", "new"}
+
+
+def test_an_error_in_a_block_of_results_leaves_all_as_they_were(tmp_path):
+    for name in "ab":
+        write(tmp_path / name, "old")
+    with pytest.raises(RuntimeError), together():
+        write(tmp_path / "a", "new")
+        write(tmp_path / "c", "new")
+        raise RuntimeError
+    assert contents(tmp_path) == {"a": "old", "b": "old"}
+
+
+def test_a_result_that_cannot_take_its_place_leaves_the_others(tmp_path, monkeypatch):
+    for name in "ab":
+        write(tmp_path / name, "old")
+    replace = os.replace
+
+    def full(source, target):
+        if str(target) == str(tmp_path / "a"):
+            raise OSError(errno.EIO, os.strerror(errno.EIO), str(source))
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(OSError, match="Input/output"), together():
+        write(tmp_path / "a", "new")
+        write(tmp_path / "b", "new")
+    assert contents(tmp_path) == {"a": "old", "b": "old"}

@@ -22,6 +22,7 @@ from vmach.controller_tables.formats.sinumerik import (
 from vmach.controller_tables.knots import Knots
 from vmach.controller_tables.projection import AxisTable, Term, scaled
 from vmach.errors import InputError
+from vmach.files import plugins
 from vmach.machine.files.volumetric_file import read_volumetric_file
 from vmach.machine.tables.error_table import RAD_PER, read_error_table
 
@@ -401,19 +402,34 @@ def test_grid_comes_back_digit_by_digit(tmp_path):
     assert "tool length 120.0000 mm" in written
 
 
+@pytest.mark.parametrize(
+    "wrong", [{"name": "My grid"}, {"rank": "5"}, {"holds": ""}, {"most_entries": 1}, {"read": 3}]
+)
+def test_a_format_says_what_it_has_to(wrong):
+    key = next(iter(wrong))
+    with pytest.raises(InputError, match=f"table format .*: {key} = "):
+        replace(FORMATS["grid"], **wrong)
+
+
 def test_a_format_of_another_package_is_found_and_checked(monkeypatch):
     mine = replace(FORMATS["grid"], name="mine", rank=5)
 
     class Entry:
-        name, value = "mine", "shop:FORMATS"
+        name, value, group, module, dist = (
+            "mine",
+            "shop:FORMATS",
+            "vmach.table_formats",
+            "shop",
+            None,
+        )
 
         def __init__(self, offered):
             self.load = lambda: offered
 
-    monkeypatch.setattr(table_formats, "entry_points", lambda group: [Entry((mine,))])
+    monkeypatch.setattr(plugins, "entry_points", lambda group: [Entry((mine,))])
     assert next(iter(table_formats._catalogue())) == "mine"
     for offered, message in ((mine, "accepted: FORMATS"), ((FORMATS["grid"],), "'grid' is taken")):
         entries = [Entry(offered)]
-        monkeypatch.setattr(table_formats, "entry_points", lambda group, found=entries: found)
+        monkeypatch.setattr(plugins, "entry_points", lambda group, found=entries: found)
         with pytest.raises(InputError, match=message):
             table_formats._catalogue()

@@ -95,7 +95,8 @@ def test_whole_columns_of_a_prediction_are_made_once(monkeypatch):
     asked = []
     for count in (3, 300):
         Counted.asked = 0
-        results.write_prediction(io.StringIO(), _points(count), Counted(count))
+        columns = results.prediction_columns(_points(count), Counted(count))
+        results.write_columns(io.StringIO(), columns)
         asked.append(Counted.asked)
     assert asked[0] == asked[1]
 

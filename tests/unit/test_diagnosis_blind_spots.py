@@ -27,4 +27,4 @@ def test_what_was_found_is_named_as_what_hides_others(tmp_path):
     explanation = weighing.extend(weighing.nothing(), weighing.index_of("component EXY"))
     texts = {b.label: b.text for b in blind_spots(weighing, explanation)}
     assert " on alone, " in texts["squareness C0Y"]
-    assert "beside component EXY; usual are 30 urad" in texts["squareness C0Y"]
+    assert "beside component EXY; usual size 30 urad" in texts["squareness C0Y"]

@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+from jsonschema import Draft202012Validator
 from typer.testing import CliRunner
 
 from tests.unit.test_diagnosis_verdicts import nothing, stretched_and_loose, tip_job
@@ -15,6 +16,7 @@ from vmach.diagnosis.report import as_json, as_text
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects import catalogue, load_effect_file
 from vmach.history.rounds import rounds
+from vmach.schemas import json_schema
 
 
 def run(*words):
@@ -46,7 +48,7 @@ def test_a_form_names_the_states_that_were_hidden(tmp_path):
     assert first["amount_um"] == pytest.approx(4.0, abs=4.0 * first["u_um"])
     assert first["held_out_um"]["with"] < 0.6 * first["held_out_um"]["without"]
     assert "direction of Y x direction of Z, along X" in as_text(found)
-    json.dumps(as_json(found))
+    Draft202012Validator(json_schema("diagnose")).validate(json.loads(json.dumps(as_json(found))))
 
 
 def test_a_proposal_is_an_effect_file_that_can_be_added(pushed_job, tmp_path):

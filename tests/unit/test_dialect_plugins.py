@@ -4,9 +4,11 @@ from importlib.metadata import EntryPoint
 
 import pytest
 
-from gcode import ProgramError, dialect_names
+from gcode import ProgramError, Source, dialect_names
 from gcode.language import registry
 from gcode.language.registry import load_dialects
+from gcode.writing.block_text import BlockText
+from gcode.writing.line_edit import BlockMotion, LineEdit
 
 HEAD = """from gcode import Dialect
 from gcode.language.translate import Translated
@@ -61,3 +63,15 @@ def test_every_dialect_names_what_it_follows():
     found = load_dialects()
     assert {"linuxcnc", "fanuc", "haas", "sinumerik", "heidenhain", "grbl"} <= set(dialect_names())
     assert all(len(kind.source) > 20 for kind in found.values())
+
+
+@pytest.mark.parametrize(("is_modal", "second"), [(True, "X2"), (False, "G1 X2")])
+def test_a_control_may_want_the_motion_word_in_every_block(is_modal, second):
+    class Text(BlockText):
+        pass
+
+    Text.is_modal = is_modal
+    source = Source(b"G1 X5\nM30\n")
+    edit = LineEdit(Text(source), 1, nominal=1, ending=frozenset())
+    changes = edit.changes([BlockMotion(1, {"X": "1"}), BlockMotion(1, {"X": "2"})], 1, None)
+    assert source.rewritten(changes).decode() == f"G1 X1\n{second}\nM30\n"

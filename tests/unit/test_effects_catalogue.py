@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from importlib import import_module, invalidate_caches
 from pathlib import Path
 
@@ -192,6 +193,16 @@ def test_a_package_whose_effect_cannot_be_loaded_is_named(tmp_path, monkeypatch)
     (tmp_path / "shop_effects.py").write_text(MINE + law)
     invalidate_caches()
     assert catalogue()["mine"].title == "mine"
+    for change, message in (
+        (("    usual_size =", "    usual_sice ="), r"effects\.py:6: .*'usual_sice'.*'usual_size'"),
+        (("'mine'", "'backlash'"), r"name = 'backlash' is that of vmach\.effects\.laws\.servo"),
+    ):
+        (tmp_path / "shop_effects.py").write_text((MINE + law).replace(*change))
+        monkeypatch.delitem(sys.modules, "shop_effects")
+        invalidate_caches()
+        module._installed.cache_clear()
+        with pytest.raises(InputError, match=message):
+            catalogue()
     module._installed.cache_clear()
 
 

@@ -1,5 +1,6 @@
 """An effect of a user's own is checked when its file is loaded: what it says, and what it does."""
 
+import inspect
 import re
 from pathlib import Path
 
@@ -123,6 +124,11 @@ def test_a_second_file_with_the_same_name_is_refused(tmp_path):
         load_effect_file(other)
 
 
+def test_a_file_of_the_package_may_be_checked():
+    file = Path(inspect.getfile(type(catalogue()["scale"])))
+    assert load_effect_file(file).title == catalogue()["scale"].title
+
+
 def test_every_effect_of_the_catalogue_says_what_it_has_to():
     for effect in catalogue().values():
         check_declaration(type(effect))
@@ -135,7 +141,7 @@ def test_the_command_says_what_an_effect_looks_like(tmp_path):
     found = CliRunner().invoke(app, ["effects", "check", str(slope)])
     assert found.exit_code == 0, found.output
     assert "a_um: size; amplitude, usual 10" in found.stdout
-    assert "hardly distinguished from squareness B0X: it leaves 0% of twist" in found.stdout
+    assert "hard to tell from squareness B0X, which leaves 0 % of twist" in found.stdout
     assert "note: 'source' is empty" in found.stdout and "no unit" not in found.stdout
 
 

@@ -83,7 +83,7 @@ def test_work_offset_needs_three_finite_numbers():
 
 
 def test_unknown_names_list_the_known_ones():
-    assert "auto, fanuc, " in refusal("M2\n", dialect="klingon")
+    assert "auto, centroid, fanuc, " in refusal("M2\n", dialect="klingon")
     assert "linuxcnc, grbl" in refusal("M2\n", arc_tolerances="none")
 
 

@@ -13,18 +13,20 @@ ROOT = Path(__file__).parents[2]
 #: layer of every room of vmach; a room may import its own layer and lower ones, never in a circle
 LAYERS = [
     {"base", "errors"},
-    {"files", "schemas"},
+    {"files", "schemas", "features"},
     {"nominal", "machine", "report"},
     {"plausibility", "iso230"},
     {"job", "volumetric"},
     {"path"},
     {"effects", "program_text"},
     {"prediction"},
+    {"uncertainty"},
     {"measurements", "instruments", "controller_tables"},
     {"fit"},
     {"diagnosis", "run"},
     {"history", "compensation"},
     {"api"},
+    {"workbench"},
     {"commands"},
     {"cli", "__main__", "__init__"},
 ]

@@ -15,6 +15,8 @@ KINDS = Path(import_module("vmach.instruments.kinds").__file__).parent
 SOUND = '''\
 """An indicator."""
 
+from typing import ClassVar
+
 from vmach.instruments import Instrument
 
 
@@ -92,15 +94,20 @@ def test_a_package_may_offer_an_instrument(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (('    title = "Indicator"\n', ""), r"indicator\.py:6: .*: 'title' is missing"),
+        (('    title = "Indicator"\n', ""), r"indicator\.py:8: .*: 'title' is missing"),
         (("    title =", "    titel ="), r"cannot be loaded: .*titel"),
-        (("left_free =", "_left_free ="), r"indicator\.py:6: .*: 'left_free' is missing"),
-        (('("reading_um",)', '("reading_um")'), r"indicator\.py:12: readings|indicator\.py:12: "),
-        (('"t_s", ', ""), r"indicator\.py:11: .* hold no times; accepted: t_s among them"),
-        (('readings = ("reading_um",)', 'readings = ("reding_um",)'), r"py:12: .*reding_um"),
-        (("def read(", "def raed("), r"indicator\.py:18: .*did you mean 'read'"),
+        (("left_free =", "_left_free ="), r"indicator\.py:8: .*: 'left_free' is missing"),
+        (('("reading_um",)', '("reading_um")'), r"indicator\.py:14: "),
+        (('"t_s", ', ""), r"indicator\.py:13: .* hold no times; accepted: t_s among them"),
+        (('readings = ("reading_um",)', 'readings = ("reding_um",)'), r"py:14: .*reding_um"),
+        (("axis: str", "shows_low_band = True"), r"cannot be loaded: .*shows_low_band"),
+        (
+            ("    axis: str", "    shows_low_band: ClassVar[bool] = True"),
+            r"py:18: .*unknown attribute 'shows_low_band'; .*did you mean 'shows_law_band'",
+        ),
+        (("def read(", "def raed("), r"indicator\.py:20: .*did you mean 'read'"),
         (('name = "indicator"', 'name = "laser"'), r"name = 'laser' is that of vmach\.instrum"),
-        (('name = "indicator"', 'name = "My laser"'), r"indicator\.py:9: .*name = 'My laser'"),
+        (('name = "indicator"', 'name = "My laser"'), r"indicator\.py:11: .*name = 'My laser'"),
         (
             ("class Indicator(Instrument)", "class Indicator"),
             "is <class 'shop_indicator.Indicator'",

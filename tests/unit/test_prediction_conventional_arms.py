@@ -6,8 +6,8 @@ import pytest
 from tests.small_job import write_job
 from vmach.base.variant import Variant
 from vmach.errors import InputError
-from vmach.fit.prediction_uncertainty import prediction_u_mm
 from vmach.run.pipeline import predict_points
+from vmach.uncertainty.first_order import prediction_u_mm
 
 
 def predicted(folder, variant, at=None):

@@ -18,6 +18,7 @@ ERRORS = {
     "EYX": (lambda x: 6.0 * np.sin(x / 50.0), (0, 0, -100)),
     "EBX": (lambda x: 0.05 * x, None),
 }
+DRAWN = ("--uncertainty", "monte-carlo", "--draws", "20000")
 RUNS = "position_mm,forward_1,backward_1,forward_2,backward_2\n0,1,0,3,2\n100,5,4,5,6\n"
 
 
@@ -43,12 +44,16 @@ COMMANDS: dict[str, list[list[str]]] = {
         ["run", "@job.toml", "--out", "@out", "--json"],
         ["compare", "@job.toml", "--out", "@compared", "--json"],
     ],
-    "predict": [["predict", "@job.toml", "--points", "@points.csv", "--json"]],
+    "predict": [
+        ["predict", "@job.toml", "--points", "@points.csv", "--json"],
+        ["predict", "@job.toml", "--points", "@points.csv", "--json", *DRAWN],
+    ],
     "path": [["path", "@job.toml", "--json"]],
     "compensate": [["compensate", "@job.toml", "-o", "@better.nc", "--json"]],
     "accuracy": [
         ["accuracy", "@machine.toml", "--grid", "4", "--json"],
         ["accuracy", "@machine.toml", "--grid", "4", "--profile", "@line.csv", "--json"],
+        ["accuracy", "@machine.toml", "--grid", "4", "--json", *DRAWN],
     ],
     "iso230": [["iso230", "@x.csv", "--json"], ["iso230", "@machine.toml", "--json"]],
     "tables": [
@@ -71,7 +76,9 @@ def test_diagnosis_is_as_its_schema_says(folder):
     result = CliRunner().invoke(app, words, catch_exceptions=False)
     assert result.exit_code == 0, result.output
     found = json.loads(out.read_text())
-    Draft202012Validator(json_schema("diagnose")).validate(found)
+    validator = Draft202012Validator(json_schema("diagnose"))
+    validator.validate(found)
+    assert not validator.is_valid(found | {"new": 1})
     assert all(spot["parameter"].endswith(spot["unit"]) for spot in found["blind_spots"])
 
 

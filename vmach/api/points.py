@@ -10,7 +10,6 @@ import numpy as np
 from vmach.api.records import Rows
 from vmach.base.note import Note
 from vmach.base.units import um_from_mm
-from vmach.fit.prediction_uncertainty import prediction_u_mm
 from vmach.job import Job
 from vmach.machine import Variant
 from vmach.nominal.points import SurfacePoints
@@ -18,6 +17,7 @@ from vmach.prediction.error_budget import error_budget
 from vmach.prediction.prediction import Prediction
 from vmach.report.result import STATUSES
 from vmach.run.pipeline import predict_points
+from vmach.uncertainty.first_order import prediction_u_mm
 
 __all__ = ["PointDeviations", "predict", "surface_points"]
 

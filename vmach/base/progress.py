@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import json
+import os
+import sys
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 from rich.progress import (
     BarColumn,
@@ -21,7 +26,12 @@ from vmach.base.stage_clock import Progress as Report
 from vmach.base.stage_clock import silent
 from vmach.base.terminal import console
 
-__all__ = ["progress_bar"]
+__all__ = ["PROGRESS_LINES", "progress_bar"]
+
+#: set in the environment of a command by a program that shows its progress: instead of a bar,
+#: lines ``{"stage", "done", "total"}`` of JSON go to standard error, at most so many a second
+PROGRESS_LINES = "VMACH_PROGRESS_LINES"
+_LINES_PER_S = 10.0
 
 #: work that is over sooner shows nothing
 _PATIENCE_S = 2.0
@@ -42,6 +52,9 @@ def progress_bar() -> Iterator[Report]:
 
     The bar of a stage that begins with 0 of 1 runs to and fro until it is done or the next begins.
     """
+    if os.environ.get(PROGRESS_LINES):
+        yield _line_teller()
+        return
     screen = console(stderr=True)
     if not screen.is_terminal:
         yield silent
@@ -67,3 +80,18 @@ def progress_bar() -> Iterator[Report]:
         patience.cancel()
         patience.join()
         bar.stop()
+
+
+def _line_teller() -> Report:
+    """Progress for a program: a line where a stage begins, ends, or some time has passed."""
+    last: dict[str, Any] = {"stage": "", "at": 0.0}
+
+    def report(stage: str, done: int, total: int) -> None:
+        now = time.monotonic()
+        is_news = stage != last["stage"] or done >= total or now - last["at"] > 1 / _LINES_PER_S
+        if is_news:
+            last.update(stage=stage, at=now)
+            print(json.dumps({"stage": stage, "done": done, "total": total}), file=sys.stderr,
+                  flush=True)  # fmt: skip
+
+    return report

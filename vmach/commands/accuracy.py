@@ -10,8 +10,9 @@ import typer
 
 from vmach.base.progress import progress_bar
 from vmach.base.terminal import console
+from vmach.base.uncertainty_method import UncertaintyMethod
 from vmach.base.variant import Variant
-from vmach.commands.options import AsJson, Model
+from vmach.commands.options import AsJson, Digits, Draws, Model, Seed, Uncertainty
 from vmach.files.atomic import atomic_folder, check_folder
 
 __all__ = ["accuracy"]
@@ -36,9 +37,13 @@ def accuracy(
         typer.Option(help="CSV x,y,z of nose positions: a path to give the error along"),
     ] = None,
     out: Annotated[Path | None, typer.Option("--out", help="folder for json and pictures")] = None,
+    uncertainty: Uncertainty = UncertaintyMethod.FIRST_ORDER,
+    digits: Digits = 1,
+    draws: Draws = 1_000_000,
+    seed: Seed = 1,
     as_json: AsJson = False,
 ) -> None:
-    """Largest difference of the errors at any two points, and what it comes from."""
+    """Evaluate the volumetric accuracy of a machine."""
     import numpy as np
 
     from vmach.plausibility import admitted_machine
@@ -61,8 +66,16 @@ def accuracy(
         if profile is not None:
             path = read_profile(profile).divided(_PROFILE_SPACING_MM).errors(known, tool_mm, model)
         report = accuracy_figures(known, field, comparison, tool_mm, model=model)
-        if path is not None:
+        if path is not None and profile is not None:
             report["profile"] = profile_figures(profile, path)
+        if uncertainty is UncertaintyMethod.MONTE_CARLO:
+            from vmach.uncertainty.monte_carlo import Plan
+            from vmach.uncertainty.volumetric import draw_accuracy
+            from vmach.uncertainty.volumetric_figures import accuracy_drawn_figures
+
+            plan = Plan(digits=digits, most_draws=draws, seed=seed)
+            drawn = draw_accuracy(known, field, tool_mm, model, plan, progress=progress)
+            report["uncertainty"] = accuracy_drawn_figures(drawn)
         if out is not None:
             from vmach.volumetric.pictures import accuracy_pictures, draw_profile
 

@@ -29,11 +29,11 @@ def canon(
     ] = "auto",
     as_json: AsJson = False,
 ) -> None:
-    """What the program says to the machine: one resolved move a line."""
+    """Print what a program says, one canonical call a line."""
     from gcode import (
         UnknownToolError,
         canon_calls,
-        canon_lines,
+        canon_text,
         dialect_name,
         read_program,
         read_tool_table,
@@ -60,4 +60,4 @@ def canon(
         calls = [{"line": n, "call": name, "arguments": a} for n, name, a in canon_calls(read)]
         print(json.dumps(calls, indent=1))
     else:
-        sys.stdout.writelines(f"{line}\n" for line in canon_lines(read))
+        sys.stdout.writelines(canon_text(read))

@@ -13,9 +13,10 @@ from vmach.base.progress import progress_bar
 from vmach.base.stage_clock import StageClock
 from vmach.base.units import mm_from_um
 from vmach.base.variant import Variant
-from vmach.commands.options import Control, JobPath, Model, command_line
+from vmach.commands.options import Control, JobPath, Model, command_line, input_files
 from vmach.errors import InputError
 from vmach.files.atomic import atomic_file, check_outputs
+from vmach.files.together import together
 
 if TYPE_CHECKING:
     from vmach.compensation.aim.surface import Surface
@@ -52,13 +53,13 @@ def compensate(
     ] = 5.0,
     dialect: Annotated[
         str | None,
-        typer.Option(help="target control: fanuc, grbl, haas, heidenhain, linuxcnc, sinumerik"),
+        typer.Option(help="control that reads the written program, by the names of --control"),
     ] = None,
     report: Annotated[Path | None, typer.Option(help="HTML file to write")] = None,
     json_: Annotated[bool, typer.Option("--json", help="print the figures as JSON")] = False,
     control: Control = None,
 ) -> None:
-    """Move the program against the predicted error of the tool, and verify it."""
+    """Move the program against the predicted error."""
     from gcode import dialect_of
     from vmach.compensation.aim.surface import check_surface, read_surface
     from vmach.compensation.compensate import compensate as compensate_job
@@ -72,7 +73,7 @@ def compensate(
                                    "--residual-limit-um": residual_limit_um})  # fmt: skip
     read = read_job(job)
     target_control(dialect_of(read.program, read.dialect), dialect, file=read.program)
-    check_outputs([out, report], inputs=[path for _, path in read.files()])
+    check_outputs([out, report], inputs=input_files(read))
     effects = read_effects(read.effects, file=read.path, job=read)
     with progress_bar() as progress:
         clock = StageClock(progress)
@@ -98,8 +99,9 @@ def compensate(
             checked = None if surface is None else check_surface(
                 read, found.text, surface, effects=effects, variant=model
             )  # fmt: skip
-    with atomic_file(out) as temporary:
-        temporary.write_bytes(found.text)
+    with together():
+        with atomic_file(out) as temporary:
+            temporary.write_bytes(found.text)
         if report is not None and checked is not None:
             write_compensation_report(
                 report, found, checked, job=read, model=model, command=command_line()

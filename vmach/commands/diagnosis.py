@@ -25,8 +25,10 @@ from vmach.commands.options import (
     input_files,
 )
 from vmach.files.atomic import atomic_file, check_folder, check_outputs
+from vmach.files.together import together
 
 if TYPE_CHECKING:
+    from vmach.diagnosis.diagnose import Diagnosis
     from vmach.diagnosis.findings import Finding
     from vmach.diagnosis.named_fit import NamedEffect
     from vmach.job import Job
@@ -52,7 +54,7 @@ def diagnose(
     ] = False,
     control: Control = None,
 ) -> None:
-    """Compare with the measurements and say what the model lacks."""
+    """Say what the model lacks, from measurements."""
     if rules:
         from vmach.diagnosis.inference.rules import rules_text
 
@@ -61,12 +63,14 @@ def diagnose(
     if job is None:
         raise typer.BadParameter("which job? JOB is job.toml, or the folder it is in")
     from vmach.diagnosis.diagnose import diagnose as diagnose_survey
-    from vmach.diagnosis.report import as_text, write_figures
+    from vmach.diagnosis.report import as_text
     from vmach.diagnosis.residuals.job_survey import survey_job
+    from vmach.job import read_job
 
     _load(effect_file)
+    read = read_job(job)
     next_path = next_file or (json_file.with_name("next.nc") if json_file else None)
-    inputs = input_files(job)
+    inputs = input_files(read)
     check_outputs([json_file, next_path], inputs=inputs)
     if out is not None:
         # late: drawing takes a second to load
@@ -79,34 +83,48 @@ def diagnose(
         check_folder(out, FOLDER_FILES, inputs=inputs)
     with progress_bar() as progress:
         progress("read", 0, 1)
-        survey = survey_job(job)
+        survey = survey_job(read)
         nominal = None if out is None else read_nominal_mesh(survey.job)
         found = diagnose_survey(survey, progress=lambda stage: progress(stage, 0, 1))
-        program = None
-        if found.next_measurement is not None and next_path is not None:
-            program = next_path.name if next_file is None else str(next_path)
-            with atomic_file(next_path) as temporary:
-                temporary.write_text(found.next_measurement.program, encoding="utf-8")
-        if json_file is not None:
-            write_figures(json_file, found, program=program)
-        if out is not None:
-            progress("draw", 0, 1)
-            written = write_diagnosis(out, found, nominal=nominal, command=command_line())
-            if found.next_measurement is not None:
-                program = program or str(out / written[-1])
+        with together():
+            program = _write_files(found, json_file, next_path, is_named=next_file is not None)
+            if out is not None:
+                progress("draw", 0, 1)
+                written = write_diagnosis(out, found, nominal=nominal, command=command_line())
+                if found.next_measurement is not None:
+                    program = program or str(out / written[-1])
     print(as_text(found, program=program))
     if add_all:
         _add_all(job)
     elif found.verdict in ("named", "class", "partly"):
-        print(f"to add it to the model: vmach add {job} {' '.join(map(_word, found.findings))}")
+        print(f"to add this to the model: vmach add {job} {' '.join(map(_word, found.findings))}")
     if found.next_measurement is not None and program is None:
         print("--next FILE writes the program of the measurement to do next")
     if next_file is not None and program is None:
         print(f"no next measurement is called for; {next_file} was not written")
     if out is None:
-        print("--out DIR makes a page with pictures of it")
+        print("--out DIR writes a page with pictures")
     else:
         _tell(out, written, FOLDER_FILES)
+
+
+def _write_files(
+    found: Diagnosis, json_file: Path | None, next_path: Path | None, *, is_named: bool
+) -> str | None:
+    """Write the single files; returns the name of the next measurement's program.
+
+    It is the path where the user named the file, else the file's name beside the JSON.
+    """
+    from vmach.diagnosis.report import write_figures
+
+    program = None
+    if found.next_measurement is not None and next_path is not None:
+        program = str(next_path) if is_named else next_path.name
+        with atomic_file(next_path) as temporary:
+            temporary.write_text(found.next_measurement.program, encoding="utf-8")
+    if json_file is not None:
+        write_figures(json_file, found, program=program)
+    return program
 
 
 def _add_all(job: Path) -> None:
@@ -145,7 +163,7 @@ def add(
     as_json: AsJson = False,
     control: Control = None,
 ) -> None:
-    """Fit effects to the measurements and put them into a new job; the old one stays."""
+    """Fit effects and write a new job that has them."""
     from vmach.diagnosis.gates.impossible_sizes import impossible_size_notes
     from vmach.history.added_effects import add_effects
     from vmach.job import read_job
@@ -186,7 +204,7 @@ def add(
     )
     for note in notes:
         print(f"note: {note}")
-    print(f"{path} holds them; {job} is as it was")
+    print(f"{path} holds the added effects; {job} is unchanged")
 
 
 def _values(effect: NamedEffect) -> str:
@@ -216,16 +234,18 @@ def history(
     effect_file: OwnEffects = None,
     control: Control = None,
 ) -> None:
-    """How the error fell, model by model."""
+    """Show how the error fell from job to job."""
     from vmach.history import draw_history, history_of
+    from vmach.job import read_job
 
     _load(effect_file)
-    check = _other_part(job, check_job, check_program, check_points)
+    read = read_job(job)
+    check = _other_part(read, check_job, check_program, check_points)
     picture = picture or (job if job.is_dir() else job.parent) / "history.png"
-    check_outputs([picture], inputs=input_files(job))
+    check_outputs([picture], inputs=input_files(read))
     with progress_bar() as progress:
         progress("evaluate", 0, 1)
-        steps = history_of(job, check=check)
+        steps = history_of(read, check=check)
     draw_history(steps, picture)
     if as_json:
         rows = [
@@ -234,6 +254,7 @@ def history(
                 "added": list(s.added),
                 "rms_um": s.rms_um,
                 "check_rms_um": s.check_rms_um,
+                "held_out_um": s.held_out_um,
                 "notes": [str(note) for note in s.notes],
                 "note_records": note_records(s.notes),
             }
@@ -241,12 +262,12 @@ def history(
         ]
         print(json.dumps(rows, indent=1))
         return
-    table = Table("job", "added", "RMS fitted, um")
+    table = Table("job", "added", "RMS fitted, um", "held out, um")
     if check is not None:
         table.add_column("RMS other part, um")
     for name, s in zip(_names([s.job for s in steps]), steps, strict=True):
         other = [] if s.check_rms_um is None else [f"{s.check_rms_um:.2f}"]
-        table.add_row(name, ", ".join(s.added), f"{s.rms_um:.2f}", *other)
+        table.add_row(name, ", ".join(s.added), f"{s.rms_um:.2f}", f"{s.held_out_um:.2f}", *other)
     console().print(table)
     for note in steps[-1].notes:
         print(f"note: {note}")
@@ -262,7 +283,7 @@ def _names(jobs: Sequence[Path]) -> list[str]:
 
 
 def _other_part(
-    job: Path, other: Path | None, program: Path | None, points: Path | None
+    job: Job, other: Path | None, program: Path | None, points: Path | None
 ) -> Job | None:
     """The job of the part to check on, from its own file or as another program of `job`."""
     from vmach.job import read_job
@@ -275,7 +296,7 @@ def _other_part(
         return read_job(other)
     if program is None:
         return None
-    return replace(read_job(job), program=program, measured=points)
+    return replace(job, program=program, measured=points)
 
 
 def _load(files: list[Path] | None) -> None:

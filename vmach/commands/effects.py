@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 
 __all__ = ["effects_app"]
 
-effects_app = typer.Typer(help="The physical effects that can be added.", no_args_is_help=True)
+effects_app = typer.Typer(
+    help="List, write, check and propose physical effects.", no_args_is_help=True
+)
 
 #: effects that are told as looking alike, at most
 _MOST_TOLD = 8
@@ -26,7 +28,7 @@ _WORDS = ("usual_size", "confirm", "cure", "source")
 
 @effects_app.command("list")
 def list_effects() -> None:
-    """Every effect with its targets and parameters."""
+    """List all effects with their targets and parameters."""
     from vmach.effects import catalogue
 
     for effect in catalogue().values():
@@ -41,7 +43,7 @@ def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="lower_case_name")],
     folder: Annotated[Path, typer.Option(help="where to write it")] = Path("."),
 ) -> None:
-    """Write the skeleton of an effect of your own."""
+    """Write a file to start an effect of your own from."""
     from vmach.effects.skeleton import write_skeleton
 
     path = write_skeleton(name, folder)
@@ -56,7 +58,7 @@ def check(
         typer.Option(help="measured job: what its readings cannot tell the effect from"),
     ] = None,
 ) -> None:
-    """Check an effect of your own: what it says, its law, and what it looks like."""
+    """Check the file of an effect of your own."""
     from vmach.base.units import um_from_mm
     from vmach.diagnosis.residuals.job_survey import survey_job
     from vmach.effects import load_effect_file
@@ -82,7 +84,7 @@ def check(
     for one in found[:_MOST_TOLD]:
         target = f" {one.target}" if one.target else ""
         print(
-            f"hardly distinguished from {one.label}: it leaves {one.share_left:.0%} of "
+            f"hard to tell from {one.label}, which leaves {100 * one.share_left:.0f} % of "
             f"{effect.name}{target} ({rows})"
         )
     for note in _notes(effect, largest_mm):
@@ -95,7 +97,7 @@ def propose(
     out: Annotated[Path, typer.Option("-o", "--out", help="Python file to write")],
     number: Annotated[int, typer.Option(min=1, help="which of the proposals")] = 1,
 ) -> None:
-    """Write a form for what no effect explains as an effect of your own."""
+    """Write a form for what no effect explains, as a file."""
     import re
 
     from vmach.diagnosis.diagnose import diagnose

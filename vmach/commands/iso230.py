@@ -34,7 +34,7 @@ def iso230(
     out: Annotated[Path | None, typer.Option("--out", help="folder for json and diagrams")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Accuracy, repeatability and reversal after ISO 230-2, with their uncertainty."""
+    """Evaluate laser runs after ISO 230-2, with uncertainty."""
     from vmach.iso230.budget_file import read_budget
     from vmach.iso230.figures import evaluated_tables, iso230_figures
     from vmach.iso230.printing import print_iso230

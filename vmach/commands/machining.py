@@ -22,6 +22,7 @@ from vmach.commands.options import (
 )
 from vmach.errors import InputError
 from vmach.files.atomic import check_folder, check_outputs
+from vmach.files.together import together
 
 __all__ = ["compare", "run"]
 
@@ -43,7 +44,7 @@ def run(
     as_json: AsJson = False,
     control: Control = None,
 ) -> None:
-    """Machine the part virtually and compare it with its nominal CAD."""
+    """Machine the part virtually and compare it with its CAD."""
     variants = (Variant.NONE,) if model is Variant.NONE else (Variant.NONE, model)
     if part is not None:
         if solid is False:
@@ -62,7 +63,7 @@ def compare(
     as_json: AsJson = False,
     control: Control = None,
 ) -> None:
-    """Error-model variants side by side, and against the measured points of the job."""
+    """Compare error models with each other and the measured part."""
     _machine(
         job,
         Variant.ABBE,
@@ -85,9 +86,11 @@ def _machine(
     prefer_measured: bool = False,
     solid: bool | None = None,
 ) -> None:
+    from vmach.job import read_job
     from vmach.report import columns_table, differences_text
     from vmach.run.pipeline import machine_part
     from vmach.run.results import (
+        ALL_FILES,
         REMAINDER_FILE,
         RESULT_FILES,
         SOLID_FILE,
@@ -98,19 +101,20 @@ def _machine(
     )
 
     out = out or default_folder(job)
-    inputs = input_files(job)
-    names = (*RESULT_FILES, REMAINDER_FILE)
-    check_folder(out, names, inputs=inputs)
-    results = [out / name for name in names] if out.is_dir() else []
+    read = read_job(job)
+    inputs = input_files(read)
+    check_folder(out, ALL_FILES, inputs=inputs)
+    results = [out / name for name in ALL_FILES] if out.is_dir() else []
     check_outputs([part_file, *results], inputs=inputs)
     with progress_bar() as progress:
         made = machine_part(
-            job, model=model, variants=variants, prefer_measured=prefer_measured, solid=solid,
+            read, model=model, variants=variants, prefer_measured=prefer_measured, solid=solid,
             progress=progress,
         )  # fmt: skip
-        if part_file is not None:
-            write_coloured_part(made, part_file)
-        figures = write_results(made, out, command=command_line(), progress=progress)
+        with together():
+            if part_file is not None:
+                write_coloured_part(made, part_file)
+            figures = write_results(made, out, command=command_line(), progress=progress)
     if as_json:
         print(json.dumps(figures, indent=1))
         return
@@ -123,7 +127,4 @@ def _machine(
         screen.print(f"note: {note}", highlight=False, markup=False)
     files = [name for name in RESULT_FILES if made.part is not None or name != SOLID_FILE]
     files += [REMAINDER_FILE] if made.points.remainders else []
-    if made.part is None and (out / SOLID_FILE).exists():
-        screen.print(f"note: {SOLID_FILE} in {out} is of an earlier run", highlight=False,
-                     markup=False)  # fmt: skip
     screen.print(f"results in {out}: {', '.join(files)}", highlight=False, markup=False)

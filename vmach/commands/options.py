@@ -5,15 +5,18 @@ from __future__ import annotations
 import shlex
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from vmach.base.uncertainty_method import UncertaintyMethod
 from vmach.base.variant import Variant
 
-__all__ = ["AsJson", "Control", "JobPath", "Model", "OutDir", "OwnEffects",
-           "command_line", "input_files"]  # fmt: skip
+if TYPE_CHECKING:
+    from vmach.job import Job
 
+__all__ = ["AsJson", "Control", "Digits", "Draws", "JobPath", "Model", "OutDir", "OwnEffects",
+           "Seed", "Uncertainty", "command_line", "input_files"]  # fmt: skip
 
 def _tell_control(name: str | None) -> str | None:
     from vmach.job.control import tell_control  # late: it loads what a job needs
@@ -30,9 +33,19 @@ Control = Annotated[
 AsJson = Annotated[bool, typer.Option("--json", help="print the figures as JSON")]
 OutDir = Annotated[Path | None, typer.Option("--out", help="folder for the results")]
 Model = Annotated[Variant, typer.Option(help="arms of the machine's angular errors")]
+Uncertainty = Annotated[
+    UncertaintyMethod, typer.Option(help="first order, or draws of all corrections (JCGM 101)")
+]
+Digits = Annotated[
+    int, typer.Option(min=1, max=3, help="monte-carlo: significant digits of u that are to stand")
+]
+Draws = Annotated[int, typer.Option(min=20_000, help="monte-carlo: draws at most")]
+Seed = Annotated[int, typer.Option(min=0, help="monte-carlo: another seed, other draws")]
 OwnEffects = Annotated[
     list[Path] | None,
-    typer.Option("--effect-file", help="Python file with an effect of your own; repeatable"),
+    typer.Option(
+        "--effect-file", metavar="FILE", help="Python file with an effect of your own; repeatable"
+    ),
 ]
 
 
@@ -41,8 +54,6 @@ def command_line() -> str:
     return shlex.join(["vmach", *sys.argv[1:]])
 
 
-def input_files(job: Path) -> list[Path]:
+def input_files(job: Job) -> list[Path]:
     """The files of a job, which no result may replace."""
-    from vmach.job import read_job
-
-    return [path for _, path in read_job(job).files()]
+    return [path for _, path in job.files()]

@@ -26,15 +26,17 @@ def path(
     as_json: AsJson = False,
     control: Control = None,
 ) -> None:
-    """Error of the tool tip along the program, whatever it cuts."""
+    """Predict the error of the tool tip along the program."""
     from vmach.files.table_file import check_table_file, write_table
+    from vmach.job import read_job
     from vmach.prediction.tip_errors import tip_error_columns, tip_errors
 
-    check_outputs([out], inputs=input_files(job))
+    read = read_job(job)
+    check_outputs([out], inputs=input_files(read))
     check_table_file(out)
     with progress_bar() as progress:
         progress("path", 0, 1)
-        found = tip_errors(job, model)
+        found = tip_errors(read, model)
     if out is not None:
         write_table(out, tip_error_columns(found))
     for note in found.notes:

@@ -14,7 +14,7 @@ from vmach.base.progress import progress_bar
 from vmach.base.terminal import console
 from vmach.base.units import mm_from_um
 from vmach.base.variant import Variant
-from vmach.commands.options import AsJson, Control, Model, input_files
+from vmach.commands.options import AsJson, Control, Model
 from vmach.errors import InputError
 from vmach.files.atomic import atomic_folder, check_folder
 
@@ -30,7 +30,7 @@ _FIGURES, _README = "tables.json", "README.md"
 class HelpWithFormats(TyperCommand):
     """Its help says what every format holds; they are loaded only when it is asked for."""
 
-    def format_help(self, ctx: typer.Context, formatter: Any) -> None:
+    def format_help(self, ctx: Any, formatter: Any) -> None:
         from vmach.controller_tables import FORMATS
 
         formats = (
@@ -69,7 +69,7 @@ def tables(
     as_json: AsJson = False,
     control: Control = None,
 ) -> None:
-    """Compensation tables for controls, read back and applied as the control would."""
+    """Write compensation tables for controls and verify them."""
     from vmach.controller_tables import make_tables
     from vmach.controller_tables.figures import tables_figures
     from vmach.controller_tables.printing import print_tables, tables_readme
@@ -79,7 +79,7 @@ def tables(
     names = _format_names(formats)
     tolerance_mm = mm_from_um(tolerance_um)
     task = _task(job, machine, model, tool_length=tool_length, tolerance_mm=tolerance_mm)
-    check_folder(out, [*names, _FIGURES, _README], inputs=_inputs(job, machine))
+    check_folder(out, [*names, _FIGURES, _README], inputs=task.inputs)
     options = {"comp_type": comp_type, "cec_entries": cec_entries}
     with progress_bar() as progress, atomic_folder(out) as folder:
         made = make_tables(task, folder, formats=names, options=options, progress=progress)
@@ -124,7 +124,7 @@ def _task(
         )
     if model is Variant.NONE:
         raise InputError(f"--model {model} has no error to compensate", accepted="abbe, htm")
-    if job is None:
+    if job is None and machine is not None:
         length = 0.0 if tool_length is None else tool_length
         return task_of_machine(
             admitted_machine(machine), model, tool_length_mm=length, tolerance_mm=tolerance_mm
@@ -132,14 +132,8 @@ def _task(
     if tool_length is not None:
         what = f"--tool-length {tool_length:g} goes with --machine"
         raise InputError(what, hint="a job names its own tools")
+    assert job is not None
     return task_of_job(read_job(job), model, tolerance_mm=tolerance_mm)
-
-
-def _inputs(job: Path | None, machine: Path | None) -> list[Path]:
-    """Files that are read, which no table may replace."""
-    from vmach.machine import read_machine
-
-    return input_files(job) if job is not None else list(read_machine(machine).files)
 
 
 def _relative(made: MadeTables, folder: Path) -> tuple[Path, ...]:

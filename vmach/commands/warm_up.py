@@ -143,7 +143,7 @@ END-ISO-10303-21;
 
 
 def warm_up() -> None:
-    """Compile everything that vmach compiles: once after an installation or an update."""
+    """Compile the numerical kernels, once after an installation."""
     start = time.monotonic()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -16,7 +16,7 @@ from vmach.compensation.safety import lines_text
 
 __all__ = ["as_json", "as_text", "remarks", "rows"]
 
-_CENTRED = "what a shift of the path cannot correct: one move makes several places"
+_CENTRED = "places made by one move that would need different shifts"
 _STAYS = "machine coordinates or reference point"
 
 
@@ -54,13 +54,13 @@ def _surface(surface: SurfaceCheck) -> dict[str, Any]:
     figures: dict[str, Any] = {"points": len(surface.row), "of": surface.surface.source}
     for name, error in {"before": surface.before_mm, "after": surface.after_mm}.items():
         size = um_from_mm(np.abs(error))
-        figures |= {f"{name}_largest_um": float(size.max()), f"{name}_mean_um": float(size.mean())}
+        figures |= {f"{name}_largest_um": float(size.max()), f"{name}_mean_um": surface.mean(size)}
     ratio, u_um = surface.ratio, um_from_mm(surface.u_mm)
     return figures | {
-        "after_rms_um": float(um_from_mm(np.sqrt(np.mean(surface.after_mm**2)))),
+        "after_rms_um": float(um_from_mm(np.sqrt(surface.mean(surface.after_mm**2)))),
         "u_largest_um": float(u_um.max()),
-        "u_mean_um": float(u_um.mean()),
-        "u_rms_um": float(np.sqrt(np.mean(u_um**2))),
+        "u_mean_um": surface.mean(u_um),
+        "u_rms_um": float(np.sqrt(surface.mean(u_um**2))),
         "expected_rms_um": um_from_mm(surface.expected_rms_mm),
         "mean_before_over_after": ratio if np.isfinite(ratio) else None,
         "points_lost": surface.lost,
@@ -131,7 +131,7 @@ def rows(found: Compensation, surface: SurfaceCheck | None) -> dict[str, str]:
         table["largest shift of the path"] = f"{aimed['largest_shift_um']:.2f} um"
     return table | {
         "largest correction": f"{figures['largest_correction_um']:.2f} um",
-        "blocks": f"{found.growth:.2f} times as many; {found.steps} take up jumps of the error",
+        "blocks": f"{found.growth:.2f} times as many; {found.steps} for jumps of the error",
         "arcs": f"{found.arcs_kept} of {found.arcs} stay arcs",
         "words below the resolution": str(found.swallowed),
     }

@@ -13,6 +13,7 @@ import numpy as np
 from vmach.compensation.aim.surface import SurfaceCheck
 from vmach.compensation.compensate import Compensation
 from vmach.compensation.figures import remarks, rows
+from vmach.files.together import together
 from vmach.job import Job
 from vmach.machine import Variant
 from vmach.report import (
@@ -49,7 +50,8 @@ def write_compensation_report(
     record = _record(found, surface, job, model, command)
     with tempfile.TemporaryDirectory() as folder:
         picture = Path(folder) / "heatmap.png"
-        draw_heatmap(picture, display, points, record)
+        with together():  # it is in its place before it is read, whatever comes with the page
+            draw_heatmap(picture, display, points, record)
         write_report_html(path, display, points, record, stills=[picture])
 
 

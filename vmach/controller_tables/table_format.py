@@ -5,6 +5,7 @@ Source: ISO/TR 16907 for the kinds of compensation.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,11 +16,13 @@ import numpy as np
 from vmach.controller_tables.knots import Knots
 from vmach.controller_tables.projection import AxisTable, Projection, Term
 from vmach.controller_tables.table_task import TableTask
+from vmach.errors import InputError
 
 __all__ = ["AppliedTables", "TableFormat", "projected"]
 
 #: tables whose largest entry is below this share of the tolerance are left out
 _NEGLIGIBLE = 0.1
+_NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 
 class AppliedTables(Protocol):
@@ -64,6 +67,26 @@ class TableFormat:
     write: Write
     read: Callable[[Path, Mapping[str, Any]], AppliedTables]
     terms: Callable[[TableTask], list[Term]] | None = None
+
+    def __post_init__(self) -> None:
+        wrong = {
+            "name": not (isinstance(self.name, str) and _NAME.fullmatch(self.name)),
+            "rank": not isinstance(self.rank, int),
+            "most_entries": not (isinstance(self.most_entries, int) and self.most_entries >= 2),
+            "write": not callable(self.write),
+            "read": not callable(self.read),
+            "terms": not (self.terms is None or callable(self.terms)),
+        }
+        wrong |= {
+            key: not (isinstance(text := getattr(self, key), str) and text.strip())
+            for key in ("title", "holds", "lacks")
+        }
+        if key := next((key for key, is_wrong in wrong.items() if is_wrong), None):
+            raise InputError(
+                f"table format {self.name!r}: {key} = {getattr(self, key)!r}",
+                accepted="name in lower case with hyphens; title, holds and lacks in words; "
+                "whole numbers rank and most_entries; functions write, read and terms",
+            )
 
 
 def projected(

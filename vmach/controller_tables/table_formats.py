@@ -5,14 +5,12 @@ Each file offers ``FORMATS``, a tuple of `TableFormat`.
 
 from __future__ import annotations
 
-import pkgutil
 from collections.abc import Iterator
-from importlib import import_module
-from importlib.metadata import entry_points
 
 from vmach.controller_tables import formats
 from vmach.controller_tables.table_format import TableFormat
 from vmach.errors import InputError
+from vmach.files.plugins import modules_of, offered
 
 __all__ = ["ENTRY_POINT", "FORMATS"]
 
@@ -20,20 +18,12 @@ __all__ = ["ENTRY_POINT", "FORMATS"]
 ENTRY_POINT = "vmach.table_formats"
 
 
-def _modules() -> Iterator[tuple[str, object]]:
+def _offers() -> Iterator[tuple[str, object]]:
     """Where formats stand, and what stands there."""
-    for module in pkgutil.iter_modules(formats.__path__):
-        name = f"{formats.__name__}.{module.name}"
-        yield name, getattr(import_module(name), "FORMATS", None)
-    for entry in entry_points(group=ENTRY_POINT):
-        try:
-            yield entry.value, entry.load()
-        except Exception as error:
-            raise InputError(
-                f"entry point '{entry.name} = {entry.value}' of {ENTRY_POINT} cannot be loaded: "
-                f"{error!r}",
-                accepted="MODULE:FORMATS, a tuple of TableFormat",
-            ) from error
+    for module, file in modules_of(formats, what="table format"):
+        yield str(file), getattr(module, "FORMATS", None)
+    for entry, found in offered(ENTRY_POINT, accepted="MODULE:FORMATS, a tuple of TableFormat"):
+        yield entry.value, found
 
 
 def _catalogue() -> dict[str, TableFormat]:
@@ -45,12 +35,12 @@ def _catalogue() -> dict[str, TableFormat]:
         A file or an entry point without formats, or a name that is taken.
     """
     found: dict[str, TableFormat] = {}
-    for where, offered in _modules():
-        if not isinstance(offered, tuple) or not all(isinstance(o, TableFormat) for o in offered):
+    for where, these in _offers():
+        if not isinstance(these, tuple) or not all(isinstance(o, TableFormat) for o in these):
             raise InputError(
-                f"{where} offers {offered!r}", accepted="FORMATS, a tuple of TableFormat"
+                f"{where} offers {these!r}", accepted="FORMATS, a tuple of TableFormat"
             )
-        for one in offered:
+        for one in these:
             if one.name in found:
                 raise InputError(f"{where}: the name '{one.name}' is taken", accepted="another")
             found[one.name] = one

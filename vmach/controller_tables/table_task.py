@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -55,6 +56,8 @@ class TableTask:
         Whether the job has effects beside the error tables.
     notes : tuple of Note
         What the user should know of machine and job before loading the tables.
+    inputs : tuple of Path
+        Files that it was made from; no table may replace one.
     """
 
     machine: Machine
@@ -66,6 +69,7 @@ class TableTask:
     program: ErrorSamples | None = None
     has_effects: bool = False
     notes: tuple[Note, ...] = ()
+    inputs: tuple[Path, ...] = ()
 
     @property
     def by_direction(self) -> bool:
@@ -129,7 +133,9 @@ def task_of_machine(
     check = _check(machine, volume, tool, variant)
     doubtful = doubts(machine_notes(machine))
     notes = in_file(doubtful, machine.files[0]) if machine.files else ()
-    return TableTask(machine, variant, volume, tool, tolerance_mm, check, notes=notes)
+    return TableTask(
+        machine, variant, volume, tool, tolerance_mm, check, notes=notes, inputs=machine.files
+    )
 
 
 def task_of_job(job: Job, variant: Variant, *, tolerance_mm: float) -> TableTask:
@@ -147,6 +153,7 @@ def task_of_job(job: Job, variant: Variant, *, tolerance_mm: float) -> TableTask
         program=program,
         has_effects=bool(job.effects),
         notes=preparation.notes,
+        inputs=tuple(path for _, path in job.files()),
     )
 
 

@@ -134,7 +134,7 @@ def _doubtful_uncertainty(found: Inference) -> tuple[Note, ...]:
     if factor < _TOO_QUIET:
         said = (
             f"what is left scatters {1.0 / factor:.3g} times less than u_um says: is u_um "
-            "too large? Effects go unseen by it, and intervals are too wide"
+            "too large? Effects may then stay unseen, and intervals are too wide"
         )
         return (Note.question(Kind.SCATTER, said, float(factor), "1", place="u_um"),)
     if factor > _TOO_LOUD:

@@ -125,12 +125,12 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
         lines.append("  `vmach effects propose JOB -o my_effect.py` writes the first as an effect")
     lines += [
         f"  weak: {weak.term.label}, probability {weak.support.probability:.2f}: {weak.why}; not "
-        "counted as there"
+        "counted as present"
         for weak in found.weak
     ]
     lines.append(
         f"RMS of measured minus predicted: {rms['before']:.2f} um before, {rms['after']:.2f} um "
-        f"after; {expected(found.residuals)} make {rms['expected_noise']:.2f} um"
+        f"after; {expected(found.residuals)} account for {rms['expected_noise']:.2f} um"
     )
     if found.failures:
         lines.append("Where the model fails (p: how often chance alone would look like this):")
@@ -140,7 +140,7 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
         lines += [f"  {f.by:14s} {_chance(f.p)}  {f.text}" for f in clearest.values()]
     unseen = [b for b in found.blind_spots if b.from_size is not None][:6]
     if unseen:
-        lines.append("These measurements would not see:")
+        lines.append("These measurements cannot show smaller effects than these:")
         lines += [f"  {b.label}: {b.text}" for b in unseen]
     if found.next_measurement is not None:
         lines.append(f"Measure next: {found.next_measurement.text}")
@@ -157,7 +157,7 @@ def _chance(p: float) -> str:
 
 def _uncertainty(finding: Finding, name: str) -> str:
     if name in finding.hardly_shown:
-        return "(these readings hardly show it)"
+        return "(weakly identified by these readings)"
     low, high = finding.interval_95[name]
     return f"(u = {finding.u[name]:.2g}; 95 % between {low:.4g} and {high:.4g})"
 
@@ -168,7 +168,7 @@ def _finding_lines(finding: Finding) -> list[str]:
     lines = [
         f"  {finding.label}: {finding.effect.title}",
         f"    {finding.status}, {finding.size_um:.2f} um RMS of these readings, "
-        f"{100 * finding.share:.0f} % of what was found and remains (log odds {finding.odds:.0f})",
+        f"{100 * finding.share:.0f} % of all found and left (log odds {finding.odds:.0f})",
     ]
     if finding.where:
         lines.append(f"    where: {finding.where}")

@@ -62,6 +62,8 @@ def where_component(
         first -= 1
     while last < len(clear) - 1 and clear[last + 1]:
         last += 1
+    if first == last:
+        return f"{axis} {position[peak]:.0f} mm ({shape[peak]:+.1f} {unit})"
     return (
         f"{axis} {position[first]:.0f} .. {position[last]:.0f} mm, "
         f"most at {position[peak]:.0f} mm ({shape[peak]:+.1f} {unit})"

@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 import difflib
-import inspect
-import pkgutil
-from collections.abc import Iterator
 from functools import lru_cache
-from importlib import import_module
-from importlib.metadata import entry_points
-from pathlib import Path
 
 from vmach.effects import laws
 from vmach.effects.declaration import check_declaration
 from vmach.effects.effect import Effect
 from vmach.errors import InputError
+from vmach.files.plugins import classes_of
 from vmach.job import Job
 
 __all__ = [
@@ -46,37 +41,23 @@ def add_effect(effect: Effect) -> None:
 
 @lru_cache(maxsize=1)
 def _installed() -> dict[str, Effect]:
-    """Effects of the rooms of ``laws``, and of packages beside vmach."""
+    """Effects of the rooms of ``laws``, and of packages beside vmach.
+
+    Raises
+    ------
+    InputError
+        With the file and the line of what is missing, unknown or misspelt; a name is there twice.
+    """
     effects: dict[str, Effect] = {}
-    for kind in _of_rooms():
-        check_declaration(kind, Path(inspect.getfile(kind)), needs_source=True)
-        effects[kind.name] = kind()
-    return effects | _of_packages()
-
-
-def _of_rooms() -> Iterator[type[Effect]]:
-    """Classes with a name in the files of the rooms; what several have in common has none."""
-    for module in pkgutil.walk_packages(laws.__path__, f"{laws.__name__}."):
-        for value in vars(import_module(module.name)).values():
-            is_effect = isinstance(value, type) and issubclass(value, Effect)
-            if is_effect and "name" in vars(value) and value.__module__ == module.name:
-                yield value
-
-
-def _of_packages() -> dict[str, Effect]:
-    effects: dict[str, Effect] = {}
-    for entry in entry_points(group=ENTRY_POINT):
-        try:
-            kind = entry.load()
-            check_declaration(kind)
-            effects[kind.name] = kind()
-        except Exception as error:
+    for kind in classes_of(laws, ENTRY_POINT, Effect, what="effect"):
+        check_declaration(kind, needs_source=kind.__module__.startswith(laws.__name__))
+        if kind.name in effects:
             raise InputError(
-                f"entry point '{entry.name} = {entry.value}' of {ENTRY_POINT} cannot be loaded: "
-                f"{error!r}",
-                accepted="MODULE:CLASS of a subclass of Effect",
-                hint=None if entry.dist is None else f"it belongs to the package {entry.dist.name}",
-            ) from error
+                f"effect class {kind.__name__} of {kind.__module__}: name = '{kind.name}' is that "
+                f"of {type(effects[kind.name]).__module__} too",
+                accepted="a name of its own",
+            )
+        effects[kind.name] = kind()
     return effects
 
 

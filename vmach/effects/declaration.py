@@ -5,18 +5,15 @@ What is missing, unknown or misspelt is an error with the line in the file that 
 
 from __future__ import annotations
 
-import difflib
 import inspect
 import math
 import re
 from collections.abc import Iterable
 from numbers import Real
 from pathlib import Path
-from typing import Any
 
 from vmach.effects.effect import Effect, Parameter
-from vmach.errors import InputError
-from vmach.files.class_lines import lines_of_class
+from vmach.files.declaration import Declaration
 
 __all__ = ["check_declaration", "has_unit", "unit_of"]
 
@@ -26,7 +23,6 @@ _UNIT = re.compile(
     r"rpm|Hz)(?:_per_\w+)?$"
 )
 
-_NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 #: attributes that say yes or no; words; numbers
 _YES_OR_NO = (
     "needs_surface",
@@ -44,8 +40,6 @@ _WORDS = ("usual_size", "confirm", "cure", "source", "signature")
 _NUMBERS = ("commonness", "rarity", "slack_share", "slack_time_s")
 #: how a source names its equation: "equation (3) of ..."
 _EQUATION = re.compile(r"equation \(\d+\) of \S")
-#: likeness (0 to 1) from which on an attribute, or a function, is a slip of a known one
-_LIKE = (0.6, 0.8)
 
 
 def check_declaration(
@@ -57,7 +51,7 @@ def check_declaration(
     ----------
     kind : subclass of Effect
     file : Path, optional
-        Where it stands.
+        Where it stands; needed where it is in no module that Python knows.
     needs_source : bool
         Whether it has to say where its law comes from, with the number of the equation.
 
@@ -66,7 +60,7 @@ def check_declaration(
     InputError
         With the file and the line of what is missing, unknown or wrong.
     """
-    declaration = _Declaration(kind, file)
+    declaration = _OfEffect(kind, Effect, "effect", file)
     declaration.check()
     if needs_source and not _EQUATION.match(kind.source):
         raise declaration.error(
@@ -76,62 +70,19 @@ def check_declaration(
         )
 
 
-def _of_base(name: str) -> object:
-    return getattr(Effect, name, None)
-
-
-class _Declaration:
-    """A class, and where each of its attributes is written."""
-
-    def __init__(self, kind: type[Effect], file: Path | None) -> None:
-        self.kind, self.file = kind, file
-        self._lines = {} if file is None else lines_of_class(kind, file)
+class _OfEffect(Declaration):
+    """What the class of an effect says."""
 
     def check(self) -> None:
-        self._check_known()
-        self._check_words()
-        self._check_targets()
-        self._check_parameters()
-        self._check_law()
-
-    def error(
-        self, what: str, *, key: str = "", accepted: str, hint: str | None = None
-    ) -> InputError:
-        line = self._lines.get(key, self._lines.get(""))
-        what = f"effect class {self.kind.__name__}: {what}"
-        return InputError(what, file=self.file, line=line, accepted=accepted, hint=hint)
-
-    def _check_known(self) -> None:
-        """Attributes that nobody asks for are slips; those of one's own begin with _."""
-        known = [name for name in dir(Effect) if not name.startswith("_")]
-        known += list(Effect.__annotations__)
-        for name, value in vars(self.kind).items():
-            if name.startswith("_") or name in known:
-                continue
-            alike = [other for other in known if callable(value) <= callable(_of_base(other))]
-            close = difflib.get_close_matches(name, alike, n=1, cutoff=_LIKE[callable(value)])
-            if callable(value) and not close:
-                continue
-            raise self.error(
-                f"unknown attribute '{name}'",
-                key=name,
-                accepted=", ".join(sorted(set(known))),
-                hint=f"did you mean '{close[0]}'?"
-                if close
-                else f"what is the class's own is called _{name}",
-            )
-
-    def _check_words(self) -> None:
-        name = self._given("name", "lower-case words joined by underscores")
-        if not isinstance(name, str) or not _NAME.fullmatch(name):
-            accepted = "lower-case words joined by underscores"
-            raise self.error(f"name = {name!r}", key="name", accepted=accepted)
-        title = self._given("title", "a few words that say what it is")
-        if not isinstance(title, str) or not title.strip():
-            raise self.error(f"title = {title!r}", key="title", accepted="a few words")
+        self.check_known()
+        self.check_name()
+        self.check_words(["title"])
         self._check_types(_YES_OR_NO, bool, "True or False")
         self._check_types(_WORDS, str, "text in quotes")
         self._check_types(_NUMBERS, Real, "a number, 0 or more")
+        self._check_targets()
+        self._check_parameters()
+        self._check_law()
 
     def _check_types(self, names: Iterable[str], kind: type, accepted: str) -> None:
         for name in names:
@@ -155,7 +106,7 @@ class _Declaration:
         )
 
     def _check_parameters(self) -> None:
-        parameters = self._given("parameters", "a tuple of linear(...) and inner(...)")
+        parameters = self.given("parameters", "a tuple of linear(...) and inner(...)")
         accepted = "a tuple of linear(...) and inner(...)"
         if isinstance(parameters, Parameter):
             hint = "a comma after it: parameters = (linear(...),)"
@@ -206,12 +157,6 @@ class _Declaration:
                 key="displacement",
                 accepted=call,
             ) from None
-
-    def _given(self, name: str, accepted: str) -> Any:
-        value = getattr(self.kind, name, None)
-        if value is None:
-            raise self.error(f"'{name}' is missing", accepted=accepted)
-        return value
 
 
 def has_unit(name: str) -> bool:

@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from vmach.effects.laws.heat.wandering import wandering
+from vmach.effects.wandering import wandering
 from vmach.job import Job
 from vmach.machine import LINEAR_AXES, RigidDisplacement
 from vmach.path.circumstances import Circumstances

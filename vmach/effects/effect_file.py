@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
-import traceback
+import inspect
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from vmach.effects.effect import Displaced, Effect
 from vmach.effects.law_check import check_law
 from vmach.effects.trial_path import trial_path
 from vmach.errors import InputError
+from vmach.files.plugins import classes_in, line_in, loading
 from vmach.files.text_file import read_text
 from vmach.machine import RigidDisplacement
 from vmach.path.circumstances import Circumstances
@@ -37,20 +38,9 @@ def load_effect_file(path: str | Path) -> Effect:
     spec = importlib.util.spec_from_file_location(f"vmach_user_effect_{path.stem}", path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    try:
+    with loading(path, "effect"):
         spec.loader.exec_module(module)
-    except Exception as error:
-        raise InputError(
-            f"effect file cannot be loaded: {error!r}", file=path, line=_line_in(path, error)
-        ) from error
-    kinds = [
-        value
-        for value in vars(module).values()
-        if isinstance(value, type)
-        and issubclass(value, Effect)
-        and value is not Effect
-        and value.__module__ == module.__name__
-    ]
+    kinds = classes_in(module, Effect)
     if len(kinds) != 1:
         raise InputError(
             f"{len(kinds)} effects in the file", file=path, accepted="one subclass of Effect"
@@ -68,7 +58,7 @@ def load_effect_file(path: str | Path) -> Effect:
 def _check_name(name: str, path: Path) -> None:
     """Refuse the name of an effect that is there; a file may be loaded again."""
     other = catalogue().get(name)
-    if other is None or (other.file is not None and other.file.resolve() == path.resolve()):
+    if other is None or path.resolve() in (_file_of(other), _file_of(type(other))):
         return
     where = f"in {other.file}" if other.file else f"already: {other.title}"
     text = read_text(path, what="effect file").splitlines()
@@ -79,6 +69,16 @@ def _check_name(name: str, path: Path) -> None:
         accepted="a name of its own",
         hint=f"call it 'own_{name}'",
     )
+
+
+def _file_of(effect: Effect | type[Effect]) -> Path | None:
+    """Where an effect was loaded from; of a class, where it is written."""
+    if isinstance(effect, Effect):
+        return effect.file and effect.file.resolve()
+    try:
+        return Path(inspect.getfile(effect)).resolve()
+    except (OSError, TypeError):
+        return None
 
 
 def _guarded(effect: Effect, file: Path) -> Callable[..., Displaced]:
@@ -93,7 +93,7 @@ def _guarded(effect: Effect, file: Path) -> Callable[..., Displaced]:
             raise InputError(
                 f"displacement() of effect '{effect.name}' fails: {error!r}",
                 file=file,
-                line=_line_in(file, error),
+                line=line_in(file, error),
             ) from error
         shape = (len(path), 3)
         if not isinstance(moved, RigidDisplacement) and np.shape(moved) != shape:
@@ -118,12 +118,3 @@ def _guarded(effect: Effect, file: Path) -> Callable[..., Displaced]:
 
 def _told(parameters: Mapping[str, float]) -> str:
     return ", ".join(f"{name} = {value:g}" for name, value in parameters.items())
-
-
-def _line_in(file: Path, error: Exception) -> int | None:
-    """The line of a file that an error comes from."""
-    if isinstance(error, SyntaxError):
-        return error.lineno
-    frames = traceback.extract_tb(error.__traceback__)
-    lines = [f.lineno for f in frames if Path(f.filename).resolve() == file.resolve()]
-    return lines[-1] if lines else None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -76,6 +76,27 @@ class EffectInstance:
             for k, change in enumerate(self.one_sigma):
                 moved[:, :, k] = (self._at(path, self._towards(change)) - here) / _SHARE
         return moved
+
+    def at_parameters(self, path: Circumstances, drawn: Sequence[float]) -> np.ndarray:
+        """Displacement at the contact where the parameters are elsewhere, (P, 3) mm.
+
+        Parameters
+        ----------
+        path : Circumstances
+        drawn : (K,) float
+            How far along each change of `one_sigma`, in standard uncertainties.
+        """
+        if self._is_out_of_sight(path):
+            return np.zeros((len(path), 3))
+        return self._at(path, self.with_drawn(drawn).parameters)
+
+    def with_drawn(self, drawn: Sequence[float]) -> EffectInstance:
+        """The effect with its parameters moved along the changes of `one_sigma`, (K,) of them."""
+        moved = dict(self.parameters)
+        for amount, change in zip(drawn, self.one_sigma, strict=True):
+            for name, by in change.items():
+                moved[name] = (np.asarray(moved[name]) + amount * np.asarray(by)).tolist()
+        return replace(self, parameters=moved)
 
     def _is_out_of_sight(self, path: Circumstances) -> bool:
         """Whether readings of this kind cannot show it."""

@@ -5,11 +5,14 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Collection, Iterable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from vmach.errors import InputError
+from vmach.files.together import put_in_place
 from vmach.files.workplace import exchange, nearest_existing, workplace
 from vmach.files.written_files import (
     FILES_LIST,
@@ -96,7 +99,7 @@ def _check_outputs(
 
 
 @contextmanager
-def atomic_folder(out_dir: str | Path) -> Iterator[Path]:
+def atomic_folder(out_dir: str | Path, *, replaced: Collection[str] = ()) -> Iterator[Path]:
     """Give a temporary folder that takes the place of `out_dir` when the block ends well.
 
     The old folder and the new one change places in one step: a kill at any moment leaves one of
@@ -107,6 +110,9 @@ def atomic_folder(out_dir: str | Path) -> Iterator[Path]:
     ----------
     out_dir : path
         Folder for the results; made, with its parents, if it does not exist.
+    replaced : collection of str
+        Names of all results of this kind of work. One that an earlier run left and this run does
+        not make is not kept: beside the new ones it would be taken for one of them.
 
     Yields
     ------
@@ -121,45 +127,76 @@ def atomic_folder(out_dir: str | Path) -> Iterator[Path]:
     """
     out_dir = _resolved(Path(out_dir))
     _check_can_be_exchanged(out_dir)
-    with workplace(out_dir) as room, _faults_named(room / "content", out_dir):
+    with ExitStack() as stack:
+        room = stack.enter_context(workplace(out_dir))
         content = room / "content"
+        stack.enter_context(_faults_named(content, out_dir))
         content.mkdir()
         _being_filled.add(content)
         try:
             yield content
         finally:
             _being_filled.discard(content)
-        _put_in_place(content, out_dir, room)
+        put_in_place(_Folder(content, out_dir, room, frozenset(replaced)), stack)
 
 
-def _put_in_place(content: Path, out_dir: Path, room: Path) -> None:
-    written = list(files_in(content))
-    if not out_dir.exists():
-        write_results_list(content, written, earlier=None)
-        out_dir.parent.mkdir(parents=True, exist_ok=True)
-        os.rename(content, out_dir)
+@dataclass(frozen=True)
+class _Folder:
+    """A folder of results that is ready; `replaced` are names that are not kept."""
+
+    content: Path
+    place: Path
+    room: Path
+    replaced: frozenset[str]
+    is_folder: ClassVar[bool] = True
+
+    def prepare(self, coming: Collection[Path]) -> None:
+        written = list(files_in(self.content))
+        if not self.place.exists():
+            write_results_list(self.content, written, earlier=None)
+            self.place.parent.mkdir(parents=True, exist_ok=True)
+            return
+        places = [self.place / path.relative_to(self.content) for path in written]
+        _check_outputs(places, [], results=self.place)
+        self._bring_along(self.place, self.content)
+        write_results_list(self.content, written, earlier=self.place)
+        shutil.copymode(self.place, self.content)
+
+    def put(self) -> None:
+        if not self.place.exists():
+            os.rename(self.content, self.place)
+            return
+        exchange(self.content, self.place, room=self.room)
+
+    def finish(self) -> None:
+        if self.content.exists():  # the old folder, with what was put there in the meantime
+            self._bring_along(self.content, self.place)
+
+    def set_aside(self) -> None:
+        """The old folder stays until it is exchanged: it is never away."""
+
+    def put_back(self) -> None:
+        """There is nothing to undo."""
+
+    def _bring_along(self, source: Path, target: Path) -> None:
+        """Link the files of a folder into another one that lacks them."""
+        for path in files_in(source):
+            is_old = str(path.relative_to(source)) in self.replaced
+            if not (is_old and is_written(path, results=source)):
+                _link(path, target / path.relative_to(source))
+        if (source / FILES_LIST).exists() and not (target / FILES_LIST).exists():
+            shutil.copy2(source / FILES_LIST, target / FILES_LIST)
+
+
+def _link(path: Path, copy: Path) -> None:
+    """Let a file lie in another place too, unless something is there."""
+    if os.path.lexists(copy):
         return
-    places = [out_dir / path.relative_to(content) for path in written]
-    _check_outputs(places, [], results=out_dir)
-    _bring_along(out_dir, content)
-    write_results_list(content, written, earlier=out_dir)
-    shutil.copymode(out_dir, content)
-    exchange(content, out_dir, room=room)
-    _bring_along(content, out_dir)  # what was put there in the meantime
-
-
-def _bring_along(source: Path, target: Path) -> None:
-    """Link the files of a folder into another one that lacks them."""
-    for path in files_in(source):
-        copy = target / path.relative_to(source)
-        if not os.path.lexists(copy):
-            copy.parent.mkdir(parents=True, exist_ok=True)
-            try:
-                os.link(path, copy, follow_symlinks=False)
-            except OSError:  # a file system without links
-                shutil.copy2(path, copy, follow_symlinks=False)
-    if (source / FILES_LIST).exists() and not (target / FILES_LIST).exists():
-        shutil.copy2(source / FILES_LIST, target / FILES_LIST)
+    copy.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        os.link(path, copy, follow_symlinks=False)
+    except OSError:  # a file system without links
+        shutil.copy2(path, copy, follow_symlinks=False)
 
 
 @contextmanager
@@ -176,12 +213,41 @@ def atomic_file(path: str | Path) -> Iterator[Path]:
     is_own_place = any(folder in _being_filled for folder in path.parents)
     if not is_own_place:
         _check_file(path)
-    with workplace(path) as room, _faults_named(room / path.name, path):
+    with ExitStack() as stack:
+        room = stack.enter_context(workplace(path))
+        stack.enter_context(_faults_named(room / path.name, path))
         temporary = room / path.name
         yield temporary
-        if not is_own_place:
-            note_file(path, temporary)
-        os.replace(temporary, path)
+        if is_own_place:
+            os.replace(temporary, path)
+        else:
+            put_in_place(_File(temporary, path), stack)
+
+
+@dataclass(frozen=True)
+class _File:
+    """A single result that is ready."""
+
+    content: Path
+    place: Path
+    is_folder: ClassVar[bool] = False
+
+    def prepare(self, coming: Collection[Path]) -> None:
+        note_file(self.place, self.content, coming=coming)
+
+    def set_aside(self) -> None:
+        if self.place.exists():
+            os.replace(self.place, self.content.with_name("old"))
+
+    def put(self) -> None:
+        os.replace(self.content, self.place)
+
+    def put_back(self) -> None:
+        if self.content.with_name("old").exists():
+            os.replace(self.content.with_name("old"), self.place)
+
+    def finish(self) -> None:
+        """All is done."""
 
 
 @contextmanager

@@ -79,7 +79,7 @@ def whole(values: np.ndarray, *, shown: np.ndarray | None = None) -> Cells:
     return Cells(np.asarray(values, np.int64), str, shown=shown)
 
 
-def words(names: Sequence[str], index: np.ndarray | None = None) -> Cells:
+def words(names: Sequence[str] | np.ndarray, index: np.ndarray | None = None) -> Cells:
     """Words: `names` themselves, or for every cell the one at `index`, (N,)."""
     known = np.asarray(names, dtype=str)
     return Cells(np.arange(len(known)) if index is None else np.asarray(index), None, names=known)

@@ -26,6 +26,7 @@ __all__ = [
     "check_section",
     "line_of_key",
     "read_toml",
+    "read_toml_and_text",
 ]
 
 #: beyond this a number in a file is a slip, whatever its unit: a kilometre, a radian in urad
@@ -83,6 +84,14 @@ def read_toml(path: Path, schema: type[Section], *, what: str) -> Section:
     InputError
         Missing file, no TOML, unknown key, wrong type or value; with line and key.
     """
+    return read_toml_and_text(path, schema, what=what)[0]
+
+
+def read_toml_and_text(path: Path, schema: type[Section], *, what: str) -> tuple[Section, str]:
+    """Like `read_toml`, with the text in which `line_of_key` finds what is complained of later.
+
+    The file is read once, so that both are of the same state of it.
+    """
     text = read_text(path, what=what, largest_bytes=_LARGEST_TOML_BYTES)
     try:
         data = tomllib.loads(text)
@@ -92,7 +101,7 @@ def read_toml(path: Path, schema: type[Section], *, what: str) -> Section:
         raise InputError(f"{what} has a number of too many digits", file=path) from None
     except RecursionError:
         raise InputError(f"{what} has lists or tables nested too deeply", file=path) from None
-    return check_section(data, schema, file=path, text=text)
+    return check_section(data, schema, file=path, text=text), text
 
 
 def _not_toml(path: Path, what: str, text: str, error: tomllib.TOMLDecodeError) -> InputError:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 
 __all__ = [
@@ -56,18 +56,22 @@ def is_written(path: Path, *, results: Path | None = None) -> bool:
     return bool(sums) and path.is_file() and _sum(path) in sums
 
 
-def note_file(path: Path, content: Path) -> None:
+def note_file(path: Path, content: Path, *, coming: Collection[Path] = ()) -> None:
     """Note, before `content` is renamed to `path` out of its workplace, that both are vmach's.
 
     What `path` was noted with before stays noted: a kill between the two leaves a file that is
-    known either way.
+    known either way. Notes of files that are gone are dropped, unless they are `coming`.
     """
     listed = path.parent / FILES_LIST
     sums = _read(listed)
     before = {_sum(path)} & sums.get(path.name, set()) if path.is_file() else set()
     sums[path.name] = {_sum(content), *before}
-    there = {name: of for name, of in sums.items() if (path.parent / name).exists()}
-    _write(listed, there | {path.name: sums[path.name]}, room=content.parent)
+    there = {
+        name: of
+        for name, of in sums.items()
+        if name == path.name or (path.parent / name) in coming or (path.parent / name).exists()
+    }
+    _write(listed, there, room=content.parent)
 
 
 def write_results_list(folder: Path, written: Iterable[Path], *, earlier: Path | None) -> None:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag
 
-from vmach.effects.laws.heat.wandering import wandering
+from vmach.effects.wandering import wandering
 from vmach.fit.survey import Survey
 
 __all__ = ["Members", "members_of"]

@@ -16,11 +16,11 @@ from scipy.linalg import block_diag
 
 from vmach.base.note import Note
 from vmach.effects import Circumstances, Effect, EffectInstance
-from vmach.fit.table_uncertainty import TableUncertainty
 from vmach.fit.whitening import Whitening, orthonormal
 from vmach.job import Job
 from vmach.measurements import Measurement
 from vmach.path.preparation import job_doubts
+from vmach.uncertainty.tables import TableUncertainty
 
 __all__ = ["Survey"]
 
@@ -48,6 +48,14 @@ class Survey:
     def paths(self) -> tuple[Circumstances, ...]:
         """What each measurement's readings depend on."""
         return tuple(Circumstances(m.states, self.job) for m in self.measurements)
+
+    @cached_property
+    def seen_paths(self) -> tuple[Circumstances, ...]:
+        """What the displacements depend on that each measurement's readings are taken over."""
+        return tuple(
+            path if m.contacts is None else Circumstances(m.seen_states, self.job)
+            for path, m in zip(self.paths, self.measurements, strict=True)
+        )
 
     @property
     def notes(self) -> tuple[Note, ...]:
@@ -105,9 +113,9 @@ class Survey:
         The tables' uncertainty and that of the parameters of the job's effects are the same
         causes in all measurements; what the effects' laws leave open is new in each.
         """
-        pairs = list(zip(self.paths, self.measurements, strict=True))
+        pairs = list(zip(self.seen_paths, self.measurements, strict=True))
         tables = TableUncertainty.of(self.job.machine)
-        parts = [np.vstack([tables.factors(p, m.sensing) for p, m in pairs])]
+        parts = [np.vstack([_of_tables(tables, p, m) for p, m in pairs])]
         for effect in self.effects:
             parts.append(np.vstack([m.sensed(effect.of_parameters(p)) for p, m in pairs]))
             parts.append(block_diag(*(m.sensed(effect.unforeseen(p)) for p, m in pairs)))
@@ -125,7 +133,7 @@ class Survey:
         """What one usual size of each coefficient of an effect does to the readings, (n, K) mm."""
         sensed = [
             m.sensed(effect.columns(path, target, inner_values)) if _can_show(m, effect) else None
-            for path, m in zip(self.paths, self.measurements, strict=True)
+            for path, m in zip(self.seen_paths, self.measurements, strict=True)
         ]
         terms = next((s.shape[1] for s in sensed if s is not None), 0)
         blank = [np.zeros((len(m), terms)) for m in self.measurements]
@@ -142,7 +150,7 @@ class Survey:
             m.sensed(effect.slack(path, target, parameters))
             if _can_show(m, effect)
             else np.zeros((len(m), 0))
-            for path, m in zip(self.paths, self.measurements, strict=True)
+            for path, m in zip(self.seen_paths, self.measurements, strict=True)
         ]
         return block_diag(*blocks)
 
@@ -152,7 +160,7 @@ class Survey:
             effect.not_testable(path, target)
             if _can_show(m, effect)
             else "no machined surface was measured"
-            for path, m in zip(self.paths, self.measurements, strict=True)
+            for path, m in zip(self.seen_paths, self.measurements, strict=True)
         ]
         return None if any(reason is None for reason in reasons) else reasons[0]
 
@@ -175,7 +183,7 @@ class Survey:
 
     def _paths_of(self, effect: Effect) -> list[Circumstances]:
         """Of the measurements that could show an effect."""
-        pairs = zip(self.paths, self.measurements, strict=True)
+        pairs = zip(self.seen_paths, self.measurements, strict=True)
         return [path for path, m in pairs if _can_show(m, effect)]
 
     def part_of(self, rows: Sequence[bool] | np.ndarray) -> Survey:
@@ -193,4 +201,12 @@ class Survey:
 
 def _can_show(measurement: Measurement, effect: Effect) -> bool:
     """Whether its readings can show the effect, as of a machined surface where it needs one."""
-    return effect.shows_on(measurement.states)
+    return effect.shows_on(measurement.seen_states)
+
+
+def _of_tables(tables: TableUncertainty, path: Circumstances, m: Measurement) -> np.ndarray:
+    """Signatures of what is not known of the tables, (P, Q) mm."""
+    if m.contacts is None:
+        return tables.factors(path, m.sensing)
+    along = [tables.factors(path, np.tile(axis, (len(path), 1))) for axis in np.eye(3)]
+    return m.sensed(np.stack(along, axis=1))

@@ -14,6 +14,7 @@ from vmach.diagnosis.residuals.job_survey import survey_job, survey_part
 from vmach.errors import InputError
 from vmach.files.atomic import atomic_file
 from vmach.fit.survey import Survey
+from vmach.history.held_out import held_out_rms_um
 from vmach.job import Job, read_job
 
 __all__ = ["Step", "draw_history", "history_of", "rms_um"]
@@ -32,6 +33,8 @@ class Step:
         Of measured minus predicted, alignment taken off, on the points that were fitted.
     check_rms_um : float or None
         On a part that nothing was fitted to.
+    held_out_um : float
+        On features of the same readings, each foretold from a fit without it.
     notes : tuple of Note
         What was noticed of the measurements.
     """
@@ -40,15 +43,16 @@ class Step:
     added: tuple[str, ...]
     rms_um: float
     check_rms_um: float | None
+    held_out_um: float
     notes: tuple[Note, ...] = ()
 
 
-def history_of(job_path: str | Path, *, check: Job | None = None) -> list[Step]:
+def history_of(job_path: Job | str | Path, *, check: Job | None = None) -> list[Step]:
     """The models that led to a job, the first one first, each evaluated anew.
 
     Parameters
     ----------
-    job_path : path
+    job_path : path or Job
     check : Job, optional
         Another part of the same machine, with its measured points; its own effects do not count.
 
@@ -65,7 +69,7 @@ def history_of(job_path: str | Path, *, check: Job | None = None) -> list[Step]:
             raise InputError("the chain of jobs refers back to itself", file=job.path)
         seen.add(job.path.resolve())
         last = job.history[-1] if job.history else {}
-        survey = survey_job(job.path)
+        survey = survey_job(job)
         other = None if check is None else survey_part(check, job)
         steps.append(
             Step(
@@ -73,6 +77,7 @@ def history_of(job_path: str | Path, *, check: Job | None = None) -> list[Step]:
                 added=tuple(last.get("added", ())),
                 rms_um=rms_um(survey),
                 check_rms_um=None if other is None else rms_um(other),
+                held_out_um=held_out_rms_um(survey),
                 notes=survey.notes + (() if other is None else other.notes),
             )
         )
@@ -97,8 +102,9 @@ def draw_history(steps: Sequence[Step], path: Path) -> None:
     axes = figure.add_subplot()
     place = np.arange(len(steps))
     rows = {"points that were fitted": [s.rms_um for s in steps]}
-    if all(s.check_rms_um is not None for s in steps):
-        rows["another part"] = [s.check_rms_um for s in steps]
+    checked = [s.check_rms_um for s in steps if s.check_rms_um is not None]
+    if len(checked) == len(steps):
+        rows["another part"] = checked
     wide = 0.8 / len(rows)
     for k, (label, values) in enumerate(rows.items()):
         bars = axes.bar(

@@ -29,7 +29,7 @@ def circle_plots(curves: Curves) -> Iterator[tuple[str, Markup]]:
     for run in dict.fromkeys(m.group.tolist()):
         rows = m.group == run
         plot = _polar(end, axes)
-        plot.dots(*_turned(angle[rows], curves.measured[rows] / end), "measured")
+        plot.dots(*_turned(angle[rows], curves.measured[rows] / end), "measured wide")
         for state, values in curves.predicted.items():
             plot.line(*_turned(angle[rows], values[rows] / end), state)
         yield f"{run.removesuffix('.0')} mm/min", plot.markup(f"Ballbar run {run}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from vmach.files.text_file import read_text
 from vmach.files.toml_file import check_section, line_of_key
 from vmach.instruments.catalogue import catalogue
 from vmach.job import Job
-from vmach.machine import Variant, displacement
+from vmach.machine import Machine, Variant, displacement
 from vmach.measurements.columns import Columns, read_columns
 from vmach.measurements.instrument import Instrument
 from vmach.measurements.measurement import Measurement
@@ -36,6 +37,7 @@ from vmach.measurements.plausibility.reading_check import (
     still_notes,
 )
 from vmach.measurements.plausibility.unit_check import check_unit
+from vmach.path.preparation import Preparation, prepare
 from vmach.path.toolpath import PathStates
 from vmach.plausibility import doubtful_length
 from vmach.prediction import ActingEffect
@@ -53,31 +55,24 @@ def read_instruments(
     InputError
         Unknown kind or key, missing file or column, a value that is no number, another unit.
     """
-    found = []
+    found: list[Measurement] = []
+    model = _Model(job, variant, effects)
     for number in range(len(job.measurements)):
         settings = settings_of(job, number)
         path = job.folder / settings.file
         table, noticed = _read(settings, path)
-        test = settings.read(table, _Model(job, variant, effects))
+        test = settings.read(table, model)
         check_unit(test, path)
         test = test.noted(*in_file((*noticed, *_twice(test, found), *_length(settings)), path))
         if is_doubtful(test):
-            others = _alternatives(settings, table, job=job, variant=variant, effects=effects)
+            others = _alternatives(settings, table, model)
             test = test.noted(*alternative_notes(test, others))
         found.append(test)
     return tuple(found)
 
 
-def _alternatives(
-    settings: Instrument,
-    table: Columns,
-    *,
-    job: Job,
-    variant: Variant,
-    effects: Sequence[ActingEffect],
-) -> Iterator[Alternative]:
+def _alternatives(settings: Instrument, table: Columns, model: _Model) -> Iterator[Alternative]:
     """What the model says of a test if something that the job says of it were mistaken."""
-    model = _Model(job, variant, effects)
     for change in settings.mistaken():
         ((key, value),) = change.items()
         with suppress(InputError):  # it cannot have been so
@@ -85,36 +80,57 @@ def _alternatives(
             said = f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value:g}"
             question = f"is {key} = {getattr(settings, key)} in the job right?"
             yield Alternative(said, question, other.predicted_mm)
-    for axes, machine in exchanged_tables(job.machine):
-        other_model = _Model(replace(job, machine=machine), variant, effects)
-        yield exchanged(axes, settings.read(table, other_model).predicted_mm)
+    for axes, machine in exchanged_tables(model.job.machine):
+        yield exchanged(axes, settings.read(table, model.of(machine)).predicted_mm)
 
 
 class _Model:
-    """Displacement of the tool tip at the states of a test."""
+    """Displacement of the tool at the states of a test."""
 
     def __init__(self, job: Job, variant: Variant, effects: Sequence[ActingEffect]) -> None:
-        self._job, self._variant, self._effects = job, variant, effects
+        self.job, self._variant, self._effects = job, variant, effects
         self.travel_mm = np.asarray(job.machine.travel_mm)
         self.rapid_mm_per_min = job.machine.motion.rapid_mm_per_min
 
-    def predicted_mm(self, states: PathStates, sensing: np.ndarray) -> np.ndarray:
-        """Displacement along the sensing directions, (P, 3) unit vectors, at states; (P,) mm."""
-        machine = self._job.machine
+    @cached_property
+    def preparation(self) -> Preparation:
+        """The job's program, read and split."""
+        return prepare(self.job)
+
+    def of(self, machine: Machine) -> _Model:
+        """The same job on a machine with other tables."""
+        other = _Model(replace(self.job, machine=machine), self._variant, self._effects)
+        if "preparation" in vars(self):  # the program's moves do not depend on them
+            vars(other)["preparation"] = self.preparation
+        return other
+
+    def moved_mm(self, states: PathStates) -> np.ndarray:
+        """Displacement of the tool's point of interest at P states, (P, 3) mm."""
+        machine = self.job.machine
         direction = states.direction if machine.separate_directions else None
         moved = displacement(
             machine, states.nose_mm, states.tool_mm, self._variant, direction=direction
         )
         for effect in self._effects:
             moved = moved + effect.displacement(states)
-        return np.einsum("ij,ij->i", sensing, states.seen_mm(moved))
+        seen = states.seen_mm(moved)
+        for effect in self._effects if states.normal is not None else ():
+            seen = seen + effect.at_surface(states)
+        return seen
+
+    def predicted_mm(self, states: PathStates, sensing: np.ndarray) -> np.ndarray:
+        """Displacement along the sensing directions, (P, 3) unit vectors, at states; (P,) mm."""
+        return np.einsum("ij,ij->i", sensing, self.moved_mm(states))
 
 
 def _read(settings: Instrument, path: Path) -> tuple[Columns, tuple[Note, ...]]:
     """Columns of a test's file, in the order of time, and what is odd about them."""
-    text = [name for name in settings.columns if name in settings.text_columns]
-    numbers = [name for name in settings.columns if name not in settings.text_columns]
-    table = read_columns(path, numbers=numbers, text=text)
+    every = (*settings.columns, *settings.optional_columns)
+    text = [name for name in every if name in settings.text_columns]
+    numbers = [name for name in every if name not in settings.text_columns]
+    table = read_columns(path, numbers=numbers, text=text, optional=settings.optional_columns)
+    if settings.follows_program:
+        return table, repeat_notes(table)
     check_times(table)
     notes = clock_notes(table)
     if settings.signs:
@@ -136,10 +152,10 @@ def _twice(test: Measurement, others: Sequence[Measurement]) -> tuple[Note, ...]
 
 def _length(settings: Instrument) -> tuple[Note, ...]:
     """A note where the length of the tool, from spindle nose to tip, is none in mm."""
-    said = doubtful_length("tool_length_mm", settings.tool_length_mm)
+    length_mm = settings.tool_length_mm
+    said = None if length_mm is None else doubtful_length("tool_length_mm", length_mm)
     if said is None:
         return ()
-    length_mm = settings.tool_length_mm
     return (Note.question(Kind.LENGTH, said, length_mm, "mm", place="tool_length_mm"),)
 
 

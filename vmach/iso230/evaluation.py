@@ -133,10 +133,11 @@ class _Side:
 
 def _accuracy(*sides: _Side) -> float | None:
     """Range of the means, each widened by two standard deviations."""
-    if any(side.s is None for side in sides):
+    spread = [(side.mean, side.s) for side in sides if side.s is not None]
+    if len(spread) < len(sides):
         return None
-    high = max((side.mean + 2.0 * side.s).max() for side in sides)
-    low = min((side.mean - 2.0 * side.s).min() for side in sides)
+    high = max((mean + 2.0 * s).max() for mean, s in spread)
+    low = min((mean - 2.0 * s).min() for mean, s in spread)
     return float(high - low)
 
 

@@ -129,5 +129,5 @@ def _notes(axis: EvaluatedTable, runs: int) -> Iterator[Note]:
         said = f"{targets} targets; the standard asks for at least five a metre"
         yield Note.plain(Kind.TARGETS, said, targets, "1", place=axis.name)
     if not axis.is_positioning:
-        said = "no uncertainty: the budget is one of positioning"
+        said = "no uncertainty is stated: the budget covers positioning only"
         yield Note.plain(Kind.BUDGET, said, place=axis.name)

@@ -13,8 +13,7 @@ from gcode import ControlSettings, OffsetEntry
 from stock import StockError, Tool, make_tool
 from vmach.base.units import mm_from_um
 from vmach.errors import InputError
-from vmach.files.text_file import read_text
-from vmach.files.toml_file import line_of_key, read_toml
+from vmach.files.toml_file import line_of_key, read_toml_and_text
 from vmach.job.control import control_told
 from vmach.job.schema import InspectionEntry, JobSchema, MeasuringMachineEntry, ToolEntry
 from vmach.machine import Machine
@@ -84,6 +83,8 @@ class JobTool:
         Above the cutting part.
     holder_mm : (K, 2) float64 or None
         Outline (r, z) of the holder, z from the tip.
+    name : str
+        By which a program may call it.
     """
 
     number: int
@@ -93,6 +94,7 @@ class JobTool:
     flutes: int | None = None
     shank_diameter_mm: float | None = None
     holder_mm: np.ndarray | None = None
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -218,8 +220,7 @@ def read_job(path: Job | str | Path) -> Job:
         return path
     path = Path(path)
     path = path / "job.toml" if path.is_dir() else path
-    data = read_toml(path, JobSchema, what="job file")
-    text = read_text(path, what="job file")
+    data, text = read_toml_and_text(path, JobSchema, what="job file")
 
     def at(*keys: str) -> dict[str, Any]:
         return {"file": path, "line": line_of_key(text, list(keys))}
@@ -358,6 +359,7 @@ def _tool(number: int, tool: ToolEntry, where: dict[str, Any]) -> JobTool:
         flutes=tool.flutes,
         shank_diameter_mm=tool.shank_diameter_mm,
         holder_mm=None if tool.holder_mm is None else np.array(tool.holder_mm),
+        name=tool.name,
     )
 
 

@@ -72,6 +72,7 @@ class StockEntry(FileSection):
 class ToolEntry(FileSection):
     """[tools.N]; which dimensions a shape needs is the business of `stock.make_tool`."""
 
+    name: str = ""
     shape: Literal["flat", "ball", "bull", "chamfer", "drill", "profile"]
     diameter_mm: Positive
     length_mm: Positive

@@ -13,6 +13,7 @@ from vmach.base.note import Note
 from vmach.errors import InputError
 from vmach.machine.chain import LINEAR_AXES, Chain
 from vmach.machine.component_errors import ComponentError, SetUp, component_of
+from vmach.machine.measuring_uncertainty import MeasuringUncertainty
 from vmach.machine.rotary import RotaryAxis
 from vmach.machine.sign_convention import SignConvention, sign_to_relative
 
@@ -64,6 +65,8 @@ class Machine:
         The machine file and the tables that it names, for the record of what was run.
     notes : tuple of Note
         What was done to the tables on reading; the subject of each is the component.
+    uncertainty : MeasuringUncertainty
+        Of the measurement of the machine, as far as the file states it.
     """
 
     name: str
@@ -78,6 +81,7 @@ class Machine:
     reference_axes: str = ""
     files: tuple[Path, ...] = ()
     notes: tuple[Note, ...] = ()
+    uncertainty: MeasuringUncertainty = field(default_factory=MeasuringUncertainty)
 
     def __post_init__(self) -> None:
         if set(self.rotary) != set(self.chain.rotary_axes):

@@ -1,10 +1,11 @@
 """Measurements of parts and machines, each with what its instrument leaves free."""
 
 from vmach.measurements.instrument import Curves, Instrument, ModelOfTest, PlannedTest
-from vmach.measurements.measurement import Measurement
+from vmach.measurements.measurement import Contacts, Measurement
 from vmach.measurements.neighbours import apart_from_neighbours
 
 __all__ = [
+    "Contacts",
     "Curves",
     "Instrument",
     "Measurement",

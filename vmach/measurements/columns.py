@@ -33,8 +33,16 @@ class Columns:
         return int(self.lines[np.argmax(rows)])
 
 
-def read_columns(path: Path, *, numbers: Sequence[str], text: Sequence[str] = ()) -> Columns:
+def read_columns(
+    path: Path,
+    *,
+    numbers: Sequence[str],
+    text: Sequence[str] = (),
+    optional: Sequence[str] = (),
+) -> Columns:
     """Read a CSV file with a header; the order of the columns is free.
+
+    Columns of `optional` are among the others, and may be missing.
 
     Raises
     ------
@@ -44,7 +52,7 @@ def read_columns(path: Path, *, numbers: Sequence[str], text: Sequence[str] = ()
     rows = list(csv_rows(read_text(path, what="measurement file").splitlines(), path))
     header = [cell.strip() for cell in rows[0]] if rows else []
     for name in (*text, *numbers):
-        if name not in header:
+        if name not in header and name not in optional:
             raise InputError(
                 f"column '{name}' is missing",
                 file=path,
@@ -52,6 +60,7 @@ def read_columns(path: Path, *, numbers: Sequence[str], text: Sequence[str] = ()
                 accepted=", ".join((*text, *numbers)),
                 hint=column_hint(header),
             )
+    text, numbers = ([n for n in names if n in header] for names in (text, numbers))
     twice = [n for n, times in Counter(header).items() if times > 1 and n in (*text, *numbers)]
     if twice:
         raise InputError(

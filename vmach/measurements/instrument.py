@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
 
 import numpy as np
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from vmach.job import Job
     from vmach.measurements.columns import Columns
     from vmach.measurements.measurement import Measurement
+    from vmach.path.preparation import Preparation
 
 __all__ = ["Curves", "Instrument", "ModelOfTest", "PlannedTest"]
 
@@ -34,6 +35,15 @@ class ModelOfTest(Protocol):
     @property
     def rapid_mm_per_min(self) -> float:
         """Of every axis."""
+        ...
+
+    @property
+    def preparation(self) -> Preparation:
+        """The job's program, read and split, for what was measured of its part."""
+        ...
+
+    def moved_mm(self, states: PathStates) -> np.ndarray:
+        """Displacement of the tool's point of interest at P states, (P, 3) mm."""
         ...
 
     def predicted_mm(self, states: PathStates, sensing: np.ndarray) -> np.ndarray:
@@ -102,6 +112,10 @@ class Instrument(FileSection):
     #: columns that its file has to have; those of `text_columns` hold words, the others numbers
     columns: ClassVar[tuple[str, ...]]
     text_columns: ClassVar[tuple[str, ...]] = ("run",)
+    #: columns that its file may have besides
+    optional_columns: ClassVar[tuple[str, ...]] = ()
+    #: whether the program of the job tells when and where the tool was, and not the file
+    follows_program: ClassVar[bool] = False
     #: those that hold what was read, in um; and the signs of the last motions, 1, -1 or 0
     readings: ClassVar[tuple[str, ...]]
     signs: ClassVar[tuple[str, ...]] = ()
@@ -111,6 +125,8 @@ class Instrument(FileSection):
     left_free: ClassVar[str]
     #: whether its picture has room for a band of what the effects' laws leave open
     shows_law_band: ClassVar[bool] = False
+    #: how many of its diagrams stand side by side on paper
+    abreast: ClassVar[Literal[2, 3]] = 2
     #: whether a job names its file in a ``[[measurements]]``
     is_section_of_job: ClassVar[bool] = True
     #: how often it is used; of tests that do as well the more frequent is planned first
@@ -139,6 +155,8 @@ class Instrument(FileSection):
 
     def mistaken(self) -> Iterator[dict[str, Any]]:
         """Keys that may have been mistaken, each with what it may have to be."""
+        if self.tool_length_mm is None:  # that of the program's tool
+            return
         for length_mm in lengths_meant_mm(self.tool_length_mm):
             yield {"tool_length_mm": length_mm}
 

@@ -6,12 +6,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from vmach.base.note import Note
 from vmach.measurements.instrument import Instrument
 from vmach.path.toolpath import PathStates
 
-__all__ = ["Measurement"]
+__all__ = ["Contacts", "Measurement"]
 
 #: what has an entry for every reading
 _WITH_ROWS = (
@@ -24,6 +25,28 @@ _WITH_ROWS = (
     "group",
     "nuisance",
 )
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """Places of the tool that P readings are taken over, where one reading has several.
+
+    The position of a bore is a mean of displacements all round it.
+
+    Attributes
+    ----------
+    states : PathStates
+        The machine at each of S contacts.
+    share : scipy.sparse array of shape (P, 3 S)
+        What a displacement along X, Y, Z of each contact adds to each reading.
+    """
+
+    states: PathStates
+    share: csr_array
+
+    def sensed(self, moved_mm: np.ndarray) -> np.ndarray:
+        """What displacements (S, 3, K) mm of the contacts do to the readings, (P, K)."""
+        return self.share @ moved_mm.reshape(-1, moved_mm.shape[2])
 
 
 @dataclass(frozen=True)
@@ -52,6 +75,9 @@ class Measurement:
         Columns of what the instrument leaves free: alignment, zero, radius ...
     notes : tuple of Note
         What the reader noticed and survived.
+    contacts : Contacts or None
+        Where a reading is taken over several places; else at its state alone. `states` and
+        `sensing` are then those that stand for it.
     """
 
     instrument: type[Instrument]
@@ -65,6 +91,7 @@ class Measurement:
     group: np.ndarray
     nuisance: np.ndarray
     notes: tuple[Note, ...] = ()
+    contacts: Contacts | None = None
 
     def __post_init__(self) -> None:
         count = len(self.measured_mm)
@@ -81,8 +108,15 @@ class Measurement:
         """Whether a machined surface was measured."""
         return self.states.normal is not None
 
+    @property
+    def seen_states(self) -> PathStates:
+        """The states at which a displacement of the tool is asked for, S of them."""
+        return self.states if self.contacts is None else self.contacts.states
+
     def sensed(self, moved_mm: np.ndarray) -> np.ndarray:
-        """What displacements of the tool (P, 3, K) do to the readings, (P, K)."""
+        """What displacements of the tool at `seen_states` (S, 3, K) do to the readings, (P, K)."""
+        if self.contacts is not None:
+            return self.contacts.sensed(moved_mm)
         return np.einsum("pi,pik->pk", self.sensing, moved_mm)
 
     @cached_property
@@ -103,4 +137,7 @@ class Measurement:
     def keep(self, rows: np.ndarray, *notes: Note) -> Measurement:
         """The measurement with some of its rows, (P,) bool or (R,) index, and notes why."""
         kept = {name: getattr(self, name)[rows] for name in _WITH_ROWS}
+        if self.contacts is not None:
+            chosen = np.arange(len(self))[rows]
+            kept["contacts"] = replace(self.contacts, share=self.contacts.share[chosen])
         return replace(self, notes=(*self.notes, *notes), **kept)

@@ -30,9 +30,9 @@ LARGEST_MM = 1e5
 #: at an edge the deviation along a normal is not defined, so points keep this distance
 EDGE_MARGIN_MM = 0.05
 
-#: a face is narrow, and gets rows along its edges too, where 2 area/perimeter is below so many
-#: spacings: evenly spread points make fewer than three rows across it
-NARROW = 1.5
+#: where a face is narrower than so many spacings, it gets points along its edges too: evenly
+#: spread ones make fewer than three rows across it
+NARROW = 2.5
 
 #: these rows keep so many edge margins from the edge: a row may meet an edge at 45 degrees
 ROW_MARGINS = 1.5
@@ -66,8 +66,10 @@ class Face(Protocol):
     kind: str  #: plane, cylinder, cone, ...
     area_mm2: float
 
-    def sample(self, spacing_mm: float, edge_margin_mm: float) -> tuple[np.ndarray, np.ndarray]:
-        """Points and outward unit normals, (P, 3) mm each."""
+    def sample(
+        self, spacing_mm: float, edge_margin_mm: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Points and outward unit normals, (P, 3) mm each, and weights, (P,)."""
         ...
 
 
@@ -172,7 +174,7 @@ class NominalPart:
         """
         self._check(spacing_mm, edge_margin_mm, max_points)
         samples = [face.sample(spacing_mm, edge_margin_mm) for face in self.faces]
-        counts = [len(points) for points, _ in samples]
+        counts = [len(points) for points, _, _ in samples]
         bare = [f.name for f, count in zip(self.faces, counts, strict=True) if count == 0]
         notes: tuple[Note, ...] = ()
         if bare:
@@ -181,8 +183,9 @@ class NominalPart:
         return SurfacePoints(
             id=np.arange(1, sum(counts) + 1),
             feature=np.repeat([face.name for face in self.faces], counts),
-            point_mm=np.vstack([points for points, _ in samples]),
-            normal=np.vstack([normals for _, normals in samples]),
+            point_mm=np.vstack([points for points, _, _ in samples]),
+            normal=np.vstack([normals for _, normals, _ in samples]),
+            weight=np.concatenate([weight for _, _, weight in samples]),
             notes=self.notes + notes,
         )
 

@@ -48,6 +48,9 @@ class SurfacePoints:
         Standard uncertainty of the measured deviation.
     notes : tuple of Note
         What the reader noticed and survived, one sentence each.
+    weight : (P,) float64, optional
+        How much a point counts in means and shares; 1 for all without it. Points along the edges
+        of narrow faces share the weight of one.
     """
 
     id: np.ndarray
@@ -57,6 +60,7 @@ class SurfacePoints:
     measured_mm: np.ndarray | None = None
     u_mm: np.ndarray | None = None
     notes: tuple[Note, ...] = ()
+    weight: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         count = len(self.point_mm)
@@ -65,6 +69,7 @@ class SurfacePoints:
             "normal": (count, 3),
             "measured_mm": (count, 3),
             "u_mm": (count,),
+            "weight": (count,),
         }
         for name, shape in shapes.items():
             value = getattr(self, name)

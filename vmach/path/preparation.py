@@ -78,7 +78,7 @@ def prepare(
     program = read_program(
         source,
         work_offsets_mm=job.work_offsets_mm,
-        tools={k: ToolEntry(t.length_mm, t.diameter_mm) for k, t in job.tools.items()},
+        tools={k: ToolEntry(t.length_mm, t.diameter_mm, name=t.name) for k, t in job.tools.items()},
         offsets=job.offsets,
         limits=_limits(job),
         dialect=job.dialect,

@@ -30,7 +30,8 @@ def _provenance(machine: Machine) -> Iterator[Note]:
         if names:
             yield Note(Level.NOTE, Kind.PROVENANCE, " ".join(names), f"{kind}, not measured")
     dated = {name: c.measured_on for name, c in machine.components.items() if c.measured_on}
-    first, last = min(dated, key=dated.get, default=""), max(dated, key=dated.get, default="")
+    first = min(dated, key=lambda name: dated[name], default="")
+    last = max(dated, key=lambda name: dated[name], default="")
     if dated and (dated[last] - dated[first]).days > _SAME_STATE_DAYS:
         said = f"measured on {dated[first]} and on {dated[last]}: still the same machine?"
         yield Note(Level.DOUBT, Kind.PROVENANCE, f"{first} {last}", said)

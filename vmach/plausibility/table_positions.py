@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from vmach.base.note import Kind, Level, Note
 from vmach.machine.component_errors import ComponentError, component_of
@@ -45,7 +46,7 @@ def _place_of(component: ComponentError, low: float, high: float) -> Note | None
     overlap = min(last, high) - max(first, low)
     beyond = max(low - first, last - high)
     where = f"table {first:g} .. {last:g} mm, travel {low:g} .. {high:g} mm"
-    common = {"size": beyond, "unit": "mm"}
+    common: dict[str, Any] = {"size": beyond, "unit": "mm"}
     subject = component.name
     if overlap <= _SLACK_MM or beyond > max(_IMPOSSIBLE_SHARE * travel, _BEYOND_MM):
         return Note(

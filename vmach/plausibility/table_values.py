@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
@@ -111,7 +112,7 @@ def _slopes(machine: Machine) -> Iterator[Note]:
         slope_um_per_m, over_table_um = urad_from_rad(slope), um_from_mm(over_table_mm)
         amount = f"a slope of {slope_um_per_m:.3g} um/m, {over_table_um:.3g} um over the table"
         square = squareness_name(axis, 3 - direction - axis)
-        found = {"size": float(slope_um_per_m), "unit": "um/m"}
+        found: dict[str, Any] = {"size": float(slope_um_per_m), "unit": "um/m"}
         if component.slope_removed:
             said = f"slope_removed, but there is {amount}"
             yield Note(Level.CONTRADICTION, Kind.SLOPE, name, said, **found)

@@ -14,11 +14,12 @@ import numpy as np
 
 from vmach.base.units import um_from_mm
 from vmach.files.csv_table import fixed, rounded, whole, words, write_csv
+from vmach.machine import Machine, Variant
 from vmach.machine.displacement import contributions
 from vmach.path.toolpath import PathStates
 from vmach.prediction import ActingEffect, Prediction
 
-__all__ = ["PROGRAM", "ErrorBudget", "error_budget", "write_budget_csv"]
+__all__ = ["PROGRAM", "ErrorBudget", "budget_at", "error_budget", "write_budget_csv"]
 
 #: the share that a perfect machine would leave too: cusps, rounding of the program
 PROGRAM = "program"
@@ -58,14 +59,30 @@ def error_budget(prediction: Prediction, effects: Sequence[ActingEffect] = ()) -
     effects : sequence of ActingEffect
         Those that the prediction was made with.
     """
-    states = prediction.states
-    normals = prediction.normals[prediction.is_cut]
-    machine = prediction.preparation.job.machine
-    direction = states.direction if machine.separate_directions else None
-    parts = contributions(
-        machine, states.nose_mm, states.tool_mm, prediction.variant, direction=direction
+    cut = prediction.is_cut
+    return budget_at(
+        prediction.states,
+        prediction.normals[cut],
+        prediction.deviation_mm[cut],
+        machine=prediction.preparation.job.machine,
+        variant=prediction.variant,
+        effects=effects,
     )
-    sources, columns = [PROGRAM], [prediction.deviation_mm[prediction.is_cut]]
+
+
+def budget_at(
+    states: PathStates,
+    normals: np.ndarray,
+    deviation_mm: np.ndarray,
+    *,
+    machine: Machine,
+    variant: Variant,
+    effects: Sequence[ActingEffect] = (),
+) -> ErrorBudget:
+    """The same of C states that made surface points, with normals (C, 3), deviations (C,) mm."""
+    direction = states.direction if machine.separate_directions else None
+    parts = contributions(machine, states.nose_mm, states.tool_mm, variant, direction=direction)
+    sources, columns = [PROGRAM], [deviation_mm]
     for name, part in parts:
         sources.append(name)
         columns.append(np.einsum("ij,ij->i", part.at(states.contact_mm), normals))

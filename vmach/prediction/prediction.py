@@ -30,7 +30,9 @@ __all__ = ["ActingEffect", "Prediction", "displaced_sweeps", "displacement_of", 
 class ActingEffect(Protocol):
     """An effect at work: its target and parameters are set, so that states are all it needs."""
 
-    label: str
+    @property
+    def label(self) -> str:
+        """Name and target."""
 
     def displacement(self, states: PathStates) -> RigidDisplacement:
         """Rigid motion of the tool relative to the workpiece, whatever the surface."""

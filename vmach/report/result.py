@@ -59,6 +59,8 @@ class Column:
         One of `STATUSES`.
     remainder_mm : (P,) float64, optional
         Measured minus predicted after the alignment that the caller chose; finite where cut.
+    weight : (P,) float64, optional
+        How much each point counts in means and shares; 1 for all without it.
     """
 
     name: str
@@ -66,6 +68,7 @@ class Column:
     deviation_mm: np.ndarray
     status: np.ndarray
     remainder_mm: np.ndarray | None = None
+    weight: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         count = len(self.deviation_mm)
@@ -78,6 +81,8 @@ class Column:
             )
         if not np.isfinite(deviation[self.is_cut]).all():
             raise ValueError(f"column {self.name}: a cut point has no finite deviation")
+        if self.weight is not None:
+            _finite(self, "weight", (count,))
         if self.remainder_mm is not None:
             remainder = _frozen(self, "remainder_mm", np.float64, (count,))
             if not np.isfinite(remainder[self.is_cut]).all():
@@ -101,7 +106,7 @@ class Column:
         if self.remainder_mm is None:
             raise ValueError(f"column {self.name} was not compared with a measurement")
         name, label = f"{self.name}_remainder", f"Measured − {self.label}"
-        return Column(name, label, self.remainder_mm, self.status)
+        return Column(name, label, self.remainder_mm, self.status, weight=self.weight)
 
 
 @dataclass(frozen=True)

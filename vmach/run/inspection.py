@@ -192,7 +192,7 @@ def _notes_on_states(prediction: Prediction) -> list[Note]:
     notes = []
     uncut = int((prediction.edges.status == EdgeStatus.UNCUT).sum())
     if uncut:
-        said = f"{uncut} points lie where no tool came near: raw stock, or left over"
+        said = f"no tool came near {uncut} points: raw stock, or material left"
         notes.append(Note.plain(Kind.UNCUT, said, uncut, "1"))
     gouged = int((prediction.edges.status == EdgeStatus.GOUGED).sum())
     if gouged:
@@ -216,7 +216,11 @@ def _column(
     deviation = np.array(prediction.deviation_mm)
     if settings.alignment != "none" and cut.any():
         found = align(
-            _some(points, cut), deviation[cut], mode=settings.alignment, datums=settings.datums
+            _some(points, cut),
+            deviation[cut],
+            mode=settings.alignment,
+            datums=settings.datums,
+            weights=None if points.weight is None else points.weight[cut],
         )
         deviation[cut] = found.apply(points.point_mm[cut], points.normal[cut], deviation[cut])
         shift = ", ".join(f"{um_from_mm(x):.2f}" for x in found.shift_mm)
@@ -232,6 +236,7 @@ def _column(
         deviation_mm=deviation,
         status=np.array(STATUSES)[prediction.edges.status],
         remainder_mm=remainder_mm(points, prediction),
+        weight=points.weight,
     )
 
 

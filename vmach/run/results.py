@@ -17,7 +17,6 @@ from vmach.base.stage_clock import Progress, StageClock, silent
 from vmach.base.units import um_from_mm
 from vmach.files.atomic import atomic_file, atomic_folder
 from vmach.files.csv_table import Cells, fixed, whole, words, write_csv
-from vmach.fit.prediction_uncertainty import prediction_u_mm
 from vmach.job import job_name
 from vmach.nominal.patches import patches
 from vmach.nominal.points import SurfacePoints
@@ -36,8 +35,10 @@ from vmach.report import (
 )
 from vmach.run.inspection import remainder_mm
 from vmach.run.pipeline import MachinedPart
+from vmach.uncertainty.first_order import prediction_u_mm
 
 __all__ = [
+    "ALL_FILES",
     "REMAINDER_FILE",
     "RESULT_FILES",
     "SOLID_FILE",
@@ -46,7 +47,7 @@ __all__ = [
     "prediction_summary",
     "run_record",
     "write_coloured_part",
-    "write_prediction",
+    "write_columns",
     "write_results",
 ]
 
@@ -63,6 +64,8 @@ RESULT_FILES = (
     "budget.csv",
     SOLID_FILE,
 )
+#: and what it may leave there
+ALL_FILES = (*RESULT_FILES, REMAINDER_FILE)
 
 _PACKAGES = ("vmach", "numpy", "scipy", "numba", "manifold3d", "trimesh", "pyvista")
 
@@ -85,7 +88,7 @@ def write_results(
     from vmach.report.pictures.heatmap import draw_heatmap  # late: it loads matplotlib
 
     clock = StageClock(progress)
-    with atomic_folder(out_dir) as folder, clock.stage("write"):
+    with atomic_folder(out_dir, replaced=ALL_FILES) as folder, clock.stage("write"):
         if made.part is not None:
             write_part(made.part, folder / SOLID_FILE)
         write_deviations_csv(folder / "deviations.csv", made.points)
@@ -190,10 +193,10 @@ def prediction_columns(points: SurfacePoints, prediction: Prediction) -> dict[st
     }
 
 
-def write_prediction(file: TextIO, points: SurfacePoints, prediction: Prediction) -> None:
-    """Write `prediction_columns` to an open text file, such as the terminal."""
+def write_columns(file: TextIO, columns: dict[str, Cells]) -> None:
+    """Write a table to an open text file, such as the terminal."""
     text = io.BytesIO()
-    write_csv(text, prediction_columns(points, prediction))
+    write_csv(text, columns)
     file.write(text.getvalue().decode())
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import BaseModel, ConfigDict, Field
 
 from vmach.base.note import Kind, Level
 
-__all__ = ["Interval", "NoteRecord", "Output", "Vector"]
+__all__ = ["DrawnFigures", "Interval", "NoteRecord", "Output", "Vector"]
 
 Vector = tuple[float, float, float]
 Interval = tuple[float, float]
@@ -43,3 +45,30 @@ class NoteRecord(Output):
     """1-based line in `file`."""
     text: str
     """All of it, as it is printed."""
+
+
+class _FirstOrder(Output):
+    """Number of quantities at which first order was compared with the draws (JCGM 101, 8.1)."""
+
+    confirmed: int
+    refuted: int
+    too_few_draws: int
+
+
+class DrawnFigures(Output):
+    """How a Monte Carlo calculation went (JCGM 101)."""
+
+    method: Literal["monte-carlo"]
+    coverage: float
+    """Probability of the intervals, without unit."""
+    digits: int
+    """Significant digits of u that are to stand."""
+    seed: int
+    draws: int
+    """Largest number of draws that a quantity took."""
+    stand: int
+    """Quantities whose figures stand (7.9.4)."""
+    do_not_stand: int
+    first_order: _FirstOrder
+    contributors_percent: dict[str, float]
+    """Share of the variance of first order, the largest first."""

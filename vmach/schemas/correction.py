@@ -4,26 +4,20 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from vmach.schemas.base import NoteRecord, Output
 
 __all__ = ["CompensationFigures", "DiagnosisFigures"]
 
 
-class _Open(Output):
-    """A record that may get more keys."""
-
-    model_config = ConfigDict(extra="allow", use_attribute_docstrings=True)
-
-
-class _Finding(_Open):
+class _Finding(Output):
     """An effect that is missing in the model, or something unknown."""
 
     effect: str | None
     target: str | None
     """Axis, component or feature that it acts on."""
-    status: str
+    status: Literal["shown", "class"]
     """"shown" where it is told from all others, "class" where it is not."""
     share: float
     """Of what the model misses, in squares; without unit."""
@@ -38,12 +32,22 @@ class _Finding(_Open):
     """Standard uncertainties, in the unit of the parameter."""
     interval_95: dict[str, Any]
     """Lower and upper end, in the unit of the parameter."""
+    hardly_shown: list[str]
+    """Parameters of which the readings say little more than was known before."""
     members: list[str] = Field(alias="class")
     """Effects that these measurements do not tell from it."""
-    where: str
+    where: str | None
+    """Place on the axis, of a correction curve."""
+    rivals: list[str] = []
+    """The members with their targets; missing, as all below, where no effect explains it."""
+    what: str = ""
+    usual_size: str = ""
+    """In words, as are the next two."""
+    confirm: str = ""
+    cure: str = ""
 
 
-class _Candidate(_Open):
+class _Candidate(Output):
     """How a single effect does on its own."""
 
     effect: str
@@ -57,7 +61,7 @@ class _Candidate(_Open):
     why_not: str
 
 
-class _BlindSpot(_Open):
+class _BlindSpot(Output):
     """An effect that could be there unseen."""
 
     effect: str
@@ -72,7 +76,7 @@ class _BlindSpot(_Open):
     text: str
 
 
-class _Failure(_Open):
+class _Failure(Output):
     """A pattern that the model leaves."""
 
     by: str
@@ -81,14 +85,14 @@ class _Failure(_Open):
     text: str
 
 
-class _NextMeasurement(_Open):
+class _NextMeasurement(Output):
     separates: list[str]
     text: str
     program: str | None
     """File of the test's program."""
 
 
-class _Weak(_Open):
+class _Weak(Output):
     """An effect that may be there; it is not counted."""
 
     effect: str
@@ -101,14 +105,39 @@ class _Weak(_Open):
     why: str
 
 
-class DiagnosisFigures(_Open):
-    """``diagnose --json``: what the model lacks; more keys may come."""
+class _HeldOut(Output):
+    """RMS on features that were not fitted, um."""
 
-    verdict: str
+    without: float
+    with_it: float = Field(alias="with")
+
+
+class _Proposal(Output):
+    """A form for what no effect explains."""
+
+    formula: str
+    states: list[str]
+    direction: str
+    amount_um: float
+    u_um: float
+    """Standard uncertainty of the amount."""
+    evidence: float
+    """Natural logarithm of the odds for it."""
+    remains_um: float
+    held_out_um: _HeldOut
+    refuted_by: str
+    """The test that would refute it."""
+
+
+class DiagnosisFigures(Output):
+    """``diagnose --json``: what the model lacks."""
+
+    verdict: Literal["nothing", "named", "class", "partly", "unknown"]
     effects: list[_Finding]
     weak_effects: list[_Weak]
     remains_um: float
     """RMS of what remains beside noise."""
+    proposals: list[_Proposal]
     rms_um: dict[str, float]
     """Of measured minus predicted: before, after, expected noise."""
     candidates: list[_Candidate]

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from vmach.schemas.base import Interval, NoteRecord, Output, Vector
+from vmach.schemas.base import DrawnFigures, Interval, NoteRecord, Output, Vector
 
 __all__ = ["Accuracy", "Iso230", "Tables"]
 
@@ -81,6 +81,25 @@ class _Profile(Output):
     largest_difference_um: float
 
 
+class _DrawnFigure(Output):
+    stated_um: float
+    """Without corrections."""
+    mean_um: float
+    u_um: float
+    low_um: float
+    high_um: float
+
+
+class _AccuracyUncertainty(DrawnFigures):
+    """Of volumetric figures; ``accuracy --uncertainty monte-carlo``."""
+
+    figures: dict[str, _DrawnFigure]
+    candidates: int
+    """Points of the grid that were looked at in every draw."""
+    missed_um: float
+    """By how much these fell short of the whole grid in draws that checked it."""
+
+
 class Accuracy(Output):
     """``accuracy.json``: volumetric accuracy of a machine."""
 
@@ -102,6 +121,8 @@ class Accuracy(Output):
     """The findings as records."""
     profile: _Profile | None = None
     """Only where a profile was asked for."""
+    uncertainty: _AccuracyUncertainty | None = None
+    """Only where draws were asked for."""
 
 
 class _Budget(Output):

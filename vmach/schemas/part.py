@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from vmach.schemas.base import NoteRecord, Output, Vector
+from vmach.schemas.base import DrawnFigures, NoteRecord, Output, Vector
 
 __all__ = ["PathErrors", "PointPrediction", "Summary"]
 
@@ -120,6 +120,21 @@ class Summary(Output):
     run: _Run
 
 
+class _CutAnew(Output):
+    """A few draws that went through the removal engine."""
+
+    draws: int
+    points_that_changed_state: int
+    largest_difference_to_straight_um: float
+
+
+class _PointUncertainty(DrawnFigures):
+    """Of predicted points; ``predict --uncertainty monte-carlo``."""
+
+    cut_anew: _CutAnew | None
+    """Null for programs that are too long, and without an error model."""
+
+
 class PointPrediction(Output):
     """``predict --json``: figures of predicted deviations."""
 
@@ -134,6 +149,8 @@ class PointPrediction(Output):
     max_um: float | None = None
     measured_minus_predicted_rms_um: float | None = None
     """After a best fit; absent where the points were not measured."""
+    uncertainty: _PointUncertainty | None = None
+    """Only where draws were asked for."""
 
 
 class PathErrors(Output):

@@ -16,7 +16,7 @@ from scipy.spatial import ConvexHull
 
 from stock.threads import run_in_parts
 
-__all__ = ["farthest_pair"]
+__all__ = ["corners_of_hull", "farthest_pair"]
 
 _THIN_ABOVE = 20_000  #: hulls of fewer points take less time than thinning them
 _FLAT = 1e-9  #: extent below this share of the largest is no dimension
@@ -39,13 +39,19 @@ def farthest_pair(vectors: np.ndarray) -> tuple[int, int, float]:
     distance : float
     """
     vectors = np.ascontiguousarray(vectors, dtype=float)
-    candidates = np.arange(len(vectors))
-    for count in _DIRECTIONS if len(vectors) > _THIN_ABOVE else ():
-        candidates = candidates[_not_inside(vectors[candidates], _directions(count))]
-    corners = candidates[_corners(vectors[candidates])]
+    corners = corners_of_hull(vectors)
     first, second, square = _farthest(np.ascontiguousarray(vectors[corners]))
     pair = sorted((int(corners[first]), int(corners[second])))
     return pair[0], pair[1], float(np.sqrt(square))
+
+
+def corners_of_hull(vectors: np.ndarray) -> np.ndarray:
+    """Indices of vectors (P, 3) that hold all corners of their convex hull."""
+    vectors = np.ascontiguousarray(vectors, dtype=float)
+    candidates = np.arange(len(vectors))
+    for count in _DIRECTIONS if len(vectors) > _THIN_ABOVE else ():
+        candidates = candidates[_not_inside(vectors[candidates], _directions(count))]
+    return candidates[_corners(vectors[candidates])]
 
 
 def _directions(count: int) -> np.ndarray:

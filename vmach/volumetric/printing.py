@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from rich.console import Console
@@ -25,9 +26,10 @@ def print_accuracy(console: Console, report: dict[str, Any]) -> None:
     say(f"nose {box} mm, grid {' x '.join(map(str, volume['grid']))}, "
         f"tool length {report['tool_length_mm']:g} mm")  # fmt: skip
     say(f"volumetric accuracy {figures['largest_difference_um']:.1f} um: the largest of "
-        f"{figures['pairs']} differences, between")  # fmt: skip
+        f"{figures['pairs']:,} differences, between")  # fmt: skip
     for end in figures["between"]:
-        say(f"   nose {end['nose_mm']} mm with error {end['error_um']} um")
+        nose, error = _vector(end["nose_mm"], ".1f"), _vector(end["error_um"], "+.1f")
+        say(f"   nose {nose} mm with error {error} um")
     say(f"error of the tip: largest {figures['largest_error_um']:.1f}, mean "
         f"{figures['mean_error_um']:.1f}, RMS {figures['rms_error_um']:.1f} um")  # fmt: skip
     console.print(_shares_table(report))
@@ -42,8 +44,28 @@ def print_accuracy(console: Console, report: dict[str, Any]) -> None:
         profile = report["profile"]
         say(f"profile {profile['file']}: largest error {profile['largest_error_um']:.1f} um, "
             f"largest difference {profile['largest_difference_um']:.1f} um")  # fmt: skip
+    if "uncertainty" in report:
+        _say_uncertainty(say, report["uncertainty"])
     for line in report["findings"]:
         say(line)
+
+
+def _say_uncertainty(say: Callable[[str], None], found: dict[str, Any]) -> None:
+    """Intervals of the figures, and what they come from."""
+    for name, one in found["figures"].items():
+        said = name.removesuffix("_um").replace("_", " ")
+        say(f"{said}: {one['stated_um']:.1f} um, with all corrections {one['mean_um']:.1f} um, "
+            f"u {one['u_um']:.2f} um, {100 * found['coverage']:g} % in {one['low_um']:.1f} .. "
+            f"{one['high_um']:.1f} um")  # fmt: skip
+    ranked = [f"{label} {share:.0f} %" for label, share in found["contributors_percent"].items()]
+    say(f"{found['draws']} draws (JCGM 101); of the variance: {', '.join(ranked[:5])}")
+    if found["do_not_stand"]:
+        say(f"{found['do_not_stand']} of these do not stand after so many draws; "
+            "--draws allows more")  # fmt: skip
+
+
+def _vector(values: list[float], digits: str) -> str:
+    return "  ".join(f"{axis} {v:{digits}}" for axis, v in zip("XYZ", values, strict=True))
 
 
 def _table(title: str, headings: tuple[str, ...], rows: list[list[str]]) -> Table:
@@ -62,8 +84,8 @@ def _shares_table(report: dict[str, Any]) -> Table:
         for name, share in report["contributions_percent"].items()
     ]
     return _table(
-        "between the two worst points; angles in the readings",
-        ("error", "share, %", "reading, um", "of it angle x arm, um"),
+        "share in the largest difference, and in readings",
+        ("error", "share, %", "reading, um", "angle x arm, um"),
         rows,
     )
 
@@ -76,10 +98,10 @@ def _share_cells(counted: dict[str, Any] | None) -> list[str]:
 
 def _grouping_table(report: dict[str, Any]) -> Table:
     exact = report["volumetric"]
-    rows = [["exact", str(exact["points"]), str(exact["pairs"]),
+    rows = [["exact", f"{exact['points']:,}", f"{exact['pairs']:,}",
              f"{exact['largest_difference_um']:.1f}"]]  # fmt: skip
     rows += [
-        [str(row["angular_tolerance"]), str(row["records"]), str(row["comparisons"]),
+        [str(row["angular_tolerance"]), f"{row['records']:,}", f"{row['comparisons']:,}",
          f"{row['largest_difference_um']:.1f}"]
         for row in report["grouping"]
     ]  # fmt: skip

@@ -65,7 +65,7 @@ class BlockRunner:
         self.reader, self.settings, self.controller = reader, settings, reader.controller
         control = reader.options.control
         self.increments = INCREMENTS[control.increment or "calculator"]
-        self.is_told = control.increment is not None
+        self.is_told = control.increment is not None or settings.only_calculator
         self.ended = False
         self.transform = Transform()
         self.polar: list[float] | None = None  #: its centre X Y Z
@@ -88,15 +88,16 @@ class BlockRunner:
         self.finish_corner()
 
     @property
-    def takes_plain_numbers(self) -> bool:
-        """Whether numbers are read as they stand."""
-        return self.increments is INCREMENTS["calculator"]
+    def takes_pointless(self) -> bool:
+        """Whether numbers without a point need no further note."""
+        notes = self.controller.notes
+        return self.is_told or any(name == "increment" for _, name in notes)
 
     @property
     def is_plain(self) -> bool:
-        """Whether lines G0 and G1 are those of RS274/NGC."""
-        return (self.cycle is None and self.corner is None and self.polar is None
-                and self.transform.is_identity and self.controller.trace is None)  # fmt: skip
+        """Whether nothing is in force that moves places or holds moves back."""
+        return (self.corner is None and self.polar is None and self._known is None
+                and self.transform.is_identity)  # fmt: skip
 
     def memory(self) -> tuple:
         """What tells one round of a loop from another."""
@@ -186,19 +187,22 @@ class BlockRunner:
                 self.execute(f"m{code}")
             elif code in _SENSES:
                 self.execute(f"m{_SENSES[code]}m8")
+            elif code in self.settings.z_home_m:
+                self.finish_corner()
+                self._to_reference({"z": self.here()[2]}, 28.0)
             elif code in self.settings.builder_m:
                 block.pop("p" if code not in (29,) else "")
                 self.controller.note(f"M{code}", self.settings.builder_m[code])
             elif code in self.reader.options.control.ignore_m:
-                self.controller.note(f"M{code}", "machine builder's code, ignored as told")
+                self.controller.note(f"M{code}", "machine builder's code, ignored by ignore_m")
             else:
                 raise self._unknown_m()
         return after
 
     def _unknown_m(self) -> ProgramError:
         """One error for all M codes of the program that nobody knows."""
-        known = {*self.settings.builder_m, *self.reader.options.control.ignore_m, *_SENSES,
-                 *_END_OF_BLOCK_M, 3, 4, 6, 7, 8, 19, 97, 98, 99}  # fmt: skip
+        known = {*self.settings.builder_m, *self.settings.z_home_m, *_SENSES, *_END_OF_BLOCK_M,
+                 *self.reader.options.control.ignore_m, 3, 4, 6, 7, 8, 19, 97, 98, 99}  # fmt: skip
         found = self.reader.m_codes() - known
         listed = ", ".join(str(code) for code in sorted(found))
         names = " ".join(f"M{code}" for code in sorted(found))
@@ -378,7 +382,7 @@ class BlockRunner:
         return None
 
     def _dwell(self, block: MacroBlock) -> bool:
-        """G4: P in milliseconds, X or U in seconds (B-64484EN 5.4, "Dwell")."""
+        """G4: P in milliseconds, X or U in seconds (B-64484EN, "Dwell")."""
         block.take(4)
         words = block.pop("pxu")
         if len(words) != 1:
@@ -388,15 +392,14 @@ class BlockRunner:
             )
         letter, value = words.popitem()
         if letter == "p":
-            pointed = "p" not in block.pointless
-            if pointed and not self.settings.pointed_p_is_seconds and value != int(value):
+            pointed, unit_s = "p" not in block.pointless, self.settings.dwell_p_s
+            in_seconds = self.settings.pointed_p_is_seconds or unit_s == 1.0
+            if pointed and not in_seconds and value != int(value):
                 raise ProgramError(
                     f"G4 P{value:g}: P takes no decimal point",
                     accepted="P in milliseconds, or X in seconds",
                 )
-            if pointed and self.settings.pointed_p_is_seconds:
-                value *= 1000.0
-            value *= 0.001
+            value *= 1.0 if pointed and in_seconds else unit_s
         if value < 0.0:
             raise ProgramError(f"negative dwell {value:g} s")
         self.execute(f"g4p{value!r}" if value >= 1e-9 else "g4p0")
@@ -420,13 +423,16 @@ class BlockRunner:
                 f"G{code:g} with rotation, scaling, mirror image or G16 on",
                 hint="cancel them first",
             )
+        self._to_reference(words, code)
+        return True
+
+    def _to_reference(self, words: dict[str, float], code: float) -> None:
         modal = self.controller.motion
         self.execute(MacroBlock(words, g=[code]).text())
         self.controller.motion = modal if modal in ("G0", "G1", "G2", "G3") else "G0"
-        return True
 
     def _machine_position(self, block: MacroBlock) -> bool:
-        """G53: rapid in machine coordinates; without effect in G91 (B-64484EN 7.1)."""
+        """G53: rapid in machine coordinates; without effect in G91 (B-64484EN)."""
         block.take(53)
         modal = self.controller.motion
         own = block.take(0, 1)

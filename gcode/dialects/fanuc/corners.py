@@ -1,4 +1,4 @@
-"""``,R`` and ``,C``: a line that is rounded or chamfered towards the next one (B-64484EN 6.1)."""
+"""``,R`` and ``,C``: a line that is rounded or chamfered towards the next one (B-64484EN-2)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""G73 to G89 as Fanuc and Haas have them (B-64484EN 5.1, "Canned cycle for drilling")."""
+"""G73 to G89 as Fanuc and Haas have them (B-64484EN-2, "Canned cycle for drilling")."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class DrillingCycle:
             self.bottom = words[name] if absolute else above + words[name]
         if "p" in words:
             pointed = "p" not in block.pointless and runner.settings.pointed_p_is_seconds
-            self.dwell_s = words.pop("p") * (1.0 if pointed else 0.001)
+            self.dwell_s = words.pop("p") * (1.0 if pointed else runner.settings.dwell_p_s)
         for letter in "qijd":
             if letter in words:
                 self.words[letter] = words.pop(letter)

@@ -1,7 +1,7 @@
 """Custom macro B: expressions and conditions with variables that may be empty.
 
 A variable that was never set is <null>. It is NaN here: alone it stays so, an operation takes it
-for zero, EQ and NE tell it from zero (B-64484EN 16.1, "Undefined variable").
+for zero, EQ and NE tell it from zero (B-64484EN, "Custom macro", undefined variable).
 """
 
 from __future__ import annotations

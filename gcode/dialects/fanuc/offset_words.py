@@ -1,4 +1,4 @@
-"""H, D and G10: length and cutter offsets, work offsets (B-64484EN 6.5, 6.6, 7.2)."""
+"""H, D and G10: length and cutter offsets, work offsets (B-64484EN, -2)."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ from gcode.text.source import Source
 
 __all__ = ["FanucReader"]
 
-#: Letter of an argument, specification I -> local variable (B-64484EN 16.5.1).
+#: Letter of an argument, specification I -> local variable (B-64484EN, "Custom macro").
 _ARGUMENTS = {"a": 1, "b": 2, "c": 3, "i": 4, "j": 5, "k": 6, "d": 7, "e": 8, "f": 9, "h": 11,
               "m": 13, "q": 17, "r": 18, "s": 19, "t": 20, "u": 21, "v": 22, "w": 23, "x": 24,
               "y": 25, "z": 26}  # fmt: skip
@@ -33,8 +33,6 @@ _SLASH = re.compile(r"\s*(?:n\s*\d+\s*)?/\s*([1-9]?)(?!\s*\d)", re.IGNORECASE)
 _PROGRAM = re.compile(r"(?:o|:)(?:(\d+)|<([^>]*)>)")
 _COMMENT = re.compile(r"\((?:[^()]|\([^()]*\))*\)?")
 _BLANKS = str.maketrans("", "", " \t\r\x0b\x0c")
-#: an axis word without a decimal point
-_POINTLESS = re.compile(rb"[XYZxyz][ \t]*[-+]?[ \t]*\d+(?![\d.])")
 _NO_WORDS = frozenset(("", "%", ";"))
 
 
@@ -79,16 +77,14 @@ class FanucReader(Translated):
         self.blocks.finish()
 
     def use_fast_lane(self, source: Source) -> None:
-        """Give stretches of plain motion to compiled code, where every number has its point."""
-        if not self.blocks.takes_plain_numbers or _POINTLESS.search(source.data):
-            return
-        from gcode.fast.fast_lane import FastLane  # loads the compiler, which small programs spare
+        """Give stretches of lines to compiled code."""
+        from gcode.dialects.fanuc.lane import FanucLane  # loads the compiler
 
-        self.fast, self.starts = FastLane(self.controller, source.data), source.line_starts
+        self.fast, self.starts = FanucLane(self.blocks, source.data), source.line_starts
 
     def skip_plain(self) -> bool:
         """Let compiled code obey the lines that come; tells whether it has."""
-        if self.fast is None or self.modal_call is not None or not self.blocks.is_plain:
+        if self.fast is None or self.modal_call is not None:
             return False
         line, _ = self.fast.run((self.next, int(self.starts[self.next])))
         if line == self.next:
@@ -346,7 +342,9 @@ class FanucReader(Translated):
             if "p" in words:
                 self._jump(self._labelled(whole(words["p"], "P word"), "M99 P"))
                 return
-            raise ProgramError("M99 in the main program repeats it for ever", hint="use M30")
+            self.controller.note("M99", "the control begins anew; the program is read once")
+            self.ended = True
+            return
         call = self.calls[-1]
         call.repeats -= 1
         if call.repeats > 0:

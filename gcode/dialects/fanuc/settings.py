@@ -9,7 +9,7 @@ from gcode.dialects.fanuc.variables import OffsetColumn, OffsetColumns
 
 __all__ = ["FANUC_COLUMNS", "HAAS_COLUMNS", "HAAS_M", "FanucSettings"]
 
-#: Memory C with 200 pairs: B-64484EN table 16.2 (tool compensation memory)
+#: Memory C with 200 pairs: B-64484EN, system variables of tool compensation memory C
 FANUC_COLUMNS: OffsetColumns = (
     OffsetColumn(2001, "length_wear_mm"),
     OffsetColumn(2201, "length_mm"),
@@ -62,8 +62,14 @@ class FanucSettings:
         G4 P5. is 5 s (Haas); otherwise a point is refused there.
     pointless_factor : bool
         G51 P2 is a factor of 2 (Haas); otherwise its unit is a parameter, and it is refused.
+    dwell_p_s : float
+        What P of G4 and of the drilling cycles counts where it has no point, s.
+    only_calculator : bool
+        A number without a point is read as it stands, whatever is set.
     builder_m : mapping of int to str
         M codes that are known to move nothing.
+    z_home_m : frozenset of int
+        M codes that take Z to its reference point.
     peck_clearance_mm : float
         Above the last depth in G73 and G83 (Fanuc parameters 5114, 5115; Haas settings 22, 52).
     """
@@ -72,5 +78,8 @@ class FanucSettings:
     radius_in_d: bool = True
     pointed_p_is_seconds: bool = False
     pointless_factor: bool = False
+    dwell_p_s: float = 0.001
+    only_calculator: bool = False
     builder_m: Mapping[int, str] = field(default_factory=lambda: dict(_COMMON_M))
+    z_home_m: frozenset[int] = frozenset()
     peck_clearance_mm: float = 1.0

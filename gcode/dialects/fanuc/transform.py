@@ -1,7 +1,7 @@
 """G50.1/G51.1 mirror image, G50/G51 scaling, G68/G69 rotation: what becomes of a programmed point.
 
-They act in this order whatever the order of their blocks (B-64484EN 6.13, "Scaling", "Programmable
-mirror image"; 4.8, "Coordinate system rotation").
+They act in this order whatever the order of their blocks (B-64484EN-2, "Scaling", "Programmable
+mirror image"; B-64484EN, "Coordinate system rotation").
 """
 
 from __future__ import annotations
@@ -109,6 +109,7 @@ class Transform:
         first, second, _ = PLANE_AXES[plane]
         if abs(self.factor[first]) != abs(self.factor[second]):
             raise ProgramError(
-                "arc with different scale factors of its two axes", accepted="G51 with one factor P"
+                f"arc with scale factors {self.factor[first]:g} and {self.factor[second]:g}",
+                accepted="G51 with one factor P",
             )
         return abs(self.factor[first])

@@ -1,4 +1,4 @@
-"""Klartext cycles 200, 201, 203, 206, 207 and 240: holes as plain moves.
+"""Klartext cycles 200 to 203, 205 to 207, 209, 240 and 241: holes as plain moves.
 
 HEIDENHAIN TNC 640, User's Manual Cycle Programming, "Fixed cycles: drilling" and "tapping".
 """
@@ -18,6 +18,8 @@ __all__ = ["DRILLING", "drill"]
 #: above the last depth where the tool goes back into the hole, mm
 _ADVANCED_STOP_MM = 0.2
 _MOST_PECKS = 100_000
+#: by which cycle 202 takes the edge from the wall, mm
+_OFF_THE_WALL_MM = 0.2
 
 
 class _Hole:
@@ -54,16 +56,24 @@ class _Hole:
         if self.q(number, 0.0) > 0.0:
             self.reader.execute(f"g4p{self.q(number)!r}")
 
-    def pecks(self) -> list[float]:
-        """Depths of all infeeds but the last."""
-        step = abs(self.q(202, 0.0))
+    def pecks(self, start: float | None = None) -> list[float]:
+        """Depths of all infeeds but the last: Q202, less Q212 each time, not below Q205."""
+        step, less = abs(self.q(202, 0.0)), abs(self.q(212, 0.0))
+        least = min(abs(self.q(205, 0.0)) or step, step) if less else step
         if step == 0.0:
             return []
-        count = (self.surface - self.bottom) / step
-        if count > _MOST_PECKS:
-            raise ProgramError(f"infeeds Q202={step:g} make {count:.0f} steps")
-        depths = [self.surface - step * k for k in range(1, int(count) + 1)]
-        return [depth for depth in depths if depth - self.bottom > 1e-9]
+        depth = self.surface if start is None else start
+        depths = []
+        while len(depths) <= _MOST_PECKS:
+            depth -= max(step, least)
+            step -= less
+            if depth - self.bottom < 1e-9:
+                return depths
+            depths.append(depth)
+            if least <= 0.0 and step <= 0.0:
+                raise ProgramError(f"infeeds that shrink by Q212={less:g} to nothing",
+                                   accepted="a least infeed Q205")  # fmt: skip
+        raise ProgramError(f"infeeds Q202={self.q(202):g} make more than {_MOST_PECKS} steps")
 
 
 def _drilling(hole: _Hole) -> None:
@@ -83,9 +93,7 @@ def _reaming(hole: _Hole) -> None:
 
 
 def _universal(hole: _Hole) -> None:
-    """Cycle 203 without decrement; Q213 breaks chips before the tool comes out."""
-    if hole.q(212, 0.0):
-        raise ProgramError("cycle 203 with a decrement Q212 is not read", accepted="Q212=0")
+    """Cycle 203; Q213 breaks chips before the tool comes out."""
     breaks, back, done = int(hole.q(213, 0.0)), hole.q(256, 0.2), 0
     for depth in hole.pecks():
         hole.feed(depth)
@@ -93,14 +101,81 @@ def _universal(hole: _Hole) -> None:
             hole.rapid(min(depth + back, hole.clear))
             done += 1
         else:
-            hole.rapid(hole.clear)
-            hole.dwell(210)
-            hole.rapid(min(depth + _ADVANCED_STOP_MM, hole.clear))
+            _come_out(hole, depth, _ADVANCED_STOP_MM)
             done = 0
     hole.feed(hole.bottom)
     hole.dwell(211)
+    _leave(hole)
+
+
+def _come_out(hole: _Hole, depth: float, ahead: float) -> None:
+    hole.rapid(hole.clear)
+    hole.dwell(210)
+    hole.rapid(min(depth + ahead, hole.clear))
+
+
+def _leave(hole: _Hole) -> None:
     if hole.q(208, 0.0) and hole.q(208) < 99_999.0:
         hole.feed(hole.clear, hole.q(208))
+
+
+def _deep(hole: _Hole) -> None:
+    """Cycle 205: Q379 is a start below the surface, Q257 the depth between two chip breaks."""
+    start = hole.surface - abs(hole.q(379, 0.0))
+    if start < hole.surface:
+        hole.feed(start + hole.q(200), hole.q(253, hole.feed_in))
+    breaks, back = abs(hole.q(257, 0.0)), hole.q(256, 0.2)
+    before = start
+    for depth in hole.pecks(start):
+        while breaks > 0.0 and before - breaks > depth + 1e-9:
+            before -= breaks
+            hole.feed(before)
+            hole.rapid(min(before + back, hole.clear))
+        hole.feed(depth)
+        _come_out(hole, depth, hole.q(258, _ADVANCED_STOP_MM))
+        before = depth
+    hole.feed(hole.bottom)
+    hole.dwell(211)
+    _leave(hole)
+
+
+def _single_lip(hole: _Hole) -> None:
+    """Cycle 241: to the start at Q253, to the depth, out at Q208."""
+    start = hole.surface - abs(hole.q(379, 0.0))
+    hole.feed(start + hole.q(200), hole.q(253, hole.feed_in))
+    hole.feed(hole.bottom)
+    hole.dwell(211)
+    _leave(hole)
+
+
+def _boring(hole: _Hole) -> None:
+    """Cycle 202: Q214 takes the edge from the wall before the tool comes out."""
+    hole.feed(hole.bottom)
+    hole.dwell(211)
+    aside = {0: (0, 0), 1: (-1, 0), 2: (0, -1), 3: (1, 0), 4: (0, 1)}.get(int(hole.q(214, 0.0)))
+    if aside is None:
+        raise ProgramError(f"Q214={hole.q(214):g}", accepted="0 to 4")
+    here = hole.reader.here()
+    hole.reader.execute(_beside(here, aside))
+    hole.rapid(hole.clear)
+    hole.reader.execute(_beside(here, (0, 0)))
+
+
+def _beside(here: list[float], aside: tuple[int, int]) -> str:
+    place = [h + _OFF_THE_WALL_MM * a for h, a in zip(here, aside, strict=False)]
+    return f"g0x{place[0]!r}y{place[1]!r}"
+
+
+def _tapping_in_steps(hole: _Hole) -> None:
+    """Cycle 209: Q257 to a chip break, back by Q256 turns of the pitch, or out with Q256 = 0."""
+    breaks, back = abs(hole.q(257, 0.0)), hole.q(256, 0.0) * abs(hole.q(239))
+    depth = hole.surface
+    while breaks > 0.0 and depth - breaks > hole.bottom + 1e-9:
+        depth -= breaks
+        hole.feed(depth)
+        hole.feed(min(depth + back, hole.clear) if back else hole.clear)
+    hole.feed(hole.bottom)
+    hole.feed(hole.clear)
 
 
 def _tapping(hole: _Hole) -> None:
@@ -117,20 +192,21 @@ def _centring(hole: _Hole) -> None:
 
 
 def _rigid(reader: KlartextReader, data: dict[str, float]) -> dict[str, float]:
-    """Cycle 207 has a pitch in place of a feed."""
+    """Cycles 207 and 209 have a pitch in place of a feed."""
     if "239" not in data:
         raise ProgramError("Q239 (pitch) of the cycle is missing")
     return data | {"206": abs(data["239"]) * reader.controller.speed}
 
 
 DRILLING: dict[int, Callable[[_Hole], None]] = {
-    200: _drilling, 201: _reaming, 203: _universal, 206: _tapping, 207: _tapping, 240: _centring,
+    200: _drilling, 201: _reaming, 202: _boring, 203: _universal, 205: _deep, 206: _tapping,
+    207: _tapping, 209: _tapping_in_steps, 240: _centring, 241: _single_lip,
 }  # fmt: skip
 
 
 def drill(reader: KlartextReader, number: int, data: dict[str, float]) -> None:
     """Do a cycle at the present place."""
-    if number == 207:
+    if number in (207, 209):
         data = _rigid(reader, data)
     hole = _Hole(reader, data)
     hole.rapid(hole.clear)

@@ -6,7 +6,8 @@ import math
 import re
 from dataclasses import replace
 
-from gcode.dialects.heidenhain.cycles import DRILLING, drill
+from gcode.dialects.heidenhain.cycle_calls import CycleCalls
+from gcode.dialects.heidenhain.frames import KlartextFrames
 from gcode.dialects.heidenhain.parameters import NUMBER, QParameters
 from gcode.errors import ProgramError
 from gcode.geometry.corners import broken_corner
@@ -26,7 +27,6 @@ _COMMA = re.compile(r"(?<=\d),(?=\d)")
 _LABEL = re.compile(r"(?:CALL\s+)?LBL\s+(\d+|\"[^\"]*\")")
 _TOOL = re.compile(r"TOOL CALL(?:\s+(\d+|Q\d+|\"[^\"]*\"))?(?:\s+([XYZ])(?!\w))?(.*)")
 _TOOL_WORD = re.compile(rf"\s*(DL|DR2|DR|S|F)\s*({NUMBER})")
-_NO_SHIFT = re.compile(r"7\.0(?:\s+DATUM SHIFT)?")
 _PLAIN_M = {3: "m3", 4: "m4", 5: "m5", 7: "m7", 8: "m8", 9: "m9", 0: "m0", 1: "m1", 6: ""}
 _FIRST_M = frozenset((3, 4, 7, 8, 13, 14))
 #: M functions that move nothing here: feeds at corners, look-ahead, rotary axes that stand still
@@ -49,8 +49,8 @@ class KlartextReader(Translated):
         self.feed: float | None = None
         self.tool_feed: float | None = None
         self.parameters = QParameters()
-        self.cycle: tuple[int, dict[str, float]] | None = None
-        self.modal_cycle = False  #: M89
+        self.cycles = CycleCalls(self)
+        self.frames = KlartextFrames(self)
         self.corner: tuple[str, float] | None = None  #: RND or CHF that waits
         #: start and end of the line before it
         self.held: tuple[list[float], tuple[float, ...]] | None = None
@@ -61,14 +61,14 @@ class KlartextReader(Translated):
         self.calls: list[tuple[int, int, int, int]] = []
         self.contents: dict[int, str] = {}
         computed = self.parameters.computed
-        computed["108"] = lambda: self._tool_of_spindle().offset_diameter_mm / 2.0
-        computed["114"] = lambda: self._tool_of_spindle().offset_length_mm
+        computed["108"] = lambda: self.tool_of_spindle().offset_diameter_mm / 2.0
+        computed["114"] = lambda: self.tool_of_spindle().offset_length_mm
         computed["109"] = lambda: 2.0
 
-    def _tool_of_spindle(self) -> ToolEntry:
+    def tool_of_spindle(self) -> ToolEntry:
         return self.controller.offsets.get(self.controller.tool, ToolEntry())
 
-    def _content(self, index: int) -> str:
+    def content(self, index: int) -> str:
         """A line without number, comment and structure, in upper case."""
         text = self.contents.get(index)
         if text is None:
@@ -79,7 +79,7 @@ class KlartextReader(Translated):
 
     def obey(self, text: str) -> None:
         """Obey one line."""
-        content = self._content(self.next - 1)
+        content = self.content(self.next - 1)
         if not content or content.startswith(("*", "~")):
             return
         if content.startswith("/"):
@@ -95,7 +95,8 @@ class KlartextReader(Translated):
             ("BLK FORM", lambda _: self._noted("BLK FORM", "blank for the control's graphics")),
             ("TOOL CALL", self._tool_call), ("TOOL DEF", lambda _: self._noted(
                 "TOOL DEF", "tool preselection; its dimensions are those of the job")),
-            ("CYCL DEF", self._cycle), ("CYCL CALL", self._call_cycle),
+            ("CYCL DEF", self.cycles.define), ("CYCL CALL", self.cycles.call),
+            ("PATTERN DEF", self.cycles.define_pattern),
             ("CALL LBL", self._call_label), ("LBL", self._label), ("CC", self._centre),
             ("FN", self._function), ("RND", self._corner), ("CHF", self._corner),
             ("PLANE", self._plane), ("FUNCTION", self._control_function),
@@ -130,93 +131,6 @@ class KlartextReader(Translated):
             raise ProgramError(f"'{content}' is not read", accepted="milling with three axes")
         self._noted("FUNCTION", "mode of the control")
 
-    # cycles
-
-    def _cycle(self, content: str) -> None:
-        text = content.removeprefix("CYCL DEF").strip()
-        code = re.match(r"(\d+)(?:\.(\d+))?", text)
-        if code is None:
-            raise ProgramError(f"cannot read '{content}'", accepted="CYCL DEF with a number")
-        cycle = int(code[1])
-        data = self._cycle_data(text)
-        if cycle in DRILLING:
-            self.cycle = (cycle, data)
-        elif cycle == 32:
-            self._noted("CYCL DEF 32", "tolerance of the control's path")
-        elif cycle == 7:
-            self._datum_shift(text)
-        elif cycle == 9:
-            self._dwell(text)
-        elif cycle == 247:
-            self._noted("CYCL DEF 247", "preset: the work offset of the job")
-        elif cycle in (8, 10, 11, 19, 26) and self._changes_nothing(text):
-            self._noted(f"CYCL DEF {cycle}", "changes nothing")
-        else:
-            raise ProgramError(
-                f"Klartext cycle '{content}' is not read",
-                accepted="CYCL DEF 7, 9, 32, 247 and " + ", ".join(map(str, sorted(DRILLING))),
-                hint="post the program without this cycle",
-            )
-
-    @staticmethod
-    def _changes_nothing(text: str) -> bool:
-        body = re.sub(r"^\d+\.\d+\s*", "", text)
-        return not re.search(r"\d", body) or bool(
-            re.fullmatch(r"(?:(?:ROT|[ABC])\s*[+-]?0+\.?0*\s*|SCL\s*1(?:\.0*)?)+", body)
-        )
-
-    def _cycle_data(self, text: str) -> dict[str, float]:
-        """Q parameters of a cycle, on its line and on those that follow."""
-        pieces = [text]
-        while self.next < len(self.lines) and re.match(r"Q\d+\s*=", self._content(self.next)):
-            if re.match(r"\s*\d+\s+", self.lines[self.next]):  # a block of its own: an assignment
-                break
-            pieces.append(self._content(self.next))
-            self.next += 1
-        found = re.findall(rf"Q(\d+)\s*=\s*({NUMBER}|MAX|AUTO)", " ".join(pieces))
-        data = {}
-        for name, value in found:
-            if value not in ("MAX", "AUTO"):
-                data[name] = self.parameters.number(value)
-            elif value == "AUTO" and self.tool_feed is not None:
-                data[name] = self.tool_feed
-        self.parameters.values |= data
-        return data
-
-    def _datum_shift(self, text: str) -> None:
-        """CYCL DEF 7: the datum moves by X Y Z, or by IX IY IZ on from where it is."""
-        body = re.sub(r"^7\.\d+\s*", "", text).removeprefix("DATUM SHIFT").strip()
-        if body.startswith("#"):
-            raise ProgramError("datum table of CYCL DEF 7 is not read", accepted="X Y Z")
-        c = self.controller
-        for name, value in re.findall(rf"(I?[XYZABC])\s*({NUMBER})", body):
-            axis = "XYZABC".index(name[-1])
-            shift = self.parameters.number(value) + (c.g92[axis] if name[0] == "I" else 0.0)
-            if shift != c.g92[axis]:
-                self.execute(f"g52{name[-1]}{number(shift)}")
-
-    def _dwell(self, text: str) -> None:
-        found = re.search(rf"DWELL\s*({NUMBER})", text)
-        if found:
-            self.execute(f"g4p{number(self.parameters.number(found[1]))}")
-
-    def _call_cycle(self, content: str) -> None:
-        if content.startswith("CYCL CALL POS"):
-            words, _ = self._words(content.removeprefix("CYCL CALL POS"))
-            end = self._target(words)
-            self.execute(f"g0x{number(end[0])}y{number(end[1])}")
-        elif content.startswith("CYCL CALL PAT"):
-            raise ProgramError("CYCL CALL PAT is not read", accepted="CYCL CALL, M99")
-        else:
-            codes = re.findall(r"M(\d+)", content)
-            self.execute(*(self._m_code(int(code)) for code in codes))
-        self._drill()
-
-    def _drill(self) -> None:
-        if self.cycle is None:
-            raise ProgramError("no cycle to call", accepted="CYCL DEF 200 ... before it")
-        drill(self, *self.cycle)
-
     # M functions
 
     def _only_m(self, content: str) -> None:
@@ -224,11 +138,11 @@ class KlartextReader(Translated):
             raise ProgramError(f"cannot read '{content}'", accepted="M with a number")
         for code in map(int, re.findall(r"M\s*(\d+)", content)):
             if code == 99:
-                self._drill()
+                self.cycles.do()
             else:
-                self.execute(self._m_code(code))
+                self.execute(self.m_code(code))
 
-    def _m_code(self, code: int) -> str:
+    def m_code(self, code: int) -> str:
         if code in (13, 14):
             return f"m{code - 10}m8"
         if code in (2, 30):
@@ -237,7 +151,7 @@ class KlartextReader(Translated):
             self._noted(f"M{code}", _NOTED_M.get(code) or "moves nothing here")
             return ""
         if code == 89:
-            self.modal_cycle = True
+            self.cycles.modal = True
             return ""
         if code not in _PLAIN_M:
             raise ProgramError(
@@ -249,7 +163,7 @@ class KlartextReader(Translated):
 
     # words
 
-    def _words(self, content: str) -> tuple[dict[str, float | str | None], list[int]]:
+    def words(self, content: str) -> tuple[dict[str, float | str | None], list[int]]:
         """Words of a motion line, and its M codes."""
         words: dict[str, float | str | None] = {}
         codes, position = [], 0
@@ -258,8 +172,8 @@ class KlartextReader(Translated):
                 break
             position = match.end()
             letter, value, sign = re.sub(r"\s", "", match[1]), match[2], match[3]
-            if letter == "M" and value is not None:
-                codes.append(int(self.parameters.number(value)))
+            if letter == "M":  # early controls write an M without a number
+                codes += [] if value is None else [int(self.parameters.number(value))]
             elif letter == "DR" and (sign or value is None):
                 words["DR"] = sign
             elif letter == "MB":
@@ -277,7 +191,7 @@ class KlartextReader(Translated):
             raise ProgramError(f"cannot read '{content[position:].strip()}'", accepted=_ACCEPTED)
         return words, codes
 
-    def _here(self) -> list[float]:
+    def here(self) -> list[float]:
         """Programmed position X Y Z A B C."""
         c = self.controller
         if self.held is not None:
@@ -287,9 +201,9 @@ class KlartextReader(Translated):
             here[:3] = c.programmed
         return here
 
-    def _target(self, words: dict[str, float | str | None]) -> tuple[float, ...]:
+    def target(self, words: dict[str, float | str | None]) -> tuple[float, ...]:
         """X Y Z A B C where the line ends."""
-        end = self._here()
+        end = self.here()
         for axis, letter in enumerate("XYZABC"):
             if letter in words and "I" + letter in words:
                 raise ProgramError(f"{letter} and I{letter} in one line")
@@ -300,29 +214,29 @@ class KlartextReader(Translated):
         """PR, PA, IPR, IPA about the pole, and the tool axis."""
         if self.pole is None:
             raise ProgramError("polar coordinates without a pole", hint="give CC first")
-        here = self._here()
+        here = self.here()
         out = here[0] - self.pole[0], here[1] - self.pole[1]
         radius = words.get("PR", math.hypot(*out) + words.get("IPR", 0.0))
         before = math.degrees(math.atan2(out[1], out[0]))
         angle = math.radians(words.get("PA", before + words.get("IPA", 0.0)))
-        end = list(self._target({k: v for k, v in words.items() if k[-1] in "ZABC"}))
+        end = list(self.target({k: v for k, v in words.items() if k[-1] in "ZABC"}))
         end[0] = self.pole[0] + radius * math.cos(angle)
         end[1] = self.pole[1] + radius * math.sin(angle)
         return tuple(end)
 
     def _centre(self, content: str) -> None:
-        words, _ = self._words(content.removeprefix("CC"))
+        words, _ = self.words(content.removeprefix("CC"))
         if "PR" in words or "PA" in words or "IPA" in words:
             self.pole = self._polar_target(words)[:2]
         else:
-            self.pole = self._target(words)[:2]
+            self.pole = self.target(words)[:2]
 
     # motion
 
     def _move(self, head: str, content: str) -> None:
-        words, codes = self._words(content)
-        before = [self._m_code(c) for c in codes if c in _FIRST_M]
-        after = [self._m_code(c) for c in codes if c not in _FIRST_M and c not in (91, 99, 140)]
+        words, codes = self.words(content)
+        before = [self.m_code(c) for c in codes if c in _FIRST_M]
+        after = [self.m_code(c) for c in codes if c not in _FIRST_M and c not in (91, 92, 99, 140)]
         if "F" in words:
             self.feed = words["F"]
         if "FAUTO" in words:
@@ -332,14 +246,24 @@ class KlartextReader(Translated):
         self.execute(*before, self._side(words))
         blocks = self._line(head, words, codes) if head in ("L", "LP") else self._arc(head, words)
         self.execute(blocks, *after)
-        if 99 in codes or (self.modal_cycle and {"X", "Y"} & words.keys()):
-            self.modal_cycle = self.modal_cycle and 99 not in codes
-            self._drill()
+        if 99 in codes or (self.cycles.modal and {"X", "Y"} & words.keys()):
+            self.cycles.modal = self.cycles.modal and 99 not in codes
+            self.cycles.do()
 
     def _retract(self, words: dict[str, float | str | None]) -> None:
-        raise ProgramError(
-            "M140 retracts to the end of the travel, which the program does not say",
-            accepted="L Z with a level, or M91",
+        """M140 MB: away from the part along the tool axis, MB MAX to the end of the travel."""
+        height = words.pop("MB", None)
+        feed = words.pop("F", None)
+        c = self.controller
+        if height is None:
+            top = c.machine_position()
+            top[2] = max(top[2], 0.0)
+            level = c.from_machine(top)[2]
+            self._noted("M140 MB MAX", "to the end of the travel: machine zero of Z is taken")
+        else:
+            level = self.here()[2] + height
+        self.execute(
+            f"g0z{number(level)}" if feed is None else f"g1z{number(level)}f{number(feed)}"
         )
 
     def _side(self, words: dict[str, float | str | None]) -> str:
@@ -355,24 +279,29 @@ class KlartextReader(Translated):
 
     def _line(self, head: str, words: dict[str, float | str | None], codes: list[int]) -> str:
         rapid = "FMAX" in words
-        if 91 in codes:
+        if 92 in codes:
+            if not rapid:
+                raise ProgramError("M92 at feed: its datum is a parameter of the machine",
+                                   accepted="M91, or FMAX")  # fmt: skip
+            self._noted("M92", "its datum is a parameter of the machine; that of M91 is taken")
+        if 91 in codes or 92 in codes:
             if any("I" + letter in words for letter in "XYZABC"):
                 raise ProgramError("incremental words with M91")
             axes = [(letter, words[letter]) for letter in "XYZABC" if letter in words]
             motion = "g53g0" if rapid else "g53g1"
         else:
-            end = self._polar_target(words) if head == "LP" else self._target(words)
+            end = self._polar_target(words) if head == "LP" else self.target(words)
             named = {name[-1] for name in words if name.lstrip("I") in ("X", "Y", "Z", *"ABC")}
             named |= {"X", "Y"} if head == "LP" else set()
             motion = "g0" if rapid else "g1"
             axes = [(a, end[k]) for k, a in enumerate("XYZABC") if a in named]
             self._round_towards(end, rapid=rapid)
             if self._waits() and not rapid:
-                self.held = (self._here(), end)
+                self.held = (self.here(), end)
                 return ""
         if not axes:
             return ""
-        self.corner_start = self._here()
+        self.corner_start = self.here()
         return motion + "".join(f"{a}{number(v)}" for a, v in axes) + self._feed(rapid)
 
     def _feed(self, rapid: bool) -> str:
@@ -387,8 +316,8 @@ class KlartextReader(Translated):
             raise ProgramError(
                 "RND or CHF between a line and an arc is not read", accepted="two lines"
             )
-        end = self._polar_target(words) if head == "CP" else self._target(words)
-        start = self._here()
+        end = self._polar_target(words) if head == "CP" else self.target(words)
+        start = self.here()
         if head == "CT":
             return self._tangent_arc(start, end)
         if words.get("DR") not in ("+", "-"):
@@ -432,7 +361,7 @@ class KlartextReader(Translated):
         if not len(record):
             raise ProgramError("CT without a move before it")
         end, before = record.path().point_mm[-1], self.corner_start
-        arc = record.arcs[-1] if record.arcs and record.arcs[-1][0] == len(record) - 1 else None
+        arc = record.last_arc
         if arc is not None:
             out = end[0] - arc[4], end[1] - arc[5]
             sense = 1.0 if arc[6] > 0 else -1.0
@@ -461,7 +390,7 @@ class KlartextReader(Translated):
     def _waits(self) -> bool:
         """Whether RND or CHF stands in the next line."""
         return self.next < len(self.lines) and bool(
-            re.match(r"(?:RND|CHF)\b", self._content(self.next))
+            re.match(r"(?:RND|CHF)\b", self.content(self.next))
         )
 
     def _round_towards(self, end: tuple[float, ...], *, rapid: bool) -> None:
@@ -501,12 +430,10 @@ class KlartextReader(Translated):
             self.feed = self.tool_feed = words["F"]
         if said is None:
             return
-        if said.startswith('"'):
-            raise ProgramError(
-                f"TOOL CALL {said}: tools have numbers here",
-                accepted="TOOL CALL with the number of the job's tool",
-            )
-        tool = int(self.parameters.number(said))
+        named = said.startswith('"')
+        tool = (
+            self.controller.tool_named(said[1:-1]) if named else int(self.parameters.number(said))
+        )
         self.execute("g40", f"t{tool}m6")
         if tool:
             self._apply_oversize(tool, words)
@@ -553,7 +480,7 @@ class KlartextReader(Translated):
 
     def _find(self, label: str) -> int:
         for index in range(len(self.lines)):
-            content = self._content(index)
+            content = self.content(index)
             if content.startswith("LBL") and self._name(content) == label:
                 return index
         raise ProgramError(f"LBL {label} does not exist")

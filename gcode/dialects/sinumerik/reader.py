@@ -309,7 +309,7 @@ class SinumerikReader(Translated):
 
     def _m_code(self, value: float) -> str:
         if value in self.options.control.ignore_m:
-            self.controller.note(f"M{value:g}", "machine builder's code, ignored as told")
+            self.controller.note(f"M{value:g}", "machine builder's code, ignored by ignore_m")
             return ""
         return f"m{value:g}"
 

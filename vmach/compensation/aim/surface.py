@@ -15,7 +15,6 @@ from scipy.spatial import cKDTree
 
 from vmach.compensation.aim.program_surface import ProgramSurface
 from vmach.errors import InputError
-from vmach.fit.prediction_uncertainty import prediction_u_mm
 from vmach.job import Job
 from vmach.machine import Variant
 from vmach.nominal import Mesh, NominalPart, read_nominal
@@ -29,6 +28,7 @@ from vmach.prediction import (
     predict_surface,
 )
 from vmach.run.inspection import surface_points
+from vmach.uncertainty.first_order import prediction_u_mm
 
 __all__ = ["Surface", "SurfaceCheck", "check_surface", "read_surface"]
 
@@ -102,13 +102,18 @@ class SurfaceCheck:
     @property
     def expected_rms_mm(self) -> float:
         """RMS to be expected on a machine that is what the tables and their uncertainty say."""
-        return float(np.sqrt(np.mean(self.after_mm**2 + self.u_mm**2)))
+        return float(np.sqrt(self.mean(self.after_mm**2 + self.u_mm**2)))
+
+    def mean(self, values: np.ndarray) -> float:
+        """Mean over the points, (Q,), each by its weight."""
+        weight = self.surface.points.weight
+        return float(np.average(values, weights=None if weight is None else weight[self.row]))
 
     @property
     def ratio(self) -> float:
         """Mean error before over mean error after; infinite where nothing is left."""
-        after = float(np.abs(self.after_mm).mean()) if len(self.after_mm) else 0.0
-        return float(np.abs(self.before_mm).mean()) / after if after else np.inf
+        after = self.mean(np.abs(self.after_mm)) if len(self.after_mm) else 0.0
+        return self.mean(np.abs(self.before_mm)) / after if after else np.inf
 
 
 def read_surface(job: Job, *, with_aim: bool = False) -> Surface | None:

@@ -112,16 +112,13 @@ def _blind_spot(
     from_size_alone = float(f"{alone * usual:.2g}") if alone < _NEVER else None
     said = f"from {with_unit(name, from_size)} on" if from_size else "at no size"
     if from_size_alone and alone * _HIDDEN < needed:
-        text = (
-            f"would be seen from {with_unit(name, from_size_alone)} on alone, {said} beside "
-            f"{beside}"
-        )
+        text = f"from {with_unit(name, from_size_alone)} on alone, {said} beside {beside}"
     elif from_size:
-        text = f"would be seen {said}"
+        text = said
     else:
         text = "these measurements do not show it at any size"
         return BlindSpot(effect.name, candidate.target, name, None, text)
-    text += f"; usual are {with_unit(name, usual)}"
+    text += f"; usual size {with_unit(name, usual)}"
     return BlindSpot(effect.name, candidate.target, name, from_size, text, from_size_alone)
 
 

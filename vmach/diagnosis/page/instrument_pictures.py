@@ -19,10 +19,10 @@ __all__ = ["InstrumentPicture", "instrument_pictures"]
 class InstrumentPicture:
     """Diagrams of one measurement, each with a title."""
 
-    kind: str
     title: str
     note: str
     plots: tuple[tuple[str, Markup], ...]
+    abreast: int
 
 
 def instrument_pictures(residuals: Residuals) -> list[InstrumentPicture]:
@@ -35,7 +35,7 @@ def instrument_pictures(residuals: Residuals) -> list[InstrumentPicture]:
         measurement, instrument = curves.measurement, curves.measurement.instrument
         if plots := tuple(instrument.plots(curves)):
             title = f"{instrument.title}: {measurement.name}"
-            found.append(InstrumentPicture(instrument.name, title, _note(curves), plots))
+            found.append(InstrumentPicture(title, _note(curves), plots, instrument.abreast))
     return found
 
 

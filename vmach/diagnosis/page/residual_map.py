@@ -84,11 +84,13 @@ def _points(residuals: Residuals) -> InspectedPoints | None:
         if not m.on_part:
             continue
         cut = np.full(len(m), "cut")
+        # a hole as a whole faces nowhere: its mark lies level
+        faces = np.abs(path.normal).max(axis=1, keepdims=True) > 0.0
         return InspectedPoints(
             id=m.id,
             feature=m.group,
             point_mm=path.on_part_mm,
-            normal=path.normal,
+            normal=np.where(faces, path.normal, [0.0, 0.0, 1.0]),
             line=m.states.line,
             tool=m.states.tool,
             move=m.states.move,

@@ -31,6 +31,7 @@ class Drift(Instrument):
     readings = ALONG
     sign_meaning = "a displacement is that of the tool relative to the workpiece"
     left_free = "zero"
+    abreast = 3
     shows_law_band = True
     commonness = 2
 

@@ -33,6 +33,7 @@ class Tip(Instrument):
     signs = ("sx", "sy", "sz")
     sign_meaning = "a displacement is that of the tool relative to the workpiece"
     left_free = "offset of the instrument, or its pose"
+    abreast = 3
     commonness = 1
 
     frame: Literal["offset", "rigid"] = "offset"

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from vmach.base.units import mm_from_um, rad_from_urad
 from vmach.errors import InputError
-from vmach.files.text_file import read_text
-from vmach.files.toml_file import line_of_key, read_toml
+from vmach.files.toml_file import line_of_key, read_toml_and_text
 from vmach.machine.chain import LINEAR_AXES, Chain
 from vmach.machine.component_errors import COMPONENT_NAMES, ComponentError, component_of
 from vmach.machine.counted_positions import in_machine_coordinates
@@ -17,6 +17,7 @@ from vmach.machine.files.machine_schema import CROSS_VALIDATION, MachineSchema, 
 from vmach.machine.files.rotary_file import is_rotary_error, read_rotary_axes
 from vmach.machine.files.volumetric_file import VolumetricFile, read_volumetric_file
 from vmach.machine.machine import Axis, Machine, Motion
+from vmach.machine.measuring_uncertainty import MeasuringUncertainty
 from vmach.machine.sign_convention import SignConvention
 from vmach.machine.squareness import agreed_value, squareness_vectors
 from vmach.machine.tables.cross_validation import choose, cross_validate
@@ -35,8 +36,8 @@ def read_machine(path: str | Path) -> Machine:
         Anything wrong with the files, with file, line, key, value and what is accepted.
     """
     path = Path(path)
-    data = read_toml(path, MachineSchema, what="machine file")
-    source = _Source(path, data, read_text(path, what="machine file"))
+    data, text = read_toml_and_text(path, MachineSchema, what="machine file")
+    source = _Source(path, data, text)
     chain = source.chain()
     source.check_travel()
     volumetric = VolumetricFile()
@@ -67,6 +68,20 @@ def read_machine(path: str | Path) -> Machine:
         notes=tuple(
             replace(note, subject=name) for name, table in tables.items() for note in table.notes
         ),
+        uncertainty=_uncertainty(data),
+    )
+
+
+def _uncertainty(data: MachineSchema) -> MeasuringUncertainty:
+    stated = data.uncertainty
+    return MeasuringUncertainty(
+        reading_mm=None if stated.reading_um is None else mm_from_um(stated.reading_um),
+        reading_rad=None if stated.reading_urad is None else rad_from_urad(stated.reading_urad),
+        squareness_rad=(
+            None if stated.squareness_urad is None else rad_from_urad(stated.squareness_urad)
+        ),
+        positioning_share=stated.positioning_um_per_m * RAD_PER["um/m"],
+        measured_at_mm=stated.measured_at_mm,
     )
 
 

@@ -107,6 +107,16 @@ class SquarenessEntry(FileSection):
     use: Literal["um_per_m", "arcsec"] | None = None
 
 
+class _Uncertainty(FileSection):
+    """Standard uncertainties of the measurement of the machine."""
+
+    reading_um: Positive | None = None
+    reading_urad: Positive | None = None
+    squareness_urad: NonNegative | None = None
+    positioning_um_per_m: NonNegative = 0.0
+    measured_at_mm: NonNegative = 0.0
+
+
 class MachineSchema(FileSection):
     """A whole machine file."""
 
@@ -121,3 +131,4 @@ class MachineSchema(FileSection):
     volumetric: _Volumetric | None = None
     location: dict[str, Finite] = Field(default_factory=dict)
     squareness: dict[str, Finite | SquarenessEntry] = Field(default_factory=dict)
+    uncertainty: _Uncertainty = _Uncertainty()

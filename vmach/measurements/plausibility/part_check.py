@@ -59,7 +59,9 @@ def check_file(points: SurfacePoints, path: Path) -> None:
     """
     if points.measured_mm is None:
         raise InputError(
-            "the points were not measured", file=path, accepted="columns mx, my, mz, in mm"
+            f"none of the {len(points)} points has a measured place",
+            file=path,
+            accepted="columns mx, my, mz, in mm",
         )
     if len(points) < _FEWEST:
         raise InputError(

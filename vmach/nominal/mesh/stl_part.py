@@ -26,6 +26,7 @@ from vmach.nominal.mesh.mesh_solidity import check_each_triangle_once, check_enc
 from vmach.nominal.mesh.stl import read_stl
 from vmach.nominal.mesh.thinning import near_segments, spread
 from vmach.nominal.part import NARROW, ROW_MARGINS, Mesh, NominalPart, check_size
+from vmach.nominal.weights import shared_weights
 
 __all__ = ["MeshRegion", "read_stl_part"]
 
@@ -63,19 +64,26 @@ class MeshRegion:
         """Area of the facets."""
         return float(_areas(self.corners_mm).sum())
 
-    def sample(self, spacing_mm: float, edge_margin_mm: float) -> tuple[np.ndarray, np.ndarray]:
-        """Points on the facets about `spacing_mm` apart with the facets' normals, (P, 3) each."""
+    def sample(
+        self, spacing_mm: float, edge_margin_mm: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Points on the facets about `spacing_mm` apart, the facets' normals, and weights.
+
+        (P, 3), (P, 3) and (P,). Narrow regions get points near their edges as well.
+        """
         candidates, facet = self._candidates(0.2 * spacing_mm**2)
         keep = ~near_segments(candidates, self.edges_mm, edge_margin_mm)
         candidates, facet = candidates[keep], facet[keep]
         # 0.8: a maximal set of discs of that radius has about one point a square of the spacing
         chosen = spread(candidates, 0.8 * spacing_mm)
         points, facet = candidates[chosen], facet[chosen]
+        weight = np.ones(len(points))
         if self._width_mm < NARROW * spacing_mm:
             more, of = self._near_edges(spacing_mm, ROW_MARGINS * edge_margin_mm)
             keep = ~near_segments(more, self.edges_mm, edge_margin_mm)
+            weight = shared_weights(points, more[keep])
             points, facet = np.vstack([points, more[keep]]), np.r_[facet, of[keep]]
-        return points, _normals(self.corners_mm[facet])
+        return points, _normals(self.corners_mm[facet]), weight
 
     @property
     def _width_mm(self) -> float:

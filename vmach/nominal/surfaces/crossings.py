@@ -9,12 +9,23 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-__all__ = ["INSIDE", "MEETS_NO_EDGE", "OUTSIDE", "line_crossings", "sides_of_points"]
+__all__ = [
+    "INSIDE",
+    "MEETS_NO_EDGE",
+    "OUTSIDE",
+    "interpolated",
+    "intervals_of_rows",
+    "line_crossings",
+    "sides_of_points",
+]
 
 OUTSIDE, INSIDE, MEETS_NO_EDGE = 0, 1, 2
 
 #: bands are made wider until a segment reaches into no more of them on average
 _CROWD = 8.0
+
+#: a row whose v differs from that of a whole segment by less than this runs along it
+_ALONG = 1e-7
 
 
 @njit(cache=True, nogil=True)
@@ -48,6 +59,70 @@ def line_crossings(segments, axis, value, period):
             other[count], upward[count] = place, up
             count += 1
     return other[:count].copy(), upward[:count].copy()
+
+
+@njit(cache=True, nogil=True)
+def intervals_of_rows(segments, levels, u_period, v_period):
+    """Intervals of u that the face covers at levels of v, (R,).
+
+    Returns the row of each interval (I,), its ends (I, 2), and whether each row meets an edge,
+    (R,). An interval over a seam ends beyond the period.
+    """
+    row, ends = np.empty(64, dtype=np.int64), np.empty((64, 2))
+    meets = np.zeros(len(levels), dtype=np.bool_)
+    place, begins = np.empty(len(segments)), np.empty(len(segments), dtype=np.bool_)
+    total = 0
+    for r in range(len(levels)):
+        level = _beside_edges(segments, levels[r], v_period)
+        count = 0
+        for s in range(len(segments)):
+            crosses, u, up = _crossing(segments[s, 0], segments[s, 1], 1, level, v_period)
+            if not crosses:
+                continue
+            u = u % u_period if u_period > 0.0 else u
+            k = count  # kept in order; at one place the ends come before the beginnings
+            while k > 0 and (place[k - 1] > u or (place[k - 1] == u and begins[k - 1] and up)):
+                place[k], begins[k] = place[k - 1], begins[k - 1]
+                k -= 1
+            place[k], begins[k] = u, not up
+            count += 1
+        meets[r] = count > 0
+        for k in range(count):
+            following = place[k + 1] if k + 1 < count else place[0] + u_period
+            if begins[k] and not begins[(k + 1) % count] and following > place[k]:
+                if total == len(row):
+                    row = np.concatenate((row, np.empty_like(row)))
+                    ends = np.concatenate((ends, np.empty_like(ends)))
+                row[total], ends[total, 0], ends[total, 1] = r, place[k], following
+                total += 1
+    return row[:total].copy(), ends[:total].copy(), meets
+
+
+@njit(cache=True, nogil=True)
+def interpolated(at, row, x, y):
+    """Values y (R, N) of rows at places (P,) between their x (R, N), which increase."""
+    found = np.empty(len(at))
+    for p in range(len(at)):
+        r = row[p]
+        k = min(np.searchsorted(x[r], at[p], side="right"), x.shape[1] - 1)
+        k = max(k, 1)
+        width = x[r, k] - x[r, k - 1]
+        share = (at[p] - x[r, k - 1]) / width if width > 0.0 else 0.0
+        found[p] = y[r, k - 1] + share * (y[r, k] - y[r, k - 1])
+    return found
+
+
+@njit(cache=True, nogil=True)
+def _beside_edges(segments, level, period):
+    """A row that runs along an edge, moved off it: rounding decides what it crosses there."""
+    for s in range(len(segments)):
+        one, other = segments[s, 0, 1] - level, segments[s, 1, 1] - level
+        if period > 0.0:
+            one -= period * np.round(one / period)
+            other -= period * np.round(other / period)
+        if abs(one) < _ALONG and abs(other) < _ALONG:
+            return level + 2.0 * _ALONG
+    return level
 
 
 @njit(cache=True, nogil=True)

@@ -5,7 +5,7 @@ Source: ISO 10303-42 (sense of a face against its surface).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -13,15 +13,17 @@ from vmach.errors import InputError
 from vmach.nominal.mesh.thinning import near_segments
 from vmach.nominal.part import MAX_POINTS, NARROW, ROW_MARGINS
 from vmach.nominal.surfaces import Surface, unit_normals
+from vmach.nominal.surfaces.crossings import interpolated
 from vmach.nominal.surfaces.trimming import Trim
+from vmach.nominal.weights import shared_weights
 
 __all__ = ["SurfaceFace"]
 
 #: a closed row of points, as around a bore, has at least this many
 MIN_AROUND = 3
 
-#: rows shorter than so many spacings have fewer than three points: their ends are added
-MOST_ACROSS = 2.5
+#: pieces of a row that its length is summed over
+_PIECES = 32
 
 #: the golden ratio's share of a turn, by which closed rows are turned against each other
 _GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
@@ -54,49 +56,36 @@ class SurfaceFace:
         """The surface that the face is a part of."""
         return self.trim.surface
 
-    @property
-    def _width_mm(self) -> float:
-        """Width of a long face of this area and perimeter; endless without edges."""
-        perimeter = np.linalg.norm(np.diff(self.trim.segments_mm, axis=1)[:, 0], axis=1).sum()
-        return 2.0 * self.area_mm2 / perimeter if perimeter else np.inf
-
     def normals(self, uv: np.ndarray) -> np.ndarray:
         """Outward unit normals, (N, 3)."""
         return self.outward * unit_normals(self.surface, uv)
 
-    def sample(self, spacing_mm: float, edge_margin_mm: float) -> tuple[np.ndarray, np.ndarray]:
-        """Points in rows `spacing_mm` apart and outward unit normals, (P, 3) mm each.
+    def sample(
+        self, spacing_mm: float, edge_margin_mm: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Points in rows `spacing_mm` apart, outward unit normals, (P, 3) mm each, and weights.
 
-        Narrow faces get rows near their edges as well, so that at least three lie across them.
+        Where the face is narrow it gets points near its edges as well, so that at least three lie
+        across it.
         """
-        uv = sample_uv(self.trim, spacing_mm, spacing_mm)
-        if self._width_mm < NARROW * spacing_mm:
-            uv = np.vstack([uv, _rows_near_edges(self.trim, spacing_mm, edge_margin_mm)])
+        even = sample_uv(self.trim, spacing_mm, spacing_mm)
+        uv = np.vstack([even, _near_edges(self.trim, spacing_mm, ROW_MARGINS * edge_margin_mm)])
         points = self.surface.evaluate(uv)
         keep = ~near_segments(points, self.trim.segments_mm, edge_margin_mm)
-        return points[keep], self.normals(uv[keep])
+        first = np.count_nonzero(keep[: len(even)])
+        points = points[keep]
+        return points, self.normals(uv[keep]), shared_weights(points[:first], points[first:])
 
 
-def _rows_near_edges(trim: Trim, spacing_mm: float, edge_margin_mm: float) -> np.ndarray:
-    """Parameters of points near both ends of short rows, and in rows near the ends of v, (P, 2)."""
-    surface, inset_mm = trim.surface, ROW_MARGINS * edge_margin_mm
-    rows = []
-    for v in _row_levels(trim, spacing_mm):
-        for low, high in trim.row_intervals(v):
-            if surface.u_period and high - low >= surface.u_period:
-                continue
-            u, length = _row_length(surface, v, (low, high))
-            if 2.0 * inset_mm < length[-1] < MOST_ACROSS * spacing_mm:
-                ends = np.interp([inset_mm, length[-1] - inset_mm], length, u)
-                rows.append(np.column_stack([ends, np.full(2, v)]))
-    v, length = _extent(trim)
-    if 2.0 * inset_mm < length[-1] < MOST_ACROSS * spacing_mm:
-        for level in np.interp([inset_mm, length[-1] - inset_mm], length, v):
-            for low, high in trim.row_intervals(level):
-                closed = bool(surface.u_period) and high - low >= surface.u_period
-                u = _divide_row(surface, level, (low, high), spacing_mm, closed)
-                rows.append(np.column_stack([u, np.full_like(u, level)]))
-    return np.vstack(rows) if rows else np.empty((0, 2))
+def _near_edges(trim: Trim, spacing_mm: float, inset_mm: float) -> np.ndarray:
+    """Parameters of points near both ends of short rows and of short columns, (P, 2)."""
+    found = []
+    for one, order in ((trim, slice(None)), (trim.transposed(), slice(None, None, -1))):
+        rows = _Rows.at(one, _row_levels(one, spacing_mm))
+        across = rows.length_mm[:, -1]
+        short = ~rows.is_closed & (2.0 * inset_mm < across) & (across < NARROW * spacing_mm)
+        found.append(rows.some(short).ends(inset_mm)[:, order])
+    return np.vstack(found)
 
 
 def sample_uv(trim: Trim, row_mm: float, point_mm: float) -> np.ndarray:
@@ -106,17 +95,77 @@ def sample_uv(trim: Trim, row_mm: float, point_mm: float) -> np.ndarray:
     `point_mm` apart, divide each row's intervals inside the face evenly, so that narrow faces
     have their points in the middle.
     """
-    rows, total = [], 0
-    for number, v in enumerate(_row_levels(trim, row_mm)):
-        for low, high in trim.row_intervals(v):
-            closed = bool(trim.surface.u_period) and high - low >= trim.surface.u_period
-            u = _divide_row(trim.surface, v, (low, high), point_mm, closed)
-            if closed:
-                u = u + (number * _GOLDEN % 1.0) * trim.surface.u_period / len(u)
-            total += len(u)
-            _check_count(total)
-            rows.append(np.column_stack([u, np.full_like(u, v)]))
-    return np.vstack(rows) if rows else np.empty((0, 2))
+    rows = _Rows.at(trim, _row_levels(trim, row_mm))
+    interval, uv = rows.divided(point_mm)
+    # closed rows are turned against each other
+    turn = np.where(rows.is_closed, rows.row * _GOLDEN % 1.0, 0.0) * trim.surface.u_period
+    uv[:, 0] += (turn / np.bincount(interval, minlength=len(turn)))[interval]
+    return uv
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Intervals of u that a face covers at some levels of v.
+
+    Attributes
+    ----------
+    row : (I,) int64
+        Index of the level of each interval.
+    v : (I,) float64
+    u : (I, N) float64
+        Values over each interval, evenly apart.
+    length_mm : (I, N) float64
+        Length from its beginning up to each.
+    is_closed : (I,) bool
+        Whether it goes round to its beginning.
+    """
+
+    row: np.ndarray
+    v: np.ndarray
+    u: np.ndarray
+    length_mm: np.ndarray
+    is_closed: np.ndarray
+
+    @classmethod
+    def at(cls, trim: Trim, levels: np.ndarray) -> _Rows:
+        """Intervals at levels of v, (R,)."""
+        row, ends = trim.row_intervals(levels)
+        v, period = levels[row], trim.surface.u_period
+        u = np.linspace(ends[:, 0], ends[:, 1], _PIECES + 1, axis=1)
+        along, _ = trim.surface.derivatives(np.column_stack([u.ravel(), np.repeat(v, _PIECES + 1)]))
+        speed = np.linalg.norm(along, axis=1).reshape(u.shape)
+        closed = np.ptp(ends, axis=1) >= period if period else np.zeros(len(row), dtype=bool)
+        return cls(row, v, u, _length_along(u, speed), closed)
+
+    def some(self, chosen: np.ndarray) -> _Rows:
+        """The chosen intervals, (I,) bool."""
+        return _Rows(*(getattr(self, one.name)[chosen] for one in fields(self)))
+
+    def divided(self, spacing_mm: float) -> tuple[np.ndarray, np.ndarray]:
+        """Points in the middle of equal lengths of about the spacing.
+
+        Returns the interval of each, (P,), and u and v, (P, 2).
+        """
+        whole = self.length_mm[:, -1]
+        wanted = np.maximum(np.rint(whole / spacing_mm), np.where(self.is_closed, MIN_AROUND, 1))
+        _check_count(wanted.sum())
+        count = wanted.astype(np.int64)
+        interval = np.repeat(np.arange(len(count)), count)
+        number = np.arange(len(interval)) - np.repeat(np.cumsum(count) - count, count)
+        return interval, self._at((number + 0.5) * (whole / count)[interval], interval)
+
+    def ends(self, inset_mm: float) -> np.ndarray:
+        """Points this far from both ends of each interval, (2 I, 2)."""
+        interval = np.repeat(np.arange(len(self.row)), 2)
+        length = np.column_stack(
+            [np.full(len(self.row), inset_mm), self.length_mm[:, -1] - inset_mm]
+        )
+        return self._at(length.ravel(), interval)
+
+    def _at(self, length_mm: np.ndarray, interval: np.ndarray) -> np.ndarray:
+        """u and v at lengths from the beginning of intervals, (P, 2)."""
+        u = interpolated(length_mm, interval, self.length_mm, self.u)
+        return np.column_stack([u, self.v[interval]])
 
 
 def _row_levels(trim: Trim, row_mm: float) -> np.ndarray:
@@ -132,36 +181,20 @@ def _extent(trim: Trim) -> tuple[np.ndarray, np.ndarray]:
     return v, _length_along(v, speed.reshape(33, 33).mean(axis=0))
 
 
-def _row_length(
-    surface: Surface, v: float, ends: tuple[float, float]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Values of u over a row, and the length up to each, mm."""
-    u = np.linspace(*ends, 33)
-    speed = np.linalg.norm(surface.derivatives(np.column_stack([u, np.full_like(u, v)]))[0], axis=1)
-    return u, _length_along(u, speed)
-
-
 def _length_along(parameter: np.ndarray, speed: np.ndarray) -> np.ndarray:
-    return np.r_[0.0, np.cumsum(np.diff(parameter) * (speed[:-1] + speed[1:]) / 2.0)]
+    """Length up to each parameter along the last axis, by the trapezoidal rule, mm."""
+    pieces = np.diff(parameter) * (speed[..., :-1] + speed[..., 1:]) / 2.0
+    return np.concatenate([np.zeros_like(pieces[..., :1]), np.cumsum(pieces, axis=-1)], axis=-1)
 
 
-def _divide_row(
-    surface: Surface, v: float, ends: tuple[float, float], spacing_mm: float, closed: bool
-) -> np.ndarray:
-    u, length = _row_length(surface, v, ends)
-    return _divide(u, length, spacing_mm, at_least=MIN_AROUND if closed else 1)
-
-
-def _divide(
-    parameter: np.ndarray, length: np.ndarray, spacing_mm: float, at_least: int = 1
-) -> np.ndarray:
+def _divide(parameter: np.ndarray, length: np.ndarray, spacing_mm: float) -> np.ndarray:
     """Parameters in the middle of equal lengths of about the spacing."""
-    count = max(round(length[-1] / spacing_mm), at_least)
+    count = max(round(length[-1] / spacing_mm), 1)
     _check_count(count)
     return np.interp((np.arange(count) + 0.5) * (length[-1] / count), length, parameter)
 
 
-def _check_count(count: int) -> None:
+def _check_count(count: float) -> None:
     if count > MAX_POINTS:
         raise InputError(
             f"one face of the part asks for {count:.3g} points or more",

@@ -19,15 +19,12 @@ from vmach.nominal.surfaces import Surface
 from vmach.nominal.surfaces.crossings import (
     INSIDE,
     MEETS_NO_EDGE,
+    intervals_of_rows,
     line_crossings,
     sides_of_points,
 )
 
 __all__ = ["Trim", "is_pole"]
-
-
-#: a row whose v differs from that of a whole segment by less than this runs along it
-_ALONG = 1e-7
 
 
 @dataclass(frozen=True)
@@ -62,9 +59,9 @@ class Trim:
         return cls(surface, segments_mm, np.stack([segments[:, 0], segments[:, 0] + step], axis=1))
 
     def v_range(self) -> tuple[float, float]:
-        """Lowest and highest v of the face."""
+        """Lowest and highest v of the face; over a seam the highest lies beyond the period."""
         if self.surface.v_period:
-            return 0.0, self.surface.v_period
+            return self._v_range_around(self.surface.v_period)
         low, high = self.surface.v_limits
         v, begins = self._column()
         if len(v) and begins[np.argmin(v)]:
@@ -82,30 +79,27 @@ class Trim:
         axes = np.linspace(*ends, count), np.linspace(*self.v_range(), count)
         return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
 
-    def row_intervals(self, v: float) -> np.ndarray:
-        """Intervals of u that the face covers at one v, (I, 2); a full turn is one interval."""
-        period = self.surface.u_period
-        v = self._beside_edges(v)
-        u, upward = line_crossings(self.segments_uv, 1, v, self.surface.v_period)
-        begins = ~upward
-        if not len(u):
-            inside = bool(period) and self._covers_row(v)
-            return np.array([[0.0, period]]) if inside else np.empty((0, 2))
-        u = np.mod(u, period) if period else u
-        order = np.lexsort((begins, u))
-        u, begins = u[order], begins[order]
-        following, ends = np.roll(u, -1), ~np.roll(begins, -1)
-        following[-1] += period
-        pairs = begins & ends & (following > u)
-        return np.column_stack([u[pairs], following[pairs]])
+    def row_intervals(self, levels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Intervals of u that the face covers at levels of v, (R,); a full turn is one interval.
 
-    def _beside_edges(self, v: float) -> float:
-        """A row that runs along an edge, moved off it: rounding decides what it crosses there."""
-        away = self.segments_uv[:, :, 1] - v
-        if self.surface.v_period:
-            away = away - self.surface.v_period * np.round(away / self.surface.v_period)
-        along = (np.abs(away) < _ALONG).all(axis=1).any()
-        return v + 2.0 * _ALONG if along else v
+        Returns
+        -------
+        row : (I,) int64
+            Index of the level of each interval, increasing.
+        ends : (I, 2) float64
+        """
+        period = self.surface.u_period
+        row, ends, meets = intervals_of_rows(
+            self.segments_uv, np.ascontiguousarray(levels), period, self.surface.v_period
+        )
+        bare = np.flatnonzero(~meets) if period else np.empty(0, dtype=np.int64)
+        whole = bare[self._covers_rows(levels[bare])]
+        if len(whole):
+            row = np.r_[row, whole]
+            ends = np.vstack([ends, np.tile([0.0, period], (len(whole), 1))])
+            order = np.argsort(row, kind="stable")
+            row, ends = row[order], ends[order]
+        return row, ends
 
     def contains(self, uv: np.ndarray) -> np.ndarray:
         """Mask of the points (N, 2) that lie inside the face."""
@@ -115,8 +109,8 @@ class Trim:
         sides = sides_of_points(self.segments_uv, uv, surface.u_period, surface.v_period)
         inside = sides == INSIDE
         if surface.u_period:
-            for row in np.flatnonzero(sides == MEETS_NO_EDGE):
-                inside[row] = self._covers_row(uv[row, 1])
+            bare = np.flatnonzero(sides == MEETS_NO_EDGE)
+            inside[bare] = self._covers_rows(uv[bare, 1])
         return inside
 
     def inside_out(self) -> bool:
@@ -131,6 +125,11 @@ class Trim:
         known = np.array([not is_pole(surface, v) for v in surface.v_limits])
         wrong = np.array([not begins[np.argmin(place)], begins[np.argmax(place)]])
         return known.any() and bool(wrong[known].all())
+
+    def transposed(self) -> Trim:
+        """The same face with u and v exchanged, so that its rows are columns of this one."""
+        segments_uv = np.ascontiguousarray(self.segments_uv[:, ::-1, ::-1])
+        return Trim(_Transposed(self.surface), self.segments_mm[:, ::-1], segments_uv)
 
     def turned(self) -> Trim:
         """The same edges with the face on their other side."""
@@ -154,17 +153,47 @@ class Trim:
         middle = self.segments_uv[np.argmax(step), :, axis].mean()
         return line_crossings(self.segments_uv, axis, middle, period)
 
-    def _covers_row(self, v: float) -> bool:
-        """Whether a row that meets no edge is inside, from the nearest crossing of a column."""
+    def _covers_rows(self, v: np.ndarray) -> np.ndarray:
+        """Whether rows (R,) that meet no edge are inside, from the nearest crossing of a column."""
         crossing, begins = self._column()
-        if not len(crossing):
-            return True
+        if not len(crossing) or not len(v):
+            return np.ones(len(v), dtype=bool)
         period = self.surface.v_period
-        height = np.mod(crossing - v, period) if period else crossing - v
-        above = height > 0.0
-        if above.any():
-            return not begins[np.argmin(np.where(above, height, np.inf))]
-        return bool(begins[np.argmax(height)])
+        height = crossing - v[:, None]
+        height = np.mod(height, period) if period else height
+        above = np.where(height > 0.0, height, np.inf)
+        below = begins[np.argmax(height, axis=1)]
+        return np.where(np.isfinite(above).any(axis=1), ~begins[np.argmin(above, axis=1)], below)
+
+    def _v_range_around(self, period: float) -> tuple[float, float]:
+        """Lowest and highest v where v closes: the turn without the widest part that is bare."""
+        if not len(self.segments_uv):
+            return 0.0, period
+        ends = np.sort(self.segments_uv[:, :, 1], axis=1)
+        begin = np.mod(ends[:, 0], period)
+        order = np.argsort(begin)
+        begin, reached = begin[order], np.maximum.accumulate((begin + np.ptp(ends, axis=1))[order])
+        # the first gap runs from what reaches over the seam to the first edge behind it
+        gap = np.r_[begin[0] + period - reached[-1], begin[1:] - reached[:-1]]
+        bare = np.where(self._covers_rows(begin - gap / 2.0), 0.0, gap)
+        widest = int(np.argmax(bare))
+        if bare[widest] <= 0.0:
+            return 0.0, period
+        return float(begin[widest]), float(begin[widest] + period - gap[widest])
+
+
+class _Transposed:
+    """A surface with u and v exchanged, as far as rows of points ask for it."""
+
+    def __init__(self, surface: Surface) -> None:
+        self._surface = surface
+        self.u_period, self.v_period = surface.v_period, surface.u_period
+        self.v_limits = (-np.inf, np.inf)
+
+    def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """dS/du and dS/dv of the exchanged u and v, (N, 3) each."""
+        along_v, along_u = self._surface.derivatives(uv[:, ::-1])
+        return along_u, along_v
 
 
 def is_pole(surface: Surface, v: float) -> bool:

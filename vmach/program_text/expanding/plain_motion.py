@@ -113,8 +113,9 @@ class _Writer:
         moving = np.flatnonzero(self.moves.kind != MoveKind.DWELL)
         self.first_row = int(moving[0]) if len(moving) else -1
         self.angle = rotation_of_moves(self.program)
-        self.arcs = {arc[0]: arc for arc in self.program.record.arcs}
-        self.seconds = dict(self.program.record.dwells)
+        record = self.program.record
+        self.arcs = {int(arc[0]): arc for arc in record.arcs.tolist()}
+        self.seconds = {int(row): seconds for row, seconds in record.dwells.tolist()}
 
     def rows_of(self, line: int) -> np.ndarray:
         """Rows of the record that a line makes, (R,) indices."""
@@ -290,7 +291,7 @@ class _Blocks:
         for axis in sorted(centre):
             value = centre[axis] - (0.0 if self.modes.arc_absolute else start[axis])
             words.append("IJK"[axis] + number_text("I", value / self.modes.unit_mm))
-        turns = abs(arc[6])
+        turns = abs(int(arc[6]))
         return [*words, f"P{turns}"] if turns > 1 else words
 
     def _inverse_feed(self, row: int) -> str:

@@ -44,6 +44,9 @@ def _columns(points: InspectedPoints) -> dict[str, Cells]:
     fields["time_s"] = fixed(points.time_s, 3)
     u_um = [""] * count if u_mm is None else [f"{u:.6g}" for u in um_from_mm(u_mm).tolist()]
     fields["u_um"] = words(u_um)
+    weight = points.primary.weight
+    if weight is not None:
+        fields["weight"] = words([f"{x:.6g}" for x in weight.tolist()])
     for column in points.columns:
         deviation_um = um_from_mm(column.deviation_mm)
         fields[column.name + _DEVIATION] = fixed(deviation_um, 6, shown=column.is_cut)
@@ -88,7 +91,7 @@ def _points(table: dict[str, list[str]], names: list[str]) -> InspectedPoints:
     numbers = {
         name: np.array([float(cell) if cell else np.nan for cell in column])
         for name, column in table.items()
-        if name in _POINT_COLUMNS[2:] or name.endswith(_DEVIATION)
+        if name in (*_POINT_COLUMNS[2:], "weight") or name.endswith(_DEVIATION)
     }
     has_u = np.isfinite(numbers["u_um"]).all()
     return InspectedPoints(
@@ -101,7 +104,13 @@ def _points(table: dict[str, list[str]], names: list[str]) -> InspectedPoints:
         move=numbers["move"],
         time_s=numbers["time_s"],
         columns=tuple(
-            Column(name, name, mm_from_um(numbers[name + _DEVIATION]), table[name + _STATUS])
+            Column(
+                name,
+                name,
+                mm_from_um(numbers[name + _DEVIATION]),
+                table[name + _STATUS],
+                weight=numbers.get("weight"),
+            )
             for name in names
         ),
         u_mm=mm_from_um(numbers["u_um"]) if has_u else None,

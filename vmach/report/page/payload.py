@@ -17,11 +17,12 @@ import numpy as np
 from vmach.base.units import um_from_mm
 from vmach.report.result import STATUSES, DisplayMesh, InspectedPoints, RunRecord
 
-__all__ = ["MAX_POINTS", "encode_payload"]
+__all__ = ["MAX_POINTS", "encode_payload", "pack_mesh"]
 
 #: points that the page can name when one clicks on the part; deviations.csv has them all
 MAX_POINTS = 30_000
 _MAX_NC_CHARACTERS = 80
+_GRID = 65_535  # steps of the 16-bit grid that positions are rounded to
 _LARGEST = 32_000  # of a quantised value, the rest of the 16 bits being for _UNKNOWN
 _UNKNOWN = -32_768
 
@@ -49,6 +50,14 @@ def encode_payload(mesh: DisplayMesh, points: InspectedPoints, run: RunRecord) -
     return base64.b64encode(_pack(header, columns)).decode("ascii")
 
 
+def pack_mesh(mesh: DisplayMesh) -> bytes:
+    """The mesh alone in the same layout, packed in a hurry for a page of this machine."""
+    low, high = mesh.vertices_mm.min(axis=0), mesh.vertices_mm.max(axis=0)
+    step = np.maximum(high - low, 1e-9) / _GRID
+    header = {"origin_mm": low.tolist(), "step_mm": step.tolist()}
+    return _pack(header, _mesh_columns(mesh, [], (low, step), 1.0), compresslevel=1)
+
+
 def _choose_points(points: InspectedPoints) -> np.ndarray:
     """Indices of at most `MAX_POINTS` points, evenly through the list."""
     count = min(len(points), MAX_POINTS)
@@ -59,7 +68,7 @@ def _position_grid(mesh: DisplayMesh, points: InspectedPoints) -> tuple[np.ndarr
     """Origin and step of the 16-bit grid that positions are rounded to."""
     every = np.vstack([mesh.vertices_mm, points.point_mm])
     low, high = every.min(axis=0), every.max(axis=0)
-    return low, np.maximum(high - low, 1e-9) / 65_535
+    return low, np.maximum(high - low, 1e-9) / _GRID
 
 
 def _value_step(mesh: DisplayMesh, points: InspectedPoints) -> float:
@@ -105,7 +114,7 @@ def _point_columns(
     return columns
 
 
-def _pack(header: dict, columns: dict[str, np.ndarray]) -> bytes:
+def _pack(header: dict, columns: dict[str, np.ndarray], *, compresslevel: int = 9) -> bytes:
     listing, blocks = [], []
     for name, column in columns.items():
         width = 4 if column.dtype == np.uint32 else 2
@@ -113,7 +122,7 @@ def _pack(header: dict, columns: dict[str, np.ndarray]) -> bytes:
         blocks.append(_difference_planes(column, width))
     text = json.dumps(header | {"columns": listing}, ensure_ascii=False).encode()
     length = np.array([len(text)], "<u4").tobytes()
-    return gzip.compress(length + text + b"".join(blocks), compresslevel=9, mtime=0)
+    return gzip.compress(length + text + b"".join(blocks), compresslevel, mtime=0)
 
 
 def _difference_planes(column: np.ndarray, width: int) -> bytes:

@@ -2,7 +2,10 @@
 
 // The compressed block of the page: see payload.py for its layout.
 async function readPayload(base64) {
-  const packed = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+  return unpackPayload(Uint8Array.from(atob(base64), (c) => c.charCodeAt(0)));
+}
+
+async function unpackPayload(packed) {
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
   const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
   const headerLength = new DataView(bytes.buffer).getUint32(0, true);
@@ -31,8 +34,10 @@ class Model {
     Object.assign(this, data);
     const c = data.columns;
     this.vertices = this.positions("vertex");
-    this.points = this.positions("point");
-    this.pointNormals = this.interleave(["normal_x", "normal_y", "normal_z"], (v) => signed16(v) / 32767);
+    if (c.point_x) { // a page may ask elsewhere for what is at a place
+      this.points = this.positions("point");
+      this.pointNormals = this.interleave(["normal_x", "normal_y", "normal_z"], (v) => signed16(v) / 32767);
+    }
     this.triangles = new Uint32Array(3 * c.corner_0.length);
     for (let i = 0; i < c.corner_0.length; i++)
       for (let k = 0; k < 3; k++) this.triangles[3 * i + k] = c["corner_" + k][i];
@@ -118,20 +123,22 @@ const dot = (p, q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
 const VERTEX_SHADER = `#version 300 es
 in vec3 position; in vec3 normal; in vec2 value;
 uniform mat3 axes; uniform vec3 centre; uniform vec3 scale; uniform bool outline;
-out vec3 seenNormal; out vec2 deviation;
+out vec3 seenNormal; out vec2 deviation; out vec3 place;
 void main() {
-  seenNormal = axes * normal; deviation = value;
+  seenNormal = axes * normal; deviation = value; place = position;
   gl_Position = vec4(axes * (position - centre) * scale, 1.0);
   if (outline) gl_Position.z -= 0.004; // lines in front of the faces that they bound
 }`;
 
 const FRAGMENT_SHADER = `#version 300 es
 precision highp float;
-in vec3 seenNormal; in vec2 deviation;
+in vec3 seenNormal; in vec2 deviation; in vec3 place;
+uniform vec4 section; // what lies beyond this plane is cut away
 uniform sampler2D ramp; uniform float range, tolerance; uniform vec3 unknownColour, lineColour;
 uniform bool greyWithin, outline;
 out vec4 colour;
 void main() {
+  if (dot(place, section.xyz) > section.w) discard;
   if (outline) { colour = vec4(lineColour, 1.0); return; }
   vec3 light = normalize(vec3(-0.35, 0.5, 0.8));
   float shade = 0.70 + 0.30 * clamp(dot(normalize(seenNormal), light), 0.0, 1.0);
@@ -153,15 +160,11 @@ class Scene {
     const gl = this.gl = canvas.getContext("webgl2", { antialias: true, alpha: true });
     if (!gl) throw new Error("WebGL 2 is not available");
     this.onDraw = () => {}; this.onSettle = () => {};
-    this.look = { range: 1, tolerance: 1, greyWithin: false };
+    this.look = { range: 1, tolerance: 1, greyWithin: false, section: [0, 0, 0, 0] };
+    this.overlays = []; // each draws itself over the part
     this.program = this.link(VERTEX_SHADER, FRAGMENT_SHADER);
-    this.buffers = {
-      position: this.buffer(gl.ARRAY_BUFFER, model.vertices, "position", 3),
-      normal: this.buffer(gl.ARRAY_BUFFER, model.normals, "normal", 3),
-      value: this.buffer(gl.ARRAY_BUFFER, new Float32Array(model.vertices.length / 3 * 2), "value", 2),
-      triangles: this.buffer(gl.ELEMENT_ARRAY_BUFFER, model.triangles),
-      outline: this.buffer(gl.ELEMENT_ARRAY_BUFFER, model.outline),
-    };
+    this.buffers = {};
+    this.fill(model);
     this.loadRamp(colourStops);
     gl.enable(gl.DEPTH_TEST);
     gl.useProgram(this.program);
@@ -194,6 +197,21 @@ class Scene {
     }
     return buffer;
   }
+  fill(model) {
+    const gl = this.gl, kinds = { triangles: gl.ELEMENT_ARRAY_BUFFER, outline: gl.ELEMENT_ARRAY_BUFFER };
+    const columns = { position: [model.vertices, 3], normal: [model.normals, 3],
+      value: [new Float32Array(model.vertices.length / 3 * 2), 2], triangles: [model.triangles], outline: [model.outline] };
+    for (const [name, [data, size]] of Object.entries(columns)) {
+      gl.deleteBuffer(this.buffers[name] ?? null);
+      this.buffers[name] = this.buffer(kinds[name] ?? gl.ARRAY_BUFFER, data, size && name, size);
+    }
+  }
+  load(model) { // another part in the same view, seen as the one before unless its size is another
+    const isAlike = Math.abs(model.radius / this.model.radius - 1) < 0.01;
+    this.model = model;
+    this.fill(model);
+    if (isAlike) this.redraw(); else this.home();
+  }
   loadRamp(stops) {
     const gl = this.gl, width = 256, rgb = stops.map(rgbOf), pixels = new Uint8Array(4 * width);
     for (let i = 0; i < width; i++) {
@@ -206,10 +224,11 @@ class Scene {
     for (const [key, value] of [[gl.TEXTURE_MIN_FILTER, gl.LINEAR], [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE],
       [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE]]) gl.texParameteri(gl.TEXTURE_2D, key, value);
   }
-  show(variant) {
+  show(variant) { this.setValues(this.model.vertexValues(variant)); }
+  setValues(pairs) { // (value, known) of each vertex
     const gl = this.gl;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers.value);
-    gl.bufferData(gl.ARRAY_BUFFER, this.model.vertexValues(variant), gl.STATIC_DRAW);
+    gl.bufferData(gl.ARRAY_BUFFER, pairs, gl.STATIC_DRAW);
     this.redraw();
   }
   setLook(change) { Object.assign(this.look, change); this.redraw(); }
@@ -274,19 +293,29 @@ class Scene {
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    gl.uniformMatrix3fv(this.uniform("axes"), false, [0, 1, 2].flatMap((k) => [right[k], up[k], towards[k]]));
-    gl.uniform3fv(this.uniform("centre"), this.target);
     const depth = this.model.radius + Math.hypot(...this.target.map((x, k) => x - this.model.centre[k]));
-    gl.uniform3f(this.uniform("scale"), 2 / (canvas.clientWidth * mm), 2 / (canvas.clientHeight * mm), -1 / depth);
+    const camera = {
+      axes: [0, 1, 2].flatMap((k) => [right[k], up[k], towards[k]]), centre: this.target,
+      scale: [2 / (canvas.clientWidth * mm), 2 / (canvas.clientHeight * mm), -1 / depth],
+    };
+    this.aim(this.program, camera);
     gl.uniform1f(this.uniform("range"), look.range);
     gl.uniform1f(this.uniform("tolerance"), look.tolerance);
     gl.uniform1i(this.uniform("greyWithin"), look.greyWithin);
+    gl.uniform4fv(this.uniform("section"), look.section);
     for (const [name, mode, isOutline] of [["triangles", gl.TRIANGLES, 0], ["outline", gl.LINES, 1]]) {
       gl.uniform1i(this.uniform("outline"), isOutline);
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.buffers[name]);
       gl.drawElements(mode, this.model[name].length, gl.UNSIGNED_INT, 0);
     }
+    for (const overlay of this.overlays) overlay.draw(this, camera);
     this.onDraw();
+  }
+  aim(program, { axes, centre, scale }) {
+    const gl = this.gl, at = (name) => gl.getUniformLocation(program, name);
+    gl.uniformMatrix3fv(at("axes"), false, axes);
+    gl.uniform3fv(at("centre"), centre);
+    gl.uniform3fv(at("scale"), scale);
   }
   // What is seen at a pixel: place (mm), normal and depth, or null beside the part.
   pick(x, y) {
@@ -306,12 +335,13 @@ class Scene {
       const w = flat[a] * flat[b + 1] - flat[b] * flat[a + 1];
       if (u < 0 || v < 0 || w < 0 || u + v + w <= 0) continue;
       const depth = (u * flat[a + 2] + v * flat[b + 2] + w * flat[c + 2]) / (u + v + w);
-      if (!hit || depth > hit.depth) hit = { depth, i };
+      if (hit && depth <= hit.depth) continue;
+      const place = [0, 1, 2].map((k) => px * right[k] + py * up[k] + depth * towards[k]);
+      if (dot(place, this.look.section) <= this.look.section[3]) hit = { depth, i, place };
     }
     if (!hit) return null;
     const normal = this.model.triangleNormal(hit.i), length = Math.hypot(...normal) || 1;
-    const place = [0, 1, 2].map((k) => px * right[k] + py * up[k] + hit.depth * towards[k]);
-    return { place, normal: normal.map((n) => n / length), depth: hit.depth - dot(this.target, towards) };
+    return { place: hit.place, normal: normal.map((n) => n / length), depth: hit.depth - dot(this.target, towards) };
   }
 }
 

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
-from scipy.sparse import coo_matrix
+from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from vmach.report.result import Colouring, DisplayMesh, InspectedPoints
 
-__all__ = ["build_display_mesh", "interpolate_to_mesh", "sharp_edges", "vertex_normals"]
+__all__ = [
+    "Interpolation",
+    "build_display_mesh",
+    "interpolate_to_mesh",
+    "interpolation",
+    "shaped_for_display",
+    "sharp_edges",
+    "vertex_normals",
+]
 
 _SHARP_EDGE_RAD = 0.6  # above: an edge of the part; below: a chord of a curved face
 _NEIGHBOURS = 6
@@ -36,31 +46,58 @@ def build_display_mesh(
     max_triangles : int
         Not more triangles than this.
     """
-    vertices_mm, triangles = _weld(np.asarray(vertices_mm, float), np.asarray(triangles))
-    if len(triangles) > max_triangles:
-        vertices_mm, triangles = _decimate(vertices_mm, triangles, max_triangles)
-    else:
-        vertices_mm, triangles = _refine(vertices_mm, triangles, len(points), max_triangles)
-    vertices_mm, triangles = _split_sharp_edges(vertices_mm, triangles)
-    mesh = DisplayMesh(vertices_mm, triangles)
+    mesh = shaped_for_display(
+        vertices_mm, triangles, point_count=len(points), max_triangles=max_triangles
+    )
     colourings = {
         column.name: interpolate_to_mesh(
             points, np.where(column.is_cut, column.deviation_mm, np.nan), mesh
         )
         for column in points.with_remainders().columns
     }
-    return DisplayMesh(vertices_mm, triangles, colourings)
+    return DisplayMesh(mesh.vertices_mm, mesh.triangles, colourings)
+
+
+def shaped_for_display(
+    vertices_mm: np.ndarray,
+    triangles: np.ndarray,
+    *,
+    point_count: int,
+    max_triangles: int = 100_000,
+) -> DisplayMesh:
+    """The mesh of `build_display_mesh`, fit for so many points, without any colour."""
+    vertices_mm, triangles = _weld(np.asarray(vertices_mm, float), np.asarray(triangles))
+    if len(triangles) > max_triangles:
+        vertices_mm, triangles = _decimate(vertices_mm, triangles, max_triangles)
+    else:
+        vertices_mm, triangles = _refine(vertices_mm, triangles, point_count, max_triangles)
+    return DisplayMesh(*_split_sharp_edges(vertices_mm, triangles))
+
+
+@dataclass(frozen=True)
+class Interpolation:
+    """From values of P points to V vertices; for display only.
+
+    Attributes
+    ----------
+    matrix : (V, P) sparse float64
+        Weights of the points, rows of `known` vertices add up to 1.
+    known : (V,) bool
+        Vertices that a point with a value is near to.
+    """
+
+    matrix: csr_matrix
+    known: np.ndarray
+
+    def at_vertices(self, values: np.ndarray) -> np.ndarray:
+        """Values (V,) of the vertices from those of the points (P,); 0 where not known."""
+        return self.matrix @ np.nan_to_num(values)
 
 
 def interpolate_to_mesh(
     points: InspectedPoints, values_mm: np.ndarray, mesh: DisplayMesh
 ) -> Colouring:
-    """Interpolate values of the points to the vertices of a mesh; for display only.
-
-    The value of a vertex is the mean of its nearest points with weights 1/distance^2. Points of
-    a parallel face do not count, those on faces of another direction count as far away: the
-    neighbours are found in the space of position and normal, the normal stretched so that 90
-    degrees are as far as the reach.
+    """Interpolate values of the points to the vertices of a mesh; see `interpolation`.
 
     Parameters
     ----------
@@ -73,26 +110,51 @@ def interpolate_to_mesh(
     -------
     Colouring
     """
-    if not len(points):
-        return Colouring(np.zeros(len(mesh.vertices_mm)), np.zeros(len(mesh.vertices_mm), bool))
-    reach_mm = 6 * _spacing(mesh, len(points))
+    values_mm = np.asarray(values_mm, float)
+    found = interpolation(points.point_mm, points.normal, mesh, has_value=np.isfinite(values_mm))
+    return Colouring(found.at_vertices(values_mm), found.known)
+
+
+def interpolation(
+    point_mm: np.ndarray, normal: np.ndarray, mesh: DisplayMesh, *, has_value: np.ndarray
+) -> Interpolation:
+    """How values of points become values of the vertices of a mesh.
+
+    The value of a vertex is the mean of its nearest points with weights 1/distance^2. Points of
+    a parallel face do not count, those on faces of another direction count as far away: the
+    neighbours are found in the space of position and normal, the normal stretched so that 90
+    degrees are as far as the reach.
+
+    Parameters
+    ----------
+    point_mm, normal : (P, 3) float64
+    mesh : DisplayMesh
+    has_value : (P,) bool
+        Vertices nearest to a point without a value are not `known`.
+    """
+    vertices = len(mesh.vertices_mm)
+    if not len(point_mm):
+        return Interpolation(csr_matrix((vertices, 0)), np.zeros(vertices, bool))
+    reach_mm = 6 * _spacing(mesh, len(point_mm))
     stretch_mm = reach_mm / np.sqrt(2)
-    tree = cKDTree(np.hstack([points.point_mm, stretch_mm * points.normal]))
+    tree = cKDTree(np.hstack([point_mm, stretch_mm * normal]))
     normals = vertex_normals(mesh)
     query = np.hstack([mesh.vertices_mm, stretch_mm * normals])
-    count = min(_NEIGHBOURS, len(points))
+    count = min(_NEIGHBOURS, len(point_mm))
     distance_mm, index = tree.query(query, k=count)
     distance_mm, index = distance_mm.reshape(-1, count), index.reshape(-1, count)
     same_face = _on_same_face(
-        points.point_mm[index] - mesh.vertices_mm[:, None], points.normal[index] + normals[:, None]
+        point_mm[index] - mesh.vertices_mm[:, None], normal[index] + normals[:, None]
     )
-    value = np.where(same_face, np.asarray(values_mm, float)[index], np.nan)
+    counts = same_face & has_value[index]
     nearest = same_face.argmax(axis=1)[:, None]
-    known = np.isfinite(np.take_along_axis(value, nearest, 1))[:, 0]
+    known = np.take_along_axis(counts, nearest, 1)[:, 0]
     known &= np.take_along_axis(distance_mm, nearest, 1)[:, 0] < reach_mm
-    weight = np.where(np.isfinite(value), 1 / (distance_mm**2 + (1e-3 * reach_mm) ** 2), 0.0)
-    mean = (weight * np.nan_to_num(value)).sum(1) / np.maximum(weight.sum(1), 1e-300)
-    return Colouring(np.where(known, mean, 0.0), known)
+    weight = np.where(counts, 1 / (distance_mm**2 + (1e-3 * reach_mm) ** 2), 0.0)
+    weight *= known[:, None] / np.maximum(weight.sum(1, keepdims=True), 1e-300)
+    row = np.repeat(np.arange(vertices), count)
+    entries = (weight.ravel(), (row, index.ravel()))
+    return Interpolation(csr_matrix(entries, shape=(vertices, len(point_mm))), known)
 
 
 def _on_same_face(chord_mm: np.ndarray, normals: np.ndarray) -> np.ndarray:

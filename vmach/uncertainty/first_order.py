@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 
 from vmach.effects import Circumstances
-from vmach.fit.table_uncertainty import TableUncertainty
 from vmach.machine import Variant
 from vmach.path.toolpath import PathStates
 from vmach.prediction import Prediction
+from vmach.uncertainty.tables import TableUncertainty
 
 __all__ = ["prediction_u_mm"]
 

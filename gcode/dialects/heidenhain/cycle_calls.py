@@ -1,0 +1,189 @@
+"""CYCL DEF and CYCL CALL: which cycle is defined, and where it is done."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from gcode.dialects.heidenhain.cycles import DRILLING, drill
+from gcode.dialects.heidenhain.milling import MILLING, mill
+from gcode.dialects.heidenhain.old_cycles import OLD_CYCLES, old_datum, renewed
+from gcode.dialects.heidenhain.parameters import NUMBER
+from gcode.dialects.heidenhain.patterns import (
+    PATTERNS,
+    Pattern,
+    pattern_definition,
+    pattern_places,
+)
+from gcode.errors import ProgramError
+from gcode.language.translate import number
+
+if TYPE_CHECKING:
+    from gcode.dialects.heidenhain.reader import KlartextReader
+
+__all__ = ["CycleCalls"]
+
+#: cycles that change nothing of the path
+_NOTED = {
+    32: "tolerance of the control's path",
+    247: "preset: the work offset of the job",
+    13: "orientation of the spindle",
+    392: "adaption of the control to the load",
+    332: "tolerance of the control's path",
+}
+_FRAMES = frozenset((7, 8, 10))
+
+
+class CycleCalls:
+    """Cycles of a program.
+
+    Parameters
+    ----------
+    reader : KlartextReader
+    """
+
+    def __init__(self, reader: KlartextReader) -> None:
+        self.reader = reader
+        self.cycle: tuple[int, dict[str, float]] | None = None
+        self.modal = False  #: M89
+        self.old: tuple[int, dict[int, float]] | None = None  #: lines of an old cycle
+        self.pattern: list[Pattern] = []
+
+    # definitions
+
+    def define(self, content: str) -> None:
+        """CYCL DEF, with the lines of parameters behind it."""
+        text = content.removeprefix("CYCL DEF").strip()
+        text = re.sub(r"^(\d+)\s+\.(\d)", r"\1.\2", text)
+        code = re.match(r"(\d+)(?:\.(\d+))?", text)
+        if code is None:
+            raise ProgramError(f"cannot read '{content}'", accepted="CYCL DEF with a number")
+        cycle = int(code[1])
+        data = self._data(text)
+        if cycle in DRILLING or cycle in MILLING:
+            self.cycle, self.old = (cycle, data), None
+        elif cycle in OLD_CYCLES and code[2] is not None:
+            self._old_line(text)
+        elif cycle in PATTERNS:
+            self._pattern(cycle, data)
+        elif cycle in _NOTED:
+            self.reader.controller.note(f"CYCL DEF {cycle}", _NOTED[cycle])
+        elif cycle == 9:
+            self._dwell(text)
+        elif cycle in _FRAMES:
+            self.reader.frames.define(cycle, text)
+        elif cycle in (11, 19, 26) and _changes_nothing(text):
+            self.reader.controller.note(f"CYCL DEF {cycle}", "changes nothing")
+        else:
+            known = sorted({*DRILLING, *MILLING, *PATTERNS, *OLD_CYCLES, *_FRAMES, *_NOTED, 9})
+            raise ProgramError(
+                f"Klartext cycle '{content}' is not read",
+                accepted="CYCL DEF " + ", ".join(map(str, known)),
+                hint="post the program without this cycle",
+            )
+
+    def _data(self, text: str) -> dict[str, float]:
+        """Q parameters of a cycle, on its line and on those that follow."""
+        reader, pieces = self.reader, [text]
+        while reader.next < len(reader.lines):
+            content = reader.content(reader.next)
+            if not re.match(r"Q\d+\s*=", content):
+                break
+            if re.match(r"\s*\d+\s+", reader.lines[reader.next]):  # a block of its own
+                break
+            pieces.append(content)
+            reader.next += 1
+        data = {}
+        for name, value in re.findall(rf"Q(\d+)\s*=\s*({NUMBER}|MAX|AUTO)", " ".join(pieces)):
+            if value == "AUTO" and reader.tool_feed is not None:
+                data[name] = reader.tool_feed
+            elif value not in ("MAX", "AUTO"):
+                data[name] = reader.parameters.number(value)
+        reader.parameters.values |= data
+        return data
+
+    def _old_line(self, text: str) -> None:
+        found = old_datum(text, self.reader.parameters.number)
+        if found is None:
+            self.old, self.cycle = (int(re.match(r"\d+", text)[0]), {}), None
+        elif self.old is None or self.old[0] != found[0]:
+            raise ProgramError(f"CYCL DEF {text} without CYCL DEF {found[0]}.0")
+        else:
+            self.old[1][found[1]] = found[2]
+
+    def _dwell(self, text: str) -> None:
+        found = re.search(rf"9\.1\D*?({NUMBER})\s*$", text)
+        if found:
+            self.reader.execute(f"g4p{number(self.reader.parameters.number(found[1]))}")
+
+    # calls
+
+    def call(self, content: str) -> None:
+        """CYCL CALL, CYCL CALL POS and CYCL CALL PAT."""
+        reader = self.reader
+        if content.startswith("CYCL CALL POS"):
+            words, _ = reader.words(content.removeprefix("CYCL CALL POS"))
+            end = reader.target(words)
+            reader.execute(f"g0x{number(end[0])}y{number(end[1])}")
+            self.do()
+        elif content.startswith("CYCL CALL PAT"):
+            self._call_pattern()
+        else:
+            codes = re.findall(r"M\s*(\d+)", content)
+            reader.execute(*(reader.m_code(int(code)) for code in codes))
+            self.do()
+
+    def do(self) -> None:
+        """Do the cycle in force at the present place."""
+        if self.old is not None:
+            drill(self.reader, *renewed(*self.old, self.reader.here()[2]))
+        elif self.cycle is None:
+            raise ProgramError("no cycle to call", accepted="CYCL DEF 200 ... before it")
+        else:
+            number_, data = self.cycle
+            (mill if number_ in MILLING else drill)(self.reader, number_, data)
+
+    def define_pattern(self, content: str) -> None:
+        """PATTERN DEF, with its further lines."""
+        reader, pieces = self.reader, [content.removeprefix("PATTERN DEF")]
+        while reader.next < len(reader.lines) and re.match(
+            r"(?:POS|ROW|PAT|FRAME|CIRC|PITCHCIRC)\s*\d+\s*\(", reader.content(reader.next)
+        ):
+            pieces.append(reader.content(reader.next))
+            reader.next += 1
+        self.pattern = pattern_definition(" ".join(pieces), reader.parameters.number)
+
+    def _call_pattern(self) -> None:
+        if not self.pattern:
+            raise ProgramError("CYCL CALL PAT without places", accepted="PATTERN DEF before it")
+        if self.cycle is None:
+            raise ProgramError("no cycle to call", accepted="CYCL DEF 200 ... before it")
+        number_, data = self.cycle
+        for x, y, level in self.pattern:
+            self._at(x, y, number_, data if level is None else data | {"203": level})
+
+    def _pattern(self, cycle: int, data: dict[str, float]) -> None:
+        """Cycles 220 and 221 call the cycle before them, with their own levels."""
+        if self.cycle is None:
+            raise ProgramError(
+                f"CYCL DEF {cycle} without a cycle before it", accepted="CYCL DEF 200 ... before it"
+            )
+        number_, own = self.cycle
+        levels = {name: data[name] for name in ("200", "203", "204") if name in data}
+        for x, y in pattern_places(cycle, data):
+            self._at(x, y, number_, own | levels)
+
+    def _at(self, x: float, y: float, cycle: int, data: dict[str, float]) -> None:
+        reader = self.reader
+        out = data.get("203", 0.0) + max(data.get("200", 0.0), data.get("204", 0.0))
+        if reader.here()[2] < out:
+            reader.execute(f"g0z{number(out)}")
+        reader.execute(f"g0x{number(x)}y{number(y)}")
+        (mill if cycle in MILLING else drill)(reader, cycle, data)
+
+
+def _changes_nothing(text: str) -> bool:
+    body = re.sub(r"^\d+\.\d+\s*", "", text)
+    return not re.search(r"\d", body) or bool(
+        re.fullmatch(r"(?:(?:[ABC]|MB\s*MAX)\s*[+-]?0*\.?0*\s*|SCL\s*1(?:\.0*)?)+", body)
+    )

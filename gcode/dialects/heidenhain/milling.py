@@ -1,0 +1,143 @@
+"""Klartext cycles 208, 251 to 253, 256 and 257: pockets, slots, studs and bores.
+
+HEIDENHAIN TNC 640, User's Manual Cycle Programming, "Fixed cycles: pocket milling / stud milling /
+slot milling" and "Bore milling".
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from gcode.errors import ProgramError
+from gcode.geometry.arcs import Point
+from gcode.geometry.outlines import Outline
+from gcode.language.area_milling import Area, mill_bore, mill_pocket, mill_stud
+
+if TYPE_CHECKING:
+    from gcode.dialects.heidenhain.reader import KlartextReader
+
+__all__ = ["MILLING", "mill"]
+
+MILLING = frozenset((208, 251, 252, 253, 256, 257))
+#: Q370 where it is not said: TNC 640, cycle 251
+_OVERLAP = 1.0
+#: Q367 -> where the tool stands, in half lengths and half widths from the centre
+_CORNERS = {0: (0, 0), 1: (-1, -1), 2: (1, -1), 3: (1, 1), 4: (-1, 1)}
+
+
+class _Data:
+    """Q parameters of a cycle at the present place."""
+
+    def __init__(self, reader: KlartextReader, number: int, data: Mapping[str, float]) -> None:
+        self.reader, self.number, self.data = reader, number, data
+        self.here = tuple(reader.here()[:2])
+        unit = reader.controller.unit_mm
+        self.tool_radius = reader.tool_of_spindle().offset_diameter_mm / 2.0 / unit
+
+    def q(self, number: int, default: float | None = None) -> float:
+        """A parameter."""
+        value = self.data.get(str(number), default)
+        if value is None:
+            raise ProgramError(f"Q{number} of cycle {self.number} is missing")
+        return value
+
+    def reference(self, half_length: float, half_width: float, angle_deg: float) -> Point:
+        """Centre of a pocket whose place Q367 the tool stands at."""
+        place = int(self.q(367, 0.0))
+        if self.number == 253:
+            inner = half_length - half_width
+            aside = {0: 0.0, 1: -half_length, 2: -inner, 3: inner, 4: half_length}.get(place)
+            aside = None if aside is None else (aside, 0.0)
+        else:
+            sides = _CORNERS.get(place)
+            aside = None if sides is None else (sides[0] * half_length, sides[1] * half_width)
+        if aside is None:
+            raise ProgramError(f"Q367={self.q(367):g}", accepted="0 to 4")
+        shape = Outline(self.here, half_length, half_width, 0.0, angle_deg)
+        return shape.place(-aside[0], -aside[1])
+
+    def outline(self) -> Outline:
+        """The finished wall."""
+        if self.number == 252:
+            return Outline.circle(self.here, self.q(223) / 2.0)
+        if self.number == 257:
+            return Outline.circle(self.here, self.q(223) / 2.0)
+        if self.number == 208:
+            return Outline.circle(self.here, self.q(335) / 2.0)
+        angle = self.q(374, 0.0) if self.number == 253 else self.q(224, 0.0)
+        length, width = self.q(218) / 2.0, self.q(219) / 2.0
+        centre = self.reference(length, width, angle)
+        if self.number == 253:
+            return Outline.slot(centre, 2.0 * length, 2.0 * width, angle)
+        corner = self.q(220, 0.0)
+        if self.number == 251:
+            corner = max(corner, self.tool_radius)
+        return Outline(centre, length, width, corner, angle)
+
+    def blank(self, outline: Outline) -> Outline | None:
+        """What stands round a stud."""
+        if self.number == 257:
+            return Outline.circle(self.here, self.q(222) / 2.0)
+        if self.number == 256:
+            return Outline(
+                outline.centre, self.q(424) / 2.0, self.q(425) / 2.0, 0.0, outline.angle_deg
+            )
+        return None
+
+    def area(self) -> Area:
+        """What is to be milled."""
+        outline, surface = self.outline(), self.q(203, 0.0)
+        operation, feed = int(self.q(215, 0.0)), self._feed(207)
+        climb = self.q(351, 1.0) >= 0.0
+        stands = self.number in (256, 257)
+        return Area(
+            outline=outline,
+            tool_radius=self.tool_radius,
+            surface=surface,
+            bottom=surface + self.q(201),
+            clear=surface + self.q(200),
+            step_down=abs(self.q(202, 0.0)),
+            step_over=min(max(self.q(370, _OVERLAP), 0.1), 1.9) * self.tool_radius,
+            feed=feed,
+            plunge_feed=self._feed(206, feed),
+            finish_feed=self._feed(385, feed),
+            side_allowance=self.q(368, 0.0),
+            floor_allowance=self.q(369, 0.0),
+            rough=operation in (0, 1),
+            finish=operation in (0, 2),
+            clockwise=climb if stands else not climb,
+            blank=self.blank(outline),
+        )
+
+    def _feed(self, number: int, default: float | None = None) -> float:
+        feed = self.data.get(str(number), default)
+        if feed is None:
+            feed = self.reader.tool_feed
+        if not feed or not math.isfinite(feed):
+            raise ProgramError(f"Q{number} of cycle {self.number} is missing")
+        return feed
+
+    def blocks(self) -> Iterator[str]:
+        """The cycle as blocks of RS274/NGC."""
+        if self.number == 208:
+            self.data = {"202": 0.0, "207": self.q(206), **self.data}
+            return mill_bore(self.area(), self.q(334))
+        if self.number in (256, 257):
+            return mill_stud(self.area())
+        return mill_pocket(self.area())
+
+
+def mill(reader: KlartextReader, number: int, data: Mapping[str, float]) -> None:
+    """Do a cycle at the present place; the tool ends above it."""
+    cycle = _Data(reader, number, data)
+    clear = cycle.q(203, 0.0) + cycle.q(200)
+    out = max(clear, cycle.q(203, 0.0) + cycle.q(204, 0.0))
+    reader.controller.note(
+        f"CYCL DEF {number}",
+        "the way through the material is the control's "
+        "own; rings are taken here, walls and floor are those of the cycle",
+    )
+    reader.execute(f"g0z{max(out, reader.here()[2])!r}", *cycle.blocks(), f"g0z{out!r}")
+    reader.execute(f"g0x{cycle.here[0]!r}y{cycle.here[1]!r}")

@@ -1,0 +1,250 @@
+"""Associated features against 60-digit references and against exhaustive search."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from vmach.errors import InputError
+from vmach.features.association.associate import associate
+from vmach.features.characteristics.form import _circle_zone, _least_width
+from vmach.features.surface import Surface
+
+LEAST_SQUARES_MM, ZONE_MM = 1e-9, 1e-6
+
+
+@pytest.fixture(autouse=True)
+def sixty_digits():
+    with mp.workdps(60):
+        yield
+
+
+def noise(count, seed=3, size_mm=0.02):
+    return np.random.default_rng(seed).uniform(-size_mm, size_mm, count)
+
+
+# --- distances as anybody would write them, with 60 digits --------------------------------------
+
+
+def to_axis(p, x0, y0, a, b):
+    """Distance from the axis through (x0, y0, 0) along (a, b, 1), and the height along it."""
+    d = [p[0] - x0, p[1] - y0, p[2]]
+    n = mp.sqrt(a * a + b * b + 1)
+    height = (d[0] * a + d[1] * b + d[2]) / n
+    square = sum(c * c for c in d) - height * height
+    return mp.sqrt(square), height
+
+
+REFERENCES = {
+    "plane": (lambda p, q: (p[2] - q[0] - q[1] * p[0] - q[2] * p[1])
+              / mp.sqrt(1 + q[1] ** 2 + q[2] ** 2), [0, 0, 0]),
+    "sphere": (lambda p, q: mp.sqrt(sum((p[k] - q[k]) ** 2 for k in range(3))) - q[3],
+               [0, 0, 0, 10]),
+    "cylinder": (lambda p, q: to_axis(p, *q[:4])[0] - q[4], [0, 0, 0, 0, 10]),
+    "cone": (lambda p, q: (lambda r, h: (r - q[4]) * mp.cos(q[5]) - h * mp.sin(q[5]))(
+        *to_axis(p, *q[:4])), [0, 0, 0, 0, 10, mp.mpf(1) / 2]),
+    "torus": (lambda p, q: mp.sqrt((to_axis([p[0], p[1], p[2] - q[4]], *q[:4])[0] - q[5]) ** 2
+                                   + to_axis([p[0], p[1], p[2] - q[4]], *q[:4])[1] ** 2) - q[6],
+              [0, 0, 0, 0, 0, 30, 5]),
+}  # fmt: skip
+
+
+def solve_least_squares(distance, start, points):
+    """Newton's method with derivatives by differences of 1e-25, in 60 digits."""
+    q = mp.matrix(start)
+    points = [[mp.mpf(float(c)) for c in p] for p in points]
+    h = mp.mpf(10) ** -25
+    for _ in range(60):
+        r = mp.matrix([distance(p, list(q)) for p in points])
+        jacobian = mp.matrix(len(points), len(q))
+        for k in range(len(q)):
+            moved = q.copy()
+            moved[k] += h
+            for i, p in enumerate(points):
+                jacobian[i, k] = (distance(p, list(moved)) - r[i]) / h
+        step = mp.lu_solve(jacobian.T * jacobian, -(jacobian.T * r))
+        q += step
+        if max(abs(s) for s in step) < mp.mpf(10) ** -22:
+            break
+    return list(q), [distance(p, list(q)) for p in points]
+
+
+def cloud(kind, count=14):
+    """Points near a nominal surface about Z at the origin."""
+    rng = np.random.default_rng(11)
+    u, e = rng.uniform(0, 2 * np.pi, count), noise(count)
+    v = rng.uniform(-1, 1, count)
+    cos, sin = np.cos(u), np.sin(u)
+    if kind == "plane":
+        return np.column_stack([40 * v, 30 * np.sin(7 * u), e]), Surface(
+            "plane", [0] * 3, [0, 0, 1]
+        )
+    if kind == "sphere":
+        r, z = (10 + e) * np.sqrt(1 - v**2), (10 + e) * v
+        return np.column_stack([r * cos, r * sin, z]), Surface("sphere", [0] * 3, [0, 0, 1], 10.0)
+    if kind == "cylinder":
+        r = 10 + e
+        surface = Surface("cylinder", [0] * 3, [0, 0, 1], 10.0)
+        return np.column_stack([r * cos, r * sin, 15 * v]), surface
+    if kind == "cone":
+        r, z = 10 + 8 * v * np.tan(0.5) + e, 8 * v
+        surface = Surface("cone", [0] * 3, [0, 0, 1], 10.0, half_angle_rad=0.5)
+        return np.column_stack([r * cos, r * sin, z]), surface
+    w = 2 * np.pi * rng.uniform(0, 1, count)
+    r, z = 30 + (5 + e) * np.cos(w), (5 + e) * np.sin(w)
+    surface = Surface("torus", [0] * 3, [0, 0, 1], 30.0, tube_mm=5.0)
+    return np.column_stack([r * cos, r * sin, z]), surface
+
+
+@pytest.mark.parametrize("kind", list(REFERENCES))
+def test_least_squares_agrees_with_sixty_digits(kind):
+    points, surface = cloud(kind)
+    found = associate(surface, points)
+    distance, start = REFERENCES[kind]
+    unknowns, residual = solve_least_squares(distance, start, points)
+    if kind == "torus":
+        residual = [r for r in residual]
+    assert np.abs(found.residual_mm - np.array(residual, float)).max() < LEAST_SQUARES_MM
+    radius = {"sphere": 3, "cylinder": 4, "torus": 5}.get(kind)
+    if radius is not None:
+        assert abs(found.surface.radius_mm - float(unknowns[radius])) < LEAST_SQUARES_MM
+
+
+@pytest.mark.parametrize("kind", list(REFERENCES))
+def test_least_squares_is_the_same_wherever_the_part_lies(kind):
+    points, surface = cloud(kind)
+    turn = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    away = np.array([-412.0, 233.0, 90.0])
+    placed = Surface(surface.kind, turn @ surface.point_mm + away, turn @ surface.axis,
+                     surface.radius_mm, surface.half_angle_rad, surface.tube_mm)  # fmt: skip
+    here, there = associate(surface, points), associate(placed, points @ turn.T + away)
+    assert np.abs(here.residual_mm - there.residual_mm).max() < LEAST_SQUARES_MM
+
+
+# --- minimum zones: every set of points that may decide ------------------------------------------
+
+
+def test_flatness_is_that_of_the_best_of_all_planes():
+    points = np.column_stack([np.random.default_rng(2).uniform(0, 50, (16, 2)), noise(16)])
+    best = np.inf
+    for i, j, k in combinations(range(16), 3):  # three points on one side, one on the other
+        best = min(
+            best, width_along(points, np.cross(points[j] - points[i], points[k] - points[i]))
+        )
+    for (i, j), (k, m) in combinations(list(combinations(range(16), 2)), 2):  # two and two
+        best = min(
+            best, width_along(points, np.cross(points[j] - points[i], points[m] - points[k]))
+        )
+    found = associate(Surface("plane", [0] * 3, [0, 0, 1]), points, criterion="minimum zone")
+    assert found.value_mm == pytest.approx(best, abs=ZONE_MM)
+
+
+def width_along(points, normal):
+    size = np.linalg.norm(normal)
+    return np.ptp(points @ normal) / size if size > 1e-9 else np.inf
+
+
+def test_straightness_is_that_of_the_best_of_all_lines():
+    x, y = np.linspace(0, 40, 30), noise(30)
+    slopes = [(y[j] - y[i]) / (x[j] - x[i]) for i, j in combinations(range(30), 2)]
+    best = min(np.ptp(y - s * x) for s in slopes)
+    assert _least_width(y, x[:, None])[1] == pytest.approx(best, abs=1e-12)
+
+
+def ring(count=13, seed=8):
+    angle = np.arange(count) * 2 * np.pi / count
+    radius = 10 + noise(count, seed)
+    flat = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+    return np.column_stack([flat, np.zeros(count)])
+
+
+def centres_of(flat):
+    """Where the bisectors of two pairs of points meet, near the middle."""
+    lines = [((p + q) / 2, q - p) for p, q in combinations(flat, 2)]
+    for (m, n), (other, k) in combinations(lines, 2):
+        table = np.array([n, k])
+        if abs(np.linalg.det(table)) > 1e-6:
+            centre = np.linalg.solve(table, [n @ m, k @ other])
+            if np.hypot(*centre) < 1.0:
+                yield centre
+
+
+def test_roundness_is_that_of_the_best_of_all_centres():
+    points = ring()
+    radii = (np.hypot(*(points[:, :2] - c).T) for c in centres_of(points[:, :2]))
+    best = min(np.ptp(r) for r in radii)
+    surface = Surface("cylinder", [0] * 3, [0, 0, 1], 10.0, sign=-1.0)
+    found = _circle_zone(surface, points, np.arange(len(points)))
+    assert found.value_mm == pytest.approx(best, abs=ZONE_MM)
+
+
+@pytest.mark.parametrize("criterion", ["inscribed", "circumscribed"])
+def test_contacting_circles_are_the_best_of_all_centres(criterion):
+    flat = ring()[:, :2]
+    centres = [*centres_of(flat), *((p + q) / 2 for p, q in combinations(flat, 2))]
+    radii = [np.hypot(*(flat - c).T) for c in centres]
+    best = max(r.min() for r in radii) if criterion == "inscribed" else min(r.max() for r in radii)
+    tall = np.vstack([np.column_stack([flat, np.full(len(flat), z)]) for z in (-5.0, 5.0)])
+    surface = Surface("cylinder", [0] * 3, [0, 0, 1], 10.0)
+    found = associate(surface, tall, criterion=criterion)
+    assert found.value_mm == pytest.approx(best, abs=ZONE_MM)
+
+
+def test_cylindricity_is_that_of_the_best_of_all_sets_of_points():
+    """Six points decide; the equations are linear in the axis to 1e-8 mm for such deviations."""
+    rng = np.random.default_rng(4)
+    u, z, e = rng.uniform(0, 2 * np.pi, 10), rng.uniform(-9, 9, 10), noise(10, 9, 2e-4)
+    points = np.column_stack([(10 + e) * np.cos(u), (10 + e) * np.sin(u), z])
+    rows = np.column_stack([np.cos(u), np.sin(u), z * np.cos(u), z * np.sin(u), np.ones(10)])
+    signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * 6)).reshape(6, -1).T
+    best = np.inf
+    for chosen in map(list, combinations(range(10), 6)):
+        table = np.empty((len(signs), 6, 6))
+        table[:, :, :5], table[:, :, 5] = rows[chosen], signs
+        usable = np.abs(np.linalg.det(table)) > 1e-9
+        right = np.broadcast_to(e[chosen][:, None], (int(usable.sum()), 6, 1))
+        found = np.linalg.solve(table[usable], right)[..., 0]
+        worst = np.abs(e - found[:, :5] @ rows.T).max(axis=1)
+        best = min(best, worst.min())
+    surface = Surface("cylinder", [0] * 3, [0, 0, 1], 10.0)
+    found = associate(surface, points, criterion="minimum zone")
+    assert found.value_mm == pytest.approx(2 * best, abs=ZONE_MM)
+
+
+def test_a_tangent_plane_stays_outside_and_touches():
+    rng = np.random.default_rng(6)
+    points = np.column_stack([rng.uniform(-20, 20, (200, 2)), noise(200)])
+    found = associate(Surface("plane", [0] * 3, [0, 0, 1]), points, criterion="tangent")
+    assert found.residual_mm.max() < 1e-9
+    assert np.sum(found.residual_mm > -1e-9) >= 2
+    # the farthest point is as far as the zone is wide: both planes are parallel
+    zone = associate(Surface("plane", [0] * 3, [0, 0, 1]), points, criterion="minimum zone")
+    assert -found.residual_mm.min() == pytest.approx(zone.value_mm, abs=ZONE_MM)
+
+
+@pytest.mark.parametrize("criterion", ["minimum zone", "inscribed", "circumscribed"])
+def test_values_follow_the_points_as_the_weights_say(criterion):
+    points, surface = cloud("cylinder", 60)
+    found = associate(surface, points, criterion=criterion)
+    moved = noise(60, 21, 1e-6)
+    away = surface.rows(points)[1]
+    again = associate(surface, points + moved[:, None] * away, criterion=criterion)
+    assert again.value_mm - found.value_mm == pytest.approx(found.weight @ moved, abs=2e-10)
+
+
+def test_too_few_points_are_refused():
+    points, surface = cloud("cylinder", 3)
+    with pytest.raises(InputError, match=r"3 points for a cylinder; accepted: at least 5"):
+        associate(surface, points)
+
+
+def test_an_unknown_criterion_is_refused():
+    points, surface = cloud("plane")
+    with pytest.raises(InputError, match="accepted: least squares, minimum zone"):
+        associate(surface, points, criterion="best")
+    with pytest.raises(InputError, match="inscribed association of a plane"):
+        associate(surface, points, criterion="inscribed")

@@ -1,0 +1,203 @@
+"""Klartext's milling cycles, patterns and transformations against closed forms.
+
+TNC 640 User's Manual Cycle Programming: what the cycles leave (walls, floor), where patterns lie,
+what mirror image and rotation make of a point.
+"""
+
+import numpy as np
+import pytest
+
+from gcode import ProgramError, Source, ToolEntry, read_program
+from gcode.moves.moves import MoveKind
+
+RADIUS = 5.0
+TOOLS = {1: ToolEntry(100.0, 2 * RADIUS, name="Mill_D10")}
+
+
+def read(body):
+    text = f"BEGIN PGM A MM\nTOOL CALL 1 Z S1000 F300\nL Z+50 R0 FMAX M3\n{body}\nEND PGM A MM\n"
+    return read_program(Source(text.encode(), "part.h"), tools=TOOLS)
+
+
+def tip(program):
+    """Places of the tip on every move at feed, (N, 3), arcs sampled."""
+    moves, found = program.moves, []
+    for i in np.flatnonzero(moves.at_feed):
+        t = np.linspace(0.0, 1.0, 33)[:, None]
+        places = moves.start_mm[i] + t * (moves.end_mm[i] - moves.start_mm[i])
+        if moves.kind[i] == MoveKind.ARC:
+            out = (moves.start_mm[i] - moves.centre_mm[i])[:2]
+            angle = np.arctan2(out[1], out[0]) + t[:, 0] * moves.sweep_rad[i] * moves.axis[i, 2]
+            places[:, :2] = moves.centre_mm[i, :2] + np.hypot(*out) * np.stack(
+                [np.cos(angle), np.sin(angle)], axis=1
+            )
+        found.append(places)
+    return np.concatenate(found) - [0.0, 0.0, 100.0]
+
+
+def holes(program):
+    """X and Y of every end of a feed along Z at the deepest level."""
+    places = program.moves.end_mm[program.moves.at_feed] - [0, 0, 100]
+    return places[np.abs(places[:, 2] - places[:, 2].min()) < 1e-9][:, :2]
+
+
+POCKET = """CYCL DEF 251 RECTANGULAR POCKET ~
+    Q215=+0 ~
+    Q218=+60 ~
+    Q219=+40 ~
+    Q220=+8 ~
+    Q368=+0.3 ~
+    Q224=+{angle} ~
+    Q367=+{place} ~
+    Q207=+500 ~
+    Q351=+1 ~
+    Q201=-12 ~
+    Q202=+5 ~
+    Q369=+0.1 ~
+    Q206=+150 ~
+    Q200=+2 ~
+    Q203=+3 ~
+    Q204=+50 ~
+    Q370=+1
+L X+20 Y+10 R0 FMAX M99"""
+
+
+def inside(points, centre, half, corner, angle_deg):
+    """Signed distance of points to a rounded rectangle, negative inside."""
+    angle = np.radians(angle_deg)
+    out = points[:, :2] - centre
+    along = out @ [np.cos(angle), np.sin(angle)]
+    across = out @ [-np.sin(angle), np.cos(angle)]
+    q = np.abs(np.stack([along, across], axis=1)) - (np.array(half) - corner)
+    return np.hypot(*np.maximum(q, 0.0).T) + np.minimum(q.max(axis=1), 0.0) - corner
+
+
+@pytest.mark.parametrize(("place", "aside"), [(0, (0, 0)), (1, (30, 20)), (3, (-30, -20))])
+@pytest.mark.parametrize("angle", [0, 30])
+def test_rectangular_pocket_leaves_its_wall_and_floor(place, aside, angle):
+    places = tip(read(POCKET.format(angle=angle, place=place)))
+    turn = np.radians(angle)
+    centre = [20, 10] + np.array(
+        [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
+    ) @ np.array(aside)
+    distance = inside(places, centre, (30, 20), 8, angle)
+    assert distance.max() == pytest.approx(-RADIUS, abs=1e-9)  # the finished wall
+    assert places[:, 2].min() == pytest.approx(3 - 12)
+    low = places[np.abs(places[:, 2] + 9) < 1e-9]
+    grid = np.stack(np.meshgrid(np.linspace(-24, 24, 25), np.linspace(-14, 14, 15)), -1)
+    floor = centre + grid.reshape(-1, 2) @ np.array(
+        [[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]]
+    )
+    nearest = np.hypot(*(floor[:, None] - low[None, :, :2]).transpose(2, 0, 1)).min(axis=1)
+    rough = places[np.abs(places[:, 2] + 8.9) < 1e-9]
+    assert inside(rough, centre, (30, 20), 8, angle).max() == pytest.approx(-RADIUS - 0.3)
+    assert nearest.max() < RADIUS  # nothing is left standing on the floor
+
+
+def test_a_pocket_too_narrow_for_its_tool_is_refused():
+    body = POCKET.format(angle=0, place=0).replace("Q219=+40", "Q219=+9")
+    with pytest.raises(ProgramError, match="radius 5 is too large for 9"):
+        read(body)
+
+
+def test_circular_pocket_stud_slot_and_bore():
+    def places(cycle, **q):
+        q = {"Q200": 2, "Q201": -6, "Q203": 0, "Q204": 20, "Q206": 100, "Q207": 300, "Q202": 3} | q
+        data = " ".join(f"{name}={value:+}" for name, value in q.items())
+        return tip(read(f"CYCL DEF {cycle} {data}\nL X+7 Y-3 R0 FMAX M99"))
+
+    out = np.hypot(*(places(252, Q223=30)[:, :2] - [7, -3]).T)
+    assert out.max() == pytest.approx(15 - RADIUS)
+    out = np.hypot(*(places(257, Q223=30, Q222=44)[:, :2] - [7, -3]).T)
+    assert out.min() == pytest.approx(15 + RADIUS)
+    slot = places(253, Q218=50, Q219=14, Q374=90)
+    assert inside(slot, [7, -3], (25, 7), 7, 90).max() == pytest.approx(-RADIUS)
+    bore = places(208, Q335=16, Q334=1.5)
+    assert np.hypot(*(bore[:, :2] - [7, -3]).T).max() == pytest.approx(8 - RADIUS)
+    stud = places(256, Q218=40, Q424=52, Q219=30, Q425=40, Q220=4)
+    assert inside(stud, [7, -3], (20, 15), 4, 0).min() == pytest.approx(RADIUS)
+
+
+DRILL = "CYCL DEF 200 Q200=+2 Q201=-15 Q206=+150 Q202=+5 Q203=+0 Q204=+20 Q211=+0 Q210=+0\n"
+
+
+def test_patterns_lie_where_the_manual_says():
+    circle = holes(
+        read(
+            DRILL + "CYCL DEF 220 Q216=+30 Q217=+70 Q244=+50 Q245=+0 Q246=+360 "
+            "Q247=+0 Q241=+10 Q200=+2 Q203=+0 Q204=+100 Q301=+1"
+        )
+    )
+    angle = np.radians(36.0 * np.arange(10))
+    assert circle == pytest.approx(
+        np.stack([30 + 25 * np.cos(angle), 70 + 25 * np.sin(angle)], axis=1)
+    )
+    lines = holes(
+        read(
+            DRILL + "CYCL DEF 221 Q225=+15 Q226=+15 Q237=+10 Q238=+8 Q242=+3 Q243=+2 "
+            "Q224=+90 Q200=+2 Q203=+0 Q204=+50 Q301=+1"
+        )
+    )
+    assert lines == pytest.approx(
+        np.array([[15, 15], [15, 25], [15, 35], [7, 35], [7, 25], [7, 15]])
+    )
+    defined = holes(
+        read(
+            DRILL + "PATTERN DEF POS1 (X+25 Y+33.5 Z+0) "
+            "ROW1 (X+0 Y+5 D+8 NUM3 ROT+0 Z+0)\nCYCL CALL PAT FMAX"
+        )
+    )
+    assert defined == pytest.approx(np.array([[25, 33.5], [0, 5], [8, 5], [16, 5]]))
+
+
+def test_mirror_image_rotation_and_shift():
+    body = (
+        "CYCL DEF 7.0 DATUM SHIFT\nCYCL DEF 7.1 X+100\nCYCL DEF 7.2 Y+50\n"
+        "CYCL DEF 8.0 MIRROR IMAGE\nCYCL DEF 8.1 X\nCYCL DEF 10.0 ROTATION\n"
+        "CYCL DEF 10.1 ROT+90\nL X+10 Y+0 R0 FMAX\nCC X+0 Y+0\nC X+0 Y+10 DR+ F100\n"
+    )
+    moves = read(body).moves
+    # (10, 0) mirrored (-10, 0), turned (0, -10), shifted (100, 40)
+    assert moves.start_mm[-1, :2] == pytest.approx([100, 40])
+    assert moves.end_mm[-1, :2] == pytest.approx([90, 50])
+    assert moves.centre_mm[-1, :2] == pytest.approx([100, 50])
+    assert moves.sweep_rad[-1] * moves.axis[-1, 2] == pytest.approx(-np.pi / 2)
+
+
+def test_compensation_keeps_its_side_in_a_mirrored_frame():
+    body = (
+        "CYCL DEF 8.0 MIRROR IMAGE\nCYCL DEF 8.1 X\nL X-20 Y+0 R0 FMAX\n"
+        "L X+0 Y+0 RL F100\nL X+0 Y+40\nL X-20 R0\n"
+    )
+    ends = read(body).moves.end_mm[:, :2]
+    # left of the contour is x = -5 in the program, +5 on the machine
+    assert any(end == pytest.approx([RADIUS, 40]) for end in ends)
+
+
+def test_old_pecking_cycle_counts_from_where_the_tool_stands():
+    body = (
+        "L X+5 Y+6 R0 FMAX\nL Z+2 R0 FMAX\nCYCL DEF 1.0 PECKING\nCYCL DEF 1.1 SET UP -2\n"
+        "CYCL DEF 1.2 DEPTH -10\nCYCL DEF 1.3 PECKG -4\nCYCL DEF 1.4 DWELL 0\n"
+        "CYCL DEF 1.5 F80\nCYCL CALL M\n"
+    )
+    places = read(body).moves.end_mm[:, 2] - 100.0
+    assert places.min() == pytest.approx(-10)
+    assert sorted({round(z, 6) for z in places if z < 0}) == [-10, -8, -7.8, -4, -3.8]
+
+
+def test_infeeds_shrink_by_q212_to_q205():
+    body = (
+        "CYCL DEF 205 Q200=+2 Q201=-30 Q206=+100 Q202=+12 Q203=+0 Q204=+20 Q212=+4 Q205=+3 "
+        "Q258=+0.5 Q257=+0 Q211=+0\nL X+0 Y+0 R0 FMAX M99"
+    )
+    moves = read(body).moves
+    down = moves.end_mm[moves.at_feed, 2] - 100.0
+    assert down[down < 0] == pytest.approx([-12, -20, -24, -27, -30])
+
+
+def test_tools_are_called_by_name():
+    text = 'BEGIN PGM A MM\nTOOL CALL "MILL_D10" Z S1000\nL X+1 FMAX\nL M140 MB MAX\nEND PGM A MM\n'
+    program = read_program(Source(text.encode(), "part.h"), tools=TOOLS)
+    assert set(program.moves.tool.tolist()) == {1}
+    with pytest.raises(ProgramError, match='no tool has the name "DRILL"'):
+        read_program(Source(text.replace("MILL_D10", "DRILL").encode(), "part.h"), tools=TOOLS)

@@ -1,0 +1,90 @@
+"""A small job with a hidden backlash, opened in the workbench."""
+
+import json
+import time
+
+import numpy as np
+import pytest
+from starlette.testclient import TestClient
+
+from tests.small_job import pocket_points, write_job_with_nominal, write_points
+from vmach.api.points import predict
+from vmach.workbench.access import Access
+from vmach.workbench.server import build_server
+from vmach.workbench.session import Session
+
+ERRORS = {
+    "EXX": (lambda x: 8e-3 * (x + 200.0) + 2.0 * np.sin(x / 30.0), (0.0, -150.0, -200.0)),
+    "ECX": (lambda x: 0.05 * (x + 200.0), None),
+    "EYY": (lambda y: -6e-3 * (y + 150.0), None),
+}
+BACKLASH_UM, NOISE_UM = 6.0, 0.3
+
+
+def write_measured_job(folder):
+    """The small job, measured after a machine with backlash in Y made it; gives the job file."""
+    job = write_job_with_nominal(folder, ERRORS)
+    text = job.read_text()
+    hidden = folder / "hidden.toml"
+    hidden.write_text(f"{text}\n[effects.backlash.Y]\nreversal_um = {BACKLASH_UM}\n")
+    _, points, normals = pocket_points()
+    deviation = predict(hidden, folder / "points.csv").deviation_um
+    hidden.unlink()
+    noise = NOISE_UM * np.random.default_rng(7).standard_normal(len(points))
+    write_points(folder / "points.csv", points + 1e-3 * (deviation + noise)[:, None] * normals)
+    return job
+
+
+@pytest.fixture(scope="session")
+def measured_folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("bench")
+    write_measured_job(folder)
+    return folder
+
+
+class Page:
+    """What a page would ask: with the token, from its own origin."""
+
+    def __init__(self, job):
+        self.session = Session()
+        if job is not None:
+            self.session.open(job)
+        self.access = Access.new(8000)
+        self.closed = []
+        app = build_server(self.session, self.access, shut_down=lambda: self.closed.append(True))
+        self.client = TestClient(app, base_url="http://127.0.0.1:8000")
+        self.headers = {"x-vmach-token": self.access.token, "x-vmach": "1"}
+
+    def get(self, address, **headers):
+        return self.client.get(address, headers=self.headers | headers)
+
+    def post(self, address, what=None, **headers):
+        return self.client.post(address, json=what or {}, headers=self.headers | headers)
+
+    def put(self, address, content, **headers):
+        return self.client.put(address, content=content, headers=self.headers | headers)
+
+    def framed(self, answer):
+        assert answer.status_code == 200, answer.text
+        length = int.from_bytes(answer.content[:4], "little")
+        return json.loads(answer.content[4 : 4 + length]), np.frombuffer(
+            answer.content[4 + length :], "<f4"
+        )
+
+    def wait_for(self, kind, seconds=60):
+        """The last run of a kind when it is over."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            runs = [r for r in self.get("/api/state").json()["runs"] if r["kind"] == kind]
+            if runs and runs[-1]["state"] in ("done", "failed", "stopped"):
+                return runs[-1]
+            time.sleep(0.05)
+        raise AssertionError(f"{kind} is not over")
+
+
+@pytest.fixture(scope="session")
+def page(measured_folder):
+    """The measured job, opened once for all tests that leave it as it is."""
+    made = Page(measured_folder / "job.toml")
+    with made.client:
+        yield made

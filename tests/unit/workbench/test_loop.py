@@ -1,0 +1,132 @@
+"""Diagnose, add, go back: the files are those of the commands."""
+
+import shutil
+import time
+
+import pytest
+
+from tests.unit.workbench.conftest import Page
+from vmach.job import read_job
+from vmach.workbench.job_chain import job_chain
+
+
+@pytest.fixture(scope="module")
+def bench(measured_folder, tmp_path_factory):
+    """A folder of its own, which the loop writes to."""
+    folder = tmp_path_factory.mktemp("loop")
+    shutil.copytree(measured_folder, folder / "job", symlinks=True)
+    made = Page(folder / "job" / "job.toml")
+    with made.client:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def folder(bench):
+    return bench.session.folder.root
+
+
+def test_the_loop(bench, folder):
+    bench.post("/api/diagnose")
+    run = bench.wait_for("diagnose")
+    assert run["state"] == "done", run["message"]
+    effects = run["result"]["effects"]
+    assert [(e["effect"], e["target"]) for e in effects] == [("backlash", "Y")]
+    assert run["command"].startswith("vmach diagnose job.toml --out vmach-results/job/diagnosis")
+    shown = bench.get("/show/" + run["result"]["page"])
+    assert "sandbox" in shown.headers["content-security-policy"]
+
+    bench.post("/api/add", {"effects": ["backlash:Y"]})
+    assert bench.wait_for("add")["state"] == "done"
+    state = bench.get("/api/state").json()
+    assert state["job"] == "job-2.toml"
+    assert [step["added"] for step in state["chain"]] == [[], ["backlash Y"]]
+    assert read_job(folder / "job-2.toml").effects["backlash"]["Y"]["reversal_um"] > 3
+    history = bench.wait_for("history")
+    first, second = history["result"]["steps"]
+    assert second["held_out_um"] < 0.7 * first["held_out_um"]
+    assert bench.get("/api/measured").json()["rms_um"] == pytest.approx(second["rms_um"], rel=1e-6)
+
+    bench.post("/api/open", {"job": "job.toml"})  # undo: the file stays, and is a step forward
+    state = bench.get("/api/state").json()
+    assert [(s["job"], s["is_later"]) for s in state["chain"]] == [
+        ("job.toml", False), ("job-2.toml", True)]  # fmt: skip
+
+
+def test_what_fails_says_what_the_terminal_says(bench):
+    bench.post("/api/add", {"effects": ["backlach:Y"]})
+    run = bench.wait_for("add")
+    assert run["state"] == "failed" and "unknown effect 'backlach'" in run["message"]
+    assert "Traceback" not in run["message"] and not run["message"].startswith("vmach:")
+
+
+def test_a_run_can_be_stopped_and_leaves_nothing_half_written(bench, folder):
+    before = sorted(path.name for path in folder.iterdir())
+    run = bench.post("/api/report").json()
+    assert bench.post("/api/report").status_code == 400  # one of a kind at a time
+    while bench.session.runs.of_number(run["number"]).process is None:
+        time.sleep(0.01)
+    stopped = bench.post(f"/api/runs/{run['number']}/stop").json()
+    assert stopped["state"] == "stopped"
+    process = bench.session.runs.of_number(run["number"]).process
+    end = time.monotonic() + 10
+    while process.returncode is None and time.monotonic() < end:
+        bench.get("/api/state")
+        time.sleep(0.05)
+    assert process.returncode is not None
+    assert not (folder / "vmach-results" / "job" / "run").exists()
+    assert sorted(path.name for path in folder.iterdir()) == before
+
+
+def test_a_dead_model_is_replaced_and_nothing_is_lost(bench, monkeypatch):
+    monkeypatch.setattr("vmach.workbench.session._TOO_SOON_S", 0.0)
+    before = bench.get("/api/about").json()
+    bench.session.model._process.kill()
+    bench.session.model._process.join()
+    answer = bench.get("/api/values")
+    assert answer.status_code == 503 and "started again" in answer.json()["error"]
+    assert bench.get("/api/about").json() == before
+    assert bench.get("/api/values").status_code == 200
+
+
+def test_files_that_change_outside_are_read_again(bench, folder):
+    bench.get("/api/about")
+    revision = bench.get("/api/state").json()["revision"]
+    time.sleep(0.3)  # the watch takes the files that it has been told of
+    job = folder / "job.toml"
+    good = job.read_text()
+    job.write_text(good.replace("diameter_mm = 10", 'diameter_mm = "ten"'))
+    end = time.monotonic() + 8
+    while bench.get("/api/state").json()["revision"] == revision and time.monotonic() < end:
+        time.sleep(0.1)
+    answer = bench.get("/api/about")
+    assert answer.status_code == 400 and "diameter_mm" in answer.json()["error"]
+    revision = bench.get("/api/state").json()["revision"]
+    job.write_text(good)
+    while bench.get("/api/state").json()["revision"] == revision and time.monotonic() < end + 8:
+        time.sleep(0.1)
+    assert bench.get("/api/about").status_code == 200
+
+
+def test_an_own_law_is_checked_in_the_words_of_the_checker(bench, folder):
+    wrong = "from vmach.effects import Effect\nclass A(Effect):\n    name = 'a_b'\n"
+    bench.put("/api/effect-file", b"")
+    answer = bench.client.put(
+        "/api/effect-file", json={"file": "a_b.py", "text": wrong}, headers=bench.headers
+    )
+    assert answer.status_code == 200, answer.text
+    bench.post("/api/check-effect", {"file": "a_b.py"})
+    run = bench.wait_for("check")
+    assert run["state"] == "failed" and "a_b.py" in run["message"] and "title" in run["message"]
+
+
+def test_a_chain_that_goes_round_ends(tmp_path):
+    for name, previous in (("a", "b"), ("b", "a")):
+        (tmp_path / f"{name}.toml").write_text(
+            f'[[history]]\nprevious = "{previous}.toml"\nadded = ["x"]\n'
+        )
+    assert len(job_chain(tmp_path / "a.toml")) <= 3
+
+
+def test_the_page_can_end_it(bench):
+    bench.post("/api/shut-down")
+    assert bench.closed == [True]

@@ -1,0 +1,129 @@
+"""The part in the page against predictions that the library makes of job files."""
+
+import gzip
+import json
+
+import numpy as np
+import pytest
+
+from tests.unit.workbench.conftest import write_measured_job
+from vmach.api.comparison import compare
+from vmach.api.points import predict, surface_points
+from vmach.effects import catalogue
+from vmach.machine import Variant
+from vmach.workbench.model.effect_cards import effect_cards
+from vmach.workbench.model.part_model import load_part
+from vmach.workbench.model.what_if import changed_mm, read_changes
+
+
+@pytest.fixture(scope="module")
+def part(measured_folder):
+    return load_part(measured_folder / "job.toml")
+
+
+def with_effect(folder, text):
+    """A job beside the measured one, with effects in its file."""
+    job = folder / "with-effect.toml"
+    job.write_text((folder / "job.toml").read_text() + text)
+    return job
+
+
+CHANGES = {
+    "backlash Y": ("backlash", "Y", {"reversal_um": 9.0}),
+    "scale X": ("scale", "X", {"scale_ppm": 30.0}),
+    "tool radius": ("tool_radius", "T1", {"radius_um": 4.0}),
+    "spindle growth": ("spindle_growth", "Z", {"growth_um": 12.0, "time_constant_s": 40.0}),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
+def test_a_slider_does_what_the_job_file_would_do(part, measured_folder, change):
+    name, target, parameters = change
+    known = {p.name: p.usual for p in catalogue()[name].parameters}
+    given = {p: parameters.get(p, usual) for p, usual in known.items()}
+    lines = "\n".join(f"{p} = {value}" for p, value in given.items())
+    job = with_effect(measured_folder, f"\n[effects.{name}.{target}]\n{lines}\n")
+    points = surface_points(part.surface.point_mm, part.surface.normal)
+    before, after = predict(measured_folder / "job.toml", points), predict(job, points)
+    job.unlink()
+    wanted = after.deviation_um - before.deviation_um
+    asked = [{"effect": name, "target": target, "parameters": given}]
+    found = 1e3 * changed_mm(part.surface, read_changes(asked, part.job, part.effects))
+    # to first order: a point stays with the move that makes it
+    is_same_move = after.is_cut & (after.line == before.line) & (after.line == lines_of(part))
+    assert is_same_move.mean() > 0.8 and np.abs(wanted[is_same_move]).max() > 1.0
+    off = np.abs(found - wanted)[is_same_move]
+    assert np.quantile(off, 0.9) < 1e-3 * np.abs(wanted[is_same_move]).max() + 0.002
+
+
+def lines_of(part):
+    return part.surface.states.line
+
+
+def test_models_are_those_of_compare(part, measured_folder):
+    found = compare(measured_folder / "job.toml")
+    for model in ("none", "htm", "abbe"):
+        mine = 1e3 * part.measured.under(Variant(model))
+        assert mine == pytest.approx(found.deviation_um[model], abs=0.05)
+
+
+def test_the_residual_is_that_of_compare(page, measured_folder):
+    figures, _ = page.framed(page.get("/api/values?quantity=residual"))
+    wanted = compare(measured_folder / "job.toml").remainder_rms_um["abbe"]
+    assert figures["rms_um"] == pytest.approx(wanted, abs=0.02)
+    assert page.get("/api/measured").json()["rms_um"] == pytest.approx(wanted, abs=0.02)
+
+
+def test_values_lie_on_the_mesh_that_is_sent(page):
+    packed = gzip.decompress(page.get("/api/mesh").content)
+    header = json.loads(packed[4 : 4 + int.from_bytes(packed[:4], "little")])
+    vertices = {name: count for name, _, count in header["columns"]}["vertex_x"]
+    figures, values = page.framed(page.get("/api/values"))
+    known = values[np.isfinite(values)]
+    assert len(values) == vertices and len(known) > 0.1 * vertices
+    assert known.min() >= figures["low_um"] - 1e-3 and known.max() <= figures["high_um"] + 1e-3
+
+
+def test_shares_of_a_point_add_up_to_its_deviation(page):
+    place = "points=surface&x=0&y=0&z=-8&i=0&j=0&k=1"
+    found = page.get("/api/point?" + place).json()
+    total = sum(share["um"] for share in found["shares"])
+    assert total == pytest.approx(found["predicted_um"]["abbe"], abs=1e-6)
+    assert found["line"] > 0 and np.allclose(found["at_mm"], [0, 0, -8], atol=3)
+
+
+def test_what_a_line_makes_is_what_its_points_say(page):
+    place = "points=surface&x=20&y=0&z=-4&i=-1&j=0&k=0"
+    line = page.get("/api/point?" + place).json()["line"]
+    figures, places = page.framed(page.get(f"/api/line?line={line}"))
+    assert figures["count"] == len(places) // 3 > 0
+    assert np.abs(places.reshape(-1, 3)[:, 0]).max() == pytest.approx(20, abs=0.1)
+
+
+def test_playback_passes_the_programmed_places(page):
+    facts, rows = page.framed(page.get("/api/playback"))
+    rows = rows.reshape(-1, len(facts["columns"]))
+    assert (np.diff(rows[:, 0]) >= 0).all() and rows[-1, 0] <= facts["duration_s"] + 1e-3
+    tip = rows[:, 1:4]
+    for corner in ([-15, -10, -8], [15, 10, -8], [41, 0, -6]):
+        assert np.linalg.norm(tip - corner, axis=1).min() < 1e-3
+
+
+def test_the_sliders_are_the_same_in_all_tabs_and_leave_the_job_alone(page, measured_folder):
+    before = (measured_folder / "job.toml").read_bytes()
+    changes = [{"effect": "backlash", "target": "Y", "parameters": {"reversal_um": 6.0}}]
+    asked = {"changes": changes, "shown": {"quantity": "residual"}, "tab": "a"}
+    figures, _ = page.framed(page.post("/api/what-if", asked))
+    assert figures["rms_um"] < 0.7 * page.get("/api/measured").json()["rms_um"]
+    assert page.get("/api/state").json()["changes"] == changes
+    page.framed(page.post("/api/what-if", {"changes": [], "shown": {}}))
+    assert (measured_folder / "job.toml").read_bytes() == before
+
+
+def test_cards_start_where_the_job_is(tmp_path):
+    job = write_measured_job(tmp_path)
+    job.write_text(job.read_text() + "\n[effects.backlash.Y]\nreversal_um = 5.5\n")
+    card = effect_cards(load_part(job))[0]
+    assert (card["effect"], card["target"], card["in_job"]) == ("backlash", "Y", True)
+    slider = card["parameters"][0]
+    assert slider["value"] == 5.5 and slider["low"] <= 5.5 <= slider["high"]

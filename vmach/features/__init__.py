@@ -1,0 +1,1 @@
+"""Features of a part as a drawing asks for them: sizes, form, orientation, location."""

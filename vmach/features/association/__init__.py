@@ -1,0 +1,1 @@
+"""Ideal features laid through points: least squares, minimum zone, contacting."""

@@ -1,0 +1,1 @@
+"""What a drawing says: sizes, fits, tolerance frames."""

@@ -1,0 +1,1 @@
+"""How well a prediction is known: first order (GUM), and Monte Carlo (JCGM 101)."""

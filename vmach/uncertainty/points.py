@@ -1,0 +1,163 @@
+"""Monte Carlo for predicted deviations of surface points.
+
+Source: JCGM 101:2008, clauses 5 to 8.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vmach.base.stage_clock import Progress, silent
+from vmach.effects import Circumstances, EffectInstance
+from vmach.machine import Variant
+from vmach.prediction import Prediction
+from vmach.uncertainty.corrections import Corrections, Part
+from vmach.uncertainty.monte_carlo import Drawn, Plan, propagate
+from vmach.uncertainty.tables import TableUncertainty, signature
+
+__all__ = [
+    "PointsDrawn",
+    "draw_points",
+    "parameters_part",
+    "point_corrections",
+    "prediction_corrections",
+]
+
+#: points whose corrections are looked at together; a few hundred causes each
+_BATCH = 2000
+
+
+@dataclass(frozen=True)
+class PointsDrawn:
+    """Deviations of the C points that were cut, under all corrections.
+
+    Attributes
+    ----------
+    drawn : Drawn
+        mm.
+    first_order_u_mm : (C,) float64
+    share : mapping of label to (C,) float64
+        Of the variance of first order; those of a point add up to 1.
+    plan : Plan
+    """
+
+    drawn: Drawn
+    first_order_u_mm: np.ndarray
+    share: dict[str, np.ndarray]
+    plan: Plan
+
+    def ranked(self) -> list[tuple[str, float]]:
+        """Contributors by their mean share over all points, the largest first."""
+        mean = {label: float(share.mean()) for label, share in self.share.items() if len(share)}
+        return sorted(mean.items(), key=lambda one: -one[1])
+
+    def largest(self) -> np.ndarray:
+        """The contributor with the largest share at each point, (C,) str."""
+        labels = np.array([*self.share, ""])
+        if not self.share:
+            return np.full(len(self.first_order_u_mm), "")
+        return labels[np.argmax(np.stack(list(self.share.values())), axis=0)]
+
+
+def draw_points(prediction: Prediction, plan: Plan, *, progress: Progress = silent) -> PointsDrawn:
+    """Propagate all corrections to the deviation of every point that was cut."""
+    count = int(prediction.is_cut.sum())
+    deviation = prediction.deviation_mm[prediction.is_cut]
+    size = min(_BATCH, plan.points_at_once())
+    parts, u, shares = [], [], []
+    for start in range(0, count, size):
+        rows = np.arange(start, min(start + size, count))
+        corrections = point_corrections(prediction, rows)
+        here = deviation[rows, None]
+        parts.append(
+            propagate(
+                lambda random, m, c=corrections, y=here: y + c.values_mm(c.draw(random, m)),
+                plan,
+                first_order=(deviation[rows], corrections.u_mm),
+            )
+        )
+        u.append(corrections.u_mm)
+        shares.append(corrections.variance_by_label())
+        progress("draw", int(rows[-1]) + 1, count)
+    return PointsDrawn(
+        Drawn.joined(parts) if parts else _nothing(),
+        np.concatenate([*u, np.zeros(0)]),
+        _joined_shares(shares, [len(one) for one in u]),
+        plan,
+    )
+
+
+def prediction_corrections(prediction: Prediction) -> Corrections:
+    """Corrections of all points that were cut, for figures that take several points."""
+    return point_corrections(prediction, np.arange(int(prediction.is_cut.sum())))
+
+
+def point_corrections(prediction: Prediction, rows: np.ndarray) -> Corrections:
+    """Corrections of some of the points that were cut, by their index among these."""
+    states, normals = prediction.states[rows], prediction.normals[prediction.is_cut][rows]
+    job = prediction.preparation.job
+    path = Circumstances(states, job, prediction.variant)
+    parts: list[Part] = []
+    if prediction.variant is not Variant.NONE:
+        tables = TableUncertainty.of(job.machine)
+        for cause in tables.causes(job.machine, path.nose_mm, path.tool_mm, path.variant):
+            parts.append(Part(cause.label, signature(cause, path, normals), cause.pool))
+    for effect in prediction.effects:
+        parts += _of_effect(effect, path, normals)
+    return Corrections.of(parts, len(rows))
+
+
+def _of_effect(effect: EffectInstance, path: Circumstances, normals: np.ndarray) -> list[Part]:
+    """What its law leaves open, and its parameters."""
+    law = np.einsum("pi,pik->pk", normals, effect.unforeseen(path))
+    return [Part(f"{effect.label} law", law), parameters_part(effect, path, normals)]
+
+
+def parameters_part(effect: EffectInstance, path: Circumstances, normals: np.ndarray) -> Part:
+    """What the corrections of an effect's parameters do, to second order."""
+    count = len(effect.one_sigma)
+    unit = np.eye(count)
+
+    def sensed(moved: np.ndarray) -> np.ndarray:
+        return np.einsum("pi,pi...->p...", normals, moved)
+
+    def at(*steps: np.ndarray) -> np.ndarray:
+        return sensed(effect.at_parameters(path, sum(steps, np.zeros(count))))
+
+    here, up, down = at(), [at(e) for e in unit], [at(-e) for e in unit]
+    straight = np.zeros((len(path), count))
+    curved = np.zeros((len(path), count, count))
+    for k in range(count):
+        straight[:, k] = 0.5 * (up[k] - down[k])
+        curved[:, k, k] = 0.5 * (up[k] + down[k]) - here
+        for other in range(k):
+            both = at(unit[k], unit[other])
+            curved[:, k, other] = both - up[k] - up[other] + here
+    if not (np.isfinite(straight).all() and np.isfinite(curved).all()):
+        # one standard uncertainty leaves what the law can say: its tangents are all there is
+        straight, curved = sensed(effect.of_parameters(path)), None
+    return Part(f"{effect.label} parameters", straight, curved_mm=curved)
+
+
+def _joined_shares(
+    variances: Sequence[dict[str, np.ndarray]], counts: Sequence[int]
+) -> dict[str, np.ndarray]:
+    labels = dict.fromkeys(label for one in variances for label in one)
+    blank = [np.zeros(count) for count in counts]
+    total = [sum(one.values(), zero) for one, zero in zip(variances, blank, strict=True)]
+    return {
+        label: np.concatenate([
+            one.get(label, zero) / np.where(whole > 0.0, whole, 1.0)
+            for one, whole, zero in zip(variances, total, blank, strict=True)
+        ])
+        for label in labels
+    }  # fmt: skip
+
+
+def _nothing() -> Drawn:
+    empty = np.zeros(0)
+    return Drawn(empty, empty, empty, empty, np.zeros(0, int), np.zeros(0, bool),
+                 np.zeros(0, np.int8))  # fmt: skip

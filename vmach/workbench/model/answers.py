@@ -1,0 +1,148 @@
+"""What the model's process answers: one function a question, a record and at most one array."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vmach.base.units import um_from_mm
+from vmach.errors import InputError
+from vmach.history import rms_um
+from vmach.job import job_name
+from vmach.machine import Variant
+from vmach.report.page.payload import pack_mesh
+from vmach.workbench.model.effect_cards import effect_cards
+from vmach.workbench.model.part_model import load_part
+from vmach.workbench.model.playback import playback
+from vmach.workbench.model.point_facts import point_facts, points_of_line
+from vmach.workbench.model.quantities import figures_of, quantities, values_mm
+from vmach.workbench.model.what_if import read_changes
+
+__all__ = ["QUESTIONS", "Answer", "Answers"]
+
+#: a record that becomes JSON, and bytes that go beside it
+Answer = tuple[dict[str, Any], bytes]
+
+
+class Answers:
+    """Answers about one job, which is read when the first question comes."""
+
+    def __init__(self, job: str, effect_files: Sequence[str] = ()) -> None:
+        self._model = load_part(Path(job), [Path(file) for file in effect_files])
+        self._on_mesh: dict[str, Any] = {}
+
+    def about(self) -> Answer:
+        """What was opened."""
+        model, job = self._model, self._model.job
+        moves = model.preparation.program.moves
+        return {
+            "name": job_name(job.path),
+            "machine": job.machine.name,
+            "chain": str(job.machine.chain),
+            "program": job.program.name,
+            "lines": len(model.preparation.program.source.lines),
+            "moves": len(moves),
+            "duration_s": float(moves.start_s[-1] + moves.duration_s[-1]) if len(moves) else 0.0,
+            "tolerance_um": um_from_mm(job.inspection.tolerance_mm),
+            "points": len(model.surface),
+            "triangles": len(model.mesh.triangles),
+            "is_measured": model.is_measured,
+            "has_measured_part": job.measured is not None,
+            "has_blank": job.blank is not None,
+            "effects": [effect.label for effect in model.effects],
+            "quantities": [vars(one) for one in quantities(model)],
+            "models": [str(v) for v in (Variant.ABBE, Variant.HTM, Variant.NONE)],
+            "notes": [str(note) for note in model.notes],
+            "files": [str(path) for _, path in job.files()],
+        }, b""
+
+    def measured(self) -> Answer:
+        """What was measured, and how far the model is from it."""
+        survey = self._model.survey
+        if survey is None:
+            return {"readings": 0}, b""
+        return {
+            "readings": len(survey),
+            "rms_um": rms_um(survey),
+            "measurements": [{"name": m.name, "kind": m.instrument.name, "readings": len(m)}
+                             for m in survey.measurements],
+            "notes": [str(note) for note in survey.notes],
+        }, b""  # fmt: skip
+
+    def mesh(self) -> Answer:
+        """The packed mesh."""
+        return {}, pack_mesh(self._model.mesh)
+
+    def values(
+        self, quantity: str = "deviation", model: str = "abbe", changes: Sequence[Mapping] = (),
+        tolerance_um: float | None = None,
+    ) -> Answer:  # fmt: skip
+        """Figures of a quantity, and its value at every vertex (V,) float32 um, NaN unknown."""
+        part = self._model
+        wanted = read_changes(changes, part.job, part.effects)
+        points, value_mm = values_mm(part, quantity, _variant(model), wanted)
+        tolerance_mm = part.job.inspection.tolerance_mm
+        if tolerance_um is not None:
+            tolerance_mm = 1e-3 * tolerance_um
+        figures = figures_of(points, value_mm, tolerance_mm)
+        return figures | {"quantity": quantity, "model": model}, self._at_vertices(points, value_mm)
+
+    def residual(self, changes: Sequence[Mapping] = ()) -> Answer:
+        """RMS of measured minus predicted with changes, um; None where no part was measured."""
+        part = self._model
+        if part.measured is None:
+            return {"rms_um": None}, b""
+        wanted = read_changes(changes, part.job, part.effects)
+        _, left = values_mm(part, "residual", Variant.ABBE, wanted)
+        return {"rms_um": float(um_from_mm(np.sqrt(np.mean(left**2))))}, b""
+
+    def point(self, points: str, at: Sequence[float], normal: Sequence[float]) -> Answer:
+        """The point nearest to a place on a face of its direction."""
+        found = self._model.point_set(points)
+        row = found.nearest(np.array(at, float), np.array(normal, float))
+        return ({} if row is None else point_facts(self._model, found, row)), b""
+
+    def line(self, line: int) -> Answer:
+        """What a line of the program makes: figures, and places (N, 3) float32."""
+        figures, places = points_of_line(self._model.surface, line)
+        return figures, places.astype("<f4").tobytes()
+
+    def program(self, first: int, count: int) -> Answer:
+        """Lines of the program's text, from the 1-based `first` on."""
+        lines = self._model.preparation.program.source.lines
+        return {"first": first, "total": len(lines),
+                "lines": list(lines[first - 1 : first - 1 + count])}, b""  # fmt: skip
+
+    def effects(self) -> Answer:
+        """Cards of all effects."""
+        return {"cards": effect_cards(self._model)}, b""
+
+    def playback(self) -> Answer:
+        """Nodes of the path."""
+        facts, rows = playback(self._model)
+        return facts, rows.tobytes()
+
+    def _at_vertices(self, points: Any, value_mm: np.ndarray) -> bytes:
+        if points.name not in self._on_mesh:
+            self._on_mesh[points.name] = points.on_mesh(self._model.mesh)
+        onto = self._on_mesh[points.name]
+        value = um_from_mm(onto.at_vertices(value_mm))
+        return np.where(onto.known, value, np.nan).astype("<f4").tobytes()
+
+
+def _variant(name: str) -> Variant:
+    try:
+        return Variant(name)
+    except ValueError:
+        raise InputError(f"model = {name!r}", accepted=", ".join(map(str, Variant))) from None
+
+
+#: what may be asked
+QUESTIONS: dict[str, Callable[..., Answer]] = {
+    name: getattr(Answers, name)
+    for name in ("about", "measured", "mesh", "values", "residual", "point", "line", "program",
+                 "effects", "playback")
+}  # fmt: skip

@@ -1,0 +1,153 @@
+"""A job's part ready to be looked at: mesh, points, and what the model says of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from vmach.base.note import Note
+from vmach.diagnosis.residuals.job_survey import survey_job
+from vmach.effects import EffectInstance, load_effect_file, read_effects
+from vmach.errors import InputError
+from vmach.fit.survey import Survey
+from vmach.job import Job, read_job
+from vmach.machine import Variant
+from vmach.nominal import read_nominal
+from vmach.nominal.alignment import align
+from vmach.nominal.patches import patches
+from vmach.nominal.points import SurfacePoints
+from vmach.path.preparation import Preparation, prepare
+from vmach.prediction import Prediction, predict_surface
+from vmach.report import DisplayMesh
+from vmach.report.pictures.display_mesh import shaped_for_display
+from vmach.run.inspection import check_some_cut, surface_points
+from vmach.workbench.model.point_set import PointSet
+
+__all__ = ["PartModel", "load_part"]
+
+#: triangles of the mesh that is shown, at most
+_TRIANGLES = 100_000
+
+
+@dataclass(frozen=True)
+class PartModel:
+    """What is open: a job, its machine's errors at every inspected point, and a mesh.
+
+    Attributes
+    ----------
+    job : Job
+    preparation : Preparation
+    effects : tuple of EffectInstance
+        Those of the job.
+    mesh : DisplayMesh
+    surface : PointSet
+        Points on the nominal CAD; where the job has none, the measured ones.
+    notes : tuple of Note
+    """
+
+    job: Job
+    preparation: Preparation
+    effects: tuple[EffectInstance, ...]
+    mesh: DisplayMesh
+    surface: PointSet
+    notes: tuple[Note, ...]
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether anything was measured for the job."""
+        return self.job.measured is not None or bool(self.job.measurements)
+
+    @cached_property
+    def survey(self) -> Survey | None:
+        """All that was measured; None where nothing was."""
+        return survey_job(self.job) if self.is_measured else None
+
+    @cached_property
+    def measured(self) -> PointSet | None:
+        """The measured points of the part; None where it was not measured."""
+        if self.job.measured is None or self.survey is None:
+            return None
+        for m, path in zip(self.survey.measurements, self.survey.paths, strict=True):
+            if m.on_part:
+                return PointSet(
+                    name="measured", id=m.id, feature=m.group, point_mm=path.on_part_mm,
+                    normal=m.sensing, states=m.states, predicted_mm=m.predicted_mm,
+                    align=_without(m.nuisance, m.u_mm), job=self.job, effects=self.effects,
+                    measured_mm=m.measured_mm, u_mm=m.u_mm,
+                )  # fmt: skip
+        return None
+
+    def point_set(self, name: str) -> PointSet:
+        """The set of a name.
+
+        Raises
+        ------
+        InputError
+            Nothing was measured, or there is no such set.
+        """
+        found = {"surface": lambda: self.surface, "measured": lambda: self.measured}.get(name)
+        points = found() if found else None
+        if points is None:
+            raise InputError(f"no points called {name!r}", accepted="surface, measured")
+        return points
+
+
+def load_part(job_path: Path, effect_files: Sequence[Path] = ()) -> PartModel:
+    """Read a job and predict its part.
+
+    Raises
+    ------
+    InputError, gcode.ProgramError, stock.StockError
+    """
+    for file in effect_files:
+        load_effect_file(file)
+    job = read_job(job_path)
+    effects = read_effects(job.effects, file=job.path, job=job)
+    preparation = prepare(job)
+    nominal = read_nominal(job.nominal, job.nominal_unit) if job.nominal else None
+    points = surface_points(job, nominal)
+    prediction = predict_surface(preparation, points, Variant.ABBE, effects)
+    check_some_cut(job, points, prediction)
+    solid = patches(points.point_mm, points.normal) if nominal is None else nominal.mesh
+    mesh = shaped_for_display(
+        solid.vertices_mm, solid.triangles, point_count=len(points), max_triangles=_TRIANGLES
+    )
+    notes = (*preparation.notes, *points.notes)
+    surface = _surface_set(job, points, prediction, effects)
+    return PartModel(job, preparation, effects, mesh, surface, notes)
+
+
+def _surface_set(
+    job: Job, points: SurfacePoints, prediction: Prediction, effects: tuple[EffectInstance, ...]
+) -> PointSet:
+    cut = prediction.is_cut
+    some = SurfacePoints(
+        points.id[cut], points.feature[cut], points.point_mm[cut], points.normal[cut]
+    )
+
+    def aligned(deviation_mm: np.ndarray) -> np.ndarray:
+        settings = job.inspection
+        pose = align(some, deviation_mm, mode=settings.alignment, datums=settings.datums)
+        return pose.apply(some.point_mm, some.normal, deviation_mm)
+
+    return PointSet(
+        name="surface", id=some.id, feature=some.feature, point_mm=some.point_mm,
+        normal=some.normal, states=prediction.states, predicted_mm=prediction.deviation_mm[cut],
+        align=aligned, job=job, effects=effects,
+        bare=(points.point_mm[~cut], points.normal[~cut]),
+    )  # fmt: skip
+
+
+def _without(nuisance: np.ndarray, u_mm: np.ndarray):
+    """Takes the best fit of what a measurement leaves free off values at its readings."""
+    weight = 1.0 / u_mm
+
+    def aligned(values_mm: np.ndarray) -> np.ndarray:
+        free = np.linalg.lstsq(nuisance * weight[:, None], values_mm * weight, rcond=None)[0]
+        return values_mm - nuisance @ free
+
+    return aligned

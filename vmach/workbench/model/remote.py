@@ -1,0 +1,82 @@
+"""The model's process seen from the server."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from vmach.errors import VmachError
+from vmach.workbench.model.process import serve
+
+__all__ = ["ModelRefused", "ModelStopped", "RemoteModel"]
+
+
+class ModelRefused(VmachError):
+    """The model's answer is a message: something in the user's files or arguments is wrong."""
+
+
+class ModelStopped(VmachError):
+    """The process has ended."""
+
+
+class RemoteModel:
+    """A job in a process of its own; questions are answered one after the other.
+
+    The files stay as they are whatever happens to the process: another one reads them again.
+    """
+
+    def __init__(self, job: Path, effect_files: Sequence[Path] = (), control: str | None = None):
+        context = get_context("spawn")
+        self._pipe, far_end = context.Pipe()
+        files = [str(file) for file in effect_files]
+        self._process = context.Process(
+            target=serve, args=(far_end, str(job), files, control), daemon=True
+        )
+        self._process.start()
+        far_end.close()
+        self._order = ThreadPoolExecutor(1)  # one question at a time, also where a caller gave up
+
+    @property
+    def pid(self) -> int | None:
+        """Of the process."""
+        return self._process.pid
+
+    @property
+    def is_alive(self) -> bool:
+        """Whether it still answers."""
+        return self._process.is_alive()
+
+    async def ask(self, question: str, **arguments: Any) -> tuple[dict[str, Any], bytes]:
+        """The answer: a record and bytes.
+
+        Raises
+        ------
+        ModelRefused
+            With the message of the command line.
+        ModelStopped
+        """
+        loop = asyncio.get_running_loop()
+        return await loop.run_in_executor(self._order, self._exchange, question, arguments)
+
+    def _exchange(self, question: str, arguments: dict) -> tuple[dict[str, Any], bytes]:
+        try:
+            self._pipe.send((question, arguments))
+            kind, record, content = self._pipe.recv()
+        except (EOFError, OSError):
+            raise ModelStopped("the process that holds the part has ended") from None
+        if kind != "answer":
+            raise ModelRefused(record)
+        return record, content
+
+    def close(self) -> None:
+        """End the process, whatever it does."""
+        self._process.kill()
+        self._process.join()
+        self._order.shutdown(wait=False, cancel_futures=True)
+        with contextlib.suppress(OSError):
+            self._pipe.close()

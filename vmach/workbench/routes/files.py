@@ -1,0 +1,131 @@
+"""Files of the opened folder: results to look at and to take along, files that the page sends."""
+
+from __future__ import annotations
+
+import difflib
+import itertools
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from vmach.errors import InputError
+from vmach.workbench.exchange import read_content, read_json, session_of
+from vmach.workbench.opened_folder import MOST_UPLOADED, OpenedFolder
+
+__all__ = ["routes"]
+
+#: what is shown in the page: reports with their own scripts, shut off from everything else
+_REPORT_POLICY = (
+    "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; "
+    "style-src 'unsafe-inline'; img-src data: blob:; frame-ancestors 'self'"
+)
+_SHOWN = {".html": "text/html", ".png": "image/png"}
+#: characters of a text that the editor and the difference of two take
+_MOST_TEXT = 4_000_000
+#: changed places of a difference that are sent, and lines around each
+_MOST_HUNKS, _AROUND = 400, 2
+
+
+def _folder(request: Request) -> OpenedFolder:
+    folder = session_of(request).folder
+    if folder is None:
+        raise InputError("no folder is open", hint="open a job first")
+    return folder
+
+
+async def _show(request: Request) -> Response:
+    """A report or a picture."""
+    path = _folder(request).existing(request.path_params["name"])
+    kind = _SHOWN.get(path.suffix)
+    if kind is None:
+        raise InputError(f"{path.name!r} is not shown", accepted=", ".join(_SHOWN))
+    headers = {"content-security-policy": _REPORT_POLICY}
+    return Response(path.read_bytes(), media_type=kind, headers=headers)
+
+
+async def _download(request: Request) -> Response:
+    path = _folder(request).existing(request.path_params["name"])
+    name = path.name.replace('"', "").encode("ascii", "replace").decode()
+    headers = {"content-disposition": f'attachment; filename="{name}"'}
+    return Response(path.read_bytes(), media_type="application/octet-stream", headers=headers)
+
+
+async def _upload(request: Request) -> Response:
+    """Take a file into the folder; one that vmach did not write is never replaced."""
+    folder = _folder(request)
+    name = request.path_params["name"]
+    folder.check_new(name)
+    content = await read_content(request, MOST_UPLOADED)
+    path = folder.write(name, content)
+    return JSONResponse({"file": folder.name_of(path), "bytes": len(content)})
+
+
+async def _read_text(request: Request) -> Response:
+    folder = _folder(request)
+    path = folder.existing(str(request.query_params.get("file", "")))
+    return JSONResponse({"file": folder.name_of(path), "text": _text(path)})
+
+
+async def _write_effect(request: Request) -> Response:
+    """Save the file of an own effect from the editor."""
+    folder, asked = _folder(request), await read_json(request)
+    name, text = asked.get("file"), asked.get("text")
+    if not isinstance(name, str) or not name.endswith(".py") or not isinstance(text, str):
+        raise InputError("file and text", accepted="a Python file and its text")
+    path = folder.inside(name)
+    if path not in session_of(request).effect_files or path.parent != folder.root:
+        path = folder.check_new(name)
+    path.write_text(text, encoding="utf-8")
+    return JSONResponse({"file": folder.name_of(path)})
+
+
+async def _difference(request: Request) -> Response:
+    """The lines in which a written program differs from the job's."""
+    session, folder = session_of(request), _folder(request)
+    about, _ = await session.ask("about")
+    program = next(file for file in about["files"] if file.endswith(about["program"]))
+    with open(program, encoding="latin-1") as file:
+        before = file.read(_MOST_TEXT).splitlines()
+    after = _text(folder.existing(str(request.query_params.get("file", "")))).splitlines()
+    hunks = list(itertools.islice(_hunks(before, after), _MOST_HUNKS + 1))
+    changed = sum(len([r for r in h["rows"] if r[0] != " "]) for h in hunks)
+    return JSONResponse({
+        "hunks": hunks[:_MOST_HUNKS],
+        "is_cut": len(hunks) > _MOST_HUNKS,
+        "changed": changed,
+        "before": len(before),
+        "after": len(after),
+    })  # fmt: skip
+
+
+def _hunks(before: list[str], after: list[str]):
+    """Changed places: their first lines in both texts, and rows of (" ", "-" or "+", text)."""
+    # one line of the program becomes one or several: without the search for repeated lines
+    match = difflib.SequenceMatcher(None, before, after, autojunk=False)
+    for group in match.get_grouped_opcodes(_AROUND):
+        rows: list[tuple[str, str]] = []
+        for tag, low, high, new_low, new_high in group:
+            if tag == "equal":
+                rows += [(" ", text) for text in before[low:high]]
+            else:
+                rows += [("-", text) for text in before[low:high]]
+                rows += [("+", text) for text in after[new_low:new_high]]
+        yield {"line": group[0][1] + 1, "new_line": group[0][3] + 1, "rows": rows}
+
+
+def _text(path) -> str:
+    if path.stat().st_size > _MOST_TEXT:
+        raise InputError(f"{path.name} has {path.stat().st_size} bytes",
+                         accepted=f"up to {_MOST_TEXT} in the page")  # fmt: skip
+    return path.read_text(encoding="utf-8", errors="replace")
+
+
+routes = [
+    Route("/show/{name:path}", _show),
+    Route("/download/{name:path}", _download),
+    Route("/api/files/{name:path}", _upload, methods=["PUT"]),
+    Route("/api/text", _read_text),
+    Route("/api/effect-file", _write_effect, methods=["PUT"]),
+    Route("/api/difference", _difference),
+]

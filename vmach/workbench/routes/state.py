@@ -1,0 +1,89 @@
+"""What is open, what happens, and the end."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response, StreamingResponse
+from starlette.routing import Route
+
+from vmach import __version__
+from vmach.errors import InputError
+from vmach.report.pictures.colours import COLOUR_STOPS, UNKNOWN_COLOUR
+from vmach.workbench.exchange import read_json, refused, session_of
+from vmach.workbench.opened_folder import OpenedFolder
+from vmach.workbench.recent_jobs import recent_jobs
+from vmach.workbench.samples import sample_jobs
+
+__all__ = ["routes"]
+
+
+async def _state(request: Request) -> Response:
+    session = session_of(request)
+    return JSONResponse(session.record() | {
+        "version": __version__,
+        "colour_stops": COLOUR_STOPS,
+        "unknown_colour": UNKNOWN_COLOUR,
+    })  # fmt: skip
+
+
+async def _events(request: Request) -> Response:
+    events = session_of(request).events
+    if events.is_full:
+        return refused("too many tabs listen", 503)
+    return StreamingResponse(events.listen(), media_type="text/event-stream")
+
+
+async def _start_page(request: Request) -> Response:
+    """Samples, jobs that were opened before, and those of the opened folder."""
+    session = session_of(request)
+    here = session.folder or OpenedFolder(Path.cwd().resolve())
+    return JSONResponse({
+        "folder": str(here.root),
+        "samples": sample_jobs(),
+        "recent": [str(path) for path in recent_jobs()],
+        "jobs": [str(path) for path in here.jobs()],
+    })  # fmt: skip
+
+
+async def _open(request: Request) -> Response:
+    """Open a job that the start page offers, or one of the opened folder."""
+    session = session_of(request)
+    name = str((await read_json(request)).get("job", ""))
+    session.open(_offered(session, name))
+    return JSONResponse(session.record())
+
+
+def _offered(session, name: str) -> Path:
+    known = [str(path) for path in recent_jobs()] + [one["job"] for one in sample_jobs()]
+    here = session.folder or OpenedFolder(Path.cwd().resolve())
+    known += [str(path) for path in here.jobs()]
+    if name in known:
+        return Path(name)
+    if Path(name).is_absolute():
+        raise InputError(f"{name!r} is not on the start page", hint="vmach open JOB opens it")
+    return here.existing(name)
+
+
+async def _reload(request: Request) -> Response:
+    session = session_of(request)
+    session.reload()
+    return JSONResponse(session.record())
+
+
+async def _shut_down(request: Request) -> Response:
+    session = session_of(request)
+    session.events.tell("goodbye")
+    request.app.state.shut_down()
+    return JSONResponse({"goodbye": True})
+
+
+routes = [
+    Route("/api/state", _state),
+    Route("/api/events", _events),
+    Route("/api/start", _start_page),
+    Route("/api/open", _open, methods=["POST"]),
+    Route("/api/reload", _reload, methods=["POST"]),
+    Route("/api/shut-down", _shut_down, methods=["POST"]),
+]

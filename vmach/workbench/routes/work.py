@@ -1,0 +1,232 @@
+"""Long work: diagnose, add, go back, propose, compensate, report; all of it commands."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from vmach.errors import InputError
+from vmach.workbench.command_runs import CommandRun
+from vmach.workbench.exchange import read_json, session_of
+from vmach.workbench.session import Session
+
+__all__ = ["routes"]
+
+#: where results go, beside the job, as on the command line
+_RESULTS = "vmach-results"
+_EFFECT = re.compile(r"[a-z][a-z0-9_]{0,60}(:[A-Za-z0-9]{1,12})?")
+_FILE_STEM = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+_SIZES = {
+    "resolution_mm": (1e-6, 0.1), "tolerance_um": (1e-3, 100.0), "limit_um": (1.0, 10_000.0),
+    "residual_limit_um": (0.1, 1000.0),
+}  # fmt: skip
+_DIALECTS = ("fanuc", "grbl", "haas", "heidenhain", "linuxcnc", "sinumerik")
+
+
+async def _diagnose(request: Request) -> Response:
+    session = session_of(request)
+    _, job, _ = session.need_job()
+    out = _results(session, "diagnosis")
+
+    async def done(run: CommandRun) -> dict[str, Any]:
+        found = _json(session, out / "diagnosis.json")
+        found |= {"page": str(out / "diagnosis.html"), "job": session.folder.name_of(job)}
+        found["program"] = str(out / "next.nc") if found.get("next_measurement") else None
+        session.shown["diagnosis"] = found
+        session.events.tell("shown", diagnosis=found)
+        return found
+
+    words = ["diagnose", job.name, "--out", str(out), *_own_effects(session)]
+    return _start(session, "diagnose", words, done)
+
+
+async def _add(request: Request) -> Response:
+    session = session_of(request)
+    _, job, _ = session.need_job()
+    effects = (await read_json(request)).get("effects")
+    is_list = isinstance(effects, list) and 0 < len(effects) <= 12
+    if not is_list or not all(isinstance(e, str) and _EFFECT.fullmatch(e) for e in effects):
+        raise InputError(f"effects = {effects!r}", accepted="names such as backlash:Y")
+
+    async def done(run: CommandRun) -> dict[str, Any]:
+        found = json.loads(run.output)
+        session.shown.pop("diagnosis", None)
+        session.open(job.parent / Path(found["job"]).name)
+        _history(session)
+        return found
+
+    words = ["add", job.name, *effects, "--json", *_own_effects(session)]
+    return _start(session, "add", words, done)
+
+
+async def _history_again(request: Request) -> Response:
+    return JSONResponse(_history(session_of(request)).record())
+
+
+def _history(session: Session) -> CommandRun:
+    """Evaluate the chain of jobs anew, on what was fitted and on what was held out."""
+    _, job, runs = session.need_job()
+    picture = _results(session, "history.png", is_folder=False)
+
+    async def done(run: CommandRun) -> dict[str, Any]:
+        found = {"steps": json.loads(run.output)}
+        session.shown["history"] = found
+        session.events.tell("shown", history=found)
+        return found
+
+    words = ["history", job.name, "--json", "--picture", str(picture), *_own_effects(session)]
+    return runs.start("history", words, done)
+
+
+async def _propose(request: Request) -> Response:
+    """Write a form that was proposed as the file of an effect."""
+    session = session_of(request)
+    folder, job, _ = session.need_job()
+    asked = await read_json(request)
+    name, number = asked.get("name"), asked.get("number", 1)
+    if not isinstance(name, str) or not _FILE_STEM.fullmatch(name):
+        raise InputError(f"name = {name!r}", accepted="lower-case words joined by underscores")
+    if not isinstance(number, int) or not 1 <= number <= 99:
+        raise InputError(f"number = {number!r}", accepted="1 .. 99")
+
+    async def done(run: CommandRun) -> dict[str, Any]:
+        session.own_effects.append(folder.root / f"{name}.py")
+        return {"file": f"{name}.py"}
+
+    words = ["effects", "propose", job.name, "-o", f"{name}.py", "--number", str(number)]
+    return _start(session, "propose", words, done)
+
+
+async def _check_effect(request: Request) -> Response:
+    """What the checker says of an own effect; a good one is known from then on."""
+    session = session_of(request)
+    folder, job, _ = session.need_job()
+    path = folder.existing(str((await read_json(request)).get("file", "")))
+    if path.suffix != ".py":
+        raise InputError(f"{path.name!r}", accepted="a Python file")
+
+    async def done(run: CommandRun) -> dict[str, Any]:
+        if path not in session.own_effects:
+            session.own_effects.append(path)
+        session.reload()
+        return {"said": run.output, "file": folder.name_of(path)}
+
+    is_measured = (await session.ask("about"))[0]["is_measured"]
+    words = ["effects", "check", folder.name_of(path)]
+    words += ["--job", job.name] if is_measured else []
+    return _start(session, "check", words, done)
+
+
+async def _compensate(request: Request) -> Response:
+    session = session_of(request)
+    _, job, _ = session.need_job()
+    asked = await read_json(request)
+    suffix = (await session.ask("about"))[0]["program"].rpartition(".")[2]
+    out = _results(session, f"compensated.{suffix}", is_folder=False)
+    report = out.with_name("compensated.html")
+    words = ["compensate", job.name, "-o", str(out), "--report", str(report), "--json",
+             *_choices(asked)]  # fmt: skip
+
+    async def done(run: CommandRun) -> dict[str, Any]:
+        return {"figures": json.loads(run.output), "program": str(out), "page": str(report)}
+
+    return _start(session, "compensate", words, done)
+
+
+def _choices(asked: dict[str, Any]) -> list[str]:
+    """The options of a compensation.
+
+    Raises
+    ------
+    InputError
+        A choice that there is not, or a number out of bounds.
+    """
+    words: list[str] = []
+    for name, accepted in {"model": ("abbe", "htm"), "aim": ("tool", "part"),
+                           "dialect": _DIALECTS}.items():  # fmt: skip
+        value = asked.get(name)
+        if value in (None, ""):
+            continue
+        if value not in accepted:
+            raise InputError(f"{name} = {value!r}", accepted=", ".join(accepted))
+        words += [f"--{name}", str(value)]
+    for name, (low, high) in _SIZES.items():
+        value = asked.get(name)
+        if value is None:
+            continue
+        if not isinstance(value, int | float) or not low <= value <= high:
+            raise InputError(f"{name} = {value!r}", accepted=f"{low:g} .. {high:g}")
+        words += [f"--{name.replace('_', '-')}", f"{value:g}"]
+    return words
+
+
+async def _report(request: Request) -> Response:
+    """The one-file report of the part; it also looks for collisions."""
+    session = session_of(request)
+    _, job, _ = session.need_job()
+    out = _results(session, "run")
+    is_cut = (await session.ask("about"))[0]["has_blank"]
+
+    async def done(run: CommandRun) -> dict[str, Any]:
+        notes = _json(session, out / "summary.json").get("run", {}).get("note_records", [])
+        found = {
+            "page": str(out / "report.html"),
+            "collisions": [n for n in notes if n.get("kind") == "collision"],
+        }
+        session.shown["report"] = found
+        session.events.tell("shown", report=found)
+        return found
+
+    words = ["run", job.name, "--out", str(out), *([] if is_cut else ["--no-solid"])]
+    return _start(session, "report", words, done)
+
+
+async def _stop(request: Request) -> Response:
+    _, _, runs = session_of(request).need_job()
+    run = runs.of_number(request.path_params["number"])
+    runs.stop(run)
+    return JSONResponse(run.record())
+
+
+def _start(session: Session, kind: str, words: Sequence[str], done: Any) -> Response:
+    _, _, runs = session.need_job()
+    return JSONResponse(runs.start(kind, words, done).record())
+
+
+def _results(session: Session, name: str, *, is_folder: bool = True) -> Path:
+    """Where a result goes, seen from the opened folder; the folders above it are made."""
+    folder, job, _ = session.need_job()
+    place = Path(_RESULTS) / job.stem / name
+    made = folder.inside(str(place if is_folder else place.parent))
+    (made.parent if is_folder else made).mkdir(parents=True, exist_ok=True)
+    return place
+
+
+def _json(session: Session, name: Path) -> dict[str, Any]:
+    folder, _, _ = session.need_job()
+    return json.loads(folder.existing(str(name)).read_text(encoding="utf-8"))
+
+
+def _own_effects(session: Session) -> list[str]:
+    folder, _, _ = session.need_job()
+    names = [folder.name_of(path) for path in session.effect_files]
+    return [word for name in names for word in ("--effect-file", name)]
+
+
+routes = [
+    Route("/api/diagnose", _diagnose, methods=["POST"]),
+    Route("/api/add", _add, methods=["POST"]),
+    Route("/api/history", _history_again, methods=["POST"]),
+    Route("/api/propose", _propose, methods=["POST"]),
+    Route("/api/check-effect", _check_effect, methods=["POST"]),
+    Route("/api/compensate", _compensate, methods=["POST"]),
+    Route("/api/report", _report, methods=["POST"]),
+    Route("/api/runs/{number:int}/stop", _stop, methods=["POST"]),
+]

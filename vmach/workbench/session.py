@@ -1,0 +1,200 @@
+"""What is open: one job of one folder, its model, the work at hand, and who looks at it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+from pathlib import Path
+from typing import Any
+
+from vmach.errors import InputError
+from vmach.job import job_name
+from vmach.workbench.command_runs import CommandRun, CommandRuns
+from vmach.workbench.events import Events
+from vmach.workbench.file_watch import FileWatch
+from vmach.workbench.job_chain import job_chain
+from vmach.workbench.model.remote import ModelRefused, ModelStopped, RemoteModel
+from vmach.workbench.opened_folder import OpenedFolder
+from vmach.workbench.recent_jobs import remember_job
+
+__all__ = ["Session"]
+
+#: how often files are looked at
+_WATCH_S = 1.0
+#: a process that ends so soon after its start is not started again by itself
+_TOO_SOON_S = 5.0
+
+
+class Session:
+    """The state of the workbench; all of it but the sliders is in files.
+
+    Attributes
+    ----------
+    folder : OpenedFolder or None
+    job : Path or None
+        The open job, in the folder.
+    changes : list
+        What the what-if sliders say, the same in all tabs.
+    events : Events
+    runs : CommandRuns or None
+    """
+
+    def __init__(self, control: str | None = None) -> None:
+        self.folder: OpenedFolder | None = None
+        self.job: Path | None = None
+        self.changes: list[dict[str, Any]] = []
+        self.events = Events()
+        self.runs: CommandRuns | None = None
+        self.own_effects: list[Path] = []
+        self.revision = 0
+        self.shown: dict[str, Any] = {}
+        self._control = control
+        self._model: RemoteModel | None = None
+        self._started_at = 0.0
+        self._watch = FileWatch()
+
+    def open(self, job: Path) -> None:
+        """Open a job, and its folder if that is not open.
+
+        Raises
+        ------
+        InputError
+            There is no such file.
+        """
+        job = (job / "job.toml" if job.is_dir() else job).resolve()
+        if not job.is_file():
+            raise InputError("no such job file", file=job)
+        folder = OpenedFolder(job.parent)
+        if self.folder != folder:
+            self.open_folder(folder)
+        self.job, self.changes = job, []
+        self.own_effects = [f for f in self.own_effects if f.is_file()]
+        remember_job(job)
+        self._start_model()
+        self.events.tell("job", **self.record())
+
+    def open_folder(self, folder: OpenedFolder) -> None:
+        """Open a folder; work in another one ends."""
+        if self.runs is not None:
+            self.runs.close()
+        self.folder, self.own_effects, self.shown = folder, [], {}
+        self.runs = CommandRuns(folder.root, self._tell_run)
+
+    @property
+    def effect_files(self) -> list[Path]:
+        """Files of the user's own effects: those of the chain of jobs, and those written here."""
+        chain = [] if self.job is None else [s for s in job_chain(self.job) if not s.is_later]
+        files = [f for step in chain for f in step.effect_files.values() if f.is_file()]
+        return list(dict.fromkeys(f.resolve() for f in (*files, *self.own_effects)))
+
+    @property
+    def model(self) -> RemoteModel:
+        """The process that holds the part.
+
+        Raises
+        ------
+        InputError
+            No job is open.
+        """
+        if self._model is None:
+            raise InputError("no job is open", hint="choose one on the start page")
+        return self._model
+
+    async def ask(self, question: str, **arguments: Any) -> tuple[dict[str, Any], bytes]:
+        """An answer of the model; where its process has ended another one is started.
+
+        Raises
+        ------
+        ModelRefused, ModelStopped, InputError
+        """
+        model = self.model
+        try:
+            return await model.ask(question, **arguments)
+        except ModelStopped:
+            if model is self._model and time.monotonic() - self._started_at > _TOO_SOON_S:
+                self._start_model()
+                self.events.tell("job", **self.record())
+            raise
+
+    def need_job(self) -> tuple[OpenedFolder, Path, CommandRuns]:
+        """Folder, job and runs.
+
+        Raises
+        ------
+        InputError
+            No job is open.
+        """
+        if self.folder is None or self.job is None or self.runs is None:
+            raise InputError("no job is open", hint="choose one on the start page")
+        return self.folder, self.job, self.runs
+
+    def reload(self) -> None:
+        """Read the job's files again."""
+        if self.job is not None:
+            self._start_model()
+            self.events.tell("job", **self.record())
+
+    def record(self) -> dict[str, Any]:
+        """What every tab shows alike."""
+        if self.folder is None or self.job is None:
+            return {"job": None, "revision": self.revision, "runs": []}
+        return {
+            "job": self.folder.name_of(self.job),
+            "name": job_name(self.job),
+            "folder": str(self.folder.root),
+            "revision": self.revision,
+            "changes": self.changes,
+            "chain": [
+                {
+                    "job": self.folder.name_of(step.job),
+                    "added": list(step.added),
+                    "before_um": step.before_um,
+                    "after_um": step.after_um,
+                    "is_later": step.is_later,
+                    "is_open": step.job == self.job,
+                }
+                for step in job_chain(self.job)
+            ],
+            "runs": [run.record() for run in self.runs.runs] if self.runs else [],
+            "own_effects": [self.folder.name_of(path) for path in self.effect_files],
+            "shown": self.shown,
+        }
+
+    async def keep_watch(self) -> None:
+        """Reload the job whenever one of its files changes, until this is cancelled."""
+        while True:
+            await asyncio.sleep(_WATCH_S)
+            changed = self._watch.changed()
+            if changed and self.job is not None:
+                names = [path.name for path in changed]
+                self.events.tell("files", names=names)
+                self.reload()
+
+    def close(self) -> None:
+        """End all work."""
+        self.events.close()
+        if self.runs is not None:
+            self.runs.close()
+        if self._model is not None:
+            self._model.close()
+
+    def _start_model(self) -> None:
+        assert self.job is not None
+        if self._model is not None:
+            self._model.close()
+        self.revision += 1
+        self._started_at = time.monotonic()
+        self._model = RemoteModel(self.job, self.effect_files, self._control)
+        self._watch.watch([self.job, *self.effect_files])
+        with contextlib.suppress(RuntimeError):  # no loop yet: the first question does it
+            asyncio.get_running_loop().create_task(self.watch_files())
+
+    async def watch_files(self) -> None:
+        """Watch all files that the open job depends on."""
+        with contextlib.suppress(ModelRefused, ModelStopped, InputError):
+            about, _ = await self.model.ask("about")
+            self._watch.watch([*map(Path, about["files"]), *self.effect_files])
+
+    def _tell_run(self, run: CommandRun) -> None:
+        self.events.tell("run", **run.record())

@@ -1,0 +1,156 @@
+// The page comes alive: state, events, tabs.
+
+import { attempt, bench, notice } from "./bench.js";
+import { get, post } from "./api.js";
+import { byId, el } from "./dom.js";
+import { compensatePanel } from "./compensate.js";
+import { diagnosePanel } from "./diagnose.js";
+import { lookPanel } from "./look.js";
+import { listenToPlayer } from "./player.js";
+import { clearMark, listenToProgram, openProgram } from "./program.js";
+import { proposePanel } from "./propose.js";
+import { showRunInHeader, startRun, takeRun } from "./runs.js";
+import { hideStart, showStart } from "./start.js";
+import { listenToControls, loadPart, setTolerance, showChoices, showPoint, stage } from "./stage.js";
+import { whatIfPanel } from "./what_if.js";
+
+const PANELS = { look: ["Look", lookPanel], "what-if": ["What if", whatIfPanel], diagnose: ["Diagnose", diagnosePanel],
+  propose: ["Own law", proposePanel], compensate: ["Compensate", compensatePanel] };
+let shownRevision = null;
+
+function makeTabs() {
+  for (const [name, [word, fill]] of Object.entries(PANELS)) {
+    const tab = el("button", { type: "button", id: "tab-" + name, role: "tab", "aria-controls": "panel-" + name }, word);
+    const panel = el("section", { id: "panel-" + name, class: "panel", role: "tabpanel", "aria-labelledby": "tab-" + name, hidden: true });
+    tab.onclick = () => choose(name);
+    byId("tabs").append(tab);
+    byId("panels").append(panel);
+    fill(panel);
+  }
+  byId("tabs").onkeydown = (event) => {
+    const names = Object.keys(PANELS), step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!step) return;
+    const now = names.findIndex((name) => byId("tab-" + name).getAttribute("aria-selected") === "true");
+    const name = names[(now + step + names.length) % names.length];
+    choose(name);
+    byId("tab-" + name).focus();
+  };
+  choose("look");
+}
+
+export function choose(name) {
+  for (const one of Object.keys(PANELS)) {
+    byId("tab-" + one).setAttribute("aria-selected", String(one === name));
+    byId("tab-" + one).tabIndex = one === name ? 0 : -1;
+    byId("panel-" + one).hidden = one !== name;
+  }
+}
+
+// ---- the job that is open, the same in all tabs
+
+async function showState(state) {
+  Object.assign(bench.state, { shown: {}, runs: [], chain: [] }, state);
+  showRunInHeader();
+  for (const button of document.querySelectorAll(".needs-job")) button.hidden = !state.job;
+  showUndo();
+  if (!state.job) {
+    document.body.dataset.ready = "start";
+    return showStart();
+  }
+  hideStart();
+  byId("job-name").textContent = state.name;
+  document.title = `${state.name} – vmach`;
+  if (state.revision === shownRevision) return bench.tell("state");
+  shownRevision = state.revision;
+  byId("job-about").textContent = state.job;
+  await showJob(state.revision);
+}
+
+async function showJob(revision) {
+  document.body.dataset.ready = "";
+  byId("veil").hidden = false;
+  byId("veil").textContent = "Reading the job …";
+  try {
+    const [about] = await Promise.all([get("/api/about"), null]);
+    if (revision !== shownRevision) return;
+    const isOther = bench.about?.program !== about.program || bench.about?.lines !== about.lines;
+    bench.about = about;
+    byId("job-about").textContent = `${bench.state.job} · ${about.machine}`;
+    if (isOther || !stage.ownTolerance) setTolerance(about.tolerance_um);
+    showChoices();
+    clearMark();
+    openProgram();
+    await loadPart();
+    showPoint(null);
+    if (revision !== shownRevision) return;
+    bench.tell("part");
+    document.body.dataset.ready = "part";
+  } catch (error) {
+    if (revision !== shownRevision) return;
+    byId("veil").textContent = error.message;
+    notice(error.message);
+    document.body.dataset.ready = "trouble";
+  }
+}
+
+function showUndo() {
+  const { chain } = bench.state, at = chain.findIndex((step) => step.is_open), before = chain[at - 1];
+  byId("undo").hidden = at < 1;
+  if (at < 1) return;
+  byId("undo").textContent = `Undo + ${chain[at].added.join(", ")}`;
+  byId("undo").title = `Go back to ${before.job}; ${chain[at].job} stays`;
+  byId("undo").onclick = attempt(() => post("/api/open", { job: before.job }));
+}
+
+// ---- what happens
+
+function listen() {
+  const source = new EventSource("/api/events");
+  const on = (kind, work) => source.addEventListener(kind, (event) => attempt(work)(JSON.parse(event.data)));
+  let isBack = false;
+  on("hello", async () => {
+    if (isBack) await showState(await get("/api/state")); // what was missed meanwhile
+    isBack = true;
+    byId("notices").querySelector(".lost")?.remove();
+  });
+  on("job", showState);
+  on("run", takeRun);
+  on("changes", (what) => { bench.state.changes = what.changes; bench.tell("changes", what); });
+  on("shown", (what) => { Object.assign(bench.state.shown, what); bench.tell("shown"); });
+  on("files", ({ names }) => notice(`${names.join(", ")} changed on the disk and was read again`, "news"));
+  on("goodbye", () => { source.close(); goodbye(); });
+  source.onerror = () => { if (!byId("notices").querySelector(".lost") && source.readyState !== 2) notice("The workbench does not answer; waiting for it.", "lost"); };
+}
+
+function goodbye() {
+  document.body.replaceChildren(el("main", { class: "start" }, el("h1", {}, "The workbench is closed"), el("p", { class: "lead" }, "Everything that was done is in the job's folder; vmach open starts it again.")));
+}
+
+async function start() {
+  makeTabs();
+  listenToControls();
+  listenToProgram();
+  listenToPlayer();
+  byId("home").onclick = showStart;
+  byId("report").onclick = () => startRun("/api/report");
+  byId("shut-down").onclick = attempt(() => post("/api/shut-down"));
+  bench.on("run", (run) => {
+    if (run.kind === "report" && run.state === "done") showReport(run.result);
+    if (run.kind === "add" && run.state === "done") choose("diagnose");
+  });
+  const state = await get("/api/state");
+  listen();
+  await showState(state);
+}
+
+function showReport({ page, collisions }) {
+  const made = el("div", { class: "notice news stay" }, el("p", {}, "The report is made. ",
+    el("a", { href: "/show/" + page, target: "_blank", rel: "noopener" }, "Open it"), " · ", el("a", { href: "/download/" + page, download: "" }, "download"),
+    collisions.length ? ` · ${collisions.length} collisions: ${collisions[0].text}` : " · no collision found"));
+  const close = el("button", { class: "close", title: "Dismiss", type: "button" }, "×");
+  close.onclick = () => made.remove();
+  made.append(close);
+  byId("notices").append(made);
+}
+
+attempt(start)();

@@ -1,0 +1,79 @@
+// Compensate: choices, progress, before and after, what changed in the text, and the program to take along.
+
+import { attempt, bench, isAtWork } from "./bench.js";
+import { get } from "./api.js";
+import { el, fixed, micro } from "./dom.js";
+import { runBox, startRun } from "./runs.js";
+
+const DIALECTS = ["", "fanuc", "grbl", "haas", "heidenhain", "linuxcnc", "sinumerik"];
+const state = { difference: null, of: null };
+
+export function compensatePanel(panel) {
+  const form = choices(), result = el("section");
+  panel.append(form, result);
+  const draw = () => result.replaceChildren(...parts().filter(Boolean));
+  for (const kind of ["part", "run"]) bench.on(kind, draw);
+  bench.on("part", () => { Object.assign(state, { difference: null, of: null }); draw(); });
+  state.draw = draw;
+}
+
+function choices() {
+  const select = (name, options) => el("select", { name }, options.map(([value, word]) => el("option", { value }, word)));
+  const number = (name, value, step) => el("input", { name, type: "number", value, step, min: 0 });
+  const row = (word, input) => el("label", { class: "choice" }, el("span", {}, word), input);
+  const form = el("form", { class: "choices" },
+    row("Keep in place", select("aim", [["tool", "the tool's tip on its path"], ["part", "the part's surface"]])),
+    row("Error model", select("model", [["abbe", "Abbe-consistent"], ["htm", "conventional HTM"]])),
+    row("Written for", select("dialect", DIALECTS.map((d) => [d, d || "the control it is written for"]))),
+    row("Resolution of the control, mm", number("resolution_mm", 0.001, "any")),
+    row("Largest residual before rounding, µm", number("tolerance_um", 0.1, "any")),
+    row("Largest correction accepted, µm", number("limit_um", 500, "any")),
+    el("button", { class: "primary", id: "compensate" }, "Compensate"));
+  form.onsubmit = (event) => {
+    event.preventDefault();
+    const given = new FormData(form), what = { aim: given.get("aim"), model: given.get("model"), dialect: given.get("dialect") };
+    for (const name of ["resolution_mm", "tolerance_um", "limit_um"]) what[name] = Number(given.get(name));
+    startRun("/api/compensate", what);
+  };
+  return form;
+}
+
+function parts() {
+  const run = [...(bench.state.runs ?? [])].reverse().find((one) => one.kind === "compensate");
+  if (!run) return [el("p", { class: "soft" }, "Moves the program against the predicted error, reads it back and checks it.")];
+  if (run.state !== "done" || isAtWork("compensate")) return [runBox("compensate")];
+  const { figures, program, page } = run.result;
+  if (state.of !== run.number) loadDifference(run.number, program);
+  return [figuresTable(figures), el("div", { class: "row" },
+    el("a", { class: "button primary", href: "/download/" + program, download: "" }, "Download the program"),
+    el("a", { href: "/show/" + page, target: "_blank", rel: "noopener" }, "its report")),
+    ...figures.notes.map((note) => el("p", { class: "remark" }, micro(note))),
+    figures.uncorrected.length ? el("p", { class: "remark" }, "Stays: " + figures.uncorrected.map((u) => micro(u.what)).join("; ")) : null,
+    differenceView(), runBox("compensate")];
+}
+
+function figuresTable(f) {
+  const rows = [["Tool off its path, largest", f.before_largest_um, f.after_largest_um], ["Tool off its path, mean", f.before_mean_um, f.after_mean_um]];
+  if (f.surface) rows.push(["Part, largest", f.surface.before_largest_um, f.surface.after_largest_um], ["Part, mean", f.surface.before_mean_um, f.surface.after_mean_um]);
+  const head = ["", "before", "after", ""].map((word) => el("th", { scope: "col" }, word));
+  return el("section", {}, el("h3", {}, "Before and after"), el("table", { class: "rows" }, el("thead", {}, el("tr", {}, head)), el("tbody", {}, rows.map(([word, before, after]) => {
+    const bar = el("i", { class: "after" });
+    bar.style.width = Math.min(100, (100 * after) / Math.max(before, 1e-9)) + "%";
+    return el("tr", {}, el("th", { scope: "row" }, word), el("td", { class: "value" }, fixed(before)), el("td", { class: "value" }, fixed(after), " µm"), el("td", { class: "bar narrow" }, bar));
+  }))), el("p", { class: "soft" }, `largest correction ${fixed(f.largest_correction_um)} µm; ${fixed(f.growth)} times as many blocks; ${f.arcs_kept} of ${f.arcs} arcs stay arcs`));
+}
+
+const loadDifference = attempt(async (number, program) => {
+  Object.assign(state, { of: number, difference: null });
+  state.difference = await get("/api/difference?file=" + encodeURIComponent(program));
+  state.draw();
+});
+
+function differenceView() {
+  const d = state.difference;
+  if (!d) return el("p", { class: "soft" }, "Comparing the texts …");
+  const marks = { " ": "same", "-": "old", "+": "new" };
+  return el("details", { class: "difference", open: true }, el("summary", {}, `${d.changed} changed lines (${d.before} → ${d.after} lines)${d.is_cut ? ", the first of them" : ""}`),
+    el("div", { class: "hunks" }, d.hunks.map((hunk) => el("div", { class: "hunk" }, el("p", { class: "soft" }, `from line ${hunk.line}`),
+      hunk.rows.map(([mark, text]) => el("div", { class: marks[mark] }, el("span", {}, mark === "-" ? "−" : mark), text))))));
+}

@@ -1,0 +1,65 @@
+// How the error fell, model by model: on what was fitted, and on what was held out.
+
+import { attempt, bench } from "./bench.js";
+import { post } from "./api.js";
+import { el, fixed, svg } from "./dom.js";
+
+const APART = 16; // px between the values of two marks of one model
+const WIDTH = 380, HEIGHT = 190, LEFT = 40, RIGHT = 16, TOP = 14, BOTTOM = 26;
+
+export function historyCurve() {
+  const { chain } = bench.state;
+  if (!chain || chain.length < 2) return null;
+  const found = Object.fromEntries((bench.state.shown.history?.steps ?? []).map((step) => [step.job, step]));
+  const steps = chain.map((step, i) => ({
+    ...step,
+    fitted: step.after_um ?? chain[i + 1]?.before_um ?? found[step.job]?.rms_um,
+    heldOut: found[step.job]?.check_rms_um ?? found[step.job]?.held_out_um,
+  }));
+  return el("section", { class: "history" }, el("h3", {}, "How the error fell"), plot(steps), buttons(steps));
+}
+
+function plot(steps) {
+  const values = steps.flatMap((step) => [step.fitted, step.heldOut]).filter((v) => v !== undefined && v !== null);
+  const end = 1.12 * Math.max(0.1, ...values);
+  const x = (i) => LEFT + ((WIDTH - LEFT - RIGHT) * (i + 0.5)) / steps.length;
+  const y = (v) => HEIGHT - BOTTOM - ((HEIGHT - TOP - BOTTOM) * v) / end;
+  const made = svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, class: "curve", role: "img", "aria-label": "RMS of measured minus predicted, model by model" });
+  for (let k = 0; k <= 4; k++) {
+    const v = (end * k) / 4;
+    made.append(svg("line", { class: "grid", x1: LEFT, x2: WIDTH - RIGHT, y1: y(v), y2: y(v) }),
+      Object.assign(svg("text", { class: "tick", x: LEFT - 6, y: y(v) + 4, "text-anchor": "end" }), { textContent: fixed(v, end < 2 ? 2 : 1) }));
+  }
+  for (const [kind, key, word] of [["held", "heldOut", "held out"], ["fitted", "fitted", "fitted"]]) {
+    const known = steps.map((step, i) => [i, step[key], step]).filter(([, v]) => v !== undefined && v !== null);
+    if (!known.length) continue;
+    made.append(svg("polyline", { class: "line " + kind, points: known.map(([i, v]) => `${x(i)},${y(v)}`).join(" ") }));
+    for (const [i, v, step] of known) {
+      const mark = kind === "fitted"
+        ? svg("circle", { class: "mark-" + kind, cx: x(i), cy: y(v), r: step.is_open ? 6 : 4 })
+        : svg("rect", { class: "mark-" + kind, x: x(i) - 4, y: y(v) - 4, width: 8, height: 8 });
+      mark.append(Object.assign(svg("title"), { textContent: `${word}: ${fixed(v)} µm` }));
+      made.append(mark);
+      const other = kind === "held" ? step.fitted : step.heldOut;
+      const above = kind === "held" || (other !== undefined && v > other);
+      const isSame = kind === "fitted" && other !== undefined && other !== null && fixed(v) === fixed(other);
+      if (isSame) continue; // one number says both
+      made.append(Object.assign(svg("text", { class: "value", x: x(i), y: y(v) + (above ? -10 : APART + 2), "text-anchor": "middle" }), { textContent: fixed(v) }));
+    }
+  }
+  steps.forEach((step, i) => made.append(Object.assign(
+    svg("text", { class: "tick" + (step.is_open ? " open" : ""), x: x(i), y: HEIGHT - 7, "text-anchor": "middle" }),
+    { textContent: i === 0 ? "as given" : "+ " + step.added.join(", ").slice(0, 22) })));
+  return el("figure", {}, made, el("figcaption", {},
+    el("span", { class: "key fitted" }), "RMS of the readings that were fitted, µm ",
+    el("span", { class: "key held" }), "of features that were not"));
+}
+
+function buttons(steps) {
+  return el("ol", { class: "steps" }, steps.map((step) => {
+    const button = el("button", { type: "button", disabled: step.is_open, title: step.job }, step.is_open ? "open" : step.is_later ? "Forward to it" : "Back to it");
+    button.onclick = attempt(() => post("/api/open", { job: step.job }));
+    return el("li", { class: step.is_later ? "later" : step.is_open ? "open" : "" },
+      el("span", {}, el("b", {}, step.added.length ? "+ " + step.added.join(", ") : "as given"), " ", el("code", {}, step.job)), button);
+  }));
+}

@@ -1,0 +1,151 @@
+// Diagnose: what the measurements say the model lacks, on cards with Add; the curve of the error.
+
+import { attempt, bench, isAtWork } from "./bench.js";
+import { get, post, send } from "./api.js";
+import { el, fixed, micro, short, units } from "./dom.js";
+import { historyCurve } from "./curve.js";
+import { runBox, startRun } from "./runs.js";
+import { setLook } from "./stage.js";
+
+const VERDICTS = {
+  named: "The model lacks this",
+  class: "These readings narrow it down to a class",
+  partly: "The model lacks this, and something else remains",
+  unknown: "Something real is left that no known effect explains",
+  nothing: "The measurements agree with the model",
+};
+const state = { measured: null };
+
+export function diagnosePanel(panel) {
+  const draw = () => panel.replaceChildren(...parts().filter(Boolean));
+  for (const kind of ["part", "run", "shown", "state"]) bench.on(kind, draw);
+  bench.on("part", attempt(async () => {
+    state.measured = null;
+    if (bench.about.is_measured) state.measured = await get("/api/measured");
+    draw();
+  }));
+}
+
+function parts() {
+  if (!bench.about) return [];
+  if (!bench.about.is_measured)
+    return [el("p", { class: "soft" }, "Nothing was measured for this job. A diagnosis needs measured = a CSV of CMM points, or [[measurements]] in the job file.")];
+  const found = bench.state.shown?.diagnosis, busy = isAtWork("diagnose") || isAtWork("add");
+  const button = el("button", { type: "button", class: "primary", disabled: busy, id: "diagnose" }, found ? "Diagnose again" : "Diagnose");
+  button.onclick = () => startRun("/api/diagnose");
+  return [
+    measuredLine(),
+    el("div", { class: "row" }, button, found ? residualButtons() : el("span", { class: "soft" }, "asks which effect is missing")),
+    runBox(isAtWork("add") ? "add" : "diagnose", busy),
+    historyCurve(),
+    ...(found ? verdict(found) : []),
+    found ? runBox("diagnose") : null,
+  ];
+}
+
+function measuredLine() {
+  const m = state.measured;
+  if (!m) return el("p", { class: "soft" }, "Reading the measurements …");
+  return el("p", { class: "lead" }, el("b", { class: "big" }, fixed(m.rms_um), " ", el("small", {}, "µm RMS")),
+    ` measured − predicted over ${m.readings} readings (${m.measurements.map((one) => one.name).join(", ")})`);
+}
+
+function residualButtons() {
+  const button = el("button", { type: "button" }, "Show it on the part");
+  button.onclick = () => setLook({ quantity: "residual" });
+  return bench.about.has_measured_part ? button : null;
+}
+
+function verdict(found) {
+  const rows = [
+    el("h3", { class: "verdict " + found.verdict }, VERDICTS[found.verdict]),
+    rmsBars(found),
+    ...found.effects.map((one) => card(one, found)),
+  ];
+  if (["partly", "unknown"].includes(found.verdict)) {
+    rows.push(el("p", {}, "What remains beside noise: ", el("b", {}, fixed(found.remains_um)), " µm RMS. ",
+      found.proposals.length ? "The tab Own law has forms for it." : ""));
+    rows.push(...found.where_it_fails.slice(0, 3).map((one) => el("p", { class: "remark" }, micro(one.text))));
+  }
+  if (found.weak_effects.length)
+    rows.push(el("p", { class: "soft" }, "Hinted at, not shown: ", found.weak_effects.map((w) => [w.effect, w.target].filter(Boolean).join(" ")).join(", ")));
+  if (found.next_measurement) rows.push(next(found));
+  rows.push(...found.notes.map((note) => el("p", { class: "remark" }, micro(note))));
+  rows.push(whole(found));
+  return rows;
+}
+
+function rmsBars(found) {
+  const words = { before: "as the job is", after: "with what is shown", expected_noise: "expected noise" };
+  const largest = Math.max(...Object.values(found.rms_um), 1e-9);
+  return el("table", { class: "bars" }, el("tbody", {}, Object.entries(words).filter(([key]) => key in found.rms_um).map(([key, word]) => {
+    const bar = el("i", { class: key });
+    bar.style.width = (100 * found.rms_um[key]) / largest + "%";
+    return el("tr", {}, el("th", { scope: "row" }, word), el("td", { class: "bar" }, bar), el("td", { class: "value" }, fixed(found.rms_um[key]), " µm"));
+  })));
+}
+
+function card(one, found) {
+  if (one.effect === "unknown")
+    return el("article", { class: "card open" }, el("h4", {}, "Not known"), el("p", {}, micro(one.where ?? "everywhere: more scatter than the uncertainty says")));
+  const word = one.target ? `${one.effect}:${one.target}` : one.effect;
+  const add = el("button", { type: "button", class: "primary", disabled: isAtWork("add") }, "Add");
+  add.onclick = () => startRun("/api/add", { effects: [word] });
+  const numbers = Object.entries(one.interval_95).map(([name, [low, high]]) => {
+    const unit = units(unitOf(name));
+    return el("p", { class: "size" }, el("b", {}, short(one.parameters[name])), ` ${unit} `,
+      el("small", { class: "soft" }, one.hardly_shown.includes(name) ? `${name}: the readings hardly show it` : `${name}: ${short(low)} to ${short(high)} (95 %)`));
+  });
+  const rivals = (one.rivals ?? []).filter((label) => label !== [one.effect, one.target].filter(Boolean).join(" "));
+  return el("article", { class: "card" },
+    el("header", {}, el("h4", {}, one.what, " ", el("code", {}, word.replace(":", " "))), add),
+    one.where ? el("p", {}, micro(one.where)) : null, ...numbers,
+    el("p", { class: "soft" }, `explains ${fixed(one.size_um)} µm RMS, ${Math.round(100 * one.share)} % of what is there`),
+    rivals.length ? el("p", {}, "Cannot be told from: ", rivals.join(", ")) : null,
+    details([["Usual size", one.usual_size], ["Confirm", one.confirm], ["Cure", one.cure]]),
+    found.effects.length > 1 && one === found.effects.at(-1) ? addAll(found) : null);
+}
+
+function addAll(found) {
+  const words = found.effects.filter((e) => e.effect !== "unknown").map((e) => (e.target ? `${e.effect}:${e.target}` : e.effect));
+  const button = el("button", { type: "button" }, `Add all ${words.length}`);
+  button.onclick = () => startRun("/api/add", { effects: words });
+  return words.length > 1 ? button : null;
+}
+
+const unitOf = (name) => (name.match(/_((?:um|mm|urad|rad|ppm|s|ms|ms2|deg|degc|n)(?:_per_\w+)?)$/i) ?? ["", ""])[1];
+
+function details(rows) {
+  const known = rows.filter(([, text]) => text);
+  if (!known.length) return null;
+  return el("details", {}, el("summary", {}, "How to confirm and cure it"),
+    el("dl", { class: "facts" }, known.map(([word, text]) => el("div", {}, el("dt", {}, word), el("dd", {}, micro(text))))));
+}
+
+function next(found) {
+  const drop = el("label", { class: "drop" }, "Drop its readings here, or choose a file",
+    el("input", { type: "file", accept: ".csv", class: "hidden-file" }));
+  const take = attempt(async (file) => {
+    if (!file) return;
+    const taken = await send(file);
+    drop.firstChild.textContent = `${taken.file} is in the folder. Name it in [[measurements]] of the job file; the page reads it then.`;
+  });
+  drop.querySelector("input").onchange = (event) => take(event.target.files[0]);
+  drop.ondragover = (event) => event.preventDefault();
+  drop.ondrop = (event) => { event.preventDefault(); take(event.dataTransfer.files[0]); };
+  return el("article", { class: "card next" }, el("h4", {}, "Measure next"), el("p", {}, micro(found.next_measurement.text)),
+    found.program ? el("p", {}, el("a", { href: "/download/" + found.program, download: "" }, "Download its NC program")) : null, drop);
+}
+
+function whole(found) {
+  const frame = el("iframe", { title: "The whole diagnosis", class: "whole", hidden: true });
+  frame.setAttribute("sandbox", "allow-scripts");
+  const toggle = el("button", { type: "button" }, "Panels against everything");
+  toggle.onclick = () => {
+    frame.hidden = !frame.hidden;
+    if (!frame.hidden && !frame.src) frame.src = "/show/" + found.page;
+  };
+  return el("section", {}, el("div", { class: "row" }, toggle,
+    el("a", { href: "/show/" + found.page, target: "_blank", rel: "noopener" }, "in a page of its own"),
+    el("a", { href: "/download/" + found.page, download: "" }, "download")), frame);
+}

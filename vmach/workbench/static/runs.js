@@ -1,0 +1,51 @@
+// Work that takes a while: what it does, how far it is, a way to stop it, and why it failed.
+
+import { attempt, bench, isAtWork, notice } from "./bench.js";
+import { post } from "./api.js";
+import { byId, commandLine, el } from "./dom.js";
+
+export const WORDS = { diagnose: "Diagnosing", add: "Adding", history: "Evaluating the models", propose: "Writing the proposal",
+  check: "Checking the effect", compensate: "Compensating", report: "Machining the part" };
+
+const stop = attempt((run) => post(`/api/runs/${run.number}/stop`));
+
+function progressOf(run) {
+  const bar = el("progress", run.share === null ? {} : { value: run.share, max: 1 });
+  bar.setAttribute("aria-label", WORDS[run.kind] ?? run.kind);
+  const button = el("button", { type: "button", class: "stop" }, "Stop");
+  button.onclick = () => stop(run);
+  return [el("span", {}, `${WORDS[run.kind] ?? run.kind}${run.stage ? ": " + run.stage : run.state === "waiting" ? ": waiting" : ""}`), bar, button];
+}
+
+export function showRunInHeader() {
+  const run = (bench.state.runs ?? []).find((one) => ["running", "waiting"].includes(one.state));
+  byId("run").hidden = !run;
+  byId("run").replaceChildren(...(run ? progressOf(run) : []));
+}
+
+// A run's box in a panel: its command, how far it is, or what went wrong; of a run that went well
+// only where it is wanted.
+export function runBox(kind, isWanted = true) {
+  const run = [...(bench.state.runs ?? [])].reverse().find((one) => one.kind === kind);
+  if (!run || (!isWanted && run.state === "done")) return null;
+  const parts = [];
+  if (isAtWork(kind)) parts.push(el("div", { class: "progress" }, ...progressOf(run)));
+  if (run.state === "failed") parts.push(el("p", { class: "trouble", role: "alert" }, run.message));
+  if (run.state === "stopped") parts.push(el("p", { class: "soft" }, run.message));
+  return el("div", { class: "run-box" }, ...parts, commandLine(run.command));
+}
+
+export const startRun = attempt(async (address, what = {}) => {
+  const run = await post(address, what);
+  takeRun(run);
+});
+
+export function takeRun(run) {
+  const runs = bench.state.runs ?? (bench.state.runs = []);
+  const at = runs.findIndex((one) => one.number === run.number), before = at < 0 ? null : runs[at];
+  if (at < 0) runs.push(run);
+  else runs[at] = run;
+  if (run.state === "failed" && before?.state !== "failed") notice(run.message);
+  showRunInHeader();
+  bench.tell("run", run);
+}

@@ -1,0 +1,211 @@
+// The part: colours, scale, worst places, the point that was clicked.
+
+import { attempt, bench } from "./bench.js";
+import { bytes, framed, get, query } from "./api.js";
+import { byId, el, fixed, short, signed } from "./dom.js";
+import { Overlay } from "./overlay.js";
+
+const MODEL_WORDS = { abbe: "Abbe", htm: "HTM", none: "Program alone" };
+const VIEW_WORDS = { overview: "Overview", top: "Top", front: "Front", right: "Right", back: "Back", below: "Below" };
+
+export const stage = { scene: null, overlay: null, toleranceUm: 10, rangeUm: 1, followers: [] };
+let asked = 0;
+
+// ---- the mesh of a job, once; the colours as often as anything changes
+
+export async function loadPart() {
+  const first = stage.scene === null;
+  byId("veil").textContent = "Machining the part in the model …";
+  byId("veil").hidden = false;
+  const [packed] = await Promise.all([bytes("/api/mesh"), first ? null : null]);
+  const model = new Model(await unpackPayload(packed));
+  if (first) makeScene(model);
+  else stage.scene.load(model);
+  stage.isLoaded = true;
+  await loadValues();
+  byId("veil").hidden = true;
+}
+
+function makeScene(model) {
+  const canvas = byId("canvas");
+  stage.scene = new Scene(canvas, model, bench.state.colour_stops, bench.state.unknown_colour);
+  stage.overlay = new Overlay(stage.scene);
+  stage.scene.onDraw = () => { placeMarks(); stage.followers.forEach((follow) => follow()); };
+  stage.scene.onSettle = hideCovered;
+  listenToGestures(canvas, stage.scene, (x, y) => pickAt(x, y));
+}
+
+export async function loadValues() {
+  const number = ++asked;
+  const [figures, values] = await framed("/api/values?" + query({ ...bench.look, tolerance_um: stage.toleranceUm || null }));
+  if (number === asked) applyValues(figures, values);
+}
+
+// Figures and values (um, NaN unknown) of every vertex, from wherever they come.
+export function applyValues(figures, values) {
+  const pairs = new Float32Array(2 * values.length);
+  for (let i = 0; i < values.length; i++)
+    if (values[i] === values[i]) { pairs[2 * i] = values[i]; pairs[2 * i + 1] = 1; }
+  const isNew = bench.figures?.quantity !== figures.quantity;
+  bench.figures = figures;
+  stage.scene.setValues(pairs);
+  if (isNew) byId("range").value = 50;
+  showScale();
+  showFigures();
+  makeMarks();
+  bench.tell("figures", figures);
+}
+
+// ---- choices above the part
+
+export function showChoices() {
+  const groups = { "": [], "Share of one error": [] };
+  for (const one of bench.about.quantities)
+    groups[one.name.startsWith("share:") ? "Share of one error" : ""].push(
+      el("option", { value: one.name }, one.name.startsWith("share:") ? one.label.replace("Share of ", "") : one.label));
+  byId("quantity").replaceChildren(...groups[""], el("optgroup", { label: "Share of one error" }, groups["Share of one error"]));
+  if (!bench.about.quantities.some((one) => one.name === bench.look.quantity)) bench.look.quantity = "deviation";
+  byId("quantity").value = bench.look.quantity;
+  byId("models").replaceChildren(...bench.about.models.map((name) => {
+    const input = el("input", { type: "radio", name: "model", value: name, checked: name === bench.look.model });
+    input.onchange = () => setLook({ model: name });
+    return el("label", {}, input, el("span", {}, MODEL_WORDS[name]));
+  }));
+  showModels();
+}
+
+function showModels() {
+  byId("models").hidden = !bench.about.quantities.find((one) => one.name === bench.look.quantity)?.has_models;
+}
+
+export const setLook = attempt(async (change) => {
+  Object.assign(bench.look, change);
+  byId("quantity").value = bench.look.quantity;
+  showModels();
+  await loadValues();
+});
+
+export function listenToControls() {
+  byId("quantity").onchange = (event) => setLook({ quantity: event.target.value });
+  byId("views").append(...Object.entries(VIEW_WORDS).map(([name, word]) => {
+    const button = el("button", { type: "button" }, word);
+    button.onclick = () => stage.scene?.home(...VIEWS[name]);
+    return button;
+  }));
+  let waiting = null;
+  byId("tolerance").oninput = () => {
+    const at = Number(byId("tolerance").value) / 100;
+    stage.toleranceUm = Number((stage.ownTolerance * 10 ** (2 * (at - 0.5))).toPrecision(2));
+    showTolerance();
+    clearTimeout(waiting);
+    waiting = setTimeout(attempt(loadValues), 120);
+  };
+  byId("grey").onchange = (event) => stage.scene.setLook({ greyWithin: event.target.checked });
+  byId("marks-on").onchange = makeMarks;
+  byId("range").oninput = showScale;
+  for (const id of ["section", "section-at"]) byId(id).oninput = showSection;
+  document.addEventListener("pointerdown", (event) => {
+    const options = document.querySelector(".options[open]");
+    if (options && !options.contains(event.target)) options.open = false;
+  });
+}
+
+export function setTolerance(um) {
+  stage.ownTolerance = stage.toleranceUm = um;
+  byId("tolerance").value = 50;
+  showTolerance();
+}
+
+function showTolerance() {
+  byId("tolerance-text").textContent = short(stage.toleranceUm) + " µm";
+  stage.scene?.setLook({ tolerance: stage.toleranceUm });
+}
+
+function showSection() {
+  const axis = byId("section").value, { scene } = stage;
+  byId("section-at").hidden = axis === "";
+  if (axis === "") return scene.setLook({ section: [0, 0, 0, 0] });
+  const k = Number(axis), share = Number(byId("section-at").value) / 100, normal = [0, 0, 0];
+  normal[k] = 1;
+  scene.setLook({ section: [...normal, scene.model.low[k] + share * (scene.model.high[k] - scene.model.low[k]) + 1e-3] });
+}
+
+// ---- scale and figures
+
+function showScale() {
+  const { range_um } = bench.figures, at = Number(byId("range").value);
+  const end = stage.rangeUm = Number((range_um * 10 ** ((at - 50) / 50)).toPrecision(2));
+  byId("range-text").textContent = "± " + short(end) + " µm";
+  byId("ticks").replaceChildren(...[1, 0.5, 0, -0.5, -1].map((share) => {
+    const tick = el("li", {}, share === 0 ? "0" : signed(share * end, Math.max(0, 2 - Math.floor(Math.log10(end) + 1))) + (share === 1 ? " µm" : ""));
+    tick.style.top = 50 - 50 * share + "%";
+    return tick;
+  }));
+  stage.scene.setLook({ range: end, tolerance: stage.toleranceUm });
+}
+
+function showFigures() {
+  const f = bench.figures, entry = (word, value, unit = "µm", kind = "") =>
+    el("div", { class: kind }, el("dt", {}, word), el("dd", {}, value, " ", el("small", {}, unit)));
+  const rows = [
+    entry("RMS", fixed(f.rms_um)), entry("Mean", signed(f.mean_um)),
+    entry("Most left", signed(f.high_um)), entry("Most gone", signed(f.low_um)),
+    entry(`Beyond ± ${short(stage.toleranceUm)} µm`, fixed(100 * f.outside, 1), "%"),
+    entry(f.points === "measured" ? "Measured points" : "Points", f.count.toLocaleString("en").replaceAll(",", " "), ""),
+  ];
+  byId("figures").replaceChildren(...rows);
+}
+
+// ---- marks over the part
+
+export function makeMarks() {
+  const { scene } = stage;
+  if (!scene || !bench.figures) return;
+  const worst = byId("marks-on").checked && bench.look.quantity !== "uncertainty" ? bench.figures.worst : [];
+  const marks = worst.map((point, i) => Object.assign(el("div", { class: "mark" }, String(i + 1)), { point }));
+  if (bench.point) marks.unshift(Object.assign(el("div", { class: "mark dot" }),
+    { point: { at: bench.point.at_mm, normal: bench.point.normal } }));
+  byId("marks").replaceChildren(...marks);
+  placeMarks();
+  hideCovered();
+}
+
+function placeMarks() {
+  const { scene } = stage, towards = scene.axes()[2];
+  for (const mark of byId("marks").children) {
+    const [x, y] = scene.toScreen(mark.point.at);
+    mark.style.transform = `translate(${x}px, ${y}px)`;
+    mark.style.visibility = dot(towards, mark.point.normal) > 0.02 ? "" : "hidden";
+  }
+  byId("triad").innerHTML = triad(scene);
+}
+
+function hideCovered() {
+  for (const mark of byId("marks").children)
+    if (!stage.scene.sees(mark.point.at)) mark.style.visibility = "hidden";
+}
+
+// ---- a click names the point
+
+export const pickAt = attempt(async (x, y) => {
+  const hit = stage.scene.pick(x, y);
+  if (!hit) return showPoint(null);
+  await pickNear(hit.place, hit.normal);
+});
+
+export const pickNear = attempt(async (place, normal) => {
+  const [px, py, pz] = place, [i, j, k] = normal;
+  const found = await get("/api/point?" + query({ points: bench.figures.points, x: px, y: py, z: pz, i, j, k }));
+  showPoint(found.id === undefined ? null : found);
+});
+
+export function showPoint(point) {
+  bench.point = point;
+  makeMarks();
+  bench.tell("point", point);
+}
+
+export function faceWorst(place) {
+  stage.scene.face(place);
+  return pickNear(place.at, place.normal);
+}

@@ -1,0 +1,128 @@
+// What if: a card for every effect, with sliders; the part follows them at once.
+
+import { attempt, bench } from "./bench.js";
+import { get, postFramed, TAB } from "./api.js";
+import { el, fixed, short, units } from "./dom.js";
+import { applyValues, loadValues } from "./stage.js";
+
+const state = { cards: [], values: new Map(), isWaiting: false, isDirty: false, panel: null, open: new Set() };
+const STEPS = 200;
+const keyOf = (card) => card.effect + ":" + card.target;
+
+export function whatIfPanel(panel) {
+  state.panel = panel;
+  const filter = el("input", { type: "search", placeholder: "Find an effect: backlash, thermal, Y …", "aria-label": "Find an effect" });
+  const reset = el("button", { type: "button", class: "reset" }, "Reset");
+  reset.onclick = () => change(new Map());
+  const list = el("div", { class: "cards" });
+  panel.append(
+    el("div", { class: "row" }, filter, reset),
+    el("p", { class: "residual", id: "what-if-residual", role: "status" }), list);
+  filter.oninput = () => showCards(list, filter.value.toLowerCase());
+  bench.on("part", attempt(async () => {
+    state.cards = (await get("/api/effects")).cards;
+    readChanges(bench.state.changes);
+    showCards(list, filter.value.toLowerCase());
+    showResidual(null);
+  }));
+  bench.on("changes", attempt(async ({ changes, tab }) => {
+    if (tab === TAB) return;
+    readChanges(changes);
+    showCards(list, filter.value.toLowerCase());
+    await loadValues();
+  }));
+  state.redraw = () => showCards(list, filter.value.toLowerCase());
+}
+
+function readChanges(changes) {
+  state.values = new Map((changes ?? []).map((one) => [one.effect + ":" + (one.target ?? ""), { ...one.parameters }]));
+}
+
+function showCards(list, wanted) {
+  const rank = (card) => (state.values.has(keyOf(card)) ? 0 : card.in_job ? 1 : 2);
+  const cards = state.cards
+    .filter((card) => !wanted || `${card.effect} ${card.target} ${card.title}`.toLowerCase().includes(wanted))
+    .map((card, i) => [rank(card), i, card]).sort((a, b) => a[0] - b[0] || a[1] - b[1]).map((entry) => entry[2]);
+  list.replaceChildren(...cards.map(cardOf));
+  if (!cards.length) list.append(el("p", { class: "soft" }, "No effect of this name."));
+}
+
+function cardOf(card) {
+  const key = keyOf(card), touched = state.values.has(key);
+  const head = el("summary", {}, el("b", {}, card.title), el("code", {}, [card.effect, card.target].join(" ").trim()),
+    card.in_job ? el("span", { class: "tag" }, "in the job") : null, touched ? el("span", { class: "tag moved" }, "moved") : null);
+  const body = card.parameters.length
+    ? card.parameters.map((p) => sliderOf(card, p))
+    : [el("p", { class: "soft" }, "A correction curve; it has no slider.")];
+  const made = el("details", { class: "effect", open: touched || state.open.has(key) }, head, ...body,
+    el("p", { class: "soft" }, card.usual_size ? "Usual: " + card.usual_size.replace(/\bum\b/g, "µm") : ""));
+  made.ontoggle = () => (made.open ? state.open.add(key) : state.open.delete(key));
+  return made;
+}
+
+function sliderOf(card, p) {
+  const key = keyOf(card), now = state.values.get(key)?.[p.name] ?? p.value;
+  const unit = units(p.unit), text = el("output", {});
+  const toShare = (v) => (p.is_logarithmic ? Math.log(v / p.low) / Math.log(p.high / p.low) : (v - p.low) / (p.high - p.low || 1));
+  const toValue = (s) => (p.is_logarithmic ? p.low * (p.high / p.low) ** s : p.low + s * (p.high - p.low));
+  const input = el("input", { type: "range", min: 0, max: STEPS, value: Math.round(STEPS * toShare(now)), "aria-label": `${card.effect} ${card.target} ${p.meaning}` });
+  const show = (v) => {
+    text.textContent = `${short(v)} ${unit}`;
+    input.setAttribute("aria-valuetext", text.textContent);
+  };
+  show(now);
+  input.oninput = () => {
+    let value = toValue(Number(input.value) / STEPS);
+    if (p.is_amplitude && Math.abs(value) < (p.high - p.low) / STEPS / 2) value = 0;
+    value = Number(value.toPrecision(4));
+    show(value);
+    // what has a size is seen at once: its other parameters stay as they are usual
+    const own = { ...Object.fromEntries(card.parameters.map((q) => [q.name, q.value])), ...state.values.get(key), [p.name]: value };
+    change(new Map(state.values).set(key, own), false);
+  };
+  const interval = p.half_width ? `in the job ${short(p.value)} ± ${short(p.half_width)} ${unit} (95 %)` : card.in_job ? `in the job ${short(p.value)} ${unit}` : "";
+  return el("label", { class: "slider" }, el("span", {}, p.meaning.replace(/\bum\b/g, "µm")), text, input, interval ? el("small", { class: "soft" }, interval) : null);
+}
+
+// ---- to the server: one question at a time, the last position always gets there
+
+function change(values, isRedrawn = true) {
+  state.values = values;
+  if (isRedrawn) state.redraw();
+  push();
+}
+
+const push = attempt(async () => {
+  if (state.isWaiting) {
+    state.isDirty = true;
+    return;
+  }
+  state.isWaiting = true;
+  try {
+    do {
+      state.isDirty = false;
+      const [figures, values] = await postFramed("/api/what-if", { changes: changesNow(), shown: bench.look, tab: TAB });
+      if (figures.quantity === bench.look.quantity) applyValues(figures, values);
+      showResidual(figures.residual_rms_um);
+    } while (state.isDirty);
+  } finally {
+    state.isWaiting = false;
+  }
+});
+
+function changesNow() {
+  return [...state.values].map(([key, parameters]) => {
+    const [effect, target] = key.split(":");
+    return { effect, target, parameters };
+  });
+}
+
+function showResidual(um) {
+  const line = document.getElementById("what-if-residual");
+  const count = state.values.size;
+  if (!count) line.textContent = "Move a slider: the part is coloured anew at once. The job stays as it is.";
+  else if (um === null || um === undefined) line.textContent = `${count} ${count === 1 ? "effect" : "effects"} moved.`;
+  else line.textContent = `RMS of measured − predicted with the sliders: ${fixed(um)} µm`;
+}
+
+
