@@ -7,8 +7,8 @@ offsets are projected out.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -185,18 +185,6 @@ class Survey:
         """Of the measurements that could show an effect."""
         pairs = zip(self.seen_paths, self.measurements, strict=True)
         return [path for path, m in pairs if _can_show(m, effect)]
-
-    def part_of(self, rows: Sequence[bool] | np.ndarray) -> Survey:
-        """The survey with some of its readings, (n,) bool."""
-        wanted = [np.asarray(rows)[own] for own in self.rows]
-        return replace(
-            self,
-            measurements=tuple(
-                m if own.all() else m.keep(own)
-                for m, own in zip(self.measurements, wanted, strict=True)
-                if own.any()
-            ),
-        )
 
 
 def _can_show(measurement: Measurement, effect: Effect) -> bool:

@@ -40,11 +40,6 @@ class Term:
         return label_of(self.effect.name, self.target)
 
     @property
-    def is_curve(self) -> bool:
-        """Whether its coefficients are a curve, which may take any shape."""
-        return self.width is not None
-
-    @property
     def prior_width(self) -> float:
         """Prior standard deviation of its coefficients, in usual sizes."""
         return self.width or FREE

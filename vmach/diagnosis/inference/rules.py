@@ -21,10 +21,10 @@ __all__ = [
 #: log evidence by which one explanation is clearly more probable than another
 CLEARLY = 4.6
 #: probability that an effect is no imitation from which it counts as shown
-CERTAIN = 0.55
+CERTAIN = 0.6
 #: logit of that probability: for an effect as large as the rest; for a power of e in its variance;
 #: for a log evidence that a form does better in its place
-OFFSET, WEIGHT_OF_SIZE, WEIGHT_OF_FORM = -0.6, 0.8, 0.15
+OFFSET, WEIGHT_OF_SIZE, WEIGHT_OF_FORM = -1.2, 0.85, 0.2
 #: what remains counts as structure from this multiple of the median stated uncertainty on
 STRUCTURE = 1.0
 #: below this multiple of the median stated uncertainty a rest is not looked into
