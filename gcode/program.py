@@ -185,7 +185,8 @@ def read_program(
     source = path if isinstance(path, Source) else Source.read(path)
     fast = len(source.data) >= _FAST_FROM if fast is None else fast
     settings = control or ControlSettings(block_delete=block_delete)
-    how = RunOptions(settings, max_blocks, fast)
+    folder = Path(source.path).parent if Path(source.path).is_file() else None
+    how = RunOptions(settings, max_blocks, fast, folder)
 
     def run(spoken: type[Dialect]) -> Controller:
         controller = Controller(dict(tools or {}), arc_tolerance(arc_tolerances), machine_unit_mm,

@@ -30,6 +30,15 @@ class InputError(VmachError, ValueError):
         What to do about it.
     note : Note, optional
         The same as a record, where a check of the input made one.
+
+    Examples
+    --------
+    >>> import vmach
+    >>> try:
+    ...     vmach.read_job("nowhere/job.toml")
+    ... except vmach.InputError as error:
+    ...     print(error.file, error.what, sep=": ")
+    nowhere/job.toml: job file not found
     """
 
     def __init__(

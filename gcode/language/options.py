@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from gcode.errors import ProgramError
 
@@ -50,11 +51,14 @@ class RunOptions:
         Give up after so many blocks.
     fast : bool
         Use the compiled reader for plain motion, where the dialect has it.
+    folder : Path or None
+        Where programs that are called are looked for.
     """
 
     control: ControlSettings
     max_blocks: int
     fast: bool
+    folder: Path | None = None
 
     def skips(self, switch: int) -> bool:
         """Whether the blocks of a switch of the optional block skip are skipped."""

@@ -33,24 +33,32 @@ class Translated:
     def __init__(self, controller: Controller, lines: list[str], options: RunOptions) -> None:
         self.controller, self.lines, self.options = controller, lines, options
         self.budget = BlockBudget(options.max_blocks)
-        self.next = 0
+        self.next, self.stop = 0, len(lines)
         self.ended = False
 
     def run(self) -> None:
         """Run to the end of the program."""
         controller = self.controller
-        while self.next < len(self.lines) and not self.ended:
-            if self.skip_plain():
+        while not self.ended and (self.next < self.stop or self.leave()):
+            if self.next >= self.stop or self.skip_plain():
                 continue
             here = self.next
             self.next = here + 1
-            controller.line = controller.record.line = here + 1
+            controller.line = controller.record.line = self.source_line(here)
             if controller.trace is not None:
-                controller.trace.begin(here + 1)
+                controller.trace.begin(controller.line)
             self.budget.executed += 1
             self.budget.check()
             self.obey(self.lines[here])
         flush(controller)
+
+    def leave(self) -> bool:
+        """At the end of the lines: go on elsewhere, or tell that there is nothing more."""
+        return False
+
+    def source_line(self, index: int) -> int:
+        """1-based line of the program's file for a line that is obeyed."""
+        return index + 1
 
     def skip_plain(self) -> bool:
         """Obey the lines that come in another way, where there is one; tells whether it did."""

@@ -74,8 +74,11 @@ def select_system(controller: Controller, code: str) -> None:
     system = WORK_OFFSETS.index(code) + 1
     if system == controller.system:
         return
+    here = controller.machine_position()
     controller.position = position_in_system(controller, system, with_tool=False)
     _load_system(controller, system)
+    if not controller.turn.is_identity:
+        controller.position = controller.from_machine(here)
     say_work_system(controller)
 
 

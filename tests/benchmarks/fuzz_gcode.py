@@ -1,9 +1,9 @@
 """Random and mutilated programs: each must give a result or one clear error, and end.
 
-    python tests/benchmarks/fuzz_gcode.py [INPUTS] [SEED]
+    python tests/benchmarks/fuzz_gcode.py [INPUTS] [SEED] [CONTROL]
 
 Inputs are the golden programs with bytes changed, lines shuffled, words exchanged, and random
-words of the language in random order, in all dialects.
+words of the language in random order, in all dialects; or those that hold every word of a control.
 """
 
 from __future__ import annotations
@@ -19,7 +19,12 @@ from pathlib import Path
 from gcode import ProgramError, Source, ToolEntry, canon_lines, read_program
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "gcode"
-TOOLS = {n: ToolEntry(10.0 * n, 2.0 * n) for n in range(1, 6)}
+CONTROLS = GOLDEN.with_name("controls")
+#: control -> whose programs it is given
+LIKE = {"haas": "fanuc", "mach": "fanuc", "centroid": "fanuc", "grbl": "fanuc"}
+TOOLS = {n: ToolEntry(10.0 * n, 2.0 * n) for n in range(2, 6)} | {
+    1: ToolEntry(100, 10, name="MILL_10")
+}
 DIALECTS = ("auto", "linuxcnc", "linuxcnc", "fanuc", "haas", "heidenhain", "sinumerik", "grbl")
 PIECES = [
     *"XYZABCIJKRPQLFSTHDE[]#<>()=*/+-%;:@^$ \t", "G0", "G1", "G2", "G3", "G41", "G42", "G41.1",
@@ -60,11 +65,11 @@ def random_program(rng: random.Random) -> bytes:
     return "\n".join(lines).encode("latin-1")
 
 
-def outcome(text: bytes, rng: random.Random) -> str:
+def outcome(text: bytes, rng: random.Random, dialect: str) -> str:
     """Read one input; returns what happened, raises for anything that should not happen."""
     try:
         program = read_program(Source(text), tools=TOOLS, max_blocks=2000,
-                               dialect=rng.choice(DIALECTS), fast=rng.random() < 0.5)  # fmt: skip
+                               dialect=dialect, fast=rng.random() < 0.5)  # fmt: skip
         len(program.moves)
         if rng.random() < 0.1:
             sum(1 for _ in canon_lines(program))
@@ -78,14 +83,16 @@ def outcome(text: bytes, rng: random.Random) -> str:
 def main() -> int:
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
     rng = random.Random(int(sys.argv[2]) if len(sys.argv) > 2 else 1)
-    texts = [path.read_bytes() for path in sorted(GOLDEN.glob("*.ngc"))]
+    control = sys.argv[3] if len(sys.argv) > 3 else ""
+    found = CONTROLS.glob(f"*.{LIKE.get(control, control)}.*") if control else GOLDEN.glob("*.ngc")
+    texts = [path.read_bytes() for path in sorted(found)]
     counts: Counter[str] = Counter()
     slowest = 0.0
     for _ in range(count):
         text = mutilated(texts, rng) if rng.random() < 0.7 else random_program(rng)
         start = time.perf_counter()
         try:
-            counts[outcome(text, rng)] += 1
+            counts[outcome(text, rng, control or rng.choice(DIALECTS))] += 1
         except Exception:
             counts["failed"] += 1
             print(repr(text), traceback.format_exc(), sep="\n")

@@ -78,7 +78,7 @@ WITHHELD = pytest.mark.xfail(strict=True, reason="the discrepancy takes a slow e
 @pytest.mark.parametrize(
     ("effects", "seed"),
     [
-        pytest.param(["ambient_drift"], 31, marks=WITHHELD),
+        (["ambient_drift"], 31),
         (["tool_deflection"], 31),
         (["axis_expansion"], 32),
     ],

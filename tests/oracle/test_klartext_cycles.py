@@ -201,3 +201,50 @@ def test_tools_are_called_by_name():
     assert set(program.moves.tool.tolist()) == {1}
     with pytest.raises(ProgramError, match='no tool has the name "DRILL"'):
         read_program(Source(text.replace("MILL_D10", "DRILL").encode(), "part.h"), tools=TOOLS)
+
+
+def feeds(body):
+    """Ends of the moves at feed in the plane, X Y."""
+    moves = read(body).moves
+    moved = moves.at_feed & (np.abs(moves.end_mm - moves.start_mm)[:, :2].max(axis=1) > 1e-9)
+    return np.round(moves.end_mm[moved][:, :2], 6).tolist()
+
+
+SQUARE = "L X+0 Y+40\nL X+40\nL Y+0\nL X+0\n"
+
+
+def test_contours_are_approached_and_left():
+    # a square gone round clockwise with the tool (radius 5) on its left, from (0, 0) upwards
+    body = "L X-40 Y-40 R0 FMAX\n{}\n" + SQUARE + "{}\n"
+    found = feeds(body.format("APPR LT X+0 Y+0 LEN15 RL F300", "DEP LT LEN20 F300"))
+    assert found[:2] == [[-5, -15], [-5, 0]]
+    assert found[-2:] == [[0, -5], [-20, -5]]
+    found = feeds(body.format("APPR LN X+0 Y+0 LEN15 RL F300", "DEP LN LEN20 F300"))
+    assert found[:2] == [[-20, 0], [-5, 0]]
+    assert found[-2:] == [[0, -5], [0, -25]]
+    found = feeds(body.format("APPR CT X+0 Y+0 CCA90 R+10 RL F300", "DEP CT CCA90 R+8 F300"))
+    assert found[:2] == [[-15, -10], [-5, 0]]
+    assert found[-2:] == [[0, -5], [-8, -13]]
+
+
+def test_an_approach_by_an_arc_and_its_tangent():
+    body = "L X-40 Y-10 R0 FMAX\nAPPR LCT X+0 Y+0 R10 RL F300\n" + SQUARE + "DEP LCT X-40 Y-30 R8\n"
+    moves = read(body).moves
+    feed = np.flatnonzero(moves.at_feed)
+    line, arc = feed[:2]
+    touch, centre = moves.end_mm[line, :2], np.array([-15, 0])
+    assert moves.centre_mm[arc, :2] == pytest.approx(centre)
+    assert np.hypot(*(touch - centre)) == pytest.approx(10)
+    assert (touch - centre) @ (touch - [-40, -10]) == pytest.approx(0, abs=1e-6)
+    assert moves.end_mm[arc, :2] == pytest.approx([-5, 0])
+    assert moves.end_mm[-1, :2] == pytest.approx([-40, -30])
+    end, centre = moves.end_mm[feed[-2], :2], moves.centre_mm[feed[-2], :2]
+    assert centre == pytest.approx([0, -13])
+    assert (end - centre) @ (end - [-40, -30]) == pytest.approx(0, abs=1e-6)
+
+
+def test_an_approach_needs_a_contour_behind_it():
+    with pytest.raises(ProgramError, match="APPR needs a line L"):
+        read("L X-40 Y-10 R0 FMAX\nAPPR LT X+0 Y+0 LEN15 RL F300\nSTOP M0")
+    with pytest.raises(ProgramError, match="LT without LEN"):
+        read("L X-40 Y-10 R0 FMAX\nAPPR LT X+0 Y+0 RL F300\nL X+10")

@@ -125,5 +125,5 @@ def test_what_is_read_but_not_written_back_is_refused(tmp_path, line):
 
 def test_radius_of_the_tool_and_a_tangent_without_a_move():
     assert read("L X+Q108 R0 FMAX").moves.end_mm[-1, 0] == 5.0
-    with pytest.raises(ProgramError, match="CT behind a move without a direction"):
+    with pytest.raises(ProgramError, match="CT without a move before it"):
         read("CT X+20 Y+10")

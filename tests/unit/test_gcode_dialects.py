@@ -1,11 +1,14 @@
 """Fanuc macros, Heidenhain Klartext and Sinumerik: read right, or refused with line and word."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from gcode import MoveKind, ProgramError, Source, ToolEntry, dialect_name, read_program
 from gcode.language.registry import choose_dialect
 
+CONTROLS = Path(__file__).parents[1] / "golden" / "controls"
 TOOLS = {1: ToolEntry(100.0, 10.0), 2: ToolEntry(80.0, 6.0)}
 
 
@@ -213,8 +216,8 @@ def test_sinumerik():
     [
         ("X=R[", "ends too early"),
         ("G1 X=NOTHING", "NOTHING"),
-        ("CYCLE86(10,0,2,-5)", "CYCLE86"),
-        ("ROT RPL=10", "R"),
+        ("CYCLE90(10,0,2,-5)", "CYCLE90"),
+        ("ROT X10", "ROT"),
         ("G1 F=AC(5)", "AC with F"),
         ("G451 G41 X5", "G451"),
         ('CYCLE800(1,"",0,57,0,0,0,0,30,0)', "CYCLE800"),
@@ -264,3 +267,12 @@ def test_a_word_far_down_still_names_the_dialect():
 )
 def test_okuma_is_recognised_and_refused(text):
     assert "Okuma OSP is not read" in refusal(text)
+
+
+@pytest.mark.parametrize("path", sorted(CONTROLS.iterdir()), ids=lambda p: p.name)
+def test_programs_that_hold_every_word_of_a_control_are_read(path):
+    tools = {1: ToolEntry(100.0, 10.0, name="MILL_10"), 2: ToolEntry(80.0, 6.0)}
+    program = read_program(path, tools=tools, dialect=path.name.split(".")[1])
+    assert len(program.moves) > 100
+    again = read_program(path, tools=tools, dialect=program.dialect, fast=True)
+    assert np.array_equal(again.moves.end_mm, program.moves.end_mm)

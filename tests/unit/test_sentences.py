@@ -22,6 +22,8 @@ _FENCED = re.compile(r"```.*?```", re.DOTALL)
 _PARAGRAPH = re.compile(r"\n\s*\n")
 _ITEM = re.compile(r"^\s*(?:[*-]|\d+\.)\s", re.MULTILINE)
 _SENTENCE = re.compile(r"(?<=[.!?:;])\s+")
+#: lines of an example
+_CODE = re.compile(r"^\s*(?:>>>|\.\.\.).*$", re.MULTILINE)
 #: sections and parameters of a NumPy docstring
 _SECTION = re.compile(r"\n(?=\s*\w[\w, ]* : )|\n\s*-{3,}\s*\n")
 
@@ -57,7 +59,7 @@ def test_docstrings_and_messages(room):
     for path in sorted((ROOT / room).rglob("*.py")):
         name = path.relative_to(ROOT).as_posix()
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            text = _SECTION.sub("\n\n", _literal(node))
+            text = _SECTION.sub("\n\n", _CODE.sub("\n", _literal(node)))
             if name not in FILES_IN_CODE and not text.lstrip().startswith("<"):
                 for sentence in long_sentences(text):
                     long[f"{name}:{node.lineno}"] = sentence

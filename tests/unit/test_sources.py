@@ -49,6 +49,7 @@ WITHOUT_PHYSICS = {
     "vmach/controller_tables/table_task.py",
     "vmach/features/evaluation.py",
     "vmach/features/feature.py",
+    "vmach/features/result.py",
     "vmach/iso230/printing.py",
     "vmach/machine/counted_positions.py",
     "vmach/machine/files/machine_file.py",

@@ -69,6 +69,15 @@ def compare(job: Job | str | Path, *, models: Sequence[str] = _ALL) -> ModelComp
     Raises
     ------
     InputError, gcode.ProgramError, stock.StockError
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> import vmach
+    >>> job = vmach.read_job("samples/freecad_pocket")
+    >>> job = replace(job, inspection=replace(job.inspection, spacing_mm=12.0))
+    >>> sorted(vmach.compare(job).deviation_um)
+    ['abbe', 'htm', 'none']
     """
     variants = tuple(map(_variant, models))
     found = inspect_part(job, variants=variants, prefer_measured=True)

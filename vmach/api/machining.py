@@ -62,6 +62,17 @@ def compensate(
     Raises
     ------
     InputError, gcode.ProgramError
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> import vmach
+    >>> job = vmach.read_job("samples/freecad_pocket/job.toml")
+    >>> found = vmach.compensate(replace(job, nominal=None, blank=None))
+    >>> found.text.startswith(b"(")
+    True
+    >>> found.after.largest_mm < 0.2 * found.before.largest_mm
+    True
     """
     read = read_job(job)
     return compensate_job(
@@ -83,6 +94,13 @@ def read_machine(path: str | Path) -> Machine:
     ------
     InputError
         Anything wrong with the files, with file, line, key, value and what is accepted.
+
+    Examples
+    --------
+    >>> import vmach
+    >>> machine = vmach.read_machine("samples/iso10791_7/machine.toml")
+    >>> str(machine.chain), len(machine.components)
+    ("t (C) Z b Y' X' w", 18)
     """
     return admitted_machine(path)
 
@@ -111,6 +129,14 @@ def accuracy(
     Raises
     ------
     InputError
+
+    Examples
+    --------
+    >>> import vmach
+    >>> machine = vmach.read_machine("samples/iso10791_7/machine.toml")
+    >>> found = vmach.accuracy(machine, tool_length_mm=150, grid=(5, 5, 5))
+    >>> round(1e3 * found.largest_difference_mm, 1)
+    34.0
     """
     known = machine if isinstance(machine, Machine) else admitted_machine(machine)
     space = measured_volume(known, grid)
@@ -148,6 +174,14 @@ def control_tables(
     Raises
     ------
     InputError
+
+    Examples
+    --------
+    >>> import vmach
+    >>> machine = vmach.read_machine("samples/iso10791_7/machine.toml")
+    >>> (made,) = vmach.control_tables(machine, "tables", formats=["linuxcnc"])
+    >>> made.after.rms_mm < made.before.rms_mm
+    True
     """
     variant, tolerance_mm = _variant(model), mm_from_um(tolerance_um)
     if isinstance(what, Machine):
@@ -185,5 +219,14 @@ def evaluate_axis(position_mm: np.ndarray, forward: np.ndarray, backward: np.nda
     ------
     ValueError
         Arrays that do not fit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import vmach
+    >>> forward = np.array([[1.0, 2.0, 3.0], [1.2, 2.1, 3.3]])
+    >>> found = vmach.evaluate_axis(np.array([0.0, 100.0, 200.0]), forward, forward - 4.0)
+    >>> round(found.B, 3), round(found.B_mean, 3)
+    (4.0, 4.0)
     """
     return evaluate(Runs(np.asarray(position_mm, float), forward, backward))

@@ -27,19 +27,26 @@ def diagnose(job: Job | str | Path) -> Diagnosis:
     ------
     InputError, gcode.ProgramError
         Anything wrong with the files; or nothing was measured.
+
+    Examples
+    --------
+    >>> import vmach
+    >>> found = vmach.diagnose("samples/missing_effect")
+    >>> found.verdict, [finding.label for finding in found.findings]
+    ('named', ['backlash Y'])
     """
     return diagnose_survey(survey_job(job))
 
 
 def add(
-    job: str | Path, effects: Sequence[str], *, out: str | Path | None = None
+    job: str | Path, effects: str | Sequence[str], *, out: str | Path | None = None
 ) -> tuple[Job, tuple[NamedEffect, ...]]:
     """Fit effects to a job's measurements and write a new job file that holds them.
 
     Parameters
     ----------
     job : path
-    effects : sequence of str
+    effects : str or sequence of str
         ``NAME`` or ``NAME:TARGET``, such as ``backlash:X``.
     out : path, optional
         The job file to write; a new name beside the old one where left out.
@@ -52,7 +59,15 @@ def add(
     ------
     InputError
         Unknown effect or target, an effect that the job has already, a file that is there already.
+
+    Examples
+    --------
+    >>> import vmach
+    >>> job, (lost,) = vmach.add("samples/missing_effect", "backlash:Y", out="lost-motion.toml")
+    >>> round(lost.parameters["reversal_um"], 1)
+    7.0
     """
     target = None if out is None else Path(out)
-    path, found = add_effects(job, list(effects), out=target)
+    named = [effects] if isinstance(effects, str) else list(effects)
+    path, found = add_effects(job, named, out=target)
     return read_job(path), found

@@ -63,6 +63,13 @@ def path_errors(job: Job | str | Path, *, model: str = Variant.ABBE) -> PathErro
     Raises
     ------
     InputError, gcode.ProgramError
+
+    Examples
+    --------
+    >>> import vmach
+    >>> found = vmach.path_errors("samples/freecad_pocket")
+    >>> found.error_um.shape == found.nose_mm.shape == (len(found), 3)
+    True
     """
     found = tip_errors(job, _variant(model))
     states = found.states

@@ -89,6 +89,13 @@ def surface_points(
     ------
     ValueError
         Wrong shapes, or a normal without a length.
+
+    Examples
+    --------
+    >>> import vmach
+    >>> points = vmach.surface_points([[50.0, 0.0, -3.0], [0.0, 40.0, 0.0]], [[1, 0, 0], [0, 0, 1]])
+    >>> points.id.tolist()
+    ['1', '2']
     """
     points, normals = np.atleast_2d(np.asarray(point_mm, float)), np.asarray(normal, float)
     normals = np.broadcast_to(normals, points.shape)
@@ -131,6 +138,14 @@ def predict(
     Raises
     ------
     InputError, gcode.ProgramError, stock.StockError
+
+    Examples
+    --------
+    >>> import vmach
+    >>> points = vmach.surface_points([[50.0, 0.0, -3.0]], [1.0, 0.0, 0.0], feature="circle")
+    >>> found = vmach.predict("samples/iso10791_7", points)
+    >>> found.deviation_um.round(2), found.line, found.status
+    (array([1.08]), array([175]), array(['cut'], dtype='<U11'))
     """
     found, prediction = predict_points(job, points, program_path=program, variant=_variant(model))
     return _deviations(found, prediction)

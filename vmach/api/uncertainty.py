@@ -87,6 +87,14 @@ def predict_intervals(
     Raises
     ------
     InputError, gcode.ProgramError, stock.StockError
+
+    Examples
+    --------
+    >>> import vmach
+    >>> points = vmach.surface_points([[50.0, 0.0, -3.0]], [1.0, 0.0, 0.0])
+    >>> found = vmach.predict_intervals("samples/iso10791_7", points)
+    >>> bool(found.low_um[0] < found.deviation_um[0] < found.high_um[0])
+    True
     """
     plan = Plan(digits=digits, coverage=coverage, most_draws=most_draws, seed=seed)
     known, prediction = predict_points(job, points, program_path=program, variant=_variant(model))
@@ -138,6 +146,14 @@ def accuracy_interval(
     Raises
     ------
     InputError
+
+    Examples
+    --------
+    >>> import vmach
+    >>> machine = vmach.read_machine("samples/iso10791_7/machine.toml")
+    >>> found = vmach.accuracy_interval(machine, grid=(3, 3, 3))
+    >>> found.candidates <= 27
+    True
     """
     known = machine if isinstance(machine, Machine) else admitted_machine(machine)
     plan = Plan(digits=digits, coverage=coverage, most_draws=most_draws, seed=seed)

@@ -87,10 +87,11 @@ def _machine(
     solid: bool | None = None,
 ) -> None:
     from vmach.job import read_job
-    from vmach.report import columns_table, differences_text
+    from vmach.report import columns_table, differences_text, features_table
     from vmach.run.pipeline import machine_part
     from vmach.run.results import (
         ALL_FILES,
+        FEATURES_FILE,
         REMAINDER_FILE,
         RESULT_FILES,
         SOLID_FILE,
@@ -121,10 +122,13 @@ def _machine(
     screen = console()
     record = run_record(made, command_line())
     screen.print(columns_table(made.points, record))
+    if (drawing := features_table(record)) is not None:
+        screen.print(drawing)
     for line in differences_text(record):
         screen.print(line, highlight=False, markup=False)
     for note in figures["run"]["warnings"]:
         screen.print(f"note: {note}", highlight=False, markup=False)
     files = [name for name in RESULT_FILES if made.part is not None or name != SOLID_FILE]
     files += [REMAINDER_FILE] if made.points.remainders else []
+    files += [FEATURES_FILE] if made.features else []
     screen.print(f"results in {out}: {', '.join(files)}", highlight=False, markup=False)

@@ -58,7 +58,8 @@ def predict(
         found, prediction = predict_points(
             read, points, program_path=program, variant=model, progress=progress
         )
-        columns, figures = (f(found, prediction) for f in (prediction_columns, prediction_summary))
+        columns = prediction_columns(found, prediction)
+        figures = prediction_summary(found, prediction)
         notes = [*prediction.preparation.notes, *found.notes]
         said = ""
         if drawn_too:

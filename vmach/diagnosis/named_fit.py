@@ -72,9 +72,11 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
     """
     wanted = [_parsed(name) for name in names]
     weighing = prepare_weighing(survey, {e.name: e for e, _ in wanted}.values())
-    found = weighing.nothing()
+    # what is asked for goes before what nobody models, which could take its place
+    found = weighing.small()
     for effect, target in wanted:
         found = _extended(weighing, found, effect, target)
+    found = weighing.explain(found.terms, weighing.small().posterior.sizes)
     noise = noise_after(weighing, found)
     if noise is not None:
         weighing = weighing.with_noise(noise)

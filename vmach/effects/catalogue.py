@@ -35,7 +35,23 @@ def catalogue() -> dict[str, Effect]:
 
 
 def add_effect(effect: Effect) -> None:
-    """Make an effect known for as long as the program runs, in place of one of its name."""
+    """Make an effect known for as long as the program runs, in place of one of its name.
+
+    Examples
+    --------
+    >>> import vmach
+    >>> class BedSlope(vmach.Effect):
+    ...     name = "bed_slope"
+    ...     title = "slope of the bed"
+    ...     parameters = (vmach.linear("rise_um_per_m", "rise along X", usual=10.0),)
+    ...     targets = ("",)
+    ...
+    ...     def displacement(self, path, target, rise_um_per_m):
+    ...         return vmach.along("Z", 1e-6 * rise_um_per_m * path.nose_mm[:, 0])
+    >>> vmach.add_effect(BedSlope())
+    >>> "bed_slope" in catalogue()
+    True
+    """
     _added[effect.name] = effect
 
 

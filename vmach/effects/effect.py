@@ -92,7 +92,15 @@ class Parameter:
 
 
 def linear(name: str, meaning: str, *, usual: float, is_size: bool = False) -> Parameter:
-    """An amplitude up to a thousand times its usual size, of either sign where it is no size."""
+    """An amplitude up to a thousand times its usual size, of either sign where it is no size.
+
+    Examples
+    --------
+    >>> import vmach
+    >>> rise = vmach.linear("rise_um_per_m", "rise of the tool per metre along X", usual=10.0)
+    >>> rise.is_linear, rise.low, rise.high
+    (True, -10000.0, 10000.0)
+    """
     most = 1000.0 * usual
     return Parameter(name, meaning, -most, most, usual, is_size=is_size)
 
@@ -111,6 +119,13 @@ def inner(
     """A parameter inside the function: time constant, pitch, exponent.
 
     Accepted `within` bounds; up to four times beyond the grid where none are given.
+
+    Examples
+    --------
+    >>> import vmach
+    >>> time = vmach.inner("time_constant_s", "of the warming", (300.0, 3000.0), usual=900.0)
+    >>> time.is_linear, time.grid
+    (False, (300.0, 3000.0))
     """
     values = tuple(float(value) for value in grid)
     low, high = within or (0.25 * min(values), 4.0 * max(values))
@@ -120,7 +135,16 @@ def inner(
 
 
 def along(axis: str, amount_mm: np.ndarray) -> np.ndarray:
-    """Displacement (P, 3) of `amount_mm` (P,) in the direction of one axis."""
+    """Displacement (P, 3) of `amount_mm` (P,) in the direction of one axis.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import vmach
+    >>> vmach.along("Z", np.array([0.001, 0.002]))
+    array([[0.   , 0.   , 0.001],
+           [0.   , 0.   , 0.002]])
+    """
     shift = np.zeros((len(amount_mm), 3))
     shift[:, LINEAR_AXES.index(axis)] = amount_mm
     return shift

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cho_solve, cholesky
-from scipy.linalg.lapack import dtrtri
+from scipy.linalg import LinAlgError, cho_solve
+from scipy.linalg.lapack import dpotrf, dtrtri
 from scipy.optimize import minimize
 
 from vmach.fit.discrepancy import Members
@@ -166,9 +166,14 @@ class Posterior:
     @cached_property
     def root(self) -> np.ndarray:
         """Lower Cholesky factor of the posterior precision, (k, k), in prior deviations."""
-        precision = self.scale[:, None] * self.effects.gram * self.scale
+        precision = self.effects.gram * self.scale
+        precision *= self.scale[:, None]
         precision[np.diag_indices(len(precision))] += 1.0
-        return cholesky(precision, lower=True, check_finite=False, overwrite_a=True)
+        # symmetric: its transpose lies in memory as LAPACK wants it
+        root, failed = dpotrf(precision.T, lower=True, overwrite_a=True)
+        if failed:
+            raise LinAlgError("the posterior precision has to be positive definite")
+        return root
 
     @cached_property
     def mean(self) -> np.ndarray:
@@ -189,7 +194,7 @@ class Posterior:
     def slope(self) -> np.ndarray:
         """Derivative of `log_probability` by the logarithms of the sizes, (q,)."""
         inverse, _ = dtrtri(self.root, lower=True)
-        variance = (inverse**2).sum(axis=0)
+        variance = np.einsum("ij,ij->j", inverse, inverse)
         k, member = self.sizes.factor, self.effects.member_of
         amount = self.scale * self.mean
         rest = self.base._square / k**2 - 2 * amount @ self.effects.seen / k

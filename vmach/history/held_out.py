@@ -6,6 +6,8 @@ foretold from a fit to the others.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from vmach.base.units import um_from_mm
@@ -64,7 +66,9 @@ def _columns_mm(survey: Survey, effect: EffectInstance) -> np.ndarray:
     ])  # fmt: skip
 
 
-def _of_readings(survey: Survey, effect: EffectInstance, parameters: dict) -> np.ndarray:
+def _of_readings(
+    survey: Survey, effect: EffectInstance, parameters: Mapping[str, float]
+) -> np.ndarray:
     rows = []
     for measurement, path in zip(survey.measurements, survey.paths, strict=True):
         if not effect.effect.shows_on(measurement.states):

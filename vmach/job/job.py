@@ -15,6 +15,7 @@ from vmach.base.units import mm_from_um
 from vmach.errors import InputError
 from vmach.files.toml_file import line_of_key, read_toml_and_text
 from vmach.job.control import control_told
+from vmach.job.drawing import JobDrawing, read_drawing
 from vmach.job.schema import InspectionEntry, JobSchema, MeasuringMachineEntry, ToolEntry
 from vmach.machine import Machine
 from vmach.plausibility import admitted_machine, check_tools
@@ -153,6 +154,8 @@ class Job:
     inspection : Inspection
     device : Device
         What is known of the machine that measured the part.
+    drawing : JobDrawing
+        Features, datums and tolerances.
     effects, measurements, history
         As in the file; read by the parts of the program that know them.
     fitted : mapping of (effect, target) to tuple of mapping
@@ -176,6 +179,7 @@ class Job:
     offsets: Mapping[int, OffsetEntry]
     inspection: Inspection
     device: Device
+    drawing: JobDrawing
     effects: Mapping[str, Any]
     measurements: Sequence[Mapping[str, Any]]
     history: Sequence[Mapping[str, Any]]
@@ -192,7 +196,8 @@ class Job:
         files = [("job", self.path), ("program", self.program), ("machine", machine)]
         files += [("error table", table) for table in dict.fromkeys(tables)]
         blank = self.blank.file if self.blank else None
-        optional = [("nominal", self.nominal), ("measured", self.measured), ("stock", blank)]
+        optional = [("nominal", self.nominal), ("measured", self.measured), ("stock", blank),
+                    ("logo", self.drawing.logo)]  # fmt: skip
         return files + [(role, path) for role, path in optional if path is not None]
 
 
@@ -215,6 +220,13 @@ def read_job(path: Job | str | Path) -> Job:
     ------
     InputError
         Anything wrong with the files, with file, line, key, value and what is accepted.
+
+    Examples
+    --------
+    >>> import vmach
+    >>> job = vmach.read_job("samples/freecad_pocket/job.toml")
+    >>> job.machine.chain, sorted(job.tools)
+    (Chain(tool_side=('Z',), work_side=('Y', 'X')), [1, 2])
     """
     if isinstance(path, Job):
         return path
@@ -263,6 +275,7 @@ def read_job(path: Job | str | Path) -> Job:
         offsets={k: OffsetEntry(**row.model_dump()) for k, row in data.offsets.items()},
         inspection=_inspection(data.inspection, at("inspection", "alignment")),
         device=_device(data.measuring_machine),
+        drawing=read_drawing(data, path.parent, at),
         effects=data.effects,
         measurements=data.measurements,
         history=[step.model_dump(exclude_none=True) for step in data.history],

@@ -11,6 +11,8 @@ from vmach.files.toml_file import FileSection, Finite, NonNegative, Point, Posit
 
 __all__ = [
     "ControlEntry",
+    "DrawingEntry",
+    "FeatureEntry",
     "FittedEntry",
     "HistoryEntry",
     "InspectionEntry",
@@ -134,6 +136,25 @@ class HistoryEntry(FileSection):
     effect_files: dict[str, str] = {}
 
 
+class FeatureEntry(FileSection):
+    """[[features]]: a name for faces of the nominal CAD, or for points of a file."""
+
+    name: Annotated[str, Field(min_length=1)]
+    faces: str | list[str] | None = None
+    kind: Literal["plane", "cylinder", "sphere", "free"] | None = None
+
+
+class DrawingEntry(FileSection):
+    """[drawing]: how it is read, and the head of reports."""
+
+    association: Literal["least squares", "contact"] = "least squares"
+    pmi: bool = True
+    part: str = ""
+    serial: str = ""
+    revision: str = ""
+    logo: str | None = None
+
+
 class JobSchema(FileSection):
     """A whole job file."""
 
@@ -153,6 +174,10 @@ class JobSchema(FileSection):
     offsets: dict[Annotated[int, Field(ge=1, le=_LARGEST_TOOL)], OffsetRow] = {}
     inspection: InspectionEntry = InspectionEntry()
     measuring_machine: MeasuringMachineEntry = MeasuringMachineEntry()
+    features: list[FeatureEntry] = []
+    datums: dict[str, str] = {}
+    tolerances: dict[str, str | list[str]] = {}
+    drawing: DrawingEntry = DrawingEntry()
     effects: dict[str, Any] = {}
     measurements: list[dict[str, Any]] = []
     history: list[HistoryEntry] = []

@@ -103,6 +103,18 @@ def displacement(
     form). theta_j is the rotation vector of axis j, sigma_j that of its reference line:
 
         e_i = sum_j (E_ij + [theta_j x (r_j - R_ij)]_i) + sum_j q_j [sigma_j x e_j]_i
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import vmach
+    >>> machine = vmach.read_machine("samples/iso10791_7/machine.toml")
+    >>> nose, tool = np.array([[-380.0, -230.0, -250.0]]), np.array([0.0, 0.0, -150.0])
+    >>> moved = vmach.displacement(machine, nose, tool, vmach.Variant.ABBE)
+    >>> moved.shift_mm.shape, moved.tilt_rad.shape
+    ((1, 3), (1, 3))
+    >>> bool(np.abs(moved.shift_mm).max() < 0.05)
+    True
     """
     nose_mm = np.ascontiguousarray(nose_mm, dtype=float)
     if variant is Variant.NONE or len(nose_mm) == 0:

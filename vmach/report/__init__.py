@@ -6,6 +6,7 @@ The pipeline fills `InspectedPoints` and `RunRecord`, gets a `DisplayMesh` from
 
 from vmach.report.figures.deviations_csv import read_deviations_csv, write_deviations_csv
 from vmach.report.figures.differences import differences_text
+from vmach.report.figures.features import features_table, write_features_csv
 from vmach.report.figures.statistics import Statistics, column_statistics, worst_places
 from vmach.report.figures.summary import SIGN_CONVENTION, summary, write_summary
 from vmach.report.figures.table import columns_table
@@ -41,6 +42,7 @@ __all__ = [
     "column_statistics",
     "columns_table",
     "differences_text",
+    "features_table",
     "interpolate_to_mesh",
     "open_viewer",
     "part_colours",
@@ -48,6 +50,7 @@ __all__ = [
     "summary",
     "worst_places",
     "write_deviations_csv",
+    "write_features_csv",
     "write_report_html",
     "write_summary",
 ]

@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from vmach.base.note import Note
+from vmach.features.result import FeatureResult
 
 __all__ = [
     "STATUSES",
@@ -330,6 +331,8 @@ class RunRecord:
         The virtual part against the nominal CAD, where there is one.
     points_file : str
         Name of the table of all points that lies beside the page; empty where there is none.
+    features : tuple of FeatureResult
+        What the drawing asks for and what was found.
     """
 
     title: str
@@ -346,11 +349,12 @@ class RunRecord:
     program_lines: tuple[str, ...] = ()
     comparison: SolidComparison | None = None
     points_file: str = ""
+    features: tuple[FeatureResult, ...] = ()
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.tolerance_mm) and self.tolerance_mm > 0):
             raise ValueError(f"RunRecord.tolerance_mm is {self.tolerance_mm}; expected > 0")
-        for name in ("files", "warnings", "notes", "program_lines"):
+        for name in ("files", "warnings", "notes", "program_lines", "features"):
             object.__setattr__(self, name, tuple(getattr(self, name)))
         for name in ("versions", "stages_s", "facts"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))

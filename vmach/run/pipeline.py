@@ -15,6 +15,7 @@ from vmach.base.note import Kind, Level, Note, in_file
 from vmach.base.stage_clock import Progress, StageClock, silent
 from vmach.effects import read_effects
 from vmach.errors import InputError
+from vmach.features.result import FeatureResult
 from vmach.job import Job, read_job
 from vmach.machine import Variant
 from vmach.measurements.plausibility.part_check import check_cut, check_file
@@ -64,6 +65,8 @@ class PartInspection:
         The displaced path of every variant.
     notes : tuple of Note
         What the user should know before trusting the numbers.
+    features : tuple of FeatureResult
+        What the drawing asks for; empty where the job has no tolerances.
     """
 
     job: Job
@@ -74,6 +77,7 @@ class PartInspection:
     nominal: NominalPart | None
     sweeps: dict[Variant, Sweeps]
     notes: tuple[Note, ...]
+    features: tuple[FeatureResult, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -100,6 +104,8 @@ class MachinedPart:
     stages_s : dict of str to float
     notes : tuple of Note
         What the user should know before trusting the numbers.
+    features : tuple of FeatureResult
+        What the drawing asks for; empty where the job has no tolerances.
     """
 
     job: Job
@@ -113,6 +119,7 @@ class MachinedPart:
     comparison: SolidComparison | None
     stages_s: dict[str, float]
     notes: tuple[Note, ...]
+    features: tuple[FeatureResult, ...] = ()
 
 
 def machine_part(
@@ -144,6 +151,16 @@ def machine_part(
     Raises
     ------
     InputError, gcode.ProgramError, stock.StockError
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> import vmach
+    >>> job = vmach.read_job("samples/freecad_pocket")
+    >>> job = replace(job, inspection=replace(job.inspection, spacing_mm=12.0))
+    >>> found = vmach.machine_part(job, solid=False)
+    >>> [column.name for column in found.points.columns]
+    ['none', 'abbe']
     """
     clock = StageClock(progress)
     job = read_job(job_path)
@@ -183,6 +200,7 @@ def machine_part(
             *([_no_solid_note(moves)] if is_left_out else []),
             *found.notes,
         ),
+        features=found.features,
     )
 
 
@@ -238,6 +256,10 @@ def inspect_part(
             check_cut(preparation, points, count, path=job.measured)
     inspected, notes = inspected_points(job, points, predictions)
     budget = error_budget(predictions[-1], effects)
+    features: tuple[FeatureResult, ...] = ()
+    if job.drawing.tolerances:
+        with clock.stage("features"):
+            features = _features(job, nominal, points, inspected, predictions[-1], budget)
     return PartInspection(
         job=job,
         preparation=preparation,
@@ -247,7 +269,15 @@ def inspect_part(
         nominal=nominal,
         sweeps=sweeps,
         notes=(*preparation.notes, *_assumptions(job), *points.notes, *notes),
+        features=features,
     )
+
+
+def _features(job: Job, *found) -> tuple[FeatureResult, ...]:
+    """What the drawing asks for; jobs without one do not wait for its modules."""
+    from vmach.run.feature_results import feature_results
+
+    return feature_results(job, *found)
 
 
 def _assumptions(job: Job) -> tuple[Note, ...]:

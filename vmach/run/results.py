@@ -30,6 +30,7 @@ from vmach.report import (
     part_colours,
     summary,
     write_deviations_csv,
+    write_features_csv,
     write_report_html,
     write_summary,
 )
@@ -39,6 +40,7 @@ from vmach.uncertainty.first_order import prediction_u_mm
 
 __all__ = [
     "ALL_FILES",
+    "FEATURES_FILE",
     "REMAINDER_FILE",
     "RESULT_FILES",
     "SOLID_FILE",
@@ -55,6 +57,8 @@ __all__ = [
 REMAINDER_FILE = "remainder.png"
 #: the virtual part, where it was cut
 SOLID_FILE = "part.stl"
+#: values of the drawing's requirements, where the job has any
+FEATURES_FILE = "features.csv"
 #: what a run leaves in its folder
 RESULT_FILES = (
     "report.html",
@@ -65,7 +69,7 @@ RESULT_FILES = (
     SOLID_FILE,
 )
 #: and what it may leave there
-ALL_FILES = (*RESULT_FILES, REMAINDER_FILE)
+ALL_FILES = (*RESULT_FILES, REMAINDER_FILE, FEATURES_FILE)
 
 _PACKAGES = ("vmach", "numpy", "scipy", "numba", "manifold3d", "trimesh", "pyvista")
 
@@ -94,6 +98,8 @@ def write_results(
         write_deviations_csv(folder / "deviations.csv", made.points)
         cut = made.points.primary.is_cut
         write_budget_csv(folder / "budget.csv", made.points.id[cut], made.states, made.budget)
+        if made.features:
+            write_features_csv(folder / FEATURES_FILE, made.features)
         mesh = _display_mesh(made)
         record = run_record(made, command)
         draw_heatmap(folder / "heatmap.png", mesh, made.points, record)
@@ -159,6 +165,7 @@ def run_record(made: MachinedPart, command: str) -> RunRecord:
         program_lines=tuple(program.source.lines),
         comparison=made.comparison,
         points_file="deviations.csv",
+        features=made.features,
     )
 
 

@@ -82,6 +82,52 @@ class _Differences(Output):
     places: list[_Place]
 
 
+class _FeatureValue(Output):
+    value_mm: float
+    u_um: float | None
+    """Standard uncertainty; null where it is not known."""
+    verdict: Literal["conforms", "does not conform", "cannot be told"]
+    """After ISO 14253-1."""
+
+
+class _FeatureLine(Output):
+    line: int
+    nc: str
+    tool: int
+    share: float
+    """Of the influence that the feature's points have on the value, 0 to 1."""
+
+
+class _Feature(Output):
+    """One value that the drawing asks for."""
+
+    feature: str
+    requirement: str
+    """As the drawing says it."""
+    characteristic: str
+    label: str
+    """`smallest` or `largest` where a size has two values."""
+    faces: list[str]
+    datums: list[str]
+    nominal_mm: float | None
+    lower_mm: float | None
+    """null where there is an upper limit only."""
+    upper_mm: float | None
+    values: dict[str, _FeatureValue]
+    """By variant, and `measured`."""
+    primary: str
+    """The variant that shares and lines are of."""
+    shares_um: dict[str, float]
+    """What each error adds to the value; together its difference from nominal."""
+    cause: str
+    """The largest shares in words."""
+    lines: list[_FeatureLine]
+    point_mm: Vector | None
+    """The point that decides most."""
+    reason: str
+    """Why there is no value; empty where there is one."""
+
+
 class _InputFile(Output):
     role: str
     path: str
@@ -117,6 +163,8 @@ class Summary(Output):
     variants: dict[str, _Variant]
     differences: _Differences | None
     """The virtual part against the nominal CAD; null without one."""
+    features: list[_Feature]
+    """What the drawing asks for; empty where the job has no tolerances."""
     run: _Run
 
 

@@ -123,7 +123,9 @@ def plan_figures(plan: Plan, drawn: Drawn) -> dict[str, Any]:
     }
 
 
-def drawn_notes(found: PointsDrawn, again: Recut | None, ids: Sequence[str]) -> tuple[Note, ...]:
+def drawn_notes(
+    found: PointsDrawn, again: Recut | None, ids: Sequence[str] | np.ndarray
+) -> tuple[Note, ...]:
     """What to know before trusting the intervals."""
     said, drawn = [], found.drawn
     open_ = int((~drawn.stands).sum())

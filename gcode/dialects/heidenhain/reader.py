@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 
+from gcode.dialects.heidenhain.approach import approach, depart
 from gcode.dialects.heidenhain.cycle_calls import CycleCalls
 from gcode.dialects.heidenhain.frames import KlartextFrames
 from gcode.dialects.heidenhain.parameters import NUMBER, QParameters
@@ -13,6 +15,7 @@ from gcode.errors import ProgramError
 from gcode.geometry.corners import broken_corner
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated, number
+from gcode.motion.tangent import tangent_centre
 from gcode.state.controller import Controller
 from gcode.state.tools import ToolEntry
 
@@ -54,7 +57,8 @@ class KlartextReader(Translated):
         self.corner: tuple[str, float] | None = None  #: RND or CHF that waits
         #: start and end of the line before it
         self.held: tuple[list[float], tuple[float, ...]] | None = None
-        self.corner_start = [0.0] * 6
+        #: end of the last programmed line or arc, and its direction there
+        self.tangent: tuple[tuple[float, ...], float, float] | None = None
         self.labels: dict[str, int] = {}
         self.begun: dict[str, int] = {}  #: blocks obeyed when what stands below a label began
         #: label line, return line, repeats left, what `begun` was before the repeats
@@ -97,6 +101,7 @@ class KlartextReader(Translated):
                 "TOOL DEF", "tool preselection; its dimensions are those of the job")),
             ("CYCL DEF", self.cycles.define), ("CYCL CALL", self.cycles.call),
             ("PATTERN DEF", self.cycles.define_pattern),
+            ("APPR", lambda text: approach(self, text)), ("DEP", lambda text: depart(self, text)),
             ("CALL LBL", self._call_label), ("LBL", self._label), ("CC", self._centre),
             ("FN", self._function), ("RND", self._corner), ("CHF", self._corner),
             ("PLANE", self._plane), ("FUNCTION", self._control_function),
@@ -296,15 +301,30 @@ class KlartextReader(Translated):
             motion = "g0" if rapid else "g1"
             axes = [(a, end[k]) for k, a in enumerate("XYZABC") if a in named]
             self._round_towards(end, rapid=rapid)
+            self.tangent = end[:2], end[0] - self.here()[0], end[1] - self.here()[1]
             if self._waits() and not rapid:
                 self.held = (self.here(), end)
                 return ""
         if not axes:
             return ""
-        self.corner_start = self.here()
-        return motion + "".join(f"{a}{number(v)}" for a, v in axes) + self._feed(rapid)
+        return motion + "".join(f"{a}{number(v)}" for a, v in axes) + self.feed_word(rapid)
 
-    def _feed(self, rapid: bool) -> str:
+    def last_direction(self, end: Sequence[float]) -> tuple[float, float]:
+        """Unit direction of the contour at its last programmed point.
+
+        Raises
+        ------
+        ProgramError
+            The last block was no line L, LP or arc C, CR that ends there.
+        """
+        there, x, y = self.tangent or ((math.nan, math.nan), 0.0, 0.0)
+        size = math.hypot(x, y)
+        if math.dist(there, end) > 1e-9 or size == 0.0:
+            raise ProgramError("DEP needs a line L or an arc C or CR before it")
+        return x / size, y / size
+
+    def feed_word(self, rapid: bool) -> str:
+        """F word of a move; none of a rapid."""
         if rapid:
             return ""
         if self.feed is None:
@@ -326,53 +346,32 @@ class KlartextReader(Translated):
         text = f"{code}x{number(end[0])}y{number(end[1])}"
         if end[2] != start[2]:
             text += f"z{number(end[2])}"
+        sense = 1.0 if words["DR"] == "+" else -1.0
         if head == "CR":
             if "R" not in words:
                 raise ProgramError("CR without R")
-            return text + f"r{number(words['R'])}" + self._feed(False)
+            centre = _centre_of_radius(start, end, words["R"] * sense)
+            self.tangent = end[:2], (centre[1] - end[1]) * sense, (end[0] - centre[0]) * sense
+            return text + f"r{number(words['R'])}" + self.feed_word(False)
         if self.pole is None:
             raise ProgramError("C without a circle centre", hint="give CC first")
+        self.tangent = (end[:2], (self.pole[1] - end[1]) * sense, (end[0] - self.pole[0]) * sense)
         turns = abs(words.get("IPA", 0.0)) / 360.0
         if turns > 1.0 + 1e-9:
             text += f"p{math.ceil(turns - 1e-9)}"
         offsets = (self.pole[0] - start[0], self.pole[1] - start[1])
-        return text + f"i{number(offsets[0])}j{number(offsets[1])}" + self._feed(False)
+        return text + f"i{number(offsets[0])}j{number(offsets[1])}" + self.feed_word(False)
 
     def _tangent_arc(self, start: list[float], end: tuple[float, ...]) -> str:
         """CT: the arc that goes on from the line or arc before it without a corner."""
-        heading = self._heading()
-        out = end[0] - start[0], end[1] - start[1]
-        across = heading[0] * out[1] - heading[1] * out[0]
-        if abs(across) < 1e-12:
-            raise ProgramError("CT ends straight ahead")
-        radius = (out[0] ** 2 + out[1] ** 2) / (2.0 * across)
-        code = "g3" if across > 0.0 else "g2"
-        centre = -heading[1] * radius, heading[0] * radius
-        text = f"{code}x{number(end[0])}y{number(end[1])}"
+        c = self.controller
+        if c.side:
+            raise ProgramError("CT with radius compensation is not read", accepted="R0")
+        x, y, sense = tangent_centre(c.record, start, end, c.unit_mm)
+        text = f"{'g3' if sense > 0.0 else 'g2'}x{number(end[0])}y{number(end[1])}"
         if end[2] != start[2]:
             text += f"z{number(end[2])}"
-        return text + f"i{number(centre[0])}j{number(centre[1])}" + self._feed(False)
-
-    def _heading(self) -> tuple[float, float]:
-        """Unit direction in the plane at the end of the last move."""
-        if self.controller.side:
-            raise ProgramError("CT with radius compensation is not read", accepted="R0")
-        record = self.controller.record
-        if not len(record):
-            raise ProgramError("CT without a move before it")
-        end, before = record.path().point_mm[-1], self.corner_start
-        arc = record.last_arc
-        if arc is not None:
-            out = end[0] - arc[4], end[1] - arc[5]
-            sense = 1.0 if arc[6] > 0 else -1.0
-            along = -out[1] * sense, out[0] * sense
-        else:
-            unit = self.controller.unit_mm
-            along = end[0] / unit - before[0], end[1] / unit - before[1]
-        size = math.hypot(*along)
-        if size == 0.0:
-            raise ProgramError("CT behind a move without a direction")
-        return along[0] / size, along[1] / size
+        return text + f"i{number(x - start[0])}j{number(y - start[1])}" + self.feed_word(False)
 
     # RND and CHF
 
@@ -406,7 +405,7 @@ class KlartextReader(Translated):
                                chamfer=corner[0] == "CHF")  # fmt: skip
         first, second, sense = broken or (middle[:2], middle[:2], 0)
         level = "" if middle[2] == start[2] else f"z{number(middle[2])}"
-        self.execute(f"g1x{number(first[0])}y{number(first[1])}{level}" + self._feed(False))
+        self.execute(f"g1x{number(first[0])}y{number(first[1])}{level}" + self.feed_word(False))
         if sense and corner[0] == "RND":
             self.execute(f"g{3 if sense > 0 else 2}x{number(second[0])}y{number(second[1])}"
                          f"r{number(corner[1])}")  # fmt: skip
@@ -512,6 +511,17 @@ class KlartextReader(Translated):
             self.next, self.begun[label] = self.labels[label] + 1, self.budget.executed
         else:
             self.begun[label] = begun
+
+
+def _centre_of_radius(
+    start: Sequence[float], end: Sequence[float], radius: float
+) -> tuple[float, float]:
+    """Centre of CR; the radius is positive where a short arc turns counter-clockwise."""
+    x, y = end[0] - start[0], end[1] - start[1]
+    chord = math.hypot(x, y)
+    rise = math.sqrt(max(radius * radius - chord * chord / 4.0, 0.0))
+    side = math.copysign(rise, radius) / chord if chord else 0.0
+    return start[0] + x / 2.0 - y * side, start[1] + y / 2.0 + x * side
 
 
 _LETTERS = frozenset(("X", "Y", "Z", "A", "B", "C", "IX", "IY", "IZ", "IA", "IB", "IC", "F", "R",

@@ -55,10 +55,11 @@ class Sinumerik(Dialect):
     text = SinumerikText
     flow_lines = re.compile(
         r"\s*/?\s*(?:N\d+\s*)?(?:\w+:\s*)?(?:IF|ELSE|ENDIF|WHILE|ENDWHILE|FOR|ENDFOR|LOOP|ENDLOOP"
-        r"|REPEATB?|UNTIL|GOTO[FBCS]?)\b",
+        r"|REPEATB?|UNTIL|CASE|GOTO[FBCS]?)\b",
         re.IGNORECASE,
     )
     unwritable = re.compile(
-        r"=\s*(?![-+.\d])|=\s*[-+]?[\d.]+\s*[-+*/]|\b(?:AP|RP)\s*=|\bMCALL\b|CYCLE8\d|HOLES[12]",
+        r"=\s*(?![-+.\d])|=\s*[-+]?[\d.]+\s*[-+*/]|\b(?:AP|RP)\s*=|\bMCALL\b|CYCLE8|HOLES[12]"
+        r"|POCKET|SLOT1|LONGHOLE|\bC(?:IP|T)\b|\bRNDM?\s*=|\bCH[FR]\s*=",
         re.IGNORECASE,
     )

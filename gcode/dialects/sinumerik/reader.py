@@ -5,35 +5,93 @@ from __future__ import annotations
 import math
 import re
 
-from gcode.control.loop_guard import LoopGuard
+from gcode.dialects.sinumerik.corners import CORNERS, WaitingLine
 from gcode.dialects.sinumerik.cycles import CYCLES, PATTERNS, drill, pattern_points
 from gcode.dialects.sinumerik.expressions import Variables
+from gcode.dialects.sinumerik.flow import Flow
+from gcode.dialects.sinumerik.frames import ProgrammableFrame
+from gcode.dialects.sinumerik.milling import MILLING, mill
+from gcode.dialects.sinumerik.subprograms import Subprograms
 from gcode.errors import ProgramError
+from gcode.geometry.three_points import centre_of_three
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated, number
+from gcode.motion import frames
+from gcode.motion.tangent import tangent_centre
 from gcode.state.controller import Controller
 from gcode.text.lexer import read_block
 
 __all__ = ["SinumerikReader"]
 
 _NUMBER = re.compile(r"\s*([+-]?\s*(?:\d+\.?\d*|\.\d+))")
-_WORD = re.compile(r"\s*(CR|TURN|AP|RP|[A-Z])\s*(=?)", re.IGNORECASE)
-_OWN = re.compile(r"\s*(AC|IC)\s*\(", re.IGNORECASE)
-_HEAD = re.compile(r"(?:/\s*(\d?)\s*)?(?:[N:](\d+)\s*)?(?:/\s*(\d?)\s*)?(?:([A-Z_]\w+):(?!=)\s*)?",
-                   re.IGNORECASE)  # fmt: skip
-_KEYWORD = re.compile(
-    r"(IF|ELSE|ENDIF|WHILE|ENDWHILE|FOR|ENDFOR|LOOP|ENDLOOP|REPEAT|UNTIL|GOTO[FBC]?)\b\s*(.*)",
+_WORD = re.compile(
+    r"\s*(CR|TURN|AP|RPL|RP|RNDM?|CHF|CHR|FRCM?|ADIS|DISC|[IJK]1(?=\s*=)|[A-Z])\s*(=?)",
     re.IGNORECASE,
 )
+_OWN = re.compile(r"\s*(AC|IC)\s*\(", re.IGNORECASE)
+_HEAD = re.compile(
+    r"(?:/\s*(\d?)\s*)?(?:[N:](\d+)\s*)?(?:/\s*(\d?)\s*)?(?:([A-Z_]\w+):(?!=)\s*)?", re.IGNORECASE
+)
 _ASSIGNED = re.compile(r"(R\d+|R\[.*?\]|[A-Z_][A-Z_]\w*)\s*=(?!=)\s*(.*)", re.IGNORECASE)
-_ADDRESSES = ("CR", "TURN", "AP", "RP")
-_DEFINED = re.compile(r"DEF\s+(REAL|INT|BOOL)\s+(.*)", re.IGNORECASE)
-_CALLED = re.compile(r"(MCALL\s+)?(CYCLE\d+|HOLES[12])\s*\((.*)\)", re.IGNORECASE)
+_ADDRESSES = (
+    "CR",
+    "TURN",
+    "AP",
+    "RP",
+    "RND",
+    "RNDM",
+    "CHF",
+    "CHR",
+    "FRC",
+    "FRCM",
+    "RPL",
+    "ADIS",
+    "DISC",
+    "I1",
+    "J1",
+    "K1",
+)
+_NAMED_TOOL = re.compile(r"\bT\s*=\s*\"([^\"]*)\"", re.IGNORECASE)
+_ARC_WORD = re.compile(r"\b(CIP|CT)\b", re.IGNORECASE)
+_UNIFR = re.compile(
+    r"\$P_UIFR\[\s*(\d+)\s*(?:,\s*([XYZ])\s*,\s*TR\s*)?\]\s*=\s*(.*)", re.IGNORECASE
+)
+_WORDS_ALONE = re.compile(r"(?:[A-Z]\d+(?:\.\d*)?)+", re.IGNORECASE)  #: G0X0Y0
+_SUBPROGRAM = re.compile(
+    r"(?:(MCALL|CALL)\s+)?\"?([A-Z_]\w+)\"?\s*(\(.*\))?(?:(?:\s+|(?<=\)))P\s*=?\s*(\w+))?\s*",
+    re.IGNORECASE,
+)
+_DEFINED = re.compile(r"DEF\s+(?:NCK\s+|CHAN\s+)?(REAL|INT|BOOL)\s+(.*)", re.IGNORECASE)
+_CALLED = re.compile(
+    r"(MCALL\s+)?(CYCLE\d+|HOLES[12]|POCKET[34]|SLOT1|LONGHOLE)\s*\((.*)\)", re.IGNORECASE
+)
 _FRAME = re.compile(r"(A?TRANS|A?ROT|A?SCALE|A?MIRROR)\b\s*(.*)", re.IGNORECASE)
 #: codes of this control -> RS274/NGC; absent ones keep their meaning
-_CODES = {70: "g20", 700: "g20", 71: "g21", 710: "g21", 60: "g61.1", 601: "", 602: "", 603: "",
-          451: "", 64: "g64", 641: "g64", 642: "g64", 643: "g64", 644: "g64", 645: "g64", 450: "",
-          97: "", 153: "g53", 460: "", 461: "", 462: "", 290: "", 500: ""}  # fmt: skip
+_CODES = {
+    70: "g20",
+    700: "g20",
+    71: "g21",
+    710: "g21",
+    60: "g61.1",
+    601: "",
+    602: "",
+    603: "",
+    451: "",
+    64: "g64",
+    641: "g64",
+    642: "g64",
+    643: "g64",
+    644: "g64",
+    645: "g64",
+    450: "",
+    97: "",
+    153: "g53",
+    460: "",
+    461: "",
+    462: "",
+    290: "",
+    500: "",
+}
 _SAME = frozenset((0, 1, 2, 3, 17, 18, 19, 53, 54, 55, 56, 57, 90, 91, 94, 95))
 _STOPS = frozenset((0, 1, 2, 30, 17))
 _ACCEPTED_G = "G0-G4 G17-G19 G40-G42 G53-G57 G60 G64 G70 G71 G90 G91 G94 G95 G110-G112"
@@ -47,8 +105,6 @@ _NO_MOTION = re.compile(
 )
 _TILTED = re.compile(r"CYCLE800\s*\((.*)\)", re.IGNORECASE)
 _SUPPRESSED = re.compile(r"\bSUPA\b", re.IGNORECASE)  #: every frame, for one block
-_PAIRS = {"IF": "ENDIF", "WHILE": "ENDWHILE", "FOR": "ENDFOR", "LOOP": "ENDLOOP",
-          "REPEAT": "UNTIL"}  # fmt: skip
 
 
 class SinumerikReader(Translated):
@@ -58,17 +114,21 @@ class SinumerikReader(Translated):
         super().__init__(controller, lines, options)
         self.edge = 1  #: D: cutting edge, 0 takes the tool offset off
         self.variables = Variables()
-        self.guard = LoopGuard(controller)
-        self.modal: tuple[int, list[float | None]] | None = None  #: MCALL
+        self.subprograms = Subprograms(self)
+        self.flow = Flow(self)
+        self.frame = ProgrammableFrame(self)
+        self.waiting: WaitingLine | None = None  #: line whose corner is to be broken
+        self.modal: tuple[str, list[float | None]] | None = None  #: MCALL
         self.pole = [0.0, 0.0]
         self.meets = False  #: G451
-        self.counters: dict[int, float] = {}  #: line of a FOR that runs -> its end
+        self.rounding = 0.0  #: RNDM
+        self.is_modal_corner = False
         controller.start_up, controller.round_corners = "A", True
         self.execute("g21g90g17g40")
 
     # blocks
 
-    def _content(self, index: int) -> tuple[re.Match, str]:
+    def content(self, index: int) -> tuple[re.Match, str]:
         """Head and body of a line without comment."""
         text = re.sub(r";.*", "", self.lines[index]).strip()
         head = _HEAD.match(text)
@@ -76,30 +136,81 @@ class SinumerikReader(Translated):
 
     def obey(self, text: str) -> None:
         """Obey one line."""
-        head, content = self._content(self.next - 1)
+        head, content = self.content(self.next - 1)
         if "/" in head.group() and self.options.skips(int(head[1] or head[3] or 1)):
             return
-        if not content or content.startswith("%") or content.upper().startswith(("PROC ", "RET")):
+        if not content or content.startswith("%") or content.upper().startswith("PROC "):
             return
-        self._obey(content)
+        if content.upper().split("(")[0].strip() == "RET":
+            self._finish_line()
+            self.ended = not self.subprograms.returned()
+            return
+        try:
+            self._obey(content)
+        except ProgramError as error:
+            if self.subprograms.routine.file is not None:
+                error.located(file=self.subprograms.routine.file, line=self.next)
+            raise
 
     def _obey(self, content: str) -> None:
-        flow = _KEYWORD.fullmatch(content)
-        if flow is not None:
-            self._flow(flow[1].upper(), flow[2].strip())
+        if self.flow.obey(content):
             return
         declared, frame = _DEFINED.fullmatch(content), _FRAME.fullmatch(content)
-        called = _CALLED.fullmatch(content)
+        called, settable = _CALLED.fullmatch(content), _UNIFR.fullmatch(content)
         if declared is not None:
             self._declare(declared[2])
         elif frame is not None:
-            self._frame(frame[1].upper(), frame[2])
+            self._finish_line()
+            self.frame.obey(frame[1].upper(), dict(self._words(frame[2])) if frame[2] else {})
         elif called is not None and called[2].upper() not in ("CYCLE832", "CYCLE800"):
+            self._finish_line()
             self._cycle(called[2].upper(), self._arguments(called[3]), modal=bool(called[1]))
+        elif settable is not None:
+            self._settable_frame(settable)
         elif content.upper() == "MCALL":
             self.modal = None
-        elif not self._assignments(content):
+        elif re.match(r"(?:EXTERN|DEF|ENDLABEL)\b", content, re.IGNORECASE):
+            self.controller.note(content.split()[0].upper(), "declaration")
+        elif not self._subprogram(content) and not self._assignments(content):
             self._block(content)
+
+    def _subprogram(self, content: str) -> bool:
+        """Go to a subprogram that stands alone in its block; tells whether one does."""
+        match = _SUBPROGRAM.fullmatch(content)
+        is_word = match is None or _NO_MOTION.fullmatch(content) or _ARC_WORD.fullmatch(content)
+        if is_word or (_WORDS_ALONE.fullmatch(content) and not re.fullmatch(r"[Ll]\d+", content)):
+            return False
+        if match[2].upper() in ("RET", "M17"):
+            return False
+        arguments = self._arguments(match[3][1:-1]) if match[3] and match[3] != "()" else []
+        self._finish_line()
+        if (match[1] or "").upper() == "MCALL":
+            self.modal = (match[2], arguments)
+        else:
+            rounds = int(self.variables.value(match[4])) if match[4] else 1
+            self.subprograms.call(match[2], arguments, rounds)
+        return True
+
+    def _settable_frame(self, match: re.Match) -> None:
+        """``$P_UIFR[1,X,TR]=10`` and ``$P_UIFR[1]=CTRANS(X,10,Y,5)``."""
+        number_, axis, value = int(match[1]), match[2], match[3].strip()
+        code = 10 if number_ < 1 else number_
+        if axis is not None:
+            self.execute(f"g10l2p{code}{axis.lower()}{number(self.variables.value(value))}")
+            return
+        chained = re.fullmatch(r"CTRANS\s*\((.*)\)", value, re.IGNORECASE)
+        if chained is None or not 1 <= number_ <= 4:
+            raise ProgramError(
+                f"cannot read '$P_UIFR[{number_}]={value}'",
+                accepted="$P_UIFR[1]=CTRANS(X,10,Y,5,Z,0), 1 to 4 for G54 to G57",
+            )
+        pieces = [piece.strip() for piece in self._split(chained[1])]
+        said = dict(zip(pieces[::2], pieces[1::2], strict=False))
+        words = "".join(
+            f"{a}{number(self.variables.value(said.get(a, said.get(a.lower(), '0'))))}"
+            for a in "XYZ"
+        )
+        self.execute(f"g10l2p{number_}{words.lower()}")
 
     def _declare(self, text: str) -> None:
         for piece in self._split(text):
@@ -126,21 +237,135 @@ class SinumerikReader(Translated):
         if tilted and any(self._arguments(re.sub(r"\"[^\"]*\"", "", tilted[1]))[4:13]):
             raise ProgramError("CYCLE800 tilts the plane", accepted="CYCLE800()")
         content = _SUPPRESSED.sub("G53", _NO_MOTION.sub(self._noted, content)).strip()
-        words = self._words(content)
+        content = _NAMED_TOOL.sub(lambda m: f"T{self.controller.tool_named(m[1])}", content)
+        arc = _ARC_WORD.search(content)
+        words = self._words(_ARC_WORD.sub("", content))
         g_codes = [value for letter, value in words if letter == "G"]
         if 4.0 in g_codes:
             self._dwell(words)
             return
         self._tool(words)
         self._polar(words, g_codes)
+        if self._break_corner(words, g_codes, is_arc=arc is not None):
+            return
         self._side(words, g_codes)
         moved = any(letter in "XYZ" for letter, _ in words)
-        self.execute(self._text(words, g_codes))
+        if arc is not None:
+            self._special_arc(arc[1].upper(), words)
+        else:
+            self.execute(self._text(words, g_codes))
         if self.modal is not None and moved:
-            drill(self, *self.modal)
+            self._do_modal()
         stop = [v for letter, v in words if letter == "M" and v in _STOPS]
+        if 17.0 in stop and self.subprograms.returned():
+            return
         if stop:
             self.execute("m30" if stop[0] in (2, 17, 30) else f"m{stop[0]:.0f}")
+
+    # corners
+
+    def _break_corner(
+        self, words: list[tuple[str, float]], g_codes: list[float], *, is_arc: bool
+    ) -> bool:
+        """RND, CHF, CHR and RNDM: hold a line back; tells whether this block waits."""
+        values = dict(words)
+        if "RNDM" in values:
+            self.rounding = values["RNDM"]
+        size = [(k, values[k]) for k in CORNERS if k in values]
+        words[:] = [
+            w for w in words if w[0] not in (*CORNERS, "RNDM", "FRC", "FRCM", "ADIS", "DISC")
+        ]
+        motion = next((v for v in g_codes if v in (0.0, 1.0, 2.0, 3.0)), None)
+        modal = "G1" if self.waiting is not None else self.controller.motion
+        code = modal if motion is None else f"G{motion:g}"
+        moves = any(letter in "XYZ" for letter, _ in words)
+        is_line = code == "G1" and moves and not is_arc and "CR" not in values
+        if not moves:
+            return False
+        if self.waiting is None and not (is_line and (size or self.rounding)):
+            if size:
+                raise ProgramError(
+                    f"{size[0][0]} beside anything but a line G1 is not read", accepted="two lines"
+                )
+            return False
+        end, start = self._end(words, g_codes), tuple(self.here()[:3])
+        if self.waiting is not None:
+            self._finish_line(end if is_line else None)
+        words[:] = [w for w in words if w[0] not in ("X", "Y", "Z")]
+        if is_line and (size or self.rounding):
+            kind, length = size[0] if size else ("RND", self.rounding)
+            self._side(words, g_codes)
+            self.execute("".join(f"g{v:.0f}" for v in g_codes if v in (90.0, 91.0)))
+            head = self._text([w for w in words if w[0] != "G"], [])
+            self.waiting = WaitingLine(start, end, kind, length, head)
+            self.is_modal_corner = not size
+            return True
+        absolute = self.controller.absolute if not {90.0, 91.0} & set(g_codes) else 90.0 in g_codes
+        words += [
+            (axis, e if absolute else e - h)
+            for axis, e, h in zip("XYZ", end, self.here(), strict=False)
+        ]
+        return False
+
+    def _end(
+        self, words: list[tuple[str, float]], g_codes: list[float]
+    ) -> tuple[float, float, float]:
+        """Programmed end X Y Z of a block."""
+        here, values = self.here(), dict(words)
+        absolute = self.controller.absolute if not {90.0, 91.0} & set(g_codes) else 90.0 in g_codes
+        return tuple(
+            values.get(a, h if absolute else 0.0) + (0.0 if absolute else h)
+            for a, h in zip("XYZ", here, strict=False)
+        )
+
+    def _finish_line(self, following: tuple[float, float, float] | None = None) -> None:
+        """Go along the line that waits, with its corner where a line follows."""
+        held, self.waiting = self.waiting, None
+        if held is None:
+            return
+        if following is None:
+            if not self.is_modal_corner:
+                raise ProgramError(f"{held.kind} without a line G1 behind it", accepted="two lines")
+            x, y, z = held.end
+            blocks = [f"{held.head}g90g1x{number(x)}y{number(y)}z{number(z)}"]
+        else:
+            blocks = held.blocks(following)
+        absolute = self.controller.absolute
+        self.execute(*blocks)
+        self.controller.absolute, self.controller.motion = absolute, "G1"
+
+    def _special_arc(self, kind: str, words: list[tuple[str, float]]) -> None:
+        """CIP over a point I1 J1, CT as a continuation."""
+        g_codes = [v for letter, v in words if letter == "G"]
+        start, end = self.here(), self._end(words, g_codes)
+        others = [w for w in words if w[0] not in ("X", "Y", "Z", "I1", "J1", "K1")]
+        if self.controller.plane != 1:
+            raise ProgramError(f"{kind} in G18 or G19 is not read", accepted="G17")
+        if kind == "CT":
+            if self.controller.side:
+                raise ProgramError("CT with cutter compensation is not read", accepted="G40")
+            centre = tangent_centre(self.controller.record, start, end, self.controller.unit_mm)
+        else:
+            values = dict(words)
+            absolute = self.controller.absolute
+            via = [
+                values.get(k, 0.0 if not absolute else h) + (0.0 if absolute else h)
+                for k, h in zip(("I1", "J1"), start, strict=False)
+            ]
+            centre = centre_of_three(start[:2], via, end[:2])
+            cross = (via[0] - start[0]) * (end[1] - start[1]) - (via[1] - start[1]) * (
+                end[0] - start[0]
+            )
+            centre = (*centre, cross)
+        x, y, sense = centre
+        text = self._text(others, [])
+        was = self.controller.absolute
+        self.execute(
+            text,
+            f"g90g{3 if sense > 0 else 2}x{number(end[0])}y{number(end[1])}"
+            f"z{number(end[2])}i{number(x - start[0])}j{number(y - start[1])}",
+        )
+        self.controller.absolute = was
 
     def _noted(self, found: re.Match) -> str:
         self.controller.note((found[1] or found[2]).upper(), "screen, or following of the path")
@@ -187,7 +412,7 @@ class SinumerikReader(Translated):
         self, letter: str, value: float, kind: str, words: list[tuple[str, float]]
     ) -> float:
         """AC and IC: the number that says the same in the mode of the block."""
-        here = self._here()
+        here = self.here()
         if letter in "IJK":
             return value - here["IJK".index(letter)] if kind == "AC" else value
         if letter not in "XYZABC":
@@ -199,12 +424,14 @@ class SinumerikReader(Translated):
             return value if kind == "AC" else value + place
         return value - place if kind == "AC" else value
 
-    def _here(self) -> list[float]:
+    def here(self) -> list[float]:
         """Programmed position X Y Z A B C."""
         c = self.controller
         here = list(c.position)
         if c.side and not c.entering:
             here[:3] = c.programmed
+        if self.waiting is not None:
+            here[:3] = self.waiting.end
         return here
 
     def go(self, motion: str, *, z: float, feed: float | None = None) -> None:
@@ -212,6 +439,13 @@ class SinumerikReader(Translated):
         c = self.controller
         before, c.absolute = c.absolute, True
         self.execute(f"{motion}z{number(z)}" + (f"f{number(feed)}" if feed else ""))
+        c.absolute = before
+
+    def place(self, motion: str, x: float, y: float, z: float) -> None:
+        """Move to an absolute place."""
+        c = self.controller
+        before, c.absolute = c.absolute, True
+        self.execute(f"{motion}x{number(x)}y{number(y)}z{number(z)}")
         c.absolute = before
 
     def _dwell(self, words: list[tuple[str, float]]) -> None:
@@ -266,21 +500,23 @@ class SinumerikReader(Translated):
         values = dict(words)
         pole = next((code for code in (110.0, 111.0, 112.0) if code in g_codes), None)
         if pole is not None:
-            base = {110.0: self._here()[:2], 111.0: [0.0, 0.0], 112.0: self.pole}[pole]
+            base = {110.0: self.here()[:2], 111.0: [0.0, 0.0], 112.0: self.pole}[pole]
             self.pole = [base[0] + values.get("X", 0.0), base[1] + values.get("Y", 0.0)]
             words[:] = [w for w in words if w not in (("G", pole),) and w[0] not in "XY"]
             return
         if not {"AP", "RP"} & values.keys():
             return
-        here = self._here()
+        here = self.here()
         out = here[0] - self.pole[0], here[1] - self.pole[1]
         radius, angle = values.get("RP", math.hypot(*out)), values.get("AP")
         angle = math.radians(angle) if angle is not None else math.atan2(out[1], out[0])
         if not self.controller.absolute and 90.0 not in g_codes:
             raise ProgramError("AP and RP in G91 are not read", accepted="G90")
         words[:] = [w for w in words if w[0] not in ("AP", "RP")]
-        words += [("X", self.pole[0] + radius * math.cos(angle)),
-                  ("Y", self.pole[1] + radius * math.sin(angle))]  # fmt: skip
+        words += [
+            ("X", self.pole[0] + radius * math.cos(angle)),
+            ("Y", self.pole[1] + radius * math.sin(angle)),
+        ]
 
     def _text(self, words: list[tuple[str, float]], g_codes: list[float]) -> str:
         text = []
@@ -314,6 +550,9 @@ class SinumerikReader(Translated):
         return f"m{value:g}"
 
     def _code(self, value: float) -> str:
+        if 505.0 <= value <= 599.0:
+            frames.select_system(self.controller, f"G54.1 P{value - 500.0:.0f}")
+            return ""
         if value == 500.0 and not any(self.controller.origin):
             return ""
         if value in _CODES and value != 500.0:
@@ -323,18 +562,6 @@ class SinumerikReader(Translated):
         return f"g{value:.0f}"
 
     # frames and cycles
-
-    def _frame(self, name: str, text: str) -> None:
-        """TRANS sets the zero, ATRANS moves it on; others alone take all frames away."""
-        words = dict(self._words(text)) if text else {}
-        if words and name not in ("TRANS", "ATRANS"):
-            raise ProgramError(f"{name} with axes is not read", accepted="TRANS, ATRANS")
-        c = self.controller
-        base = list(c.g92[:3]) if name == "ATRANS" and words else [0.0] * 3
-        shift = [b + words.get(a, 0.0) for a, b in zip("XYZ", base, strict=True)]
-        if shift != list(c.g92[:3]):
-            said = zip("xyz", shift, strict=True)
-            self.execute("g52" + "".join(f"{a}{number(v)}" for a, v in said))
 
     @staticmethod
     def _split(text: str) -> list[str]:
@@ -349,8 +576,9 @@ class SinumerikReader(Translated):
         return pieces
 
     def _arguments(self, text: str) -> list[float | None]:
-        return [self.variables.value(piece) if piece.strip() else None
-                for piece in self._split(text)]  # fmt: skip
+        return [
+            self.variables.value(piece) if piece.strip() else None for piece in self._split(text)
+        ]
 
     def _cycle(self, name: str, arguments: list[float | None], *, modal: bool) -> None:
         if name in PATTERNS:
@@ -360,116 +588,32 @@ class SinumerikReader(Translated):
                 )
             for x, y in pattern_points(name, arguments):
                 self.execute(f"g90g0x{number(x)}y{number(y)}")
-                drill(self, *self.modal)
-            return
-        cycle = int(name.removeprefix("CYCLE"))
-        if cycle not in CYCLES:
-            raise ProgramError(
-                f"{name} is not read", accepted=", ".join(f"CYCLE{k}" for k in sorted(CYCLES))
-            )
-        if modal:
-            self.modal = (cycle, arguments)
+                self._do_modal()
+        elif name in MILLING:
+            mill(self, name, arguments)
+        elif name not in CYCLES:
+            known = (*sorted(CYCLES), *sorted(MILLING))
+            raise ProgramError(f"{name} is not read", accepted=", ".join(known))
+        elif modal:
+            self.modal = (name, arguments)
         else:
-            drill(self, cycle, arguments)
+            drill(self, name, arguments)
 
-    # flow
-
-    def _flow(self, keyword: str, rest: str) -> None:
-        if keyword.startswith("GOTO"):
-            self._goto(keyword, rest)
-        elif keyword == "IF":
-            self._if(rest)
-        elif keyword == "ELSE":
-            self.next = self._partner("IF", self.next) + 1
-        elif keyword == "WHILE":
-            if not self.variables.value(rest):
-                self.next = self._partner("WHILE", self.next) + 1
-        elif keyword == "FOR":
-            self._for(rest)
-        elif keyword == "UNTIL":
-            if not self.variables.value(rest):
-                self._back(self._opening(keyword))
-        elif keyword in ("ENDWHILE", "ENDLOOP", "ENDFOR"):
-            self._back(self._opening(keyword))
-        elif keyword == "REPEAT" and rest:
-            raise ProgramError("REPEAT with a label is not read", accepted="REPEAT ... UNTIL")
-
-    def _if(self, rest: str) -> None:
-        jump = re.fullmatch(r"(.*?)\s*\b(GOTO[FBC]?)\b\s*(.*)", rest, re.IGNORECASE)
-        if jump is not None:
-            if self.variables.value(jump[1]):
-                self._goto(jump[2].upper(), jump[3])
-        elif not self.variables.value(rest):
-            self.next = self._partner("IF", self.next, stop_at_else=True) + 1
-
-    def _for(self, rest: str) -> None:
-        match = re.fullmatch(r"(\w+|R\[.*\])\s*=\s*(.*?)\s+TO\s+(.*)", rest, re.IGNORECASE)
-        if match is None:
-            raise ProgramError(f"cannot read FOR {rest}", accepted="FOR R1=1 TO 10")
-        line, name = self.next - 1, match[1].upper()
-        if line in self.counters:
-            self.variables.assign(name, self.variables.value(name) + 1.0)
+    def _do_modal(self) -> None:
+        """The cycle or subprogram of MCALL at the present place."""
+        name, arguments = self.modal
+        if name in CYCLES:
+            drill(self, name, arguments)
         else:
-            self.variables.assign(name, self.variables.value(match[2]))
-            self.counters[line] = self.variables.value(match[3])
-        if self.variables.value(name) > self.counters[line]:
-            del self.counters[line]
-            self.next = self._partner("FOR", self.next) + 1
+            self.subprograms.call(name, arguments)
 
-    def _keyword(self, index: int) -> tuple[str, str]:
-        match = _KEYWORD.fullmatch(self._content(index)[1])
-        return (match[1].upper(), match[2]) if match else ("", "")
+    # subprograms
 
-    def _opens(self, index: int, opening: str) -> bool:
-        keyword, rest = self._keyword(index)
-        is_jump = keyword == "IF" and re.search(r"\bGOTO[FBC]?\b", rest, re.IGNORECASE)
-        return keyword == opening and not is_jump
+    def leave(self) -> bool:
+        """End of a subprogram or of a part that is repeated."""
+        self._finish_line()
+        return self.subprograms.leave()
 
-    def _partner(self, opening: str, start: int, *, stop_at_else: bool = False) -> int:
-        """Line of the end of a structure that is open at `start`."""
-        depth = 0
-        for index in range(start, len(self.lines)):
-            keyword, _ = self._keyword(index)
-            if self._opens(index, opening):
-                depth += 1
-            elif keyword == _PAIRS[opening]:
-                if depth == 0:
-                    return index
-                depth -= 1
-            elif stop_at_else and keyword == "ELSE" and depth == 0:
-                return index
-        raise ProgramError(f"{opening} without {_PAIRS[opening]}")
-
-    def _opening(self, closing: str) -> int:
-        """Line of the head of the structure that ends here."""
-        opening = next(k for k, v in _PAIRS.items() if v == closing)
-        depth = 0
-        for index in range(self.next - 2, -1, -1):
-            if self._keyword(index)[0] == closing:
-                depth += 1
-            elif self._opens(index, opening):
-                if depth == 0:
-                    return index
-                depth -= 1
-        raise ProgramError(f"{closing} without {opening}")
-
-    def _goto(self, keyword: str, target: str) -> None:
-        wanted = target.strip().upper()
-        ahead, behind = range(self.next, len(self.lines)), range(self.next - 1, -1, -1)
-        where = {"GOTOF": ahead, "GOTOB": behind}.get(keyword, (*ahead, *behind))
-        for index in where:
-            head, _ = self._content(index)
-            if wanted in ((head[4] or "").upper(), f"N{head[2]}"):
-                self._back(index)
-                return
-        if keyword != "GOTOC":
-            raise ProgramError(f"{keyword} {wanted}: there is no such label")
-
-    def _back(self, index: int) -> None:
-        """Go on at another line."""
-        if index < self.next:
-            self.guard.jumped_back(
-                index + 1, level=0, executed=self.budget.executed,
-                flow=(self.variables.r, self.variables.named, self.counters),
-            )  # fmt: skip
-        self.next = index
+    def source_line(self, index: int) -> int:
+        """Line of the program; what a file beside it does is done by the line that calls it."""
+        return self.subprograms.source_line or index + 1

@@ -52,7 +52,7 @@ class Bank:
         shared = np.hstack([self._with_members, self._rows @ effects.x]) * posterior.scale
         inner = (self._seen - k * (shared @ posterior.mean)) / k**2
         taken = solve_triangular(
-            posterior.root, shared.T, lower=True, check_finite=False, overwrite_b=False
+            posterior.root, shared.T, lower=True, check_finite=False, overwrite_b=True
         ).T
         found: dict[int, Evidence] = {}
         for terms, members in self._members.items():

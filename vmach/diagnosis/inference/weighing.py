@@ -94,6 +94,8 @@ class Weighing:
         self.bank = Bank(self.base, self.candidates)
         # by identity: a posterior is asked again and again
         self._known: dict[int, tuple[Posterior, list[Evidence]]] = {}
+        # likewise: a search, and the odds of what it found, leave the same terms out
+        self._fewer: dict[tuple, tuple[Explanation, Explanation]] = {}
         self.alone = self._empty(Sizes(1.0, (0.0,) * len(self.members.names)))
 
     def _empty(self, sizes: Sizes) -> Explanation:
@@ -149,6 +151,10 @@ class Weighing:
         start = start or Sizes(1.0, (_START,) * len(self.members.names))
         none = Effects(self.base, np.zeros((len(self.survey), 0)))
         return Explanation(None, self.base.best_sizes(start, none))
+
+    def small(self) -> Explanation:
+        """The empty set beside a discrepancy that leaves effects to show."""
+        return self._empty(Sizes(1.0, (_START,) * len(self.members.names)))
 
     def explain(
         self, terms: Sequence[Term], sizes: Sizes, *, refine: bool = True, resize: bool = True
@@ -217,9 +223,12 @@ class Weighing:
         self, explanation: Explanation, ks: Sequence[int], *, resize: bool = True
     ) -> Explanation:
         """The explanation without some of its terms; the others keep their inner parameters."""
-        left = [term for k, term in enumerate(explanation.terms) if k not in ks]
-        sizes = explanation.posterior.sizes
-        return self.explain(left, sizes, refine=False, resize=resize)
+        key = id(explanation), tuple(ks), resize
+        if key not in self._fewer:
+            left = [term for k, term in enumerate(explanation.terms) if k not in ks]
+            fewer = self.explain(left, explanation.posterior.sizes, refine=False, resize=resize)
+            self._fewer[key] = explanation, fewer
+        return self._fewer[key][1]
 
     def term(self, k: int, explanation: Explanation) -> Term:
         """Candidate k with its best inner parameters on what an explanation leaves."""

@@ -53,8 +53,6 @@ def _extremes(found: list[Measure]) -> list[Measure]:
     if len(found) == 1:
         return found
     low, high = (pick(found, key=lambda m: m.value_mm) for pick in (min, max))
-    if low is high:
-        return [low]
     return [replace(low, label="smallest"), replace(high, label="largest")]
 
 

@@ -11,6 +11,7 @@ from vmach.base.note import note_records
 from vmach.base.units import um_from_mm
 from vmach.files.atomic import atomic_file
 from vmach.report.figures.differences import differences_summary
+from vmach.report.figures.features import features_summary
 from vmach.report.figures.statistics import (
     Statistics,
     column_statistics,
@@ -57,6 +58,7 @@ def summary(points: InspectedPoints, run: RunRecord) -> dict:
             column.name: _column_summary(points, column, run) for column in points.columns
         },
         "differences": differences_summary(run),
+        "features": features_summary(run),
         "run": {
             "command": run.command,
             "started_at": run.started_at,

@@ -100,24 +100,63 @@
     const worst = byId("worst-marks").checked ? page.variants[state.variant].worst : [];
     const marks = worst.map((point, i) => Object.assign(element("div", String(i + 1), "mark"), { point }));
     if (state.picked !== null) marks.unshift(Object.assign(element("div", "", "mark dot"), { point: pointAt(state.picked) }));
-    byId("marks").replaceChildren(...marks);
+    byId("marks").replaceChildren(...marks, ...makeFlags());
     placeMarks();
     hideCovered();
   }
 
+  // flags of the drawing stand away from the middle of the view, on a leader line
+  function makeFlags() {
+    if (!byId("drawing-flags")?.checked) return [];
+    return page.flags.map(({ places, title, value, verdict }) => {
+      const flag = Object.assign(element("div", undefined, "callout " + verdict), { point: places[0], places });
+      const text = element("span", title);
+      text.append(element("br"), value);
+      flag.append(element("i"), text);
+      return flag;
+    });
+  }
+
+  function leanFlag(flag, x, y) {
+    const view = byId("canvas");
+    const angle = Math.atan2(y - view.clientHeight / 2, x - view.clientWidth / 2);
+    const [right, down] = [150 * Math.cos(angle), 60 * Math.sin(angle)]; // flags are wider than high
+    const [line, text] = flag.children;
+    line.style.width = Math.hypot(right, down) + "px";
+    line.style.transform = `rotate(${Math.atan2(down, right)}rad)`;
+    text.style.left = right + "px";
+    text.style.top = down + "px";
+  }
+
   function placeMarks() {
     for (const mark of byId("marks").children) {
+      if (mark.places && !faces(mark.point)) mark.point = mark.places.find(faces) ?? mark.point;
       const [x, y] = scene.toScreen(mark.point.at);
+      if (mark.classList.contains("callout")) leanFlag(mark, x, y);
       mark.style.transform = `translate(${x}px, ${y}px)`;
-      mark.style.visibility = dot(scene.axes()[2], mark.point.normal) > 0.02 ? "" : "hidden";
+      mark.style.visibility = faces(mark.point) ? "" : "hidden";
     }
     if (state.picked !== null) placeFlag();
     byId("triad").innerHTML = triad(scene);
   }
 
+  const faces = ({ normal }) => dot(scene.axes()[2], normal) > 0.02;
+
   function hideCovered() {
-    for (const mark of byId("marks").children)
-      if (!scene.sees(mark.point.at)) mark.style.visibility = "hidden";
+    for (const mark of byId("marks").children) {
+      if (scene.sees(mark.point.at)) continue;
+      const seen = mark.places?.find((place) => faces(place) && scene.sees(place.at));
+      if (!seen) mark.style.visibility = "hidden";
+      else moveFlag(mark, seen);
+    }
+  }
+
+  function moveFlag(flag, place) {
+    const [x, y] = scene.toScreen(place.at);
+    flag.point = place;
+    flag.style.transform = `translate(${x}px, ${y}px)`;
+    flag.style.visibility = "";
+    leanFlag(flag, x, y);
   }
 
   // ---- what a click finds
@@ -183,6 +222,14 @@
     byId("range").addEventListener("input", showRange);
     byId("grey").addEventListener("change", (event) => scene.setLook({ greyWithin: event.target.checked }));
     byId("worst-marks").addEventListener("change", makeMarks);
+    byId("drawing-flags")?.addEventListener("change", makeMarks);
+    for (const button of all("button[data-at]")) button.addEventListener("click", () => {
+      if (!scene) return;
+      const [at, normal] = [button.dataset.at, button.dataset.normal].map((text) => text.split(" ").map(Number));
+      scene.face({ at, normal });
+      pickNear(at, normal);
+      byId("stage").scrollIntoView({ block: "center" });
+    });
     for (const button of all("[data-view]")) button.addEventListener("click", () => scene.home(...VIEWS[button.dataset.view]));
     for (const row of all("tr[data-worst]")) row.querySelector("button").addEventListener("click", () => {
       if (!scene) return;

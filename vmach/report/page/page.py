@@ -10,7 +10,9 @@ import numpy as np
 from PIL import Image
 
 from vmach.base.units import um_from_mm
+from vmach.features.result import FeatureResult
 from vmach.files.atomic import atomic_file
+from vmach.report.figures.features import COVERAGE, flag_text, flagged, used_share
 from vmach.report.figures.statistics import (
     column_statistics,
     common_range_mm,
@@ -85,6 +87,7 @@ def write_report_html(
         page_data=script_json(_page_data(points, run)),
         payload=encode_payload(mesh, points.with_remainders(), run),
         css=style_sheet(),
+        drawing=_drawing(run),
         scripts=[asset(name) for name in ("scene.js", "gestures.js", "page.js")],
     )
     with atomic_file(path) as temporary:
@@ -138,6 +141,28 @@ def _page_data(points: InspectedPoints, run: RunRecord) -> dict:
         "decimals": um_decimals(_largest_mm(points.columns)),
         "colour_stops": COLOUR_STOPS,
         "unknown_colour": UNKNOWN_COLOUR,
+        "flags": [_flag(result) for result in flagged(run.features)],
+    }
+
+
+def _flag(result: FeatureResult) -> dict:
+    """A flag over the map: where it points, what it says, and its verdict."""
+    title, value = flag_text(result).split("\n")
+    verdict = (result.measured or result.predicted).verdict
+    return {
+        "places": [{"at": list(p.at_mm), "normal": list(p.normal)} for p in result.places],
+        "title": title,
+        "value": value,
+        "verdict": verdict.name.lower(),
+    }
+
+
+def _drawing(run: RunRecord) -> dict:
+    """What the template shows of the drawing's requirements."""
+    return {
+        "rows": [(result, used_share(result)) for result in run.features],
+        "has_measured": any(result.measured for result in run.features),
+        "coverage": COVERAGE,
     }
 
 

@@ -15,9 +15,10 @@ from matplotlib.figure import Figure
 from vmach.base.units import um_from_mm
 from vmach.files.atomic import atomic_file
 from vmach.report.figures.statistics import Statistics, column_statistics, common_range_mm
-from vmach.report.pictures.camera import isometric_camera, shading
+from vmach.report.pictures.camera import Camera, isometric_camera, shading
 from vmach.report.pictures.colours import COLOUR_STOPS, colours_of
 from vmach.report.pictures.display_mesh import vertex_normals
+from vmach.report.pictures.flags import draw_flags
 from vmach.report.pictures.rasterise import rasterise
 from vmach.report.result import Colouring, DisplayMesh, InspectedPoints, RunRecord
 
@@ -58,12 +59,15 @@ def draw_heatmap(
     """
     names = _telling_columns(points) if columns is None else list(columns)
     range_mm = common_range_mm([points[name] for name in names])
-    pictures = _pictures([mesh.colourings[name] for name in names], mesh, range_mm)
+    camera = isometric_camera(mesh.vertices_mm)
+    pictures = _pictures([mesh.colourings[name] for name in names], mesh, camera, range_mm)
     figure, panels = _figure(len(names), pictures.shape[1] / _DPI)
     for panel, name, picture in zip(panels, names, pictures, strict=True):
         panel.set_axis_off()
         panel.imshow(picture, interpolation="none", aspect="auto")
         _caption(panel, points[name].label, column_statistics(points[name], run.tolerance_mm), run)
+        if name == points.primary.name:
+            draw_flags(panel, run.features, camera, picture.shape[1::-1])
     left, top = _MARGIN_INCH / figure.get_figwidth(), 1 - 0.34 / figure.get_figheight()
     figure.text(left, top, _plain(run.title), size=15, weight="bold", color=_INK)
     _add_colour_bar(figure, range_mm)
@@ -76,9 +80,10 @@ def _telling_columns(points: InspectedPoints) -> list[str]:
     return [name for name in names if name != "none"] or names
 
 
-def _pictures(colourings: list[Colouring], mesh: DisplayMesh, range_mm: float) -> np.ndarray:
+def _pictures(
+    colourings: list[Colouring], mesh: DisplayMesh, camera: Camera, range_mm: float
+) -> np.ndarray:
     """(K, height, width, 4) uint8, one picture a colouring."""
-    camera = isometric_camera(mesh.vertices_mm)
     width = round(_PANEL_WIDTH_INCH * _DPI)
     size = (width, round(width * camera.height_mm / camera.width_mm))
     shade = shading(vertex_normals(mesh), camera)

@@ -25,6 +25,7 @@ from vmach.prediction import Prediction, predict_surface
 from vmach.report import DisplayMesh
 from vmach.report.pictures.display_mesh import shaped_for_display
 from vmach.run.inspection import check_some_cut, surface_points
+from vmach.uncertainty.first_order import prediction_u_mm
 from vmach.workbench.model.point_set import PointSet
 
 __all__ = ["PartModel", "load_part"]
@@ -46,6 +47,8 @@ class PartModel:
     mesh : DisplayMesh
     surface : PointSet
         Points on the nominal CAD; where the job has none, the measured ones.
+    prediction : Prediction
+        Of these points and those that no tool cut.
     notes : tuple of Note
     """
 
@@ -54,12 +57,18 @@ class PartModel:
     effects: tuple[EffectInstance, ...]
     mesh: DisplayMesh
     surface: PointSet
+    prediction: Prediction
     notes: tuple[Note, ...]
 
     @property
     def is_measured(self) -> bool:
         """Whether anything was measured for the job."""
         return self.job.measured is not None or bool(self.job.measurements)
+
+    @cached_property
+    def u_mm(self) -> np.ndarray:
+        """Standard uncertainty of the deviation of every point of the surface, (C,) mm."""
+        return prediction_u_mm(self.prediction)
 
     @cached_property
     def survey(self) -> Survey | None:
@@ -118,7 +127,7 @@ def load_part(job_path: Path, effect_files: Sequence[Path] = ()) -> PartModel:
     )
     notes = (*preparation.notes, *points.notes)
     surface = _surface_set(job, points, prediction, effects)
-    return PartModel(job, preparation, effects, mesh, surface, notes)
+    return PartModel(job, preparation, effects, mesh, surface, prediction, notes)
 
 
 def _surface_set(

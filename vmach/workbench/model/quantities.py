@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 
 from vmach.base.units import um_from_mm
-from vmach.effects import Circumstances
 from vmach.errors import InputError
-from vmach.fit.table_uncertainty import TableUncertainty
 from vmach.machine import Variant
 from vmach.report.figures.statistics import apart_on_part_mm, worst_rows
 from vmach.report.pictures.colours import colour_range
@@ -23,8 +21,6 @@ __all__ = ["Quantity", "figures_of", "quantities", "values_mm"]
 
 #: words before the name of an error source
 _SHARE = "share:"
-#: points whose uncertainty is looked at in one go; a few hundred causes each
-_BATCH = 2000
 
 
 @dataclass(frozen=True)
@@ -89,7 +85,7 @@ def values_mm(
     if name == "difference":
         return points, points.under(Variant.ABBE) - points.under(Variant.HTM)
     if name == "uncertainty":
-        return points, _u_mm(points)
+        return points, model.u_mm
     budget = points.budget(variant if variant is not Variant.NONE else Variant.ABBE)
     source = name.removeprefix(_SHARE)
     if not name.startswith(_SHARE) or source not in budget.sources:
@@ -98,23 +94,6 @@ def values_mm(
             accepted=", ".join(q.name for q in quantities(model)),
         )
     return points, budget.share_mm[:, budget.sources.index(source)]
-
-
-def _u_mm(points: PointSet) -> np.ndarray:
-    """As `prediction_u_mm`: what the tables and the effects of the job leave open, (C,) mm."""
-    if "u" not in points.kept:
-        tables = TableUncertainty.of(points.job.machine)
-        parts = []
-        for rows in np.array_split(np.arange(len(points)), len(points) // _BATCH + 1):
-            states, normals = points.states[rows], points.normal[rows]
-            shares = [tables.factors(Circumstances(states, points.job), normals)]
-            shares += [
-                np.einsum("pi,pik->pk", normals, effect.uncertainty_patterns(states))
-                for effect in points.effects
-            ]
-            parts.append(sum(np.square(share).sum(axis=1) for share in shares))
-        points.kept["u"] = np.sqrt(np.concatenate(parts))
-    return points.kept["u"]
 
 
 def figures_of(points: PointSet, value_mm: np.ndarray, tolerance_mm: float) -> dict[str, Any]:

@@ -1,0 +1,212 @@
+"""Jumps, loops and branches of SINUMERIK.
+
+Source: SINUMERIK 840D sl/828D, Programming Manual Job Planning, "Flexible NC programming".
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from gcode.control.loop_guard import LoopGuard
+from gcode.errors import ProgramError
+
+if TYPE_CHECKING:
+    from gcode.dialects.sinumerik.reader import SinumerikReader
+
+__all__ = ["Flow"]
+
+_KEYWORD = re.compile(
+    r"(IF|ELSE|ENDIF|WHILE|ENDWHILE|FOR|ENDFOR|LOOP|ENDLOOP|REPEATB?|UNTIL|GOTO[FBCS]?|CASE)\b\s*(.*)",
+    re.IGNORECASE,
+)
+_PAIRS = {
+    "IF": "ENDIF",
+    "WHILE": "ENDWHILE",
+    "FOR": "ENDFOR",
+    "LOOP": "ENDLOOP",
+    "REPEAT": "UNTIL",
+}
+_REPEATED = re.compile(r"([A-Z_]\w+)(?:\s+([A-Z_]\w+))?(?:\s*P\s*=?\s*(.+))?", re.IGNORECASE)
+_BRANCH = re.compile(r"\s*(?:(DEFAULT)|([^\s]+))\s+(GOTO[FBC]?)\s+(\w+)", re.IGNORECASE)
+
+
+class Flow:
+    """Where a program goes on.
+
+    Parameters
+    ----------
+    reader : SinumerikReader
+    """
+
+    def __init__(self, reader: SinumerikReader) -> None:
+        self.reader = reader
+        self.guard = LoopGuard(reader.controller)
+        self.counters: dict[tuple[int, int], float] = {}  #: FOR that runs -> its end
+
+    def obey(self, content: str) -> bool:
+        """Obey a block of the flow; tells whether it is one."""
+        match = _KEYWORD.fullmatch(content)
+        if match is None:
+            return False
+        keyword, rest, reader = match[1].upper(), match[2].strip(), self.reader
+        value = reader.variables.value
+        if keyword.startswith("GOTO"):
+            self._goto(keyword, rest)
+        elif keyword == "IF":
+            self._if(rest)
+        elif keyword == "ELSE":
+            reader.next = self._partner("IF", reader.next) + 1
+        elif keyword == "WHILE":
+            if not value(rest):
+                reader.next = self._partner("WHILE", reader.next) + 1
+        elif keyword == "FOR":
+            self._for(rest)
+        elif keyword == "CASE":
+            self._case(rest)
+        elif keyword == "UNTIL":
+            if not value(rest):
+                self._back(self._opening(keyword))
+        elif keyword in ("ENDWHILE", "ENDLOOP", "ENDFOR"):
+            self._back(self._opening(keyword))
+        elif keyword in ("REPEAT", "REPEATB") and rest:
+            self._repeat(keyword, rest)
+        return True
+
+    def _if(self, rest: str) -> None:
+        reader = self.reader
+        jump = re.fullmatch(r"(.*?)\s*\b(GOTO[FBC]?)\b\s*(.*)", rest, re.IGNORECASE)
+        if jump is not None:
+            if reader.variables.value(jump[1]):
+                self._goto(jump[2].upper(), jump[3])
+        elif not reader.variables.value(rest):
+            reader.next = self._partner("IF", reader.next, stop_at_else=True) + 1
+
+    def _for(self, rest: str) -> None:
+        match = re.fullmatch(r"(\w+|R\[.*\])\s*=\s*(.*?)\s+TO\s+(.*)", rest, re.IGNORECASE)
+        if match is None:
+            raise ProgramError(f"cannot read FOR {rest}", accepted="FOR R1=1 TO 10")
+        reader = self.reader
+        here, name, variables = reader.next - 1, match[1].upper(), reader.variables
+        line = (id(reader.lines), here)
+        if line in self.counters:
+            variables.assign(name, variables.value(name) + 1.0)
+        else:
+            variables.assign(name, variables.value(match[2]))
+            self.counters[line] = variables.value(match[3])
+        if variables.value(name) > self.counters[line]:
+            del self.counters[line]
+            reader.next = self._partner("FOR", reader.next) + 1
+
+    def _case(self, rest: str) -> None:
+        """``CASE(R1) OF 8 GOTOF A 6 GOTOF B DEFAULT GOTOF C``."""
+        parts = re.fullmatch(r"(.*?)\s*\bOF\b\s*(.*)", rest, re.IGNORECASE)
+        branches = list(_BRANCH.finditer(parts[2])) if parts else []
+        if not branches or _BRANCH.sub("", parts[2]).strip():
+            raise ProgramError(f"cannot read CASE {rest}", accepted="CASE(R1) OF 8 GOTOF A")
+        value = self.reader.variables.value(parts[1])
+        for branch in branches:
+            if branch[1] or self.reader.variables.value(branch[2]) == value:
+                self._goto(branch[3].upper(), branch[4])
+                return
+
+    def _repeat(self, keyword: str, rest: str) -> None:
+        """REPEAT from a label to here, or between two labels; REPEATB one block."""
+        match = _REPEATED.fullmatch(rest)
+        if match is None:
+            raise ProgramError(f"cannot read {keyword} {rest}", accepted="REPEAT LABEL P=3")
+        reader = self.reader
+        rounds = int(reader.variables.value(match[3])) if match[3] else 1
+        start = self._label(match[1])
+        if keyword == "REPEATB":
+            stop = start + 1
+        elif match[2]:
+            stop = self._label(match[2]) + 1
+        else:
+            stop = reader.next - 1
+            for index in range(start + 1, stop):
+                if reader.content(index)[1].upper().startswith("ENDLABEL"):
+                    stop = index
+                    break
+        reader.subprograms.repeat(start, stop, rounds)
+
+    # places
+
+    def _keyword(self, index: int) -> tuple[str, str]:
+        match = _KEYWORD.fullmatch(self.reader.content(index)[1])
+        return (match[1].upper(), match[2]) if match else ("", "")
+
+    def _opens(self, index: int, opening: str) -> bool:
+        keyword, rest = self._keyword(index)
+        is_jump = keyword == "IF" and re.search(r"\bGOTO[FBC]?\b", rest, re.IGNORECASE)
+        return keyword == opening and not is_jump and not (keyword == "REPEAT" and rest)
+
+    def _partner(self, opening: str, start: int, *, stop_at_else: bool = False) -> int:
+        """Line of the end of a structure that is open at `start`."""
+        depth = 0
+        for index in range(start, self.reader.subprograms.routine.stop):
+            keyword, _ = self._keyword(index)
+            if self._opens(index, opening):
+                depth += 1
+            elif keyword == _PAIRS[opening]:
+                if depth == 0:
+                    return index
+                depth -= 1
+            elif stop_at_else and keyword == "ELSE" and depth == 0:
+                return index
+        raise ProgramError(f"{opening} without {_PAIRS[opening]}")
+
+    def _opening(self, closing: str) -> int:
+        """Line of the head of the structure that ends here."""
+        opening = next(k for k, v in _PAIRS.items() if v == closing)
+        depth = 0
+        for index in range(self.reader.next - 2, self.reader.subprograms.routine.start - 1, -1):
+            if self._keyword(index)[0] == closing:
+                depth += 1
+            elif self._opens(index, opening):
+                if depth == 0:
+                    return index
+                depth -= 1
+        raise ProgramError(f"{closing} without {opening}")
+
+    def _label(self, name: str) -> int:
+        """Line of a label: above this block, or below it."""
+        reader, routine = self.reader, self.reader.subprograms.routine
+        behind = range(reader.next - 2, routine.start - 1, -1)
+        for index in (*behind, *range(reader.next, routine.stop)):
+            if (reader.content(index)[0][4] or "").upper() == name.upper():
+                return index
+        raise ProgramError(f"there is no label {name}")
+
+    def _goto(self, keyword: str, target: str) -> None:
+        reader, routine = self.reader, self.reader.subprograms.routine
+        if keyword == "GOTOS":
+            raise ProgramError("GOTOS repeats the program for ever", hint="use M30")
+        wanted = target.strip().upper()
+        ahead = range(reader.next, routine.stop)
+        behind = range(reader.next - 1, routine.start - 1, -1)
+        where = {"GOTOF": ahead, "GOTOB": behind}.get(keyword, (*ahead, *behind))
+        for index in where:
+            head, _ = reader.content(index)
+            if wanted in ((head[4] or "").upper(), f"N{head[2]}"):
+                self._back(index)
+                return
+        if keyword != "GOTOC":
+            raise ProgramError(f"{keyword} {wanted}: there is no such label")
+
+    def _back(self, index: int) -> None:
+        """Go on at another line."""
+        reader = self.reader
+        if index < reader.next:
+            self.guard.jumped_back(
+                index + 1,
+                level=len(reader.subprograms.levels),
+                executed=reader.budget.executed,
+                flow=(
+                    reader.variables.r,
+                    reader.variables.named,
+                    self.counters,
+                    reader.subprograms.memory(),
+                ),
+            )
+        reader.next = index

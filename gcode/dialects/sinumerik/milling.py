@@ -1,0 +1,142 @@
+"""POCKET3, POCKET4, SLOT1 and LONGHOLE as plain moves.
+
+Source: SINUMERIK 840D sl/828D, Programming Manual Cycles, "Milling cycles". What a cycle leaves is
+stated there, not its way through the material: rings are taken here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+from gcode.errors import ProgramError
+from gcode.geometry.outlines import Outline
+from gcode.language.area_milling import Area, mill_pocket
+
+if TYPE_CHECKING:
+    from gcode.dialects.sinumerik.reader import SinumerikReader
+
+__all__ = ["MILLING", "mill"]
+
+#: names of the arguments in their order
+_ARGUMENTS = {
+    "POCKET3": "RTP RFP SDIS DP LENG WID CRAD PA PO STA MID FAL FALD FFP1 FFD CDIR VARI MIDA AP1 "
+    "AP2 AD RAD1 DP1",
+    "POCKET4": "RTP RFP SDIS DP PRAD PA PO MID FAL FALD FFP1 FFD CDIR VARI MIDA AP1 AD RAD1 DP1",
+    "SLOT1": "RTP RFP SDIS DP DPR NUM LENG WID CPA CPO RAD STA1 INDA FFD FFP1 MID CDIR FAL VARI "
+    "MIDF FFP2 SSF FALD STA2",
+    "LONGHOLE": "RTP RFP SDIS DP DPR NUM LENG CPA CPO RAD STA1 INDA FFD FFP1 MID",
+}
+MILLING = frozenset(_ARGUMENTS)
+#: infeed across where MIDA is not said: 0.8 of the tool's diameter
+_MIDA = 0.8
+_MOST = 10_000
+
+
+class _Cycle:
+    """Arguments of a cycle."""
+
+    def __init__(self, reader: SinumerikReader, name: str, values: list[float | None]) -> None:
+        self.reader, self.name = reader, name
+        self.values = dict(zip(_ARGUMENTS[name].split(), values, strict=False))
+        tool = reader.controller.offsets.get(reader.controller.tool)
+        diameter = tool.offset_diameter_mm if tool else 0.0
+        self.tool_radius = diameter / 2.0 / reader.controller.unit_mm
+
+    def a(self, name: str, default: float | None = None) -> float:
+        """An argument."""
+        value = self.values.get(name)
+        value = default if value is None else value
+        if value is None:
+            raise ProgramError(f"{self.name} without {name}")
+        return value
+
+    @property
+    def out(self) -> float:
+        """The retraction plane."""
+        return self.a("RTP")
+
+    def area(self, outline: Outline) -> Area:
+        """What is milled within an outline."""
+        surface = self.a("RFP")
+        deep = self.values.get("DPR")
+        bottom = self.a("DP") if deep is None else surface - abs(deep)
+        if self.name == "POCKET3" or self.name == "POCKET4":
+            bottom = self.a("DP")
+        feed = self.a("FFP1", self.reader.controller.feed)
+        kind, sense = int(self.a("VARI", 0.0)) % 10, int(self.a("CDIR", 0.0))
+        counter = self.reader.controller.spindle < 0
+        clockwise = {0: counter, 1: not counter, 2: True, 3: False}.get(sense)
+        if clockwise is None:
+            raise ProgramError(f"CDIR={sense}", accepted="0 to 3")
+        return Area(
+            outline=outline,
+            tool_radius=self.tool_radius,
+            surface=surface,
+            bottom=bottom,
+            clear=surface + abs(self.a("SDIS", 0.0)),
+            step_down=abs(self.a("MID", 0.0)),
+            step_over=min(
+                self.a("MIDA", 0.0) or 2.0 * _MIDA * self.tool_radius, 2.0 * self.tool_radius
+            ),
+            feed=feed,
+            plunge_feed=self.a("FFD", feed),
+            finish_feed=self.a("FFP2", 0.0) or feed,
+            side_allowance=abs(self.a("FAL", 0.0)),
+            floor_allowance=abs(self.a("FALD", 0.0)),
+            rough=kind in (0, 1),
+            finish=kind in (0, 2),
+            clockwise=clockwise,
+        )
+
+    def _rectangle(self) -> Iterator[Outline]:
+        corner = max(self.a("CRAD", 0.0), self.tool_radius)
+        length, width = abs(self.a("LENG")), abs(self.a("WID"))
+        yield Outline(
+            (self.a("PA"), self.a("PO")), length / 2.0, width / 2.0, corner, self.a("STA", 0.0)
+        )
+
+    def _circle(self) -> Iterator[Outline]:
+        yield Outline.circle((self.a("PA"), self.a("PO")), abs(self.a("PRAD")))
+
+    def _slots(self) -> Iterator[Outline]:
+        """Slots or elongated holes on a circle, along its radii from RAD on."""
+        count = int(self.a("NUM"))
+        if not 1 <= count <= _MOST:
+            raise ProgramError(f"{self.name} with {count} slots")
+        width = self.a("WID", 2.0 * self.tool_radius)
+        step = self.a("INDA", 0.0) or 360.0 / count
+        for k in range(count):
+            angle = self.a("STA1", 0.0) + k * step
+            along = self.a("RAD") + self.a("LENG") / 2.0
+            centre = (
+                self.a("CPA") + along * math.cos(math.radians(angle)),
+                self.a("CPO") + along * math.sin(math.radians(angle)),
+            )
+            yield Outline.slot(centre, self.a("LENG"), width, angle)
+
+    def outlines(self) -> Iterator[Outline]:
+        """Every outline of the cycle."""
+        makers: dict[str, Callable[[], Iterator[Outline]]] = {
+            "POCKET3": self._rectangle,
+            "POCKET4": self._circle,
+            "SLOT1": self._slots,
+            "LONGHOLE": self._slots,
+        }
+        return makers[self.name]()
+
+
+def mill(reader: SinumerikReader, name: str, values: list[float | None]) -> None:
+    """Do a cycle; the tool ends on the retraction plane."""
+    cycle = _Cycle(reader, name, values)
+    c = reader.controller
+    c.note(
+        name,
+        "the way through the material is the control's own; rings are taken here, walls "
+        "and floor are those of the cycle",
+    )
+    modal, absolute, c.absolute = c.motion, c.absolute, True
+    for outline in cycle.outlines():
+        reader.execute(f"g0z{cycle.out!r}", *mill_pocket(cycle.area(outline)), f"g0z{cycle.out!r}")
+    c.motion, c.absolute = modal, absolute

@@ -1,0 +1,194 @@
+"""Subprograms, and parts of a program that are repeated.
+
+Source: SINUMERIK 840D sl/828D, Programming Manual Job Planning, "Subprogram technique", "Program
+section repetition".
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from gcode.errors import ProgramError
+from gcode.language.library import Routine, find_beside
+
+if TYPE_CHECKING:
+    from gcode.dialects.sinumerik.reader import SinumerikReader
+
+__all__ = ["Subprograms"]
+
+_LEVELS = 16  #: program levels of the control
+_SECTION = re.compile(r"\s*%_N_(\w+?)_(MPF|SPF)\b", re.IGNORECASE)
+_PROCEDURE = re.compile(r"\s*(?:N\d+\s*)?PROC\s+(\w+)\s*(?:\((.*)\))?", re.IGNORECASE)
+_PARAMETER = re.compile(
+    r"(VAR\s+)?(REAL|INT|BOOL|CHAR|AXIS|STRING\s*\[\d+\])\s+(\w+)\s*(?:=\s*(.*))?", re.IGNORECASE
+)
+
+
+@dataclass
+class _Level:
+    """What goes on when a subprogram, or a repeated part, has ended."""
+
+    routine: Routine
+    next: int
+    stop: int
+    left: int  #: further rounds
+    start: int  #: of a round
+    named: dict[str, float] | None  #: variables of the caller; None for a repeated part
+    line: int | None  #: of the program's file that calls
+
+
+class Subprograms:
+    """Levels of a running program.
+
+    Parameters
+    ----------
+    reader : SinumerikReader
+    """
+
+    def __init__(self, reader: SinumerikReader) -> None:
+        self.reader, self.levels = reader, []
+        lines = reader.lines
+        self.routine = Routine(lines, 0, self._end_of_section(lines, 0))
+        reader.stop = self.routine.stop
+
+    @staticmethod
+    def _end_of_section(lines: Sequence[str], start: int) -> int:
+        """Where the section of an archive ends in which a line stands."""
+        heads = [k for k in range(start, len(lines)) if _SECTION.match(lines[k])]
+        return heads[1] if len(heads) > 1 else len(lines)
+
+    @property
+    def source_line(self) -> int | None:
+        """Line of the program's file that called a file beside it; None within its own."""
+        return next((level.line for level in self.levels if level.line is not None), None)
+
+    def memory(self) -> list[tuple]:
+        """What tells one round of a loop from another."""
+        return [(level.next, level.left, level.start) for level in self.levels]
+
+    def call(self, name: str, arguments: list[float | None], rounds: int = 1) -> None:
+        """Go to a subprogram.
+
+        Raises
+        ------
+        ProgramError
+            It is nowhere, has other parameters, or calls itself too often.
+        """
+        routine = self._find(name)
+        if routine is None:
+            raise ProgramError(
+                f"subprogram {name} is neither in this file nor beside it",
+                accepted=f"a file {name.upper()}.SPF in the folder of the program",
+            )
+        if rounds < 1:
+            return
+        reader = self.reader
+        named = self._parameters(routine, name, arguments)
+        is_elsewhere = routine.file is not None and self.routine.file is None
+        line = reader.controller.line if is_elsewhere else None
+        self._push(
+            _Level(
+                self.routine,
+                reader.next,
+                reader.stop,
+                rounds - 1,
+                routine.start,
+                reader.variables.named,
+                line,
+            )
+        )
+        self._enter(routine, routine.start, routine.stop)
+        reader.variables.named = named
+
+    def repeat(self, start: int, stop: int, rounds: int) -> None:
+        """Run lines of the present program so many times, then go on behind this block."""
+        reader = self.reader
+        if rounds < 1:
+            return
+        self._push(_Level(self.routine, reader.next, reader.stop, rounds - 1, start, None, None))
+        reader.next, reader.stop = start, stop
+
+    def leave(self) -> bool:
+        """End of a subprogram or a repeated part; False at the end of the program."""
+        if not self.levels:
+            return False
+        reader, level = self.reader, self.levels[-1]
+        if level.left > 0:
+            level.left -= 1
+            reader.next = level.start
+            return True
+        self.levels.pop()
+        self._enter(level.routine, level.next, level.stop)
+        if level.named is not None:
+            reader.variables.named = level.named
+        return True
+
+    def returned(self) -> bool:
+        """RET and M17: parts that are repeated end with their subprogram."""
+        while self.levels and self.levels[-1].named is None:
+            level = self.levels.pop()
+            self.reader.stop = level.stop
+        return self.leave()
+
+    def _push(self, level: _Level) -> None:
+        if len(self.levels) >= 4 * _LEVELS:
+            raise ProgramError(f"subprograms nested deeper than {_LEVELS}")
+        self.levels.append(level)
+
+    def _enter(self, routine: Routine, start: int, stop: int) -> None:
+        self.routine = routine
+        self.reader.lines, self.reader.next, self.reader.stop = routine.lines, start, stop
+
+    def _find(self, name: str) -> Routine | None:
+        for lines, file in self._places():
+            for index, line in enumerate(lines):
+                section, procedure = _SECTION.match(line), _PROCEDURE.match(line)
+                found = (section or procedure)[1] if section or procedure else ""
+                if found.upper() == name.upper():
+                    return Routine(
+                        lines, index + 1 if section else index, self._stop_of(lines, index), file
+                    )
+        stem = name.upper()
+        names = [f"{stem}.{end}" for end in ("SPF", "MPF")]
+        names += [f"_N_{stem}_{end}" for end in ("SPF", "MPF")]
+        return find_beside(self.reader.options.folder, names)
+
+    def _places(self) -> list[tuple[Sequence[str], object]]:
+        """Texts that may hold the program: the present one, then those that called it."""
+        routines = [self.routine, *(level.routine for level in reversed(self.levels))]
+        return [(r.lines, r.file) for r in {id(r.lines): r for r in routines}.values()]
+
+    def _stop_of(self, lines: Sequence[str], index: int) -> int:
+        for after in range(index + 1, len(lines)):
+            if _SECTION.match(lines[after]) or _PROCEDURE.match(lines[after]):
+                if _SECTION.match(lines[index]) and _PROCEDURE.match(lines[after]):
+                    continue
+                return after
+        return len(lines)
+
+    def _parameters(
+        self, routine: Routine, name: str, arguments: list[float | None]
+    ) -> dict[str, float]:
+        """Variables of the subprogram from the head ``PROC NAME(REAL A, INT B=3)``."""
+        heads = (_PROCEDURE.match(routine.lines[k]) for k in range(routine.start, routine.stop))
+        head = next((h for h in heads if h), None)
+        said = head[2] if head is not None and head[2] else ""
+        wanted = [piece.strip() for piece in said.split(",") if piece.strip()]
+        if len(arguments) > len(wanted):
+            raise ProgramError(
+                f"{name} with {len(arguments)} arguments",
+                accepted=f"{len(wanted)} as its PROC line says",
+            )
+        values: dict[str, float] = {}
+        for index, piece in enumerate(wanted):
+            match = _PARAMETER.fullmatch(piece)
+            if match is None:
+                raise ProgramError(f"cannot read the parameter '{piece}' of {name}")
+            given = arguments[index] if index < len(arguments) else None
+            if given is None:
+                given = self.reader.variables.value(match[4]) if match[4] else 0.0
+            values[match[3].upper()] = given
+        return values

@@ -1,0 +1,65 @@
+"""An axis as a shop finds it: no table, slow errors, lost motion, runs that drift.
+
+Source: closed forms written here: a parabola with a wave, half the lost motion on either side
+(ISO 230-2, reversal B), a drift that slows from run to run.
+"""
+
+import numpy as np
+import pytest
+
+from tests.small_job import measurement, write_job
+from vmach.diagnosis.diagnose import diagnose
+from vmach.diagnosis.residuals.job_survey import survey_job
+from vmach.history.rounds import rounds
+
+#: of the axis: slow error over its travel, lost motion, drift over five runs, scatter of a stop
+SLOW_UM, LOST_UM, DRIFT_UM, STOP_UM = 60.0, 25.0, 3.0, 0.7
+RUNS = 5
+
+
+def axis_job(folder, axis, *, u_um, seed):
+    """Five bidirectional runs along an axis of a machine without tables, zero at the first stop."""
+    middle = [-200, -150, -150]
+    more = measurement("laser", axis=axis, at_mm=middle, u_um=u_um)
+    job = write_job(folder, more=more)
+    text = [line for line in job.read_text().splitlines() if not line.startswith("measured")]
+    job.write_text("\n".join(text) + "\n")
+    random = np.random.default_rng(seed)
+    place = np.linspace(-380.0 if axis == "X" else -280.0, 0.0, 20)
+    share = np.linspace(0.0, 1.0, 20)
+    slow = SLOW_UM * (0.9 * share**2 + 0.1 * np.sin(8.0 * share + 1.0))
+    rows = []
+    for run in range(RUNS):
+        drift = DRIFT_UM * (run / (RUNS - 1)) ** 0.7
+        for side, order in ((1, range(20)), (-1, reversed(range(20)))):
+            for i in order:
+                chance = STOP_UM * random.standard_normal()
+                rows.append(
+                    (run + 1, place[i], side, slow[i] - side * LOST_UM / 2 + drift + chance)
+                )
+    lines = [
+        f"{n},{x},{way},{8.0 * k},{v - rows[0][3]:.3f}" for k, (n, x, way, v) in enumerate(rows)
+    ]
+    header = "run,position_mm,approach,t_s,deviation_um"
+    (folder / "laser.csv").write_text("\n".join([header, *lines]) + "\n")
+    return job
+
+
+@pytest.mark.parametrize(("axis", "u_um"), [("X", 0.5), ("X", 1.0), ("Y", 3.0), ("Z", 5.0)])
+def test_lost_motion_is_shown_whatever_uncertainty_is_stated(tmp_path, axis, u_um):
+    found = diagnose(survey_job(axis_job(tmp_path, axis, u_um=u_um, seed=11)))
+    assert found.verdict in ("named", "class", "partly")
+    (lost,) = [f for f in found.findings if f.name == "backlash"]
+    assert (lost.target, lost.status) == (axis, "shown")
+    assert lost.parameters["reversal_um"] == pytest.approx(LOST_UM, abs=1.0)
+    (slow,) = [f for f in found.findings if f.name == "component"]
+    assert f"component E{axis}{axis}" in slow.rivals.labels
+    assert found.remains_um < 4.0 and found.rms_um["after"] < 4.0
+
+
+def test_an_axis_without_a_table_gets_a_map_and_its_lost_motion(tmp_path):
+    """What was found is added in rounds until nothing is left; 4 um of 23 at most remain."""
+    *_, last = rounds(axis_job(tmp_path, "X", u_um=1.0, seed=12))
+    text = last.job.read_text()
+    assert "[effects.backlash.X]" in text and "[effects.component." in text
+    assert last.after_um < 4.0

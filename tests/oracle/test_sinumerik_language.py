@@ -1,0 +1,167 @@
+"""Sinumerik's frames, corners, arcs, subprograms and milling cycles against closed forms.
+
+SINUMERIK 840D sl/828D Programming Manuals Fundamentals, Job Planning and Cycles.
+"""
+
+import numpy as np
+import pytest
+
+from gcode import ProgramError, Source, ToolEntry, read_program
+from tests.oracle.test_klartext_cycles import inside, tip
+
+TOOLS = {1: ToolEntry(100.0, 10.0, name="MILL_10"), 2: ToolEntry(80.0, 6.0)}
+
+
+def read(body, path="part.mpf"):
+    return read_program(
+        Source(f"{body}\nM30\n".encode(), path), tools=TOOLS, dialect="sinumerik", home_mm=(0, 0, 0)
+    )
+
+
+def places(body, **options):
+    moves = read(body, **options).moves
+    moved = np.abs(moves.end_mm - moves.start_mm).max(axis=1) > 1e-9
+    return np.round(moves.end_mm[moved], 6)
+
+
+def test_frames_turn_and_mirror_in_the_order_of_their_blocks():
+    found = places(
+        "TRANS X10 Y20\nAROT Z30\nG0 X5 Y0\nAMIRROR X0\nX5 Y1\nROT RPL=90\nX5 Y0\n"
+        "MIRROR Y0\nX3 Y4\nROT\nX1 Y1"
+    )[:, :2]
+    turn = np.radians(30)
+    first = [10 + 5 * np.cos(turn), 20 + 5 * np.sin(turn)]
+    second = [10 - 5 * np.cos(turn) - np.sin(turn), 20 - 5 * np.sin(turn) + np.cos(turn)]
+    assert found == pytest.approx(np.array([first, second, [0, 5], [3, -4], [1, 1]]), abs=1e-6)
+
+
+def test_an_additive_shift_lies_in_the_turned_frame():
+    found = places("ROT Z90\nATRANS X10\nG0 X1 Y2")[:, :2]
+    assert found == pytest.approx(np.array([[-2, 11]]))
+
+
+def test_arcs_in_a_mirrored_frame_turn_the_other_way():
+    moves = read("MIRROR X0\nG0 X10 Y0\nG3 X0 Y10 I-10 J0 F100").moves
+    assert moves.end_mm[-1] == pytest.approx([0, 10, 0])
+    assert moves.start_mm[-1] == pytest.approx([-10, 0, 0])
+    assert moves.sweep_rad[-1] * moves.axis[-1, 2] == pytest.approx(-np.pi / 2)
+
+
+@pytest.mark.parametrize("word", ["ROT X30", "MIRROR Z0", "SCALE X2 Y2", "ROT Q3"])
+def test_frames_that_turn_the_part_over_or_scale_are_refused(word):
+    with pytest.raises(ProgramError, match=word.split()[0]):
+        read(word)
+
+
+def test_corners():
+    moves = read("G0 X0 Y0\nG1 X20 RND=5 F100\nY20 CHR=3\nX0 CHF=4\nY0").moves
+    ends = np.round(moves.end_mm[1:, :2], 6).tolist()
+    half = round(4 / np.sqrt(2), 6)
+    assert ends == [
+        [15, 0], [20, 5], [20, 17], [17, 20], [half, 20], [0, round(20 - half, 6)], [0, 0],
+    ]  # fmt: skip
+    assert moves.sweep_rad[2] == pytest.approx(np.pi / 2)
+
+
+def test_modal_rounding_ends_with_zero_and_before_a_rapid():
+    moves = read("G0 X0 Y0\nG1 RNDM=2 X10 F100\nY10\nX0\nRNDM=0\nG0 X-5").moves
+    ends = np.round(moves.end_mm[1:, :2], 6).tolist()
+    assert ends == [[8, 0], [10, 2], [10, 8], [8, 10], [0, 10], [-5, 10]]
+
+
+def test_corners_of_incremental_blocks():
+    found = places("G1 G91 X20 RND=5 F100\nY20\nX-20")[:, :2].tolist()
+    assert found == [[15, 0], [20, 5], [20, 20], [0, 20]]
+
+
+def test_circle_over_a_point_and_tangent_circle():
+    moves = read("G0 X10 Y0\nCIP X-10 Y0 I1=0 J1=10 F100").moves
+    assert moves.centre_mm[-1, :2] == pytest.approx([0, 0])
+    assert moves.sweep_rad[-1] == pytest.approx(np.pi)
+    moves = read("G0 X10 Y0\nCIP X-10 Y0 I1=0 J1=-10 F100").moves
+    assert moves.sweep_rad[-1] == pytest.approx(-np.pi)
+    moves = read("G0 X0 Y0\nG1 X10 F100\nCT X20 Y10\nG1 Y20").moves
+    assert moves.centre_mm[-2, :2] == pytest.approx([10, 10])
+
+
+def test_subprograms_in_the_same_file_and_beside_it(tmp_path):
+    (tmp_path / "HOLE.SPF").write_text(
+        "PROC HOLE(REAL DEPTH, REAL FEED=50)\nG1 Z=-DEPTH F=FEED\nG0 Z5\nRET\n"
+    )
+    main = tmp_path / "part.mpf"
+    main.write_text(
+        "%_N_PART_MPF\nG0 X0 Y0 Z5\nHOLE(3)\nX10\nHOLE(4,80)\nL10 P2\nM30\n"
+        "%_N_L10_SPF\nG91 X1\nG90\nM17\n"
+    )
+    program = read_program(main, tools=TOOLS, dialect="sinumerik", home_mm=(0, 0, 0))
+    moves = program.moves
+    assert moves.end_mm[:, 2].min() == -4
+    assert moves.end_mm[-1, 0] == pytest.approx(12)
+    assert set(moves.feed_mm_per_min[moves.at_feed].tolist()) == {50.0, 80.0}
+    down = np.flatnonzero(moves.end_mm[:, 2] == -4)[0]
+    assert moves.line[down] == 5  # the line that calls
+    assert moves.line[-1] == 9  # a line of its own
+
+
+def test_a_fault_in_a_file_beside_it_is_named_there(tmp_path):
+    (tmp_path / "BAD.SPF").write_text("G0 X1\nFOO=3\nRET\n")
+    main = tmp_path / "part.mpf"
+    main.write_text("G0 X0\nBAD\nM30\n")
+    with pytest.raises(ProgramError, match=r"BAD.SPF:2: .*FOO"):
+        read_program(main, tools=TOOLS, dialect="sinumerik")
+    with pytest.raises(ProgramError, match="subprogram NOWHERE"):
+        read("NOWHERE(1)")
+
+
+def test_a_subprogram_that_calls_itself_is_refused():
+    with pytest.raises(ProgramError, match="nested deeper"):
+        read("%_N_A_MPF\nL1\nM30\n%_N_L1_SPF\nL1\nM17")
+
+
+def test_case_and_repeats():
+    body = "R1=6\nCASE(R1) OF 8 GOTOF AA 6 GOTOF BB DEFAULT GOTOF CC\nAA: X1\nBB: G0 X2\nCC: X3"
+    assert places("G0 Y1\n" + body)[1:, 0].tolist() == [2, 3]
+    assert places("G0 G91\nSTEP: X1\nY1\nREPEAT STEP P=2")[:, :2].tolist()[-1] == [3, 3]
+    assert places("G0 G91\nSTEP: X1\nY1\nREPEATB STEP P=3")[:, :2].tolist()[-1] == [4, 1]
+    assert places("G0 G91\nAA: X1\nBB: Y1\nX5\nREPEAT AA BB")[:, :2].tolist()[-1] == [7, 2]
+
+
+def test_settable_frames_and_tools_by_name():
+    found = places(
+        'T="mill_10" M6\n$P_UIFR[1,X,TR]=7\n$P_UIFR[2]=CTRANS(X,1,Y,2)\nG54 G0 X1\nG55 X0 Y0'
+    )
+    assert found[:, :2].tolist()[-2:] == [[8, 0], [1, 2]]
+    with pytest.raises(ProgramError, match='no tool has the name "X9"'):
+        read('T="X9"')
+
+
+def test_milling_cycles():
+    body = "T1 D1 M6\nS1000 M3 F300\n"
+    pocket = read(body + "POCKET3(20,0,2,-6,60,40,8,20,10,30,3,0.2,0.1,300,100,0,11)")
+    places_ = tip(pocket)
+    assert inside(places_, [20, 10], (30, 20), 8, 30).max() == pytest.approx(-5 - 0.2)
+    assert places_[:, 2].min() == pytest.approx(-6 + 0.1)
+    circle = tip(read(body + "POCKET4(20,0,2,-6,25,7,-3,3,0,0,300,100,0,11)"))
+    assert np.hypot(*(circle[:, :2] - [7, -3]).T).max() == pytest.approx(20)
+    slots = tip(read(body + "SLOT1(20,0,2,-5,,4,30,12,40,45,20,45,90,100,300,5,2,0,0)"))
+    low = slots[slots[:, 2] < 0]
+    turns = np.radians([45, 135, 225, 315])
+    centres = [40, 45] + (20 + 15) * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    each = np.array(
+        [inside(low, c, (15, 6), 6, np.degrees(t)) for c, t in zip(centres, turns, strict=True)]
+    )
+    assert each.min(axis=0).max() == pytest.approx(-5)
+    assert (each < -4.999).any(axis=1).all()
+
+
+def test_boring_cycle_leaves_the_wall():
+    moves = read("G0 X10 Y20\nF100\nCYCLE86(10,0,2,-8,,1,3,-1,-1,1,0)").moves
+    aside = moves.end_mm[np.abs(moves.end_mm[:, 2] + 7) < 1e-9]
+    assert aside == pytest.approx(np.array([[9, 19, -7]]))
+    assert moves.end_mm[-1] == pytest.approx([10, 20, 10])
+
+
+def test_a_grid_of_holes():
+    found = places("F100\nMCALL CYCLE81(10,0,2,-3)\nCYCLE801(30,20,0,10,15,3,2)\nMCALL\nX0 Y0")
+    holes = found[np.abs(found[:, 2] + 3) < 1e-9][:, :2].tolist()
+    assert holes == [[30, 20], [40, 20], [50, 20], [50, 35], [40, 35], [30, 35]]

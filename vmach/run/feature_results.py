@@ -1,0 +1,207 @@
+"""What a drawing asks for, found on the predicted and on the measured part."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from vmach.errors import InputError
+from vmach.features.evaluation import Drawing, Requirement, evaluate
+from vmach.features.feature import Points
+from vmach.features.measure import Measure
+from vmach.features.result import FeatureResult, LineShare, Place, SourceShare, Value
+from vmach.features.verdict import verdict
+from vmach.job import Job
+from vmach.nominal import NominalPart
+from vmach.nominal.points import SurfacePoints
+from vmach.prediction import Prediction
+from vmach.prediction.error_budget import ErrorBudget
+from vmach.report import InspectedPoints
+from vmach.run.drawing import job_drawing
+from vmach.uncertainty.first_order import combined_u_mm
+
+__all__ = ["feature_results"]
+
+#: NC lines that are named for each value
+_LINES = 3
+#: points of a feature that a flag may point at
+_PLACES = 12
+
+
+def feature_results(
+    job: Job,
+    nominal: NominalPart | None,
+    points: SurfacePoints,
+    inspected: InspectedPoints,
+    prediction: Prediction,
+    budget: ErrorBudget,
+) -> tuple[FeatureResult, ...]:
+    """Values of all requirements of the job's drawing; none where it has none.
+
+    Parameters
+    ----------
+    inspected : InspectedPoints
+        Deviations under every variant, and as measured.
+    prediction : Prediction
+        The primary one; uncertainty, shares and lines are its own.
+    budget : ErrorBudget
+        Of its cut points.
+
+    Raises
+    ------
+    InputError
+        A requirement that contradicts the CAD or its datums, or a feature without points.
+    """
+    drawing = job_drawing(job, nominal, points)
+    if drawing is None:
+        return ()
+    judge = _Judge(drawing, inspected, prediction, budget)
+    found = []
+    for requirement in drawing.requirements:
+        try:
+            found += judge.results(requirement)
+        except InputError as error:
+            what = error.what
+            if requirement.feature not in what:
+                what = f"tolerance {requirement.callout.text!r} of {requirement.feature!r}: {what}"
+            raise InputError(
+                what, file=job.path, accepted=error.accepted, hint=error.hint
+            ) from None
+    return tuple(judge.with_uncertainty(found))
+
+
+class _Judge:
+    """Evaluates requirements under every column."""
+
+    def __init__(
+        self,
+        drawing: Drawing,
+        inspected: InspectedPoints,
+        prediction: Prediction,
+        budget: ErrorBudget,
+    ) -> None:
+        self._drawing, self._inspected = drawing, inspected
+        self._prediction, self._budget = prediction, budget
+        self._parts = {
+            column.name: Points(
+                inspected.point_mm,
+                inspected.normal,
+                np.where(column.is_cut, column.deviation_mm, 0.0),
+                column.is_cut,
+            )
+            for column in inspected.columns
+        }
+        self._primary = inspected.primary.name
+        self._weights: list[np.ndarray] = []
+
+    def results(self, requirement: Requirement) -> list[FeatureResult]:
+        """One result a value; uncertainty is added later, for all at once."""
+        feature = self._drawing.feature(requirement.feature)
+        known = self._parts[self._primary].is_known
+        rows = np.concatenate([member.rows for member in feature.members])
+        if not known[rows].any():
+            self._weights.append(np.zeros(len(known)))
+            return [self._bare(requirement, "no tool of the program makes it")]
+        by_column = {
+            name: evaluate(self._drawing, requirement, part) for name, part in self._parts.items()
+        }
+        return [
+            self._one(requirement, k, measure, by_column)
+            for k, measure in enumerate(by_column[self._primary])
+        ]
+
+    def _bare(self, requirement: Requirement, reason: str = "", **more) -> FeatureResult:
+        callout = requirement.callout
+        lower, upper = requirement.limits_mm
+        return FeatureResult(
+            feature=requirement.feature,
+            callout=callout.text,
+            characteristic=callout.characteristic,
+            faces=self._drawing.feature(requirement.feature).faces,
+            datums=callout.datums,
+            nominal_mm=callout.nominal_mm if callout.is_size else 0.0,
+            lower_mm=lower if callout.is_size else None,
+            upper_mm=upper,
+            primary=self._primary,
+            reason=reason,
+            unit=callout.zone,
+            **more,
+        )
+
+    def _one(
+        self,
+        requirement: Requirement,
+        number: int,
+        measure: Measure,
+        by_column: dict[str, list[Measure]],
+    ) -> FeatureResult:
+        weight = measure.spread(len(self._inspected))
+        self._weights.append(weight)
+        values = {}
+        for name, measures in by_column.items():
+            one = measures[min(number, len(measures) - 1)]
+            u = self._measured_u_mm(one) if name == "measured" else None
+            limits = requirement.limits_mm
+            values[name] = Value(one.value_mm, u, verdict(one.value_mm, u or 0.0, *limits))
+        own = np.isin(np.arange(len(weight)), self._rows_of(requirement))
+        return self._bare(
+            requirement,
+            label=measure.label,
+            values=values,
+            shares=self._shares(weight),
+            lines=self._lines(weight * own),
+            places=self._places(weight * own, np.flatnonzero(own & self._prediction.is_cut)),
+        )
+
+    def _places(self, weight: np.ndarray, rows: np.ndarray) -> tuple[Place, ...]:
+        """The point that decides most, and some that are spread over the feature."""
+        spread = rows[np.linspace(0, len(rows) - 1, _PLACES).astype(int)]
+        chosen = dict.fromkeys([int(np.argmax(np.abs(weight))), *spread.tolist()])
+        points, normals = self._inspected.point_mm, self._inspected.normal
+        return tuple(Place(tuple(points[k].tolist()), tuple(normals[k].tolist())) for k in chosen)
+
+    def _rows_of(self, requirement: Requirement) -> np.ndarray:
+        feature = self._drawing.feature(requirement.feature)
+        return np.concatenate([member.rows for member in feature.members])
+
+    def _measured_u_mm(self, measure: Measure) -> float | None:
+        """Uncertainty by that of the points, taken as independent; None where they state none."""
+        if self._inspected.u_mm is None:
+            return None
+        weight = measure.spread(len(self._inspected))
+        return float(np.linalg.norm(weight * self._inspected.u_mm))
+
+    def _shares(self, weight: np.ndarray) -> tuple[SourceShare, ...]:
+        share = weight[self._prediction.is_cut] @ self._budget.share_mm
+        order = np.argsort(-np.abs(share), kind="stable")
+        return tuple(SourceShare(self._budget.sources[k], float(share[k])) for k in order)
+
+    def _lines(self, weight: np.ndarray) -> tuple[LineShare, ...]:
+        chosen = np.flatnonzero(weight)
+        if not chosen.size:
+            return ()
+        line = self._inspected.line[chosen]
+        share = np.bincount(line, np.abs(weight[chosen]))
+        total = share.sum()
+        found = []
+        for number in np.argsort(-share, kind="stable")[:_LINES].tolist():
+            if share[number] > 0.0 and number > 0:
+                tool = int(self._inspected.tool[chosen[line == number][0]])
+                found.append(LineShare(number, tool, float(share[number] / total)))
+        return tuple(found)
+
+    def with_uncertainty(self, found: list[FeatureResult]) -> list[FeatureResult]:
+        """The results with the uncertainty of the primary prediction, and its verdicts."""
+        weights = np.array(self._weights)[:, self._prediction.is_cut]
+        u_mm = combined_u_mm(self._prediction, weights)
+        done = []
+        for result, u in zip(found, u_mm.tolist(), strict=True):
+            if not result.values:
+                done.append(result)
+                continue
+            value = result.values[self._primary].value_mm
+            lower = float("-inf") if result.lower_mm is None else result.lower_mm
+            judged = Value(value, u, verdict(value, u, lower, result.upper_mm))
+            done.append(replace(result, values={**result.values, self._primary: judged}))
+        return done
