@@ -8,6 +8,7 @@ import sys
 import traceback
 from pathlib import Path
 
+from vmach.base.memory import give_back_large_arrays
 from vmach.base.terminal import protect_terminal
 
 __all__ = ["main"]
@@ -23,6 +24,7 @@ def main() -> None:
         # `vmach predict ... | head` ends as other tools do when the reader has seen enough
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     protect_terminal()
+    give_back_large_arrays()
     try:
         from vmach.cli import main as command_line  # so that Ctrl-C while it loads counts too
 

@@ -17,6 +17,7 @@ class HaasReader(FanucReader):
         radius_in_d=False,
         pointed_p_is_seconds=True,
         pointless_factor=True,
+        haas_cycles=True,
         builder_m=HAAS_M,
         peck_clearance_mm=1.27,
     )

@@ -35,7 +35,9 @@ class Routine:
     file: Path | None = None
 
 
-def find_beside(folder: Path | None, names: Sequence[str]) -> Routine | None:
+def find_beside(
+    folder: Path | None, names: Sequence[str], *, endings: Sequence[str] = ("",)
+) -> Routine | None:
     """The first file of a folder that has one of the names, whatever the case of its letters.
 
     Parameters
@@ -44,8 +46,10 @@ def find_beside(folder: Path | None, names: Sequence[str]) -> Routine | None:
         Of the calling program; None for a text without a file.
     names : sequence of str
         Without folders: a name with one is never found.
+    endings : sequence of str
+        Put behind each name, as ``.nc``.
     """
-    wanted = [name.lower() for name in names if _NAME.fullmatch(name)]
+    wanted = [f"{n}{end}".lower() for n in names for end in endings if _NAME.fullmatch(n)]
     if folder is None or not wanted or not folder.is_dir():
         return None
     there = {path.name.lower(): path for path in sorted(folder.iterdir())}

@@ -40,7 +40,16 @@ def _in_folder() -> Iterator[type[Dialect]]:
 
 def _of_packages() -> Iterator[type[Dialect]]:
     for point in sorted(entry_points(group=ENTRY_POINTS), key=lambda p: p.name):
-        yield point.load()
+        try:
+            yield point.load()
+        except Exception as error:
+            whose = None if point.dist is None else f"it belongs to the package {point.dist.name}"
+            raise ProgramError(
+                f"entry point '{point.name} = {point.value}' of {ENTRY_POINTS} cannot be loaded: "
+                f"{error!r}",
+                accepted="MODULE:CLASS of a subclass of gcode.Dialect",
+                hint=whose,
+            ) from error
 
 
 def load_dialects(*more: type[Dialect]) -> dict[str, type[Dialect]]:

@@ -116,6 +116,8 @@ class Moves:
                 )
             if dtype is np.float64 and not np.isfinite(array).all():
                 raise ValueError(f"Moves.{field.name} holds values that are not finite")
+            if not array.any():  # memory that nobody writes to takes no room
+                array = np.zeros(array.shape, dtype)
             array.setflags(write=False)
             object.__setattr__(self, field.name, array)
 

@@ -100,6 +100,10 @@ def build_trees(motion: Motion, sweeps: Sweeps, reach_of_tool_mm: np.ndarray) ->
 
 def _pieces(motion: Motion, on_arc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Sweep and span of each piece: whole lines, arcs in parts of less than `_PIECE_RAD`."""
+    if not on_arc.any():
+        span = np.empty((len(on_arc), 2))
+        span[:] = 0.0, 1.0
+        return np.arange(len(on_arc), dtype=np.int32), span
     parts = np.ones(len(on_arc), dtype=np.int64)
     parts[on_arc] = np.ceil(np.abs(motion.arcs[:, 4, 2]) / _PIECE_RAD)
     sweep = np.repeat(np.arange(len(parts), dtype=np.int32), parts)

@@ -6,6 +6,8 @@ covers whole is empty above that stroke's floor; the lowest such floor is the ce
 stroke its owner. A stroke is buried where it owns no cell and keeps above the floor of every cell
 that it touches. Footprints and floors are taken on the safe side, so that leaving the buried
 strokes out leaves the part as it is.
+
+Source: closed form derived here: a cell that one footprint covers whole is empty above its floor.
 """
 
 from __future__ import annotations

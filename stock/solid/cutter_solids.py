@@ -1,4 +1,7 @@
-"""Solids that strokes remove, united over a tree in space, each triangle with its move."""
+"""Solids that strokes remove, united over a tree in space, each triangle with its move.
+
+Source: the set operations are those of the library manifold3d.
+"""
 
 from __future__ import annotations
 

@@ -3,6 +3,8 @@
 Both surfaces are looked at: all their vertices and points spread evenly over their area. Between
 vertices flat triangles reach no larger distance from a flat neighbour, so that small features
 count however coarse the points are.
+
+Source: closed form derived here: between vertices a flat triangle is no farther from a flat one.
 """
 
 from __future__ import annotations

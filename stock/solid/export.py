@@ -1,4 +1,7 @@
-"""Files of the virtual part: STL, 3MF and glTF, written whole or not at all."""
+"""Files of the virtual part: STL, 3MF and glTF, written whole or not at all.
+
+Source: ISO/IEC 12113 (glTF 2.0), 3MF Core Specification, 3D Systems' STL.
+"""
 
 from __future__ import annotations
 

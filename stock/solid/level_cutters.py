@@ -2,6 +2,8 @@
 
 Where flat end mills clear a floor, thousands of strokes share one plane. Their outlines are
 united in two dimensions, which is fast and leaves one clean floor, and raised to a prism.
+
+Source: closed form derived here: a disc along a straight line sweeps a stadium.
 """
 
 from __future__ import annotations

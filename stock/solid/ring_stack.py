@@ -1,4 +1,7 @@
-"""A tool as a stack of rings: what the hulls of the virtual part are made of."""
+"""A tool as a stack of rings: what the hulls of the virtual part are made of.
+
+Source: closed form derived here: chords of an arc of radius r keep within r (1 - cos(a / 2)).
+"""
 
 from __future__ import annotations
 

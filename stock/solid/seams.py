@@ -3,6 +3,8 @@
 Both sides of a split get the same vertices bit for bit, but a side that is worked on further may
 lose vertices in the middle of straight edges. So equal vertices are made one, and the longer
 edges are divided where the other side has vertices on them.
+
+Source: closed form derived here: an edge is divided where another vertex lies on it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Strokes: straight pieces of displaced tool motion that the virtual part is cut with."""
+"""Strokes: straight pieces of displaced tool motion that the virtual part is cut with.
+
+Source: closed form derived here: chords of an arc of radius r keep within r (1 - cos(a / 2)).
+"""
 
 from __future__ import annotations
 

@@ -11,6 +11,8 @@ lie inside the neighbouring strokes, so a stroke keeps only
 Whole caps are kept where the path begins and ends. The union of these hulls equals the union of
 the full ones: a tool point behind the corner lies in the stroke before, and a point in front of
 the end in a stroke that follows.
+
+Source: closed form derived here: a convex body that goes straight sweeps the hull of its two ends.
 """
 
 from __future__ import annotations

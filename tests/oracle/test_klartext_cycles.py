@@ -248,3 +248,28 @@ def test_an_approach_needs_a_contour_behind_it():
         read("L X-40 Y-10 R0 FMAX\nAPPR LT X+0 Y+0 LEN15 RL F300\nSTOP M0")
     with pytest.raises(ProgramError, match="LT without LEN"):
         read("L X-40 Y-10 R0 FMAX\nAPPR LT X+0 Y+0 RL F300\nL X+10")
+
+
+def test_a_called_program_shares_q_parameters_and_has_its_own_labels(tmp_path):
+    (tmp_path / "HOLE.H").write_text(
+        "BEGIN PGM HOLE MM\nLBL 1\nL IZ-Q1 F100\nCALL LBL 1 REP 1\nQ2 = Q2 + 1\nEND PGM HOLE MM\n"
+    )
+    main = tmp_path / "main.h"
+    text = (
+        "BEGIN PGM A MM\nTOOL CALL 1 Z S1000\nL Z+0 R0 FMAX\nQ1 = 3\nQ2 = 0\nLBL 1\n"
+        "CALL PGM TNC:\\work\\HOLE.H\nCALL LBL 1 REP 1\nL X+Q2 FMAX\nEND PGM A MM\n"
+    )
+    main.write_text(text)
+    moves = read_program(main, tools=TOOLS).moves
+    assert moves.end_mm[-1].tolist() == [2, 0, 100 - 12]
+    assert moves.line[moves.at_feed].tolist() == [7] * 4
+    main.write_text(text.replace("HOLE.H", "OTHER.H"))
+    with pytest.raises(ProgramError, match=r"main.h:7: program OTHER.H is not beside this one"):
+        read_program(main, tools=TOOLS)
+    (tmp_path / "HOLE.H").write_text("BEGIN PGM HOLE MM\nM128\nEND PGM HOLE MM\n")
+    main.write_text(text)
+    with pytest.raises(ProgramError, match=r"HOLE.H:2: M128"):
+        read_program(main, tools=TOOLS)
+    (tmp_path / "HOLE.H").write_text("CALL PGM HOLE.H\n")
+    with pytest.raises(ProgramError, match="nested deeper"):
+        read_program(main, tools=TOOLS)

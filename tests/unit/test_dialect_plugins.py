@@ -59,6 +59,15 @@ def test_a_package_brings_one_by_an_entry_point(tmp_path, monkeypatch):
     assert load_dialects()["own"].title == "Own"
 
 
+def test_an_entry_point_that_cannot_be_loaded_is_named(tmp_path, monkeypatch):
+    point = loaded(tmp_path, monkeypatch, "import nothing_of_this_name\n", "broken_import")
+    monkeypatch.setattr(registry, "entry_points", lambda group: [point])
+    with pytest.raises(
+        ProgramError, match=r"'broken_import = broken_import:Own' of vmach.dialects"
+    ):
+        load_dialects()
+
+
 def test_every_dialect_names_what_it_follows():
     found = load_dialects()
     assert {"linuxcnc", "fanuc", "haas", "sinumerik", "heidenhain", "grbl"} <= set(dialect_names())

@@ -62,7 +62,7 @@ def test_a_sound_file_is_loaded_and_may_be_loaded_again(tmp_path):
         (('targets = ("",)', "targets = ()"), 10, "targets = ()"),
         (('targets = ("",)', 'target = ("",)'), 10, "did you mean 'targets'?"),
         (('targets = ("",)', "rarity = 'rare'"), 10, "rarity = 'rare'; accepted: a number"),
-        (('targets = ("",)', "is_slow = 1"), 10, "is_slow = 1; accepted: True or False"),
+        (('targets = ("",)', "is_sudden = 1"), 10, "is_sudden = 1; accepted: True or False"),
         (('"twist"', '"Twist"'), 7, "name = 'Twist'; accepted: lower-case"),
         (('"b_um", "size"', '"a_um", "size"'), 9, "two parameters are called a_um"),
         (("usual=10.0)", "usual=0.0)"), 9, "parameter a_um is accepted from -0.0 to 0.0"),

@@ -1,5 +1,7 @@
 """Sweeps follow the displacement at the nodes, and interpolate smoothly in between."""
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from gcode import MoveKind
 from tests.unit.test_path_geometry import HELIX, LINE, make_moves
 from vmach.machine import RigidDisplacement
 from vmach.path.toolpath import Toolpath
-from vmach.prediction.sweeping import build_sweeps
+from vmach.prediction.sweeping import build_sweeps, join_sweeps
 
 ZERO_MM = np.array([3.0, -2.0, -200.0])
 
@@ -70,3 +72,22 @@ def test_single_piece_is_linear():
     rise = sweeps.shift_mm[:, 1] - sweeps.shift_mm[:, 0]
     assert sweeps.shift_slope_mm[:, 0] == pytest.approx(rise)
     assert sweeps.shift_slope_mm[:, 1] == pytest.approx(rise)
+
+
+def test_a_path_in_parts_gives_the_same_sweeps():
+    """Parts end where moves do, so slopes at their ends need no neighbour."""
+    back = {"kind": MoveKind.LINE, "start_mm": (30, 40, 0), "end_mm": (0, 0, 0)}
+    whole, path = sweeps_of(make_moves(*[LINE, back] * 6), wave)
+    assert len(path.first_node) > 100
+    for count in (1, 15, 10**6):
+        parts = list(path.parts(count))
+        assert len(parts) == {1: 12, 15: 6, 10**6: 1}[count]
+        joined = join_sweeps(
+            parts,
+            lambda nodes: RigidDisplacement(wave(nodes.nose_mm), np.zeros_like(nodes.nose_mm)),
+            count=len(path.first_node),
+            zero_mm=ZERO_MM,
+            tool_index=np.array([-1, 0]),
+        )
+        for field in fields(whole):
+            assert np.array_equal(getattr(joined, field.name), getattr(whole, field.name))

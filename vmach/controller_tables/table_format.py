@@ -18,10 +18,12 @@ from vmach.controller_tables.projection import AxisTable, Projection, Term
 from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
 
-__all__ = ["AppliedTables", "TableFormat", "projected"]
+__all__ = ["UNLIMITED_ENTRIES", "AppliedTables", "TableFormat", "projected"]
 
 #: tables whose largest entry is below this share of the tolerance are left out
 _NEGLIGIBLE = 0.1
+#: of one table, where the control sets no limit
+UNLIMITED_ENTRIES = 251
 _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 

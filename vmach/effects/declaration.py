@@ -26,13 +26,9 @@ _UNIT = re.compile(
 #: attributes that say yes or no; words; numbers
 _YES_OR_NO = (
     "needs_surface",
-    "is_flexible",
-    "is_slow",
-    "has_untold",
     "corrects_table",
     "turns_tool",
     "is_sudden",
-    "is_of_one_tool",
     "is_never_exact",
     "imitates_as_team",
 )

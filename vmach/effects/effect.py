@@ -191,8 +191,6 @@ class Effect(ABC):
     corrects_table: ClassVar[bool] = False
     #: whether it begins at one moment, its inner parameter ``time_s``
     is_sudden: ClassVar[bool] = False
-    #: whether its target is one tool: ``T1``
-    is_of_one_tool: ClassVar[bool] = False
     #: whether it is always there a little, and may join in an imitation of another effect
     is_never_exact: ClassVar[bool] = False
     #: whether it imitates another effect when it acts alike on all axes, or on all tools
@@ -201,15 +199,9 @@ class Effect(ABC):
     signature: ClassVar[str] = ""
     #: how many times rarer than the common effects, as a logarithm; weighs in close calls only
     rarity: ClassVar[float] = 0.0
-    #: whether it can take so many shapes that two of them would explain nearly anything
-    is_flexible: ClassVar[bool] = False
-    #: whether it goes slowly with the time since the start, as warmth and weather do
-    is_slow: ClassVar[bool] = False
     #: what the law leaves out, as a share of the effect, wandering over this time
     slack_share: ClassVar[float] = 0.0
     slack_time_s: ClassVar[float] = 60.0
-    #: whether `slack` holds circumstances that no file tells, beside the law's inexactness
-    has_untold: ClassVar[bool] = False
     usual_size: ClassVar[str] = ""
     confirm: ClassVar[str] = ""
     cure: ClassVar[str] = ""

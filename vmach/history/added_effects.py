@@ -19,7 +19,7 @@ from vmach.files.atomic import atomic_file
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import line_of_key
 from vmach.history import rms_um
-from vmach.job import Job, read_job
+from vmach.job import Job, free_job_name, read_job
 
 __all__ = ["add_effects"]
 
@@ -74,7 +74,7 @@ def add_effects(
                 line=line_of_key(text, ["effects", effect.effect.name, effect.target]),
                 hint="take it out of the job first, or go on from the job before it",
             )
-    target = out or _free_name(job.path)
+    target = out or free_job_name(job.path)
     if target.exists():
         raise InputError("file is there already", file=target, hint="choose another name with -o")
     text = _moved(text, job.folder, target.parent)
@@ -139,14 +139,6 @@ def _is_there(effects: Mapping[str, Any], new: NamedEffect) -> bool:
     if table is None:
         return False
     return new.target in table or table.get("target", "") == new.target
-
-
-def _free_name(path: Path) -> Path:
-    number = 2
-    stem = re.sub(r"-\d+$", "", path.stem)
-    while (candidate := path.with_name(f"{stem}-{number}.toml")).exists():
-        number += 1
-    return candidate
 
 
 def _moved(text: str, old: Path, new: Path) -> str:

@@ -26,6 +26,7 @@ __all__ = [
     "doubts_of_stops",
     "in_stretches",
     "in_three_directions",
+    "one_a_stop",
     "three_directions",
 ]
 
@@ -73,24 +74,39 @@ def along_line(
     """
     check_travel(nose_mm, table, model.travel_mm)
     check_extent(nose_mm, table)
-    count = len(nose_mm)
     side = np.sign(table.numbers["approach"])[:, None] * np.sign(np.round(direction, 9))
     states = stop_and_go(
         nose_mm, table.numbers["t_s"], side=side, tool_length_mm=settings.tool_length_mm
     )
-    sensing = np.tile(direction, (count, 1))
+    sensing = np.tile(direction, (len(nose_mm), 1))
+    doubts = doubts_of_stops(nose_mm, side, table, model)
+    return one_a_stop(settings, table, states, sensing, model=model, notes=doubts)
+
+
+def one_a_stop(
+    settings: Instrument,
+    table: Columns,
+    states: PathStates,
+    sensing: np.ndarray,
+    *,
+    model: ModelOfTest,
+    notes: tuple[Note, ...],
+) -> Measurement:
+    """One reading along `sensing` (P, 3) at each of P stops, its zero left free."""
+    count = len(states)
+    (column,) = settings.readings
     return Measurement(
         instrument=type(settings),
         name=table.path.name,
         id=np.arange(1, count + 1).astype(str),
         states=states,
         sensing=sensing,
-        measured_mm=mm_from_um(table.numbers["deviation_um"]),
+        measured_mm=mm_from_um(table.numbers[column]),
         predicted_mm=model.predicted_mm(states, sensing),
         u_mm=np.full(count, mm_from_um(settings.u_um)),
         group=np.char.add("run ", table.text["run"]),
         nuisance=np.ones((count, 1)),
-        notes=doubts_of_stops(nose_mm, side, table, model),
+        notes=notes,
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,7 +24,7 @@ from vmach.plausibility import admitted_machine, check_tools
 if TYPE_CHECKING:
     import trimesh
 
-__all__ = ["Blank", "Inspection", "Job", "JobTool", "job_name", "read_job"]
+__all__ = ["Blank", "Inspection", "Job", "JobTool", "free_job_name", "job_name", "read_job"]
 
 #: keys of a tool that its cutting part is made from
 _CUTTER_DIMENSIONS = {
@@ -205,6 +206,15 @@ def job_name(path: Path) -> str:
     """What a job is called: its file's name, or its folder's where the file is ``job.toml``."""
     path = path.resolve()
     return path.parent.name if path.name == "job.toml" else path.stem
+
+
+def free_job_name(path: Path) -> Path:
+    """A name for a job that goes on from another, beside it: ``job-2.toml``, ``job-3.toml`` ..."""
+    number = 2
+    stem = re.sub(r"-\d+$", "", path.stem)
+    while (candidate := path.with_name(f"{stem}-{number}.toml")).exists():
+        number += 1
+    return candidate
 
 
 def read_job(path: Job | str | Path) -> Job:

@@ -2,6 +2,8 @@
 
 Every circle of a ballbar begins and ends with a stretch without readings, so that the machine is
 at feed when they start. How long it was, the time between the runs tells: the axes hardly rest.
+
+Source: closed form derived here: a run-up and a run-out share the pause between two circles.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""One measurement of the machine or of a part: rows of deviations, and what they depend on."""
+"""One measurement of the machine or of a part: rows of deviations, and what they depend on.
+
+Source: closed form derived here: what is left free is taken off by least squares.
+"""
 
 from __future__ import annotations
 

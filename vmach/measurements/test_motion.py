@@ -1,4 +1,7 @@
-"""The motion of a test that is given by its readings: where, when, from which side."""
+"""The motion of a test that is given by its readings: where, when, from which side.
+
+Source: closed form derived here: an approach against the motion overruns and turns back.
+"""
 
 from __future__ import annotations
 

@@ -12,6 +12,7 @@ from stock import Tool, compile_ahead
 from vmach.base.note import Kind, Note, in_file
 from vmach.errors import InputError
 from vmach.job import Job
+from vmach.path.geometry import position_at
 from vmach.path.toolpath import NODE_SPACING_MM, Toolpath
 from vmach.plausibility import cutting_notes, doubts, machine_notes, tool_notes
 
@@ -233,7 +234,8 @@ def _offsets_that_differ(job: Job, moves: Moves, source: Path) -> tuple[Note, ..
 
 
 def _check_travel(job: Job, path: Toolpath, source: Path) -> None:
-    nose = path.nodes.nose_mm
+    # not kept: of a long program it takes much memory
+    nose = position_at(path.nodes.moves, path.nodes.move, path.nodes.parameter)
     low, high = job.machine.travel_mm
     outside = (nose < low - _TRAVEL_SLACK_MM) | (nose > high + _TRAVEL_SLACK_MM)
     if not outside.any():

@@ -5,6 +5,7 @@ Source: ISO 841 (motion of the tool relative to the workpiece).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -56,8 +57,8 @@ class PathStates:
     def __len__(self) -> int:
         return len(self.move)
 
-    def __getitem__(self, rows: np.ndarray) -> PathStates:
-        """Some of the states, by index or mask."""
+    def __getitem__(self, rows: np.ndarray | slice) -> PathStates:
+        """Some of the states, by index, mask or slice."""
         return PathStates(
             moves=self.moves,
             tool_lengths_mm=self.tool_lengths_mm,
@@ -176,6 +177,15 @@ class Toolpath:
     def piece_move(self) -> np.ndarray:
         """Move that each piece belongs to, (E,) int64."""
         return self.nodes.move[self.first_node]
+
+    def parts(self, count: int) -> Iterator[Toolpath]:
+        """The path in parts of about `count` pieces, whole moves each."""
+        begin, total, move = 0, len(self.first_node), self.piece_move
+        while begin < total:
+            end = int(np.searchsorted(move, move[min(begin + count, total) - 1], side="right"))
+            first = self.first_node[begin:end]
+            yield Toolpath(self.nodes[slice(first[0], first[-1] + 2)], first - first[0])
+            begin = end
 
     def states_on_pieces(
         self,

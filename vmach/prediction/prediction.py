@@ -18,10 +18,13 @@ from vmach.machine import RigidDisplacement, Variant, displacement
 from vmach.nominal.points import SurfacePoints
 from vmach.path.preparation import Preparation
 from vmach.path.toolpath import PathStates
-from vmach.prediction.sweeping import build_sweeps
+from vmach.prediction.sweeping import join_sweeps
 
 #: a tool that passes a surface point no closer than this does not generate it
 GENERATING_MISS_MM = 0.05
+
+#: pieces of the path that are displaced at a time: some ten MB each
+PIECES_AT_ONCE = 200_000
 
 __all__ = ["ActingEffect", "Prediction", "displaced_sweeps", "displacement_of", "predict",
            "predict_surface"]  # fmt: skip
@@ -88,10 +91,13 @@ def displaced_sweeps(
     preparation: Preparation, variant: Variant, effects: Sequence[ActingEffect] = ()
 ) -> Sweeps:
     """Sweeps of the whole program, displaced by the machine's errors and the effects."""
-    nodes = preparation.path.nodes
-    return build_sweeps(
-        preparation.path,
-        displacement_of(preparation, nodes, variant, effects),
+    path = preparation.path
+    # effects look back along the path, and keep what they found for all of it
+    parts = [path] if effects else path.parts(PIECES_AT_ONCE)
+    return join_sweeps(
+        parts,
+        lambda nodes: displacement_of(preparation, nodes, variant, effects),
+        count=len(path.first_node),
         zero_mm=preparation.zero_mm,
         tool_index=preparation.tool_index,
     )

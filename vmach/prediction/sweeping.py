@@ -6,14 +6,16 @@ nodes.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+
 import numpy as np
 
 from stock import Sweeps
 from vmach.machine import RigidDisplacement
 from vmach.path.geometry import position_at
-from vmach.path.toolpath import Toolpath
+from vmach.path.toolpath import PathStates, Toolpath
 
-__all__ = ["build_sweeps"]
+__all__ = ["build_sweeps", "join_sweeps"]
 
 
 def build_sweeps(
@@ -31,6 +33,47 @@ def build_sweeps(
     tool_index : (T,) int
         Index into the engine's sequence of tools for tool number k.
     """
+    return Sweeps(**_columns(path, displacement, zero_mm, tool_index))
+
+
+def join_sweeps(
+    parts: Iterable[Toolpath],
+    displaced: Callable[[PathStates], RigidDisplacement],
+    *,
+    count: int,
+    zero_mm: np.ndarray,
+    tool_index: np.ndarray,
+) -> Sweeps:
+    """Sweeps of a path that is displaced part by part, so that long ones need little memory.
+
+    Parameters
+    ----------
+    parts : iterable of Toolpath
+        As `Toolpath.parts` gives them.
+    displaced : callable
+        Displacement of the tool at the nodes of a part.
+    count : int
+        Pieces of all parts.
+    zero_mm, tool_index
+        As in `build_sweeps`.
+    """
+    whole: dict[str, np.ndarray] = {}
+    done = 0
+    for part in parts:
+        rows = slice(done, done + len(part.first_node))
+        done = rows.stop
+        for name, values in _columns(part, displaced(part.nodes), zero_mm, tool_index).items():
+            if name not in whole:
+                whole[name] = np.zeros((count, *values.shape[1:]), values.dtype)
+            if values.any():  # memory that nobody writes to takes no room
+                whole[name][rows] = values
+    return Sweeps(**whole)
+
+
+def _columns(
+    path: Toolpath, displacement: RigidDisplacement, zero_mm: np.ndarray, tool_index: np.ndarray
+) -> dict[str, np.ndarray]:
+    """The fields of the sweeps of a path; arguments as of `build_sweeps`."""
     nodes = path.nodes
     first = path.first_node
     tip = position_at(nodes.moves, nodes.move, nodes.parameter) + nodes.tool_mm - zero_mm
@@ -41,7 +84,7 @@ def build_sweeps(
     axis = nodes.moves.axis[move]
     centre = nodes.moves.centre_mm[move] + to_tip
     centre += np.einsum("ij,ij->i", tip[first] - centre, axis)[:, None] * axis
-    return Sweeps(
+    return dict(
         start_mm=tip[first],
         end_mm=tip[first + 1],
         centre_mm=np.where(arc[:, None], centre, 0.0),

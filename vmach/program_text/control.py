@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 from gcode import Dialect, Program, ProgramError, dialect_called, dialect_names
@@ -51,18 +52,14 @@ def check_meaning(program: Program, control: type[Dialect]) -> None:
         With the first such line.
     """
     own = program.language
-    if own is control or own.unlike is None:
-        return
-    for line, text in enumerate(program.source.lines, 1):
-        found = own.unlike.search(re.sub(r"\([^)]*\)|;.*", "", text))
-        if found:
-            raise InputError(
-                f"'{found.group().strip()}' means another thing on {control.name} than on "
-                f"{own.name}, which the program was read for",
-                file=program.path,
-                line=line,
-                accepted=f"--control {control.name}, or [control] name in the job",
-            )
+    for line, word in _words_of(program, control, own.unlike):
+        raise InputError(
+            f"'{word}' means another thing on {control.name} than on {own.name}, which the "
+            "program was read for",
+            file=program.path,
+            line=line,
+            accepted=f"--control {control.name}, or [control] name in the job",
+        )
 
 
 def check_words(program: Program, control: type[Dialect]) -> None:
@@ -74,15 +71,21 @@ def check_words(program: Program, control: type[Dialect]) -> None:
         With the first such line.
     """
     own = program.language
-    if own is control or own.own_words is None:
+    for line, word in _words_of(program, control, own.own_words):
+        raise InputError(
+            f"'{word}' is {own.title}'s own and no word of {control.name}",
+            file=program.path,
+            line=line,
+            accepted=f"--dialect {own.name}",
+        )
+
+
+def _words_of(
+    program: Program, control: type[Dialect], pattern: re.Pattern[str] | None
+) -> Iterator[tuple[int, str]]:
+    """Lines of a program for another control with a word of a pattern, comments left out."""
+    if program.language is control or pattern is None:
         return
     for line, text in enumerate(program.source.lines, 1):
-        code = re.sub(r"\([^)]*\)|;.*", "", text)
-        found = own.own_words.search(code)
-        if found:
-            raise InputError(
-                f"'{found.group().strip()}' is {own.title}'s own and no word of {control.name}",
-                file=program.path,
-                line=line,
-                accepted=f"--dialect {own.name}",
-            )
+        if found := pattern.search(re.sub(r"\([^)]*\)|;.*", "", text)):
+            yield line, found.group().strip()

@@ -45,6 +45,8 @@ class PlainProgram:
         By which the program is turned about Z, rad.
     moving : list of int
         Moves but for dwells.
+    sets_zeros : bool
+        Lines set zeros where the tool stands, see `zero_settings`.
     first_move : int
         The one that is taken to start where it ends; -1 where the program says its start.
     """
@@ -67,6 +69,7 @@ class PlainProgram:
         self.moving = np.flatnonzero(kind != MoveKind.DWELL).tolist()
         self.first_move = self.moving[0] if self.moving and program.home_mm is None else -1
         settings, lines = zero_settings(program), self.moves.line.tolist()
+        self.sets_zeros = bool(settings)
         self._settings = _by_move_behind(settings, self.moving, lines)
         self.rewritten = np.array([line in own for line in lines], bool) | bool(settings)
         if self.text.absolute_centres:

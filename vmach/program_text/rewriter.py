@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from gcode import AS_PROGRAMMED
 from vmach.program_text.block_state import BlockState
 from vmach.program_text.blocks.move_writer import Goal, MoveWriter
 from vmach.program_text.blocks.pieces import Piece
 from vmach.program_text.plain_program import PlainProgram
+from vmach.program_text.runs.plain_run import write_run
+from vmach.program_text.runs.run_columns import RunColumns, left_by, state_for
+from vmach.program_text.runs.splicing import Edits, spliced
 
 __all__ = ["Rewriter", "Target", "Written"]
 
@@ -62,42 +66,91 @@ class Written:
 class Rewriter(PlainProgram):
     """A program that targets are written into."""
 
+    @cached_property
+    def _columns(self) -> RunColumns:
+        return RunColumns(self)
+
     def write(self, target: Target, resolution_mm: float) -> Written:
         """New text with the corrections of `target` at the given resolution."""
-        goals, changes = self._goals(target), {}
-        pieces_of_move = defaultdict(list)
-        for index, piece in enumerate(target.pieces):
-            pieces_of_move[piece.move].append(index)
-        line_of_piece, inserted_after, swallowed = [0] * len(goals), [], 0
-        state, labels = BlockState(), self.text.free_labels()
-        for move in self.moving:
-            line, pieces = int(self.moves.line[move]), pieces_of_move.get(move)
-            for step, angle in self.zeros_before(move):
-                state = state.after_zero(step, angle)
-            if pieces is None:
-                state = self._after_user_line(line, state)
-                continue
-            writer = MoveWriter(self, move, state, resolution_mm)
-            written = writer.write([goals[index] for index in pieces], labels)
-            for index, extra in zip(pieces, written.extra_blocks, strict=True):
-                if extra is not None:
-                    inserted_after += [line] * extra
-                    line_of_piece[index] = line + len(inserted_after)
-            changes |= written.changes
-            swallowed += written.swallowed
-            state = written.state
-        text = self.text.finish(self.program.source.rewritten(changes))
-        return Written(text, line_of_piece, inserted_after, swallowed)
-
-    def _goals(self, target: Target) -> list[Goal]:
-        """Where every piece shall lead."""
-        move = np.array([piece.move for piece in target.pieces], np.int64)
-        spans = np.array([(piece.start, piece.end) for piece in target.pieces]).reshape(-1, 2)
-        ends = self.places(move, spans[:, 1], target.ends_mm)
-        middles = self.places(move, 0.5 * (spans[:, 0] + spans[:, 1]), target.middles_mm)
-        return [Goal(*goal) for goal in zip(target.pieces, ends, middles, strict=True)]
+        writing = _Writing(self, target, resolution_mm)
+        index = 0
+        while index < len(self.moving):
+            index = writing.plain_moves(index)
+            if index < len(self.moving):
+                writing.move(self.moving[index])
+                index += 1
+        return writing.written()
 
     def _after_user_line(self, line: int, state: BlockState) -> BlockState:
         named = {word.letter for word in self.text.words(line)} & set("XYZ")
         says_motion = self.text.motion_word(line) is not None
         return state.after_user_line(named, says_motion=says_motion)
+
+
+class _Writing:
+    """One writing of a program: plain moves in compiled code, the others one by one."""
+
+    def __init__(self, plain: Rewriter, target: Target, resolution_mm: float) -> None:
+        self.plain, self.pieces, self.resolution_mm = plain, target.pieces, resolution_mm
+        move = np.array([piece.move for piece in target.pieces], np.int64)
+        spans = np.array([(piece.start, piece.end) for piece in target.pieces]).reshape(-1, 2)
+        self.ends_mm = plain.places(move, spans[:, 1], target.ends_mm)
+        self.middles_mm = plain.places(move, 0.5 * (spans[:, 0] + spans[:, 1]), target.middles_mm)
+        moving = np.array(plain.moving, np.int64)
+        self.first = np.searchsorted(move, np.arange(len(plain.moves) + 1))
+        self.moving = moving
+        self.run = plain._columns.run(self._only_pieces(), self.ends_mm, resolution_mm)
+        self.run_state = state_for(BlockState(), len(moving))
+        self.state, self.labels = BlockState(), plain.text.free_labels()
+        self.changes: dict[tuple[int, int], str] = {}
+        self.line_of_piece = np.zeros(len(move), np.int64)
+        self.inserted_after: list[int] = []
+
+    def _only_pieces(self) -> np.ndarray:
+        """The piece of every move that has one alone and none of an arc; else -1."""
+        first, count = self.first[:-1], np.diff(self.first)
+        usual = np.array([not (p.kept or p.is_arc or p.is_step) for p in self.pieces] + [False])
+        return np.where((count == 1) & usual[first], first, -1)
+
+    def plain_moves(self, index: int) -> int:
+        """Write plain moves from one on; gives the index of the first that needs more."""
+        if self.run.piece[self.moving[index]] < 0:
+            return index
+        run, begun = self.run_state, index
+        run.carried_mm[:], run.aimed_mm[:] = self.state.carried_mm, self.state.aimed_mm
+        run.motion[0] = self.state.motion
+        index = write_run(self.run, run, self.moving, index, AS_PROGRAMMED)
+        if index > begun:
+            moves = self.moving[begun:index]
+            self.state = left_by(run, self.state)
+            lines = self.plain.moves.line[moves] + len(self.inserted_after)
+            self.line_of_piece[self.run.piece[moves]] = lines
+        return index
+
+    def move(self, move: int) -> None:
+        """Write one move, whatever it needs."""
+        plain, line = self.plain, int(self.plain.moves.line[move])
+        pieces = range(self.first[move], self.first[move + 1])
+        for step, angle in plain.zeros_before(move):
+            self.state = self.state.after_zero(step, angle)
+        if not pieces:
+            self.state = plain._after_user_line(line, self.state)
+            return
+        goals = [Goal(self.pieces[k], self.ends_mm[k], self.middles_mm[k]) for k in pieces]
+        writer = MoveWriter(plain, move, self.state, self.resolution_mm)
+        found = writer.write(goals, self.labels)
+        for index, extra in zip(pieces, found.extra_blocks, strict=True):
+            if extra is not None:
+                self.inserted_after += [line] * extra
+                self.line_of_piece[index] = line + len(self.inserted_after)
+        self.changes |= found.changes
+        self.run_state.count[1] += found.swallowed
+        self.state = found.state
+
+    def written(self) -> Written:
+        """The text."""
+        run, count = self.run_state, int(self.run_state.count[0])
+        edits = Edits(run.start[:count], run.stop[:count], run.text[:count], run.length[:count])
+        data = spliced(self.plain.program.source.data, edits, self.changes)
+        return Written(self.plain.text.finish(data), self.line_of_piece.tolist(),
+                       self.inserted_after, int(run.count[1]))  # fmt: skip

@@ -46,9 +46,9 @@ __all__ = [
 SOLID_MOVES = 100_000
 
 
-@dataclass(frozen=True)
-class PartInspection:
-    """The surface of a job's part under several error models, without a solid.
+@dataclass(frozen=True, kw_only=True)
+class _Inspected:
+    """What is known of a job's part without a solid.
 
     Attributes
     ----------
@@ -61,8 +61,6 @@ class PartInspection:
     budget : ErrorBudget
         Of the same points and variant, without alignment.
     nominal : NominalPart or None
-    sweeps : dict of Variant to Sweeps
-        The displaced path of every variant.
     notes : tuple of Note
         What the user should know before trusting the numbers.
     features : tuple of FeatureResult
@@ -75,51 +73,42 @@ class PartInspection:
     states: PathStates
     budget: ErrorBudget
     nominal: NominalPart | None
-    sweeps: dict[Variant, Sweeps]
     notes: tuple[Note, ...]
     features: tuple[FeatureResult, ...] = ()
 
 
-@dataclass(frozen=True)
-class MachinedPart:
+@dataclass(frozen=True, kw_only=True)
+class PartInspection(_Inspected):
+    """The surface of a job's part under several error models, without a solid.
+
+    Attributes
+    ----------
+    sweeps : dict of Variant to Sweeps
+        The displaced path of every variant.
+    """
+
+    sweeps: dict[Variant, Sweeps]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MachinedPart(_Inspected):
     """What the main job found.
 
     Attributes
     ----------
-    job : Job
-    preparation : Preparation
-    points : InspectedPoints
-        Deviations of every variant, aligned as the job asks.
-    states : PathStates
-        How the points that were cut under the last variant were made.
-    budget : ErrorBudget
-        Of the same points and variant, without alignment.
     part : VirtualPart or None
         The solid that the displaced tools leave; None where it was not cut.
-    nominal : NominalPart or None
     model : Variant
         The error model that the solid was cut with.
     comparison : SolidComparison or None
         The solid against the nominal CAD.
     stages_s : dict of str to float
-    notes : tuple of Note
-        What the user should know before trusting the numbers.
-    features : tuple of FeatureResult
-        What the drawing asks for; empty where the job has no tolerances.
     """
 
-    job: Job
-    preparation: Preparation
-    points: InspectedPoints
-    states: PathStates
-    budget: ErrorBudget
     part: VirtualPart | None
-    nominal: NominalPart | None
     model: Variant
     comparison: SolidComparison | None
     stages_s: dict[str, float]
-    notes: tuple[Note, ...]
-    features: tuple[FeatureResult, ...] = ()
 
 
 def machine_part(

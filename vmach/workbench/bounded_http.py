@@ -29,8 +29,7 @@ class BoundedHttp(H11Protocol):
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(transport)
         self._give(_TO_ASK_S)
-        if len(self.connections) > _MOST_SOCKETS:
-            self._close_an_idle_one()
+        self._make_room()
 
     def data_received(self, data: bytes) -> None:
         super().data_received(data)
@@ -65,9 +64,11 @@ class BoundedHttp(H11Protocol):
         if not self.transport.is_closing():
             self.transport.abort()
 
-    def _close_an_idle_one(self) -> None:
-        """The one that waits longest goes; where all are at work, this one."""
-        idle = [c for c in self.connections if c is not self and c.is_idle]
-        waiting = [c for c in idle if c._deadline is not None]
+    def _make_room(self) -> None:
+        """Where there are too many, the one that waits longest goes; where none waits, this one."""
+        there = [c for c in self.connections if not c.transport.is_closing()]
+        if len(there) <= _MOST_SOCKETS:
+            return
+        waiting = [c for c in there if c is not self and c.is_idle and c._deadline is not None]
         oldest = min(waiting, key=lambda c: c._deadline.when(), default=self)
         oldest.transport.abort()

@@ -48,12 +48,13 @@ def launch(
         session.open(job)
     listening = _listen(port)
     access = Access.new(listening.getsockname()[1])
-    server = uvicorn.Server(uvicorn.Config(
+    server = _Server(uvicorn.Config(
         app=build_server(session, access, shut_down=lambda: _end(server)),
         http=BoundedHttp, ws="none", loop="asyncio", log_level="error", access_log=False,
         server_header=False, date_header=False, timeout_graceful_shutdown=_TO_END_S,
         backlog=_BACKLOG,
     ))  # fmt: skip
+    server.session = session
     print(f"vmach is open at {access.address}", flush=True)
     print("Ctrl-C ends it", flush=True)
     if with_browser:
@@ -64,6 +65,16 @@ def launch(
         print("closed")
     finally:
         session.close()
+
+
+class _Server(uvicorn.Server):
+    """Sends the tabs that listen away before it waits for its connections to end."""
+
+    session: Session
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self.session.events.close()
+        await super().shutdown(sockets)
 
 
 def _listen(port: int) -> socket.socket:

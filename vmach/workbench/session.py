@@ -38,6 +38,8 @@ class Session:
         What the what-if sliders say, the same in all tabs.
     events : Events
     runs : CommandRuns or None
+    other : Path or None
+        A job beside the open one, to compare with.
     """
 
     def __init__(self, control: str | None = None) -> None:
@@ -49,6 +51,8 @@ class Session:
         self.own_effects: list[Path] = []
         self.revision = 0
         self.shown: dict[str, Any] = {}
+        self.other: Path | None = None
+        self._other_model: RemoteModel | None = None
         self._control = control
         self._model: RemoteModel | None = None
         self._started_at = 0.0
@@ -117,6 +121,27 @@ class Session:
                 self.events.tell("job", **self.record())
             raise
 
+    def compare_with(self, job: Path | None) -> None:
+        """Load another job beside the open one; None puts it away."""
+        if self._other_model is not None:
+            self._other_model.close()
+        self.other, self._other_model = job, None
+        if job is not None:
+            files = {f for s in job_chain(job) for f in s.effect_files.values() if f.is_file()}
+            self._other_model = RemoteModel(job, sorted(files), self._control)
+        self.events.tell("other", job=None if job is None else str(job))
+
+    async def ask_other(self, question: str, **arguments: Any) -> tuple[dict[str, Any], bytes]:
+        """An answer about the job beside.
+
+        Raises
+        ------
+        ModelRefused, ModelStopped, InputError
+        """
+        if self._other_model is None:
+            raise InputError("no job is beside the open one", hint="choose one to compare with")
+        return await self._other_model.ask(question, **arguments)
+
     def need_job(self) -> tuple[OpenedFolder, Path, CommandRuns]:
         """Folder, job and runs.
 
@@ -159,6 +184,7 @@ class Session:
             "runs": [run.record() for run in self.runs.runs] if self.runs else [],
             "own_effects": [self.folder.name_of(path) for path in self.effect_files],
             "shown": self.shown,
+            "other": None if self.other is None else str(self.other),
         }
 
     async def keep_watch(self) -> None:
@@ -176,8 +202,9 @@ class Session:
         self.events.close()
         if self.runs is not None:
             self.runs.close()
-        if self._model is not None:
-            self._model.close()
+        for model in (self._model, self._other_model):
+            if model is not None:
+                model.close()
 
     def _start_model(self) -> None:
         assert self.job is not None

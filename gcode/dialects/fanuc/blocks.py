@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from gcode.dialects.fanuc.block import INCREMENTS, MacroBlock
 from gcode.dialects.fanuc.corners import HeldLine
 from gcode.dialects.fanuc.cycles import CYCLES, DrillingCycle
+from gcode.dialects.fanuc.haas_cycles import HAAS_CYCLES, haas_cycle
 from gcode.dialects.fanuc.offset_words import OffsetWords
 from gcode.dialects.fanuc.settings import FanucSettings
 from gcode.dialects.fanuc.transform import Transform
@@ -146,7 +147,7 @@ class BlockRunner:
 
     def _refuse(self, block: MacroBlock) -> None:
         for code in block.g:
-            if code in _REFUSED:
+            if code in _REFUSED and not (code in HAAS_CYCLES and self.settings.haas_cycles):
                 raise ProgramError(
                     f"G{code:g} ({_REFUSED[code]}) is not read", hint="post the program without it"
                 )
@@ -379,6 +380,8 @@ class BlockRunner:
             return self._skip
         if block.has(10, 11):
             return self.offsets.write
+        if self.settings.haas_cycles and block.has(*HAAS_CYCLES):
+            return lambda found: haas_cycle(self, found)
         return None
 
     def _dwell(self, block: MacroBlock) -> bool:
@@ -440,7 +443,8 @@ class BlockRunner:
         if not words:
             return False
         if not self.controller.absolute:
-            raise ProgramError("G53 in G91 is ignored by the control", hint="use G90")
+            self.controller.note("G53", "ignored by the control in G91, as its manual says")
+            return False
         self.execute(MacroBlock(words, g=[53.0, 0.0]).text())
         self.controller.motion = f"G{own:g}" if own is not None else modal
         self._forget()

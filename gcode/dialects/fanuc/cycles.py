@@ -48,7 +48,7 @@ class DrillingCycle:
     def obey(self, runner: BlockRunner, block: MacroBlock) -> bool:
         """Take the data of a block and do the holes that it asks for."""
         controller = runner.controller
-        first, second, axial = PLANE_AXES[controller.plane]
+        axial = PLANE_AXES[controller.plane][2]
         controller.motion = f"G{self.code:g}"
         repeats = self._take(runner, block, axial)
         if not block.words.keys() & set(_NAMES) and not self._new_levels:
@@ -64,11 +64,16 @@ class DrillingCycle:
             raise ProgramError(f"G{self.code:g} with feed zero", hint="give a feed first")
         block.words.pop(_NAMES[axial], None)
         for _ in range(repeats):
-            end = runner.target(block)
-            runner.place_for_hole(end)
-            _Hole(runner, self, end, (first, second, axial)).drill()
+            self.hole_at(runner, runner.target(block))
         controller.motion = f"G{self.code:g}"
         return repeats > 0
+
+    def hole_at(self, runner: BlockRunner, end: list[float]) -> None:
+        """One hole at a programmed place, with the data in force."""
+        first, second, axial = PLANE_AXES[runner.controller.plane]
+        runner.place_for_hole(end)
+        _Hole(runner, self, end, (first, second, axial)).drill()
+        runner.controller.motion = f"G{self.code:g}"
 
     def _take(self, runner: BlockRunner, block: MacroBlock, axial: int) -> int:
         """R, depth, P, Q, I J K from the block; gives the number of repetitions."""
@@ -109,7 +114,8 @@ class _Hole:
 
     def drill(self) -> None:
         """Above the hole, to R, the cycle, and out."""
-        self.rapid(self.r)
+        if self.cycle.code != 87.0:  # whose R lies below the hole
+            self.rapid(self.r)
         _CYCLES[self.cycle.code](self)
         self.rapid(self.clear)
         self.runner.stand_at(self.point(self.clear))
@@ -225,12 +231,22 @@ def _g76(hole: _Hole) -> None:
     hole.rapid(hole.clear, aside)
 
 
-def _refused(hole: _Hole) -> None:
-    raise ProgramError("G87 (back boring) is not read", hint="post it without the cycle")
+def _g87(hole: _Hole) -> None:
+    """Back boring: down beside the axis to R, in, up at feed to Z, aside again and out."""
+    aside = hole.shift()
+    if hole.runner.controller.retract_to_initial is False:
+        raise ProgramError("G87 in G99 has no retraction", accepted="G98")
+    hole.rapid(hole.cycle.initial, aside)
+    hole.rapid(hole.r, aside)
+    hole.rapid(hole.r)
+    hole.feed(hole.bottom)
+    hole.dwell()
+    hole.rapid(hole.bottom, aside)
+    hole.rapid(hole.cycle.initial, aside)
 
 
 _CYCLES: dict[float, Callable[[_Hole], None]] = {
     73.0: _g73, 74.0: _g84, 76.0: _g76, 81.0: _g81, 82.0: _g81, 83.0: _g83, 84.0: _g84,
-    85.0: _g85, 86.0: _g86, 87.0: _refused, 88.0: _g86, 89.0: _g85,
+    85.0: _g85, 86.0: _g86, 87.0: _g87, 88.0: _g86, 89.0: _g85,
 }  # fmt: skip
 CYCLES = frozenset(_CYCLES)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from gcode.control.loop_guard import LoopGuard
 from gcode.dialects.fanuc.block import MacroBlock, read_words
@@ -12,6 +13,7 @@ from gcode.dialects.fanuc.blocks import BlockRunner, FanucSettings
 from gcode.dialects.fanuc.expressions import MacroReader, is_null
 from gcode.dialects.fanuc.variables import MacroVariables
 from gcode.errors import ProgramError
+from gcode.language.library import Routine, find_beside
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated
 from gcode.state.block_values import whole
@@ -33,7 +35,13 @@ _SLASH = re.compile(r"\s*(?:n\s*\d+\s*)?/\s*([1-9]?)(?!\s*\d)", re.IGNORECASE)
 _PROGRAM = re.compile(r"(?:o|:)(?:(\d+)|<([^>]*)>)")
 _COMMENT = re.compile(r"\((?:[^()]|\([^()]*\))*\)?")
 _BLANKS = str.maketrans("", "", " \t\r\x0b\x0c")
+#: of files that hold a program of their own
+_ENDINGS = ("", ".nc", ".cnc", ".txt", ".tap", ".min", ".eia", ".ngc", ".prg")
 _NO_WORDS = frozenset(("", "%", ";"))
+
+
+def _bare(line: str) -> str:
+    return _COMMENT.sub("", line).translate(_BLANKS).lower()
 
 
 @dataclass
@@ -54,6 +62,8 @@ class FanucReader(Translated):
     def __init__(self, controller: Controller, lines: list[str], options: RunOptions) -> None:
         super().__init__(controller, lines, options)
         self.texts: list[str | None] = [None] * len(lines)
+        self.own = len(lines)  #: lines behind these are of files beside the program
+        self.appended: list[tuple[int, int, Routine]] = []
         self.calls: list[_Call] = []
         self.guard = LoopGuard(controller)
         self.variables = MacroVariables(controller, self.settings.columns,
@@ -96,6 +106,22 @@ class FanucReader(Translated):
 
     def obey(self, text: str) -> None:
         """Obey one line."""
+        if self.next > self.own:
+            if self.next == self.own + 1 and not self.calls:  # the end of the program's own text
+                self.ended = True
+                return
+            self._obey_elsewhere(text)
+        else:
+            self._obey(text)
+
+    def _obey_elsewhere(self, text: str) -> None:
+        place = self._of_file(self.next - 1)
+        try:
+            self._obey(text)
+        except ProgramError as error:
+            raise error.located(file=place[0], line=place[1]) from None
+
+    def _obey(self, text: str) -> None:
         if self._is_deleted(text):
             return
         content = self._content(self.next - 1)
@@ -283,10 +309,44 @@ class FanucReader(Translated):
             match = _PROGRAM.match(self._content(index))
             if match and match[1] is not None and int(match[1]) == wanted:
                 return index
+        beside = self._append(wanted)
+        if beside is not None:
+            return beside
         raise ProgramError(
-            f"program O{wanted} is not in this file",
+            f"program O{wanted} is neither in this file nor beside it",
+            accepted=f"a file O{wanted:04d}.nc in the folder of the program",
             hint="put the called program into the same file",
         )
+
+    def _append(self, wanted: int) -> int | None:
+        """Put a program from a file beside this one behind its lines; gives its first line."""
+        names = [f"O{wanted:05d}", f"O{wanted:04d}", f"O{wanted}", f"{wanted:04d}", f"{wanted}"]
+        found = find_beside(self.options.folder, names, endings=_ENDINGS)
+        if found is None:
+            return None
+        first = len(self.lines)
+        lines = [line for line in found.lines if line.strip() != "%"]
+        head = [] if any(_PROGRAM.match(_bare(line)) for line in lines) else [f"O{wanted}"]
+        self.appended.append((first, len(head), found))
+        self.lines = [*self.lines, *head, *lines]
+        self.texts += [None] * (len(self.lines) - first)
+        self.stop = len(self.lines)
+        return first
+
+    def source_line(self, index: int) -> int:
+        """Line of the program; what a file beside it does is done by the line that calls it."""
+        if index < self.own:
+            return index + 1
+        return next((c.return_to for c in self.calls if c.return_to <= self.own), self.own)
+
+    def _of_file(self, index: int) -> tuple[Path, int] | None:
+        """File and 1-based line of a line that was appended."""
+        for first, head, routine in reversed(self.appended):
+            if index >= first:
+                text, shift = routine.lines, index - first - head
+                kept = [k for k, line in enumerate(text) if line.strip() != "%"]
+                return routine.file, kept[max(shift, 0)] + 1
+        return None
 
     def _push(self, call: _Call) -> None:
         if len(self.calls) >= _LEVELS:

@@ -66,6 +66,8 @@ class FanucSettings:
         What P of G4 and of the drilling cycles counts where it has no point, s.
     only_calculator : bool
         A number without a point is read as it stands, whatever is set.
+    haas_cycles : bool
+        G12, G13, G70 and G71 are Haas's.
     builder_m : mapping of int to str
         M codes that are known to move nothing.
     z_home_m : frozenset of int
@@ -80,6 +82,7 @@ class FanucSettings:
     pointless_factor: bool = False
     dwell_p_s: float = 0.001
     only_calculator: bool = False
+    haas_cycles: bool = False
     builder_m: Mapping[int, str] = field(default_factory=lambda: dict(_COMMON_M))
     z_home_m: frozenset[int] = frozenset()
     peck_clearance_mm: float = 1.0

@@ -13,6 +13,7 @@ from gcode.dialects.heidenhain.frames import KlartextFrames
 from gcode.dialects.heidenhain.parameters import NUMBER, QParameters
 from gcode.errors import ProgramError
 from gcode.geometry.corners import broken_corner
+from gcode.language.library import find_beside
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated, number
 from gcode.motion.tangent import tangent_centre
@@ -52,6 +53,9 @@ class KlartextReader(Translated):
         self.feed: float | None = None
         self.tool_feed: float | None = None
         self.parameters = QParameters()
+        self.called_at: int | None = None  #: line of the main program that calls this one
+        self.depth = 0
+        self.stopped = False  #: M2 or M30, which end the calling programs too
         self.cycles = CycleCalls(self)
         self.frames = KlartextFrames(self)
         self.corner: tuple[str, float] | None = None  #: RND or CHF that waits
@@ -95,14 +99,15 @@ class KlartextReader(Translated):
             self._move(head, content[len(head) :])
             return
         for start, action in (
-            ("BEGIN PGM", self._begin), ("END PGM", lambda _: self.execute("m30")),
+            ("BEGIN PGM", self._begin), ("END PGM", self._end),
             ("BLK FORM", lambda _: self._noted("BLK FORM", "blank for the control's graphics")),
             ("TOOL CALL", self._tool_call), ("TOOL DEF", lambda _: self._noted(
                 "TOOL DEF", "tool preselection; its dimensions are those of the job")),
             ("CYCL DEF", self.cycles.define), ("CYCL CALL", self.cycles.call),
             ("PATTERN DEF", self.cycles.define_pattern),
             ("APPR", lambda text: approach(self, text)), ("DEP", lambda text: depart(self, text)),
-            ("CALL LBL", self._call_label), ("LBL", self._label), ("CC", self._centre),
+            ("CALL PGM", self._call_program), ("CALL LBL", self._call_label),
+            ("LBL", self._label), ("CC", self._centre),
             ("FN", self._function), ("RND", self._corner), ("CHF", self._corner),
             ("PLANE", self._plane), ("FUNCTION", self._control_function),
             ("STOP", lambda _: self.execute("m0")), ("M", self._only_m),
@@ -122,6 +127,39 @@ class KlartextReader(Translated):
 
     def _begin(self, content: str) -> None:
         self.execute("g20" if content.endswith("INCH") else "g21", "g17g90g40g80")
+
+    def _end(self, _: str) -> None:
+        if self.called_at is None:
+            self.execute("m30")
+        self.ended = True
+
+    def source_line(self, index: int) -> int:
+        """Line of the program; what a called program does is done by the line that calls it."""
+        return index + 1 if self.called_at is None else self.called_at
+
+    def _call_program(self, content: str) -> None:
+        """CALL PGM: a program in a file beside this one, with the same Q parameters."""
+        name = re.split(r"[\\/:]", content.removeprefix("CALL PGM").strip().strip('"'))[-1]
+        found = find_beside(self.options.folder, [name], endings=("", ".h"))
+        if found is None:
+            raise ProgramError(
+                f"program {name} is not beside this one",
+                accepted=f"a file {name.upper().removesuffix('.H')}.H in its folder",
+            )
+        if self.depth >= _LEVELS:
+            raise ProgramError(f"programs nested deeper than {_LEVELS}")
+        called = type(self)(self.controller, list(found.lines), self.options)
+        for shared in ("parameters", "budget", "feed", "tool_feed", "pole", "cycles", "frames"):
+            setattr(called, shared, getattr(self, shared))
+        called.called_at, called.depth = self.controller.line, self.depth + 1
+        self.cycles.reader = self.frames.reader = called
+        try:
+            called.run()
+        except ProgramError as error:
+            raise error.located(file=found.file, line=called.next) from None
+        self.cycles.reader = self.frames.reader = self
+        self.feed, self.tool_feed, self.pole = called.feed, called.tool_feed, called.pole
+        self.ended = called.stopped
 
     def _plane(self, content: str) -> None:
         angles = re.findall(rf"SP[ABC]\s*({NUMBER})", content)
@@ -151,6 +189,7 @@ class KlartextReader(Translated):
         if code in (13, 14):
             return f"m{code - 10}m8"
         if code in (2, 30):
+            self.stopped = True
             return "m30"
         if code in _NOTED_M or code in self.options.control.ignore_m:
             self._noted(f"M{code}", _NOTED_M.get(code) or "moves nothing here")

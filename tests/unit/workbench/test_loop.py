@@ -119,6 +119,21 @@ def test_an_own_law_is_checked_in_the_words_of_the_checker(bench, folder):
     assert run["state"] == "failed" and "a_b.py" in run["message"] and "title" in run["message"]
 
 
+def test_readings_that_come_later_are_in_a_new_job(bench, folder):
+    bench.post("/api/open", {"job": "job.toml"})
+    text = (folder / "points.csv").read_text()
+    taken = bench.put("/api/files/again.csv", text.encode()).json()["file"]
+    wrong = bench.post("/api/readings", {"file": taken, "settings": {"kind": "ballbar"}})
+    assert wrong.status_code == 400 and "tool_length_mm" in wrong.json()["error"]
+    before = (folder / "job.toml").read_bytes()
+    state = bench.post("/api/readings", {"file": taken, "settings": {"kind": "part"}}).json()
+    assert state["chain"][-1]["added"] == ["readings again.csv"]
+    assert read_job(folder / state["job"]).measured.name == "again.csv"
+    assert bench.get("/api/measured").json()["measurements"][0]["name"] == "again.csv"
+    assert (folder / "job.toml").read_bytes() == before
+    assert {f["kind"] for f in bench.get("/api/instruments").json()["forms"]} >= {"part", "laser"}
+
+
 def test_a_chain_that_goes_round_ends(tmp_path):
     for name, previous in (("a", "b"), ("b", "a")):
         (tmp_path / f"{name}.toml").write_text(

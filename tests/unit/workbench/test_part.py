@@ -56,6 +56,23 @@ def test_a_slider_does_what_the_job_file_would_do(part, measured_folder, change)
     assert np.quantile(off, 0.9) < 1e-3 * np.abs(wanted[is_same_move]).max() + 0.002
 
 
+def test_cut_anew_is_what_the_job_file_would_do(part, measured_folder):
+    job = with_effect(measured_folder, "\n[effects.scale.X]\nscale_ppm = 30.0\n")
+    points = surface_points(part.surface.point_mm, part.surface.normal)
+    wanted = predict(job, points)
+    job.unlink()
+    asked = [{"effect": "scale", "target": "X", "parameters": {"scale_ppm": 30.0}}]
+    changes = read_changes(asked, part.job, part.effects)
+    found = 1e3 * part.cut_anew([change.now for change in changes])
+    assert found[wanted.is_cut] == pytest.approx(wanted.deviation_um[wanted.is_cut], abs=1e-6)
+
+
+def test_everything_that_can_be_shown_is_shown(page):
+    for one in page.get("/api/about").json()["quantities"]:
+        figures, values = page.framed(page.get(f"/api/values?quantity={one['name']}"))
+        assert figures["points"] == one["points"] and np.isfinite(values).any()
+
+
 def lines_of(part):
     return part.surface.states.line
 

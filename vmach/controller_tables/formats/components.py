@@ -27,7 +27,7 @@ import numpy as np
 from vmach.controller_tables.fitted_chain import fitted_chain
 from vmach.controller_tables.knots import Knots
 from vmach.controller_tables.rigid_chain import RigidChain
-from vmach.controller_tables.table_format import TableFormat
+from vmach.controller_tables.table_format import UNLIMITED_ENTRIES, TableFormat
 from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
@@ -106,10 +106,6 @@ def _table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return position, scale * up, scale * down
 
 
-#: the control sets no limit
-_MOST_ENTRIES = 251
-
-
 def _write(
     folder: Path, task: TableTask, knots: tuple[Knots, Knots, Knots], options: Mapping[str, Any]
 ) -> list[Path]:
@@ -123,7 +119,7 @@ FORMATS = (
         title="component tables in the terms of ISO 230-1 and ISO/TR 16907 (our own form)",
         holds="18 component errors with reversal and squareness, any tool length",
         lacks="tilt",
-        most_entries=_MOST_ENTRIES,
+        most_entries=UNLIMITED_ENTRIES,
         write=_write,
         read=lambda folder, options: read_components(folder),
     ),

@@ -23,7 +23,7 @@ import numpy as np
 from vmach.controller_tables.fitted_chain import fitted_chain
 from vmach.controller_tables.knots import Knots
 from vmach.controller_tables.rigid_chain import RigidChain
-from vmach.controller_tables.table_format import TableFormat
+from vmach.controller_tables.table_format import UNLIMITED_ENTRIES, TableFormat
 from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
@@ -146,10 +146,6 @@ def _store(chain: RigidChain, header: list[str], values: np.ndarray, path: Path)
             chain.squareness_rad[f"E{name}"] = float(value)
 
 
-#: the control sets no limit
-_MOST_ENTRIES = 251
-
-
 def _write(
     folder: Path, task: TableTask, knots: tuple[Knots, Knots, Knots], options: Mapping[str, Any]
 ) -> list[Path]:
@@ -163,7 +159,7 @@ FORMATS = (
         title="ISG and Beckhoff TwinCAT volumetric compensation (ISG CSV)",
         holds="18 component errors and squareness, any tool length",
         lacks="reversal, tilt",
-        most_entries=_MOST_ENTRIES,
+        most_entries=UNLIMITED_ENTRIES,
         write=_write,
         read=lambda folder, options: read_isg(folder),
     ),

@@ -1,4 +1,7 @@
-"""Ballbar: circles about a centre, both ways round."""
+"""Ballbar: circles about a centre, both ways round.
+
+Source: ISO 230-4, circular tests for numerically controlled machine tools.
+"""
 
 import itertools
 from collections.abc import Iterator

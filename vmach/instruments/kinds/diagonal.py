@@ -1,4 +1,7 @@
-"""Laser interferometer along a diagonal that several axes make together."""
+"""Laser interferometer along a diagonal that several axes make together.
+
+Source: ISO 230-6, displacement tests on body and face diagonals.
+"""
 
 import numpy as np
 

@@ -1,4 +1,7 @@
-"""Probe nest at one place of the work space, against time: warm spindle, weather."""
+"""Probe nest at one place of the work space, against time: warm spindle, weather.
+
+Source: ISO 230-3, tests of environmental temperature variation and of the rotating spindle.
+"""
 
 import numpy as np
 

@@ -1,4 +1,7 @@
-"""Holes, bores and bosses of the part, each measured as a position and a diameter."""
+"""Holes, bores and bosses of the part, each measured as a position and a diameter.
+
+Source: ISO 14405-1, least squares size (GG); ISO 1101, position.
+"""
 
 from collections.abc import Iterator
 from dataclasses import replace

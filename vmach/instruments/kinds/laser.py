@@ -1,4 +1,8 @@
-"""Laser interferometer along one axis."""
+"""Laser interferometer along one axis.
+
+Source: ISO 230-2, positioning deviations along one axis from both sides; ISO 230-1 for
+straightness.
+"""
 
 from collections.abc import Iterator
 from typing import Any, Literal

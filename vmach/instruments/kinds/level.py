@@ -1,4 +1,7 @@
-"""Electronic levels on tool side and table: the tilt of one against the other along an axis."""
+"""Electronic levels on tool side and table: the tilt of one against the other along an axis.
+
+Source: ISO 230-1, angular error motions of a linear axis, by levels.
+"""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -6,12 +9,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from vmach.base.units import mm_from_um
 from vmach.files.toml_file import Point
 from vmach.instruments.line_plots import line_plots
-from vmach.instruments.readings import PLANNED_TOOL_LENGTH_MM, doubts_of_stops
+from vmach.instruments.readings import PLANNED_TOOL_LENGTH_MM, doubts_of_stops, one_a_stop
 from vmach.machine import LINEAR_AXES
-from vmach.measurements import Measurement
 from vmach.measurements.instrument import Instrument, PlannedTest
 from vmach.measurements.plausibility.motion_check import check_extent, check_travel
 from vmach.measurements.test_motion import stop_and_go
@@ -59,20 +60,8 @@ class Level(Instrument):
         states, sensing = _tilts(
             nose, table.numbers["t_s"], side, about=self.about, tool_length_mm=self.tool_length_mm
         )
-        count = len(nose)
-        return Measurement(
-            instrument=type(self),
-            name=table.path.name,
-            id=np.arange(1, count + 1).astype(str),
-            states=states,
-            sensing=sensing,
-            measured_mm=mm_from_um(table.numbers["tilt_um_per_m"]),
-            predicted_mm=model.predicted_mm(states, sensing),
-            u_mm=np.full(count, mm_from_um(self.u_um)),
-            group=np.char.add("run ", table.text["run"]),
-            nuisance=np.ones((count, 1)),
-            notes=doubts_of_stops(nose, side, table, model),
-        )
+        doubts = doubts_of_stops(nose, side, table, model)
+        return one_a_stop(self, table, states, sensing, model=model, notes=doubts)
 
     @classmethod
     def plots(cls, curves):

@@ -1,4 +1,8 @@
-"""CMM points of the job's part as a `Measurement`."""
+"""CMM points of the job's part as a `Measurement`.
+
+Source: closed form derived here: second differences of independent readings have the variance 6
+u^2; the median absolute deviation times 1.4826 is the standard deviation of normal noise.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Laser tracker, or any instrument that sees the tool tip all over the work space."""
+"""Laser tracker, or any instrument that sees the tool tip all over the work space.
+
+Source: closed form derived here: a rigid pose of the instrument adds t + w x p to every place p.
+"""
 
 from typing import Literal
 

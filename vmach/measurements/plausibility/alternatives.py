@@ -2,6 +2,9 @@
 
 A sign, a letter or a unit that is wrong gives readings which no effect explains. Each of these
 mistakes is tried: the model is asked again with it put right.
+
+Source: closed form derived here: what grows in proportion with the place is taken off before both
+are compared.
 """
 
 from __future__ import annotations

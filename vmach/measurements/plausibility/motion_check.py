@@ -1,4 +1,7 @@
-"""Can the machine have been where a test says that it was, and as fast?"""
+"""Can the machine have been where a test says that it was, and as fast?
+
+Source: closed form derived here: feed = arc over time.
+"""
 
 from __future__ import annotations
 

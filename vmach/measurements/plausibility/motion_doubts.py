@@ -1,6 +1,8 @@
 """Places, approaches and times of a test that hardly belong together: questions to its user.
 
 They are notes and no errors: unusual tests exist.
+
+Source: closed form derived here: lost motion leaves an axis behind its last motion, never ahead.
 """
 
 from __future__ import annotations

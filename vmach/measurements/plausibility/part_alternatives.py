@@ -1,6 +1,8 @@
 """Predictions of a part under alternative assumptions: lengths, zeros, directions.
 
 The tool goes where it went; only the errors there are asked for again, to first order.
+
+Source: the equations of `vmach.machine.displacement`, to first order.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Are measured points those of this part, in mm, in the coordinates of its program?"""
+"""Are measured points those of this part, in mm, in the coordinates of its program?
+
+Source: JCGM 100:2008 (GUM), 4.3.7: rounding to a step s has the standard uncertainty s / sqrt(12).
+"""
 
 from __future__ import annotations
 

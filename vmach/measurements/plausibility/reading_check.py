@@ -1,4 +1,7 @@
-"""Can an instrument have read this: signs, speeds, readings and clocks of its file?"""
+"""Can an instrument have read this: signs, speeds, readings and clocks of its file?
+
+Source: chosen bounds, each beside its number.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Would the program cut measured points if a tool's length or diameter were in another unit?"""
+"""Would the program cut measured points if a tool's length or diameter were in another unit?
+
+Source: the international inch of 1959, 25.4 mm; the bounds are chosen.
+"""
 
 from __future__ import annotations
 

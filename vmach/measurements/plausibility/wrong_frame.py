@@ -1,4 +1,7 @@
-"""How measured points lie to the nominal ones where they do not meet: shifted, turned, mirrored."""
+"""How measured points lie to the nominal ones where they do not meet: shifted, turned, mirrored.
+
+Source: W. Kabsch, Acta Cryst. A 32 (1976) 922: the rotation from singular values.
+"""
 
 from __future__ import annotations
 

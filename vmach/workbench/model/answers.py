@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 
 from vmach.base.units import um_from_mm
+from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.errors import InputError
 from vmach.history import rms_um
 from vmach.job import job_name
 from vmach.machine import Variant
 from vmach.report.page.payload import pack_mesh
 from vmach.workbench.model.effect_cards import effect_cards
+from vmach.workbench.model.instrument_forms import instrument_forms
 from vmach.workbench.model.part_model import load_part
 from vmach.workbench.model.playback import playback
 from vmach.workbench.model.point_facts import point_facts, points_of_line
@@ -90,6 +92,20 @@ class Answers:
         figures = figures_of(points, value_mm, tolerance_mm)
         return figures | {"quantity": quantity, "model": model}, self._at_vertices(points, value_mm)
 
+    def exact(self, changes: Sequence[Mapping] = ()) -> Answer:
+        """The deviation with changes, cut anew: another move may make a point then.
+
+        Figures and values as `values` has them; and how far the first order was off, um.
+        """
+        part = self._model
+        wanted = read_changes(changes, part.job, part.effects)
+        points, first_order_mm = values_mm(part, "deviation", Variant.ABBE, wanted)
+        value_mm = points.align(part.cut_anew([change.now for change in wanted]))
+        figures = figures_of(points, value_mm, part.job.inspection.tolerance_mm)
+        off_um = float(um_from_mm(np.abs(value_mm - first_order_mm).max(initial=0.0)))
+        figures |= {"quantity": "deviation", "model": "abbe", "first_order_off_um": off_um}
+        return figures, self._at_vertices(points, value_mm)
+
     def residual(self, changes: Sequence[Mapping] = ()) -> Answer:
         """RMS of measured minus predicted with changes, um; None where no part was measured."""
         part = self._model
@@ -120,6 +136,14 @@ class Answers:
         """Cards of all effects."""
         return {"cards": effect_cards(self._model)}, b""
 
+    def instruments(self) -> Answer:
+        """Forms for readings."""
+        return {"forms": instrument_forms()}, b""
+
+    def check_job(self, job: str) -> Answer:
+        """Read all that was measured for another job; refused where that cannot be."""
+        return {"readings": len(survey_job(job))}, b""
+
     def playback(self) -> Answer:
         """Nodes of the path."""
         facts, rows = playback(self._model)
@@ -143,6 +167,6 @@ def _variant(name: str) -> Variant:
 #: what may be asked
 QUESTIONS: dict[str, Callable[..., Answer]] = {
     name: getattr(Answers, name)
-    for name in ("about", "measured", "mesh", "values", "residual", "point", "line", "program",
-                 "effects", "playback")
+    for name in ("about", "measured", "mesh", "values", "exact", "residual", "point", "line",
+                 "program", "effects", "instruments", "check_job", "playback")
 }  # fmt: skip

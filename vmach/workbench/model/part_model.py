@@ -21,7 +21,7 @@ from vmach.nominal.alignment import align
 from vmach.nominal.patches import patches
 from vmach.nominal.points import SurfacePoints
 from vmach.path.preparation import Preparation, prepare
-from vmach.prediction import Prediction, predict_surface
+from vmach.prediction import Prediction, predict, predict_surface
 from vmach.report import DisplayMesh
 from vmach.report.pictures.display_mesh import shaped_for_display
 from vmach.run.inspection import check_some_cut, surface_points
@@ -48,7 +48,8 @@ class PartModel:
     surface : PointSet
         Points on the nominal CAD; where the job has none, the measured ones.
     prediction : Prediction
-        Of these points and those that no tool cut.
+        Of these P points and those that no tool cut.
+    points_mm : (P, 3) float64
     notes : tuple of Note
     """
 
@@ -58,12 +59,27 @@ class PartModel:
     mesh: DisplayMesh
     surface: PointSet
     prediction: Prediction
+    points_mm: np.ndarray
     notes: tuple[Note, ...]
 
     @property
     def is_measured(self) -> bool:
         """Whether anything was measured for the job."""
         return self.job.measured is not None or bool(self.job.measurements)
+
+    def cut_anew(self, changed: Sequence[EffectInstance]) -> np.ndarray:
+        """Predicted deviations (C,) mm of the surface's points with effects in place of the job's.
+
+        A point that no tool cuts any more keeps the deviation that it had.
+        """
+        effects = {e.label: e for e in self.effects} | {e.label: e for e in changed}
+        prediction = self.prediction
+        found = predict(
+            self.preparation, self.points_mm, prediction.normals, variant=Variant.ABBE,
+            effects=tuple(effects.values()),
+        )  # fmt: skip
+        deviation = np.where(found.is_cut, found.deviation_mm, prediction.deviation_mm)
+        return deviation[prediction.is_cut]
 
     @cached_property
     def u_mm(self) -> np.ndarray:
@@ -127,7 +143,7 @@ def load_part(job_path: Path, effect_files: Sequence[Path] = ()) -> PartModel:
     )
     notes = (*preparation.notes, *points.notes)
     surface = _surface_set(job, points, prediction, effects)
-    return PartModel(job, preparation, effects, mesh, surface, prediction, notes)
+    return PartModel(job, preparation, effects, mesh, surface, prediction, points.point_mm, notes)
 
 
 def _surface_set(

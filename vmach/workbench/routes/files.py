@@ -9,7 +9,10 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
-from vmach.errors import InputError
+from vmach.errors import InputError, VmachError
+from vmach.files.atomic import atomic_file
+from vmach.job import free_job_name
+from vmach.workbench.added_readings import job_with_readings
 from vmach.workbench.exchange import read_content, read_json, session_of
 from vmach.workbench.opened_folder import MOST_UPLOADED, OpenedFolder
 
@@ -59,6 +62,39 @@ async def _upload(request: Request) -> Response:
     content = await read_content(request, MOST_UPLOADED)
     path = folder.write(name, content)
     return JSONResponse({"file": folder.name_of(path), "bytes": len(content)})
+
+
+async def _instruments(request: Request) -> Response:
+    return JSONResponse((await session_of(request).ask("instruments"))[0])
+
+
+async def _readings(request: Request) -> Response:
+    """A new job that names readings which lie in the folder; refused where they cannot be read."""
+    session = session_of(request)
+    folder, job, _ = session.need_job()
+    asked = await read_json(request)
+    file, settings = folder.existing(str(asked.get("file", ""))), asked.get("settings")
+    if not isinstance(settings, dict) or not isinstance(settings.get("kind"), str):
+        raise InputError("settings", accepted="the kind of instrument, and what its section takes")
+    if not all(_is_plain(value) for value in settings.values()):
+        raise InputError("settings", accepted="numbers, lists of numbers and words")
+    name = free_job_name(job)
+    text = job_with_readings(job.read_text(encoding="utf-8"), job.name, file.name, settings)
+    with atomic_file(name) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    try:
+        await session.ask("check_job", job=str(name))
+    except VmachError:
+        name.unlink()
+        raise
+    session.open(name)
+    return JSONResponse(session.record())
+
+
+def _is_plain(value: object) -> bool:
+    if isinstance(value, list):
+        return len(value) <= 6 and all(isinstance(one, int | float) for one in value)
+    return isinstance(value, int | float | str) and len(str(value)) <= 200
 
 
 async def _read_text(request: Request) -> Response:
@@ -125,6 +161,8 @@ routes = [
     Route("/show/{name:path}", _show),
     Route("/download/{name:path}", _download),
     Route("/api/files/{name:path}", _upload, methods=["PUT"]),
+    Route("/api/instruments", _instruments),
+    Route("/api/readings", _readings, methods=["POST"]),
     Route("/api/text", _read_text),
     Route("/api/effect-file", _write_effect, methods=["PUT"]),
     Route("/api/difference", _difference),

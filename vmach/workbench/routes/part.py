@@ -62,6 +62,28 @@ async def _what_if(request: Request) -> Response:
     return framed(figures | {"residual_rms_um": residual["rms_um"]}, content)
 
 
+async def _other_about(request: Request) -> Response:
+    return JSONResponse((await session_of(request).ask_other("about"))[0])
+
+
+async def _other_mesh(request: Request) -> Response:
+    _, content = await session_of(request).ask_other("mesh")
+    return Response(content, media_type="application/octet-stream")
+
+
+async def _other_values(request: Request) -> Response:
+    query = request.query_params
+    return framed(*await session_of(request).ask_other(
+        "values", quantity=query.get("quantity", "deviation"), model=query.get("model", "abbe"),
+    ))  # fmt: skip
+
+
+async def _exact(request: Request) -> Response:
+    """The part cut anew with the sliders as they are."""
+    session = session_of(request)
+    return framed(*await session.ask("exact", changes=session.changes))
+
+
 async def _point(request: Request) -> Response:
     query = request.query_params
     record, _ = await session_of(request).ask(
@@ -123,6 +145,10 @@ routes = [
     Route("/api/mesh", _mesh),
     Route("/api/values", _values),
     Route("/api/what-if", _what_if, methods=["POST"]),
+    Route("/api/other/about", _other_about),
+    Route("/api/other/mesh", _other_mesh),
+    Route("/api/other/values", _other_values),
+    Route("/api/exact", _exact),
     Route("/api/point", _point),
     Route("/api/line", _line),
     Route("/api/program", _program),

@@ -66,6 +66,15 @@ def _offered(session, name: str) -> Path:
     return here.existing(name)
 
 
+async def _compare(request: Request) -> Response:
+    """Put another job beside the open one, or put it away."""
+    session = session_of(request)
+    session.need_job()
+    name = (await read_json(request)).get("job")
+    session.compare_with(None if name is None else _offered(session, str(name)))
+    return JSONResponse(session.record())
+
+
 async def _reload(request: Request) -> Response:
     session = session_of(request)
     session.reload()
@@ -84,6 +93,7 @@ routes = [
     Route("/api/events", _events),
     Route("/api/start", _start_page),
     Route("/api/open", _open, methods=["POST"]),
+    Route("/api/compare", _compare, methods=["POST"]),
     Route("/api/reload", _reload, methods=["POST"]),
     Route("/api/shut-down", _shut_down, methods=["POST"]),
 ]

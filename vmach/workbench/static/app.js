@@ -3,6 +3,7 @@
 import { attempt, bench, notice } from "./bench.js";
 import { get, post } from "./api.js";
 import { byId, el } from "./dom.js";
+import { comparePanel } from "./compare.js";
 import { compensatePanel } from "./compensate.js";
 import { diagnosePanel } from "./diagnose.js";
 import { lookPanel } from "./look.js";
@@ -15,7 +16,7 @@ import { listenToControls, loadPart, setTolerance, showChoices, showPoint, stage
 import { whatIfPanel } from "./what_if.js";
 
 const PANELS = { look: ["Look", lookPanel], "what-if": ["What if", whatIfPanel], diagnose: ["Diagnose", diagnosePanel],
-  propose: ["Own law", proposePanel], compensate: ["Compensate", compensatePanel] };
+  propose: ["Own law", proposePanel], compensate: ["Compensate", compensatePanel], compare: ["Compare", comparePanel] };
 let shownRevision = null;
 
 function makeTabs() {
@@ -117,6 +118,7 @@ function listen() {
   on("run", takeRun);
   on("changes", (what) => { bench.state.changes = what.changes; bench.tell("changes", what); });
   on("shown", (what) => { Object.assign(bench.state.shown, what); bench.tell("shown"); });
+  on("other", ({ job }) => { bench.state.other = job; bench.tell("other", job); });
   on("files", ({ names }) => notice(`${names.join(", ")} changed on the disk and was read again`, "news"));
   on("goodbye", () => { source.close(); goodbye(); });
   source.onerror = () => { if (!byId("notices").querySelector(".lost") && source.readyState !== 2) notice("The workbench does not answer; waiting for it.", "lost"); };

@@ -21,14 +21,14 @@ export function historyCurve() {
 
 function plot(steps) {
   const values = steps.flatMap((step) => [step.fitted, step.heldOut]).filter((v) => v !== undefined && v !== null);
-  const end = 1.12 * Math.max(0.1, ...values);
+  const most = 1.1 * Math.max(0.1, ...values), decade = 10 ** Math.floor(Math.log10(most / 2));
+  const step = [1, 2, 5, 10].map((n) => n * decade).find((one) => most / one <= 5), end = step * Math.ceil(most / step);
   const x = (i) => LEFT + ((WIDTH - LEFT - RIGHT) * (i + 0.5)) / steps.length;
   const y = (v) => HEIGHT - BOTTOM - ((HEIGHT - TOP - BOTTOM) * v) / end;
   const made = svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, class: "curve", role: "img", "aria-label": "RMS of measured minus predicted, model by model" });
-  for (let k = 0; k <= 4; k++) {
-    const v = (end * k) / 4;
+  for (let v = 0; v <= end + step / 2; v += step) {
     made.append(svg("line", { class: "grid", x1: LEFT, x2: WIDTH - RIGHT, y1: y(v), y2: y(v) }),
-      Object.assign(svg("text", { class: "tick", x: LEFT - 6, y: y(v) + 4, "text-anchor": "end" }), { textContent: fixed(v, end < 2 ? 2 : 1) }));
+      Object.assign(svg("text", { class: "tick", x: LEFT - 6, y: y(v) + 4, "text-anchor": "end" }), { textContent: fixed(v, Math.max(0, -Math.floor(Math.log10(step)))) }));
   }
   for (const [kind, key, word] of [["held", "heldOut", "held out"], ["fitted", "fitted", "fitted"]]) {
     const known = steps.map((step, i) => [i, step[key], step]).filter(([, v]) => v !== undefined && v !== null);
@@ -37,7 +37,7 @@ function plot(steps) {
     for (const [i, v, step] of known) {
       const mark = kind === "fitted"
         ? svg("circle", { class: "mark-" + kind, cx: x(i), cy: y(v), r: step.is_open ? 6 : 4 })
-        : svg("rect", { class: "mark-" + kind, x: x(i) - 4, y: y(v) - 4, width: 8, height: 8 });
+        : svg("rect", { class: "mark-" + kind, x: x(i) - 8, y: y(v) - 8, width: 16, height: 16 });
       mark.append(Object.assign(svg("title"), { textContent: `${word}: ${fixed(v)} µm` }));
       made.append(mark);
       const other = kind === "held" ? step.fitted : step.heldOut;

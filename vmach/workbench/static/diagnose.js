@@ -1,9 +1,10 @@
 // Diagnose: what the measurements say the model lacks, on cards with Add; the curve of the error.
 
 import { attempt, bench, isAtWork } from "./bench.js";
-import { get, post, send } from "./api.js";
+import { get } from "./api.js";
 import { el, fixed, micro, short, units } from "./dom.js";
 import { historyCurve } from "./curve.js";
+import { readingsForm } from "./readings.js";
 import { runBox, startRun } from "./runs.js";
 import { setLook } from "./stage.js";
 
@@ -29,7 +30,7 @@ export function diagnosePanel(panel) {
 function parts() {
   if (!bench.about) return [];
   if (!bench.about.is_measured)
-    return [el("p", { class: "soft" }, "Nothing was measured for this job. A diagnosis needs measured = a CSV of CMM points, or [[measurements]] in the job file.")];
+    return [el("p", { class: "soft" }, "Nothing was measured for this job. A diagnosis needs points of a CMM, or readings of an instrument."), readingsForm()];
   const found = bench.state.shown?.diagnosis, busy = isAtWork("diagnose") || isAtWork("add");
   const button = el("button", { type: "button", class: "primary", disabled: busy, id: "diagnose" }, found ? "Diagnose again" : "Diagnose");
   button.onclick = () => startRun("/api/diagnose");
@@ -40,6 +41,7 @@ function parts() {
     historyCurve(),
     ...(found ? verdict(found) : []),
     found ? runBox("diagnose") : null,
+    readingsForm(),
   ];
 }
 
@@ -123,18 +125,9 @@ function details(rows) {
 }
 
 function next(found) {
-  const drop = el("label", { class: "drop" }, "Drop its readings here, or choose a file",
-    el("input", { type: "file", accept: ".csv", class: "hidden-file" }));
-  const take = attempt(async (file) => {
-    if (!file) return;
-    const taken = await send(file);
-    drop.firstChild.textContent = `${taken.file} is in the folder. Name it in [[measurements]] of the job file; the page reads it then.`;
-  });
-  drop.querySelector("input").onchange = (event) => take(event.target.files[0]);
-  drop.ondragover = (event) => event.preventDefault();
-  drop.ondrop = (event) => { event.preventDefault(); take(event.dataTransfer.files[0]); };
   return el("article", { class: "card next" }, el("h4", {}, "Measure next"), el("p", {}, micro(found.next_measurement.text)),
-    found.program ? el("p", {}, el("a", { href: "/download/" + found.program, download: "" }, "Download its NC program")) : null, drop);
+    found.program ? el("p", {}, el("a", { href: "/download/" + found.program, download: "" }, "Download its NC program")) : null,
+    el("p", { class: "soft" }, "Its readings go into Further readings below."));
 }
 
 function whole(found) {

@@ -6,7 +6,7 @@ import { byId, clock, el, fixed, signed } from "./dom.js";
 import { follow } from "./program.js";
 import { stage } from "./stage.js";
 
-const SPEEDS = [1, 10, 60, 300], SIDES = 36;
+const SPEEDS = [1, 10, 60, 300], SIDES = 36, TRAIL = 600; // nodes of the path behind the tool
 const player = { data: null, at: 0, isPlaying: false, speed: 60, parts: [] };
 const C = { time: 0, x: 1, dx: 4, line: 7, tool: 8, feed: 9, rpm: 10 };
 
@@ -108,7 +108,8 @@ function seek(seconds) {
   const share = span > 0 ? Math.min(1, (player.at - from) / span) : 0;
   const mix = (k) => data[row(i) + k] + share * (data[row(j) + k] - data[row(i) + k]);
   const tip = [0, 1, 2].map((k) => mix(C.x + k)), error = [0, 1, 2].map((k) => mix(C.dx + k));
-  player.path.count = Math.max(2, 2 * i);
+  const first = Math.max(0, i - TRAIL);
+  Object.assign(player.path, { first: 2 * first, count: Math.max(2, 2 * (i - first)) });
   drawTool(tip, error, data[row(j) + C.tool]);
   follow(data[row(j) + C.line]);
   const zero = facts.zero_mm, length = facts.tools[data[row(j) + C.tool]]?.length_mm ?? 0;

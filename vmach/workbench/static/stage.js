@@ -8,7 +8,7 @@ import { Overlay } from "./overlay.js";
 const MODEL_WORDS = { abbe: "Abbe", htm: "HTM", none: "Program alone" };
 const VIEW_WORDS = { overview: "Overview", top: "Top", front: "Front", right: "Right", back: "Back", below: "Below" };
 
-export const stage = { scene: null, overlay: null, toleranceUm: 10, rangeUm: 1, followers: [] };
+export const stage = { scene: null, scenes: [], overlay: null, toleranceUm: 10, rangeUm: 1, followers: [] };
 let asked = 0;
 
 // ---- the mesh of a job, once; the colours as often as anything changes
@@ -32,8 +32,13 @@ function makeScene(model) {
   stage.overlay = new Overlay(stage.scene);
   stage.scene.onDraw = () => { placeMarks(); stage.followers.forEach((follow) => follow()); };
   stage.scene.onSettle = hideCovered;
-  listenToGestures(canvas, stage.scene, (x, y) => pickAt(x, y));
+  stage.scenes = [stage.scene];
+  listenToGestures(canvas, stage.together, (x, y) => pickAt(x, y));
 }
+
+// What turns one view turns all of them.
+stage.together = Object.fromEntries(["orbit", "pan", "zoomAt", "home"].map(
+  (name) => [name, (...values) => stage.scenes.forEach((scene) => scene[name](...values))]));
 
 export async function loadValues() {
   const number = ++asked;
@@ -41,13 +46,19 @@ export async function loadValues() {
   if (number === asked) applyValues(figures, values);
 }
 
-// Figures and values (um, NaN unknown) of every vertex, from wherever they come.
-export function applyValues(figures, values) {
+// (value, known) of each vertex, as the viewer takes it.
+export function pairsOf(values) {
   const pairs = new Float32Array(2 * values.length);
   for (let i = 0; i < values.length; i++)
     if (values[i] === values[i]) { pairs[2 * i] = values[i]; pairs[2 * i + 1] = 1; }
-  const isNew = bench.figures?.quantity !== figures.quantity;
+  return pairs;
+}
+
+// Figures and values (um, NaN unknown) of every vertex, from wherever they come.
+export function applyValues(figures, values) {
+  const pairs = pairsOf(values), isNew = bench.figures?.quantity !== figures.quantity;
   bench.figures = figures;
+  stage.values = values;
   stage.scene.setValues(pairs);
   if (isNew) byId("range").value = 50;
   showScale();
@@ -89,7 +100,7 @@ export function listenToControls() {
   byId("quantity").onchange = (event) => setLook({ quantity: event.target.value });
   byId("views").append(...Object.entries(VIEW_WORDS).map(([name, word]) => {
     const button = el("button", { type: "button" }, word);
-    button.onclick = () => stage.scene?.home(...VIEWS[name]);
+    button.onclick = () => stage.together.home(...VIEWS[name]);
     return button;
   }));
   let waiting = null;
@@ -141,7 +152,7 @@ function showScale() {
     tick.style.top = 50 - 50 * share + "%";
     return tick;
   }));
-  stage.scene.setLook({ range: end, tolerance: stage.toleranceUm });
+  stage.scenes.forEach((scene) => scene.setLook({ range: end, tolerance: stage.toleranceUm }));
 }
 
 function showFigures() {

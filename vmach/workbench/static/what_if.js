@@ -1,12 +1,12 @@
 // What if: a card for every effect, with sliders; the part follows them at once.
 
 import { attempt, bench } from "./bench.js";
-import { get, postFramed, TAB } from "./api.js";
+import { framed, get, postFramed, TAB } from "./api.js";
 import { el, fixed, short, units } from "./dom.js";
 import { applyValues, loadValues } from "./stage.js";
 
 const state = { cards: [], values: new Map(), isWaiting: false, isDirty: false, panel: null, open: new Set() };
-const STEPS = 200;
+const STEPS = 200, SETTLED_MS = 700;
 const keyOf = (card) => card.effect + ":" + card.target;
 
 export function whatIfPanel(panel) {
@@ -17,7 +17,8 @@ export function whatIfPanel(panel) {
   const list = el("div", { class: "cards" });
   panel.append(
     el("div", { class: "row" }, filter, reset),
-    el("p", { class: "residual", id: "what-if-residual", role: "status" }), list);
+    el("p", { class: "residual", id: "what-if-residual", role: "status" }),
+    el("p", { class: "residual soft", id: "what-if-exact" }), list);
   filter.oninput = () => showCards(list, filter.value.toLowerCase());
   bench.on("part", attempt(async () => {
     state.cards = (await get("/api/effects")).cards;
@@ -38,25 +39,32 @@ function readChanges(changes) {
   state.values = new Map((changes ?? []).map((one) => [one.effect + ":" + (one.target ?? ""), { ...one.parameters }]));
 }
 
+// One card an effect, with the sliders of all its targets; those that were moved come first.
 function showCards(list, wanted) {
-  const rank = (card) => (state.values.has(keyOf(card)) ? 0 : card.in_job ? 1 : 2);
-  const cards = state.cards
-    .filter((card) => !wanted || `${card.effect} ${card.target} ${card.title}`.toLowerCase().includes(wanted))
-    .map((card, i) => [rank(card), i, card]).sort((a, b) => a[0] - b[0] || a[1] - b[1]).map((entry) => entry[2]);
-  list.replaceChildren(...cards.map(cardOf));
-  if (!cards.length) list.append(el("p", { class: "soft" }, "No effect of this name."));
+  const groups = new Map();
+  for (const card of state.cards) {
+    if (wanted && !`${card.effect} ${card.target} ${card.title}`.toLowerCase().includes(wanted)) continue;
+    if (!groups.has(card.effect)) groups.set(card.effect, []);
+    groups.get(card.effect).push(card);
+  }
+  const rank = (cards) => (cards.some((c) => state.values.has(keyOf(c))) ? 0 : cards.some((c) => c.in_job) ? 1 : 2);
+  const sorted = [...groups.values()].map((cards, i) => [rank(cards), i, cards]).sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+  list.replaceChildren(...sorted.map((entry) => cardOf(entry[2], Boolean(wanted) && sorted.length < 4)));
+  if (!sorted.length) list.append(el("p", { class: "soft" }, "No effect of this name."));
 }
 
-function cardOf(card) {
-  const key = keyOf(card), touched = state.values.has(key);
-  const head = el("summary", {}, el("b", {}, card.title), el("code", {}, [card.effect, card.target].join(" ").trim()),
-    card.in_job ? el("span", { class: "tag" }, "in the job") : null, touched ? el("span", { class: "tag moved" }, "moved") : null);
-  const body = card.parameters.length
-    ? card.parameters.map((p) => sliderOf(card, p))
-    : [el("p", { class: "soft" }, "A correction curve; it has no slider.")];
-  const made = el("details", { class: "effect", open: touched || state.open.has(key) }, head, ...body,
-    el("p", { class: "soft" }, card.usual_size ? "Usual: " + card.usual_size.replace(/\bum\b/g, "µm") : ""));
-  made.ontoggle = () => (made.open ? state.open.add(key) : state.open.delete(key));
+function cardOf(cards, isOpen) {
+  const [{ effect, title, usual_size }] = cards, touched = cards.filter((card) => state.values.has(keyOf(card)));
+  const targets = cards.map((card) => card.target).filter(Boolean), inJob = cards.filter((card) => card.in_job);
+  const head = el("summary", {}, el("b", {}, title),
+    el("span", { class: "soft" }, targets.length > 4 ? `${targets.length} targets` : targets.join(" ")),
+    inJob.length ? el("span", { class: "tag" }, ["in the job", ...inJob.map((card) => card.target)].join(" ").trim()) : null,
+    touched.length ? el("span", { class: "tag moved" }, ["moved", ...touched.map((card) => card.target)].join(" ").trim()) : null);
+  const made = el("details", { class: "effect", open: isOpen || touched.length > 0 || state.open.has(effect) }, head,
+    cards.map((card) => el("section", { class: "target" }, targets.length ? el("h4", {}, card.target) : null,
+      card.parameters.length ? card.parameters.map((p) => sliderOf(card, p)) : el("p", { class: "soft" }, "A correction curve; it has no slider."))),
+    el("p", { class: "soft" }, usual_size ? "Usual: " + usual_size.replace(/\bum\b/g, "µm") : ""));
+  made.ontoggle = () => (made.open ? state.open.add(effect) : state.open.delete(effect));
   return made;
 }
 
@@ -98,6 +106,7 @@ const push = attempt(async () => {
     return;
   }
   state.isWaiting = true;
+  document.getElementById("what-if-exact").textContent = "";
   try {
     do {
       state.isDirty = false;
@@ -108,6 +117,19 @@ const push = attempt(async () => {
   } finally {
     state.isWaiting = false;
   }
+  clearTimeout(state.settling);
+  if (state.values.size && bench.look.quantity === "deviation" && bench.look.model === "abbe")
+    state.settling = setTimeout(cutAnew, SETTLED_MS);
+});
+
+// When the sliders rest, the part is cut anew: another move may make a point then.
+const cutAnew = attempt(async () => {
+  const asked = JSON.stringify(changesNow());
+  const [figures, values] = await framed("/api/exact");
+  if (state.isWaiting || asked !== JSON.stringify(changesNow()) || bench.look.quantity !== "deviation") return;
+  applyValues(figures, values);
+  document.getElementById("what-if-exact").textContent = figures.first_order_off_um >= 0.05
+    ? `Cut anew: up to ${fixed(figures.first_order_off_um)} µm from what the sliders showed.` : "Cut anew: the same.";
 });
 
 function changesNow() {

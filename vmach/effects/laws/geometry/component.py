@@ -41,7 +41,6 @@ class Component(Effect):
     )
     targets = COMPONENT_NAMES
     rarity = 1.5
-    is_flexible = True
     corrects_table = turns_tool = True
     usual_size = "5 to 20 um, 10 to 60 urad; locally more after a collision or with worn guides"
     confirm = "measure this component again over the range where it differs"

@@ -40,8 +40,6 @@ class AmbientDrift(Effect):
     )
     targets = (*LINEAR_AXES, _EVERYWHERE)
     rarity = 1.0
-    is_slow = True
-    is_flexible = True
     slack_share = 0.3
     slack_time_s = 1500.0
     usual_size = "5 to 30 um a day for a few kelvin"

@@ -44,7 +44,6 @@ class AxisExpansion(Effect):
         ),
     )
     slack_share = 0.05
-    is_slow = True
     slack_time_s = 1500.0
     usual_size = "20 to 100 ppm with a time constant of 10 to 60 minutes"
     confirm = "laser the same line cold, after 30 and after 60 minutes of work"

@@ -29,7 +29,6 @@ class ToolGrowth(Effect):
     )
     targets = ("",)
     needs_surface = True
-    is_slow = True
     rarity = 1.5
     slack_share = 0.1
     slack_time_s = 300.0

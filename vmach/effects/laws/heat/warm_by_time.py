@@ -13,7 +13,6 @@ __all__ = ["OfWarmthByTime"]
 class OfWarmthByTime(Effect):
     """Base of the effects that follow one warmth; their inner parameter is ``time_constant_s``."""
 
-    is_slow = True
     slack_share = 0.1
     slack_time_s = 1500.0
 

@@ -22,7 +22,6 @@ class OfWarmSpindle(Effect):
     """Base of the effects that follow the spindle's warmth."""
 
     slack_time_s = 1500.0
-    is_slow = True
 
     def not_testable(self, path, target):
         return None if (path.moves.spindle_rpm != 0).any() else "the spindle never turned"

@@ -79,7 +79,6 @@ class ToolDeflection(Effect):
     targets = ("",)
     needs_surface = True
     slack_share = 0.15
-    has_untold = True
     usual_size = "5 to 30 um in finishing, up to 100 um in roughing"
     confirm = "run a spring pass: the same path again without infeed takes off what was left"
     cure = "shorter or thicker tool, smaller allowance, lower feed per tooth, or a spring pass"

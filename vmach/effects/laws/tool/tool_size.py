@@ -13,7 +13,6 @@ class OfOneTool(Effect):
     """Base of the effects that belong to one tool; the target is its number: ``T1``."""
 
     targets = ()
-    is_of_one_tool = True
 
     def possible_targets(self, job):
         return tuple(f"T{number}" for number in job.tools)

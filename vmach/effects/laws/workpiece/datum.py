@@ -65,7 +65,6 @@ class DatumShift(Sudden):
     targets = ("",)
     needs_surface = True
     rarity = 1.0
-    is_flexible = True
     usual_size = "any"
     confirm = "probe the datums again and compare with the start of the program"
     cure = "find the collision or the loose clamp; probe between operations"

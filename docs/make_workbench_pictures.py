@@ -1,0 +1,91 @@
+"""Make the pictures of workbench.md anew: the tour in a real browser, on a copy of the sample.
+
+    .venv/bin/python docs/make_workbench_pictures.py
+
+Needs Chromium and the packages of ``vmach[test]``.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from playwright.sync_api import Page, sync_playwright
+
+ROOT = Path(__file__).resolve().parents[1]
+IMAGES = ROOT / "docs" / "images"
+#: of the window, px; and how well the pictures are kept
+SIZE, QUALITY = {"width": 1400, "height": 860}, 82
+PATIENCE_MS = 240_000
+FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+
+
+def main() -> None:
+    """Open the sample, walk through the tour, keep a picture of every stop."""
+    browser = next(filter(None, map(shutil.which, ("chromium", "google-chrome"))), None)
+    if browser is None:
+        sys.exit("no Chromium on this machine")
+    with tempfile.TemporaryDirectory() as folder:
+        for name in ("missing_effect", "iso10791_7"):
+            shutil.copytree(ROOT / "samples" / name, Path(folder) / name)
+        job = Path(folder) / "missing_effect"
+        words = [sys.executable, "-m", "vmach", "open", str(job), "--no-browser"]
+        server = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+        assert server.stdout is not None
+        address = re.search(r"http\S+", server.stdout.readline())
+        assert address is not None
+        with sync_playwright() as playwright:
+            chromium = playwright.chromium.launch(executable_path=browser, args=FLAGS)
+            page = chromium.new_page(viewport=SIZE)
+            page.set_default_timeout(PATIENCE_MS)
+            page.goto(address[0])
+            tour(page)
+            chromium.close()
+        server.send_signal(signal.SIGINT)
+        server.wait(30)
+
+
+def tour(page: Page) -> None:
+    """The stops of workbench.md, in their order."""
+    ready(page)
+    box = page.locator("#canvas").bounding_box()
+    assert box is not None
+    page.mouse.click(box["x"] + 0.52 * box["width"], box["y"] + 0.48 * box["height"])
+    page.wait_for_selector("table.shares")
+    keep(page, "see")
+    page.locator("#tab-diagnose").click()
+    page.locator("#diagnose").click()
+    page.locator(".card .primary", has_text="Add").first.wait_for()
+    page.locator("#quantity").select_option("residual")
+    keep(page, "ask")
+    page.locator(".card .primary", has_text="Add").first.click()
+    page.wait_for_selector(".mark-held")
+    ready(page)
+    keep(page, "add")
+    page.locator("#undo").click()
+    page.get_by_text("as given").first.wait_for()
+    ready(page)
+    page.locator("#tab-what-if").click()
+    page.get_by_label("Find an effect").fill("backlash")
+    page.get_by_label("backlash Y reversal").fill("124")
+    page.get_by_text("with the sliders").wait_for()
+    keep(page, "what-if")
+
+
+def ready(page: Page) -> None:
+    page.wait_for_selector("body[data-ready=part]")
+
+
+def keep(page: Page, name: str) -> None:
+    """A picture, when the page has come to rest."""
+    page.wait_for_timeout(1500)
+    page.screenshot(path=IMAGES / f"workbench-{name}.jpg", type="jpeg", quality=QUALITY)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,96 @@
+"""Plain lines written in compiled code are those that are written one by one."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gcode import MoveKind, Source, dialect_called, read_program
+from vmach.program_text import Piece, Rewriter, Target, block_modes
+from vmach.program_text.runs.splicing import Edits, spliced
+
+numbers = st.sampled_from(
+    [
+        "0",
+        "0.",
+        ".5",
+        "-.25",
+        "+7.",
+        "+0.125",
+        "-3.0000",
+        "12",
+        "-0.001",
+        "8.1234567",
+        "0.50",
+        "+.0",
+    ]
+)
+lines = st.builds(
+    lambda label, code, places, letters, last: " ".join(
+        [label, code, *(k + v for k, v in zip(letters, places, strict=False)), last]
+    ),
+    st.sampled_from(["", "", "N7"]),
+    st.sampled_from(["", "", "G1", "g01", "G0"]),
+    st.lists(numbers, min_size=1, max_size=3),
+    st.sampled_from(["XYZ", "ZXY", "yzx", "XZ"]),
+    st.sampled_from(["", "", "F200", "(go)", "; end"]),
+)
+arcs = st.sampled_from(["G91 G2 X2 I1\nG90", "G91 G1 X1\nG90", "/X5", "X 6 Y1 0", "G20\nX.5\nG21"])
+programs = st.lists(st.one_of(lines, lines, lines, arcs), min_size=1, max_size=25)
+
+
+def written(text, seed, resolution_mm, *, compiled):
+    """The program with random corrections of its ends, a few of them tiny."""
+    program = read_program(Source(text), home_mm=(0.0, 0.0, 0.0))
+    rewriter = Rewriter(program, block_modes(program), frozenset(), dialect_called("linuxcnc"))
+    if not compiled:
+        rewriter._columns.is_plain[:] = False
+    random, moves = np.random.default_rng(seed), program.moves
+    pieces = []
+    for move in rewriter.moving:
+        arc = moves.kind[move] == MoveKind.ARC
+        cuts = [0.0, 0.4, 1.0] if random.uniform() < 0.1 and not arc else [0.0, 1.0]
+        kept = bool(random.uniform() < 0.1)
+        pieces += [Piece(move, a, b, is_arc=bool(arc), kept=kept and len(cuts) == 2)
+                   for a, b in pairwise(cuts)]  # fmt: skip
+    size = random.choice([0.0, 1e-12, 3e-4, 5e-4, 0.02], (len(pieces), 1))
+    ends = size * random.uniform(-1.0, 1.0, (len(pieces), 3))
+    return rewriter.write(Target(pieces, ends, 0.5 * ends), resolution_mm)
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    programs, st.integers(0, 2**31), st.sampled_from([1e-3, 1e-4, 1e-7]), st.sampled_from("\n\r")
+)
+def test_compiled_lines_are_those_written_one_by_one(found, seed, resolution_mm, ending):
+    text = ("\r\n" if ending == "\r" else "\n").join(["F100 G1 X0 Y0 Z0", *found]).encode()
+    try:
+        slow = written(text, seed, resolution_mm, compiled=False)
+    except ValueError as error:  # a program that is refused
+        with pytest.raises(type(error)):
+            written(text, seed, resolution_mm, compiled=True)
+        return
+    fast = written(text, seed, resolution_mm, compiled=True)
+    assert fast.text == slow.text
+    assert fast.line_of_piece == slow.line_of_piece
+    assert (fast.inserted_after, fast.swallowed) == (slow.inserted_after, slow.swallowed)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.binary(min_size=1, max_size=60), st.data())
+def test_spans_are_replaced_as_the_source_replaces_them(data, draw):
+    cuts = sorted(draw.draw(st.lists(st.integers(0, len(data)), min_size=2, max_size=12)))
+    spans = list(dict.fromkeys(zip(cuts[::2], cuts[1::2], strict=False)))
+    texts = [draw.draw(st.text("abc.7", max_size=9)) for _ in spans]
+    changes = dict(zip(spans, texts, strict=True))
+    compiled = [k for k in range(len(spans)) if k % 2]
+    room, length = np.zeros((len(compiled), 9), np.uint8), []
+    for row, k in zip(room, compiled, strict=True):
+        row[: len(texts[k])] = np.frombuffer(texts[k].encode(), np.uint8)
+        length.append(len(texts[k]))
+    start, stop = np.array([spans[k] for k in compiled], np.int64).reshape(-1, 2).T
+    edits = Edits(start, stop, room, np.array(length, np.int64))
+    others = {span: text for k, (span, text) in enumerate(changes.items()) if k not in compiled}
+    assert spliced(data, edits, others) == Source(data).rewritten(changes)

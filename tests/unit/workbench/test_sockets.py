@@ -1,0 +1,126 @@
+"""A real server and sockets that mean it no good: it goes on serving."""
+
+import http.client
+import socket
+import threading
+import time
+
+import pytest
+import uvicorn
+
+from vmach.workbench import bounded_http
+from vmach.workbench.access import Access
+from vmach.workbench.server import build_server
+from vmach.workbench.session import Session
+
+MANY = 1000
+
+
+@pytest.fixture(scope="module")
+def served():
+    """A workbench without a job on a port of its own, with short patience."""
+    patience = pytest.MonkeyPatch()
+    patience.setattr(bounded_http, "_TO_ASK_S", 1.0)
+    patience.setattr(bounded_http, "_TO_SEND_S", 1.0)
+    listening = socket.socket()
+    listening.bind(("127.0.0.1", 0))
+    access = Access.new(listening.getsockname()[1])
+    app = build_server(Session(), access)
+    config = uvicorn.Config(app, http=bounded_http.BoundedHttp, ws="none", log_level="critical")
+    server = uvicorn.Server(config)
+    thread = threading.Thread(target=server.run, args=([listening],))
+    thread.start()
+    while not server.started:
+        time.sleep(0.01)
+    yield access, server
+    server.should_exit = True
+    thread.join()
+    patience.undo()
+
+
+def state_of(access):
+    """What a page gets that asks for the state."""
+    connection = http.client.HTTPConnection("127.0.0.1", access.port, timeout=10)
+    connection.request("GET", "/api/state", headers={"x-vmach-token": access.token})
+    answer = connection.getresponse()
+    answer.read()
+    connection.close()
+    return answer.status
+
+
+def test_a_thousand_sockets_that_ask_nothing(served):
+    access, server = served
+    crowd = []
+    for _ in range(MANY):
+        one = socket.create_connection(("127.0.0.1", access.port), timeout=5)
+        crowd.append(one)
+    assert state_of(access) == 200
+    assert len(server.server_state.connections) <= bounded_http._MOST_SOCKETS + 1
+    for one in crowd:
+        one.close()
+    assert state_of(access) == 200
+
+
+def test_sockets_that_ask_a_byte_at_a_time_are_closed(served):
+    access, server = served
+    slow = [socket.create_connection(("127.0.0.1", access.port), timeout=5) for _ in range(20)]
+    while len(server.server_state.connections) < len(slow):  # all of them are taken
+        time.sleep(0.01)
+    end = time.monotonic() + 4
+    while time.monotonic() < end and len(server.server_state.connections) > 2:
+        for one in slow:
+            try:
+                one.send(b"G")
+            except OSError:
+                continue
+        time.sleep(0.1)
+    for one in slow:
+        one.close()
+    assert len(server.server_state.connections) <= 2
+    assert state_of(access) == 200
+
+
+def test_content_that_never_ends_is_cut_off(served):
+    access, _ = served
+    one = socket.create_connection(("127.0.0.1", access.port), timeout=5)
+    head = (
+        f"PUT /api/files/a.csv HTTP/1.1\r\nHost: 127.0.0.1:{access.port}\r\nx-vmach: 1\r\n"
+        f"x-vmach-token: {access.token}\r\nContent-Length: 1000000\r\n\r\n"
+    )
+    one.sendall(head.encode() + b"x")
+    time.sleep(1.5)
+    with pytest.raises(OSError):  # the server has closed it
+        for _ in range(50):
+            one.sendall(b"x" * 1000)
+            time.sleep(0.02)
+    one.close()
+    assert state_of(access) == 200
+
+
+GARBAGE = [b"\0" * 4000, b"GET / HTTP/9.9\r\n\r\n", b"GET " + b"a" * 100_000, b"\xff\xfe\r\n\r\n",
+           b"POST / HTTP/1.1\r\nContent-Length: -5\r\n\r\n", b"\r\n" * 3000]  # fmt: skip
+
+
+@pytest.mark.parametrize("garbage", GARBAGE, ids=range(len(GARBAGE)))
+def test_what_is_no_http_is_refused(served, garbage):
+    access, _ = served
+    for _ in range(20):
+        with socket.create_connection(("127.0.0.1", access.port), timeout=5) as one:
+            try:
+                one.sendall(garbage)
+                one.shutdown(socket.SHUT_WR)
+                said = one.recv(1000)
+            except OSError:
+                said = b""
+        assert b"200 OK" not in said
+    assert state_of(access) == 200
+
+
+def test_it_listens_on_this_machine_alone(monkeypatch):
+    from vmach.workbench import launch
+
+    found = launch._listen(0)
+    try:
+        assert found.getsockname()[0] == "127.0.0.1"
+    finally:
+        found.close()

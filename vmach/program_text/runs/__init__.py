@@ -1,0 +1,1 @@
+"""Plain lines of a program written anew in compiled code, many at once."""

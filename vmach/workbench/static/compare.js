@@ -1,0 +1,103 @@
+// Compare: another job beside the open one, turning with it; the difference where the parts are alike.
+
+import { attempt, bench } from "./bench.js";
+import { bytes, framed, get, post, query } from "./api.js";
+import { byId, el, fixed, signed } from "./dom.js";
+import { applyValues, loadValues, pairsOf, stage } from "./stage.js";
+
+const other = { scene: null, about: null, figures: null, values: null, mine: null, isAlike: false, isDifference: false, jobs: null };
+
+export function comparePanel(panel) {
+  const draw = () => panel.replaceChildren(...parts().filter(Boolean));
+  bench.on("other", attempt(async (job) => { await load(job); draw(); }));
+  bench.on("part", attempt(async () => {
+    other.jobs = null;
+    draw();
+    if (bench.state.other) await load(bench.state.other);
+    const found = await get("/api/start");
+    other.jobs = [...new Set([...found.jobs, ...found.recent, ...found.samples.map((one) => one.job)])];
+    draw();
+  }));
+  bench.on("figures", attempt(async (figures) => {
+    if (figures === other.difference) return;
+    other.mine = figures;
+    if (other.about) { await loadOther(); draw(); }
+  }));
+}
+
+function parts() {
+  const select = el("select", { "aria-label": "Job to compare with" }, el("option", { value: "" }, "nothing"),
+    (other.jobs ?? []).map((job) => el("option", { value: job, selected: job === bench.state.other }, job.split("/").slice(-2).join("/"))));
+  select.onchange = attempt(() => post("/api/compare", { job: select.value || null }));
+  const rows = [el("label", { class: "choice" }, el("span", {}, "Compare with"), select),
+    el("p", { class: "soft" }, "Two machines, two programs or two days: both parts turn together, in the same colours.")];
+  if (!other.about) return rows;
+  rows.push(table());
+  if (other.isAlike) {
+    const box = el("input", { type: "checkbox", checked: other.isDifference });
+    box.onchange = attempt(async () => {
+      other.isDifference = box.checked;
+      if (box.checked) showDifference();
+      else await loadValues();
+    });
+    rows.push(el("label", { class: "check" }, box, " show the difference: this part minus the other"));
+  } else {
+    rows.push(el("p", { class: "soft" }, "The parts are not the same, so there is no difference to show."));
+  }
+  return rows;
+}
+
+function table() {
+  const { mine, figures: its } = other;
+  const rows = [["RMS", "rms_um"], ["Mean", "mean_um"], ["Most left", "high_um"], ["Most gone", "low_um"]].map(([word, key]) =>
+    el("tr", {}, el("th", { scope: "row" }, word), ...[mine, its].map((f) => el("td", { class: "value" }, key === "rms_um" ? fixed(f[key]) : signed(f[key]))),
+      el("td", { class: "value" }, signed(mine[key] - its[key]))));
+  const head = ["µm", bench.about.name, other.about.name, "difference"].map((word) => el("th", { scope: "col" }, word));
+  return el("table", { class: "rows" }, el("thead", {}, el("tr", {}, head)), el("tbody", {}, rows));
+}
+
+async function load(job) {
+  byId("other-view").hidden = !job;
+  if (!job) {
+    stage.scenes = [stage.scene];
+    Object.assign(other, { about: null, figures: null, values: null, isDifference: false });
+    return loadValues();
+  }
+  byId("other-caption").textContent = "Machining the other part …";
+  const [about, packed] = [await get("/api/other/about"), await bytes("/api/other/mesh")];
+  const model = new Model(await unpackPayload(packed)), mine = stage.scene.model;
+  other.about = about;
+  other.isAlike = model.vertices.length === mine.vertices.length && model.vertices.every((x, i) => Math.abs(x - mine.vertices[i]) < 1e-2);
+  if (other.scene) other.scene.load(model);
+  else {
+    other.scene = new Scene(byId("other-canvas"), model, bench.state.colour_stops, bench.state.unknown_colour);
+    listenToGestures(byId("other-canvas"), stage.together, () => {});
+  }
+  stage.scenes = [stage.scene, other.scene];
+  for (const name of ["azimuth", "elevation", "zoom"]) other.scene[name] = stage.scene[name];
+  byId("other-caption").textContent = about.name;
+  await loadOther();
+}
+
+async function loadOther() {
+  const names = other.about.quantities.map((one) => one.name);
+  const quantity = names.includes(bench.look.quantity) ? bench.look.quantity : "deviation";
+  [other.figures, other.values] = await framed("/api/other/values?" + query({ ...bench.look, quantity }));
+  other.scene.setValues(pairsOf(other.values));
+  other.scene.setLook({ range: stage.rangeUm });
+  if (other.isDifference && other.isAlike) showDifference();
+}
+
+// This part minus the other, at the vertices; the figures are over the vertices too.
+function showDifference() {
+  const values = stage.values.map((value, i) => value - other.values[i]), known = values.filter((v) => v === v);
+  const squares = known.reduce((sum, v) => sum + v * v, 0), size = [...known].map(Math.abs).sort((a, b) => a - b);
+  let low = Infinity, high = -Infinity, sum = 0;
+  for (const v of known) { low = Math.min(low, v); high = Math.max(high, v); sum += v; }
+  const end = Math.max(size[Math.floor(0.99 * (size.length - 1))] ?? 1, 1e-3);
+  other.difference = { ...bench.figures, rms_um: Math.sqrt(squares / known.length), mean_um: sum / known.length, low_um: low, high_um: high,
+    count: known.length, range_um: Number(end.toPrecision(2)), worst: [], features: [], outside: size.filter((v) => v > stage.toleranceUm).length / size.length };
+  const kept = stage.values;
+  applyValues(other.difference, values);
+  stage.values = kept; // what the next difference is taken from
+}

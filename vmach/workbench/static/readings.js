@@ -1,0 +1,67 @@
+// Further readings: a file is dropped, its instrument named, and a new job of the chain has them.
+
+import { attempt, bench } from "./bench.js";
+import { get, post, send } from "./api.js";
+import { el } from "./dom.js";
+
+const state = { forms: null, file: null, section: null, isOpen: false };
+
+export function readingsForm() {
+  if (!state.section) state.section = makeForm();
+  return state.section;
+}
+
+bench.on("part", () => { state.section = null; state.file = null; });
+
+function makeForm() {
+  const fields = el("div", { class: "choices" }), kind = el("select", { "aria-label": "Instrument" });
+  const told = el("p", { class: "soft" }), take = el("button", { type: "button", class: "primary", disabled: true }, "Add these readings");
+  const choose = el("input", { type: "file", accept: ".csv,.txt", class: "hidden-file" });
+  const word = el("span", {}, "Drop a file of readings here, or choose one");
+  const drop = el("label", { class: "drop" }, word, choose);
+  const show = () => {
+    const form = state.forms?.find((one) => one.kind === kind.value);
+    if (!form) return;
+    told.textContent = form.columns.length ? "Columns: " + form.columns.join(", ") : "";
+    fields.replaceChildren(...form.fields.map(fieldOf));
+  };
+  const upload = attempt(async (file) => {
+    if (!file) return;
+    const taken = await send(file);
+    state.file = taken.file;
+    word.textContent = `${taken.file} (${taken.bytes} bytes) is in the folder`;
+    take.disabled = false;
+  });
+  choose.onchange = () => upload(choose.files[0]);
+  drop.ondragover = (event) => event.preventDefault();
+  drop.ondrop = (event) => { event.preventDefault(); upload(event.dataTransfer.files[0]); };
+  kind.onchange = show;
+  take.onclick = attempt(async () => {
+    const settings = { kind: kind.value };
+    for (const input of fields.querySelectorAll("[name]")) {
+      if (input.value === "") continue;
+      const numbers = input.value.split(/[ ,;]+/).map(Number);
+      settings[input.name] = input.dataset.is === "choice" ? input.value : input.dataset.is === "three" ? numbers : numbers[0];
+    }
+    await post("/api/readings", { file: state.file, settings });
+  });
+  const made = el("details", { class: "readings", open: state.isOpen }, el("summary", {}, "Further readings"),
+    drop, el("label", { class: "choice" }, el("span", {}, "Instrument"), kind), fields, told, take);
+  made.ontoggle = attempt(async () => {
+    state.isOpen = made.open;
+    if (!made.open || kind.options.length) return;
+    state.forms ??= (await get("/api/instruments")).forms;
+    kind.append(...state.forms.map((form) => el("option", { value: form.kind }, form.title)));
+    show();
+  });
+  return made;
+}
+
+function fieldOf(field) {
+  const words = field.name.replace(/_mm$/, ", mm").replace(/_um$/, ", µm").replaceAll("_", " ");
+  const input = field.is === "choice"
+    ? el("select", { name: field.name }, field.choices.map((one) => el("option", { value: one, selected: one === field.value }, one)))
+    : el("input", { name: field.name, class: "name", value: field.value ?? "", placeholder: field.is === "three" ? "X, Y, Z" : "", required: field.is_required });
+  input.dataset.is = field.is;
+  return el("label", { class: "choice" }, el("span", {}, words + (field.is_required ? "" : " (optional)")), input);
+}
