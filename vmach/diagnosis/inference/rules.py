@@ -21,7 +21,7 @@ __all__ = [
 #: log evidence by which one explanation is clearly more probable than another
 CLEARLY = 4.6
 #: probability that an effect is no imitation from which it counts as shown
-CERTAIN = 0.6
+CERTAIN = 0.5
 #: logit of that probability: for an effect as large as the rest; for a power of e in its variance;
 #: for a log evidence that a form does better in its place
 OFFSET, WEIGHT_OF_SIZE, WEIGHT_OF_FORM = -1.2, 0.85, 0.2
@@ -64,7 +64,7 @@ RULES = (
         CERTAIN,
         "probability",
         "an effect is shown where it is no imitation with at least this probability",
-        _CALIBRATION,
+        "more probable than not",
         _COUNTS,
     ),
     Rule(

@@ -73,8 +73,10 @@ class Support:
         return self.probability * float(expit(self.odds))
 
     def after(self, before: Support) -> Support:
-        """The same where it was less probable beside others, which are gone."""
-        return replace(self, odds=min(self.odds, before.odds))
+        """The same as it was judged beside others, which are gone: what they did is no rest."""
+        return replace(
+            self, odds=min(self.odds, before.odds), rest_um=min(self.rest_um, before.rest_um)
+        )
 
     def beside(self, form: float) -> Support:
         """The same where a form in its place leaves it this log evidence."""

@@ -129,8 +129,8 @@ def _judged(
 ) -> tuple[Explanation, dict[str, Support], tuple[Weak, ...]]:
     """An explanation without effects that are not shown, what speaks for the others, and those.
 
-    The least probable goes first. An effect that was in doubt beside others stays so when these
-    are gone: its smallest odds count.
+    The least probable goes first. The others stay judged as beside it: their smallest odds count,
+    and the smallest rest.
     """
     supports: dict[str, Support] = {}
     weak: list[Weak] = []
