@@ -24,7 +24,7 @@ CLEARLY = 4.6
 CERTAIN = 0.5
 #: logit of that probability: for an effect as large as the rest; for a power of e in its variance;
 #: for a log evidence that a form does better in its place
-OFFSET, WEIGHT_OF_SIZE, WEIGHT_OF_FORM = -1.2, 0.85, 0.2
+OFFSET, WEIGHT_OF_SIZE, WEIGHT_OF_FORM = -2.2, 0.65, 0.2
 #: what remains counts as structure from this multiple of the median stated uncertainty on
 STRUCTURE = 1.0
 #: below this multiple of the median stated uncertainty a rest is not looked into
@@ -103,7 +103,7 @@ RULES = (
         "worth_a_form",
         WORTH_A_FORM,
         "stated u",
-        "a rest below this is not looked into, and counts as this in the relative size",
+        "a rest below this is not looked into; what is beyond it is weighed against effects",
         "below the noise that points of a feature share on a part of 0.8 um, 0.48 um",
         _COUNTS,
     ),

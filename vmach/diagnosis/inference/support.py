@@ -29,6 +29,9 @@ from vmach.diagnosis.inference.weighing import Explanation, Weighing
 
 __all__ = ["Support", "supports_of"]
 
+#: a rest is never taken to be less, in stated u: readings do not tell
+_LEAST = 0.1
+
 
 @dataclass(frozen=True)
 class Support:
@@ -41,7 +44,7 @@ class Support:
     size_um : float
         Root mean square of what it does to the readings.
     rest_um : float
-        What remains unexplained, no less than what would not be looked into.
+        What remains unexplained, beyond what would not be looked into.
     against_form : float
         Log evidence for it against the best form in its place, where that is negative.
     """
@@ -86,7 +89,8 @@ class Support:
 def supports_of(weighing: Weighing, found: Explanation) -> Sequence[Support]:
     """What speaks for each effect of an explanation."""
     fewer = [weighing.without(found, [k]) for k in range(len(found.terms))]
-    least = WORTH_A_FORM * usual_u_um(weighing)
-    rest = float(np.hypot(remains_um(weighing, found), least))
+    u_um = usual_u_um(weighing)
+    beyond = max(remains_um(weighing, found) ** 2 - (WORTH_A_FORM * u_um) ** 2, 0.0)
+    rest = float(np.hypot(np.sqrt(beyond), _LEAST * u_um))
     sizes = sizes_um(weighing, found)
     return [Support(found.score - e.score, s, rest) for e, s in zip(fewer, sizes, strict=True)]
