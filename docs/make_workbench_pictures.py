@@ -7,6 +7,7 @@ Needs Chromium and the packages of ``vmach[test]``.
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import signal
@@ -21,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
 #: of the window, px; and how well the pictures are kept
 SIZE, QUALITY = {"width": 1400, "height": 860}, 82
-PATIENCE_MS = 240_000
+PATIENCE_MS = 600_000
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 
 
@@ -35,7 +36,8 @@ def main() -> None:
             shutil.copytree(ROOT / "samples" / name, Path(folder) / name)
         job = Path(folder) / "missing_effect"
         words = [sys.executable, "-m", "vmach", "open", str(job), "--no-browser"]
-        server = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+        environment = os.environ | {"XDG_STATE_HOME": folder}  # no trace among the user's jobs
+        server = subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=environment)
         assert server.stdout is not None
         address = re.search(r"http\S+", server.stdout.readline())
         assert address is not None

@@ -1,8 +1,7 @@
 """Machines of known truth, measured with known noise: how often an interval holds the truth.
 
 The truth is drawn, a laser with noise, a wrong scale and misplaced reflectors measures it, and
-the part is predicted from what was measured. The truth of a point comes from the removal engine
-with the true machine.
+the part is predicted from what was measured.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from vmach.machine.from_arrays import machine_from_arrays
 from vmach.machine.measuring_uncertainty import MeasuringUncertainty
 from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.path.preparation import Preparation, prepare
-from vmach.prediction import Prediction, predict_surface
+from vmach.prediction import Prediction, displacement_of, predict_surface
 
 TRAVEL_MM = {"X": (-400.0, 0.0), "Y": (-300.0, 0.0), "Z": (-300.0, 0.0)}
 #: standard deviations: of one reading in one direction, of what the surveyor and the square do
@@ -49,6 +48,7 @@ class Workshop:
     preparation: Preparation
     points: SurfacePoints
     knots: dict[str, np.ndarray]
+    perfect: Prediction
 
 
 def workshop(folder: Path, *, at_positions: bool) -> Workshop:
@@ -63,27 +63,47 @@ def workshop(folder: Path, *, at_positions: bool) -> Workshop:
         points, id=points.id[rows], feature=points.feature[rows], measured_mm=None,
         point_mm=points.point_mm[rows], normal=points.normal[rows], u_mm=None,
     )  # fmt: skip
-    nose = predict_surface(preparation, points, Variant.NONE).states.nose_mm
+    perfect = predict_surface(preparation, points, Variant.NONE)
+    assert perfect.is_cut.all()
+    nose = perfect.states.nose_mm
     knots = {axis: np.arange(low, high + 1.0, 25.0) for axis, (low, high) in TRAVEL_MM.items()}
     if at_positions:
         for k, axis in enumerate("XYZ"):
             both = np.unique(np.round(np.append(knots[axis], nose[:, k]), 9))
             knots[axis] = both[np.append(True, np.diff(both) > 1e-6)]
-    return Workshop(preparation, points, knots)
+    return Workshop(preparation, points, knots, perfect)
 
 
-def trials(place: Workshop, count: int, seed: int, *, smooth: bool = False) -> Iterator[Trial]:
+def trials(
+    place: Workshop, count: int, seed: int, *, smooth: bool = False, by_engine: bool = True
+) -> Iterator[Trial]:
     """Simulated machines, one after the other.
 
     `smooth` makes true curves that bend between the positions of the tables; otherwise they are
-    straight there.
+    straight there. The removal engine cuts every machine's part; without it the contacts of the
+    perfect part are moved, which is the same but for the second order of some um.
     """
     for number in range(count):
         random = np.random.Generator(np.random.Philox(np.random.SeedSequence([seed, number])))
         true, measured = _machines(place, random, smooth=smooth)
-        made = predict_surface(_on(place, true), place.points, Variant.ABBE)
-        predicted = predict_surface(_on(place, measured), place.points, Variant.ABBE)
+        if by_engine:
+            made, predicted = (
+                predict_surface(_on(place, m), place.points, Variant.ABBE) for m in (true, measured)
+            )
+        else:
+            made, predicted = (_moved(place, m) for m in (true, measured))
         yield Trial(predicted, made.deviation_mm[made.is_cut])
+
+
+def _moved(place: Workshop, machine: Machine) -> Prediction:
+    """The perfect part's points, moved by what the machine does at their contacts."""
+    perfect = place.perfect
+    moved = displacement_of(_on(place, machine), perfect.states, Variant.ABBE, ())
+    along = np.einsum("ij,ij->i", moved.at(perfect.states.contact_mm), perfect.normals)
+    return replace(
+        perfect, variant=Variant.ABBE, preparation=_on(place, machine),
+        deviation_mm=perfect.deviation_mm + along,
+    )  # fmt: skip
 
 
 def _on(place: Workshop, machine: Machine) -> Preparation:

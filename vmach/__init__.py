@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from vmach.machine.from_arrays import machine_from_arrays
     from vmach.nominal.points import SurfacePoints
     from vmach.run.pipeline import MachinedPart, machine_part
+    from vmach.study.run_study import merge_study, run_study
+    from vmach.study.study import Study, read_study
     from vmach.volumetric.volumetric import VolumetricAccuracy
 
 __all__ = [
@@ -46,6 +48,7 @@ __all__ = [
     "PathErrors",
     "PointDeviations",
     "PointIntervals",
+    "Study",
     "SurfacePoints",
     "Variant",
     "VmachError",
@@ -66,11 +69,14 @@ __all__ = [
     "linear",
     "machine_from_arrays",
     "machine_part",
+    "merge_study",
     "path_errors",
     "predict",
     "predict_intervals",
     "read_job",
     "read_machine",
+    "read_study",
+    "run_study",
     "surface_points",
 ]
 
@@ -89,6 +95,7 @@ _HOMES = {
     "PathErrors": "vmach.api.path",
     "PointDeviations": "vmach.api.points",
     "PointIntervals": "vmach.api.uncertainty",
+    "Study": "vmach.study.study",
     "SurfacePoints": "vmach.nominal.points",
     "Variant": "vmach.machine",
     "VmachError": "vmach.errors",
@@ -108,11 +115,14 @@ _HOMES = {
     "linear": "vmach.effects",
     "machine_from_arrays": "vmach.machine.from_arrays",
     "machine_part": "vmach.run.pipeline",
+    "merge_study": "vmach.study.run_study",
     "path_errors": "vmach.api.path",
     "predict": "vmach.api.points",
     "predict_intervals": "vmach.api.uncertainty",
     "read_job": "vmach.job",
     "read_machine": "vmach.api.machining",
+    "read_study": "vmach.study.study",
+    "run_study": "vmach.study.run_study",
     "surface_points": "vmach.api.points",
 }
 

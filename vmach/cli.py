@@ -15,10 +15,13 @@ from vmach.base.kernel_cache import (
     forget_stale_kernels,
 )
 from vmach.commands.accuracy import accuracy
+from vmach.commands.batch import batch
 from vmach.commands.canon import canon
+from vmach.commands.check import check
 from vmach.commands.compensate import compensate
 from vmach.commands.diagnosis import add, diagnose, history
 from vmach.commands.effects import effects_app
+from vmach.commands.features import features
 from vmach.commands.iso230 import iso230
 from vmach.commands.machining import compare, run
 from vmach.commands.open import open_workbench
@@ -67,11 +70,11 @@ def _before_any_command(
         load_effect_file(file)
 
 
-for _command in (run, compare, predict, path, diagnose, add, history, compensate):
+for _command in (check, run, compare, features, predict, path, diagnose, add, history, compensate):
     app.command()(_command)
 app.command("open")(open_workbench)
 app.command(cls=HelpWithFormats)(tables)
-for _command in (accuracy, iso230, canon, schema, view, warm_up):
+for _command in (batch, accuracy, iso230, canon, schema, view, warm_up):
     app.command()(_command)
 app.add_typer(effects_app, name="effects")
 

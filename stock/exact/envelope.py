@@ -58,7 +58,7 @@ class Contacts(NamedTuple):
     sweep: np.ndarray
 
     def inside(self, box_mm: tuple[np.ndarray, np.ndarray]) -> Contacts:
-        """Those inside a box, off its faces."""
+        """Those inside a box of two corners (3,), off its faces."""
         low, high = box_mm
         kept = ((self.point_mm > low) & (self.point_mm < high)).all(axis=1)
         return Contacts(*(column[kept] for column in self))

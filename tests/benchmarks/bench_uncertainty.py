@@ -1,6 +1,6 @@
 """How often a coverage interval holds the truth, and how long a thousand points take.
 
-    python tests/benchmarks/bench_uncertainty.py                  # 10,000 machines: many minutes
+    python tests/benchmarks/bench_uncertainty.py                  # 10,000 machines: some minutes
     python tests/benchmarks/bench_uncertainty.py --machines 1000
 
 Every simulated machine is measured once and its part predicted once; one point of it, chosen at
@@ -36,13 +36,12 @@ def coverage(machines: int, *, smooth: bool) -> None:
         place = workshop(Path(folder), at_positions=not smooth)
     drawn_holds, first_holds, widths = 0, 0, []
     choice = np.random.default_rng(7)
-    for trial in trials(place, machines, seed=3, smooth=smooth):
+    for trial in trials(place, machines, seed=3, smooth=smooth, by_engine=False):
         row = int(choice.integers(len(trial.true_mm)))
         corrections = point_corrections(trial.predicted, np.array([row]))
         estimate = trial.predicted.deviation_mm[trial.predicted.is_cut][row]
-        found = propagate(
-            lambda random, m, c=corrections, y=estimate: y + c.values_mm(c.draw(random, m)), PLAN
-        )
+        few = corrections.for_drawing()
+        found = propagate(lambda r, m, c=few, y=estimate: y + c.values_mm(c.draw(r, m)), PLAN)
         true = trial.true_mm[row]
         drawn_holds += bool(found.low[0] <= true <= found.high[0])
         first_holds += abs(true - estimate) <= coverage_factor(0.95) * corrections.u_mm[0]

@@ -19,10 +19,12 @@ import tempfile
 import time
 from collections import Counter, defaultdict
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
+import numpy as np
 from typer.testing import CliRunner
 
 from gcode import ProgramError
@@ -43,6 +45,8 @@ JOBS = {
 FACTORS = (1e3, 1e-3, 25.4, 1 / 25.4)
 #: more processor time than this is a fault
 LIMIT_S = 20
+#: of the rounds that look at the path, so many ask a slow command instead
+SLOW_SHARE = 0.12
 NUMBER = re.compile(r"(?<![\w.\"'-])-?\d+\.?\d*(?:[eE][-+]?\d+)?(?![\w.])")
 ODD_VALUES = (
     "1e308", "-1e308", "1e-308", "0", "-1", "nan", "inf", "true", '"10"', "[]", "[1, 2]", "{}",
@@ -263,17 +267,61 @@ def sample(name, machine, where):
     job.write_text(text)
     points = "id,feature,x,y,z,i,j,k\n1,top,0,0,0,0,0,1\n2,top,20,0,0,0,0,1\n"
     (folder / "points.csv").write_text(points)
+    (folder / "measured.csv").write_text(points_on_cut(name))
     return folder, job
 
 
+@cache
+def points_on_cut(name):
+    """Some points that the job's program cuts, measured where they should be but for noise."""
+    from vmach.base.variant import Variant
+    from vmach.job import read_job
+    from vmach.nominal import read_nominal
+    from vmach.path.preparation import prepare
+    from vmach.prediction import predict
+    from vmach.run.inspection import surface_points
+
+    job = read_job(ROOT / "samples" / name)
+    points = surface_points(job, read_nominal(job.nominal, job.nominal_unit))
+    found = predict(prepare(job), points.point_mm, points.normal, variant=Variant.ABBE)
+    rows = np.flatnonzero(found.is_cut)
+    rows = rows[:: max(len(rows) // 150, 1)]
+    noise = np.random.default_rng(0).normal(0.0, 5e-4, len(rows))
+    place, normal = points.point_mm[rows], points.normal[rows]
+    at = place + (found.deviation_mm[rows] + noise)[:, None] * normal
+    lines = ["id,feature,x,y,z,i,j,k,mx,my,mz,u_um"]
+    for k, row in enumerate(np.hstack([place, normal, at]).tolist()):
+        lines.append(f"{k},f," + ",".join(f"{x:.9f}" for x in row) + ",0.7")
+    return "\n".join(lines) + "\n"
+
+
 def command(folder, job, kind, rng):
-    """A call that the changed file matters to."""
-    machine_alone = ["accuracy", str(machine_of(folder)), "--grid", "2", "--json"]
+    """A call that the changed file matters to: every command, the slow ones at a small rate."""
+    out, machine = str(folder / "out"), str(machine_of(folder))
     if kind is not tool and rng.random() < 0.3:
-        return machine_alone
+        if rng.random() < 0.1:
+            return ["tables", "--machine", machine, "-o", out, "--format", "linuxcnc"]
+        return ["accuracy", machine, "--grid", "2", "--json"]
     if rng.random() < 0.2:
         return ["predict", str(job), "--points", str(folder / "points.csv")]
+    if rng.random() < SLOW_SHARE:
+        return rng.choice((
+            ["compensate", str(job), "-o", str(folder / "moved.nc")],
+            ["tables", str(job), "-o", out, "--format", "linuxcnc"],
+            ["run", measured(folder, job), "--no-solid", "--json", "--out", out],
+            ["compare", measured(folder, job), "--json", "--out", out],
+            ["diagnose", measured(folder, job), "--json", str(folder / "found.json")],
+            ["add", measured(folder, job), "backlash:X"],
+            ["history", measured(folder, job), "--json"],
+        ))  # fmt: skip
     return ["path", str(job)]
+
+
+def measured(folder, job):
+    """The job with points that were measured in place, for commands that need some."""
+    if "measured =" not in job.read_text(errors="replace"):
+        job.write_bytes(b'measured = "measured.csv"\n' + job.read_bytes())
+    return str(job)
 
 
 def outcome(call):
@@ -297,6 +345,7 @@ def stop(*_):
 def fuzz(rounds, seed, show):
     rng = random.Random(seed)
     counts, examples = defaultdict(Counter), defaultdict(list)
+    asked = Counter()
     signal.signal(signal.SIGPROF, stop)
     for number in range(rounds):
         name = rng.choice(sorted(JOBS))
@@ -305,6 +354,7 @@ def fuzz(rounds, seed, show):
             folder, job = sample(name, JOBS[name], Path(place_))
             change = kind(folder, job, rng)
             call = command(folder, job, kind, rng)
+            asked[call[0]] += 1
             signal.setitimer(signal.ITIMER_PROF, LIMIT_S)
             found, said = outcome(call)
             signal.setitimer(signal.ITIMER_PROF, 0)
@@ -314,7 +364,7 @@ def fuzz(rounds, seed, show):
             examples[found].append(f"{number}: {name}: {call[0]}: {change.told}: {said[:90]!r}")
         if bad:
             counts["BAD"]["silent and wrong" if found == "silent" else found] += 1
-    return counts, examples
+    return counts, examples, asked
 
 
 def unchanged():
@@ -335,7 +385,7 @@ def main():
     options = parser.parse_args()
     unchanged()
     start = time.process_time()
-    counts, examples = fuzz(options.rounds, options.seed, options.list)
+    counts, examples, asked = fuzz(options.rounds, options.seed, options.list)
     bad = counts.pop("BAD", Counter())
     names = ("refused", "asked", "silent", "slow", "fault")
     print(f"{'changed':22}" + "".join(f"{name:>9}" for name in names))
@@ -344,6 +394,7 @@ def main():
     for found, lines in examples.items():
         print(f"\n{found}:", *lines[:40], sep="\n  ")
     print(f"\n{options.rounds} rounds, {time.process_time() - start:.0f} s of processor time")
+    print("commands: " + ", ".join(f"{name} {count}" for name, count in asked.most_common()))
     print(f"exit 70: {bad['fault']}; above {LIMIT_S} s: {bad['slow']}; "
           f"wrong and silent: {bad['silent and wrong']}")  # fmt: skip
 

@@ -12,6 +12,7 @@ from tests.unit.test_diagnosis_verdicts import nothing, stretched_and_loose, tip
 from vmach.cli import app
 from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.inference.rules import RULES
+from vmach.diagnosis.proposals.effect_text import effect_text
 from vmach.diagnosis.report import as_json, as_text
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects import catalogue, load_effect_file
@@ -64,6 +65,42 @@ def test_a_proposal_is_an_effect_file_that_can_be_added(pushed_job, tmp_path):
         assert after < 0.4 * before
     finally:
         catalogue().pop("proposed_push", None)
+
+
+def waving(q, side, time):
+    """Y is pushed by a wave of 17.3 mm in X: no effect waves across its axis."""
+    return np.outer(5.0 * np.sin(2.0 * np.pi * q[:, 0] / 17.3 + 0.7), [0.0, 1.0, 0.0])
+
+
+def test_a_wave_is_found_whatever_its_period(tmp_path):
+    job = tip_job(tmp_path, waving, count=150)
+    found = diagnose(survey_job(job))
+    assert found.verdict == "unknown"
+    first = found.proposals[0]
+    assert first.form.kinds == {"wave in X"} and first.form.direction.words == "along Y"
+    assert "a wave of 17.3 mm in X" in first.form.formula
+    assert first.amount_um == pytest.approx(5.0, abs=0.5)
+    # the file that is written does the same as the form, its two amounts apart
+    file = tmp_path / "proposed_wave.py"
+    file.write_text(effect_text(first, name="proposed_wave"))
+    effect = load_effect_file(file)
+    try:
+        path = found.residuals.survey.paths[0]
+        moved = effect.displacement(path, "", **first.amounts_um)
+        np.testing.assert_allclose(moved, 1e-3 * waving(path.nose_mm, None, None), atol=1e-3)
+    finally:
+        catalogue().pop("proposed_wave", None)
+
+
+def lurching(q, side, time):
+    """It sits elsewhere as it warms, each axis by another amount: 9, -6 and 4 um in the end."""
+    return np.outer(1.0 - np.exp(-time / 300.0), [9.0, -6.0, 4.0]) * np.sign(side[:, :1])
+
+
+def test_products_with_an_exponential_in_time_are_tried(tmp_path):
+    found = diagnose(survey_job(tip_job(tmp_path, lurching, count=150)))
+    states = set().union(*(p.form.kinds for p in found.proposals))
+    assert {"direction", "warm-up"} <= states
 
 
 def test_where_nothing_remains_there_is_nothing_to_propose(tmp_path):

@@ -24,7 +24,7 @@ LAYERS = [
     {"measurements", "instruments", "controller_tables"},
     {"fit"},
     {"diagnosis", "run"},
-    {"history", "compensation"},
+    {"history", "compensation", "checkup", "study"},
     {"api"},
     {"workbench"},
     {"commands"},

@@ -84,11 +84,8 @@ def test_what_shifts_the_tool_does_not_show(tmp_path):
     np.testing.assert_allclose(test.predicted_mm, wanted, atol=1e-12)
 
 
-def test_a_roll_that_was_never_measured_comes_nearest(tmp_path):
-    """A dent of 15 um per m in the roll of X, read with 0.3 um per m of noise.
-
-    One line alone cannot tell it from a discrepancy of the same shape, so nothing is named.
-    """
+def test_a_roll_that_was_never_measured_is_named(tmp_path):
+    """A dent of 15 um per m in the roll of X, read with 0.3 um per m of noise."""
     errors = {name: error for name, error in ERRORS.items() if name != "EAX"}
     job = write_job(tmp_path, errors, more=level("A", u_um=0.3))
     text = job.read_text()
@@ -100,6 +97,9 @@ def test_a_roll_that_was_never_measured_comes_nearest(tmp_path):
 
     write_level(tmp_path, hidden, np.arange(-390.0, 0.0, 10.0))
     found = diagnose(survey_job(job))
+    (roll,) = found.findings
+    assert (found.verdict, roll.label, roll.status) == ("named", "component EAX", "shown")
+    assert "most at -200 mm" in roll.where
     best = found.candidates[0]
     assert best.label == "component EAX" and best.rms_after_um < 0.5
     tested = {c.effect for c in found.candidates if c.status == "tested"}

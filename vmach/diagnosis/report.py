@@ -72,7 +72,7 @@ def _proposal(proposal: Proposal) -> dict[str, Any]:
         "states": [state.words for state in proposal.form.states],
         "direction": proposal.form.direction.words,
         "amount_um": _rounded(proposal.amount_um),
-        "u_um": _rounded(proposal.u_um),
+        "u_um": _rounded(proposal.amount_u_um),
         "evidence": round(proposal.odds, 2),
         "remains_um": round(proposal.remains_um, 3),
         "held_out_um": {"without": round(without, 3), "with": round(with_it, 3)},
@@ -118,7 +118,7 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
     for number, p in enumerate(found.proposals, 1):
         without, with_it = p.held_out_um
         lines.append(
-            f"  form {number}: {p.amount_um:.3g} um (u = {p.u_um:.2g}) x {p.form.formula}; "
+            f"  form {number}: {p.amount_um:.3g} um (u = {p.amount_u_um:.2g}) x {p.form.formula}; "
             f"log odds {p.odds:.0f}, features held out {without:.2f} -> {with_it:.2f} um"
         )
     if found.proposals:

@@ -112,7 +112,7 @@ class Feature:
 
 
 def as_members(surfaces: Sequence[Surface], rows: Sequence[np.ndarray]) -> tuple[Member, ...]:
-    """Faces, each with the rows of its points, put together where they lie on one surface."""
+    """Faces, each with the rows (K,) of its points, put together where they lie on one surface."""
     members: list[Member] = []
     for surface, own in zip(surfaces, rows, strict=True):
         for k, member in enumerate(members):
@@ -127,7 +127,7 @@ def as_members(surfaces: Sequence[Surface], rows: Sequence[np.ndarray]) -> tuple
 def make_feature(
     name: str, surfaces: Sequence[Surface], rows: Sequence[np.ndarray], faces: Sequence[str] = ()
 ) -> Feature:
-    """A feature of faces: their surfaces, and the rows of the points on each.
+    """A feature of faces: their surfaces, and the rows (K,) of the points on each.
 
     Raises
     ------

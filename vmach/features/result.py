@@ -73,7 +73,9 @@ class FeatureResult:
     reason : str
         Why there is no value; empty where there is one.
     unit : str
-        ``Ø`` for diameters, else empty.
+        ``Ø`` or ``SØ`` for diameters, else empty.
+    kind : str
+        Of the feature, see `vmach.features.feature.Feature.kind`.
     """
 
     feature: str
@@ -92,6 +94,7 @@ class FeatureResult:
     places: tuple[Place, ...] = ()
     reason: str = ""
     unit: str = ""
+    kind: str = ""
 
     @property
     def predicted(self) -> Value | None:

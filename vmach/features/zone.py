@@ -108,9 +108,9 @@ def _by_cuts(apart: np.ndarray, motions: np.ndarray, push: np.ndarray):
     for _ in range(_CUTS):
         left = apart - motions @ y
         length = np.linalg.norm(left, axis=1)
-        if length.max() <= bound + _CLOSE_MM:
+        if length.max() <= max(bound, 0.0) + _CLOSE_MM:
             break
-        long = np.flatnonzero(length > max(bound, 0.5 * length.max() if bound < 0.0 else bound))
+        long = np.flatnonzero(length > (0.5 * length.max() if bound < 0.0 else bound))
         which += long.tolist()
         unit = left[long] / np.maximum(length[long], 1e-300)[:, None]
         direction += unit.tolist()

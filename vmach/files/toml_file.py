@@ -24,6 +24,7 @@ __all__ = [
     "Positive",
     "Whole",
     "check_section",
+    "complaints",
     "line_of_key",
     "read_toml",
     "read_toml_and_text",
@@ -149,11 +150,42 @@ def check_section(
     try:
         return schema.model_validate(data)
     except ValidationError as error:
-        # a misspelt key is also a missing one: say what was written first
-        first = min(error.errors(), key=lambda c: c["type"] != "extra_forbidden")
-        keys = _keys_of(first, data)
+        raise _complaints(error, data, schema, file=file, text=text, within=within)[0] from None
+
+
+def complaints(path: Path, schema: type[Section], *, what: str) -> list[InputError]:
+    """Everything that a TOML file has wrong, where `read_toml` raises the first; maybe nothing."""
+    try:
+        text = read_text(path, what=what, largest_bytes=_LARGEST_TOML_BYTES)
+        schema.model_validate(tomllib.loads(text))
+    except ValidationError as error:
+        return _complaints(error, tomllib.loads(text), schema, file=path, text=text)
+    except InputError as error:
+        return [error]
+    except (ValueError, RecursionError):
+        try:
+            read_toml(path, schema, what=what)
+        except InputError as error:
+            return [error]
+    return []
+
+
+def _complaints(
+    error: ValidationError,
+    data: Mapping[str, Any],
+    schema: type[Section],
+    *,
+    file: Path,
+    text: str,
+    within: Sequence[str] = (),
+) -> list[InputError]:
+    """One error a complaint; a misspelt key is also a missing one, so what was written is first."""
+    found = []
+    for complaint in sorted(error.errors(), key=lambda c: c["type"] != "extra_forbidden"):
+        keys = _keys_of(complaint, data)
         line = line_of_key(text, [*within, *keys])
-        raise _complaint(first, keys, schema, file=file, line=line) from None
+        found.append(_complaint(complaint, keys, schema, file=file, line=line))
+    return found
 
 
 def _keys_of(complaint: Mapping[str, Any], data: Mapping[str, Any]) -> list[str]:

@@ -102,6 +102,16 @@ class Survey:
         )
 
     @cached_property
+    def blocks(self) -> np.ndarray:
+        """Readings that are held out together, (n,) str: features, runs, stretches of a test."""
+        return np.concatenate(
+            [
+                np.char.add(f"{k}:", m.instrument.blocks(m).astype(str))
+                for k, m in enumerate(self.measurements)
+            ]
+        )
+
+    @cached_property
     def sensing(self) -> np.ndarray:
         """Direction of each reading, (n, 3)."""
         return np.vstack([m.sensing for m in self.measurements])

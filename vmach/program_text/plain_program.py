@@ -11,6 +11,7 @@ from vmach.path.geometry import move_length_mm, position_at
 from vmach.program_text.blocks.block_modes import BlockModes
 from vmach.program_text.frame_shift import rotation_of_moves, turned_about_z, zero_settings
 from vmach.program_text.programmed_axes import programmed_axes
+from vmach.program_text.runs.axis_words import axis_words
 
 __all__ = ["PlainProgram"]
 
@@ -29,6 +30,8 @@ class PlainProgram:
 
     Attributes
     ----------
+    axis_words : AxisWords
+        Words X Y Z of the lines of the moves, as far as they are plain.
     programmed : (N, 3) bool
         Axes that every move may correct, see `programmed_axes`.
     unknown_start : (N,) bool
@@ -58,7 +61,10 @@ class PlainProgram:
         self.program, self.modes, self.moves, self.own = program, modes, program.moves, own
         self.control, self.text = control, program.language.text(program.source)
         self.angle = rotation_of_moves(program)
-        self.programmed, self.unknown_start = programmed_axes(program, modes, self.text)
+        source = program.source
+        self.axis_words = axis_words(source.data, source.line_starts, self.moves.line)
+        self.programmed, self.unknown_start = programmed_axes(program, modes, self.text,
+                                                              self.axis_words)  # fmt: skip
         self.end_mm = program.record.path().point_mm
         count, kind = len(self.moves), self.moves.kind
         self.start_mm = self.places(np.arange(count), np.zeros(count))

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from numba import njit
 
 from gcode import BlockText, MoveKind, Program
 from vmach.program_text.blocks.block_modes import BlockModes
+from vmach.program_text.runs.axis_words import AxisWords
 
 __all__ = ["programmed_axes"]
 
@@ -15,11 +17,13 @@ __all__ = ["programmed_axes"]
 _FRAMES = {"set_g5x_offset": (True, True, True), "set_xy_rotation": (True, True, False)}
 #: an axis that goes no farther stands
 _MOVES_MM = 1e-9
+#: an arc turns about an axis with a larger share of its direction
+_ACROSS = 0.5
 _ANYWAY = {"tool_offset": (False, False, True), "change_tool": (True, True, True)}
 
 
 def programmed_axes(
-    program: Program, modes: Mapping[int, BlockModes], text: BlockText
+    program: Program, modes: Mapping[int, BlockModes], text: BlockText, words: AxisWords
 ) -> tuple[np.ndarray, np.ndarray]:
     """Axes that have had a word in the frame that a move is made in.
 
@@ -35,6 +39,8 @@ def programmed_axes(
     modes : mapping of line to BlockModes
     text : BlockText
         The program's words.
+    words : AxisWords
+        Those of the lines of the moves, as far as they are plain.
 
     Returns
     -------
@@ -46,29 +52,56 @@ def programmed_axes(
     """
     moves = program.moves
     lost, turned = _lost(program)
-    known, found = np.zeros(3, bool), np.zeros((len(moves), 3), bool)
-    unknown_start = np.zeros(len(moves), bool)
-    for move in range(len(moves)):
-        known &= ~lost[move]
-        if moves.kind[move] == MoveKind.DWELL:
+    moving = moves.kind != MoveKind.DWELL
+    said, left = _said(moves.line, moving, modes, text, words)
+    lines, which = np.unique(moves.line, return_inverse=True)
+    counts_on = np.array([line in modes and modes[line].incremental for line in lines.tolist()])
+    along = np.abs(moves.end_mm - moves.start_mm) > _MOVES_MM
+    along |= (moves.kind == MoveKind.ARC)[:, None] & (np.abs(moves.axis) < _ACROSS)
+    return _known_axes(moving, lost, turned, said, left, counts_on[which], along)
+
+
+def _said(
+    line: np.ndarray, moving: np.ndarray, modes: Mapping[int, BlockModes], text: BlockText,
+    words: AxisWords,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Axes that the line of every move says, and those that it leaves anywhere, (N, 3) bool."""
+    said, left = words.start >= 0, np.zeros((len(line), 3), bool)
+    stays = {number for number, mode in modes.items() if mode.left}
+    plain = words.is_plain & (type(text) is BlockText) & ~np.isin(line, list(stays))
+    said[~plain] = False
+    for move in np.flatnonzero(moving & ~plain).tolist():
+        number = int(line[move])
+        own = [w for w in text.words(number) if w.letter in "XYZ"]
+        if modes[number].left:
+            left[move] = [a in {w.letter for w in own} for a in "XYZ"] if own else True
+        elif not text.may_be_skipped(number):
+            named = {w.letter for w in own if not text.is_incremental(w)}
+            said[move] = [a in named for a in "XYZ"]
+    return said, left
+
+
+@njit(cache=True)
+def _known_axes(moving, lost, turned, said, left, counts_on, along):  # pragma: no cover - compiled
+    """Go through the moves and keep which axes have had a word."""
+    count = len(moving)
+    found, unknown_start = np.zeros((count, 3), np.bool_), np.zeros(count, np.bool_)
+    known, before = np.zeros(3, np.bool_), np.zeros(3, np.bool_)
+    for move in range(count):
+        for axis in range(3):
+            known[axis] &= not lost[move, axis]
+            before[axis] = known[axis] or counts_on[move]
+        if not moving[move]:
             continue
-        line = int(moves.line[move])
-        mode, before = modes[line], known | modes[line].incremental
-        words = [w for w in text.words(line) if w.letter in "XYZ"]
-        if mode.left:
-            named = [a in {w.letter for w in words} for a in "XYZ"] if words else [True] * 3
-            known &= ~np.array(named)
-        elif not mode.incremental and not text.may_be_skipped(line):
-            said = {w.letter for w in words if not text.is_incremental(w)}
-            known = known | [a in said for a in "XYZ"]
-        found[move] = known | mode.incremental
+        for axis in range(3):
+            known[axis] &= not left[move, axis]
+            known[axis] |= said[move, axis] and not counts_on[move]
+            found[move, axis] = known[axis] or counts_on[move]
         if turned[move]:  # each of them moves both axes of the machine
-            found[move, :2] = found[move, :2].all()
-            before[:2] = before[:2].all()
-        along = np.abs(moves.end_mm[move] - moves.start_mm[move]) > _MOVES_MM
-        if moves.kind[move] == MoveKind.ARC:
-            along |= np.abs(moves.axis[move]) < 0.5
-        unknown_start[move] = (along & ~before).any()
+            found[move, :2] = found[move, 0] and found[move, 1]
+            before[:2] = before[0] and before[1]
+        for axis in range(3):
+            unknown_start[move] |= along[move, axis] and not before[axis]
     return found, unknown_start
 
 

@@ -4,9 +4,10 @@ The pipeline fills `InspectedPoints` and `RunRecord`, gets a `DisplayMesh` from
 `build_display_mesh` and calls the writers inside `vmach.files.atomic.atomic_folder`.
 """
 
+from vmach.report.exchange.formats import ENDINGS, check_ending, write_features_file
 from vmach.report.figures.deviations_csv import read_deviations_csv, write_deviations_csv
 from vmach.report.figures.differences import differences_text
-from vmach.report.figures.features import features_table, write_features_csv
+from vmach.report.figures.features import features_table
 from vmach.report.figures.statistics import Statistics, column_statistics, worst_places
 from vmach.report.figures.summary import SIGN_CONVENTION, summary, write_summary
 from vmach.report.figures.table import columns_table
@@ -27,6 +28,7 @@ from vmach.report.result import (
 )
 
 __all__ = [
+    "ENDINGS",
     "SIGN_CONVENTION",
     "STATUSES",
     "Colouring",
@@ -39,6 +41,7 @@ __all__ = [
     "SolidDifference",
     "Statistics",
     "build_display_mesh",
+    "check_ending",
     "column_statistics",
     "columns_table",
     "differences_text",
@@ -50,7 +53,7 @@ __all__ = [
     "summary",
     "worst_places",
     "write_deviations_csv",
-    "write_features_csv",
+    "write_features_file",
     "write_report_html",
     "write_summary",
 ]

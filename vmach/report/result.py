@@ -333,6 +333,8 @@ class RunRecord:
         Name of the table of all points that lies beside the page; empty where there is none.
     features : tuple of FeatureResult
         What the drawing asks for and what was found.
+    part, serial, revision : str
+        Of the drawing, for the head of reports.
     """
 
     title: str
@@ -350,6 +352,9 @@ class RunRecord:
     comparison: SolidComparison | None = None
     points_file: str = ""
     features: tuple[FeatureResult, ...] = ()
+    part: str = ""
+    serial: str = ""
+    revision: str = ""
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.tolerance_mm) and self.tolerance_mm > 0):

@@ -126,6 +126,7 @@ class _Judge:
             primary=self._primary,
             reason=reason,
             unit=callout.zone,
+            kind=self._drawing.feature(requirement.feature).kind,
             **more,
         )
 

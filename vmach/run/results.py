@@ -30,7 +30,7 @@ from vmach.report import (
     part_colours,
     summary,
     write_deviations_csv,
-    write_features_csv,
+    write_features_file,
     write_report_html,
     write_summary,
 )
@@ -98,10 +98,10 @@ def write_results(
         write_deviations_csv(folder / "deviations.csv", made.points)
         cut = made.points.primary.is_cut
         write_budget_csv(folder / "budget.csv", made.points.id[cut], made.states, made.budget)
-        if made.features:
-            write_features_csv(folder / FEATURES_FILE, made.features)
         mesh = _display_mesh(made)
         record = run_record(made, command)
+        if made.features:
+            write_features_file(folder / FEATURES_FILE, record)
         draw_heatmap(folder / "heatmap.png", mesh, made.points, record)
         stills = [folder / "heatmap.png"]
         if made.points.remainders:
@@ -111,6 +111,14 @@ def write_results(
         write_report_html(folder / "report.html", mesh, made.points, record, stills=stills)
         write_summary(folder / "summary.json", made.points, record)
     return summary(made.points, record)
+
+
+def write_picture(path: Path, made: MachinedPart, record: RunRecord) -> None:
+    """Draw the map of deviations alone, with the flags of the drawing."""
+    from vmach.report.pictures.heatmap import draw_heatmap  # late: it loads matplotlib
+
+    primary = made.points.primary.name
+    draw_heatmap(path, _display_mesh(made), made.points, record, columns=[primary])
 
 
 def write_coloured_part(made: MachinedPart, path: Path) -> None:
@@ -166,6 +174,9 @@ def run_record(made: MachinedPart, command: str) -> RunRecord:
         comparison=made.comparison,
         points_file="deviations.csv",
         features=made.features,
+        part=job.drawing.part,
+        serial=job.drawing.serial,
+        revision=job.drawing.revision,
     )
 
 

@@ -9,22 +9,26 @@ from typing import Any
 
 from vmach.errors import InputError
 from vmach.schemas.base import Output
+from vmach.schemas.checkup import CheckOutput
 from vmach.schemas.correction import CompensationFigures, DiagnosisFigures
 from vmach.schemas.machine import Accuracy, Iso230, Tables
 from vmach.schemas.part import PathErrors, PointPrediction, Summary
+from vmach.schemas.study import Batch
 
-__all__ = ["SCHEMAS", "json_schema"]
+__all__ = ["SCHEMAS", "CheckOutput", "json_schema"]
 
 #: by the name of the file or of the command that writes it
 SCHEMAS: dict[str, type[Output]] = {
     "summary": Summary,
     "predict": PointPrediction,
     "path": PathErrors,
+    "batch": Batch,
     "diagnose": DiagnosisFigures,
     "compensate": CompensationFigures,
     "accuracy": Accuracy,
     "iso230": Iso230,
     "tables": Tables,
+    "check": CheckOutput,
 }
 
 

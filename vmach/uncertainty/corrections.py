@@ -110,6 +110,30 @@ class Corrections:
         """Combined standard uncertainty of first order, (P,) (GUM eq. 13)."""
         return np.sqrt(np.square(self.signature_mm).sum(axis=1))
 
+    def for_drawing(self) -> Corrections:
+        """The same distribution of the quantities from as few columns as can make it.
+
+        Normal columns of a pool may be turned among themselves: of Q columns on P < Q quantities
+        P are left. Columns whose products act stay as they are.
+        """
+        alone = np.ones(len(self.labels), dtype=bool)
+        alone[self.pairs.ravel()] = False
+        kept = np.flatnonzero(~alone)
+        labels, pools = [self.labels[k] for k in kept], [self.pools[k] for k in kept]
+        parts = [self.signature_mm[:, kept]]
+        for pool in dict.fromkeys(self.pools):
+            own = [k for k in np.flatnonzero(alone) if self.pools[k] == pool]
+            part = self.signature_mm[:, own]
+            if len(own) > len(self):
+                part = np.linalg.qr(part.T, mode="r").T
+            parts.append(part)
+            labels += [pool.name] * part.shape[1]
+            pools += [pool] * part.shape[1]
+        place = np.cumsum(~alone) - 1
+        return Corrections(
+            tuple(labels), tuple(pools), np.hstack(parts), place[self.pairs], self.curved_mm
+        )
+
     def variance_by_label(self) -> dict[str, np.ndarray]:
         """Variance of first order that each label adds, (P,) mm2."""
         found: dict[str, np.ndarray] = {}

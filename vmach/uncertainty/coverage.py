@@ -38,7 +38,7 @@ def shortest_interval(ordered: np.ndarray, coverage: float) -> tuple[np.ndarray,
 
 
 def symmetric_interval(ordered: np.ndarray, coverage: float) -> tuple[np.ndarray, np.ndarray]:
-    """Ends of the interval with as many values below as above; parameters as above."""
+    """Ends (P,) of the intervals of values (P, M) with as many values below as above."""
     held = _held(ordered, coverage)
     first = (ordered.shape[1] - held) // 2
     return ordered[:, first], ordered[:, first + held]

@@ -71,10 +71,10 @@ def draw_points(prediction: Prediction, plan: Plan, *, progress: Progress = sile
     for start in range(0, count, size):
         rows = np.arange(start, min(start + size, count))
         corrections = point_corrections(prediction, rows)
-        here = deviation[rows, None]
+        few, here = corrections.for_drawing(), deviation[rows, None]
         parts.append(
             propagate(
-                lambda random, m, c=corrections, y=here: y + c.values_mm(c.draw(random, m)),
+                lambda random, m, c=few, y=here: y + c.values_mm(c.draw(random, m)),
                 plan,
                 first_order=(deviation[rows], corrections.u_mm),
             )
@@ -96,7 +96,7 @@ def prediction_corrections(prediction: Prediction) -> Corrections:
 
 
 def point_corrections(prediction: Prediction, rows: np.ndarray) -> Corrections:
-    """Corrections of some of the points that were cut, by their index among these."""
+    """Corrections of some of the points that were cut, by their index (K,) among these."""
     states, normals = prediction.states[rows], prediction.normals[prediction.is_cut][rows]
     job = prediction.preparation.job
     path = Circumstances(states, job, prediction.variant)
@@ -117,7 +117,7 @@ def _of_effect(effect: EffectInstance, path: Circumstances, normals: np.ndarray)
 
 
 def parameters_part(effect: EffectInstance, path: Circumstances, normals: np.ndarray) -> Part:
-    """What the corrections of an effect's parameters do, to second order."""
+    """What the corrections of an effect's parameters do along `normals` (P, 3), to second order."""
     count = len(effect.one_sigma)
     unit = np.eye(count)
 

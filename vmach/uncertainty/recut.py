@@ -8,30 +8,25 @@ Source: JCGM 101:2008, 7.4 (the model evaluated for drawn input quantities).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from vmach.base.stage_clock import Progress, silent
-from vmach.effects import Circumstances, EffectInstance
-from vmach.machine import Machine, RigidDisplacement, Variant
+from vmach.effects import Circumstances
+from vmach.machine import Variant
 from vmach.nominal.points import SurfacePoints
-from vmach.path.toolpath import PathStates
 from vmach.prediction import Prediction, predict_surface
 from vmach.uncertainty.corrections import Corrections
-from vmach.uncertainty.monte_carlo import Plan, stage_random
+from vmach.uncertainty.drawn_machine import DrawnTables, drawn_steps
+from vmach.uncertainty.monte_carlo import Plan
 from vmach.uncertainty.points import parameters_part
-from vmach.uncertainty.tables import Cause, TableUncertainty
+from vmach.uncertainty.tables import TableUncertainty
 
 __all__ = ["MOST_NODES", "Recut", "recut"]
 
 #: draws that are cut anew, and programs of so many nodes at most
 _DRAWS, MOST_NODES = 8, 200_000
-#: states whose causes are looked at together; a thousand numbers each
-_BATCH = 4000
-#: no stage of the other draws has this number, so that these are draws of their own
-_STAGE = 2**31
 
 
 @dataclass(frozen=True)
@@ -51,53 +46,6 @@ class Recut:
     draws: int
     changed: np.ndarray
     not_straight_mm: float
-
-
-@dataclass(frozen=True)
-class _DrawnTables:
-    """The corrections of a machine's tables in one draw, as something that acts on the tool."""
-
-    machine: Machine
-    variant: Variant
-    tables: TableUncertainty
-    seed: tuple[int, int]
-    label: str = "corrections of the tables"
-
-    def displacement(self, states: PathStates) -> RigidDisplacement:
-        """Rigid motion of the tool by the corrections."""
-        total = RigidDisplacement.zero(len(states))
-        for start in range(0, len(states), _BATCH):
-            rows = slice(start, start + _BATCH)
-            for moved in self._moved(states.nose_mm[rows], states.tool_mm[rows]):
-                total.shift_mm[rows] += moved.shift_mm
-                total.tilt_rad[rows] += moved.tilt_rad
-        return total
-
-    def _moved(self, nose_mm: np.ndarray, tool_mm: np.ndarray) -> Iterator[RigidDisplacement]:
-        random = stage_random(*self.seed)  # the same corrections wherever they are asked for
-        freedom: dict[str, float] = {}
-        for cause in self.tables.causes(self.machine, nose_mm, tool_mm, self.variant):
-            drawn = random.standard_normal(cause.size.shape[1])
-            yield cause.moved(drawn * _widening(cause, freedom, self.seed))
-
-    def at_surface(self, states: PathStates) -> np.ndarray:
-        """Nothing: the whole tool moves."""
-        return np.zeros((len(states), 3))
-
-    def uncertainty_patterns(self, states: PathStates) -> np.ndarray:
-        """Nothing is left open once it is drawn."""
-        return np.zeros((len(states), 3, 0))
-
-
-def _widening(cause: Cause, known: dict[str, float], seed: tuple[int, int]) -> float:
-    """Factor of all corrections of a pool in one draw: its t-distribution."""
-    freedom = cause.pool.degrees_of_freedom
-    if not np.isfinite(freedom):
-        return 1.0
-    if cause.pool.name not in known:
-        random = stage_random(seed[0], seed[1] + _STAGE + len(known))
-        known[cause.pool.name] = float(np.sqrt(freedom / random.chisquare(freedom)))
-    return known[cause.pool.name]
 
 
 def recut(
@@ -121,9 +69,9 @@ def recut(
     tables = TableUncertainty.of(machine)
     changed, apart = np.zeros(len(points), dtype=np.int64), 0.0
     for draw in range(_DRAWS):
-        seed = (plan.seed, _STAGE + 16 * draw)
-        acting = _DrawnTables(machine, prediction.variant, tables, seed)
-        steps = [_steps(e, seed, k) for k, e in enumerate(prediction.effects)]
+        entropy = (plan.seed, draw)
+        acting = DrawnTables(machine, prediction.variant, tables, entropy)
+        steps = drawn_steps(prediction.effects, entropy)
         effects = [e.with_drawn(d) for e, d in zip(prediction.effects, steps, strict=True)]
         found = predict_surface(preparation, points, prediction.variant, (*effects, acting))
         changed += found.edges.status != prediction.edges.status
@@ -132,20 +80,8 @@ def recut(
     return Recut(_DRAWS, changed, apart)
 
 
-def _steps(effect: EffectInstance, seed: tuple[int, int], number: int) -> np.ndarray:
-    """Corrections of an effect's parameters in one draw, in their u; none beyond its bounds."""
-    random = stage_random(seed[0], seed[1] + 2 * _STAGE + number)
-    steps = random.standard_normal(len(effect.one_sigma))
-    drawn = effect.with_drawn(steps)
-    for p in effect.effect.parameters:
-        value = np.asarray(drawn.parameters.get(p.name, p.usual), dtype=float)
-        if not ((value >= p.low) & (value <= p.high)).all():
-            return np.zeros_like(steps)
-    return steps
-
-
 def _apart(
-    before: Prediction, after: Prediction, steps: list[np.ndarray], acting: _DrawnTables
+    before: Prediction, after: Prediction, steps: list[np.ndarray], acting: DrawnTables
 ) -> float:
     """Largest difference of the new cut to what the draws make of the same corrections."""
     both = before.is_cut & after.is_cut

@@ -174,6 +174,7 @@ class CommandRuns:
         run.message = "" if status == 0 else complaints or f"the command ended with status {status}"
         if status == 0 and done is not None:
             await self._finish(run, done)
+        run.output = ""  # what the page needs of it is in the result
         self._tell(run)
 
     async def _finish(self, run: CommandRun, done: Done) -> None:

@@ -11,6 +11,7 @@ import uvicorn
 from vmach.errors import InputError
 from vmach.workbench.access import Access
 from vmach.workbench.bounded_http import BoundedHttp
+from vmach.workbench.opened_folder import OpenedFolder
 from vmach.workbench.server import build_server
 from vmach.workbench.session import Session
 
@@ -44,7 +45,9 @@ def launch(
         There is no such job, or the port is taken.
     """
     session = Session(control)
-    if job is not None:
+    if job is None:
+        session.open_folder(OpenedFolder(Path.cwd().resolve()))
+    else:
         session.open(job)
     listening = _listen(port)
     access = Access.new(listening.getsockname()[1])

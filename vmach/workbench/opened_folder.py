@@ -17,6 +17,7 @@ _ENDINGS = {".toml", ".csv", ".nc", ".ngc", ".tap", ".mpf", ".h", ".txt", ".step
             ".py", ".md"}  # fmt: skip
 #: jobs that are listed, and how deep they are looked for
 _MOST_JOBS, _DEPTH = 200, 2
+_MOST_FILES = 500
 _NAME_LENGTH = 120
 
 
@@ -75,6 +76,11 @@ class OpenedFolder:
                 if len(found) < _MOST_JOBS and _is_job(path):
                     found.append(path)
         return found
+
+    def files(self) -> list[str]:
+        """Names of the files in the folder that a job may be made of."""
+        found = [p for p in self.root.iterdir() if p.suffix.lower() in _ENDINGS and p.is_file()]
+        return sorted(path.name for path in found)[:_MOST_FILES]
 
     def check_new(self, name: str) -> Path:
         """Where a file that the page sends may lie: a plain name that no other file has.

@@ -8,6 +8,7 @@ import vmach
 
 __all__ = ["sample_jobs"]
 
+_JOBS = ("job.toml", "corner.toml", "toolpath1.toml")
 _ABOUT = {
     "missing_effect": "A measured part with a hidden cause: find it, add it, watch the error fall",
     "iso10791_7": "Contouring test piece on a machining centre",
@@ -23,7 +24,7 @@ def sample_jobs() -> list[dict[str, str]]:
     found = []
     for name, about in _ABOUT.items():
         jobs = sorted((root / name).glob("*.toml"))
-        named = [path for path in jobs if path.name in ("job.toml", "corner.toml")]
+        named = [path for path in jobs if path.name in _JOBS]
         if named:
             found.append({"job": str(named[0].resolve()), "name": name, "about": about})
     return found

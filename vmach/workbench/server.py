@@ -45,6 +45,7 @@ def build_server(
             OSError: _system,
             404: _unknown,
             405: _unknown,
+            Exception: _fault,
         },
         lifespan=lifespan,
     )
@@ -63,6 +64,11 @@ async def _stopped(request: Request, error: Exception) -> Response:
 async def _system(request: Request, error: Exception) -> Response:
     name, why = getattr(error, "filename", None), getattr(error, "strerror", None)
     return refused(f"{name}: {why}" if name else str(error))
+
+
+async def _fault(request: Request, error: Exception) -> Response:
+    what = f"{type(error).__name__}: {' '.join(str(error).split())}"
+    return refused(f"a fault of the program itself: {what}", 500)
 
 
 async def _unknown(request: Request, error: Exception) -> Response:

@@ -35,6 +35,15 @@ def write_measured_job(folder):
     return job
 
 
+@pytest.fixture(scope="session", autouse=True)
+def no_trace_among_the_users_jobs(tmp_path_factory):
+    """What was opened is remembered in a folder of the tests' own."""
+    patch = pytest.MonkeyPatch()
+    patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+    yield
+    patch.undo()
+
+
 @pytest.fixture(scope="session")
 def measured_folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("bench")

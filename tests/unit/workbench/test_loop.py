@@ -109,11 +109,16 @@ def test_files_that_change_outside_are_read_again(bench, folder):
 
 def test_an_own_law_is_checked_in_the_words_of_the_checker(bench, folder):
     wrong = "from vmach.effects import Effect\nclass A(Effect):\n    name = 'a_b'\n"
-    bench.put("/api/effect-file", b"")
-    answer = bench.client.put(
-        "/api/effect-file", json={"file": "a_b.py", "text": wrong}, headers=bench.headers
-    )
-    assert answer.status_code == 200, answer.text
+    for text in ("x = 1\n", wrong):  # saved again before any check went well
+        answer = bench.client.put(
+            "/api/effect-file", json={"file": "a_b.py", "text": text}, headers=bench.headers
+        )
+        assert answer.status_code == 200, answer.text
+    assert (folder / "a_b.py").read_text() == wrong
+    other = {"file": "of_the_user.py", "text": wrong}
+    (folder / "of_the_user.py").write_text("mine")
+    refused = bench.client.put("/api/effect-file", json=other, headers=bench.headers)
+    assert refused.status_code == 400 and (folder / "of_the_user.py").read_text() == "mine"
     bench.post("/api/check-effect", {"file": "a_b.py"})
     run = bench.wait_for("check")
     assert run["state"] == "failed" and "a_b.py" in run["message"] and "title" in run["message"]

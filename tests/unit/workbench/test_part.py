@@ -13,6 +13,7 @@ from vmach.effects import catalogue
 from vmach.machine import Variant
 from vmach.workbench.model.effect_cards import effect_cards
 from vmach.workbench.model.part_model import load_part
+from vmach.workbench.model.quantities import figures_of
 from vmach.workbench.model.what_if import changed_mm, read_changes
 
 
@@ -65,6 +66,20 @@ def test_cut_anew_is_what_the_job_file_would_do(part, measured_folder):
     changes = read_changes(asked, part.job, part.effects)
     found = 1e3 * part.cut_anew([change.now for change in changes])
     assert found[wanted.is_cut] == pytest.approx(wanted.deviation_um[wanted.is_cut], abs=1e-6)
+
+
+def test_figures_are_those_of_each_feature_alone(part):
+    value = part.surface.predicted_mm
+    found = figures_of(part.surface, value, tolerance_mm=1e-3)
+    assert {f["name"] for f in found["features"]} == set(part.surface.feature.tolist())
+    for one in [found, *found["features"]]:
+        mine = value if "name" not in one else value[part.surface.feature == one["name"]]
+        um = 1e3 * mine
+        assert one["count"] == len(um)
+        assert one["rms_um"] == pytest.approx(np.sqrt(np.mean(um**2)), rel=1e-12)
+        assert (one["low_um"], one["high_um"]) == pytest.approx((um.min(), um.max()))
+        assert one["outside"] == pytest.approx(np.mean(np.abs(um) > 1.0))
+    assert abs(found["worst"][0]["um"]) == pytest.approx(np.abs(1e3 * value).max())
 
 
 def test_everything_that_can_be_shown_is_shown(page):

@@ -43,6 +43,9 @@ def _best(found: Iterator[Explanation], than: Explanation) -> Explanation | None
 def _added(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     for k in _leading(weighing, here, here.labels):
         child = weighing.extend(here, k)
+        if not weighing.candidates[k].effect.amplitudes:
+            # a curve that a large discrepancy left narrow: once more where it may be wide
+            child = max(child, weighing.extend(_plain(here), k), key=lambda e: e.score)
         wrong = impossible_terms(child.fit)
         if not wrong:
             yield child
@@ -81,15 +84,19 @@ def _ranked(weighing: Weighing, gains: np.ndarray, but: Collection[str]) -> list
 
 def _leading(weighing: Weighing, here: Explanation, but: Collection[str]) -> list[int]:
     """Candidates worth a fit: the first ones beside the discrepancy, and nearly without it."""
-    sizes = here.posterior.sizes
-    small = Sizes(min(sizes.factor, 1.0), tuple(min(s, 0.3) for s in sizes.members))
-    plain = replace(here, posterior=replace(here.posterior, sizes=small))
     found: list[int] = []
-    for view in (here, plain):
+    for view in (here, _plain(here)):
         gains = weighing.gains(view)
         ranked = _ranked(weighing, gains, but)
         found += [k for k in ranked[:_TRIED] if gains[k] > -2.0 and k not in found]
     return found
+
+
+def _plain(here: Explanation) -> Explanation:
+    """An explanation beside a discrepancy that leaves effects to show."""
+    sizes = here.posterior.sizes
+    small = Sizes(min(sizes.factor, 1.0), tuple(min(s, 0.3) for s in sizes.members))
+    return replace(here, posterior=replace(here.posterior, sizes=small))
 
 
 def without_needless(weighing: Weighing, here: Explanation) -> Explanation:

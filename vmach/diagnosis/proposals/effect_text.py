@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from vmach.diagnosis.proposals.form import USUAL_UM
 from vmach.diagnosis.proposals.proposal import Proposal
+from vmach.diagnosis.proposals.states import CONSTANT
 
 __all__ = ["effect_text"]
 
@@ -21,7 +23,9 @@ class {kind}(Effect):
 
     name = "{name}"
     title = "{formula}"
-    parameters = (linear("amount_um", "displacement at states of one", usual=5.0),)
+    parameters = (
+{parameters}
+    )
     targets = ("",)
     needs_surface = {needs_surface}
     usual_size = "{amount:.3g} um where it was proposed"
@@ -31,27 +35,37 @@ class {kind}(Effect):
     )
     cure = "find what does it, then mend or compensate it"
 
-    def displacement(self, path, target, amount_um):
-        state = np.ones(len(path))
+    def displacement(self, path, target, **amount_um):
+        state = np.ones((len(path), 1))
 {states}
-        direction = {direction}
-        return 1e-3 * amount_um * np.nan_to_num(state)[:, None] * direction
+        directions = np.reshape({direction}, (len(path), 3, -1))
+        # each number of the state into each direction has an amount of its own
+        moved = directions[:, :, :, None] * np.nan_to_num(state)[:, None, None, :]
+        amounts = np.array([amount_um[p.name] for p in self.parameters])
+        return 1e-3 * moved.reshape(len(path), 3, -1) @ amounts
 '''
 
 
 def effect_text(proposal: Proposal, *, name: str) -> str:
     """Python of an effect of this name."""
     form = proposal.form
+    states = [s for s in (form.first, form.second) if s is not CONSTANT]
     return _TEXT.format(
         formula=form.formula,
         kind="".join(word.capitalize() for word in name.split("_")),
         name=name,
         amount=proposal.amount_um,
-        u=proposal.u_um,
+        u=proposal.amount_u_um,
         odds=proposal.odds,
+        parameters="\n".join(
+            f'        linear("{n}", "displacement at states of one", usual={USUAL_UM}),'
+            for n in proposal.amounts_um
+        ),
         needs_surface=form.direction.needs_surface,
         refute=form.refute,
         direction_words=form.direction.words,
-        states="\n".join(f"        state *= {s.code}" for s in form.states),
+        states="\n".join(
+            f"        state = state * np.reshape({s.code}, (len(path), -1))" for s in states
+        ),
         direction=form.direction.code,
     )

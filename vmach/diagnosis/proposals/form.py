@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from vmach.diagnosis.proposals.states import CONSTANT, Direction, State
-from vmach.effects import Effect, linear
+from vmach.effects import Effect, Parameter, linear
 from vmach.job import Job
 from vmach.path.circumstances import Circumstances
 
-__all__ = ["Form", "FormEffect"]
+__all__ = ["Form", "FormEffect", "amounts"]
 
 #: usual size of an amount, um for states of one
 USUAL_UM = 5.0
@@ -19,7 +19,10 @@ USUAL_UM = 5.0
 
 @dataclass(frozen=True)
 class Form:
-    """amount x first state x second state, into a direction."""
+    """amount x first state x second state, into a direction.
+
+    Where a state has several numbers, or the direction is several, each has its own amount.
+    """
 
     first: State
     second: State
@@ -47,22 +50,38 @@ class Form:
         """Kinds of its states."""
         return frozenset(s.kind for s in self.states)
 
+    @property
+    def looked_at(self) -> float:
+        """How many like it were tried before it was put on the list."""
+        return self.first.looked_at * self.second.looked_at
+
+    def at(self, path: Circumstances) -> np.ndarray:
+        """Displacements of one unit of each amount, (P, 3, K)."""
+        product = self.first.at(path)[:, :, None] * self.second.at(path)[:, None, :]
+        product = product.reshape(len(path), 1, 1, -1)
+        return (self.direction.at(path)[:, :, :, None] * product).reshape(len(path), 3, -1)
+
 
 class FormEffect(Effect):
-    """The effect of a form."""
+    """The effect of a form with `count` amounts."""
 
     name = "form"
     title = "a form over states"
-    parameters = (linear("amount_um", "displacement at states of one", usual=USUAL_UM),)
     targets = ("",)
 
-    def __init__(self, form: Form) -> None:
+    def __init__(self, form: Form, count: int = 1) -> None:
         self.form = form
         self.needs_surface = form.direction.needs_surface
+        self.parameters = amounts(count)
 
     def possible_targets(self, job: Job) -> tuple[str, ...]:
         return (self.form.formula,)
 
-    def displacement(self, path: Circumstances, target: str, amount_um: float) -> np.ndarray:
-        product = self.form.first.at(path) * self.form.second.at(path)
-        return 1e-3 * amount_um * product[:, None] * self.form.direction.at(path)
+    def displacement(self, path: Circumstances, target: str, **amount_um: float) -> np.ndarray:
+        return 1e-3 * self.form.at(path) @ np.array([amount_um[p.name] for p in self.parameters])
+
+
+def amounts(count: int) -> tuple[Parameter, ...]:
+    """The amplitudes of a form."""
+    names = ["amount_um"] if count == 1 else [f"amount_{k + 1}_um" for k in range(count)]
+    return tuple(linear(n, "displacement at states of one", usual=USUAL_UM) for n in names)

@@ -3,25 +3,36 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from vmach.diagnosis.proposals.form import USUAL_UM, Form, FormEffect
-from vmach.diagnosis.proposals.states import CONSTANT, DIRECTIONS, Direction, State, states_of
+from vmach.diagnosis.proposals.states import (
+    ALL_AXES,
+    CONSTANT,
+    DIRECTIONS,
+    Direction,
+    State,
+    states_of,
+)
+from vmach.diagnosis.proposals.waves import wave_states
 from vmach.fit.candidates import Candidate
 from vmach.fit.survey import Survey
+from vmach.fit.whitening import orthonormal
 
 __all__ = ["FormColumns"]
 
 #: forms that are weighed together
 _AT_ONCE = 500
+#: kinds of what may push along all axes at once, by another amount each
+_ALONG_ALL = ("time", "warm-up", "time since tool change", "spindle", "tool change", "tool")
 #: a form that differs by less than this among the readings, mm, does not show
 _BLIND_MM = 1e-9
 
 
 class FormColumns:
-    """Every product of two states into every direction.
+    """Every product of two states into every direction, and states of several numbers alone.
 
     Parameters
     ----------
@@ -31,58 +42,94 @@ class FormColumns:
     def __init__(self, survey: Survey) -> None:
         self._survey = survey
         self._states = _states(survey)
-        self._sensed = {direction: _sensed(survey, direction) for direction in DIRECTIONS}
-        pairs = itertools.combinations_with_replacement(self._states, 2)
-        self.forms = [Form(*pair, direction) for pair in pairs for direction in DIRECTIONS]
+        every = (*DIRECTIONS, ALL_AXES)
+        self._sensed = {direction: _sensed(survey, direction) for direction in every}
+        self.forms = [*self._plain(), *self._of_several()]
+
+    def _plain(self) -> Iterator[Form]:
+        """Those of one amount."""
+        single = [state for state, value in self._states.items() if value.shape[1] == 1]
+        for pair in itertools.combinations_with_replacement(single, 2):
+            for direction in DIRECTIONS:
+                yield Form(*pair, direction)
+
+    def _of_several(self) -> Iterator[Form]:
+        """Those of several amounts: steps and waves, and what drifts along all axes."""
+        for state, value in self._states.items():
+            if value.shape[1] > 1:
+                yield from (Form(CONSTANT, state, direction) for direction in DIRECTIONS)
+            if state.kind in _ALONG_ALL and state.words != "":
+                yield Form(CONSTANT, state, ALL_AXES)
+
+    def add_waves(self, left_mm: np.ndarray) -> list[Form]:
+        """Waves that are conspicuous in what is left, (n,) mm, added to the forms."""
+        known, new = set(self.forms), []
+        for state, direction in wave_states(self._survey, left_mm, self._sensed):
+            self._states[state] = _values(self._survey, state)
+            form = Form(CONSTANT, state, direction)
+            if form not in known:
+                new.append(form)
+        self.forms += new
+        return new
 
     def __len__(self) -> int:
         return len(self.forms)
 
-    def column(self, form: Form) -> np.ndarray:
-        """Signature of a usual amount, (n,) mm."""
-        product = self._states[form.first] * self._states[form.second]
-        return 1e-3 * USUAL_UM * product * self._sensed[form.direction]
+    def columns(self, form: Form) -> np.ndarray:
+        """Signatures of a usual amount each, (n, K) mm."""
+        first, second = self._states[form.first], self._states[form.second]
+        product = (first[:, :, None] * second[:, None, :]).reshape(len(first), 1, -1)
+        sensed = self._sensed[form.direction][:, :, None]
+        return 1e-3 * USUAL_UM * (sensed * product).reshape(len(first), -1)
 
-    def direction_of(self, form: Form) -> np.ndarray:
-        """The signature with alignment taken off, of unit length, (n,)."""
-        column = self.column(form)
-        left = column - self._survey.aligned(column[:, None])[:, 0]
-        return left / max(float(np.linalg.norm(left)), 1e-300)
+    def space_of(self, form: Form) -> np.ndarray:
+        """Orthonormal basis of the signatures with alignment taken off, (n, r)."""
+        columns = self.columns(form)
+        return orthonormal(columns - self._survey.aligned(columns))
 
     def candidate(self, form: Form) -> Candidate:
         """The form as a candidate of a search."""
-        effect, column = FormEffect(form), self.column(form)
-        return Candidate(effect, form.formula, [{}], np.zeros(1), column[:, None, None])
+        columns = self.columns(form)
+        effect = FormEffect(form, columns.shape[1])
+        return Candidate(effect, form.formula, [{}], np.zeros(1), columns[:, None, :])
 
-    def batches(self) -> Iterator[list[Form]]:
-        """Forms that show, some at a time."""
-        for k in range(0, len(self.forms), _AT_ONCE):
-            some = self.forms[k : k + _AT_ONCE]
-            if shown := [form for form in some if np.ptp(self.column(form)) > _BLIND_MM]:
+    def batches(self, forms: Sequence[Form]) -> Iterator[list[Form]]:
+        """Those of some forms that show, some at a time."""
+        for k in range(0, len(forms), _AT_ONCE):
+            some = forms[k : k + _AT_ONCE]
+            if shown := [f for f in some if np.ptp(self.columns(f), axis=0).max() > _BLIND_MM]:
                 yield shown
 
 
 def _states(survey: Survey) -> dict[State, np.ndarray]:
-    """All states that differ among the readings, with their values (n,)."""
+    """All states that differ among the readings, with their values (n, C)."""
     listed = dict.fromkeys(state for path in survey.paths for state in states_of(survey.job, path))
-    found: dict[State, np.ndarray] = {CONSTANT: np.ones(len(survey))}
+    found: dict[State, np.ndarray] = {CONSTANT: np.ones((len(survey), 1))}
     for state in listed:
-        values = [
-            state.at(path) if m.on_part or not state.needs_surface else np.zeros(len(m))
-            for path, m in zip(survey.paths, survey.measurements, strict=True)
-        ]
-        value = np.concatenate(values)
-        if np.ptp(value) > 0.0:
+        value = _values(survey, state)
+        if np.ptp(value, axis=0).max() > 0.0:
             found[state] = value
     return found
 
 
-def _sensed(survey: Survey, direction: Direction) -> np.ndarray:
-    """How readings sense a unit displacement into a direction, (n,); tilts sense none."""
+def _values(survey: Survey, state: State) -> np.ndarray:
+    """A state of every reading, (n, C); zero where a reading cannot have it."""
     parts = [
-        np.einsum("pi,pi->p", m.sensing, direction.at(path))
-        if (m.on_part or not direction.needs_surface) and path.states.arm_mm is None
-        else np.zeros(len(m))
+        state.at(path) if m.on_part or not state.needs_surface else None
         for path, m in zip(survey.paths, survey.measurements, strict=True)
     ]
-    return np.concatenate(parts)
+    wide = next((part.shape[1] for part in parts if part is not None), 1)
+    blank = [np.zeros((len(m), wide)) for m in survey.measurements]
+    return np.concatenate([b if p is None else p for p, b in zip(parts, blank, strict=True)])
+
+
+def _sensed(survey: Survey, direction: Direction) -> np.ndarray:
+    """How readings sense a unit displacement into directions, (n, D); tilts sense none."""
+    parts = []
+    for path, m in zip(survey.paths, survey.measurements, strict=True):
+        if path.states.arm_mm is not None or (direction.needs_surface and not m.on_part):
+            parts.append(np.zeros((len(m), 1)))
+        else:
+            parts.append(np.einsum("pi,pid->pd", m.sensing, direction.at(path)))
+    wide = max(part.shape[1] for part in parts)
+    return np.concatenate([np.broadcast_to(part, (len(part), wide)) for part in parts])

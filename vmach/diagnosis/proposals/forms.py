@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from vmach.diagnosis.inference.bank import Bank
 from vmach.diagnosis.inference.moves import without_needless
-from vmach.diagnosis.inference.remains import remains_um, usual_u_um
+from vmach.diagnosis.inference.remains import remains_mm, remains_um, usual_u_um
 from vmach.diagnosis.inference.rules import CLEARLY, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.proposals.form import Form
@@ -28,10 +28,10 @@ _IN_PLACE = 3
 _MOST = 4
 #: proposals that are told
 _TOLD = 3
-#: forms times readings whose signatures are kept in memory
-_NUMBERS_KEPT = 20_000_000
 #: sizes in u of a discrepancy that leaves a form to show
 _SMALL = 0.3
+#: numbers that products of forms may take up while they are kept
+_ROOM = 25_000_000
 #: a form whose readings follow those of another one that closely is the same
 _SAME = 0.98
 
@@ -50,8 +50,9 @@ class Forms:
         self._weighing = weighing
         self._known = [weighing.candidates[weighing.index_of(t.label)] for t in found.terms]
         self._columns = FormColumns(weighing.survey)
+        self._banks: list[tuple[list[Form], Bank]] = []
+        self._listed = 0
         self._chosen: dict[str, Form] = {}
-        self._kept: list[tuple[list[Form], Bank]] | None = None
 
     @property
     def labels(self) -> frozenset[str]:
@@ -69,6 +70,7 @@ class Forms:
         for _ in range(_MOST):
             if remains_um(self._weighing, here) < WORTH_A_FORM * usual_u_um(self._weighing):
                 break
+            self._columns.add_waves(self._left_mm(here))
             better = self._extended(here, self._leading(here))
             if better.score < here.score + CLEARLY:
                 break
@@ -126,8 +128,8 @@ class Forms:
         assert fit is not None
         return Proposal(
             form=form,
-            amount_um=fit.parameters(last)["amount_um"],
-            u_um=fit.uncertainty(last)["amount_um"],
+            amounts_um=fit.parameters(last),
+            u_um=fit.uncertainty(last),
             odds=trial.score - start.score,
             remains_um=remains_um(weighing, trial),
             held_out_um=held_out_um(weighing.survey, fit, last),
@@ -136,23 +138,20 @@ class Forms:
     def _with(self, forms: Sequence[Form]) -> Weighing:
         """A weighing of the known effects, the forms that were added, and some more."""
         every = {_label(form): form for form in (*self._chosen.values(), *forms)}
+        listed = len(self._columns)
         return self._weighing.of_candidates(
             [*self._known, *(self._columns.candidate(f) for f in every.values())],
-            dict.fromkeys(every, -float(np.log(len(self._columns)))),
+            {label: -float(np.log(listed * f.looked_at)) for label, f in every.items()},
         )
 
-    def _banks(self) -> Iterable[tuple[list[Form], Bank]]:
-        """All forms that show, with their inner products; kept where they are not too many."""
-        if self._kept is not None:
-            return self._kept
-        made = (
-            (some, Bank(self._weighing.base, [self._columns.candidate(form) for form in some]))
-            for some in self._columns.batches()
-        )
-        if len(self._columns) * len(self._weighing.survey) > _NUMBERS_KEPT:
-            return made
-        self._kept = list(made)
-        return self._kept
+    def _left_mm(self, here: Explanation) -> np.ndarray:
+        """What effects, members and alignment leave of the readings, (n,)."""
+        survey = self._weighing.survey
+        explained = 0.0
+        if here.fit is not None:
+            explained = sum(here.fit.explained_mm(k) for k in range(len(here.terms)))
+        left = survey.residual_mm - explained - remains_mm(self._weighing, here)
+        return left - survey.aligned(left[:, None])[:, 0]
 
     def _leading(self, here: Explanation, most: int = _FITTED) -> list[Form]:
         """Forms worth a fit, beside an explanation, so many at most from either view."""
@@ -161,21 +160,43 @@ class Forms:
         views = (here.posterior, replace(here.posterior, sizes=small))
         gains: tuple[list[float], list[float]] = ([], [])
         forms: list[Form] = []
-        for some, bank in self._banks():
+        for some, bank in self._weighed():
             forms += some
             for view, gain in zip(views, gains, strict=True):
-                gain += [float(e.log_factor[0]) for e in bank.evidence(view)]
+                found = bank.evidence(view)
+                gain += [
+                    float(e.log_factor[0] - np.log(f.looked_at))
+                    for e, f in zip(found, some, strict=True)
+                ]
         chosen: list[Form] = []
         for gain in gains:
             taken: list[np.ndarray] = []
             for k in np.argsort(-np.array(gain)):
                 if gain[k] < CLEARLY or len(taken) == most:
                     break
-                column = self._columns.direction_of(forms[k])
-                if all(abs(column @ other) < _SAME for other in taken):
-                    taken.append(column)
+                space = self._columns.space_of(forms[k])
+                if all(_share_within(space, other) < _SAME for other in taken):
+                    taken.append(space)
                     chosen += [forms[k]] if forms[k] not in chosen else []
         return [form for form in chosen if _label(form) not in here.labels]
+
+    def _weighed(self) -> Iterator[tuple[list[Form], Bank]]:
+        """Forms with their products, kept for the next time where there is room for them."""
+        yield from self._banks
+        known = sum(len(forms) for forms, _ in self._banks) if self._banks else 0
+        room = _ROOM // len(self._weighing.survey)
+        for some in self._columns.batches(self._columns.forms[self._listed :]):
+            bank = Bank(self._weighing.base, [self._columns.candidate(form) for form in some])
+            if (known := known + len(some)) < room:
+                self._banks.append((some, bank))
+            yield some, bank
+        if known < room:
+            self._listed = len(self._columns.forms)
+
+
+def _share_within(space: np.ndarray, other: np.ndarray) -> float:
+    """Which share of a space of readings lies within another one, as a cosine."""
+    return float(np.linalg.norm(other.T @ space) / np.sqrt(max(space.shape[1], 1)))
 
 
 def _label(form: Form) -> str:

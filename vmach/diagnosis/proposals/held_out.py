@@ -16,9 +16,9 @@ _FOLDS = 5
 def held_out_um(survey: Survey, fit: JointFit, last: int) -> tuple[float, float]:
     """Root mean square of held-out features, without and with term `last` of a fit, um.
 
-    Every fifth feature in turn; alignment and zeros on all readings.
+    Every fifth feature or stretch of a test in turn; alignment and zeros on all readings.
     """
-    groups, number = np.unique(survey.group, return_inverse=True)
+    groups, number = np.unique(survey.blocks, return_inverse=True)
     fold = np.random.default_rng(0).permutation(len(groups))[number] % _FOLDS
     others = [fit.explained_mm(k) for k in range(len(fit.terms)) if k != last]
     target = survey.residual_mm - sum(others, np.zeros(len(survey)))

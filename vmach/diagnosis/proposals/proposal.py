@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from vmach.diagnosis.proposals.form import Form
@@ -16,8 +18,8 @@ class Proposal:
     Attributes
     ----------
     form : Form
-    amount_um, u_um : float
-        Amplitude with its standard uncertainty.
+    amounts_um, u_um : mapping of str to float
+        Amplitudes with their standard uncertainties.
     odds : float
         Log odds beside the effects that are shown and the discrepancy.
     remains_um : float
@@ -27,8 +29,19 @@ class Proposal:
     """
 
     form: Form
-    amount_um: float
-    u_um: float
+    amounts_um: Mapping[str, float]
+    u_um: Mapping[str, float]
     odds: float
     remains_um: float
     held_out_um: tuple[float, float]
+
+    @property
+    def amount_um(self) -> float:
+        """The amplitude; of several the root of the sum of their squares."""
+        values = list(self.amounts_um.values())
+        return values[0] if len(values) == 1 else math.hypot(*values)
+
+    @property
+    def amount_u_um(self) -> float:
+        """Its standard uncertainty, of several the largest."""
+        return max(self.u_um.values())

@@ -11,17 +11,17 @@ from vmach.job import Job
 from vmach.machine import LINEAR_AXES
 from vmach.path.circumstances import Circumstances
 
-__all__ = ["CONSTANT", "DIRECTIONS", "Direction", "State", "states_of"]
+__all__ = ["ALL_AXES", "CONSTANT", "DIRECTIONS", "Direction", "State", "states_of"]
 
 #: way over which what follows a reversal fades, mm
 _FADES_MM = (1.0, 10.0)
-#: time constants of what warms or settles, s
-_SETTLES_S = (300.0, 1200.0, 4800.0)
+#: time constants of what warms or settles, s; a factor of four apart, the best is never far
+_SETTLES_S = (75.0, 300.0, 1200.0, 4800.0)
 
 
 @dataclass(frozen=True)
 class State:
-    """One number of each of P states, made to be of the order of one.
+    """One number of each of P states, or a few that go together, made to be of the order of one.
 
     Attributes
     ----------
@@ -30,12 +30,15 @@ class State:
     words : str
         For people.
     code : str
-        Python for its value from `path`, a `Circumstances`.
+        Python for its value from `path`, a `Circumstances`: (P,), or (P, C).
+    looked_at : float
+        How many like it were tried before this one was put on the list.
     """
 
     kind: str
     words: str
     code: str
+    looked_at: float = 1.0
 
     @property
     def needs_surface(self) -> bool:
@@ -43,23 +46,24 @@ class State:
         return "normal" in self.code or "radial" in self.code
 
     def at(self, path: Circumstances) -> np.ndarray:
-        """Its values, (P,); zero where they are not known."""
-        value = eval(self.code, {"np": np, "path": path})
-        return np.nan_to_num(np.broadcast_to(np.asarray(value, dtype=np.float64), (len(path),)))
+        """Its values, (P, C); zero where they are not known."""
+        value = np.asarray(eval(self.code, {"np": np, "path": path}), dtype=np.float64)
+        return np.nan_to_num(value.reshape(len(path), -1))
 
 
 @dataclass(frozen=True)
 class Direction:
-    """Where to a displacement goes, (P, 3) from `path`."""
+    """Where to a displacement goes from `path`; or several, each with an amount of its own."""
 
     words: str
     code: str
     needs_surface: bool
 
     def at(self, path: Circumstances) -> np.ndarray:
-        """Directions, (P, 3)."""
-        value = eval(self.code, {"np": np, "path": path})
-        return np.broadcast_to(np.asarray(value, dtype=np.float64), (len(path), 3))
+        """Directions, (P, 3, D)."""
+        value = np.asarray(eval(self.code, {"np": np, "path": path}), dtype=np.float64)
+        value = value.reshape(*value.shape[:2], -1)
+        return np.broadcast_to(value, (len(path), 3, value.shape[2]))
 
 
 CONSTANT = State("constant", "", "np.ones(len(path))")
@@ -73,27 +77,40 @@ DIRECTIONS = (
     Direction("out of the floors", "path.normal * np.array([0.0, 0.0, 1.0])", True),
 )
 
+#: each with an amount of its own
+ALL_AXES = Direction(
+    "along X, Y and Z", "np.eye(3) * np.ones((len(path), 1, 1))", needs_surface=False
+)
+
 
 def states_of(job: Job, path: Circumstances) -> Iterator[State]:
     """All states that a job's readings may be asked for."""
     for k, axis in enumerate(LINEAR_AXES):
-        yield State("direction", f"direction of {axis}", f"path.play_side[:, {k}]")
-        speed = f"0.06 * path.velocity_mm_per_s[:, {k}]"
-        yield State("speed", f"speed of {axis} in m/min", speed)
-        pull = f"1e-3 * path.acceleration_mm_per_s2[:, {k}]"
-        yield State("acceleration", f"acceleration of {axis} in m/s²", pull)
-        for fade in _FADES_MM:
-            code = (
-                f"path.play_side[:, {k}] * np.exp(-path.travel_since_reversal_mm[:, {k}] / {fade})"
-            )
-            yield State(
-                "travel since reversal", f"what fades {fade:g} mm after {axis} turned", code
-            )
-        for power in (1, 2):
-            place = f"(0.01 * path.nose_mm[:, {k}]) ** {power}"
-            yield State("position", f"{axis}{'²' * (power == 2)} in 100 mm", place)
+        yield from _of_axis(k, axis)
     yield State("speed", "speed in m/min", "0.06 * np.linalg.norm(path.velocity_mm_per_s, axis=1)")
+    yield from _of_time()
+    yield from _of_tool(path)
+    if path.states.normal is not None:
+        yield from _of_surface()
+
+
+def _of_axis(k: int, axis: str) -> Iterator[State]:
+    yield State("direction", f"direction of {axis}", f"path.play_side[:, {k}]")
+    speed = f"0.06 * path.velocity_mm_per_s[:, {k}]"
+    yield State("speed", f"speed of {axis} in m/min", speed)
+    pull = f"1e-3 * path.acceleration_mm_per_s2[:, {k}]"
+    yield State("acceleration", f"acceleration of {axis} in m/s²", pull)
+    for fade in _FADES_MM:
+        code = f"path.play_side[:, {k}] * np.exp(-path.travel_since_reversal_mm[:, {k}] / {fade})"
+        yield State("travel since reversal", f"what fades {fade:g} mm after {axis} turned", code)
+    for power in (1, 2):
+        place = f"(0.01 * path.nose_mm[:, {k}]) ** {power}"
+        yield State("position", f"{axis}{'²' * (power == 2)} in 100 mm", place)
+
+
+def _of_time() -> Iterator[State]:
     yield State("time", "time in hours", "path.time_s / 3600.0")
+    yield State("order of measuring", "order of measuring", "np.linspace(0.0, 1.0, len(path))")
     for tau in _SETTLES_S:
         yield State("warm-up", f"warm-up within {tau:g} s", f"-np.expm1(-path.time_s / {tau})")
         yield State(
@@ -105,6 +122,9 @@ def states_of(job: Job, path: Circumstances) -> Iterator[State]:
             "spindle", f"warmth of the spindle within {tau:g} s",
             f"path.warmth_of_spindle({tau}, 1.0)",
         )  # fmt: skip
+
+
+def _of_tool(path: Circumstances) -> Iterator[State]:
     yield State("cutting length", "cutting length in 10 m", "1e-4 * path.cutting_length_mm")
     yield State("feed per tooth", "feed per tooth in 0.1 mm", "10.0 * path.feed_per_tooth_mm")
     for power in (1.0, 1.5, 2.0):
@@ -114,12 +134,25 @@ def states_of(job: Job, path: Circumstances) -> Iterator[State]:
     tools = np.unique(path.tool)
     for tool in tools if len(tools) > 1 else ():
         yield State("tool", f"tool {tool}", f"path.tool == {tool}")
-    for change in range(1, int(path.tool_changes.max(initial=0)) + 1):
+    changes = int(path.tool_changes.max(initial=0))
+    for change in range(1, changes + 1):
         yield State("tool change", f"after tool change {change}", f"path.tool_changes >= {change}")
-    if path.states.normal is not None:
-        yield State("chip load", "radial depth of cut in mm", "path.radial_depth_mm")
-        for words, turns in (("twice", 2), ("three times", 3), ("four times", 4)):
-            angle = "np.arctan2(path.normal[:, 1], path.normal[:, 0])"
-            for name in ("cos", "sin"):
-                code = f"np.{name}({turns} * {angle})"
-                yield State("direction of the wall", f"{name} {words} round the walls", code)
+    if changes > 1:
+        each = f"path.tool_changes[:, None] >= np.arange(1, {changes + 1})"
+        yield State("tool change", "a step at each tool change", each)
+    yield State("height above the tip", "height above the tip in 10 mm", _HEIGHT)
+
+
+def _of_surface() -> Iterator[State]:
+    yield State("chip load", "radial depth of cut in mm", "path.radial_depth_mm")
+    yield State("side of the wall", "walls that look inwards", _INWARDS)
+    for words, turns in (("twice", 2), ("three times", 3), ("four times", 4)):
+        angle = f"{turns} * np.arctan2(path.normal[:, 1], path.normal[:, 0])"
+        code = f"np.stack([np.cos({angle}), np.sin({angle})], axis=1)"
+        yield State("direction of the wall", f"a wave {words} round the walls", code)
+
+
+_HEIGHT = "0.1 * path.contact_mm[:, 2]"
+_INWARDS = (
+    "np.sum(path.side_normal * (path.on_part_mm - path.on_part_mm.mean(axis=0)), axis=1) < 0.0"
+)

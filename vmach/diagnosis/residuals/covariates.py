@@ -56,7 +56,7 @@ class Covariate:
 
     @property
     def counts(self) -> np.ndarray:
-        """Readings of each class."""
+        """Readings of each class, (C,)."""
         return np.bincount(self.number)
 
 

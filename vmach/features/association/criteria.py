@@ -27,10 +27,12 @@ class Zone:
 
     @staticmethod
     def value(state: Seen, distance: np.ndarray) -> float:
+        """What is made least, of signed distances (N,) mm from the surface."""
         return float(np.abs(distance).max())
 
     @staticmethod
     def step(state: Seen, distance: np.ndarray, rows: np.ndarray, trust: float):
+        """The best step within `trust` for slopes `rows` (N, q): step (q,), weights (N,), value."""
         count = rows.shape[1]
         ones = np.ones((len(rows), 1))
         both = np.vstack([np.hstack([rows, ones]), np.hstack([-rows, ones])])
@@ -41,14 +43,17 @@ class Zone:
 
     @staticmethod
     def level(state: Seen, weight: np.ndarray) -> np.ndarray:
+        """Which side decides, of points with weights (N,): -1, 0 or 1 each."""
         return np.sign(weight)
 
     @staticmethod
     def reported(value: float) -> float:
+        """The figure of the drawing."""
         return 2.0 * value
 
     @staticmethod
     def reported_weight(weight: np.ndarray) -> np.ndarray:
+        """Its weights (N,) on the points."""
         return 2.0 * weight
 
 
@@ -89,6 +94,7 @@ class Round:
         self.side = side  # +1: circumscribed, the least largest radius
 
     def radius(self, state: Seen, distance: np.ndarray) -> np.ndarray:
+        """Radii of points at distances (N,) mm from the surface."""
         return state.surface.sign * distance + state.surface.radius_mm
 
     def value(self, state: Seen, distance: np.ndarray) -> float:

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from vmach.errors import InputError
+from vmach.nominal.mesh.triangle_pairs import count_hits
 
 __all__ = ["check_closed", "count_intersections", "edge_sides", "merge_corners"]
 
@@ -104,51 +105,8 @@ def count_intersections(vertices: np.ndarray, triangles: np.ndarray) -> int | No
     pairs = _overlapping_boxes(corners)
     if pairs is None:
         return None
-    shared = (triangles[pairs[:, 0], :, None] == triangles[pairs[:, 1], None, :]).sum(axis=(1, 2))
     rounding = _ROUNDINGS * float(np.spacing(np.float32(np.abs(vertices).max())))
-    hits = 0
-    for some in np.array_split(np.arange(len(pairs)), len(pairs) // 200_000 + 1):
-        one, other = corners[pairs[some, 0]], corners[pairs[some, 1]]
-        pierced = (_pierces(one, other) | _pierces(other, one)) & (shared[some] < 2)
-        hits += int((pierced | _overlap_in_plane(one, other, rounding)).sum())
-    return hits
-
-
-def _overlap_in_plane(one: np.ndarray, other: np.ndarray, rounding_mm: float) -> np.ndarray:
-    """Whether two triangles of one plane share area, pair by pair.
-
-    By separating axes: no side of either triangle has all of the other one beyond it. Overlaps
-    no wider than the rounding of the coordinates do not count.
-    """
-    origin = one[:, :1]
-    a, b = one - origin, other - origin
-    normal, across = np.cross(a[:, 1], a[:, 2]), np.cross(b[:, 1] - b[:, 0], b[:, 2] - b[:, 0])
-    length, width = np.linalg.norm(normal, axis=1), np.linalg.norm(across, axis=1)
-    size = np.abs(np.concatenate([a, b], axis=1)).max(axis=(1, 2))
-    # a triangle that is not higher than the rounding has no plane
-    thick = np.minimum(length, width) > rounding_mm * size
-    unit = normal / np.maximum(length, 1e-300)[:, None]
-    flat = thick & (np.abs(np.einsum("pij,pj->pi", b, unit)) <= rounding_mm).all(axis=1)
-    overlap = np.zeros(len(one), dtype=bool)
-    rows = np.flatnonzero(flat)
-    if rows.size:
-        overlap[rows] = ~_separated(a[rows], b[rows], unit[rows], rounding_mm)
-    return overlap
-
-
-def _separated(
-    one: np.ndarray, other: np.ndarray, normal: np.ndarray, rounding_mm: float
-) -> np.ndarray:
-    """Whether a side of either triangle has the other one beyond it, within one plane."""
-    apart = np.zeros(len(one), dtype=bool)
-    for first, second in ((one, other), (other, one)):
-        for i in range(3):
-            axis = np.cross(normal, first[:, (i + 1) % 3] - first[:, i])
-            axis /= np.maximum(np.linalg.norm(axis, axis=1), 1e-300)[:, None]
-            x, y = (np.einsum("pij,pj->pi", t, axis) for t in (first, second))
-            room = np.maximum(y.min(axis=1) - x.max(axis=1), x.min(axis=1) - y.max(axis=1))
-            apart |= room >= -rounding_mm
-    return apart
+    return int(count_hits(corners, triangles, pairs, rounding))
 
 
 def _overlapping_boxes(corners: np.ndarray) -> np.ndarray | None:
@@ -200,24 +158,3 @@ def _morton_code(points: np.ndarray) -> np.ndarray:
         for axis in range(3):
             code |= ((cells[:, axis] >> bit) & 1) << (3 * bit + axis)
     return code
-
-
-def _pierces(edges_of: np.ndarray, through: np.ndarray) -> np.ndarray:
-    """Whether an edge of one triangle passes through the inside of the other, pair by pair."""
-    origin, first, second = through[:, 0], through[:, 1], through[:, 2]
-    u, v = first - origin, second - origin
-    normal = np.cross(u, v)
-    area = np.linalg.norm(normal, axis=1)
-    height = np.einsum("pij,pj->pi", edges_of - origin[:, None], normal)
-    size = np.abs(edges_of - origin[:, None]).max(axis=(1, 2))
-    clear = np.abs(height) > 1e-6 * size[:, None] * area[:, None]
-    hit = np.zeros(len(edges_of), dtype=bool)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        for i, j in ((0, 1), (1, 2), (2, 0)):
-            crosses = clear[:, i] & clear[:, j] & (height[:, i] * height[:, j] < 0.0)
-            share = height[:, i] / (height[:, i] - height[:, j])
-            at = edges_of[:, i] + share[:, None] * (edges_of[:, j] - edges_of[:, i]) - origin
-            s = np.einsum("ij,ij->i", np.cross(at, v), normal) / area**2
-            t = np.einsum("ij,ij->i", np.cross(u, at), normal) / area**2
-            hit |= crosses & (s > 1e-6) & (t > 1e-6) & (s + t < 1.0 - 1e-6)
-    return hit

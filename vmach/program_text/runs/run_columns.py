@@ -7,7 +7,7 @@ import numpy as np
 from gcode import BlockText, LineEdit, MoveKind
 from vmach.program_text.block_state import BlockState
 from vmach.program_text.plain_program import PlainProgram
-from vmach.program_text.runs.axis_words import AxisWords, axis_words
+from vmach.program_text.runs.axis_words import AxisWords
 from vmach.program_text.runs.plain_run import LONGEST, Run, RunState
 
 __all__ = ["RunColumns", "left_by", "state_for"]
@@ -31,9 +31,8 @@ class RunColumns:
 
     def __init__(self, plain: PlainProgram) -> None:
         self.plain = plain
-        moves, source = plain.moves, plain.program.source
-        self.words = axis_words(source.data, source.line_starts, moves.line)
-        lines, self.which = np.unique(moves.line, return_inverse=True)
+        self.words = plain.axis_words
+        lines, self.which = np.unique(plain.moves.line, return_inverse=True)
         self.modes = [plain.modes.get(line) for line in lines.tolist()]
         self.unit_mm = self._of_lines([m.unit_mm if m else 1.0 for m in self.modes])
         self.code = np.array(plain.code, np.int64)

@@ -6,7 +6,6 @@ import csv
 import io
 import math
 from collections.abc import Sequence
-from pathlib import Path
 
 from rich.table import Table
 from rich.text import Text
@@ -14,17 +13,16 @@ from rich.text import Text
 from vmach.base.units import um_from_mm
 from vmach.features.result import FeatureResult, Value
 from vmach.features.verdict import Verdict
-from vmach.files.atomic import atomic_file
 from vmach.report.result import RunRecord
 
 __all__ = [
     "COVERAGE",
+    "features_csv",
     "features_summary",
     "features_table",
     "flag_text",
     "flagged",
     "used_share",
-    "write_features_csv",
 ]
 
 #: coverage factor of the expanded uncertainties that are printed (GUM, 95 %)
@@ -140,30 +138,25 @@ _COLUMNS = (
 )  # fmt: skip
 
 
-def write_features_csv(path: Path, features: Sequence[FeatureResult]) -> None:
-    """Write one row a value; empty where there is none.
-
-    Raises
-    ------
-    InputError
-        The folder cannot be written to.
-    """
+def features_csv(features: Sequence[FeatureResult]) -> str:
+    """One row a value; cells are empty where there is none."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(_COLUMNS)
     for result in features:
         limits = [result.nominal_mm, result.lower_mm, result.upper_mm]
         row = [result.feature, result.callout, result.label, *map(_number, limits)]
-        for value in (result.predicted, result.measured):
-            row += ["", "", ""] if value is None else [
-                _number(value.value_mm),
-                "" if value.u_mm is None else f"{um_from_mm(value.u_mm):.4f}",
-                str(value.verdict),
-            ]  # fmt: skip
-        writer.writerow([*row, " ".join(str(one.line) for one in result.lines[:_LISTED]),
-                         result.cause])  # fmt: skip
-    with atomic_file(path) as temporary:
-        temporary.write_text(text.getvalue(), encoding="utf-8")
+        row += [*_cells(result.predicted), *_cells(result.measured)]
+        lines = " ".join(str(one.line) for one in result.lines[:_LISTED])
+        writer.writerow([*row, lines, result.cause])
+    return text.getvalue()
+
+
+def _cells(value: Value | None) -> list[str]:
+    if value is None:
+        return ["", "", ""]
+    u = "" if value.u_mm is None else f"{um_from_mm(value.u_mm):.4f}"
+    return [_number(value.value_mm), u, str(value.verdict)]
 
 
 def _number(length_mm: float | None) -> str:

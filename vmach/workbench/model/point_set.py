@@ -77,6 +77,18 @@ class PointSet:
         """What effects may depend on at the points."""
         return Circumstances(self.states, self.job)
 
+    @cached_property
+    def features(self) -> tuple[list[str], np.ndarray]:
+        """Names of the features, in the order in which they appear, and the number of each point's.
+
+        The second is (C,) int.
+        """
+        names, first, number = np.unique(self.feature, return_index=True, return_inverse=True)
+        order = np.argsort(first)
+        rank = np.empty(len(order), int)
+        rank[order] = np.arange(len(order))
+        return names[order].tolist(), rank[number]
+
     def on_mesh(self, mesh: DisplayMesh) -> Interpolation:
         """From values of the points to the vertices of a mesh."""
         points = np.vstack([self.point_mm, self.bare[0]])

@@ -19,6 +19,8 @@ from vmach.workbench.model.what_if import Change, changed_mm
 
 __all__ = ["Quantity", "figures_of", "quantities", "values_mm"]
 
+#: worst places that are named, and values that they are looked for among first
+_WORST, _LARGEST = 10, 5000
 #: words before the name of an error source
 _SHARE = "share:"
 
@@ -98,39 +100,59 @@ def values_mm(
 
 def figures_of(points: PointSet, value_mm: np.ndarray, tolerance_mm: float) -> dict[str, Any]:
     """Figures of a quantity for the page, um: over all, by feature, the worst places, its scale."""
-    order = list(dict.fromkeys(points.feature.tolist()))
-    by_feature = [
-        {"name": name, **_statistics(value_mm[points.feature == name], tolerance_mm)}
-        for name in order
-    ]
-    worst = worst_rows(
-        points.point_mm, points.feature, np.abs(value_mm),
-        apart_mm=apart_on_part_mm(points.point_mm),
-    )  # fmt: skip
-    largest = float(np.abs(value_mm).max(initial=0.0))
+    names, number = points.features
+    everything = _statistics(value_mm, np.zeros(len(points), int), 1, tolerance_mm)
+    by_feature = _statistics(value_mm, number, len(names), tolerance_mm)
     return {
         "points": points.name,
         "range_um": um_from_mm(colour_range([value_mm])),
-        "largest_um": um_from_mm(largest),
-        **_statistics(value_mm, tolerance_mm),
-        "features": by_feature,
-        "worst": [_place(points, value_mm, row) for row in worst],
+        "largest_um": um_from_mm(float(np.abs(value_mm).max(initial=0.0))),
+        **everything[0],
+        "features": [{"name": n, **f} for n, f in zip(names, by_feature, strict=True)],
+        "worst": [_place(points, value_mm, row) for row in _worst(points, value_mm)],
     }
 
 
-def _statistics(value_mm: np.ndarray, tolerance_mm: float) -> dict[str, float]:
-    if not len(value_mm):
-        return {"count": 0, "rms_um": 0.0, "mean_um": 0.0, "low_um": 0.0, "high_um": 0.0,
-                "outside": 0.0}  # fmt: skip
+def _statistics(
+    value_mm: np.ndarray, group: np.ndarray, count: int, tolerance_mm: float
+) -> list[dict[str, float]]:
+    """Figures of every group, of which `group` (C,) has the numbers."""
     um = um_from_mm(value_mm)
-    return {
-        "count": len(um),
-        "rms_um": float(np.sqrt(np.mean(um**2))),
-        "mean_um": float(um.mean()),
-        "low_um": float(um.min()),
-        "high_um": float(um.max()),
-        "outside": float(np.mean(np.abs(value_mm) > tolerance_mm)),
+    low, high = np.full(count, np.inf), np.full(count, -np.inf)
+    np.minimum.at(low, group, um)
+    np.maximum.at(high, group, um)
+    points = np.bincount(group, minlength=count)
+
+    def mean(weights: np.ndarray) -> np.ndarray:
+        return np.bincount(group, weights, minlength=count) / np.maximum(points, 1)
+
+    columns = {
+        "count": points,
+        "rms_um": np.sqrt(mean(um**2)),
+        "mean_um": mean(um),
+        "low_um": np.where(points, low, 0.0),
+        "high_um": np.where(points, high, 0.0),
+        "outside": mean((np.abs(value_mm) > tolerance_mm).astype(float)),
     }
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    return [dict(zip(columns, row, strict=True)) for row in rows]
+
+
+def _worst(points: PointSet, value_mm: np.ndarray) -> np.ndarray:
+    """Rows of the worst places; they are looked for among the largest values first."""
+    size, apart_mm = np.abs(value_mm), apart_on_part_mm(points.point_mm)
+    if len(size) > _LARGEST:
+        largest = np.sort(np.argpartition(-size, _LARGEST)[:_LARGEST])
+        found = _among(points, size, largest, apart_mm)
+        if len(found) == _WORST:
+            return found
+    return _among(points, size, np.arange(len(size)), apart_mm)
+
+
+def _among(points: PointSet, size: np.ndarray, rows: np.ndarray, apart_mm: float) -> np.ndarray:
+    _, number = points.features
+    return rows[worst_rows(points.point_mm[rows], number[rows], size[rows], apart_mm=apart_mm,
+                           count=_WORST)]  # fmt: skip
 
 
 def _place(points: PointSet, value_mm: np.ndarray, row: int) -> Mapping[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import difflib
 import itertools
 
@@ -28,6 +29,8 @@ _SHOWN = {".html": "text/html", ".png": "image/png"}
 _MOST_TEXT = 4_000_000
 #: changed places of a difference that are sent, and lines around each
 _MOST_HUNKS, _AROUND = 400, 2
+#: lines of programs that are compared in the page: the time grows with their square
+_MOST_LINES = 20_000
 
 
 def _folder(request: Request) -> OpenedFolder:
@@ -110,9 +113,10 @@ async def _write_effect(request: Request) -> Response:
     if not isinstance(name, str) or not name.endswith(".py") or not isinstance(text, str):
         raise InputError("file and text", accepted="a Python file and its text")
     path = folder.inside(name)
-    if path not in session_of(request).effect_files or path.parent != folder.root:
-        path = folder.check_new(name)
-    path.write_text(text, encoding="utf-8")
+    if path in session_of(request).effect_files:  # known from before: the user's to change
+        path.write_text(text, encoding="utf-8")
+    else:
+        path = folder.write(name, text.encode())
     return JSONResponse({"file": folder.name_of(path)})
 
 
@@ -124,15 +128,21 @@ async def _difference(request: Request) -> Response:
     with open(program, encoding="latin-1") as file:
         before = file.read(_MOST_TEXT).splitlines()
     after = _text(folder.existing(str(request.query_params.get("file", "")))).splitlines()
-    hunks = list(itertools.islice(_hunks(before, after), _MOST_HUNKS + 1))
+    is_long = max(len(before), len(after)) > _MOST_LINES
+    hunks = [] if is_long else await asyncio.to_thread(_first_hunks, before, after)
     changed = sum(len([r for r in h["rows"] if r[0] != " "]) for h in hunks)
     return JSONResponse({
         "hunks": hunks[:_MOST_HUNKS],
         "is_cut": len(hunks) > _MOST_HUNKS,
+        "is_long": is_long,
         "changed": changed,
         "before": len(before),
         "after": len(after),
     })  # fmt: skip
+
+
+def _first_hunks(before: list[str], after: list[str]) -> list[dict]:
+    return list(itertools.islice(_hunks(before, after), _MOST_HUNKS + 1))
 
 
 def _hunks(before: list[str], after: list[str]):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from starlette.requests import Request
@@ -12,11 +13,14 @@ from vmach import __version__
 from vmach.errors import InputError
 from vmach.report.pictures.colours import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.workbench.exchange import read_json, refused, session_of
+from vmach.workbench.new_job import SHAPES, new_job_text
 from vmach.workbench.opened_folder import OpenedFolder
 from vmach.workbench.recent_jobs import recent_jobs
 from vmach.workbench.samples import sample_jobs
 
 __all__ = ["routes"]
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,60}")
 
 
 async def _state(request: Request) -> Response:
@@ -44,6 +48,8 @@ async def _start_page(request: Request) -> Response:
         "samples": sample_jobs(),
         "recent": [str(path) for path in recent_jobs()],
         "jobs": [str(path) for path in here.jobs()],
+        "files": here.files(),
+        "shapes": SHAPES,
     })  # fmt: skip
 
 
@@ -64,6 +70,25 @@ def _offered(session, name: str) -> Path:
     if Path(name).is_absolute():
         raise InputError(f"{name!r} is not on the start page", hint="vmach open JOB opens it")
     return here.existing(name)
+
+
+async def _new_job(request: Request) -> Response:
+    """Write a job of files that lie in the folder, and open it."""
+    session, told = session_of(request), await read_json(request)
+    folder = session.folder or OpenedFolder(Path.cwd().resolve())
+    name = told.get("name")
+    if not isinstance(name, str) or not _NAME.fullmatch(name):
+        raise InputError(f"name = {str(name)[:60]!r}", accepted="letters, digits, - and _")
+    text = new_job_text(told)
+    for key in ("machine", "program", "nominal", "measured"):
+        if told.get(key):
+            folder.existing(str(told[key]))
+    path = folder.check_new(f"{name}.toml")
+    if path.exists():
+        raise InputError("file is there already", file=path.name, hint="choose another name")
+    path.write_text(text, encoding="utf-8")
+    session.open(path)
+    return JSONResponse(session.record())
 
 
 async def _compare(request: Request) -> Response:
@@ -93,6 +118,7 @@ routes = [
     Route("/api/events", _events),
     Route("/api/start", _start_page),
     Route("/api/open", _open, methods=["POST"]),
+    Route("/api/new-job", _new_job, methods=["POST"]),
     Route("/api/compare", _compare, methods=["POST"]),
     Route("/api/reload", _reload, methods=["POST"]),
     Route("/api/shut-down", _shut_down, methods=["POST"]),

@@ -72,6 +72,7 @@ const loadDifference = attempt(async (number, program) => {
 function differenceView() {
   const d = state.difference;
   if (!d) return el("p", { class: "soft" }, "Comparing the texts …");
+  if (d.is_long) return el("p", { class: "soft" }, `${d.before} lines became ${d.after}: too many to be compared in the page.`);
   const marks = { " ": "same", "-": "old", "+": "new" };
   return el("details", { class: "difference", open: true }, el("summary", {}, `${d.changed} changed lines (${d.before} → ${d.after} lines)${d.is_cut ? ", the first of them" : ""}`),
     el("div", { class: "hunks" }, d.hunks.map((hunk) => el("div", { class: "hunk" }, el("p", { class: "soft" }, `from line ${hunk.line}`),

@@ -182,11 +182,12 @@ export function makeMarks() {
 }
 
 function placeMarks() {
-  const { scene } = stage, towards = scene.axes()[2];
+  const { scene } = stage, towards = scene.axes()[2], { section } = scene.look;
   for (const mark of byId("marks").children) {
     const [x, y] = scene.toScreen(mark.point.at);
     mark.style.transform = `translate(${x}px, ${y}px)`;
-    mark.style.visibility = dot(towards, mark.point.normal) > 0.02 ? "" : "hidden";
+    const isThere = dot(mark.point.at, section) <= section[3] && dot(towards, mark.point.normal) > 0.02;
+    mark.style.visibility = isThere ? "" : "hidden";
   }
   byId("triad").innerHTML = triad(scene);
 }

@@ -3,6 +3,7 @@
 import { attempt, bench } from "./bench.js";
 import { get, post } from "./api.js";
 import { byId, el } from "./dom.js";
+import { newJobForm } from "./new_job.js";
 
 const openJob = attempt(async (job) => { await post("/api/open", { job }); });
 
@@ -26,7 +27,8 @@ export const showStart = attempt(async () => {
     el("div", { class: "columns" },
       list("Samples", found.samples.map((one) => row(one.job, one.name, one.about)), "The samples come with the sources of vmach."),
       list("Opened before", found.recent.map((job) => row(job, last(job), job)), "Nothing yet."),
-      list("In this folder", found.jobs.map((job) => row(job, last(job), job)), `No job file in ${found.folder}.`)));
+      list("In this folder", found.jobs.map((job) => row(job, last(job), job)), `No job file in ${found.folder}.`)),
+    newJobForm(found));
 });
 
 export function hideStart() {

@@ -1,0 +1,108 @@
+"""``vmach check`` finds all that a job lacks, not the first."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from vmach.checkup import Weight, check_job
+from vmach.cli import app
+
+SAMPLES = Path(__file__).parents[2] / "samples"
+MACHINE = SAMPLES / "iso10791_7" / "machine.toml"
+
+JOB = """schema = 1
+machine = "machine.toml"
+program = "part.nc"
+{extra}
+[work_offsets_mm]
+G54 = [-180, -310, -500]
+
+[tools.1]
+shape = "flat"
+diameter_mm = 12
+length_mm = 115
+"""
+
+
+def words(folder, weight=Weight.MEND):
+    return [str(f) for f in check_job(folder) if f.weight is weight]
+
+
+@pytest.fixture
+def folder(tmp_path):
+    shutil.copytree(MACHINE.parent, tmp_path / "m")
+    (tmp_path / "job.toml").write_text(
+        JOB.format(extra="").replace("machine.toml", "m/machine.toml")
+    )
+    (tmp_path / "part.nc").write_text(
+        "G21 G90 G54 G0 X0 Y0 Z50\nT1 M6 G43 Z10\nG1 Z-1 F100\nX10\nM2\n"
+    )
+    return tmp_path
+
+
+def test_a_right_job_lacks_nothing_and_says_what_it_assumes(folder):
+    assert words(folder) == []
+    assumed = "\n".join(words(folder, Weight.ASSUMED))
+    for word in ("tool_offsets", "nominal", "[stock]", "tolerance"):
+        assert word in assumed
+
+
+def test_every_fault_of_the_job_file_and_of_the_files_it_names(folder):
+    text = JOB.format(extra='nominal = "part.step"\nspeed = 3')
+    (folder / "job.toml").write_text(text.replace("= 12\n", '= "12"\n'))
+    found = words(folder)
+    assert len(found) == 4
+    for word in ("unknown key 'speed'", "diameter_mm' = '12'", "machine = 'machine.toml': no such",
+                 "nominal = 'part.step': no such file"):  # fmt: skip
+        assert sum(word in line for line in found) == 1
+    assert all("job.toml:" in line for line in found)
+
+
+def test_all_that_a_program_needs_is_said_with_its_first_line(folder):
+    (folder / "part.nc").write_text(
+        "G21 G90 G55 G0 X0\nT7 M6\nG1 Z-1 F100\nT3 M6\nG1 X5\nG56 G1 X1\nM2\n"
+    )
+    found = words(folder)
+    expected = ["part.nc:3: .*T7", "part.nc:5: .*T3", "part.nc:3: .*G55", "part.nc:6: .*G56"]
+    for word in expected:
+        line, _, what = word.partition(": .*")
+        assert any(f"{line}: " in text and what in text for text in found), word
+    assert any("workpiece_zero = one of G55, G56" in text for text in found)
+
+
+def test_missing_tables_of_the_machine_are_all_named(folder):
+    machine = folder / "m" / "machine.toml"
+    text = machine.read_text()
+    names = [line for line in text.splitlines() if line.startswith("table =")]
+    assert names
+    for path in (folder / "m").rglob("*.csv"):
+        path.unlink()
+    found = [text for text in words(folder) if "no such file" in text]
+    assert len(found) == len(names)
+
+
+def test_a_program_that_cannot_be_read_and_travel_that_is_left(folder):
+    (folder / "part.nc").write_text("G21\nG999\n")
+    assert any("part.nc:2" in text for text in words(folder))
+    (folder / "part.nc").write_text("G21 G90 G54\nT1 M6 G43\nG0 X0 Y0 Z9\nG1 X5000 F100\nM2\n")
+    assert any("outside the travel" in text for text in words(folder))
+
+
+def test_the_command_prints_all_and_fails_where_something_is_to_mend(folder):
+    run = CliRunner().invoke(app, ["check", str(folder)])
+    assert run.exit_code == 0 and "0 to mend" in run.output
+    (folder / "part.nc").unlink()
+    run = CliRunner().invoke(app, ["check", str(folder), "--json"])
+    assert run.exit_code == 1
+    data = json.loads(run.output)
+    assert data["ready"] is False
+    assert [f["weight"] for f in data["findings"]] == ["mend"]
+
+
+@pytest.mark.parametrize("text", ["", "a = [", "schema = 1\nmachine = 3", "\x00", "tools = 1"])
+def test_no_job_file_is_too_broken_for_it(folder, text):
+    (folder / "job.toml").write_text(text)
+    assert words(folder)

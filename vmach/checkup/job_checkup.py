@@ -1,0 +1,158 @@
+"""A job looked through from its file to its program: every fault, not the first."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from gcode import ProgramError
+from vmach.checkup.finding import Finding, Weight
+from vmach.checkup.program_needs import program_findings
+from vmach.effects import read_effects
+from vmach.errors import InputError
+from vmach.files.text_file import read_text
+from vmach.files.toml_file import complaints, line_of_key
+from vmach.instruments import read_instruments
+from vmach.job import read_job
+from vmach.job.schema import JobSchema
+from vmach.machine.files.machine_schema import MachineSchema
+from vmach.nominal import read_nominal
+from vmach.path.preparation import prepare
+from vmach.plausibility import admitted_machine
+
+__all__ = ["check_job"]
+
+#: keys of a job that name a file
+_FILES = ("machine", "program", "nominal", "measured")
+
+
+def check_job(path: str | Path) -> tuple[Finding, ...]:
+    """Everything that a job lacks, has wrong, leaves doubtful or lets the program assume.
+
+    Parameters
+    ----------
+    path : path
+        The job file, or the folder that holds a ``job.toml``.
+
+    Returns
+    -------
+    tuple of Finding
+        What has to be mended first; then what is doubtful; then what was assumed.
+    """
+    path = Path(path)
+    path = path / "job.toml" if path.is_dir() else path
+    found = [*_job_file(path)]
+    if all(finding.weight is not Weight.MEND for finding in found):
+        found += _whole_job(path)
+    order = list(Weight)
+    once = dict.fromkeys(found)
+    return tuple(sorted(once, key=lambda finding: order.index(finding.weight)))
+
+
+def _refusal(ask: Callable[[], object]) -> Iterator[Finding]:
+    try:
+        ask()
+    except (InputError, ProgramError) as error:
+        yield Finding.of_error(error)
+
+
+def _job_file(path: Path) -> Iterator[Finding]:
+    """The job file by itself, and every file that it names."""
+    errors = complaints(path, JobSchema, what="job file")
+    yield from map(Finding.of_error, errors)
+    try:
+        text = read_text(path, what="job file")
+        said = tomllib.loads(text)
+    except (InputError, ValueError, RecursionError):
+        return  # said above
+    there: dict[str, Path] = {}
+    for key in _FILES:
+        name = said.get(key)
+        if not isinstance(name, str):
+            continue
+        file = path.parent / name
+        if file.is_file():
+            there[key] = file
+        else:
+            line = line_of_key(text, [key])
+            yield Finding(Weight.MEND, f"{key} = '{name}': no such file", path, line)
+    if "machine" in there:
+        yield from _machine(there["machine"])
+    if "nominal" in there:
+        unit = said.get("nominal_unit")
+        yield from _refusal(lambda: read_nominal(there["nominal"], unit))
+    if "program" in there and not errors:
+        yield from program_findings(there["program"], JobSchema.model_validate(said), path)
+
+
+def _machine(file: Path) -> Iterator[Finding]:
+    """The machine file, and every table that it names."""
+    errors = complaints(file, MachineSchema, what="machine file")
+    yield from map(Finding.of_error, errors)
+    if errors:
+        return
+    text = read_text(file, what="machine file")
+    said: dict[str, Any] = tomllib.loads(text).get("errors", {})
+    missing = False
+    for name, entry in said.items():
+        table = entry.get("table") if isinstance(entry, dict) else None
+        if table and not (file.parent / table).is_file():
+            missing = True
+            line = line_of_key(text, ["errors", name, "table"])
+            yield Finding(Weight.MEND, f"errors.{name}.table = '{table}': no such file", file, line)
+    if not missing:
+        yield from _refusal(lambda: admitted_machine(file))
+
+
+def _whole_job(path: Path) -> Iterator[Finding]:
+    """What shows only when all files are read together."""
+    try:
+        job = read_job(path)
+        preparation = prepare(job)
+    except (InputError, ProgramError) as error:
+        yield Finding.of_error(error)
+        return
+    yield from map(Finding.of_note, preparation.notes)
+    try:
+        effects = read_effects(job.effects, file=path, job=job)
+        read_instruments(job, effects=effects)
+    except (InputError, ProgramError) as error:
+        yield Finding.of_error(error)
+    yield from _assumed(path, job)
+
+
+def _assumed(path: Path, job: Any) -> Iterator[Finding]:
+    """What the job does not say, and what it is taken for."""
+    said = tomllib.loads(read_text(path, what="job file"))
+
+    def assumed(what: str, hint: str) -> Finding:
+        return Finding(Weight.ASSUMED, what, path, hint=hint)
+
+    if "tool_offsets" not in said:
+        yield assumed(
+            "tool offsets are those of the program (G43 and the tools' lengths)",
+            'tool_offsets = "touched off" where every tool was set on this machine at the part',
+        )
+    if job.nominal is None:
+        yield assumed(
+            "there is no nominal CAD: deviations are those of the path",
+            "nominal = a STEP or STL file",
+        )
+    if job.blank is None:
+        yield assumed(
+            "there is no [stock]: 'vmach run' cuts no solid without it",
+            "[stock] with min_mm and max_mm, or file",
+        )
+    if not job.machine.components:
+        yield assumed(
+            "the machine has no error table: its axes are exact",
+            "tables in [errors] of the machine file",
+        )
+    inspection = said.get("inspection", {})
+    if "tolerance_um" not in inspection and not said.get("tolerances"):
+        yield assumed(
+            f"every face has the tolerance {1e3 * job.inspection.tolerance_mm:g} um",
+            "[tolerances], or tolerance_um in [inspection]",
+        )

@@ -1,0 +1,1 @@
+"""Studies of many cases: machines x programs x draws x variants, on all cores or on a cluster."""

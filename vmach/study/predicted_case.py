@@ -1,0 +1,96 @@
+"""What a study does that names no function: the part's points, predicted for every case."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vmach.base.units import um_from_mm
+from vmach.base.variant import Variant
+from vmach.effects import read_effects
+from vmach.errors import InputError
+from vmach.job import read_job
+from vmach.nominal.points import SurfacePoints, read_points_csv
+from vmach.path.preparation import Preparation, prepare
+from vmach.plausibility import admitted_machine
+from vmach.prediction import predict_surface
+from vmach.report.result import STATUSES
+from vmach.study.case import Case
+from vmach.uncertainty.drawn_machine import DrawnTables, drawn_steps
+from vmach.uncertainty.tables import TableUncertainty
+
+__all__ = ["predicted_case"]
+
+#: what the values of a case may be called
+_NAMES = ("job", "points", "machine", "program", "model", "draw")
+#: programs and tables of points that a worker keeps at hand
+_KEPT = 8
+
+
+def predicted_case(case: Case, random: np.random.Generator) -> dict[str, Any]:
+    """Deviations of the points, um; None where no tool made the surface.
+
+    Values: ``job`` and ``points``; ``machine`` and ``program`` in place of the job's; ``model``;
+    ``draw``, a number: the machine then has the corrections that belong to this case.
+    """
+    values = case.values
+    for name in ("job", "points"):
+        if name not in values:
+            raise InputError(f"a case without '{name}'", accepted=", ".join(_NAMES))
+    program = case.file("program") if "program" in values else None
+    machine = case.file("machine") if "machine" in values else None
+    preparation = _preparation(case.file("job"), program, machine)
+    points, job = _points(case.file("points")), preparation.job
+    variant = _variant(values.get("model", Variant.ABBE))
+    effects = list(read_effects(job.effects, file=job.path, job=job))
+    if "draw" in values and variant is not Variant.NONE:
+        steps = drawn_steps(effects, case.entropy)
+        effects = [e.with_drawn(d) for e, d in zip(effects, steps, strict=True)]
+        tables = TableUncertainty.of(job.machine)
+        effects.append(DrawnTables(job.machine, variant, tables, case.entropy))
+    found = predict_surface(preparation, points, variant, effects)
+    deviation = um_from_mm(found.deviation_mm)
+    cut = deviation[found.is_cut]
+    return {
+        "status": {s: int((found.edges.status == k).sum()) for k, s in enumerate(STATUSES)},
+        "mean_um": float(cut.mean()) if len(cut) else None,
+        "rms_um": float(np.sqrt(np.mean(cut**2))) if len(cut) else None,
+        "range_um": float(np.ptp(cut)) if len(cut) else None,
+        "deviation_um": {
+            str(name): float(d) if is_cut else None
+            for name, d, is_cut in zip(points.id, deviation, found.is_cut, strict=True)
+        },
+    }
+
+
+def _check_name(name: str, fail: Callable[[str, str], InputError]) -> None:
+    if name not in _NAMES:
+        raise fail(f"cases have no value '{name}'", ", ".join(_NAMES))
+
+
+predicted_case.check_value_name = _check_name
+
+
+def _variant(text: object) -> Variant:
+    try:
+        return Variant(text)
+    except ValueError:
+        raise InputError(f"model = {text!r}", accepted=", ".join(Variant)) from None
+
+
+@lru_cache(_KEPT)
+def _preparation(job: Path, program: Path | None, machine: Path | None) -> Preparation:
+    read = read_job(job)
+    if machine is not None:
+        read = replace(read, machine=admitted_machine(machine), machine_path=machine)
+    return prepare(read, program_path=program)
+
+
+@lru_cache(_KEPT)
+def _points(path: Path) -> SurfacePoints:
+    return read_points_csv(path)
