@@ -29,8 +29,8 @@ from vmach.diagnosis.inference.weighing import Explanation, Weighing
 
 __all__ = ["Support", "supports_of"]
 
-#: a rest is never taken to be less, in stated u: readings do not tell
-_LEAST = 0.1
+#: share of an effect below which what remains beside it does not matter
+_LEAST = 0.05
 
 
 @dataclass(frozen=True)
@@ -56,8 +56,9 @@ class Support:
 
     @property
     def relative_size(self) -> float:
-        """Logarithm of its variance in that of what remains."""
-        return 2.0 * float(np.log(max(self.size_um, 1e-6) / self.rest_um))
+        """Logarithm of its variance in that of what remains, up to 400 times as much."""
+        size = max(self.size_um, 1e-9)
+        return 2.0 * float(np.log(size / np.hypot(self.rest_um, _LEAST * size)))
 
     @property
     def probability(self) -> float:
@@ -91,6 +92,6 @@ def supports_of(weighing: Weighing, found: Explanation) -> Sequence[Support]:
     fewer = [weighing.without(found, [k]) for k in range(len(found.terms))]
     u_um = usual_u_um(weighing)
     beyond = max(remains_um(weighing, found) ** 2 - (WORTH_A_FORM * u_um) ** 2, 0.0)
-    rest = float(np.hypot(np.sqrt(beyond), _LEAST * u_um))
+    rest = float(np.sqrt(beyond))
     sizes = sizes_um(weighing, found)
     return [Support(found.score - e.score, s, rest) for e, s in zip(fewer, sizes, strict=True)]
