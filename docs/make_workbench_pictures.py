@@ -64,6 +64,7 @@ def tour(page: Page) -> None:
     page.locator("#diagnose").click()
     page.locator(".card .primary", has_text="Add").first.wait_for()
     page.locator("#quantity").select_option("residual")
+    page.locator("#figures").get_by_text("Measured").wait_for()
     keep(page, "ask")
     page.locator(".card .primary", has_text="Add").first.click()
     page.wait_for_selector(".mark-held")

@@ -22,6 +22,7 @@ from vmach.commands.compensate import compensate
 from vmach.commands.diagnosis import add, diagnose, history
 from vmach.commands.effects import effects_app
 from vmach.commands.features import features
+from vmach.commands.init import init
 from vmach.commands.iso230 import iso230
 from vmach.commands.machining import compare, run
 from vmach.commands.open import open_workbench
@@ -70,7 +71,19 @@ def _before_any_command(
         load_effect_file(file)
 
 
-for _command in (check, run, compare, features, predict, path, diagnose, add, history, compensate):
+for _command in (
+    init,
+    check,
+    run,
+    compare,
+    features,
+    predict,
+    path,
+    diagnose,
+    add,
+    history,
+    compensate,
+):
     app.command()(_command)
 app.command("open")(open_workbench)
 app.command(cls=HelpWithFormats)(tables)

@@ -26,5 +26,5 @@ def test_what_was_found_is_named_as_what_hides_others(tmp_path):
     weighing = prepare_weighing(survey_job(tip_job(tmp_path, leaning)))
     explanation = weighing.extend(weighing.nothing(), weighing.index_of("component EXY"))
     texts = {b.label: b.text for b in blind_spots(weighing, explanation)}
-    assert " on alone, " in texts["squareness C0Y"]
+    assert " alone, below " in texts["squareness C0Y"]
     assert "beside component EXY; usual size 30 urad" in texts["squareness C0Y"]

@@ -25,6 +25,7 @@ LAYERS = [
     {"fit"},
     {"diagnosis", "run"},
     {"history", "compensation", "checkup", "study"},
+    {"setup"},
     {"api"},
     {"workbench"},
     {"commands"},

@@ -140,7 +140,7 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
         lines += [f"  {f.by:14s} {_chance(f.p)}  {f.text}" for f in clearest.values()]
     unseen = [b for b in found.blind_spots if b.from_size is not None][:6]
     if unseen:
-        lines.append("These measurements cannot show smaller effects than these:")
+        lines.append("These measurements cannot show:")
         lines += [f"  {b.label}: {b.text}" for b in unseen]
     if found.next_measurement is not None:
         lines.append(f"Measure next: {found.next_measurement.text}")
@@ -168,7 +168,7 @@ def _finding_lines(finding: Finding) -> list[str]:
     lines = [
         f"  {finding.label}: {finding.effect.title}",
         f"    {finding.status}, {finding.size_um:.2f} um RMS of these readings, "
-        f"{100 * finding.share:.0f} % of all found and left (log odds {finding.odds:.0f})",
+        f"{100 * finding.share:.0f} % of all found or left (log odds {finding.odds:.0f})",
     ]
     if finding.where:
         lines.append(f"    where: {finding.where}")

@@ -33,10 +33,16 @@ _FORM = {
 
 @dataclass(frozen=True)
 class Requirement:
-    """A callout on a feature, by the feature's name."""
+    """A callout on a feature, by the feature's name.
+
+    Where it comes from the CAD, `source` says so, and what cannot be evaluated is said and does
+    not stop the rest; `refused` is the reason where that is known beforehand.
+    """
 
     feature: str
     callout: Callout
+    source: str = ""
+    refused: str = ""
 
     @property
     def limits_mm(self) -> tuple[float, float]:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from vmach.base.note import Kind, Note
 from vmach.errors import InputError
 from vmach.nominal.points import SurfacePoints
+
+if TYPE_CHECKING:
+    from vmach.nominal.step.pmi import StepPmi
 
 __all__ = [
     "EDGE_MARGIN_MM",
@@ -128,6 +131,8 @@ class NominalPart:
         estimated sagitta of the facets for STL.
     notes : tuple of Note
         What the reader noticed and survived, one sentence each.
+    pmi : StepPmi or None
+        Tolerances that the file holds.
     """
 
     path: Path
@@ -136,6 +141,7 @@ class NominalPart:
     mesh_chord_mm: float
     chord_error_mm: float
     notes: tuple[Note, ...] = ()
+    pmi: StepPmi | None = None
 
     @property
     def bounds_mm(self) -> np.ndarray:

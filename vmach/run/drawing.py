@@ -9,11 +9,12 @@ import numpy as np
 
 from vmach.errors import InputError
 from vmach.features.evaluation import Drawing, Requirement
-from vmach.features.feature import Feature, make_feature
+from vmach.features.feature import Feature, as_members, make_feature
 from vmach.job import Job
 from vmach.nominal import NominalPart
 from vmach.nominal.feature_surface import surface_of_face, surface_of_points
 from vmach.nominal.points import SurfacePoints
+from vmach.run.pmi_drawing import PmiDrawing, pmi_drawing
 
 __all__ = ["job_drawing"]
 
@@ -32,17 +33,19 @@ def job_drawing(job: Job, nominal: NominalPart | None, points: SurfacePoints) ->
         A name that no face and no point has, or a feature that no point lies on.
     """
     asked = job.drawing
-    tolerances = list(asked.tolerances)
-    if not tolerances:
+    told = pmi_drawing(nominal, asked.features) if asked.reads_pmi else PmiDrawing()
+    if not (asked.tolerances or told.requirements):
         return None
     finder = _Finder(job, nominal, points)
-    wanted = [name for name, _ in tolerances] + list(asked.datums.values())
-    wanted += [callout.to for _, callout in tolerances if callout.to]
+    wanted = [name for name, _ in asked.tolerances] + list(asked.datums.values())
+    wanted += [callout.to for _, callout in asked.tolerances if callout.to]
     features = {name: finder.feature(name) for name in dict.fromkeys(wanted)}
+    for name, faces in told.features.items():
+        features.setdefault(name, finder.of_faces(name, faces))
     return Drawing(
         features,
-        dict(asked.datums),
-        tuple(Requirement(name, callout) for name, callout in tolerances),
+        {**told.datums, **asked.datums},
+        (*(Requirement(name, callout) for name, callout in asked.tolerances), *told.requirements),
         asked.association,
     )
 
@@ -70,6 +73,12 @@ class _Finder:
             return make_feature(name, surfaces, rows, faces)
         except InputError as error:
             raise self._error(name, error.what, error.accepted, error.hint) from None
+
+    def of_faces(self, name: str, faces: Sequence[str]) -> Feature:
+        """The feature of some faces of the CAD; it may have no points."""
+        rows = [self._rows(face) for face in faces]
+        surfaces = [self._surface(face, own, "") for face, own in zip(faces, rows, strict=True)]
+        return Feature(name, as_members(surfaces, rows), tuple(faces))
 
     def _matching(self, name: str, patterns: Sequence[str]) -> list[str]:
         """Faces of the CAD, and features of the points, that names or patterns mean."""

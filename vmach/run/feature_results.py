@@ -62,6 +62,9 @@ def feature_results(
         try:
             found += judge.results(requirement)
         except InputError as error:
+            if requirement.source:
+                found.append(judge.refused(requirement, error.what))
+                continue
             what = error.what
             if requirement.feature not in what:
                 what = f"tolerance {requirement.callout.text!r} of {requirement.feature!r}: {what}"
@@ -98,11 +101,12 @@ class _Judge:
     def results(self, requirement: Requirement) -> list[FeatureResult]:
         """One result a value; uncertainty is added later, for all at once."""
         feature = self._drawing.feature(requirement.feature)
+        if requirement.refused:
+            return [self.refused(requirement, requirement.refused)]
         known = self._parts[self._primary].is_known
         rows = np.concatenate([member.rows for member in feature.members])
         if not known[rows].any():
-            self._weights.append(np.zeros(len(known)))
-            return [self._bare(requirement, "no tool of the program makes it")]
+            return [self.refused(requirement, "no tool of the program makes it")]
         by_column = {
             name: evaluate(self._drawing, requirement, part) for name, part in self._parts.items()
         }
@@ -110,6 +114,11 @@ class _Judge:
             self._one(requirement, k, measure, by_column)
             for k, measure in enumerate(by_column[self._primary])
         ]
+
+    def refused(self, requirement: Requirement, reason: str) -> FeatureResult:
+        """A result without a value."""
+        self._weights.append(np.zeros(len(self._inspected)))
+        return self._bare(requirement, reason)
 
     def _bare(self, requirement: Requirement, reason: str = "", **more) -> FeatureResult:
         callout = requirement.callout

@@ -246,7 +246,8 @@ def inspect_part(
     inspected, notes = inspected_points(job, points, predictions)
     budget = error_budget(predictions[-1], effects)
     features: tuple[FeatureResult, ...] = ()
-    if job.drawing.tolerances:
+    has_pmi = nominal is not None and bool(nominal.pmi) and job.drawing.reads_pmi
+    if job.drawing.tolerances or has_pmi:
         with clock.stage("features"):
             features = _features(job, nominal, points, inspected, predictions[-1], budget)
     return PartInspection(

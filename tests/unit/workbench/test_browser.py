@@ -111,7 +111,7 @@ def test_a_line_shows_what_it_makes(tab):
 
 def test_a_slider_moves_the_colours_and_reset_brings_them_back(tab):
     tab.locator("#quantity").select_option("residual")
-    says(tab, "#figures", "Measured points")
+    says(tab, "#figures", "Measured")
     before = figure(tab, "RMS")
     tab.locator("#tab-what-if").click()
     tab.get_by_label("Find an effect").fill("backlash y")

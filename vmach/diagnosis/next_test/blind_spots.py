@@ -110,9 +110,9 @@ def _blind_spot(
     name = _first(effect)
     from_size = float(f"{needed * usual:.2g}") if needed < _NEVER else None
     from_size_alone = float(f"{alone * usual:.2g}") if alone < _NEVER else None
-    said = f"from {with_unit(name, from_size)} on" if from_size else "at no size"
+    said = f"below {with_unit(name, from_size)}" if from_size else "at any size"
     if from_size_alone and alone * _HIDDEN < needed:
-        text = f"from {with_unit(name, from_size_alone)} on alone, {said} beside {beside}"
+        text = f"below {with_unit(name, from_size_alone)} alone, {said} beside {beside}"
     elif from_size:
         text = said
     else:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from vmach.nominal.step.exchange_file import StepEntity, StepFile
 
-__all__ = ["angle_unit_rad", "length_unit_mm"]
+__all__ = ["angle_unit_rad", "length_unit_mm", "unit_in_si"]
 
 _PREFIX = {
     None: 1.0,
@@ -62,11 +62,11 @@ def _unit(step: StepFile, context: StepEntity, kind: str) -> float | None:
     for reference in context.parts.get("GLOBAL_UNIT_ASSIGNED_CONTEXT", [[]])[0]:
         unit = step.entity(reference)
         if unit.is_a(kind):
-            return _in_si(step, unit)
+            return unit_in_si(step, unit)
     return None
 
 
-def _in_si(step: StepFile, unit: StepEntity) -> float:
+def unit_in_si(step: StepFile, unit: StepEntity) -> float:
     """Size of a unit in metres or radians."""
     if unit.is_a("SI_UNIT"):
         prefix = unit.parts["SI_UNIT"][0]
@@ -78,4 +78,4 @@ def _in_si(step: StepFile, unit: StepEntity) -> float:
     measure = step.entity(unit.parts["CONVERSION_BASED_UNIT"][1])
     value, base = next(args for args in measure.parts.values() if len(args) == 2)
     number = value[1][0] if isinstance(value, tuple) else value
-    return float(number) * _in_si(step, step.entity(base))
+    return float(number) * unit_in_si(step, step.entity(base))

@@ -5,6 +5,8 @@ Source: ISO 10303-203, ISO 10303-214, ISO 10303-242.
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,15 +14,20 @@ import numpy as np
 
 from vmach.base.note import Kind, Note
 from vmach.base.units import um_from_mm
+from vmach.errors import InputError
 from vmach.nominal.mesh.mesh_solidity import check_encloses_once
 from vmach.nominal.part import Mesh, NominalPart, check_size
 from vmach.nominal.step.bodies import read_bodies
 from vmach.nominal.step.exchange_file import StepFile
+from vmach.nominal.step.pmi import StepPmi, read_pmi
 from vmach.nominal.step.solids import CHORD_MM, Solid
 from vmach.nominal.surfaces.face import SurfaceFace
 from vmach.nominal.surfaces.tessellation import tessellate
 
 __all__ = ["read_step_part"]
+
+#: a name that says something has a word; numbers of a data base have none
+_WORD = re.compile("[A-Za-z]{3}")
 
 
 def read_step_part(path: Path, unit_mm: float | None = None) -> NominalPart:
@@ -34,7 +41,8 @@ def read_step_part(path: Path, unit_mm: float | None = None) -> NominalPart:
         Not a STEP file, cut short, without a closed solid, or with geometry that is not
         supported.
     """
-    solids, notes = read_bodies(StepFile(path, unit_mm))
+    step = StepFile(path, unit_mm)
+    solids, notes = read_bodies(step)
     for solid in solids:
         for edge in solid.edges.values():
             check_size(path, edge.points_mm)
@@ -51,6 +59,9 @@ def read_step_part(path: Path, unit_mm: float | None = None) -> NominalPart:
             notes.append(Note.plain(Kind.INSIDE_OUT, "a solid was inside out and has been turned"))
         faces += solid_faces
         meshes.append(mesh)
+    pmi, more = _pmi(step)
+    notes += more
+    faces = _titled(faces, pmi)
     mesh = _joined(meshes)
     if len(solids) > 1:
         check_encloses_once(path, mesh.vertices_mm, mesh.triangles, bodies_touch=True)
@@ -61,7 +72,27 @@ def read_step_part(path: Path, unit_mm: float | None = None) -> NominalPart:
         mesh_chord_mm=CHORD_MM,
         chord_error_mm=0.0,
         notes=tuple(notes),
+        pmi=pmi,
     )
+
+
+def _pmi(step: StepFile) -> tuple[StepPmi, list[Note]]:
+    """The tolerances of the file; damaged ones are said and left out."""
+    try:
+        return read_pmi(step), []
+    except InputError as error:
+        return StepPmi(), [Note.question(Kind.LEFT_OUT, f"{error.what}: they are left out")]
+
+
+def _titled(faces: list[SurfaceFace], pmi: StepPmi) -> list[SurfaceFace]:
+    """Faces with the names that the CAD gives them, where no two have the same."""
+    told = [(face.title, pmi.names.get(face.number, "")) for face in faces]
+    titles = [next((name for name in names if _WORD.search(name)), "") for names in told]
+    times = Counter(titles)
+    return [
+        replace(face, title=title if times[title] == 1 else "")
+        for face, title in zip(faces, titles, strict=True)
+    ]
 
 
 def _build(solid: Solid, first: int) -> tuple[list[SurfaceFace], Mesh]:
@@ -72,7 +103,9 @@ def _build(solid: Solid, first: int) -> tuple[list[SurfaceFace], Mesh]:
             corners = corners[:, ::-1]
         name = f"face {index + 1} {trim.surface.label}"
         area = _area(points[corners])
-        faces.append(SurfaceFace(name, trim.surface.kind, trim, raw.outward, area))
+        faces.append(
+            SurfaceFace(name, trim.surface.kind, trim, raw.outward, area, raw.number, raw.name)
+        )
         vertices.append(points)
         triangles.append(corners + count)
         owner.append(np.full(len(corners), index))

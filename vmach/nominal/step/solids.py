@@ -63,16 +63,22 @@ class SolidFace:
     edges : tuple of (int, bool)
         Keys of the solid's edges, and whether the points of the edge have the face on their
         left seen from the tip of dS/du x dS/dv. Seams are left out.
+    number : int
+        Of the face in the file.
+    name : str
+        That the file gives it; may be empty.
     """
 
     surface: Surface
     outward: float
     edges: tuple[tuple[int, bool], ...]
+    number: int = 0
+    name: str = ""
 
     def turned(self) -> SolidFace:
         """The face on the other side of its edges, facing the other way along the normal."""
         edges = tuple((number, not left) for number, left in self.edges)
-        return SolidFace(self.surface, -self.outward, edges)
+        return SolidFace(self.surface, -self.outward, edges, self.number, self.name)
 
 
 @dataclass(frozen=True)
@@ -141,7 +147,7 @@ class SolidReader:
             return self._face(self._step.entity(inner), inverted ^ (not same))
         if not (face.is_a("ADVANCED_FACE") or face.is_a("FACE_SURFACE")):
             raise self._step.error(face, "this kind of face is not supported", "ADVANCED_FACE")
-        _, bounds, surface_number, same_sense = face.arguments
+        name, bounds, surface_number, same_sense = face.arguments
         surface = self._geometry.surface(surface_number)
         sides = [side for bound in bounds for side in self._bound(self._step.entity(bound))]
         bounds_seen = frozenset((edge, forward ^ inverted) for edge, forward in sides)
@@ -153,7 +159,8 @@ class SolidReader:
         kept = [(edge, forward == same_sense) for edge, forward in sides if times[edge] == 1]
         if surface.kind not in _RULED:
             self._divide_lines([edge for edge, _ in kept])
-        return SolidFace(surface, 1.0 if same_sense ^ inverted else -1.0, tuple(kept))
+        outward = 1.0 if same_sense ^ inverted else -1.0
+        return SolidFace(surface, outward, tuple(kept), face.number, _own_name(name))
 
     def _bound(self, bound: StepEntity) -> list[tuple[int, bool]]:
         """Edges of a loop, and whether each runs with the face on its left, from outside."""
@@ -217,6 +224,12 @@ class SolidReader:
                 accepted="a closed solid",
                 hint="sew the faces to a solid in the CAD system and export again",
             )
+
+
+def _own_name(name: object) -> str:
+    """A name that says something; exporters write NONE, or the same for all."""
+    text = name.strip() if isinstance(name, str) else ""
+    return "" if text.upper() in ("NONE", "FACE", "ADVANCED_FACE") else text
 
 
 def _shells(entity: StepEntity) -> list[int]:

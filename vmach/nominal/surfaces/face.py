@@ -43,6 +43,10 @@ class SurfaceFace:
         +1 where dS/du x dS/dv points out of the material, -1 where it points in.
     area_mm2 : float
         Area, from the display mesh.
+    number : int
+        Of the face in its file; 0 where there is none.
+    title : str
+        That the CAD gives the face; may be empty.
     """
 
     name: str
@@ -50,6 +54,8 @@ class SurfaceFace:
     trim: Trim
     outward: float
     area_mm2: float
+    number: int = 0
+    title: str = ""
 
     @property
     def surface(self) -> Surface:

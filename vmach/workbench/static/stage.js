@@ -162,7 +162,7 @@ function showFigures() {
     entry("RMS", fixed(f.rms_um)), entry("Mean", signed(f.mean_um)),
     entry("Most left", signed(f.high_um)), entry("Most gone", signed(f.low_um)),
     entry(`Beyond ± ${short(stage.toleranceUm)} µm`, fixed(100 * f.outside, 1), "%"),
-    entry(f.points === "measured" ? "Measured points" : "Points", f.count.toLocaleString("en").replaceAll(",", " "), ""),
+    entry(f.points === "measured" ? "Measured" : "Points", f.count.toLocaleString("en").replaceAll(",", " "), ""),
   ];
   byId("figures").replaceChildren(...rows);
 }
