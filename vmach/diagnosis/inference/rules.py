@@ -24,7 +24,7 @@ CLEARLY = 4.6
 CERTAIN = 0.5
 #: logit of that probability: for an effect as large as the rest; for a power of e in its variance;
 #: for a log evidence that a form does better in its place
-OFFSET, WEIGHT_OF_SIZE, WEIGHT_OF_FORM = -3.6, 1.0, 0.19
+OFFSET, WEIGHT_OF_SIZE, WEIGHT_OF_FORM = -3.2, 1.0, 0.19
 #: what remains counts as structure from this multiple of the median stated uncertainty on
 STRUCTURE = 1.0
 #: below this multiple of the median stated uncertainty a rest is not looked into

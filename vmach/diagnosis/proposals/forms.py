@@ -80,6 +80,7 @@ class Forms:
     def in_place_of(self, here: Explanation, k: int) -> Explanation:
         """An explanation with the best form in the place of term k, or with none."""
         rest = self.weighing.without(here, [k])
+        self._columns.add_waves(self._left_mm(rest))
         better = self._extended(rest, self._leading(rest, _IN_PLACE))
         return max(rest, better, key=lambda e: e.score)
 
