@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["AsJson", "Control", "Digits", "Draws", "JobPath", "Model", "OutDir", "OwnEffects",
            "Seed", "Uncertainty", "command_line", "input_files"]  # fmt: skip
 
+
 def _tell_control(name: str | None) -> str | None:
     from vmach.job.control import tell_control  # late: it loads what a job needs
 
