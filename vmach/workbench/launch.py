@@ -85,6 +85,7 @@ def _listen(port: int) -> socket.socket:
     found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         found.bind(("127.0.0.1", port))
+        found.listen(_BACKLOG)  # so that who has the address waits until the server is there
     except OSError as error:
         raise InputError(
             f"--port {port}: {error.strerror}", accepted="a port that is free, or none at all"

@@ -1,10 +1,9 @@
 """APPR and DEP: how a contour is approached and left.
 
 Source: HEIDENHAIN TNC 640, User's Manual for Klartext Programming, "Contour approach and
-departure": LT is a line of
-LEN on the contour's tangent, LN one square to it. CT is an arc of radius R and angle CCA that ends
-on the tangent, LCT such an arc with a line on its other tangent. R is taken
-for the path of the tool's axis here; the contour begins in the same place either way.
+departure": LT is a line of LEN on the contour's tangent, LN one square to it. CT is an arc of
+radius R and angle CCA that ends on the tangent, LCT such an arc with a line on its other tangent. R
+is taken for the path of the tool's axis here; the contour begins in the same place either way.
 """
 
 from __future__ import annotations

@@ -122,5 +122,6 @@ def test_it_listens_on_this_machine_alone(monkeypatch):
     found = launch._listen(0)
     try:
         assert found.getsockname()[0] == "127.0.0.1"
+        socket.create_connection(found.getsockname(), timeout=5).close()  # it listens already
     finally:
         found.close()

@@ -16,7 +16,9 @@ from vmach.diagnosis.proposals.form_columns import FormColumns
 from vmach.diagnosis.proposals.held_out import held_out_um
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.fit.candidates import Candidate
-from vmach.fit.marginal_likelihood import Sizes
+from vmach.fit.discrepancy import Members
+from vmach.fit.marginal_likelihood import Base, Effects, Posterior, Sizes
+from vmach.fit.survey import Survey
 
 __all__ = ["Forms"]
 
@@ -28,6 +30,8 @@ _MOST = 4
 _TOLD = 3
 #: sizes in u of a discrepancy that leaves a form to show
 _SMALL = 0.3
+#: readings at most that all forms are looked through on; the best are fitted to all readings
+_LOOKED_THROUGH = 3000
 #: numbers that products of forms may take up while they are kept
 _ROOM = 25_000_000
 #: a form whose readings follow those of another one that closely is the same
@@ -50,6 +54,7 @@ class Forms:
         self._columns = FormColumns(weighing.survey)
         self._banks: list[tuple[list[Form], Bank]] = []
         self._listed = 0
+        self._screen = _Screen(weighing)
         self._chosen: dict[str, Form] = {}
         self._singles: list[tuple[Form, Explanation, float]] = []
 
@@ -139,7 +144,7 @@ class Forms:
         """Forms worth a fit, beside an explanation."""
         sizes = here.posterior.sizes
         small = Sizes(sizes.factor, tuple(min(s, _SMALL) for s in sizes.members))
-        views = (here.posterior, replace(here.posterior, sizes=small))
+        views = [self._screen.posterior(each, here.posterior.effects) for each in (sizes, small)]
         gains: tuple[list[float], list[float]] = ([], [])
         forms: list[Form] = []
         for some, bank in self._weighed():
@@ -166,9 +171,10 @@ class Forms:
         """Forms with their products, kept for the next time where there is room for them."""
         yield from self._banks
         known = sum(len(forms) for forms, _ in self._banks) if self._banks else 0
-        room = _ROOM // len(self._weighing.survey)
+        room = _ROOM // len(self._screen.base.y)
         for some in self._columns.batches(self._columns.forms[self._listed :]):
-            bank = Bank(self._weighing.base, [self._columns.candidate(form) for form in some])
+            rows = self._screen.rows
+            bank = Bank(self._screen.base, [self._columns.candidate(f, rows) for f in some])
             if (known := known + len(some)) < room:
                 self._banks.append((some, bank))
             yield some, bank
@@ -179,6 +185,42 @@ class Forms:
 def _share_within(space: np.ndarray, other: np.ndarray) -> float:
     """Which share of a space of readings lies within another one, as a cosine."""
     return float(np.linalg.norm(other.T @ space) / np.sqrt(max(space.shape[1], 1)))
+
+
+class _Screen:
+    """Some of the readings, evenly spread, where all would take long to look through.
+
+    Parameters
+    ----------
+    weighing : Weighing
+    """
+
+    def __init__(self, weighing: Weighing) -> None:
+        base, count = weighing.base, len(weighing.survey)
+        self.rows: np.ndarray | slice = slice(None)
+        self.base = base
+        if count > _LOOKED_THROUGH:
+            rows = np.unique(np.linspace(0, count - 1, _LOOKED_THROUGH).astype(int))
+            every, noise = base.members, base.noise
+            kept = np.isin(np.arange(count), rows)
+            members = Members(
+                every.fixed_mm[rows], every.names, tuple(c[rows] for c in every.columns_mm)
+            )
+            of_rows = {name: getattr(noise, name)[rows] for name in ("u_mm", "group", "weight")}
+            self.rows = rows
+            self.base = Base(_kept(weighing.survey, kept), replace(noise, **of_rows), members)
+
+    def posterior(self, sizes: Sizes, effects: Effects) -> Posterior:
+        """Members at given sizes, and effects, as these readings have them."""
+        return self.base.posterior(
+            sizes, Effects(self.base, effects.columns_mm[self.rows], effects.log_prior)
+        )
+
+
+def _kept(survey: Survey, rows: np.ndarray) -> Survey:
+    """A survey with some of its readings, (n,) bool."""
+    pairs = zip(survey.measurements, survey.rows, strict=True)
+    return replace(survey, measurements=tuple(m.keep(rows[o]) for m, o in pairs if rows[o].any()))
 
 
 class _Priced(Weighing):

@@ -19,7 +19,7 @@ from vmach.report.pictures.camera import Camera, isometric_camera, shading
 from vmach.report.pictures.colours import COLOUR_STOPS, colours_of
 from vmach.report.pictures.display_mesh import vertex_normals
 from vmach.report.pictures.flags import draw_flags
-from vmach.report.pictures.rasterise import rasterise
+from vmach.report.pictures.rasterise import Visible
 from vmach.report.result import Colouring, DisplayMesh, InspectedPoints, RunRecord
 
 __all__ = ["draw_heatmap"]
@@ -88,7 +88,8 @@ def _pictures(
     size = (width, round(width * camera.height_mm / camera.width_mm))
     shade = shading(vertex_normals(mesh), camera)
     colours = (shade[:, None] * colours_of(c.value_mm, c.known, range_mm) for c in colourings)
-    return np.stack([rasterise(mesh, c, camera, size) for c in colours])
+    visible = Visible.of(mesh, camera, size)
+    return np.stack([visible.coloured(c) for c in colours])
 
 
 def _figure(count: int, panel_height_inch: float) -> tuple[Figure, list[Axes]]:
