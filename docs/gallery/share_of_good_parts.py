@@ -1,6 +1,6 @@
 """How large a share of a series of parts is good, on machines that nobody knows exactly?
 
-Cut the part on a hundred machines, each with its own corrections of the measured tables.
+Cut the part on forty machines, each with its own corrections of the measured tables.
 """
 
 import json
@@ -12,10 +12,10 @@ import numpy as np
 import vmach
 
 SAMPLE = Path(__file__).resolve().parents[2] / "samples" / "iso10791_7"
-TOLERANCE_UM = 12.0
+TOLERANCE_UM = 4.4
 STUDY = """schema = 1
 seed = 3
-draws = 100
+draws = 40
 [cases]
 job = "{job}"
 points = "points.csv"
@@ -24,7 +24,6 @@ model = "abbe"
 POINTS = """id,feature,x,y,z,i,j,k
 east,outer,80,5,-30,1,0,0
 west,outer,-80,5,-30,-1,0,0
-north,outer,5,80,-30,0,1,0
 south,outer,5,-80,-30,0,-1,0
 """
 
