@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from vmach.diagnosis.inference.bank import Bank
+from vmach.diagnosis.inference.moves import without_needless
 from vmach.diagnosis.inference.remains import remains_mm, remains_um, usual_u_um
-from vmach.diagnosis.inference.rules import SHOWN, WORTH_A_FORM
+from vmach.diagnosis.inference.rules import CLEARLY, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
-from vmach.diagnosis.proposals.form import Form, FormEffect
+from vmach.diagnosis.proposals.form import Form
 from vmach.diagnosis.proposals.form_columns import FormColumns
 from vmach.diagnosis.proposals.held_out import held_out_um
 from vmach.diagnosis.proposals.proposal import Proposal
-from vmach.fit.candidates import Candidate
 from vmach.fit.discrepancy import Members
 from vmach.fit.marginal_likelihood import Base, Effects, Posterior, Sizes
 from vmach.fit.survey import Survey
@@ -24,6 +24,8 @@ __all__ = ["Forms"]
 
 #: forms that are fitted at each step, by their evidence beside the discrepancy and nearly without
 _FITTED = 6
+#: the same for the place of an effect
+_IN_PLACE = 3
 #: forms that are added one after the other
 _MOST = 4
 #: proposals that are told
@@ -56,30 +58,46 @@ class Forms:
         self._listed = 0
         self._screen = _Screen(weighing)
         self._chosen: dict[str, Form] = {}
-        self._singles: list[tuple[Form, Explanation, float]] = []
 
     @property
     def labels(self) -> frozenset[str]:
         """Labels of the forms that were added."""
         return frozenset(self._chosen)
 
-    def grown(self, found: Explanation) -> tuple[Weighing, Explanation]:
+    @property
+    def weighing(self) -> Weighing:
+        """Of the effects that were found and the forms that were added."""
+        return self._with(())
+
+    def grown(self, found: Explanation) -> Explanation:
         """An explanation with forms added while that is clearly more probable."""
-        weighing, here = self._with(()), found
-        here = weighing.explain(found.terms, found.posterior.sizes, refine=False)
+        here = self.weighing.explain(found.terms, found.posterior.sizes, refine=False)
         for _ in range(_MOST):
-            if remains_um(weighing, here) < WORTH_A_FORM * usual_u_um(weighing):
+            if remains_um(self._weighing, here) < WORTH_A_FORM * usual_u_um(self._weighing):
                 break
             self._columns.add_waves(self._left_mm(here))
-            leading = self._leading(here)
-            weighing = self._with(leading)
-            trials = [weighing.extend(here, weighing.index_of(_label(f))) for f in leading]
-            best = max(range(len(trials)), key=lambda k: trials[k].score, default=None)
-            if best is None or trials[best].score < here.score + SHOWN:
+            better = self._extended(here, self._leading(here))
+            if better.score < here.score + CLEARLY:
                 break
-            self._chosen[_label(leading[best])] = leading[best]
-            here = _without_needless(weighing, trials[best])
-        return self._with(()), here
+            here = better
+        return here
+
+    def in_place_of(self, here: Explanation, k: int) -> Explanation:
+        """An explanation with the best form in the place of term k, or with none."""
+        rest = self.weighing.without(here, [k])
+        self._columns.add_waves(self._left_mm(rest))
+        better = self._extended(rest, self._leading(rest, _IN_PLACE))
+        return max(rest, better, key=lambda e: e.score)
+
+    def _extended(self, here: Explanation, leading: Sequence[Form]) -> Explanation:
+        """An explanation with the best of some forms, without what it makes needless."""
+        weighing = self._with(leading)
+        trials = {f: weighing.extend(here, weighing.index_of(_label(f))) for f in leading}
+        best = max(trials, key=lambda f: trials[f].score, default=None)
+        if best is None:
+            return here
+        self._chosen[_label(best)] = best
+        return without_needless(weighing, trials[best])
 
     def proposals(self, alone: Explanation, grown: Explanation) -> tuple[Proposal, ...]:
         """The forms of a grown explanation, then others that would do nearly as well.
@@ -105,7 +123,7 @@ class Forms:
                 continue
             proposal = self._proposal(start, form)
             without, with_it = proposal.held_out_um
-            if (form in first or proposal.odds > SHOWN) and with_it < without:
+            if (form in first or proposal.odds > CLEARLY) and with_it < without:
                 told.append(proposal)
         return tuple(told)
 
@@ -126,10 +144,11 @@ class Forms:
     def _with(self, forms: Sequence[Form]) -> Weighing:
         """A weighing of the known effects, the forms that were added, and some more."""
         every = {_label(form): form for form in (*self._chosen.values(), *forms)}
-        candidates = [*self._known, *(self._columns.candidate(f) for f in every.values())]
         listed = len(self._columns)
-        prices = {label: float(np.log(listed * f.looked_at)) for label, f in every.items()}
-        return _Priced(self._weighing, candidates, prices)
+        return self._weighing.of_candidates(
+            [*self._known, *(self._columns.candidate(f) for f in every.values())],
+            {label: -float(np.log(listed * f.looked_at)) for label, f in every.items()},
+        )
 
     def _left_mm(self, here: Explanation) -> np.ndarray:
         """What effects, members and alignment leave of the readings, (n,)."""
@@ -140,8 +159,8 @@ class Forms:
         left = survey.residual_mm - explained - remains_mm(self._weighing, here)
         return left - survey.aligned(left[:, None])[:, 0]
 
-    def _leading(self, here: Explanation) -> list[Form]:
-        """Forms worth a fit, beside an explanation."""
+    def _leading(self, here: Explanation, most: int = _FITTED) -> list[Form]:
+        """Forms worth a fit, beside an explanation, so many at most from either view."""
         sizes = here.posterior.sizes
         small = Sizes(sizes.factor, tuple(min(s, _SMALL) for s in sizes.members))
         views = [self._screen.posterior(each, here.posterior.effects) for each in (sizes, small)]
@@ -159,13 +178,13 @@ class Forms:
         for gain in gains:
             taken: list[np.ndarray] = []
             for k in np.argsort(-np.array(gain)):
-                if gain[k] < SHOWN or len(taken) == _FITTED:
+                if gain[k] < CLEARLY or len(taken) == most:
                     break
                 space = self._columns.space_of(forms[k])
                 if all(_share_within(space, other) < _SAME for other in taken):
                     taken.append(space)
                     chosen += [forms[k]] if forms[k] not in chosen else []
-        return [form for form in chosen if _label(form) not in self._chosen]
+        return [form for form in chosen if _label(form) not in here.labels]
 
     def _weighed(self) -> Iterator[tuple[list[Form], Bank]]:
         """Forms with their products, kept for the next time where there is room for them."""
@@ -223,32 +242,5 @@ def _kept(survey: Survey, rows: np.ndarray) -> Survey:
     return replace(survey, measurements=tuple(m.keep(rows[o]) for m, o in pairs if rows[o].any()))
 
 
-class _Priced(Weighing):
-    """A weighing over the base of another, in which forms cost what looking for them does."""
-
-    def __init__(
-        self, like: Weighing, candidates: Sequence[Candidate], prices: dict[str, float]
-    ) -> None:
-        self._like, self._prices = like, prices
-        super().__init__(like.survey, candidates, noise=like.base.noise)
-
-    def log_prior(self, candidate: Candidate) -> float:
-        """Logarithm of the prior odds of an effect, or of a form."""
-        if isinstance(candidate.effect, FormEffect):
-            return -self._prices[candidate.label]
-        return self._like.log_prior(candidate)
-
-
 def _label(form: Form) -> str:
     return f"form {form.formula}"
-
-
-def _without_needless(weighing: Weighing, here: Explanation) -> Explanation:
-    """Drop terms that the others make needless."""
-    while len(here.terms) > 1:
-        fewer = [weighing.without(here, [k]) for k in range(len(here.terms))]
-        best = max(fewer, key=lambda e: e.score)
-        if best.score < here.score:
-            break
-        here = best
-    return here
