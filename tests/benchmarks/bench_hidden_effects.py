@@ -36,7 +36,7 @@ from tests.hidden_effects.verdict import OUTCOMES, judge
 NOISE_UM = 0.8
 COLUMNS = (
     "kind", "noise", "seed", "outcome", "hidden", "said", "parameters", "ratio", "inside",
-    "foretold", "seconds",
+    "foretold", "seconds", "named", "true", "hidden_count",
 )  # fmt: skip
 #: pairs that act through the same thing: no data of this kind shows both
 _SAME = ({"tool_radius", "runout"}, {"missing_table", "reflector"})
@@ -96,6 +96,7 @@ def one(kind: str, seed: int, args: argparse.Namespace) -> dict:
         found = judge(report, truth)
         row |= {"outcome": found.outcome, "said": found.said, "seconds": round(seconds, 2)}
         row["parameters"] = json.dumps(found.parameters)
+        row |= {"named": found.named, "true": found.true, "hidden_count": len(truth["effects"])}
         if args.held_out and not any(h.once for h in made.hidden):
             job = folder / "job.toml"
             if report["verdict"] in ("named", "class", "partly"):
@@ -126,9 +127,9 @@ def table(rows: list[dict]) -> None:
     for name, members in [*((k, [k]) for k in kinds), *groups.items()]:
         if some := [r for r in rows if r["kind"] in members]:
             print(_line(name, some))
-    hits = [low <= true <= high for r in rows for _, _, low, high, true in _determined(r)]
+    hits = [low <= true <= high for r in rows for _, _, low, high, true in determined(r)]
     if hits:
-        low, high = _binomial(sum(hits), len(hits))
+        low, high = binomial(sum(hits), len(hits))
         print(f"\n95 % intervals of parameters cover {sum(hits)} of {len(hits)}: "
               f"{sum(hits) / len(hits):.1%} ({low:.1%} to {high:.1%})")  # fmt: skip
     if told := [float(r["foretold"]) for r in rows if r.get("foretold")]:
@@ -143,7 +144,7 @@ def table(rows: list[dict]) -> None:
 
 def _line(name: str, some: list[dict]) -> str:
     count = Counter(r["outcome"] for r in some)
-    hits = [low <= true <= high for r in some for _, _, low, high, true in _determined(r)]
+    hits = [low <= true <= high for r in some for _, _, low, high, true in determined(r)]
     explained = [r for r in some if r["said"][:5] in ("named", "class", "nothi") and r["inside"]]
     explained = [r for r in explained if r["outcome"] in ("right", "class")]
     inside, ratio = ([float(r[c]) for r in explained] or [np.nan] for c in ("inside", "ratio"))
@@ -155,13 +156,13 @@ def _line(name: str, some: list[dict]) -> str:
     )  # fmt: skip
 
 
-def _determined(row: dict) -> list[tuple]:
+def determined(row: dict) -> list[tuple]:
     """Parameters that the data determine at all: an endless interval would always cover."""
     found = json.loads(row["parameters"] or "[]")
     return [p for p in found if p[3] - p[2] < 20 * abs(p[4])]
 
 
-def _binomial(hits: int, count: int) -> tuple[float, float]:
+def binomial(hits: int, count: int) -> tuple[float, float]:
     """95 % interval of a share (Clopper and Pearson)."""
     low = beta.ppf(0.025, hits, count - hits + 1) if hits else 0.0
     high = beta.ppf(0.975, hits + 1, count - hits) if hits < count else 1.0

@@ -5,7 +5,7 @@
 Without files: the samples and the small solids of the tests. `vmach` reads a file and makes surface
 points with normals at the spacing; `OCP` (PyPI ``cadquery-ocp``, in the environment of PYTHON)
 reads it and triangulates it with the same chord, without any points. Each is timed in a second
-pass, so imports and compilation are left out. Volumes of vmach are those of its triangles.
+pass, so imports and compilation are left out. Volumes of vmach are those of its surfaces.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def row(path: Path, spacing_mm: float, other: list | None) -> str:
         seconds = time.process_time() - began
     except VmachError as error:
         return f"| {path.name} | {str(error)[:100]} |"
-    volume = part.mesh.volume_mm3
+    volume = part.volume_mm3
     cells = [path.name, len(part.faces), len(points.id), f"{volume:.6g}", f"{seconds:.2f}"]
     if other:
         ocp_s, faces, truth = other

@@ -16,7 +16,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from vmach.diagnosis.diagnose import diagnose
+from vmach.diagnosis.diagnose import Diagnosis, diagnose
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.history import history_of
 from vmach.history.added_effects import add_effects
@@ -45,12 +45,19 @@ def main(folder: Path) -> None:
     print(f"{right} of {len(trials)} right")
 
 
-def _is_right(accept: list[list[str]], found) -> bool:
+def _is_right(accept: list[list[str]], found: Diagnosis) -> bool:
+    """Whether every cause is found, and whatever is found is a cause.
+
+    An effect that acts on two tools at once is found twice.
+    """
     if accept == [["none"]]:
         return found.verdict == "nothing"
     names = [{f.name, *f.rivals.names} for f in found.findings]
-    every = all(any(set(a) & n for n in names) for a in accept)
-    return every and len(found.findings) == len(accept)
+    if found.verdict == "partly":
+        names.append({"unknown"})
+    causes = [set(one) for one in accept]
+    every = all(any(cause & name for name in names) for cause in causes)
+    return every and all(any(cause & name for cause in causes) for name in names)
 
 
 def _on_other_part(trial: Path, found) -> list[float]:

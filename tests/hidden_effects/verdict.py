@@ -23,7 +23,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import permutations
 
-__all__ = ["OUTCOMES", "Judgement", "judge"]
+__all__ = ["OUTCOMES", "Judgement", "is_answer", "judge"]
 
 #: right: named; class: truth among those that the data cannot tell apart; part: one of two
 #: found, nothing else said; wrong: another named
@@ -36,18 +36,24 @@ _ANY_TARGET = ("tool_length",)
 
 @dataclass(frozen=True)
 class Judgement:
-    """Outcome, and for every comparable parameter (name, found, low, high, true)."""
+    """Outcome, and for every comparable parameter (name, found, low, high, true).
+
+    Of the effects `named` in the report, so many are `true`.
+    """
 
     outcome: str
     parameters: list[tuple[str, float, float, float, float]]
     said: str
+    named: int = 0
+    true: int = 0
 
 
 def judge(report: dict, truth: dict) -> Judgement:
     """Compare a report of ``vmach diagnose --json`` with ``truth.json``."""
     said, verdict, hidden = _said(report), report["verdict"], truth["effects"]
     if not hidden:
-        return Judgement("right" if verdict == "nothing" else "wrong", [], said)
+        named = sum(entry["effect"] != "unknown" for entry in report["effects"])
+        return Judgement("right" if verdict == "nothing" else "wrong", [], said, named)
     if verdict in ("unknown", "nothing"):
         is_right = any(verdict in effect["accept"] for effect in hidden)
         return Judgement("right" if is_right else verdict, [], said)
@@ -64,7 +70,13 @@ def judge(report: dict, truth: dict) -> Judgement:
         for row in _parameters(effect, entry)
     ]
     extra = len(report["effects"]) > len(how) - how.count("missed")
-    return Judgement(_together(how, extra=extra), parameters, said)
+    true = len(how) - how.count("missed")
+    return Judgement(_together(how, extra=extra), parameters, said, len(report["effects"]), true)
+
+
+def is_answer(entry: dict, truth: dict) -> bool:
+    """Whether an effect, with those that are not told from it, is one of the hidden ones."""
+    return any(_answer(entry, effect) != "missed" for effect in truth["effects"])
 
 
 def _answer(entry: dict, effect: dict) -> str:

@@ -53,7 +53,12 @@ def test_verdict_parameters_and_held_out_error(tmp_path, name):
     [
         (["tool_deflection"], 9002, ()),  # one bore that only itself can foretell
         (["head_tilt", "ambient_drift"], 42, ("drift",)),  # all along X in one piece
-        (["loose_collet"], 33013, ()),  # three numbers of a wave for three heights
+        pytest.param(
+            ["loose_collet"],
+            33013,
+            (),
+            marks=pytest.mark.xfail(strict=True, reason="a wave's numbers fit three heights"),
+        ),
     ],
 )
 def test_what_held_out_features_and_single_features_can_say(tmp_path, effects, seed, instruments):

@@ -71,10 +71,6 @@ def test_another_part_has_to_be_measured(fixed):
     assert "no part was measured" in str(found.exception)
 
 
-#: slow effects that few features show are withheld: the discrepancy can take what they do
-WITHHELD = pytest.mark.xfail(strict=True, reason="the discrepancy takes a slow effect's share")
-
-
 @pytest.mark.parametrize(
     ("effects", "seed"),
     [
@@ -94,7 +90,6 @@ def test_another_part_lacks_nothing_once_the_effect_is_in_the_model(tmp_path, ef
     assert report["verdict"] == "nothing"
 
 
-@WITHHELD
 def test_what_else_is_missing_shows_beside_what_is_open(tmp_path):
     make_experiment(tmp_path, effects=["spindle_growth", "backlash"], seed=31)
     report, _ = program_runs.diagnose(tmp_path)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 
 from stock import cut_part, make_tool
 from tests.stock_solid_cases import circle, polyline
@@ -73,7 +74,7 @@ def test_ball_groove(direction):
     path = np.column_stack([np.outer([-60, 60], unit) + 10, [-5, -5]])
     part = cut_part(polyline(path), [BALL], BOX, tolerance_mm=TOLERANCE)
     offset = np.linspace(-5, 5, 20001)
-    expected = np.trapezoid(_chords_through_box(unit, offset) * np.sqrt(25 - offset**2), offset)
+    expected = trapezoid(_chords_through_box(unit, offset) * np.sqrt(25 - offset**2), offset)
     lack = expected - (BOX_VOLUME - part.volume_mm3)
     assert -1e-3 <= lack <= TOLERANCE * 90 * np.pi * 5
 

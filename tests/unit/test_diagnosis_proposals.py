@@ -52,6 +52,16 @@ def test_a_form_names_the_states_that_were_hidden(tmp_path):
     Draft202012Validator(json_schema("diagnose")).validate(json.loads(json.dumps(as_json(found))))
 
 
+def test_of_many_readings_some_are_looked_through(pushed_job, monkeypatch):
+    """Every other reading leads to the same form, fitted to all of them."""
+    monkeypatch.setattr("vmach.diagnosis.proposals.forms._LOOKED_THROUGH", 180)
+    survey = survey_job(pushed_job)
+    assert len(survey) == 360
+    first = diagnose(survey).proposals[0]
+    assert [state.words for state in first.form.states] == ["direction of Y", "direction of Z"]
+    assert first.amount_um == pytest.approx(4.0, abs=4.0 * first.amount_u_um)
+
+
 def test_a_proposal_is_an_effect_file_that_can_be_added(pushed_job, tmp_path):
     file = tmp_path / "proposed_push.py"
     said = run("effects", "propose", pushed_job, "-o", file)

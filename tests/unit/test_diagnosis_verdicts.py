@@ -133,7 +133,9 @@ def test_an_effect_is_named_beside_something_unknown(tmp_path):
     assert (scale["effect"], scale["target"]) == ("scale", "X")
     assert scale["share"] > 0.9
     low, high = scale["interval_95"]["scale_ppm"]
-    assert low < 100.0 < high
+    wide = 0.5 * (3.0 / 1.96 - 1.0) * (high - low)  # one of twenty may miss the interval of 95 %
+    assert low - wide < 100.0 < high + wide
+    assert high - low < 10.0
     assert "something else remains" in as_text(found)
 
 

@@ -230,6 +230,19 @@ def test_predicted_draws_scatter_as_first_order_says(tmp_path):
     assert np.abs(off).max() < 4.0 / np.sqrt(120)
 
 
+def test_files_elsewhere_are_watched_too(tmp_path):
+    (tmp_path / "spared").touch()
+    path = write_study(tmp_path / "study", [1])
+    (tmp_path / "study" / "spared").touch()
+    other = tmp_path / "other.txt"
+    other.write_text("before")
+    path.write_text(path.read_text().replace('"a", "b"', f'"{other}"'))
+    assert run_study(read_study(path), tmp_path / "out", processes=1).done == 1
+    other.write_text("after")
+    with pytest.raises(InputError, match=r"before '.*other\.txt' changed"):
+        run_study(read_study(path), tmp_path / "out", processes=1)
+
+
 def test_a_value_that_a_prediction_does_not_know_is_refused(tmp_path):
     (tmp_path / "study.toml").write_text('schema = 1\n[cases]\njob = "a"\nspeed = [1, 2]\n')
     with pytest.raises(InputError, match="no value 'speed'; accepted: job, points") as caught:

@@ -87,7 +87,7 @@ def _machine(
     solid: bool | None = None,
 ) -> None:
     from vmach.job import read_job
-    from vmach.report import columns_table, differences_text, features_table
+    from vmach.report import arms_text, columns_table, differences_text, features_table
     from vmach.run.pipeline import machine_part
     from vmach.run.results import (
         ALL_FILES,
@@ -124,7 +124,7 @@ def _machine(
     screen.print(columns_table(made.points, record))
     if (drawing := features_table(record)) is not None:
         screen.print(drawing)
-    for line in differences_text(record):
+    for line in (*arms_text(made.points, record), *differences_text(record)):
         screen.print(line, highlight=False, markup=False)
     for note in figures["run"]["warnings"]:
         screen.print(f"note: {note}", highlight=False, markup=False)

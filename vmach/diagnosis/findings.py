@@ -34,8 +34,8 @@ class Finding:
         Of each parameter (low, high); empty for a component.
     hardly_shown : tuple of str
         Parameters of which the readings say hardly more than was known before.
-    odds : float
-        Log odds for it, given everything else.
+    odds, probability : float
+        Log odds for it, given everything else, and the probability that it is there.
     size_um, share : float
         Root mean square of what it does to the readings, and its share of the mean square of
         all that was found and remains.
@@ -50,6 +50,7 @@ class Finding:
     interval_95: dict
     hardly_shown: tuple[str, ...] = ()
     odds: float = 0.0
+    probability: float = 0.0
     size_um: float = 0.0
     share: float = 0.0
 
@@ -106,7 +107,8 @@ def _finding(found: Inference, fit: JointFit, k: int) -> Finding:
         where=where_component(fitted.values, fitted.u, target) if is_component else None,
         interval_95=fitted.interval_95,
         hardly_shown=fitted.hardly_shown,
-        odds=found.odds[k],
+        odds=found.supports[k].odds,
+        probability=found.supports[k].probability,
     )
 
 

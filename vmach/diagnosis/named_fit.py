@@ -12,8 +12,7 @@ from vmach.diagnosis.component_curve import component_directions
 from vmach.diagnosis.fitted_parameters import fitted_parameters
 from vmach.diagnosis.inference.noise import noise_after
 from vmach.diagnosis.inference.prepare import prepare_weighing
-from vmach.diagnosis.inference.remains import odds_of
-from vmach.diagnosis.inference.rules import SHOWN
+from vmach.diagnosis.inference.support import supports_of
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.effects import Effect, catalogue, label_of
 from vmach.effects.catalogue import unknown_effect_hint
@@ -82,10 +81,11 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
     if noise is not None:
         weighing = weighing.with_noise(noise)
         found = weighing.explain(found.terms, found.posterior.sizes)
-    odds, fit = odds_of(weighing, found), weighing.careful(found)
+    supports, fit = supports_of(weighing, found), weighing.careful(found)
     assert fit is not None
     return tuple(
-        _named_effect(survey, fit, k, is_called_for=odds[k] > SHOWN) for k in range(len(odds))
+        _named_effect(survey, fit, k, is_called_for=support.is_shown)
+        for k, support in enumerate(supports)
     )
 
 

@@ -58,7 +58,8 @@ def _weak(weak: Weak) -> dict[str, Any]:
     return {
         "effect": weak.term.effect.name,
         "target": weak.term.target or None,
-        "log_odds": round(weak.odds, 2),
+        "log_odds": round(weak.support.odds, 2),
+        "probability": round(weak.support.probability, 3),
         "why": weak.why,
         "status": "weak",
     }
@@ -87,6 +88,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "share": round(finding.share, 4),
         "size_um": round(finding.size_um, 3),
         "log_odds": round(finding.odds, 2),
+        "probability": round(finding.probability, 3),
         "parameters": {k: _rounded(v) for k, v in finding.parameters.items()},
         "u": {k: _rounded(v) for k, v in finding.u.items()},
         "interval_95": {k: _rounded(list(v)) for k, v in finding.interval_95.items()},
@@ -122,7 +124,8 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
     if found.proposals:
         lines.append("  `vmach effects propose JOB -o my_effect.py` writes the first as an effect")
     lines += [
-        f"  weak: {weak.term.label}, log odds {weak.odds:.1f}: {weak.why}; not counted as present"
+        f"  weak: {weak.term.label}, probability {weak.support.probability:.2f}: {weak.why}; not "
+        "counted as present"
         for weak in found.weak
     ]
     lines.append(

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes
-from vmach.diagnosis.inference.rules import RIVAL
+from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.effects import catalogue
 
@@ -39,7 +39,7 @@ def rivals_of(weighing: Weighing, explanation: Explanation, k: int) -> Rivals:
     others = weighing.without(explanation, [k], resize=False)
     gains = weighing.gains(others)
     best = max(gains)
-    near = [i for i in np.argsort(gains)[::-1] if gains[i] > best - RIVAL]
+    near = [i for i in np.argsort(gains)[::-1] if gains[i] > best - CLEARLY]
     near = [i for i in near if not _needs_impossible_size(weighing, others, i)]
     labels = [weighing.candidates[i].label for i in near]
     if own.label not in labels:
@@ -115,4 +115,4 @@ def _can_imitate(
     absorb = weighing.whitening_beside(others)
     shown, columns = absorb(explained_mm), absorb(span)
     left = 2.0 * lsq_linear(columns, shown, bounds=(least, np.inf)).cost
-    return left < 2.0 * RIVAL
+    return left < 2.0 * CLEARLY

@@ -30,9 +30,10 @@ __all__ = ["Base", "Posterior", "Sizes"]
 
 #: prior of the logarithm of the factor on u: stated uncertainties are right within a factor of 2
 _LOG_FACTOR = float(np.log(2.0))
-#: prior of a member's size, in u: falls off as the third power beyond this, as what nobody models
-#: is of the order of u
-_USUAL_SIZE, _POWER = 0.6, 1.5
+#: prior of a member's size, in u: falls off as the fifth power beyond this. What nobody models is
+#: of the order of u; a lighter tail would leave it what slow effects do to a few floors. Imitations
+#: of something larger are told by their size and by forms, not by this
+_USUAL_SIZE, _POWER = 0.6, 2.5
 #: a member of this size, in u, counts as absent
 _ABSENT = 0.02
 

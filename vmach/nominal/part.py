@@ -131,6 +131,8 @@ class NominalPart:
         estimated sagitta of the facets for STL.
     notes : tuple of Note
         What the reader noticed and survived, one sentence each.
+    exact_volume_mm3 : float, optional
+        Volume that the faces enclose, where it is known better than that of the mesh.
     pmi : StepPmi or None
         Tolerances that the file holds.
     """
@@ -142,6 +144,13 @@ class NominalPart:
     chord_error_mm: float
     notes: tuple[Note, ...] = ()
     pmi: StepPmi | None = None
+    exact_volume_mm3: float | None = None
+
+    @property
+    def volume_mm3(self) -> float:
+        """Volume of the part."""
+        known = self.exact_volume_mm3
+        return self.mesh.volume_mm3 if known is None else known
 
     @property
     def bounds_mm(self) -> np.ndarray:

@@ -183,9 +183,21 @@ class InspectedPoints:
         """Measured minus predicted, of every column that was compared with a measurement."""
         return tuple(v.remainder for v in self.columns if v.remainder_mm is not None)
 
+    @property
+    def differences(self) -> tuple[Column, ...]:
+        """HTM minus Abbe where both were predicted; a point that one did not cut has none."""
+        names = {column.name for column in self.columns}
+        if not {"htm", "abbe"} <= names:
+            return ()
+        htm, abbe = self["htm"], self["abbe"]
+        both = htm.is_cut & abbe.is_cut
+        apart = np.where(both, htm.deviation_mm - abbe.deviation_mm, np.nan)
+        status = np.where(both, "cut", np.where(htm.is_cut, abbe.status, htm.status))
+        return (Column("htm_minus_abbe", "HTM − Abbe", apart, status),)
+
     def with_remainders(self) -> InspectedPoints:
-        """The same points with the remainders as further columns, for what is drawn."""
-        return replace(self, columns=(*self.columns, *self.remainders))
+        """The same points with remainders and differences as columns, for what is drawn."""
+        return replace(self, columns=(*self.columns, *self.remainders, *self.differences))
 
     @property
     def primary(self) -> Column:

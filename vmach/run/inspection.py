@@ -130,7 +130,7 @@ def _check_unit(job: Job, nominal: NominalPart) -> None:
 
 def _check_volume(job: Job, nominal: NominalPart) -> None:
     """Refuse a part with more material than its blank."""
-    part_mm3, blank_mm3 = nominal.mesh.volume_mm3, job.blank.volume_mm3
+    part_mm3, blank_mm3 = nominal.volume_mm3, job.blank.volume_mm3
     if part_mm3 > (1.0 + _VOLUME_SLACK) * blank_mm3 and _fits(job, nominal):
         raise InputError(
             f"the nominal part has {part_mm3:.6g} mm3, the stock that it lies in {blank_mm3:.6g}",

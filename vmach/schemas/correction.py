@@ -24,6 +24,8 @@ class _Finding(Output):
     size_um: float
     log_odds: float
     """Natural logarithm, for it against without it."""
+    probability: float = Field(ge=0.0, le=1.0)
+    """That it is there."""
     parameters: dict[str, Any]
     """Numbers, or lists of a correction curve; the unit ends each name."""
     u: dict[str, Any]
@@ -98,6 +100,8 @@ class _Weak(Output):
     status: Literal["weak"]
     log_odds: float
     """Natural logarithm, for it against without it."""
+    probability: float = Field(ge=0.0, le=1.0)
+    """That it is there."""
     why: str
 
 

@@ -128,6 +128,32 @@ class _Feature(Output):
     """Why there is no value; empty where there is one."""
 
 
+class _Remainders(Output):
+    htm: float
+    """RMS, um."""
+    abbe: float
+    """RMS, um."""
+
+
+class _Arms(Output):
+    """Conventional arms minus Abbe-consistent ones, over the points that both cut."""
+
+    largest_um: float
+    rms_um: float
+    feature: str
+    """Where the difference is largest."""
+    point_mm: Vector
+    line: int
+    nc: str
+    remainder_rms_um: _Remainders | None
+    """Measured minus predicted; null without a measurement, like the three below."""
+    gain_um: float | None
+    """RMS left by HTM minus that left by Abbe."""
+    gain_interval_um: tuple[float, float] | None
+    """95 %, by a bootstrap over blocks of points."""
+    nearer: Literal["abbe", "htm", "cannot be told"] | None
+
+
 class _InputFile(Output):
     role: str
     path: str
@@ -165,6 +191,8 @@ class Summary(Output):
     """The virtual part against the nominal CAD; null without one."""
     features: list[_Feature]
     """What the drawing asks for; empty where the job has no tolerances."""
+    htm_against_abbe: _Arms | None
+    """null where only one of them was predicted."""
     run: _Run
 
 

@@ -116,7 +116,7 @@ class ResultFolder:
 def _record(study: Study) -> dict[str, Any]:
     """What the results depend on: another record, another study."""
     inputs = {
-        path.relative_to(study.folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+        os.path.relpath(path, study.folder): hashlib.sha256(path.read_bytes()).hexdigest()
         for path in study.files()
     }
     keys = "".join(case.key for case in study.cases)

@@ -11,7 +11,7 @@ from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossi
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.marginal_likelihood import Sizes
 
-__all__ = ["search"]
+__all__ = ["search", "without_needless"]
 
 #: candidates that are tried at each step, by their odds beside the discrepancy and without it
 _TRIED = 3
@@ -31,7 +31,7 @@ def search(weighing: Weighing, start: Explanation | None = None) -> Explanation:
         better = _best(_added(weighing, here), here) or _best(_exchanged(weighing, here), here)
         if better is None:
             break
-        here = _without_needless(weighing, better)
+        here = without_needless(weighing, better)
     return here
 
 
@@ -99,7 +99,7 @@ def _plain(here: Explanation) -> Explanation:
     return replace(here, posterior=replace(here.posterior, sizes=small))
 
 
-def _without_needless(weighing: Weighing, here: Explanation) -> Explanation:
+def without_needless(weighing: Weighing, here: Explanation) -> Explanation:
     """Drop effects that the others make needless."""
     while len(here.terms) > 1:
         fewer = [weighing.without(here, [k]) for k in range(len(here.terms))]

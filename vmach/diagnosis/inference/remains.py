@@ -1,4 +1,4 @@
-"""What remains beside effects and noise, and the odds of effects in its presence."""
+"""What remains beside effects and noise."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from vmach.base.units import um_from_mm
 from vmach.diagnosis.inference.rules import STRUCTURE, TRUST
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 
-__all__ = ["is_structure", "odds_of", "remains_um", "sizes_um", "usual_u_um"]
+__all__ = ["is_structure", "remains_um", "sizes_um", "usual_u_um"]
 
 
 def is_structure(weighing: Weighing, size_um: float) -> bool:
@@ -23,19 +23,6 @@ def usual_u_um(weighing: Weighing) -> float:
     return float(um_from_mm(np.median(weighing.survey.u_mm)))
 
 
-def odds_of(weighing: Weighing, found: Explanation) -> list[float]:
-    """Log odds of every effect, given everything else.
-
-    Where something remains whose law is not known, readings are no independent witnesses: log
-    odds are divided by the dispersion, the variance of what is not explained in that of noise
-    (McCullagh and Nelder, Generalized Linear Models, 1989, chapter 9).
-    """
-    fewer = [weighing.without(found, [k]) for k in range(len(found.terms))]
-    noise = weighing.survey.u_mm * found.posterior.sizes.factor
-    dispersion = 1.0 + float(np.mean((remains_mm(weighing, found) / noise) ** 2))
-    return [(found.score - e.score) / dispersion for e in fewer]
-
-
 def remains_mm(weighing: Weighing, found: Explanation) -> np.ndarray:
     """What the discrepancy takes of the readings, alignment and zeros taken off, (n,)."""
     posterior, members = found.posterior, weighing.members
@@ -46,9 +33,18 @@ def remains_mm(weighing: Weighing, found: Explanation) -> np.ndarray:
     return taken - weighing.survey.aligned(taken[:, None])[:, 0]
 
 
-def remains_um(weighing: Weighing, found: Explanation) -> float:
-    """Root mean square of the discrepancy, and of scatter beyond what noise may be."""
-    beyond = max(found.posterior.sizes.factor**2 - TRUST**2, 0.0)
+def remains_um(weighing: Weighing, found: Explanation, *, noise: float = TRUST) -> float:
+    """Root mean square of the discrepancy, and of scatter beyond noise.
+
+    Parameters
+    ----------
+    weighing : Weighing
+    found : Explanation
+    noise : float
+        Scatter that is noise, in stated uncertainties; where it is known, as from a fuller
+        explanation. More than `TRUST` is none.
+    """
+    beyond = max(found.posterior.sizes.factor**2 - min(noise, TRUST) ** 2, 0.0)
     scatter = beyond * usual_u_um(weighing) ** 2
     return float(np.sqrt(_rms_um(remains_mm(weighing, found)) ** 2 + scatter))
 

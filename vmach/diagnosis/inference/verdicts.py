@@ -2,32 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-
-import numpy as np
+from enum import StrEnum
 
 from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.moves import search
 from vmach.diagnosis.inference.noise import noise_after, noise_before
-from vmach.diagnosis.inference.remains import (
-    is_structure,
-    odds_of,
-    remains_um,
-    sizes_um,
-    usual_u_um,
-)
-from vmach.diagnosis.inference.rules import DOMINATES, SHOWN, WORTH_A_FORM
+from vmach.diagnosis.inference.remains import is_structure, remains_um
+from vmach.diagnosis.inference.support import Support, supports_of
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.proposals.forms import Forms
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.fit.terms import Term
 
-__all__ = ["Inference", "Weak", "infer"]
+__all__ = ["Inference", "Reason", "Weak", "infer", "supports_before_verdict"]
 
-IMPOSSIBLE = "would need a size that nature does not have"
 #: times that the noise of single readings is estimated anew
 _PASSES = 2
+
+
+class Reason(StrEnum):
+    """Why an effect that the search took is not shown."""
+
+    DOUBTFUL = "evidence and size do not make it certain"
+    REPLACED = "a form over states explains the readings as well"
+    IMPOSSIBLE = "would need a size that nature does not have"
 
 
 @dataclass(frozen=True)
@@ -37,15 +36,13 @@ class Weak:
     Attributes
     ----------
     term : Term
-    odds : float
-        Log odds for it, given everything else, divided by the dispersion.
-    why : str
-        Why it is not shown.
+    support : Support
+    why : Reason
     """
 
     term: Term
-    odds: float
-    why: str
+    support: Support
+    why: Reason
 
 
 @dataclass(frozen=True)
@@ -58,8 +55,8 @@ class Inference:
         With the noise that the readings show.
     explanation : Explanation
         By the effects that are shown.
-    odds : tuple of float
-        Log odds of each, given everything else, divided by the dispersion.
+    supports : tuple of Support
+        What speaks for each.
     weak : tuple of Weak
     remains_um : float
         Root mean square of what neither effects nor noise explain.
@@ -67,26 +64,55 @@ class Inference:
         Whether that is more than the uncertainty of one reading.
     proposals : tuple of Proposal
         Forms for what remains, the most probable first.
-    imitated_um : float
-        What effects of sizes that nature does not have would explain.
     """
 
     weighing: Weighing
     explanation: Explanation
-    odds: tuple[float, ...]
+    supports: tuple[Support, ...]
     weak: tuple[Weak, ...]
     remains_um: float
     is_structure: bool
     proposals: tuple[Proposal, ...] = ()
-    imitated_um: float = 0.0
 
 
 def infer(weighing: Weighing) -> Inference:
     """Search, noise of single readings and effects in turn, and weigh what was found.
 
-    Where structure remains, forms over states are tried beside the effects: what is shown has to
-    be so beside the best of them too.
+    Forms over states compete: with what remains, and for the place of every effect. Effects that
+    are not shown and forms count as what remains.
     """
+    weighing, found = _searched(weighing)
+    forms = Forms(weighing, found)
+    everything = forms.grown(found)
+    judged, supports, weak = _judged(forms, everything)
+    shown = [term for term in judged.terms if term.label in supports]
+    alone = weighing.explain(shown, found.posterior.sizes, refine=False)
+    remains = remains_um(weighing, alone, noise=everything.posterior.sizes.factor)
+    structure = is_structure(weighing, remains)
+    return Inference(
+        weighing,
+        alone,
+        tuple(supports[term.label] for term in shown),
+        weak,
+        remains,
+        structure,
+        proposals=forms.proposals(alone, judged) if structure else (),
+    )
+
+
+def supports_before_verdict(
+    weighing: Weighing,
+) -> tuple[Weighing, Explanation, dict[str, Support]]:
+    """What speaks for every effect that a search takes, for a calibration to look at."""
+    weighing, found = _searched(weighing)
+    forms = Forms(weighing, found)
+    grown = forms.grown(found)
+    supports = _beside_rivals(forms, grown, _beside_others(forms, grown))[0]
+    return weighing, found, supports
+
+
+def _searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
+    """The most probable set of effects, and the weighing with the noise that it leaves."""
     weighing = weighing.with_noise(noise_before(weighing))
     found = search(weighing)
     for _ in range(_PASSES):
@@ -95,87 +121,73 @@ def infer(weighing: Weighing) -> Inference:
             break
         weighing = weighing.with_noise(noise)
         found = search(weighing, weighing.explain(found.terms, found.posterior.sizes))
-    plain = _weighed(weighing, found)
-    if plain.remains_um < WORTH_A_FORM * usual_u_um(weighing):
-        return plain
-    forms = Forms(weighing, found)
-    beside, grown = forms.grown(found)
-    judged = _weighed(beside, grown, but=forms.labels)
-    shown = [t for t in judged.explanation.terms if t.label not in forms.labels]
-    odds = dict(zip((t.label for t in judged.explanation.terms), judged.odds, strict=True))
-    alone = weighing.explain(shown, plain.explanation.posterior.sizes, refine=False)
-    remains = float(np.hypot(remains_um(weighing, alone), judged.imitated_um))
-    structure = is_structure(weighing, remains)
-    return Inference(
-        weighing,
-        alone,
-        tuple(odds[t.label] for t in shown),
-        judged.weak,
-        remains,
-        structure,
-        proposals=forms.proposals(alone, judged.explanation) if structure else (),
-    )
+    return weighing, found
 
 
-def _weighed(weighing: Weighing, found: Explanation, *, but: Collection[str] = ()) -> Inference:
-    """Effects that are shown and those that are not, none of `but` asked about."""
-    weak: list[Weak] = []
-    imitated = 0.0
-    while True:
-        odds = odds_of(weighing, found)
-        remains = float(np.hypot(remains_um(weighing, found), imitated))
-        sizes = sizes_um(weighing, found)
-        least = DOMINATES * remains if is_structure(weighing, remains) else 0.0
-        asked = [k for k, t in enumerate(found.terms) if t.label not in but and odds[k] >= SHOWN]
-        k, why = _least(weighing, found, {k: (odds[k], sizes[k]) for k in asked}, least)
-        if k is None:
-            break
-        weak.append(Weak(found.terms[k], odds[k], why))
-        if why == IMPOSSIBLE:
-            # it imitates something that is there
-            imitated = float(np.hypot(imitated, sizes[k]))
-        found = weighing.without(found, [k])
-    # beside each other: one that is not shown still explains what others need not
-    kept = [k for k, t in enumerate(found.terms) if t.label in but or odds[k] >= SHOWN]
-    fewer = [k for k in range(len(found.terms)) if k not in kept]
-    why = f"log odds below {SHOWN:g}"
-    weak += [Weak(found.terms[k], odds[k], why) for k in fewer]
-    if fewer:
-        found = weighing.without(found, fewer)
-        remains = float(np.hypot(remains_um(weighing, found), imitated))
-    return Inference(
-        weighing,
-        found,
-        tuple(odds[k] for k in kept),
-        tuple(weak),
-        remains,
-        is_structure(weighing, remains),
-        imitated_um=imitated,
-    )
+def _judged(
+    forms: Forms, found: Explanation
+) -> tuple[Explanation, dict[str, Support], tuple[Weak, ...]]:
+    """An explanation without effects that are not shown, what speaks for the others, and those.
 
-
-def _least(
-    weighing: Weighing,
-    found: Explanation,
-    asked: Mapping[int, tuple[float, float]],
-    least_um: float,
-) -> tuple[int | None, str]:
-    """Which effect of clear evidence is no finding all the same, and why; None where all are.
-
-    Parameters
-    ----------
-    weighing : Weighing
-    found : Explanation
-    asked : mapping of int to (odds, size)
-        Of each term that is asked about.
-    least_um : float
-        Size that an effect has to have.
+    The least probable goes first. The others stay judged as beside it: their smallest odds count,
+    and the smallest rest.
     """
-    if not asked:
-        return None, ""
-    smallest = min(asked, key=lambda k: asked[k][1])
-    if asked[smallest][1] < least_um:
-        return smallest, "smaller than what remains unexplained"
+    supports: dict[str, Support] = {}
+    weak: list[Weak] = []
+    while True:
+        here = _beside_others(forms, found)
+        supports = {n: s.after(supports.get(n, s)) for n, s in here.items()}
+        doubted = _doubted(forms.weighing, found, supports)
+        if doubted is None:
+            supports, doubted = _beside_rivals(forms, found, supports)
+        if doubted is None:
+            return found, supports, tuple(weak)
+        weak.append(doubted[0])
+        found = doubted[1]
+
+
+def _beside_others(forms: Forms, found: Explanation) -> dict[str, Support]:
+    """What speaks for each effect, by its label, everything else given."""
+    both = zip(found.terms, supports_of(forms.weighing, found), strict=True)
+    return {term.label: support for term, support in both if term.label not in forms.labels}
+
+
+def _doubted(
+    weighing: Weighing, found: Explanation, supports: dict[str, Support]
+) -> tuple[Weak, Explanation] | None:
+    """The effect that is least to be believed, and the explanation without it."""
     fit = weighing.careful(found)
-    wrong = [k for k in impossible_terms(fit) if k in asked] if fit else []
-    return min(wrong, key=lambda k: asked[k][0], default=None), IMPOSSIBLE
+    wrong = [k for k in impossible_terms(fit) if found.terms[k].label in supports] if fit else []
+    for ks, why in ((_unsure(found, supports), Reason.DOUBTFUL), (wrong, Reason.IMPOSSIBLE)):
+        if ks:
+            k = min(ks, key=lambda k: supports[found.terms[k].label].order)
+            term = found.terms[k]
+            return Weak(term, supports[term.label], why), weighing.without(found, [k])
+    return None
+
+
+def _beside_rivals(
+    forms: Forms, found: Explanation, supports: dict[str, Support]
+) -> tuple[dict[str, Support], tuple[Weak, Explanation] | None]:
+    """What speaks for each effect against forms in its place; the one that gives way to them."""
+    asked = [k for k, term in enumerate(found.terms) if term.label in supports]
+    instead = {k: forms.in_place_of(found, k) for k in asked}
+    supports = {
+        found.terms[k].label: supports[found.terms[k].label].beside(found.score - e.score)
+        for k, e in instead.items()
+    }
+    unsure = _unsure(found, supports)
+    if not unsure:
+        return supports, None
+    k = min(unsure, key=lambda k: supports[found.terms[k].label].order)
+    term = found.terms[k]
+    return supports, (Weak(term, supports[term.label], Reason.REPLACED), instead[k])
+
+
+def _unsure(found: Explanation, supports: dict[str, Support]) -> list[int]:
+    """Numbers of the effects that are not shown."""
+    return [
+        k
+        for k, term in enumerate(found.terms)
+        if term.label in supports and not supports[term.label].is_shown
+    ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -86,6 +86,7 @@ class Weighing:
         self.excluded = tuple(excluded)
         self.members = members_of(survey)
         self._place = {c.label: k for k, c in enumerate(self.candidates)}
+        self._log_priors: dict[str, float] = {}
         self._take(noise or FeatureNoise(survey.u_mm, survey.group, np.ones(len(survey))))
 
     def _take(self, noise: FeatureNoise) -> None:
@@ -115,6 +116,15 @@ class Weighing:
         other._take(noise)
         return other
 
+    def of_candidates(self, known: Sequence[Candidate], log_priors: Mapping[str, float]) -> Self:
+        """The same with other candidates: some of its own, and those whose prior is given."""
+        other = copy.copy(self)
+        other._log_priors = {c.label: self.log_prior(c) for c in known} | dict(log_priors)
+        other.candidates = list(known)
+        other._place = {c.label: k for k, c in enumerate(known)}
+        other.bank, other._known = Bank(self.base, known), {}
+        return other
+
     @cached_property
     def missing_tables(self) -> frozenset[str]:
         """Labels of components that the machine file has no table of."""
@@ -124,6 +134,8 @@ class Weighing:
 
     def log_prior(self, candidate: Candidate) -> float:
         """Prior odds of a candidate; a component without a table is expected to be missing."""
+        if candidate.label in self._log_priors:
+            return self._log_priors[candidate.label]
         if candidate.label in self.missing_tables:
             return _MISSING_TABLE - np.log(len(self.candidates))
         return -candidate.effect.rarity - np.log(len(self.candidates))

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vmach.diagnosis.findings import Finding
-from vmach.diagnosis.inference.rules import SHOWN
+from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.next_test.planned_program import U_MM, write_program
 from vmach.effects import Circumstances
@@ -123,7 +123,7 @@ def _best_test(
 def _for_unknown(weighing: Weighing) -> NextMeasurement:
     """The test that tells the leading candidates apart best, its weakest pair counted."""
     job, gains = weighing.survey.job, weighing.gains(weighing.alone)
-    leading = [k for k in np.argsort(gains)[::-1] if gains[k] > SHOWN][:_LEADING]
+    leading = [k for k in np.argsort(gains)[::-1] if gains[k] > CLEARLY][:_LEADING]
     shown = [_Shown(*weighing.fitted_alone(k)) for k in leading]
     pairs = list(itertools.permutations(shown, 2))
     tests = list(planned_tests(job))

@@ -25,6 +25,7 @@ __all__ = ["FormColumns"]
 
 #: forms that are weighed together
 _AT_ONCE = 500
+_ALL = slice(None)
 #: kinds of what may push along all axes at once, by another amount each
 _ALONG_ALL = ("time", "warm-up", "time since tool change", "spindle", "tool change", "tool")
 #: a form that differs by less than this among the readings, mm, does not show
@@ -75,11 +76,11 @@ class FormColumns:
     def __len__(self) -> int:
         return len(self.forms)
 
-    def columns(self, form: Form) -> np.ndarray:
-        """Signatures of a usual amount each, (n, K) mm."""
-        first, second = self._states[form.first], self._states[form.second]
+    def columns(self, form: Form, rows: np.ndarray | slice = _ALL) -> np.ndarray:
+        """Signatures of a usual amount each at some of the readings, (n, K) mm."""
+        first, second = self._states[form.first][rows], self._states[form.second][rows]
         product = (first[:, :, None] * second[:, None, :]).reshape(len(first), 1, -1)
-        sensed = self._sensed[form.direction][:, :, None]
+        sensed = self._sensed[form.direction][rows][:, :, None]
         return 1e-3 * USUAL_UM * (sensed * product).reshape(len(first), -1)
 
     def space_of(self, form: Form) -> np.ndarray:
@@ -87,9 +88,9 @@ class FormColumns:
         columns = self.columns(form)
         return orthonormal(columns - self._survey.aligned(columns))
 
-    def candidate(self, form: Form) -> Candidate:
-        """The form as a candidate of a search."""
-        columns = self.columns(form)
+    def candidate(self, form: Form, rows: np.ndarray | slice = _ALL) -> Candidate:
+        """The form as a candidate of a search, over some of the readings."""
+        columns = self.columns(form, rows)
         effect = FormEffect(form, columns.shape[1])
         return Candidate(effect, form.formula, [{}], np.zeros(1), columns[:, None, :])
 

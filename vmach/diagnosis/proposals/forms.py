@@ -8,26 +8,32 @@ from dataclasses import replace
 import numpy as np
 
 from vmach.diagnosis.inference.bank import Bank
+from vmach.diagnosis.inference.moves import without_needless
 from vmach.diagnosis.inference.remains import remains_mm, remains_um, usual_u_um
-from vmach.diagnosis.inference.rules import SHOWN, WORTH_A_FORM
+from vmach.diagnosis.inference.rules import CLEARLY, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
-from vmach.diagnosis.proposals.form import Form, FormEffect
+from vmach.diagnosis.proposals.form import Form
 from vmach.diagnosis.proposals.form_columns import FormColumns
 from vmach.diagnosis.proposals.held_out import held_out_um
 from vmach.diagnosis.proposals.proposal import Proposal
-from vmach.fit.candidates import Candidate
-from vmach.fit.marginal_likelihood import Sizes
+from vmach.fit.discrepancy import Members
+from vmach.fit.marginal_likelihood import Base, Effects, Posterior, Sizes
+from vmach.fit.survey import Survey
 
 __all__ = ["Forms"]
 
 #: forms that are fitted at each step, by their evidence beside the discrepancy and nearly without
 _FITTED = 6
+#: the same for the place of an effect
+_IN_PLACE = 3
 #: forms that are added one after the other
 _MOST = 4
 #: proposals that are told
 _TOLD = 3
 #: sizes in u of a discrepancy that leaves a form to show
 _SMALL = 0.3
+#: readings at most that all forms are looked through on; the best are fitted to all readings
+_LOOKED_THROUGH = 3000
 #: numbers that products of forms may take up while they are kept
 _ROOM = 25_000_000
 #: a form whose readings follow those of another one that closely is the same
@@ -50,31 +56,48 @@ class Forms:
         self._columns = FormColumns(weighing.survey)
         self._banks: list[tuple[list[Form], Bank]] = []
         self._listed = 0
+        self._screen = _Screen(weighing)
         self._chosen: dict[str, Form] = {}
-        self._singles: list[tuple[Form, Explanation, float]] = []
 
     @property
     def labels(self) -> frozenset[str]:
         """Labels of the forms that were added."""
         return frozenset(self._chosen)
 
-    def grown(self, found: Explanation) -> tuple[Weighing, Explanation]:
+    @property
+    def weighing(self) -> Weighing:
+        """Of the effects that were found and the forms that were added."""
+        return self._with(())
+
+    def grown(self, found: Explanation) -> Explanation:
         """An explanation with forms added while that is clearly more probable."""
-        weighing, here = self._with(()), found
-        here = weighing.explain(found.terms, found.posterior.sizes, refine=False)
+        here = self.weighing.explain(found.terms, found.posterior.sizes, refine=False)
         for _ in range(_MOST):
-            if remains_um(weighing, here) < WORTH_A_FORM * usual_u_um(weighing):
+            if remains_um(self._weighing, here) < WORTH_A_FORM * usual_u_um(self._weighing):
                 break
             self._columns.add_waves(self._left_mm(here))
-            leading = self._leading(here)
-            weighing = self._with(leading)
-            trials = [weighing.extend(here, weighing.index_of(_label(f))) for f in leading]
-            best = max(range(len(trials)), key=lambda k: trials[k].score, default=None)
-            if best is None or trials[best].score < here.score + SHOWN:
+            better = self._extended(here, self._leading(here))
+            if better.score < here.score + CLEARLY:
                 break
-            self._chosen[_label(leading[best])] = leading[best]
-            here = _without_needless(weighing, trials[best])
-        return self._with(()), here
+            here = better
+        return here
+
+    def in_place_of(self, here: Explanation, k: int) -> Explanation:
+        """An explanation with the best form in the place of term k, or with none."""
+        rest = self.weighing.without(here, [k])
+        self._columns.add_waves(self._left_mm(rest))
+        better = self._extended(rest, self._leading(rest, _IN_PLACE))
+        return max(rest, better, key=lambda e: e.score)
+
+    def _extended(self, here: Explanation, leading: Sequence[Form]) -> Explanation:
+        """An explanation with the best of some forms, without what it makes needless."""
+        weighing = self._with(leading)
+        trials = {f: weighing.extend(here, weighing.index_of(_label(f))) for f in leading}
+        best = max(trials, key=lambda f: trials[f].score, default=None)
+        if best is None:
+            return here
+        self._chosen[_label(best)] = best
+        return without_needless(weighing, trials[best])
 
     def proposals(self, alone: Explanation, grown: Explanation) -> tuple[Proposal, ...]:
         """The forms of a grown explanation, then others that would do nearly as well.
@@ -100,7 +123,7 @@ class Forms:
                 continue
             proposal = self._proposal(start, form)
             without, with_it = proposal.held_out_um
-            if (form in first or proposal.odds > SHOWN) and with_it < without:
+            if (form in first or proposal.odds > CLEARLY) and with_it < without:
                 told.append(proposal)
         return tuple(told)
 
@@ -121,10 +144,11 @@ class Forms:
     def _with(self, forms: Sequence[Form]) -> Weighing:
         """A weighing of the known effects, the forms that were added, and some more."""
         every = {_label(form): form for form in (*self._chosen.values(), *forms)}
-        candidates = [*self._known, *(self._columns.candidate(f) for f in every.values())]
         listed = len(self._columns)
-        prices = {label: float(np.log(listed * f.looked_at)) for label, f in every.items()}
-        return _Priced(self._weighing, candidates, prices)
+        return self._weighing.of_candidates(
+            [*self._known, *(self._columns.candidate(f) for f in every.values())],
+            {label: -float(np.log(listed * f.looked_at)) for label, f in every.items()},
+        )
 
     def _left_mm(self, here: Explanation) -> np.ndarray:
         """What effects, members and alignment leave of the readings, (n,)."""
@@ -135,11 +159,11 @@ class Forms:
         left = survey.residual_mm - explained - remains_mm(self._weighing, here)
         return left - survey.aligned(left[:, None])[:, 0]
 
-    def _leading(self, here: Explanation) -> list[Form]:
-        """Forms worth a fit, beside an explanation."""
+    def _leading(self, here: Explanation, most: int = _FITTED) -> list[Form]:
+        """Forms worth a fit, beside an explanation, so many at most from either view."""
         sizes = here.posterior.sizes
         small = Sizes(sizes.factor, tuple(min(s, _SMALL) for s in sizes.members))
-        views = (here.posterior, replace(here.posterior, sizes=small))
+        views = [self._screen.posterior(each, here.posterior.effects) for each in (sizes, small)]
         gains: tuple[list[float], list[float]] = ([], [])
         forms: list[Form] = []
         for some, bank in self._weighed():
@@ -154,21 +178,22 @@ class Forms:
         for gain in gains:
             taken: list[np.ndarray] = []
             for k in np.argsort(-np.array(gain)):
-                if gain[k] < SHOWN or len(taken) == _FITTED:
+                if gain[k] < CLEARLY or len(taken) == most:
                     break
                 space = self._columns.space_of(forms[k])
                 if all(_share_within(space, other) < _SAME for other in taken):
                     taken.append(space)
                     chosen += [forms[k]] if forms[k] not in chosen else []
-        return [form for form in chosen if _label(form) not in self._chosen]
+        return [form for form in chosen if _label(form) not in here.labels]
 
     def _weighed(self) -> Iterator[tuple[list[Form], Bank]]:
         """Forms with their products, kept for the next time where there is room for them."""
         yield from self._banks
         known = sum(len(forms) for forms, _ in self._banks) if self._banks else 0
-        room = _ROOM // len(self._weighing.survey)
+        room = _ROOM // len(self._screen.base.y)
         for some in self._columns.batches(self._columns.forms[self._listed :]):
-            bank = Bank(self._weighing.base, [self._columns.candidate(form) for form in some])
+            rows = self._screen.rows
+            bank = Bank(self._screen.base, [self._columns.candidate(f, rows) for f in some])
             if (known := known + len(some)) < room:
                 self._banks.append((some, bank))
             yield some, bank
@@ -181,32 +206,41 @@ def _share_within(space: np.ndarray, other: np.ndarray) -> float:
     return float(np.linalg.norm(other.T @ space) / np.sqrt(max(space.shape[1], 1)))
 
 
-class _Priced(Weighing):
-    """A weighing over the base of another, in which forms cost what looking for them does."""
+class _Screen:
+    """Some of the readings, evenly spread, where all would take long to look through.
 
-    def __init__(
-        self, like: Weighing, candidates: Sequence[Candidate], prices: dict[str, float]
-    ) -> None:
-        self._like, self._prices = like, prices
-        super().__init__(like.survey, candidates, noise=like.base.noise)
+    Parameters
+    ----------
+    weighing : Weighing
+    """
 
-    def log_prior(self, candidate: Candidate) -> float:
-        """Logarithm of the prior odds of an effect, or of a form."""
-        if isinstance(candidate.effect, FormEffect):
-            return -self._prices[candidate.label]
-        return self._like.log_prior(candidate)
+    def __init__(self, weighing: Weighing) -> None:
+        base, count = weighing.base, len(weighing.survey)
+        self.rows: np.ndarray | slice = slice(None)
+        self.base = base
+        if count > _LOOKED_THROUGH:
+            rows = np.unique(np.linspace(0, count - 1, _LOOKED_THROUGH).astype(int))
+            every, noise = base.members, base.noise
+            kept = np.isin(np.arange(count), rows)
+            members = Members(
+                every.fixed_mm[rows], every.names, tuple(c[rows] for c in every.columns_mm)
+            )
+            of_rows = {name: getattr(noise, name)[rows] for name in ("u_mm", "group", "weight")}
+            self.rows = rows
+            self.base = Base(_kept(weighing.survey, kept), replace(noise, **of_rows), members)
+
+    def posterior(self, sizes: Sizes, effects: Effects) -> Posterior:
+        """Members at given sizes, and effects, as these readings have them."""
+        return self.base.posterior(
+            sizes, Effects(self.base, effects.columns_mm[self.rows], effects.log_prior)
+        )
+
+
+def _kept(survey: Survey, rows: np.ndarray) -> Survey:
+    """A survey with some of its readings, (n,) bool."""
+    pairs = zip(survey.measurements, survey.rows, strict=True)
+    return replace(survey, measurements=tuple(m.keep(rows[o]) for m, o in pairs if rows[o].any()))
 
 
 def _label(form: Form) -> str:
     return f"form {form.formula}"
-
-
-def _without_needless(weighing: Weighing, here: Explanation) -> Explanation:
-    """Drop terms that the others make needless."""
-    while len(here.terms) > 1:
-        fewer = [weighing.without(here, [k]) for k in range(len(here.terms))]
-        best = max(fewer, key=lambda e: e.score)
-        if best.score < here.score:
-            break
-        here = best
-    return here

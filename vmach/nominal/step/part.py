@@ -50,13 +50,14 @@ def read_step_part(path: Path, unit_mm: float | None = None) -> NominalPart:
     if gap_mm > 1e-4:
         said = f"edges of the CAD miss their vertices by up to {um_from_mm(gap_mm):.3g} um"
         notes.append(Note.plain(Kind.GAP, said, um_from_mm(gap_mm), "um"))
-    faces, meshes = [], []
+    faces, meshes, volume_mm3 = [], [], 0.0
     for solid in solids:
-        solid_faces, mesh = _build(solid, first=len(faces))
+        solid_faces, mesh, enclosed_mm3 = _build(solid, first=len(faces))
         if mesh.volume_mm3 < 0.0:
             solid_faces = [replace(face, outward=-face.outward) for face in solid_faces]
             mesh = Mesh(mesh.vertices_mm, mesh.triangles[:, ::-1], mesh.face)
             notes.append(Note.plain(Kind.INSIDE_OUT, "a solid was inside out and has been turned"))
+        volume_mm3 += abs(enclosed_mm3)
         faces += solid_faces
         meshes.append(mesh)
     pmi, more = _pmi(step)
@@ -71,6 +72,7 @@ def read_step_part(path: Path, unit_mm: float | None = None) -> NominalPart:
         mesh=mesh,
         mesh_chord_mm=CHORD_MM,
         chord_error_mm=0.0,
+        exact_volume_mm3=volume_mm3,
         notes=tuple(notes),
         pmi=pmi,
     )
@@ -95,10 +97,14 @@ def _titled(faces: list[SurfaceFace], pmi: StepPmi) -> list[SurfaceFace]:
     ]
 
 
-def _build(solid: Solid, first: int) -> tuple[list[SurfaceFace], Mesh]:
-    """Faces of one solid, numbered on from `first`, and their mesh."""
-    faces, vertices, triangles, owner, count = [], [], [], [], 0
-    for index, (raw, trim, points, corners) in enumerate(tessellate(solid), first):
+def _build(solid: Solid, first: int) -> tuple[list[SurfaceFace], Mesh, float]:
+    """Faces of one solid, numbered on from `first`, their mesh, and the volume that they enclose.
+
+    The volume is negative where the solid is inside out.
+    """
+    faces, vertices, triangles, owner, count, volume_mm3 = [], [], [], [], 0, 0.0
+    for index, (raw, trim, points, corners, share) in enumerate(tessellate(solid), first):
+        volume_mm3 += raw.outward * share
         if raw.outward < 0.0:
             corners = corners[:, ::-1]
         name = f"face {index + 1} {trim.surface.label}"
@@ -111,7 +117,7 @@ def _build(solid: Solid, first: int) -> tuple[list[SurfaceFace], Mesh]:
         owner.append(np.full(len(corners), index))
         count += len(points)
     mesh = _welded(np.vstack(vertices), np.vstack(triangles), np.concatenate(owner))
-    return faces, mesh
+    return faces, mesh, volume_mm3
 
 
 def _welded(vertices: np.ndarray, triangles: np.ndarray, face: np.ndarray) -> Mesh:

@@ -16,6 +16,7 @@ from vmach.errors import InputError
 from vmach.nominal.mesh.thinning import near_segments
 from vmach.nominal.step.solids import CHORD_MM, Edge, Solid, SolidFace
 from vmach.nominal.surfaces import Sphere, Surface, unit_normals
+from vmach.nominal.surfaces.curved_triangles import volume_under_mm3
 from vmach.nominal.surfaces.face import sample_uv
 from vmach.nominal.surfaces.trimming import Trim, is_pole
 
@@ -34,8 +35,10 @@ _MOST_PIECES = 20_000
 _SHAKE = 1e-8
 
 
-def tessellate(solid: Solid) -> list[tuple[SolidFace, Trim, np.ndarray, np.ndarray]]:
-    """Each face with its trim, vertices (V, 3) mm and triangles (T, 3).
+def tessellate(solid: Solid) -> list[tuple[SolidFace, Trim, np.ndarray, np.ndarray, float]]:
+    """Each face with its trim, vertices (V, 3) mm, triangles (T, 3) and share of the volume, mm3.
+
+    The shares are those of the surfaces themselves, not of the triangles: see `volume_under_mm3`.
 
     Triangles run counter-clockwise about dS/du x dS/dv. Vertices on an edge are the same, bit
     by bit, for both faces that meet there. A face whose normal contradicts its edges, as some
@@ -48,10 +51,24 @@ def tessellate(solid: Solid) -> list[tuple[SolidFace, Trim, np.ndarray, np.ndarr
             face, trim = face.turned(), trim.turned()
         faces.append(face)
         patches.append(_Patch.of(trim))
-    patches = _conforming(replace(solid, faces=tuple(faces)), patches)
-    return [
-        (face, patch.trim, *patch.triangles()) for face, patch in zip(faces, patches, strict=True)
-    ]
+    edges, patches = _conforming(replace(solid, faces=tuple(faces)), patches)
+    origin = next((edge.points_mm[0] for edge in edges.values()), np.zeros(3))
+    found = []
+    for face, patch in zip(faces, patches, strict=True):
+        vertices, triangles, middles = patch.triangles(_middles(edges, face))
+        share = volume_under_mm3(vertices[triangles] - origin, middles - origin)
+        found.append((face, patch.trim, vertices, triangles, share))
+    return found
+
+
+def _middles(edges: dict[int, Edge], face: SolidFace) -> np.ndarray:
+    """Points of the edges' curves in the middle of the segments of a face, (S, 3) mm."""
+    found = [np.empty((0, 3))]
+    for number, left in face.edges:
+        t = edges[number].t
+        points = edges[number].curve.evaluate((t[:-1] + t[1:]) / 2.0)
+        found.append(points if left else points[::-1])
+    return np.vstack(found)
 
 
 def _trim(edges: dict[int, Edge], face: SolidFace, surface: Surface) -> Trim:
@@ -65,8 +82,8 @@ def _trim(edges: dict[int, Edge], face: SolidFace, surface: Surface) -> Trim:
     return Trim.from_polylines(surface, lines)
 
 
-def _conforming(solid: Solid, patches: list[_Patch]) -> list[_Patch]:
-    """Patches whose edges are split until Delaunay triangles follow them.
+def _conforming(solid: Solid, patches: list[_Patch]) -> tuple[dict[int, Edge], list[_Patch]]:
+    """Edges and patches whose edges are split until Delaunay triangles follow them.
 
     A segment is sure to be a side of a triangle if no other point of the face lies in the
     circle over it; so segments are halved until that holds, on both faces of the edge alike.
@@ -90,7 +107,7 @@ def _conforming(solid: Solid, patches: list[_Patch]) -> list[_Patch]:
         for index in stale:
             trim = _trim(edges, solid.faces[index], patches[index].trim.surface)
             patches[index] = replace(patches[index], trim=trim)
-    return patches
+    return edges, patches
 
 
 def _crowded(edges: dict[int, Edge], face: SolidFace, patch: _Patch) -> Iterator[tuple[int, int]]:
@@ -148,15 +165,19 @@ class _Patch:
         length = np.linalg.norm(np.diff(self.trim.segments_mm, axis=1)[:, 0], axis=1)
         return (tree.query(middle)[0] < radius * (1.0 - 1e-6)) & (length > CHORD_MM)
 
-    def triangles(self) -> tuple[np.ndarray, np.ndarray]:
-        """Vertices (V, 3) mm and Delaunay triangles (T, 3); periodic directions are tiled."""
-        uv, vertices = self._nodes()
+    def triangles(self, middle_mm: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Vertices (V, 3) mm, Delaunay triangles (T, 3), and middles of their sides (T, 3, 3) mm.
+
+        Periodic directions are tiled. `middle_mm` (S, 3) are points of the edges themselves in the
+        middle of their segments.
+        """
+        uv, vertices, ends = self._nodes()
         periods = self._periods
         copies, owner = _tiled(uv, periods)
         try:
             triangles = Delaunay(_shaken(copies * self.scale, owner)).simplices
         except (QhullError, ValueError):  # fewer than three points, or all on one line
-            return vertices, np.empty((0, 3), dtype=np.int64)
+            return vertices, np.empty((0, 3), dtype=np.int64), np.empty((0, 3, 3))
         a, b, c = np.moveaxis(copies[triangles] * self.scale, 1, 0)
         one, other = b - a, c - a
         area = (one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]) / 2.0
@@ -169,17 +190,52 @@ class _Patch:
         flat = 3.0 * _SHAKE * np.ptp(copies * self.scale, axis=0).max()
         keep = window & (np.abs(area) > flat * np.max(sides, axis=0))
         keep[keep] = self.trim.contains(centre[keep])
-        return vertices, owner[triangles[keep]]
+        found = owner[triangles[keep]]
+        middles = self._middles(copies[triangles[keep]], found, ends, middle_mm)
+        return vertices, found, middles
 
-    def _nodes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Corners of the triangles: u and v within one period (V, 2), and points (V, 3) mm."""
+    def _middles(
+        self, uv: np.ndarray, corners: np.ndarray, ends: np.ndarray, middle_mm: np.ndarray
+    ) -> np.ndarray:
+        """Points of the surface in the middle of the triangles' sides; of edges those given.
+
+        Parameters
+        ----------
+        uv : (T, 3, 2) float64
+            Of the corners.
+        corners : (T, 3) int64
+        ends : (S, 2) int64
+            Vertices that the segments of the edges join.
+        middle_mm : (S, 3) float64
+        """
+        surface, count = self.trim.surface, corners.max(initial=0) + ends.max(initial=0) + 1
+        between = ((uv + np.roll(uv, -1, axis=1)) / 2.0).reshape(-1, 2)
+        middles = surface.evaluate(_wrapped(surface, between))
+        if len(ends):
+            sides = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1), axis=-1)
+            side = (sides @ np.array([count, 1])).ravel()
+            edge = np.sort(ends, axis=1) @ np.array([count, 1])
+            order = np.argsort(edge)
+            place = order[np.minimum(np.searchsorted(edge[order], side), len(edge) - 1)]
+            on_edge = edge[place] == side
+            middles[on_edge] = middle_mm[place[on_edge]]
+        return middles.reshape(-1, 3, 3)
+
+    def _nodes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Corners of the triangles: u and v within one period (V, 2), and points (V, 3) mm.
+
+        Also which of them each segment of the edges joins, (S, 2).
+        """
         trim = self.trim
         border = _wrapped(trim.surface, trim.segments_uv.reshape(-1, 2))
-        _, first = np.unique(np.round(border, 9), axis=0, return_index=True)
+        _, first, which = np.unique(
+            np.round(border, 9), axis=0, return_index=True, return_inverse=True
+        )
         poles = [pole for pole in (_pole(trim, v) for v in trim.v_range()) if len(pole)]
         ends = [np.repeat(trim.surface.evaluate(pole[:1]), len(pole), axis=0) for pole in poles]
         points = [trim.segments_mm.reshape(-1, 3)[first], trim.surface.evaluate(self.inner)]
-        return np.vstack([border[first], self.inner, *poles]), np.vstack([*points, *ends])
+        uv = np.vstack([border[first], self.inner, *poles])
+        return uv, np.vstack([*points, *ends]), which.reshape(-1, 2)
 
 
 def _wrapped(surface: Surface, uv: np.ndarray) -> np.ndarray:

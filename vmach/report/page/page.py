@@ -12,6 +12,7 @@ from PIL import Image
 from vmach.base.units import um_from_mm
 from vmach.features.result import FeatureResult
 from vmach.files.atomic import atomic_file
+from vmach.report.figures.arms import arms_text
 from vmach.report.figures.features import COVERAGE, flag_text, flagged, used_share
 from vmach.report.figures.statistics import (
     column_statistics,
@@ -66,7 +67,7 @@ def write_report_html(
     InputError
         The folder cannot be written to.
     """
-    deviations, remainders = (
+    deviations, remainders, differences = (
         [_column_view(points, v, run, span_mm=max(_largest_mm(group), 1e-12)) for v in group]
         for group in _groups(points)
     )
@@ -76,6 +77,8 @@ def write_report_html(
         points=points.with_remainders(),
         variants=deviations,
         remainders=remainders,
+        differences=differences,
+        arms=arms_text(points, run),
         primary=points.primary.name,
         histograms=[h for group in _groups(points) for h in histograms(group)],
         columns=_optional_columns(points),
@@ -94,9 +97,9 @@ def write_report_html(
         temporary.write_text(page, encoding="utf-8")
 
 
-def _groups(points: InspectedPoints) -> tuple[Sequence[Column], Sequence[Column]]:
-    """Columns that share a scale: the deviations, and measured minus predicted."""
-    return points.columns, points.remainders
+def _groups(points: InspectedPoints) -> tuple[Sequence[Column], ...]:
+    """Columns that share a scale: deviations, measured minus predicted, HTM minus Abbe."""
+    return points.columns, points.remainders, points.differences
 
 
 def _column_view(

@@ -1,0 +1,167 @@
+"""The numbers by which evidence and size of an effect become a probability that it is there.
+
+    python tests/benchmarks/calibrate_verdicts.py --rows calibration.csv [--share 0.5]
+    python tests/benchmarks/calibrate_verdicts.py --rows calibration.csv --fit
+
+Experiments of known and foreign causes are drawn with every kind of noise, on seeds that nothing
+else uses. Every effect that a search takes gives a row: whether it is true, its log odds where
+forms over states compete for its place, its size and what remains. A logistic regression on the
+rows gives the numbers in `vmach/diagnosis/inference/rules.py`; the sizes of the discrepancy give
+its prior in `vmach/fit/marginal_likelihood.py`. Cases whose rows are in the file are not run
+again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import sys
+import tempfile
+from collections.abc import Iterator
+from itertools import cycle
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import minimize
+from threadpoolctl import threadpool_limits
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+
+from tests.benchmarks.bench_hidden_effects import effects_of
+from tests.hidden_effects.experiment import FOREIGN_KINDS, SINGLE_KINDS, make_experiment
+from tests.hidden_effects.measuring import NOISES
+from tests.hidden_effects.part import PartDesign
+from tests.hidden_effects.verdict import is_answer
+from vmach.diagnosis.gates.impossible_sizes import impossible_terms
+from vmach.diagnosis.inference.prepare import prepare_weighing
+from vmach.diagnosis.inference.rules import CERTAIN, CLEARLY, OFFSET, WEIGHT_OF_FORM, WEIGHT_OF_SIZE
+from vmach.diagnosis.inference.support import Support
+from vmach.diagnosis.inference.verdicts import supports_before_verdict
+from vmach.diagnosis.residuals.job_survey import survey_job
+from vmach.diagnosis.rivals import rivals_of
+from vmach.fit.marginal_likelihood import _POWER, _USUAL_SIZE
+
+COLUMNS = (
+    "kind", "noise", "seed", "effect", "is_true", "odds", "size_um", "rest_um", "against_form",
+    "members",
+)  # fmt: skip
+#: first seed, and kinds with how often each is drawn
+FIRST_SEED = 940_000
+DRAWN = {
+    "none": 24, **dict.fromkeys(FOREIGN_KINDS, 3), **dict.fromkeys(SINGLE_KINDS, 2),
+    "double": 30, "triple": 14, "four": 8, "five": 8,
+}  # fmt: skip
+
+
+def cases() -> list[tuple[str, str, int]]:
+    """Kind, noise and seed of every case, in an order of chance."""
+    kinds = [kind for kind, count in DRAWN.items() for _ in range(count)]
+    drawn = zip(kinds, cycle(NOISES), range(FIRST_SEED, FIRST_SEED + len(kinds)), strict=False)
+    every = list(drawn)
+    return [every[k] for k in np.random.default_rng(0).permutation(len(every))]
+
+
+@threadpool_limits.wrap(limits=1, user_api="blas")
+def rows_of(kind: str, noise: str, seed: int) -> Iterator[dict]:
+    """A row of every effect that a search takes and nature allows; the first names none."""
+    case = {"kind": kind, "noise": noise, "seed": seed}
+    design = PartDesign(corners=seed % 3 == 0, two_set_ups=seed % 5 == 0)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        try:
+            effects = effects_of(kind, seed)
+            make_experiment(folder, effects=effects, seed=seed, design=design, noise=noise)
+        except ValueError:
+            return
+        truth = json.loads((folder / "truth.json").read_text())
+        weighing = prepare_weighing(survey_job(folder / "job.toml"))
+        weighing, found, supports = supports_before_verdict(weighing)
+    yield case | {"members": json.dumps(found.posterior.sizes.members)}
+    fit = weighing.careful(found)
+    impossible = impossible_terms(fit) if fit else []
+    for k, term in enumerate(found.terms):
+        if term.label not in supports or k in impossible:
+            continue
+        names = rivals_of(weighing, found, k).names
+        entry = {"effect": term.effect.name, "target": term.target, "class": names}
+        support = supports[term.label]
+        yield case | {
+            "effect": term.label,
+            "is_true": int(is_answer(entry, truth)),
+            "odds": round(support.odds, 3),
+            "size_um": round(support.size_um, 4),
+            "rest_um": round(support.rest_um, 4),
+            "against_form": round(support.against_form, 3),
+        }
+
+
+def print_fit(rows: list[dict]) -> None:
+    """Print the logistic regression and what it says of the rows that it was made from."""
+    rows = [row for row in rows if row["effect"] and float(row["odds"]) >= CLEARLY]
+    supports = [Support(*(float(row[c]) for c in COLUMNS[-5:-1])) for row in rows]
+    columns = np.array([[1.0, s.relative_size, s.against_form] for s in supports])
+    sign = np.where([row["is_true"] == "1" for row in rows], 1.0, -1.0)
+
+    def cost(weights: np.ndarray) -> float:
+        return float(np.logaddexp(0.0, -sign * (columns @ weights)).sum())
+
+    best = minimize(cost, np.array([OFFSET, WEIGHT_OF_SIZE, WEIGHT_OF_FORM])).x
+    print(f"{len(rows)} effects of clear evidence, {int((sign > 0).sum())} of them true")
+    print("OFFSET, WEIGHT_OF_SIZE, WEIGHT_OF_FORM = {:.2f}, {:.2f}, {:.3f}".format(*best))
+    said = 1.0 / (1.0 + np.exp(-columns @ best))
+    print("shown from this probability on: so many, of which so many false; true ones lost")
+    for least in (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, CERTAIN):
+        shown = said >= least
+        false, lost = (shown & (sign < 0)).sum(), (~shown & (sign > 0)).sum()
+        print(f"{least:.2f}: {shown.sum():4d} {false:4d} {lost:4d}")
+
+
+def print_prior(rows: list[dict]) -> None:
+    """Print the prior of members' sizes that makes the sizes of all cases most probable."""
+    found = [size for row in rows if row["members"] for size in json.loads(row["members"])]
+    sizes, grid = np.maximum(found, 0.02), np.linspace(np.log(0.02), np.log(50.0), 2000)
+
+    def density(logarithms: np.ndarray, usual: float, power: float) -> np.ndarray:
+        return -power * np.log1p((np.exp(logarithms) / usual) ** 2)
+
+    def cost(both: np.ndarray) -> float:
+        whole = np.log(np.trapezoid(np.exp(density(grid, *np.exp(both))), grid))
+        return float(len(sizes) * whole - density(np.log(sizes), *np.exp(both)).sum())
+
+    here = np.log([_USUAL_SIZE, _POWER])
+    best = minimize(cost, here, method="Nelder-Mead", bounds=[(np.log(0.02), 3.0), (-3.0, 3.0)])
+    print("_USUAL_SIZE, _POWER = {:.2g}, {:.2g}".format(*np.exp(best.x)), end="")
+    print(f", more probable than those in use by exp({cost(here) - best.fun:.0f})")
+
+
+def main() -> None:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--rows", type=Path, required=True)
+    parser.add_argument("--share", type=float, default=1.0, help="of the cases, to be run")
+    parser.add_argument("--fit", action="store_true", help="only fit the rows of the file")
+    args = parser.parse_args()
+    known: list[dict] = []
+    if args.rows.exists():
+        with args.rows.open(newline="") as file:
+            known = list(csv.DictReader(file))
+    done = {(row["kind"], row["noise"], int(row["seed"])) for row in known}
+    every = cases()
+    wanted = [] if args.fit else every[: round(args.share * len(every))]
+    for case in wanted:
+        if case in done:
+            continue
+        found = [dict.fromkeys(COLUMNS, "") | row for row in rows_of(*case)]
+        with args.rows.open("a", newline="") as file:
+            writer = csv.DictWriter(file, COLUMNS)
+            if not file.tell():
+                writer.writeheader()
+            writer.writerows(found)
+        known += [{name: str(value) for name, value in row.items()} for row in found]
+    print_fit(known)
+    print_prior(known)
+
+
+if __name__ == "__main__":
+    main()
