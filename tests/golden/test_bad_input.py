@@ -287,7 +287,7 @@ def test_a_terminal_that_lacks_a_sign_shows_another(monkeypatch):
 
 @pytest.mark.parametrize(
     ("name", "expected"),
-    [("simens", "accepted: fanuc, "),
+    [("simens", "accepted: centroid, fanuc, "),
      ("siemens", "part.nc: a linuxcnc program cannot be written for sinumerik")],
 )  # fmt: skip
 def test_wrong_control_is_refused_before_anything_is_solved(
@@ -306,4 +306,4 @@ def test_a_job_has_the_same_names_of_dialects(job, monkeypatch, capsys):
     replace(job, "siemens", "simens")
     status, _, message = run_vmach(monkeypatch, capsys, "predict", job, "--points", job)
     assert status == 1
-    assert "accepted: auto, fanuc, " in message
+    assert "accepted: auto, centroid, fanuc, " in message

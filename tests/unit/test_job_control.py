@@ -55,7 +55,7 @@ def test_the_command_line_comes_first(tmp_path, monkeypatch, capsys):
         assert expected in out + message
     arguments = ("path", job, "-o", "x.csv", "--control", "x")
     status, _, message = run_vmach(monkeypatch, capsys, *arguments)
-    assert (status, "--control x; accepted: auto, fanuc" in message) == (1, True)
+    assert (status, "--control x; accepted: auto, centroid, fanuc" in message) == (1, True)
 
 
 def test_two_names_are_refused(tmp_path):
