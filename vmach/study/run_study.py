@@ -89,6 +89,17 @@ def run_study(
     ------
     InputError
         The folder holds something else; no dask scheduler answers.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> import vmach
+    >>> _ = Path("twice.py").write_text("def twice(case, random): return {'y': 2 * case.values['x']}")
+    >>> text = 'schema = 1\\nseed = 1\\nfunction = "twice:twice"\\n[cases]\\nx = [1, 2, 3]'
+    >>> _ = Path("study.toml").write_text(text)
+    >>> study = vmach.read_study("study.toml")
+    >>> vmach.run_study(study, "out", processes=1).done
+    3
     """
     folder, shard = ResultFolder(Path(out)), shard or Shard()
     folder.open_for(study)
@@ -120,6 +131,18 @@ def merge_study(study: Study, out: str | Path, table: Path) -> int:
     ------
     InputError
         A case has no result; the file cannot be written.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> import vmach
+    >>> _ = Path("twice.py").write_text("def twice(case, random): return {'y': 2 * case.values['x']}")
+    >>> text = 'schema = 1\\nseed = 1\\nfunction = "twice:twice"\\n[cases]\\nx = [1, 2, 3]'
+    >>> _ = Path("study.toml").write_text(text)
+    >>> study = vmach.read_study("study.toml")
+    >>> _ = vmach.run_study(study, "out", processes=1)
+    >>> vmach.merge_study(study, "out", Path("all.csv"))
+    3
     """
     check_table_file(table)
     folder = ResultFolder(Path(out))

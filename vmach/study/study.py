@@ -81,6 +81,17 @@ def read_study(path: str | Path) -> Study:
     ------
     InputError
         Anything wrong with it, with line, key and value; no such function; a case twice.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> import vmach
+    >>> _ = Path("twice.py").write_text("def twice(case, random): return {'y': 2 * case.values['x']}")
+    >>> text = 'schema = 1\\nseed = 1\\nfunction = "twice:twice"\\n[cases]\\nx = [1, 2, 3]'
+    >>> _ = Path("study.toml").write_text(text)
+    >>> study = vmach.read_study("study.toml")
+    >>> len(study.cases)
+    3
     """
     path = Path(path)
     data = read_toml(path, _StudySchema, what="study file")
