@@ -94,7 +94,8 @@ def run_study(
     --------
     >>> from pathlib import Path
     >>> import vmach
-    >>> _ = Path("twice.py").write_text("def twice(case, random): return {'y': 2 * case.values['x']}")
+    >>> law = "def twice(case, random): return {'y': 2 * case.values['x']}"
+    >>> _ = Path("twice.py").write_text(law)
     >>> text = 'schema = 1\\nseed = 1\\nfunction = "twice:twice"\\n[cases]\\nx = [1, 2, 3]'
     >>> _ = Path("study.toml").write_text(text)
     >>> study = vmach.read_study("study.toml")
@@ -136,7 +137,8 @@ def merge_study(study: Study, out: str | Path, table: Path) -> int:
     --------
     >>> from pathlib import Path
     >>> import vmach
-    >>> _ = Path("twice.py").write_text("def twice(case, random): return {'y': 2 * case.values['x']}")
+    >>> law = "def twice(case, random): return {'y': 2 * case.values['x']}"
+    >>> _ = Path("twice.py").write_text(law)
     >>> text = 'schema = 1\\nseed = 1\\nfunction = "twice:twice"\\n[cases]\\nx = [1, 2, 3]'
     >>> _ = Path("study.toml").write_text(text)
     >>> study = vmach.read_study("study.toml")

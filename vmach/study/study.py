@@ -86,7 +86,8 @@ def read_study(path: str | Path) -> Study:
     --------
     >>> from pathlib import Path
     >>> import vmach
-    >>> _ = Path("twice.py").write_text("def twice(case, random): return {'y': 2 * case.values['x']}")
+    >>> law = "def twice(case, random): return {'y': 2 * case.values['x']}"
+    >>> _ = Path("twice.py").write_text(law)
     >>> text = 'schema = 1\\nseed = 1\\nfunction = "twice:twice"\\n[cases]\\nx = [1, 2, 3]'
     >>> _ = Path("study.toml").write_text(text)
     >>> study = vmach.read_study("study.toml")
