@@ -135,10 +135,11 @@ def _reaches_floor(
     reaches = np.zeros(len(start), dtype=np.bool_)
     for i in range(len(start)):
         r = radius[i] + cell / 2
-        row, last = _rows(start[i], end[i], r, grid, rows)
-        while row < last and not reaches[i]:
+        first, last = _rows(start[i], end[i], r, grid, rows)
+        for row in range(first, last):
+            if reaches[i]:
+                break
             left, right = _chord(start[i], end[i], r, grid[1] + (row + 0.5) * cell)
-            row += 1
             if left > right:
                 continue
             begin = max(int(np.floor((left - grid[0]) / cell)), 0)
