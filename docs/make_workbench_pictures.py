@@ -81,6 +81,7 @@ def tour(page: Page) -> None:
 
 
 def ready(page: Page) -> None:
+    """Wait until the part is drawn."""
     page.wait_for_selector("body[data-ready=part]")
 
 

@@ -134,7 +134,8 @@ class Subprograms:
         return self.leave()
 
     def _push(self, level: _Level) -> None:
-        if len(self.levels) >= 4 * _LEVELS:
+        calls = sum(level.named is not None for level in self.levels)
+        if max(calls, len(self.levels) // 2) >= _LEVELS:  # parts that are repeated nest as well
             raise ProgramError(f"subprograms nested deeper than {_LEVELS}")
         self.levels.append(level)
 
