@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
 import traceback
 from pathlib import Path
 
+from vmach.base.broken_pipe import end_by_broken_pipe, end_when_the_reader_leaves
 from vmach.base.memory import give_back_large_arrays
 from vmach.base.terminal import protect_terminal
 
@@ -20,9 +20,8 @@ def main() -> None:
     Exit status 130 after Ctrl-C, 70 after a fault of the program itself; with
     ``VMACH_TRACEBACK=1`` in the environment such a fault shows where it comes from.
     """
-    if hasattr(signal, "SIGPIPE") and sys.stdout is sys.__stdout__:  # not called by a program
-        # `vmach predict ... | head` ends as other tools do when the reader has seen enough
-        signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    if sys.stdout is sys.__stdout__:  # not called by a program
+        end_when_the_reader_leaves()
     protect_terminal()
     give_back_large_arrays()
     try:
@@ -35,6 +34,8 @@ def main() -> None:
         if stop.code == 130:  # typer has seen the signal
             _interrupted()
         raise
+    except BrokenPipeError:
+        end_by_broken_pipe()
     except MemoryError as error:
         _end(1, f"not enough memory: {error}")
     except Exception as error:

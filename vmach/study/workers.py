@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 
+from vmach.base.broken_pipe import live_on_when_the_reader_leaves
 from vmach.errors import VmachError
 from vmach.study.case import Case
 from vmach.study.results import ResultFolder
@@ -95,6 +96,7 @@ class _Team:
     """Worker processes, each with the case that it has."""
 
     def __init__(self, task: Task, folder: ResultFolder, size: int) -> None:
+        live_on_when_the_reader_leaves()
         self._told, self._size = (task, folder), size
         self._context = multiprocessing.get_context("spawn")  # forks of threads lock up
         self._idle: list[Connection] = []

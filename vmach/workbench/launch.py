@@ -8,6 +8,7 @@ from pathlib import Path
 
 import uvicorn
 
+from vmach.base.broken_pipe import live_on_when_the_reader_leaves
 from vmach.errors import InputError
 from vmach.workbench.access import Access
 from vmach.workbench.bounded_http import BoundedHttp
@@ -44,6 +45,7 @@ def launch(
     InputError
         There is no such job, or the port is taken.
     """
+    live_on_when_the_reader_leaves()
     session = Session(control)
     if job is None:
         session.open_folder(OpenedFolder(Path.cwd().resolve()))

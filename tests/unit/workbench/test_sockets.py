@@ -1,7 +1,11 @@
 """A real server and sockets that mean it no good: it goes on serving."""
 
 import http.client
+import re
+import signal
 import socket
+import subprocess
+import sys
 import threading
 import time
 
@@ -114,6 +118,23 @@ def test_what_is_no_http_is_refused(served, garbage):
                 said = b""
         assert b"200 OK" not in said
     assert state_of(access) == 200
+
+
+def test_browsers_that_leave_while_they_are_answered(tmp_path):
+    command = [sys.executable, "-P", "-m", "vmach", "open", "--no-browser"]
+    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True) as process:
+        found = re.search(r":(\d+)/\?token=(\S+)", process.stdout.readline())
+        access = Access(port=int(found[1]), token=found[2])
+        asked = (
+            f"GET /api/state HTTP/1.1\r\nHost: 127.0.0.1:{access.port}\r\n"
+            f"x-vmach-token: {access.token}\r\n\r\n"
+        )
+        for _ in range(50):
+            with socket.create_connection(("127.0.0.1", access.port), timeout=5) as one:
+                one.sendall(asked.encode())
+        assert state_of(access) == 200
+        process.send_signal(signal.SIGINT)
+        assert process.wait(30) in (0, 130)
 
 
 def test_it_listens_on_this_machine_alone(monkeypatch):
