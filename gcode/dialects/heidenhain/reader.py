@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from gcode.dialects.heidenhain.approach import approach, depart
+from gcode.dialects.heidenhain.block_text import bare, joined_blocks
 from gcode.dialects.heidenhain.cycle_calls import CycleCalls
 from gcode.dialects.heidenhain.frames import KlartextFrames
 from gcode.dialects.heidenhain.parameters import NUMBER, QParameters
@@ -27,7 +28,6 @@ _WORD = re.compile(
     rf"({NUMBER}|MAX)?\s*([+-])?(?=\s|$|[A-Z])"
 )
 _ACCEPTED = "X Y Z IX IY IZ PR PA IPA R DR RL RR R0 F FMAX M"
-_COMMA = re.compile(r"(?<=\d),(?=\d)")
 _LABEL = re.compile(r"(?:CALL\s+)?LBL\s+(\d+|\"[^\"]*\")")
 _TOOL = re.compile(r"TOOL CALL(?:\s+(\d+|Q\d+|\"[^\"]*\"))?(?:\s+([XYZ])(?!\w))?(.*)")
 _TOOL_WORD = re.compile(rf"\s*(DL|DR2|DR|S|F)\s*({NUMBER})")
@@ -40,6 +40,9 @@ _NOTED_M = {90: "corners", 94: "rotary display", 103: "plunging feed", 107: "ove
             124: "points left out", 126: "short way of rotary axes", 127: "", 129: "TCPM off",
             134: "", 135: "", 137: "", 138: "", 141: "", 142: "", 143: "", 145: "", 148: "",
             149: "", 150: "", 197: ""}  # fmt: skip
+#: M functions that change the path or its feed
+_REFUSED_M = {97: "small steps of a contour", 98: "open corners", 116: "feed of rotary axes",
+              128: "tool centre point", 136: "feed per revolution", 144: "tilted head"}  # fmt: skip
 _LEVELS = 19
 
 
@@ -67,22 +70,38 @@ class KlartextReader(Translated):
         self.begun: dict[str, int] = {}  #: blocks obeyed when what stands below a label began
         #: label line, return line, repeats left, what `begun` was before the repeats
         self.calls: list[tuple[int, int, int, int]] = []
-        self.contents: dict[int, str] = {}
+        self.contents = joined_blocks(lines)
         computed = self.parameters.computed
         computed["108"] = lambda: self.tool_of_spindle().offset_diameter_mm / 2.0
         computed["114"] = lambda: self.tool_of_spindle().offset_length_mm
         computed["109"] = lambda: 2.0
+        self.parameters.tool_data = self._tool_data
 
     def tool_of_spindle(self) -> ToolEntry:
         return self.controller.offsets.get(self.controller.tool, ToolEntry())
+
+    def _tool_data(self, asked: str) -> float | None:
+        """What FN 18 is told of the tools: ID20 NR1 number, ID50 NR1 length and NR2 radius."""
+        match = re.match(rf"(?:SYSREAD\s+)?ID\s*(20|50)\s*NR\s*([12])\s*(?:IDX\s*({NUMBER}))?$",
+                         asked.strip())  # fmt: skip
+        if match is None or (match[1] == "20") != (match[3] is None) or match.group(1, 2) == (
+            "20", "2"
+        ):  # fmt: skip
+            return None
+        if match[1] == "20":
+            return float(self.controller.tool)
+        entry = self.controller.first_offsets.get(
+            number_ := int(self.parameters.number(match[3])),
+            self.controller.offsets.get(number_, ToolEntry()),
+        )
+        size = entry.length_mm if match[2] == "1" else entry.diameter_mm / 2.0
+        return size / self.controller.unit_mm
 
     def content(self, index: int) -> str:
         """A line without number, comment and structure, in upper case."""
         text = self.contents.get(index)
         if text is None:
-            text = re.sub(r";.*", "", self.lines[index]).replace("~", " ").strip().upper()
-            text = _COMMA.sub(".", re.sub(r"^\d+(?:\s+|$)", "", text))
-            self.contents[index] = text
+            text = self.contents[index] = bare(self.lines[index])
         return text
 
     def obey(self, text: str) -> None:
@@ -177,6 +196,9 @@ class KlartextReader(Translated):
     # M functions
 
     def _only_m(self, content: str) -> None:
+        if re.search(r"M\s*140\b", content):
+            self._move("L", content)
+            return
         if not re.fullmatch(r"(?:M\s*\d+\s*)+", content):
             raise ProgramError(f"cannot read '{content}'", accepted="M with a number")
         for code in map(int, re.findall(r"M\s*(\d+)", content)):
@@ -186,6 +208,10 @@ class KlartextReader(Translated):
                 self.execute(self.m_code(code))
 
     def m_code(self, code: int) -> str:
+        """Block of an M function; nothing for one that moves nothing here."""
+        if code in _REFUSED_M:
+            raise ProgramError(f"M{code} ({_REFUSED_M[code]}) is not read",
+                               accepted="milling with three axes")  # fmt: skip
         if code in (13, 14):
             return f"m{code - 10}m8"
         if code in (2, 30):
@@ -224,6 +250,8 @@ class KlartextReader(Translated):
                 words["MB"] = None if value in (None, "MAX") else self.parameters.number(value)
             elif letter in ("R0", "RL", "RR", "FMAX", "FAUTO") and value is None:
                 words[letter] = None
+            elif letter in ("R", "F") and value is None:  # early controls: as before
+                continue
             elif value in (None, "MAX") or letter not in _LETTERS:
                 raise ProgramError(f"Klartext word '{letter}' is not read in a motion line",
                                    accepted=_ACCEPTED)  # fmt: skip
@@ -233,6 +261,10 @@ class KlartextReader(Translated):
                 words[letter] = self.parameters.number(value)
         if content[position:].strip():
             raise ProgramError(f"cannot read '{content[position:].strip()}'", accepted=_ACCEPTED)
+        scaling = self.frames.scaling
+        if not scaling.is_identity and not {91, 92} & set(codes):
+            self.keep("scaling")
+            words = scaling.applied(words)
         return words, codes
 
     def here(self) -> list[float]:
@@ -270,6 +302,9 @@ class KlartextReader(Translated):
 
     def _centre(self, content: str) -> None:
         words, _ = self.words(content.removeprefix("CC"))
+        if words.keys() & {"Z", "IZ"}:
+            raise ProgramError("a circle centre with Z: circles in planes of Z are not read",
+                               accepted="CC X Y")  # fmt: skip
         if "PR" in words or "PA" in words or "IPA" in words:
             self.pole = self._polar_target(words)[:2]
         else:
@@ -423,7 +458,8 @@ class KlartextReader(Translated):
             raise ProgramError(
                 f"{found[1]} behind anything but a line L is not read", accepted="two lines"
             )
-        self.corner = (found[1], self.parameters.number(found[2]))
+        scale = self.frames.scaling.of_radii
+        self.corner = (found[1], self.parameters.number(found[2]) * scale)
 
     def _waits(self) -> bool:
         """Whether RND or CHF stands in the next line."""
@@ -467,6 +503,9 @@ class KlartextReader(Translated):
         if "F" in words:
             self.feed = self.tool_feed = words["F"]
         if said is None:
+            if words.keys() & {"DL", "DR"}:
+                self._apply_oversize(self.controller.tool, words)
+                self.execute(f"g43h{self.controller.tool}")
             return
         named = said.startswith('"')
         tool = (
