@@ -199,3 +199,19 @@ def test_what_would_be_read_wrongly_is_refused(line):
     with pytest.raises(ProgramError) as error:
         read(line, control=ControlSettings(ignore_m=frozenset((97, 128))))
     assert "ignore_m" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("plane", "flat"),
+    [("SPATIAL SPA+0 SPB+0 SPC+0 STAY", True), ("AXIAL A+0 C+0 STAY", True),
+     ("VECTOR BX1 BY0 BZ0 NX0 NY0 NZ1 STAY SEQ- TABLE ROT", True), ("RESET STAY", True),
+     ("EULER EULPR0 EULNU0 EULROT0 STAY", True), ("PROJECTED PROPR+0 PROMIN+0 ROT+0 STAY", True),
+     ("VECTOR BX1 BY0 BZ0 NX0 NY1 NZ0 STAY", False), ("SPATIAL SPA+0 SPB+0 SPC+90 STAY", False),
+     ("AXIAL B-90 TURN FMAX", False), ("POINTS P1X0", False)],
+)  # fmt: skip
+def test_planes_that_tilt_nothing_are_read(plane, flat):
+    if flat:
+        assert read(f"PLANE {plane}\nL X+7 FMAX").moves.end_mm[-1, 0] == 7
+    else:
+        with pytest.raises(ProgramError, match="tilts the plane"):
+            read(f"PLANE {plane}\nL X+7 FMAX")
