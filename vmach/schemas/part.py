@@ -88,6 +88,8 @@ class _FeatureValue(Output):
     """Standard uncertainty; null where it is not known."""
     verdict: Literal["conforms", "does not conform", "cannot be told"]
     """After ISO 14253-1."""
+    interval_mm: list[float] | None
+    """Ends of the coverage interval of 95 %; null where nothing was drawn."""
 
 
 class _FeatureLine(Output):

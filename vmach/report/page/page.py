@@ -13,7 +13,7 @@ from vmach.base.units import um_from_mm
 from vmach.features.result import FeatureResult
 from vmach.files.atomic import atomic_file
 from vmach.report.figures.arms import arms_text
-from vmach.report.figures.features import COVERAGE, flag_text, flagged, used_share
+from vmach.report.figures.features import COVERAGE, flag_text, flagged, spread_text, used_share
 from vmach.report.figures.statistics import (
     column_statistics,
     common_range_mm,
@@ -166,6 +166,7 @@ def _drawing(run: RunRecord) -> dict:
         "rows": [(result, used_share(result)) for result in run.features],
         "has_measured": any(result.measured for result in run.features),
         "coverage": COVERAGE,
+        "spread_text": spread_text,
     }
 
 
