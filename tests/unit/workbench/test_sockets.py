@@ -84,7 +84,7 @@ def test_a_thousand_sockets_that_ask_nothing(served):
 
 
 def test_sockets_that_ask_a_byte_at_a_time_are_closed(served):
-    access, server = served
+    access, _ = served
     address = ("127.0.0.1", access.port)
     slow = [socket.create_connection(address, timeout=PATIENCE_S) for _ in range(20)]
     until(lambda: all([is_closed(one) for one in slow]))
