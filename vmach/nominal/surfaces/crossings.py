@@ -26,6 +26,8 @@ _CROWD = 8.0
 
 #: a row whose v differs from that of a whole segment by less than this runs along it
 _ALONG = 1e-7
+#: where one segment ends and the next begins, their v differ by rounding, by less than this
+_ROUNDING = 1e-9
 
 
 @njit(cache=True, nogil=True)
@@ -114,15 +116,24 @@ def interpolated(at, row, x, y):
 
 @njit(cache=True, nogil=True)
 def _beside_edges(segments, level, period):
-    """A row that runs along an edge, moved off it: rounding decides what it crosses there."""
+    """A row along an edge, or through ends that differ by rounding, moved off it.
+
+    Rounding decides what such a row crosses there: both segments that meet, or neither.
+    """
     for s in range(len(segments)):
-        one, other = segments[s, 0, 1] - level, segments[s, 1, 1] - level
-        if period > 0.0:
-            one -= period * np.round(one / period)
-            other -= period * np.round(other / period)
-        if abs(one) < _ALONG and abs(other) < _ALONG:
+        if _is_along(segments[s, 0, 1] - level, segments[s, 1, 1] - level, period):
             return level + 2.0 * _ALONG
     return level
+
+
+@njit(cache=True, nogil=True)
+def _is_along(one, other, period):
+    """Whether a segment with its ends so far above a row lies along it, or ends all but on it."""
+    if period > 0.0:
+        one -= period * np.round(one / period)
+        other -= period * np.round(other / period)
+    one, other = abs(one), abs(other)
+    return (one < _ALONG and other < _ALONG) or 0.0 < one < _ROUNDING or 0.0 < other < _ROUNDING
 
 
 @njit(cache=True, nogil=True)
@@ -192,8 +203,13 @@ def sides_of_points(segments, uv, u_period, v_period):
 def _side(segments, near, point, u_period, v_period):
     """Side of one point from the segments that may cross its row."""
     nearest, side, meets = np.inf, OUTSIDE, False
+    level = point[1]
     for s in near:
-        crosses, u, up = _crossing(segments[s, 0], segments[s, 1], 1, point[1], v_period)
+        if _is_along(segments[s, 0, 1] - point[1], segments[s, 1, 1] - point[1], v_period):
+            level = point[1] + 2.0 * _ALONG
+            break
+    for s in near:
+        crosses, u, up = _crossing(segments[s, 0], segments[s, 1], 1, level, v_period)
         if not crosses:
             continue
         meets = True
