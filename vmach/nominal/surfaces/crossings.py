@@ -140,12 +140,14 @@ def _is_along(one, other, period):
 def _bands(segments, count, low, height, first, listed):
     """List the segments by the bands of v that they reach into; return how many are listed.
 
+    A row may be moved off an edge, into the next band: segments are listed that much further.
     With an empty `listed` they are only counted, in `first`, (count + 1,).
     """
     total = 0
     for s in range(len(segments)):
         v0, v1 = segments[s, 0, 1], segments[s, 1, 1]
-        begin, end = _band(min(v0, v1), low, height, count), _band(max(v0, v1), low, height, count)
+        begin = _band(min(v0, v1) - 4.0 * _ALONG, low, height, count)
+        end = _band(max(v0, v1) + 4.0 * _ALONG, low, height, count)
         for band in range(begin, end + 1):
             if len(listed):
                 listed[first[band]] = s
