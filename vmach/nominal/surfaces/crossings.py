@@ -137,6 +137,14 @@ def _is_along(one, other, period):
 
 
 @njit(cache=True, nogil=True)
+def _ends_at(height, period):
+    """Whether an end so far above a row lies on it, but for rounding."""
+    if period > 0.0:
+        height -= period * np.round(height / period)
+    return abs(height) < _ROUNDING
+
+
+@njit(cache=True, nogil=True)
 def _bands(segments, count, low, height, first, listed):
     """List the segments by the bands of v that they reach into; return how many are listed.
 
@@ -206,9 +214,11 @@ def _side(segments, near, point, u_period, v_period):
     """Side of one point from the segments that may cross its row."""
     nearest, side, meets = np.inf, OUTSIDE, False
     level = point[1]
-    for s in near:
-        if _is_along(segments[s, 0, 1] - point[1], segments[s, 1, 1] - point[1], v_period):
-            level = point[1] + 2.0 * _ALONG
+    for s in near:  # two edges that meet at this level, or at it but for rounding, decide nothing
+        if _ends_at(segments[s, 0, 1] - level, v_period) or _ends_at(
+            segments[s, 1, 1] - level, v_period
+        ):
+            level -= 2.0 * _ALONG
             break
     for s in near:
         crosses, u, up = _crossing(segments[s, 0], segments[s, 1], 1, level, v_period)
