@@ -19,6 +19,8 @@ SAMPLES = Path(__file__).resolve().parents[2] / "samples"
 JOBS = [
     "iso10791_7/job.toml",
     "freecad_pocket/job.toml",
+    "iso230_4/job.toml",
+    "nas979/job.toml",
     "spline_slot/centre.toml",
     "spline_slot/corner.toml",
     "missing_effect/job.toml",
