@@ -23,6 +23,7 @@ __all__ = [
     "draw_points",
     "parameters_part",
     "point_corrections",
+    "point_parts",
     "prediction_corrections",
 ]
 
@@ -97,6 +98,11 @@ def prediction_corrections(prediction: Prediction) -> Corrections:
 
 def point_corrections(prediction: Prediction, rows: np.ndarray) -> Corrections:
     """Corrections of some of the points that were cut, by their index (K,) among these."""
+    return Corrections.of(point_parts(prediction, rows), len(rows))
+
+
+def point_parts(prediction: Prediction, rows: np.ndarray) -> list[Part]:
+    """The same, part by part; every set of points has the same columns."""
     states, normals = prediction.states[rows], prediction.normals[prediction.is_cut][rows]
     job = prediction.preparation.job
     path = Circumstances(states, job, prediction.variant)
@@ -107,7 +113,7 @@ def point_corrections(prediction: Prediction, rows: np.ndarray) -> Corrections:
             parts.append(Part(cause.label, signature(cause, path, normals), cause.pool))
     for effect in prediction.effects:
         parts += _of_effect(effect, path, normals)
-    return Corrections.of(parts, len(rows))
+    return parts
 
 
 def _of_effect(effect: EffectInstance, path: Circumstances, normals: np.ndarray) -> list[Part]:

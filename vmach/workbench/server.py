@@ -58,7 +58,7 @@ async def _refuse(request: Request, error: Exception) -> Response:
 
 
 async def _stopped(request: Request, error: Exception) -> Response:
-    return refused(f"{error}; it is started again and reads the same files", 503)
+    return refused(f"{error} (hint: read the job again)", 503)
 
 
 async def _system(request: Request, error: Exception) -> Response:

@@ -21,9 +21,7 @@ from vmach.workbench.recent_jobs import remember_job
 __all__ = ["Session"]
 
 #: how often files are looked at
-_WATCH_S = 1.0
-#: a process that ends so soon after its start is not started again by itself
-_TOO_SOON_S = 5.0
+_WATCH_S = 0.5
 
 
 class Session:
@@ -55,7 +53,7 @@ class Session:
         self._other_model: RemoteModel | None = None
         self._control = control
         self._model: RemoteModel | None = None
-        self._started_at = 0.0
+        self._started_ns = 0
         self._watch = FileWatch()
 
     def open(self, job: Path) -> None:
@@ -106,20 +104,27 @@ class Session:
         return self._model
 
     async def ask(self, question: str, **arguments: Any) -> tuple[dict[str, Any], bytes]:
-        """An answer of the model; where its process has ended another one is started.
+        """An answer of the model.
+
+        Where its process has ended, another one is started and answers, so that nobody notices;
+        but not in place of one that never answered, and once for a question.
 
         Raises
         ------
         ModelRefused, ModelStopped, InputError
         """
-        model = self.model
-        try:
-            return await model.ask(question, **arguments)
-        except ModelStopped:
-            if model is self._model and time.monotonic() - self._started_at > _TOO_SOON_S:
-                self._start_model()
-                self.events.tell("job", **self.record())
-            raise
+        may_start = True
+        while True:
+            model = self.model
+            try:
+                return await model.ask(question, **arguments)
+            except ModelStopped:
+                if model is not self._model:  # another job was opened meanwhile
+                    continue
+                if not (may_start and model.has_answered):
+                    raise
+                may_start = False
+                self.reload()
 
     def compare_with(self, job: Path | None) -> None:
         """Load another job beside the open one; None puts it away."""
@@ -205,23 +210,27 @@ class Session:
         for model in (self._model, self._other_model):
             if model is not None:
                 model.close()
+        self._model = self._other_model = None
 
     def _start_model(self) -> None:
         assert self.job is not None
         if self._model is not None:
             self._model.close()
         self.revision += 1
-        self._started_at = time.monotonic()
+        self._started_ns = time.time_ns()
         self._model = RemoteModel(self.job, self.effect_files, self._control)
-        self._watch.watch([self.job, *self.effect_files])
+        self._watch.watch([self.job, *self.effect_files], since_ns=self._started_ns)
         with contextlib.suppress(RuntimeError):  # no loop yet: the first question does it
             asyncio.get_running_loop().create_task(self.watch_files())
 
     async def watch_files(self) -> None:
         """Watch all files that the open job depends on."""
         with contextlib.suppress(ModelRefused, ModelStopped, InputError):
-            about, _ = await self.model.ask("about")
-            self._watch.watch([*map(Path, about["files"]), *self.effect_files])
+            model = self.model
+            about, _ = await model.ask("about")
+            if model is self._model:
+                files = [*map(Path, about["files"]), *self.effect_files]
+                self._watch.watch(files, since_ns=self._started_ns)
 
     def _tell_run(self, run: CommandRun) -> None:
         self.events.tell("run", **run.record())

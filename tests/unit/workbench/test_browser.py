@@ -9,6 +9,8 @@ import time
 
 import pytest
 
+from tests.unit.workbench.conftest import replace
+
 sync_api = pytest.importorskip("playwright.sync_api", reason="no Playwright to drive a browser")
 
 BROWSER = next(
@@ -17,8 +19,9 @@ BROWSER = next(
 pytestmark = pytest.mark.skipif(not BROWSER, reason="no Chromium on this machine")
 
 #: software rendering, as there is no graphics card
-FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-PATIENCE_MS = 120_000
+FLAGS = ["--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader",
+         "--enable-unsafe-swiftshader"]  # fmt: skip
+PATIENCE_MS = 600_000
 
 
 @pytest.fixture(scope="module")
@@ -32,14 +35,16 @@ def served(measured_folder, tmp_path_factory):
     yield address, folder, process
     if process.poll() is None:
         process.send_signal(signal.SIGINT)
-    assert process.wait(30) in (0, 130)
+    assert process.wait(PATIENCE_MS / 1000) in (0, 130)
     process.stdout.close()
 
 
 @pytest.fixture(scope="module")
 def context():
     with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=BROWSER, args=FLAGS)
+        browser = playwright.chromium.launch(
+            executable_path=BROWSER, args=FLAGS, timeout=PATIENCE_MS
+        )
         made = browser.new_context(viewport={"width": 1400, "height": 900})
         made.set_default_timeout(PATIENCE_MS)
         yield made
@@ -183,10 +188,10 @@ def test_it_plays(tab):
 def test_a_broken_file_is_said_and_harms_nothing(tab, served):
     job = served[1] / "job-2.toml"
     good = job.read_text()
-    job.write_text(good + "\n[oops\n")
+    replace(job, good + "\n[oops\n")
     tab.wait_for_selector(".notice:not(.news)")
     assert "job-2.toml" in tab.locator(".notice:not(.news)").first.inner_text()
-    job.write_text(good)
+    replace(job, good)
     ready(tab)
 
 
@@ -201,4 +206,4 @@ def test_the_console_is_silent_and_nobody_else_is_asked(tab, heard, served):
 def test_it_closes_when_it_is_told_to(tab, served):
     tab.locator("#shut-down").click()
     tab.get_by_text("The workbench is closed").wait_for()
-    assert served[2].wait(30) == 0
+    assert served[2].wait(PATIENCE_MS / 1000) == 0

@@ -13,7 +13,7 @@ from PIL import Image
 from vmach.features.result import FeatureResult, Value
 from vmach.features.verdict import Verdict
 from vmach.report.exchange.formats import reported
-from vmach.report.figures.features import COVERAGE
+from vmach.report.figures.features import COVERAGE, spread_text
 from vmach.report.result import RunRecord
 
 __all__ = ["content"]
@@ -136,7 +136,7 @@ def _row(figure: Figure, result: FeatureResult, height: float) -> None:
 def _found(value: Value | None) -> str:
     if value is None:
         return "–"
-    spread = "" if value.u_mm is None else f" ± {COVERAGE * value.u_mm:.4f}"
+    spread = spread_text(value)
     return f"{value.value_mm:.4f}{spread}"
 
 

@@ -114,7 +114,7 @@ def _point_columns(
     return columns
 
 
-def _pack(header: dict, columns: dict[str, np.ndarray], *, compresslevel: int = 9) -> bytes:
+def _pack(header: dict, columns: dict[str, np.ndarray], *, compresslevel: int = 6) -> bytes:
     listing, blocks = [], []
     for name, column in columns.items():
         width = 4 if column.dtype == np.uint32 else 2

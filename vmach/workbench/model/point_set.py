@@ -16,7 +16,7 @@ from vmach.machine import Variant
 from vmach.path.toolpath import PathStates
 from vmach.prediction.error_budget import ErrorBudget, budget_at
 from vmach.report import DisplayMesh
-from vmach.report.pictures.display_mesh import Interpolation, interpolation
+from vmach.report.pictures.display_mesh import Interpolation, Neighbours
 
 __all__ = ["PointSet"]
 
@@ -94,7 +94,7 @@ class PointSet:
         points = np.vstack([self.point_mm, self.bare[0]])
         normals = np.vstack([self.normal, self.bare[1]])
         has_value = np.arange(len(points)) < len(self)
-        found = interpolation(points, normals, mesh, has_value=has_value)
+        found = Neighbours.of(points, normals, mesh).interpolation(has_value=has_value)
         return Interpolation(found.matrix[:, : len(self)].tocsr(), found.known)
 
     def budget(self, variant: Variant) -> ErrorBudget:

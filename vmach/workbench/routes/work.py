@@ -38,6 +38,7 @@ async def _diagnose(request: Request) -> Response:
     async def done(run: CommandRun) -> dict[str, Any]:
         found = _json(session, out / "diagnosis.json")
         found |= {"page": str(out / "diagnosis.html"), "job": session.folder.name_of(job)}
+        found["run"] = run.number
         found["program"] = str(out / "next.nc") if found.get("next_measurement") else None
         session.shown["diagnosis"] = found
         session.events.tell("shown", diagnosis=found)

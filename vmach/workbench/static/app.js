@@ -72,7 +72,7 @@ async function showJob(revision) {
   byId("veil").hidden = false;
   byId("veil").textContent = "Reading the job …";
   try {
-    const [about] = await Promise.all([get("/api/about"), null]);
+    const about = await get("/api/about");
     if (revision !== shownRevision) return;
     const isOther = bench.about?.program !== about.program || bench.about?.lines !== about.lines;
     bench.about = about;
@@ -82,13 +82,16 @@ async function showJob(revision) {
     clearMark();
     openProgram();
     await loadPart();
-    showPoint(null);
     if (revision !== shownRevision) return;
+    showPoint(null);
+    byId("veil").hidden = true;
     bench.tell("part");
     document.body.dataset.ready = "part";
   } catch (error) {
     if (revision !== shownRevision) return;
-    byId("veil").textContent = error.message;
+    const again = el("button", { type: "button" }, "Read it again");
+    again.onclick = attempt(() => post("/api/reload"));
+    byId("veil").replaceChildren(el("span", {}, error.message), again);
     notice(error.message);
     document.body.dataset.ready = "trouble";
   }
@@ -108,11 +111,9 @@ function showUndo() {
 function listen() {
   const source = new EventSource("/api/events");
   const on = (kind, work) => source.addEventListener(kind, (event) => attempt(work)(JSON.parse(event.data)));
-  let isBack = false;
-  on("hello", async () => {
-    if (isBack) await showState(await get("/api/state")); // what was missed meanwhile
-    isBack = true;
+  on("hello", async (state) => { // as it is now; what follows are changes of it
     byId("notices").querySelector(".lost")?.remove();
+    await showState(state);
   });
   on("job", showState);
   on("run", takeRun);
@@ -128,7 +129,7 @@ function goodbye() {
   document.body.replaceChildren(el("main", { class: "start" }, el("h1", {}, "The workbench is closed"), el("p", { class: "lead" }, "Everything that was done is in the job's folder; vmach open starts it again.")));
 }
 
-async function start() {
+function start() {
   makeTabs();
   listenToControls();
   listenToProgram();
@@ -140,9 +141,7 @@ async function start() {
     if (run.kind === "report" && run.state === "done") showReport(run.result);
     if (run.kind === "add" && run.state === "done") choose("diagnose");
   });
-  const state = await get("/api/state");
   listen();
-  await showState(state);
 }
 
 function showReport({ page, collisions }) {
@@ -155,4 +154,4 @@ function showReport({ page, collisions }) {
   byId("notices").append(made);
 }
 
-attempt(start)();
+start();

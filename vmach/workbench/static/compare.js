@@ -2,13 +2,13 @@
 
 import { attempt, bench } from "./bench.js";
 import { bytes, framed, get, post, query } from "./api.js";
-import { byId, el, fixed, signed } from "./dom.js";
+import { byId, el, fixed, redraw, signed } from "./dom.js";
 import { applyValues, loadValues, pairsOf, stage } from "./stage.js";
 
 const other = { scene: null, about: null, figures: null, values: null, mine: null, isAlike: false, isDifference: false, jobs: null };
 
 export function comparePanel(panel) {
-  const draw = () => panel.replaceChildren(...parts().filter(Boolean));
+  const draw = () => redraw(panel, parts());
   bench.on("other", attempt(async (job) => { await load(job); draw(); }));
   bench.on("part", attempt(async () => {
     other.jobs = null;
@@ -28,16 +28,16 @@ export function comparePanel(panel) {
 function parts() {
   const select = el("select", { "aria-label": "Job to compare with" }, el("option", { value: "" }, "nothing"),
     (other.jobs ?? []).map((job) => el("option", { value: job, selected: job === bench.state.other }, job.split("/").slice(-2).join("/"))));
-  select.onchange = attempt(() => post("/api/compare", { job: select.value || null }));
+  select.onchange = attempt(({ target }) => post("/api/compare", { job: target.value || null }));
   const rows = [el("label", { class: "choice" }, el("span", {}, "Compare with"), select),
     el("p", { class: "soft" }, "Two machines, two programs or two days: both parts turn together, in the same colours.")];
   if (!other.about) return rows;
   rows.push(table());
   if (other.isAlike) {
     const box = el("input", { type: "checkbox", checked: other.isDifference });
-    box.onchange = attempt(async () => {
-      other.isDifference = box.checked;
-      if (box.checked) showDifference();
+    box.onchange = attempt(async ({ target }) => {
+      other.isDifference = target.checked;
+      if (other.isDifference) showDifference();
       else await loadValues();
     });
     rows.push(el("label", { class: "check" }, box, " show the difference: this part minus the other"));

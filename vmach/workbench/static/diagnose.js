@@ -2,7 +2,7 @@
 
 import { attempt, bench, isAtWork } from "./bench.js";
 import { get } from "./api.js";
-import { el, fixed, micro, short, units } from "./dom.js";
+import { el, fixed, micro, redraw, short, units } from "./dom.js";
 import { historyCurve } from "./curve.js";
 import { readingsForm } from "./readings.js";
 import { runBox, startRun } from "./runs.js";
@@ -15,10 +15,10 @@ const VERDICTS = {
   unknown: "Something real is left that no known effect explains",
   nothing: "The measurements agree with the model",
 };
-const state = { measured: null };
+const state = { measured: null, isWhole: false };
 
 export function diagnosePanel(panel) {
-  const draw = () => panel.replaceChildren(...parts().filter(Boolean));
+  const draw = state.draw = () => redraw(panel, parts());
   for (const kind of ["part", "run", "shown", "state"]) bench.on(kind, draw);
   bench.on("part", attempt(async () => {
     state.measured = null;
@@ -131,13 +131,10 @@ function next(found) {
 }
 
 function whole(found) {
-  const frame = el("iframe", { title: "The whole diagnosis", class: "whole", hidden: true });
-  frame.setAttribute("sandbox", "allow-scripts");
-  const toggle = el("button", { type: "button" }, "Panels against everything");
-  toggle.onclick = () => {
-    frame.hidden = !frame.hidden;
-    if (!frame.hidden && !frame.src) frame.src = "/show/" + found.page;
-  };
+  const toggle = el("button", { type: "button", "aria-expanded": String(state.isWhole) }, "Panels against everything");
+  toggle.onclick = () => { state.isWhole = !state.isWhole; state.draw(); };
+  const address = `/show/${found.page}?run=${found.run}`; // another diagnosis is another page
+  const frame = state.isWhole ? el("iframe", { title: "The whole diagnosis", class: "whole", id: "whole-" + found.run, sandbox: "allow-scripts", src: address }) : null;
   return el("section", {}, el("div", { class: "row" }, toggle,
     el("a", { href: "/show/" + found.page, target: "_blank", rel: "noopener" }, "in a page of its own"),
     el("a", { href: "/download/" + found.page, download: "" }, "download")), frame);

@@ -47,6 +47,7 @@ function makeForm() {
   });
   const made = el("details", { class: "readings", open: state.isOpen }, el("summary", {}, "Further readings"),
     drop, el("label", { class: "choice" }, el("span", {}, "Instrument"), kind), fields, told, take);
+  made.isKept = true; // what was chosen in it stays
   made.ontoggle = attempt(async () => {
     state.isOpen = made.open;
     if (!made.open || kind.options.length) return;

@@ -2,7 +2,7 @@
 
 import { attempt, bench } from "./bench.js";
 import { framed, get, postFramed, TAB } from "./api.js";
-import { el, fixed, short, units } from "./dom.js";
+import { el, fixed, redraw, short, units } from "./dom.js";
 import { applyValues, loadValues } from "./stage.js";
 
 const state = { cards: [], values: new Map(), isWaiting: false, isDirty: false, panel: null, open: new Set() };
@@ -49,8 +49,8 @@ function showCards(list, wanted) {
   }
   const rank = (cards) => (cards.some((c) => state.values.has(keyOf(c))) ? 0 : cards.some((c) => c.in_job) ? 1 : 2);
   const sorted = [...groups.values()].map((cards, i) => [rank(cards), i, cards]).sort((a, b) => a[0] - b[0] || a[1] - b[1]);
-  list.replaceChildren(...sorted.map((entry) => cardOf(entry[2], Boolean(wanted) && sorted.length < 4)));
-  if (!sorted.length) list.append(el("p", { class: "soft" }, "No effect of this name."));
+  redraw(list, sorted.length ? sorted.map((entry) => cardOf(entry[2], Boolean(wanted) && sorted.length < 4))
+    : [el("p", { class: "soft" }, "No effect of this name.")]);
 }
 
 function cardOf(cards, isOpen) {
@@ -64,7 +64,7 @@ function cardOf(cards, isOpen) {
     cards.map((card) => el("section", { class: "target" }, targets.length ? el("h4", {}, card.target) : null,
       card.parameters.length ? card.parameters.map((p) => sliderOf(card, p)) : el("p", { class: "soft" }, "A correction curve; it has no slider."))),
     el("p", { class: "soft" }, usual_size ? "Usual: " + usual_size.replace(/\bum\b/g, "µm") : ""));
-  made.ontoggle = () => (made.open ? state.open.add(effect) : state.open.delete(effect));
+  made.ontoggle = ({ target }) => (target.open ? state.open.add(effect) : state.open.delete(effect));
   return made;
 }
 
@@ -74,16 +74,16 @@ function sliderOf(card, p) {
   const toShare = (v) => (p.is_logarithmic ? Math.log(v / p.low) / Math.log(p.high / p.low) : (v - p.low) / (p.high - p.low || 1));
   const toValue = (s) => (p.is_logarithmic ? p.low * (p.high / p.low) ** s : p.low + s * (p.high - p.low));
   const input = el("input", { type: "range", min: 0, max: STEPS, value: Math.round(STEPS * toShare(now)), "aria-label": `${card.effect} ${card.target} ${p.meaning}` });
-  const show = (v) => {
-    text.textContent = `${short(v)} ${unit}`;
-    input.setAttribute("aria-valuetext", text.textContent);
+  const show = (v, range, output) => {
+    output.textContent = `${short(v)} ${unit}`;
+    range.setAttribute("aria-valuetext", output.textContent);
   };
-  show(now);
-  input.oninput = () => {
-    let value = toValue(Number(input.value) / STEPS);
+  show(now, input, text);
+  input.oninput = ({ target }) => {
+    let value = toValue(Number(target.value) / STEPS);
     if (p.is_amplitude && Math.abs(value) < (p.high - p.low) / STEPS / 2) value = 0;
     value = Number(value.toPrecision(4));
-    show(value);
+    show(value, target, target.parentNode.querySelector("output"));
     // what has a size is seen at once: its other parameters stay as they are usual
     const own = { ...Object.fromEntries(card.parameters.map((q) => [q.name, q.value])), ...state.values.get(key), [p.name]: value };
     change(new Map(state.values).set(key, own), false);
