@@ -11,7 +11,8 @@ from scipy.optimize import minimize
 
 from vmach.errors import InputError
 from vmach.features.association.associate import associate
-from vmach.features.characteristics.form import _circle_zone, _least_width
+from vmach.features.association.linear_program import least_width
+from vmach.features.characteristics.form import _circle_zone
 from vmach.features.datum_system import DatumSystem, datum_system
 from vmach.features.derived import DerivedPoints
 from vmach.features.feature import Points, make_feature
@@ -157,7 +158,7 @@ def test_straightness_is_that_of_the_best_of_all_lines():
     x, y = np.linspace(0, 40, 30), noise(30)
     slopes = [(y[j] - y[i]) / (x[j] - x[i]) for i, j in combinations(range(30), 2)]
     best = min(np.ptp(y - s * x) for s in slopes)
-    assert _least_width(y, x[:, None])[1] == pytest.approx(best, abs=1e-12)
+    assert least_width(y, x[:, None])[1] == pytest.approx(best, abs=1e-12)
 
 
 def ring(count=13, seed=8):

@@ -107,7 +107,13 @@ def _machine(
     plan: Plan | None = None,
 ) -> None:
     from vmach.job import read_job
-    from vmach.report import arms_text, columns_table, differences_text, features_table
+    from vmach.report import (
+        arms_text,
+        circular_table,
+        columns_table,
+        differences_text,
+        features_table,
+    )
     from vmach.run.pipeline import machine_part
     from vmach.run.results import (
         ALL_FILES,
@@ -144,6 +150,8 @@ def _machine(
     screen.print(columns_table(made.points, record))
     if (drawing := features_table(record)) is not None:
         screen.print(drawing)
+    if (circles := circular_table(record)) is not None:
+        screen.print(circles)
     for line in (*arms_text(made.points, record), *differences_text(record)):
         screen.print(line, highlight=False, markup=False)
     for note in figures["run"]["warnings"]:

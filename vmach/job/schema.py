@@ -10,6 +10,7 @@ from gcode import INCREMENT_SYSTEMS, WORK_OFFSETS, ProgramError, dialect_name, d
 from vmach.files.toml_file import FileSection, Finite, NonNegative, Point, Positive, Whole
 
 __all__ = [
+    "CircularTestEntry",
     "ControlEntry",
     "DrawingEntry",
     "FeatureEntry",
@@ -155,6 +156,15 @@ class DrawingEntry(FileSection):
     logo: str | None = None
 
 
+class CircularTestEntry(FileSection):
+    """[circular_test]: evaluate the circles of the program; the largest figures accepted."""
+
+    G_um: Positive | None = None
+    G_b_um: Positive | None = None
+    D_um: Positive | None = None
+    F_um: Positive | None = None
+
+
 class JobSchema(FileSection):
     """A whole job file."""
 
@@ -178,6 +188,7 @@ class JobSchema(FileSection):
     datums: dict[str, str] = {}
     tolerances: dict[str, str | list[str]] = {}
     drawing: DrawingEntry = DrawingEntry()
+    circular_test: CircularTestEntry | None = None
     effects: dict[str, Any] = {}
     measurements: list[dict[str, Any]] = []
     history: list[HistoryEntry] = []

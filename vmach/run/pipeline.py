@@ -16,6 +16,7 @@ from vmach.base.note import Kind, Level, Note, in_file
 from vmach.base.stage_clock import Progress, StageClock, silent
 from vmach.effects import read_effects
 from vmach.errors import InputError
+from vmach.features.circular_test import CircularTest
 from vmach.features.result import FeatureResult
 from vmach.job import Job, read_job
 from vmach.machine import Variant
@@ -28,6 +29,7 @@ from vmach.plausibility import machine_notes
 from vmach.prediction import Prediction, displaced_sweeps, predict_surface
 from vmach.prediction.error_budget import ErrorBudget, error_budget
 from vmach.report import InspectedPoints, SolidComparison
+from vmach.run.circular_tests import job_circular_tests
 from vmach.run.collisions import collision_notes, job_collisions
 from vmach.run.inspection import check_some_cut, inspected_points, surface_points, with_causes
 from vmach.run.solid_comparison import compare_solids, comparison_notes
@@ -69,6 +71,8 @@ class _Inspected:
         What the user should know before trusting the numbers.
     features : tuple of FeatureResult
         What the drawing asks for; empty where the job has no tolerances.
+    circular_tests : tuple of CircularTest
+        Circles of the program; empty where the job does not ask for them.
     """
 
     job: Job
@@ -79,6 +83,7 @@ class _Inspected:
     nominal: NominalPart | None
     notes: tuple[Note, ...]
     features: tuple[FeatureResult, ...] = ()
+    circular_tests: tuple[CircularTest, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,6 +203,7 @@ def machine_part(
             *found.notes,
         ),
         features=found.features,
+        circular_tests=found.circular_tests,
     )
 
 
@@ -275,6 +281,7 @@ def inspect_part(
         sweeps=sweeps,
         notes=(*preparation.notes, *_assumptions(job), *points.notes, *notes, *doubts),
         features=features,
+        circular_tests=job_circular_tests(job, preparation, variants[-1], effects),
     )
 
 
