@@ -1,4 +1,7 @@
-"""Cones along error vectors, as a mesh."""
+"""Cones along error vectors, as a mesh.
+
+Source: Huddersfield paper, figure 5 (a cone for every vector, direction and magnitude).
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""accuracy.html: cones that can be turned, the figures and where they come from, in one file."""
+"""accuracy.html: cones that can be turned, the figures and where they come from, in one file.
+
+Source: Huddersfield paper, figure 5 (cone plot); ISO 230-6 (diagonals).
+"""
 
 from __future__ import annotations
 
