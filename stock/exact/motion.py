@@ -31,6 +31,8 @@ __all__ = [
     "tool_of",
 ]
 
+#: rows whose intermediate values are held at a time
+_ROWS_AT_ONCE = 65_536
 #: an arc has to end where its angle says within this, mm: above the rounding of any program
 _ARC_END_MM = 1e-6
 
@@ -85,19 +87,28 @@ def build_motion(sweeps: Sweeps, reach_of_tool_mm: np.ndarray) -> Motion:
     )
     tilt = np.empty((0, 12))
     if sweeps.tilt_rad.any() or sweeps.tilt_slope_rad.any():
-        tilt, ripple = np.empty((len(sweeps), 12)), np.empty(len(sweeps))
-        _fill_tilt(tilt, ripple, sweeps.tilt_rad, sweeps.tilt_slope_rad)
-        arm = reach_of_tool_mm[sweeps.tool]
-        speed = np.linalg.norm(sweeps.end_mm - sweeps.start_mm, axis=1)
-        slope = np.linalg.norm(tilt.reshape(-1, 4, 3)[:, 1:], axis=2) @ np.array([1.0, 2.0, 3.0])
-        path[:, _RIPPLE] += arm * ripple + 2.0 * slope * speed
-        path[:, _BEND] = path[:, _RIPPLE]
+        tilt = np.empty((len(sweeps), 12))
+        for begin in range(0, len(sweeps), _ROWS_AT_ONCE):
+            _add_tilt(path, tilt, sweeps, slice(begin, begin + _ROWS_AT_ONCE), reach_of_tool_mm)
     arcs = _arcs(sweeps, np.flatnonzero(~straight))
     radius, growth, angle = arcs[:, 4].T
     own = (radius + np.maximum(growth, 0.0)) * angle**2 + 2.0 * np.abs(growth * angle)
     path[~straight, _BEND] += own
     path[~straight, _ARC] = np.arange(len(arcs))
     return Motion(path, tilt, arcs)
+
+
+def _add_tilt(
+    path: np.ndarray, tilt: np.ndarray, sweeps: Sweeps, rows: slice, reach_of_tool_mm: np.ndarray
+) -> None:
+    """Write some rows of `Motion.tilt`, and what the tilt adds to the bounds of `Motion.path`."""
+    ripple = np.empty(len(tilt[rows]))
+    _fill_tilt(tilt[rows], ripple, sweeps.tilt_rad[rows], sweeps.tilt_slope_rad[rows])
+    arm = reach_of_tool_mm[sweeps.tool[rows]]
+    speed = np.linalg.norm(sweeps.end_mm[rows] - sweeps.start_mm[rows], axis=1)
+    slope = np.linalg.norm(tilt[rows].reshape(-1, 4, 3)[:, 1:], axis=2) @ np.array([1.0, 2.0, 3.0])
+    path[rows, _RIPPLE] += arm * ripple + 2.0 * slope * speed
+    path[rows, _BEND] = path[rows, _RIPPLE]
 
 
 @njit_kernel()

@@ -28,6 +28,8 @@ LEAF = 4
 #: an arc is cut into pieces of at most this angle, rad: along one, the distance to a point
 #: has one minimum or falls towards the ends
 _PIECE_RAD = math.pi / 4
+#: rows whose intermediate values are held at a time
+_ROWS_AT_ONCE = 65_536
 #: relative rounding of single precision
 _SINGLE = 1.2e-7
 #: where the boxes of empty nodes are: far, yet finite
@@ -84,7 +86,10 @@ def build_trees(motion: Motion, sweeps: Sweeps, reach_of_tool_mm: np.ndarray) ->
         done += len(mine)
         nodes += 2 * count
     order = np.concatenate(order)
-    sweep, span, box = sweep[order], span[order], box[order]
+    sweep = sweep[order]  # one after the other: each needs its room twice
+    span = span[order]
+    box = box[order]
+    del order
     node_box = np.empty((nodes, 6), dtype=np.float32)
     node_box[:, :3], node_box[:, 3:] = _NOWHERE_MM, -_NOWHERE_MM
     last = np.full(nodes, -1, dtype=np.int32)
@@ -135,7 +140,8 @@ def _bound_pieces(motion, sweep, span, part, box):
 def _largest_tilt(motion: Motion) -> float:
     if len(motion.tilt) == 0:
         return 0.0
-    return float(np.abs(motion.tilt).sum(axis=1).max())
+    parts = (motion.tilt[k : k + _ROWS_AT_ONCE] for k in range(0, len(motion.tilt), _ROWS_AT_ONCE))
+    return float(max(np.abs(part).sum(axis=1).max() for part in parts))
 
 
 @njit_kernel()
