@@ -83,6 +83,8 @@ class Step:
         Blocks of RS274/NGC that the line became; 0 for control flow and empty lines.
     before, modes : Modes
         Before the line and after it.
+    unwritable : str
+        Why the dialect cannot write other ends into the line; empty where it can.
     """
 
     line: int
@@ -93,6 +95,7 @@ class Step:
     comment: str | None = None
     blocks: int = 0
     modes: Modes | None = None
+    unwritable: str = ""
 
     @property
     def g_names(self) -> set[str]:
@@ -137,6 +140,11 @@ class Trace:
         self.end()
         before = self.steps[-1].modes if self.steps else Modes.of(self.controller)
         self.steps.append(Step(line, before))
+
+    def keep(self, why: str) -> None:
+        """The line cannot get other ends."""
+        if self.steps:
+            self.steps[-1].unwritable = why
 
     def take(self, block: Block) -> None:
         """Note the values of a block that is about to be obeyed."""

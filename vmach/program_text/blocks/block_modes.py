@@ -93,6 +93,8 @@ def block_modes(program: Program) -> dict[int, BlockModes]:
 def _not_written(program: Program, step: Step) -> dict[int, str]:
     """Why a line of a dialect that is not written out cannot get another end."""
     language = program.language
+    if step.unwritable:
+        return {step.line: step.unwritable}
     if language.is_rs274:
         return {}
     if step.modes.side or step.before.side:
