@@ -299,6 +299,7 @@ def test_readings_without_any_error_say_nothing(tmp_path, states_u):
 
 def test_what_a_rival_makes_needless_goes_before_what_is_small():
     """A curve that two tables share: without the needless one the other is as large as both."""
-    needless, small = (Support(odds=2.5, size_um=9.0, rest_um=2.0), Support(45.0, 3.0, 2.0))
+    needless = Support(odds=2.5, size_um=14.0, rest_um=2.0)
+    small = Support(odds=45.0, size_um=3.0, rest_um=2.0)
     assert needless.probability > CERTAIN > small.probability
     assert needless.order < small.order

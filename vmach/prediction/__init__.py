@@ -5,6 +5,7 @@ from vmach.prediction.prediction import (
     Prediction,
     displaced_sweeps,
     displacement_of,
+    of_machine,
     predict,
     predict_surface,
 )
@@ -14,6 +15,7 @@ __all__ = [
     "Prediction",
     "displaced_sweeps",
     "displacement_of",
+    "of_machine",
     "predict",
     "predict_surface",
 ]

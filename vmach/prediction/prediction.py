@@ -14,10 +14,11 @@ from typing import Protocol
 import numpy as np
 
 from stock import Edges, EdgeStatus, Sweeps, find_edges, find_generating
-from vmach.machine import RigidDisplacement, Variant, displacement
+from vmach.machine import Machine, RigidDisplacement, Variant, displacement
 from vmach.nominal.points import SurfacePoints
 from vmach.path.preparation import Preparation
 from vmach.path.toolpath import PathStates
+from vmach.path.touched_zero import relative_to_zero
 from vmach.prediction.sweeping import join_sweeps
 
 #: a tool that passes a surface point no closer than this does not generate it
@@ -26,8 +27,8 @@ GENERATING_MISS_MM = 0.05
 #: pieces of the path that are displaced at a time: some ten MB each
 PIECES_AT_ONCE = 200_000
 
-__all__ = ["ActingEffect", "Prediction", "displaced_sweeps", "displacement_of", "predict",
-           "predict_surface"]  # fmt: skip
+__all__ = ["ActingEffect", "Prediction", "displaced_sweeps", "displacement_of", "of_machine",
+           "predict", "predict_surface"]  # fmt: skip
 
 
 class ActingEffect(Protocol):
@@ -255,8 +256,20 @@ def _path_displaced(sweeps: Sweeps) -> Sweeps:
 def displacement_of(
     preparation: Preparation, states: PathStates, variant: Variant, effects: Sequence[ActingEffect]
 ) -> RigidDisplacement:
-    """Rigid displacement of the tool at P states, by the machine's errors and the effects."""
-    machine = preparation.job.machine
+    """Rigid displacement of the tool at P states, by the machine's errors and the effects.
+
+    It counts from the workpiece zero as it was touched, where the job says how.
+    """
+    job = preparation.job
+    return relative_to_zero(
+        job, states, lambda some: of_machine(job.machine, some, variant, effects)
+    )
+
+
+def of_machine(
+    machine: Machine, states: PathStates, variant: Variant, effects: Sequence[ActingEffect]
+) -> RigidDisplacement:
+    """The same as the machine makes it, whatever zero the job counts from."""
     direction = states.direction if machine.separate_directions else None
     total = displacement(machine, states.nose_mm, states.tool_mm, variant, direction=direction)
     for effect in effects:
