@@ -11,7 +11,7 @@ from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossi
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.marginal_likelihood import Sizes
 
-__all__ = ["search", "without_needless"]
+__all__ = ["search", "search_beyond", "without_needless"]
 
 #: candidates that are tried at each step, by their odds beside the discrepancy and without it
 _TRIED = 3
@@ -32,6 +32,13 @@ def search(weighing: Weighing, start: Explanation | None = None) -> Explanation:
         if better is None:
             break
         here = without_needless(weighing, better)
+    return here
+
+
+def search_beyond(weighing: Weighing, here: Explanation) -> Explanation:
+    """A more probable set beyond what single moves lead to, by two effects in place of one."""
+    while better := _best(_split(weighing, here), here):
+        here = search(weighing, without_needless(weighing, better))
     return here
 
 
@@ -65,9 +72,12 @@ def _with_others_for(
 
 
 def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
-    """One effect in place of another; only those that come near it before anything is refitted."""
+    """One effect in place of another; only those that come near it before anything is refitted.
+
+    Members stay as they are at first: where they grow into a gap, they hide what could fill it.
+    """
     for k, term in enumerate(here.terms):
-        others = weighing.without(here, [k])
+        others = weighing.without(here, [k], resize=False)
         gains = weighing.gains(others)
         least = gains[weighing.index_of(term.label)] - _NEAR
         ranked = [i for i in _ranked(weighing, gains, here.labels)[:_TRIED] if gains[i] > least]
@@ -75,6 +85,21 @@ def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
             child = weighing.extend(others, i)
             if not has_impossible_sizes(child.fit):
                 yield child
+
+
+def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
+    """Two effects in place of one that stands for both, found beside members as they are."""
+    for k in range(len(here.terms)):
+        others = weighing.without(here, [k], resize=False)
+        for i in _ranked(weighing, weighing.gains(others), here.labels)[: 2 * _TRIED]:
+            one = weighing.extend(others, i, resize=False)
+            gains = weighing.gains(one)
+            for j in _ranked(weighing, gains, here.labels | one.labels)[:_TRIED]:
+                if one.score + gains[j] < here.score - _NEAR:
+                    break
+                child = weighing.extend(one, j)
+                if not has_impossible_sizes(child.fit):
+                    yield child
 
 
 def _ranked(weighing: Weighing, gains: np.ndarray, but: Collection[str]) -> list[int]:

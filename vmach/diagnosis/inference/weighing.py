@@ -94,8 +94,8 @@ class Weighing:
         self.bank = Bank(self.base, self.candidates)
         # by identity: a posterior is asked again and again
         self._known: dict[int, tuple[Posterior, list[Evidence]]] = {}
-        # likewise: a search, and the odds of what it found, leave the same terms out
-        self._fewer: dict[tuple, tuple[Explanation, Explanation]] = {}
+        # likewise: a search, and the odds of what it found, try the same sets
+        self._tried: dict[tuple, tuple[Explanation, Explanation]] = {}
         self.alone = self._empty(Sizes(1.0, (0.0,) * len(self.members.names)))
 
     def _empty(self, sizes: Sizes) -> Explanation:
@@ -122,7 +122,7 @@ class Weighing:
         other._log_priors = {c.label: self.log_prior(c) for c in known} | dict(log_priors)
         other.candidates = list(known)
         other._place = {c.label: k for k, c in enumerate(known)}
-        other.bank, other._known = Bank(self.base, known), {}
+        other.bank, other._known, other._tried = Bank(self.base, known), {}, {}
         return other
 
     @cached_property
@@ -204,8 +204,12 @@ class Weighing:
 
     def extend(self, explanation: Explanation, k: int, *, resize: bool = True) -> Explanation:
         """The explanation with candidate k added and everything refitted."""
-        terms = [*explanation.terms, self.term(k, explanation)]
-        return self.explain(terms, explanation.posterior.sizes, resize=resize)
+        key = id(explanation), k, resize
+        if key not in self._tried:
+            terms = [*explanation.terms, self.term(k, explanation)]
+            more = self.explain(terms, explanation.posterior.sizes, resize=resize)
+            self._tried[key] = explanation, more
+        return self._tried[key][1]
 
     def careful(self, explanation: Explanation) -> JointFit | None:
         """The fit with what its laws leave open counted as uncertainty of the readings."""
@@ -224,11 +228,11 @@ class Weighing:
     ) -> Explanation:
         """The explanation without some of its terms; the others keep their inner parameters."""
         key = id(explanation), tuple(ks), resize
-        if key not in self._fewer:
+        if key not in self._tried:
             left = [term for k, term in enumerate(explanation.terms) if k not in ks]
             fewer = self.explain(left, explanation.posterior.sizes, refine=False, resize=resize)
-            self._fewer[key] = explanation, fewer
-        return self._fewer[key][1]
+            self._tried[key] = explanation, fewer
+        return self._tried[key][1]
 
     def term(self, k: int, explanation: Explanation) -> Term:
         """Candidate k with its best inner parameters on what an explanation leaves."""
