@@ -46,7 +46,7 @@ class Bank:
         self._with_members = self._rows @ base.z
         self._seen = self._rows @ base.y
 
-    def evidence(self, posterior: Posterior) -> list[Evidence]:
+    def evidence(self, posterior: Posterior) -> Evidence:
         """Evidence of every candidate beside members and effects of a posterior."""
         k, effects = posterior.sizes.factor, posterior.effects
         shared = np.hstack([self._with_members, self._rows @ effects.x]) * posterior.scale
@@ -54,14 +54,15 @@ class Bank:
         taken = solve_triangular(
             posterior.root, shared.T, lower=True, check_finite=False, overwrite_b=True
         ).T
-        found: dict[int, Evidence] = {}
+        found = []
         for terms, members in self._members.items():
             part = self._part(taken, terms)
-            gram = (self._gram[terms] - part @ part.transpose(0, 2, 1)) / k**2
+            gram = (self._gram[terms] - _products(part)) / k**2
             priors = [self._candidates[c].log_prior for c in members]
             here = self._part(inner[:, None], terms)
-            found |= dict(zip(members, evidence_at_places(gram, here, priors), strict=True))
-        return [found[c] for c in range(len(self._shapes))]
+            found.append(evidence_at_places(gram, here, priors))
+        listed = [c for members in self._members.values() for c in members]
+        return Evidence.joined(found, np.argsort(listed))
 
     def _part(self, rows: np.ndarray, terms: int) -> np.ndarray:
         """Rows of the candidates with so many coefficients, (places, coefficients, ...)."""
@@ -71,4 +72,7 @@ class Bank:
 
 
 def _products(rows: np.ndarray) -> np.ndarray:
+    """Of the rows (P, K, n) of each place with each other, (P, K, K)."""
+    if rows.shape[1] == 1:
+        return np.einsum("pkn,pkn->pk", rows, rows)[:, :, None]
     return np.matmul(rows, rows.transpose(0, 2, 1))

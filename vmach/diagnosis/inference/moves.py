@@ -11,7 +11,7 @@ from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossi
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.marginal_likelihood import Sizes
 
-__all__ = ["search", "search_beyond", "without_needless"]
+__all__ = ["beside_little", "search", "search_beyond", "without_needless"]
 
 #: candidates that are tried at each step, by their odds beside the discrepancy and without it
 _TRIED = 3
@@ -52,7 +52,7 @@ def _added(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
         child = weighing.extend(here, k)
         if not weighing.candidates[k].effect.amplitudes:
             # a curve that a large discrepancy left narrow: once more where it may be wide
-            child = max(child, weighing.extend(_plain(here), k), key=lambda e: e.score)
+            child = max(child, weighing.extend(beside_little(here), k), key=lambda e: e.score)
         wrong = impossible_terms(child.fit)
         if not wrong:
             yield child
@@ -110,14 +110,14 @@ def _ranked(weighing: Weighing, gains: np.ndarray, but: Collection[str]) -> list
 def _leading(weighing: Weighing, here: Explanation, but: Collection[str]) -> list[int]:
     """Candidates worth a fit: the first ones beside the discrepancy, and nearly without it."""
     found: list[int] = []
-    for view in (here, _plain(here)):
+    for view in (here, beside_little(here)):
         gains = weighing.gains(view)
         ranked = _ranked(weighing, gains, but)
         found += [k for k in ranked[:_TRIED] if gains[k] > -2.0 and k not in found]
     return found
 
 
-def _plain(here: Explanation) -> Explanation:
+def beside_little(here: Explanation) -> Explanation:
     """An explanation beside a discrepancy that leaves effects to show."""
     sizes = here.posterior.sizes
     small = Sizes(min(sizes.factor, 1.0), tuple(min(s, 0.3) for s in sizes.members))

@@ -93,7 +93,7 @@ class Weighing:
         self.base = Base(self.survey, noise, self.members)
         self.bank = Bank(self.base, self.candidates)
         # by identity: a posterior is asked again and again
-        self._known: dict[int, tuple[Posterior, list[Evidence]]] = {}
+        self._known: dict[int, tuple[Posterior, Evidence]] = {}
         # likewise: a search, and the odds of what it found, try the same sets
         self._tried: dict[tuple, tuple[Explanation, Explanation]] = {}
         self.alone = self._empty(Sizes(1.0, (0.0,) * len(self.members.names)))
@@ -236,12 +236,12 @@ class Weighing:
 
     def term(self, k: int, explanation: Explanation) -> Term:
         """Candidate k with its best inner parameters on what an explanation leaves."""
-        candidate, evidence = self.candidates[k], self.evidence(explanation)[k]
+        candidate, evidence = self.candidates[k], self.evidence(explanation)
         width = None
         if not candidate.effect.amplitudes:
-            width = WIDTHS[int(evidence.best_width[0])]
+            width = WIDTHS[evidence.best_width[k, 0]]
         return Term(
-            candidate.effect, candidate.target, candidate.grid[int(evidence.best[0])], width
+            candidate.effect, candidate.target, candidate.grid[evidence.best[k, 0]], width
         )
 
     def whitening_beside(self, explanation: Explanation) -> MemberWhitening:
@@ -251,7 +251,7 @@ class Weighing:
 
     # candidates, weighed ----------------------------------------------------------------------
 
-    def evidence(self, explanation: Explanation) -> list[Evidence]:
+    def evidence(self, explanation: Explanation) -> Evidence:
         """Of every candidate beside an explanation, at its sizes."""
         posterior = explanation.posterior
         if id(posterior) not in self._known:
@@ -260,21 +260,19 @@ class Weighing:
 
     def gains(self, explanation: Explanation) -> np.ndarray:
         """Log odds of every candidate beside an explanation, at its sizes."""
-        evidence = self.evidence(explanation)
-        found = [float(e.log_factor[0]) for e in evidence]
-        return np.array(found) + [self.log_prior(c) for c in self.candidates]
+        found = self.evidence(explanation).log_factor[:, 0]
+        return found + [self.log_prior(c) for c in self.candidates]
 
     def fitted_alone(self, k: int) -> tuple[Term, np.ndarray]:
         """Candidate k fitted alone: the term and its coefficients (K,)."""
-        term = self.term(k, self.alone)
-        place = int(self.evidence(self.alone)[k].best[0])
-        columns = self.candidates[k].signatures_mm[:, place]
-        width = WIDTHS[int(self.evidence(self.alone)[k].best_width[0])]
+        term, evidence = self.term(k, self.alone), self.evidence(self.alone)
+        columns = self.candidates[k].signatures_mm[:, evidence.best[k, 0]]
+        width = WIDTHS[evidence.best_width[k, 0]]
         white, reading = self.base.white(columns), self.base.y
         prior = np.eye(white.shape[1]) / width**2
         return term, np.linalg.solve(white.T @ white + prior, white.T @ reading)
 
     def alone_mm(self, k: int) -> np.ndarray:
         """What candidate k does to the readings when it is fitted alone, (n,) mm."""
-        place = int(self.evidence(self.alone)[k].best[0])
+        place = self.evidence(self.alone).best[k, 0]
         return self.candidates[k].signatures_mm[:, place] @ self.fitted_alone(k)[1]
