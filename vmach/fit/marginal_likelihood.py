@@ -74,7 +74,6 @@ class Sizes:
             [-np.log(self.factor) / _LOG_FACTOR**2, *(-2 * _POWER * ratio / (1 + ratio))]
         )
 
-
     @property
     def information_of_prior(self) -> np.ndarray:
         """Second derivative of minus `log_prior` by the logarithms, (q,)."""

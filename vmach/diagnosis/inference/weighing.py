@@ -5,13 +5,13 @@ from __future__ import annotations
 import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Self
 
 import numpy as np
 
 from vmach.diagnosis.gates.absorbing import slack_of
 from vmach.diagnosis.inference.bank import Bank
+from vmach.diagnosis.inference.rules import UNMEASURED
 from vmach.effects import Effect
 from vmach.fit.candidates import Candidate
 from vmach.fit.discrepancy import members_of
@@ -25,8 +25,6 @@ from vmach.fit.whitening import MemberWhitening
 
 __all__ = ["Explanation", "Weighing"]
 
-#: log prior odds of a component that the machine file has no table of: it is there, unmeasured
-_MISSING_TABLE = 4.0
 #: sizes in u that a search starts from
 _START = 0.3
 #: times that what the laws leave open is set by the fit before, so that it is a share of the last
@@ -125,20 +123,18 @@ class Weighing:
         other.bank, other._known, other._tried = Bank(self.base, known), {}, {}
         return other
 
-    @cached_property
-    def missing_tables(self) -> frozenset[str]:
-        """Labels of components that the machine file has no table of."""
-        tables = self.survey.job.machine.components
-        components = [c for c in self.candidates if c.effect.corrects_table]
-        return frozenset(c.label for c in components if c.target not in tables)
+    def prior_of(self, effect: Effect, target: str) -> float:
+        """Log odds for an effect beforehand, beside one that machines often have."""
+        if effect.is_unmeasured(self.survey.job.machine, target):
+            return UNMEASURED
+        return -effect.rarity
 
     def log_prior(self, candidate: Candidate) -> float:
-        """Prior odds of a candidate; a component without a table is expected to be missing."""
+        """Log prior odds of a candidate."""
         if candidate.label in self._log_priors:
             return self._log_priors[candidate.label]
-        if candidate.label in self.missing_tables:
-            return _MISSING_TABLE - np.log(len(self.candidates))
-        return -candidate.effect.rarity - np.log(len(self.candidates))
+        prior = self.prior_of(candidate.effect, candidate.target)
+        return prior - float(np.log(len(self.candidates)))
 
     def index_of(self, label: str) -> int:
         """Which candidate has a given name and target."""
@@ -240,9 +236,7 @@ class Weighing:
         width = None
         if not candidate.effect.amplitudes:
             width = WIDTHS[evidence.best_width[k, 0]]
-        return Term(
-            candidate.effect, candidate.target, candidate.grid[evidence.best[k, 0]], width
-        )
+        return Term(candidate.effect, candidate.target, candidate.grid[evidence.best[k, 0]], width)
 
     def whitening_beside(self, explanation: Explanation) -> MemberWhitening:
         """Turns readings into unit noise, the terms of an explanation open as before the fit."""
