@@ -130,11 +130,11 @@ class Weighing:
         return -effect.rarity
 
     def log_prior(self, candidate: Candidate) -> float:
-        """Log prior odds of a candidate."""
+        """Log prior odds of a candidate, even at most: none is there before any reading says so."""
         if candidate.label in self._log_priors:
             return self._log_priors[candidate.label]
         prior = self.prior_of(candidate.effect, candidate.target)
-        return prior - float(np.log(len(self.candidates)))
+        return min(prior - float(np.log(len(self.candidates))), 0.0)
 
     def index_of(self, label: str) -> int:
         """Which candidate has a given name and target."""
