@@ -113,6 +113,10 @@ class Base:
         white = self.noise.white(columns_mm)
         return white - self._free @ (self._free.T @ white)
 
+    def back(self, white: np.ndarray) -> np.ndarray:
+        """Columns (n, k) whose product with raw ones is that of white ones with white ones."""
+        return self.noise.back(white)
+
     def posterior(self, sizes: Sizes, effects: Effects) -> Posterior:
         """What the readings say with given sizes beside given effects."""
         return Posterior(self, sizes, effects)
@@ -154,7 +158,6 @@ class Effects:
         cross = base.z.T @ self.x
         self.gram = np.block([[base._gram, cross], [cross.T, self.x.T @ self.x]])
         self.seen = np.concatenate([base._seen, self.x.T @ base.y])
-        self.columns = np.hstack([base.z, self.x])
         self.member_of = np.concatenate([base.member_of, np.zeros(self.x.shape[1], dtype=int)])
 
     def on(self, base: Base) -> Effects:
@@ -253,4 +256,6 @@ class Posterior:
     def left(self) -> np.ndarray:
         """What members and effects leave of the white readings, (n,), in units of the factor."""
         amount = self.scale * self.mean * self.sizes.factor
-        return (self.base.y - self.effects.columns @ amount) / self.sizes.factor
+        of_members, of_effects = np.split(amount, [self.base.z.shape[1]])
+        taken = self.base.z @ of_members + self.effects.x @ of_effects
+        return (self.base.y - taken) / self.sizes.factor

@@ -27,6 +27,8 @@ __all__ = ["Explanation", "Weighing"]
 
 #: sizes in u that a search starts from
 _START = 0.3
+#: readings of the explanations that are remembered
+_ROOM = 100_000
 #: times that what the laws leave open is set by the fit before, so that it is a share of the last
 _PASSES = 3
 
@@ -92,14 +94,20 @@ class Weighing:
         self.bank = Bank(self.base, self.candidates)
         # by identity: a posterior is asked again and again
         self._known: dict[int, tuple[Posterior, Evidence]] = {}
-        # likewise: a search, and the odds of what it found, try the same sets
-        self._tried: dict[tuple, tuple[Explanation, Explanation]] = {}
+        # likewise: a search, and the odds of what it found, leave the same terms out
+        self._fewer: dict[tuple, tuple[Explanation, Explanation]] = {}
         self.alone = self._empty(Sizes(1.0, (0.0,) * len(self.members.names)))
 
     def _empty(self, sizes: Sizes) -> Explanation:
         """The empty set beside members of given sizes."""
         none = Effects(self.base, np.zeros((len(self.survey), 0)))
         return Explanation(None, self.base.posterior(sizes, none))
+
+    def _keep(self, known: dict, key: object, value: object) -> None:
+        """Remember something, and forget what is oldest where there is no room for it."""
+        known[key] = value
+        while len(known) > max(_ROOM // len(self.survey), 4):
+            del known[next(iter(known))]
 
     def on(self, survey: Survey) -> Self:
         """The same over other readings of the same design."""
@@ -120,7 +128,7 @@ class Weighing:
         other._log_priors = {c.label: self.log_prior(c) for c in known} | dict(log_priors)
         other.candidates = list(known)
         other._place = {c.label: k for k, c in enumerate(known)}
-        other.bank, other._known, other._tried = Bank(self.base, known), {}, {}
+        other.bank, other._known, other._fewer = Bank(self.base, known), {}, {}
         return other
 
     def prior_of(self, effect: Effect, target: str) -> float:
@@ -200,12 +208,8 @@ class Weighing:
 
     def extend(self, explanation: Explanation, k: int, *, resize: bool = True) -> Explanation:
         """The explanation with candidate k added and everything refitted."""
-        key = id(explanation), k, resize
-        if key not in self._tried:
-            terms = [*explanation.terms, self.term(k, explanation)]
-            more = self.explain(terms, explanation.posterior.sizes, resize=resize)
-            self._tried[key] = explanation, more
-        return self._tried[key][1]
+        terms = [*explanation.terms, self.term(k, explanation)]
+        return self.explain(terms, explanation.posterior.sizes, resize=resize)
 
     def careful(self, explanation: Explanation) -> JointFit | None:
         """The fit with what its laws leave open counted as uncertainty of the readings."""
@@ -224,11 +228,11 @@ class Weighing:
     ) -> Explanation:
         """The explanation without some of its terms; the others keep their inner parameters."""
         key = id(explanation), tuple(ks), resize
-        if key not in self._tried:
+        if key not in self._fewer:
             left = [term for k, term in enumerate(explanation.terms) if k not in ks]
             fewer = self.explain(left, explanation.posterior.sizes, refine=False, resize=resize)
-            self._tried[key] = explanation, fewer
-        return self._tried[key][1]
+            self._keep(self._fewer, key, (explanation, fewer))
+        return self._fewer[key][1]
 
     def term(self, k: int, explanation: Explanation) -> Term:
         """Candidate k with its best inner parameters on what an explanation leaves."""
@@ -249,7 +253,7 @@ class Weighing:
         """Of every candidate beside an explanation, at its sizes."""
         posterior = explanation.posterior
         if id(posterior) not in self._known:
-            self._known[id(posterior)] = posterior, self.bank.evidence(posterior)
+            self._keep(self._known, id(posterior), (posterior, self.bank.evidence(posterior)))
         return self._known[id(posterior)][1]
 
     def gains(self, explanation: Explanation) -> np.ndarray:
