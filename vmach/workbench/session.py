@@ -48,7 +48,8 @@ class Session:
         self.runs: CommandRuns | None = None
         self.own_effects: list[Path] = []
         self.revision = 0
-        self.shown: dict[str, Any] = {}
+        self._of_job: dict[Path, dict[str, Any]] = {}
+        self._of_folder: dict[str, Any] = {}
         self.other: Path | None = None
         self._other_model: RemoteModel | None = None
         self._control = control
@@ -80,8 +81,21 @@ class Session:
         """Open a folder; work in another one ends."""
         if self.runs is not None:
             self.runs.close()
-        self.folder, self.own_effects, self.shown = folder, [], {}
+        self.folder, self.own_effects = folder, []
+        self._of_job, self._of_folder = {}, {}
         self.runs = CommandRuns(folder.root, self._tell_run)
+
+    @property
+    def shown(self) -> dict[str, Any]:
+        """What was found about the open job, by its kind."""
+        return self._of_folder | self._of_job.get(self.job or Path(), {})
+
+    def show(self, kind: str, found: dict[str, Any], job: Path | None = None) -> None:
+        """Keep what was found about a job, or about its chain, and tell it to the tabs."""
+        of = self._of_folder if job is None else self._of_job.setdefault(job, {})
+        of[kind] = found
+        if job in (None, self.job):
+            self.events.tell("shown", **{kind: found})
 
     @property
     def effect_files(self) -> list[Path]:
@@ -199,6 +213,7 @@ class Session:
             changed = self._watch.changed()
             if changed and self.job is not None:
                 names = [path.name for path in changed]
+                self._of_job.pop(self.job, None)  # it was about other files
                 self.events.tell("files", names=names)
                 self.reload()
 

@@ -64,8 +64,8 @@ def test_what_fails_says_what_the_terminal_says(bench):
 
 def test_a_run_can_be_stopped_and_leaves_nothing_half_written(bench, folder):
     before = sorted(path.name for path in folder.iterdir())
-    run = bench.post("/api/report").json()
-    assert bench.post("/api/report").status_code == 400  # one of a kind at a time
+    run = bench.post("/api/machine").json()
+    assert bench.post("/api/machine").status_code == 400  # one of a kind at a time
     while bench.session.runs.of_number(run["number"]).process is None:
         time.sleep(0.01)
     stopped = bench.post(f"/api/runs/{run['number']}/stop").json()

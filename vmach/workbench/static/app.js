@@ -10,7 +10,8 @@ import { lookPanel } from "./look.js";
 import { listenToPlayer } from "./player.js";
 import { clearMark, listenToProgram, openProgram } from "./program.js";
 import { proposePanel } from "./propose.js";
-import { showRunInHeader, startRun, takeRun } from "./runs.js";
+import { listenToReports } from "./report.js";
+import { showRunInHeader, takeRun } from "./runs.js";
 import { hideStart, showStart } from "./start.js";
 import { listenToControls, loadPart, setTolerance, showChoices, showPoint, stage } from "./stage.js";
 import { whatIfPanel } from "./what_if.js";
@@ -135,23 +136,12 @@ function start() {
   listenToProgram();
   listenToPlayer();
   byId("home").onclick = showStart;
-  byId("report").onclick = () => startRun("/api/report");
+  listenToReports();
   byId("shut-down").onclick = attempt(() => post("/api/shut-down"));
   bench.on("run", (run) => {
-    if (run.kind === "report" && run.state === "done") showReport(run.result);
     if (run.kind === "add" && run.state === "done") choose("diagnose");
   });
   listen();
-}
-
-function showReport({ page, collisions }) {
-  const made = el("div", { class: "notice news stay" }, el("p", {}, "The report is made. ",
-    el("a", { href: "/show/" + page, target: "_blank", rel: "noopener" }, "Open it"), " · ", el("a", { href: "/download/" + page, download: "" }, "download"),
-    collisions.length ? ` · ${collisions.length} collisions: ${collisions[0].text}` : " · no collision found"));
-  const close = el("button", { class: "close", title: "Dismiss", type: "button" }, "×");
-  close.onclick = () => made.remove();
-  made.append(close);
-  byId("notices").append(made);
 }
 
 start();
