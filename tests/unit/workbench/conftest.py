@@ -21,7 +21,7 @@ ERRORS = {
 }
 BACKLASH_UM, NOISE_UM = 6.0, 0.3
 #: how long a test waits for what must come; a slow machine costs time, never a test
-PATIENCE_S = 600
+PATIENCE_S = 300
 
 
 def write_measured_job(folder):

@@ -21,7 +21,7 @@ pytestmark = pytest.mark.skipif(not BROWSER, reason="no Chromium on this machine
 #: software rendering, as there is no graphics card
 FLAGS = ["--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader",
          "--enable-unsafe-swiftshader"]  # fmt: skip
-PATIENCE_MS = 600_000
+PATIENCE_MS = 300_000
 
 
 @pytest.fixture(scope="module")

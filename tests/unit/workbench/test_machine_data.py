@@ -61,7 +61,7 @@ def test_a_table_drawn_by_hand_does_what_a_file_would_do(part, measured_folder, 
     if name[1] in "ABC":  # a tilted tool cuts the floor with another side of its edge
         same &= np.abs(part.surface.normal[:, 2]) < 0.5
     # the file has rows every 10 mm, between which the bends of what was drawn are cut off
-    assert same.mean() > 0.5 and np.abs(wanted[same]).max() > 0.1
+    assert same.mean() > 0.4 and np.abs(wanted[same]).max() > 0.1
     assert np.quantile(np.abs(found - wanted)[same], 0.9) < 0.02 * np.abs(wanted[same]).max() + 0.02
     anew = 1e3 * part.cut_anew([], changes[0].now)
     off = np.abs(anew - after.deviation_um)[after.is_cut]

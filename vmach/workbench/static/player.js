@@ -179,9 +179,9 @@ const x = (seconds) => (CHART.width * seconds) / (player.facts.duration_s || 1);
 function showStates(mix) {
   const now = player.chart.lastChild;
   for (const name of ["x1", "x2"]) now.setAttribute(name, x(player.at));
-  redraw(player.states, [el("span", { title: "Speed of the spindle" }, el("i", { class: "key speed" }), `S ${Math.round(Math.abs(mix(C.rpm)))} 1/min`),
+  redraw(player.states, [el("span", { title: "Speed of the spindle" }, el("i", { class: "key" }), `S ${Math.round(Math.abs(mix(C.rpm)))} 1/min`),
     ...player.facts.bodies.map((body, k) => el("span", { title: `100 %: ${body.reference}. Time constant ${Math.round(body.time_constant_s)} s, ${body.is_of_job ? "of the job" : "a usual one"}` },
-      el("i", { class: "key body-" + k }), `${body.name} ${fixed(100 * mix(C.warmth + k), 1)} %`)), el("span", { class: "soft" }, "warm")]);
+      svg("svg", { viewBox: "0 0 26 6", "aria-hidden": "true" }, svg("line", { class: "body-" + k, x1: 0, x2: 26, y1: 3, y2: 3 })), `${body.name} ${fixed(100 * mix(C.warmth + k), 1)} %`)), el("span", { class: "soft" }, "warm")]);
 }
 
 const found = () => bench.state.shown?.collisions?.found;
