@@ -41,7 +41,7 @@ function parts() {
     historyCurve(),
     ...(found ? verdict(found) : []),
     found ? runBox("diagnose") : null,
-    readingsForm(),
+    found?.next_measurement ? null : readingsForm(),
   ];
 }
 
@@ -71,7 +71,7 @@ function verdict(found) {
   }
   if (found.weak_effects.length)
     rows.push(el("p", { class: "soft" }, "Hinted at, not shown: ", found.weak_effects.map((w) => [w.effect, w.target].filter(Boolean).join(" ")).join(", ")));
-  if (found.next_measurement) rows.push(next(found));
+  if (found.next_measurement) rows.push(next(found), readingsForm(found.next_measurement.text));
   rows.push(...found.notes.map((note) => el("p", { class: "remark" }, micro(note))));
   rows.push(whole(found));
   return rows;
@@ -127,7 +127,7 @@ function details(rows) {
 function next(found) {
   return el("article", { class: "card next" }, el("h4", {}, "Measure next"), el("p", {}, micro(found.next_measurement.text)),
     found.program ? el("p", {}, el("a", { href: "/download/" + found.program, download: "" }, "Download its NC program")) : null,
-    el("p", { class: "soft" }, "Its readings go into Further readings below."));
+    el("p", { class: "soft" }, "Drop its readings below."));
 }
 
 function whole(found) {

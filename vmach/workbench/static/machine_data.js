@@ -44,7 +44,7 @@ function draw() {
     el("option", { value: one.name, selected: one.name === state.name }, `${one.name}${one.has_table ? "" : " (no table)"}${state.changes.has(one.name) ? " · changed" : ""}`)));
   select.onchange = ({ target }) => { state.name = target.value; fitScale(); draw(); };
   const back = el("button", { type: "button", disabled: !state.changes.has(state.name) }, "As it was");
-  back.onclick = () => { state.onEnd(); state.changes.delete(state.name); fitScale(); draw(); state.onChange(); };
+  back.onclick = () => { state.onEnd(); state.changes.delete(state.name); fitScale(); draw(); state.onChange(); state.onEnd(); };
   redraw(state.panel, [el("div", { class: "row" }, select, el("span", { class: "soft" }, `${units(card().unit)} over ${card().axis}, mm`), el("span", { class: "spring" }), back),
     plot(), el("p", { class: "soft" }, "Draw over the curve, or take a point and press arrow up or down. The thin line is the machine's table."), ...places()]);
 }

@@ -45,6 +45,7 @@ export function takeRun(run) {
   if (at < 0) runs.push(run);
   else runs[at] = run;
   if (run.state === "failed" && before?.state !== "failed") notice(run.message);
+  if (run.state === "stopped" && before?.state !== "stopped") notice(`${WORDS[run.kind] ?? run.kind}: ${run.message}`, "news");
   showRunInHeader();
   bench.tell("run", run);
 }

@@ -14,7 +14,7 @@ export function whatIfPanel(panel) {
   state.panel = panel;
   const filter = el("input", { type: "search", placeholder: "Find an effect: backlash, thermal, Y …", "aria-label": "Find an effect" });
   const reset = el("button", { type: "button", class: "reset" }, "Reset");
-  reset.onclick = () => { nextGesture(); showMachine(state.machine, []); change(new Map()); };
+  reset.onclick = () => { nextGesture(); showMachine(state.machine, []); change(new Map()); nextGesture(); };
   const machine = el("div", { class: "machine" });
   machineSection(machine, moved, nextGesture);
   const list = el("div", { class: "cards" });
