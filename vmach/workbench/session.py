@@ -168,9 +168,9 @@ class Session:
             self._other_model.close()
         before = self.other
         if before != job:
-            word = "nothing" if job is None else job_name(job)
+            word = "end of comparison" if job is None else f"comparison with {job_name(job)}"
             self.steps.did(Step(
-                f"compare with {word}", lambda: self.compare_with(before),
+                word, lambda: self.compare_with(before),
                 lambda: self.compare_with(job),
             ))  # fmt: skip
         self.other, self._other_model = job, None

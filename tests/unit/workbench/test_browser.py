@@ -373,10 +373,9 @@ def test_a_broken_file_that_is_dropped_is_said_and_harms_nothing(tab, folder):
     before = sorted(path.name for path in folder.glob("*.toml"))
     tab.locator("#tab-diagnose").click()
     drop(tab, ".drop >> nth=-1", "broken.csv", "radius;1\n\x00\n")
+    tab.get_by_label("Instrument").select_option("part")
     take = tab.get_by_role("button", name="Add these readings")
     until(take.is_enabled)
-    for name, value in (("tool_length_mm", "100"), ("u_um", "1")):
-        tab.locator(f".readings [name={name}]").fill(value)
     take.click()
     assert "broken.csv" in complaint(tab)
     assert sorted(path.name for path in folder.glob("*.toml")) == before

@@ -1,4 +1,4 @@
-"""Diagnose, add, go back: the files are those of the commands."""
+"""Add, go back: the files are those of the commands."""
 
 import asyncio
 import shutil
@@ -28,16 +28,7 @@ def folder(bench):
     return bench.session.folder.root
 
 
-def test_the_loop(bench, folder):
-    bench.post("/api/diagnose")
-    run = bench.wait_for("diagnose")
-    assert run["state"] == "done", run["message"]
-    effects = run["result"]["effects"]
-    assert [(e["effect"], e["target"]) for e in effects] == [("backlash", "Y")]
-    assert run["command"].startswith("vmach diagnose job.toml --out vmach-results/job/diagnosis")
-    shown = bench.get("/show/" + run["result"]["page"])
-    assert "sandbox" in shown.headers["content-security-policy"]
-
+def test_an_effect_is_added_and_taken_back(bench, folder):
     bench.post("/api/add", {"effects": ["backlash:Y"]})
     assert bench.wait_for("add")["state"] == "done"
     state = bench.get("/api/state").json()

@@ -58,7 +58,7 @@ def test_a_job_beside_goes_back(bench):
     beside = str(bench.session.folder.root / "other.toml")
     bench.post("/api/compare", {"job": "other.toml"})
     assert state(bench)["other"] == beside
-    assert state(bench)["steps"]["undo"] == "compare with other"
+    assert state(bench)["steps"]["undo"] == "comparison with other"
     assert bench.post("/api/undo").json()["other"] is None
 
 

@@ -102,7 +102,7 @@ async function showJob(revision) {
 function showUndo() {
   const { chain, steps, job } = bench.state, at = (chain ?? []).findIndex((step) => step.is_open), before = chain?.[at - 1];
   const word = steps?.undo ?? (before ? "+ " + chain[at].added.join(", ") : null);
-  Object.assign(byId("undo"), { hidden: !job || !word, textContent: `Undo ${word}`, title: "Ctrl-Z; no file goes away" });
+  Object.assign(byId("undo"), { hidden: !job || !word, textContent: `Undo: ${word}`, title: "Ctrl-Z; no file goes away" });
   Object.assign(byId("redo"), { hidden: !job || !steps?.redo, textContent: "Redo", title: `Do again: ${steps?.redo}` });
   byId("undo").onclick = attempt(() => (steps?.undo ? post("/api/undo") : post("/api/open", { job: before.job })));
   byId("redo").onclick = attempt(() => post("/api/redo"));
