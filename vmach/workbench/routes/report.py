@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import base64
 import binascii
+import io
 import math
 from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from PIL import Image
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
@@ -79,14 +81,17 @@ def _is_number(value: Any) -> bool:
 
 
 def _picture(asked: Any) -> bytes | None:
-    """A JPEG of the screen; it is opened as a picture before it is put into the page."""
+    """A JPEG of the screen; it is read as a picture before it is put into the page."""
     if asked is None:
         return None
     try:
         if not isinstance(asked, str) or not asked.startswith(_PICTURE):
             raise ValueError
-        return base64.b64decode(asked.removeprefix(_PICTURE), validate=True)
-    except (ValueError, binascii.Error):
+        content = base64.b64decode(asked.removeprefix(_PICTURE), validate=True)
+        with Image.open(io.BytesIO(content), formats=("JPEG",)) as picture:
+            picture.load()
+        return content
+    except (ValueError, OSError, binascii.Error, Image.DecompressionBombError):
         raise InputError("picture", accepted=f"an address of data, {_PICTURE} ...") from None
 
 
