@@ -1,13 +1,7 @@
 """Predicted deviation of surface points: the displaced path, swept exactly."""
 
-from vmach.prediction.prediction import (
-    ActingEffect,
-    Prediction,
-    displaced_sweeps,
-    displacement_of,
-    predict,
-    predict_surface,
-)
+from vmach.prediction.displaced_path import ActingEffect, displaced_sweeps, displacement_of
+from vmach.prediction.prediction import Prediction, predict, predict_surface
 
 __all__ = [
     "ActingEffect",
