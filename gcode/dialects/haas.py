@@ -18,6 +18,8 @@ class HaasReader(FanucReader):
         pointed_p_is_seconds=True,
         pointless_factor=True,
         haas_cycles=True,
+        reference_all_axes=True,
+        counters=range(5401, 6000),
         builder_m=HAAS_M,
         peck_clearance_mm=1.27,
     )

@@ -108,9 +108,3 @@ class Dialect:
         """Decimals of a length in program units."""
         decimals = math.ceil(-math.log10(resolution_mm) - 1e-9)
         return max(decimals, 1) + (cls.inch_decimals if unit_mm != 1.0 else 0)
-
-    @classmethod
-    def radii_agree(cls, first: float, last: float, *, unit_mm: float) -> bool:
-        """Whether an arc with these radii at start and end, program units, is accepted."""
-        off, largest = abs(first - last), max(first, last)
-        return off <= max(cls.arcs.absolute(unit_mm), cls.arcs.relative * largest)

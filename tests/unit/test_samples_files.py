@@ -35,7 +35,7 @@ def test_no_job_is_forgotten():
         for path in SAMPLES.glob("*/*.toml")
         if not path.name.startswith("machine")
     }
-    assert found == set(JOBS)
+    assert found == {*JOBS, "huddersfield/job.toml"}  # which makes no part
 
 
 @pytest.mark.parametrize("name", JOBS)

@@ -33,6 +33,10 @@ def import_files(
             help="from a report: 'XY 34.1 um/m more': the + axes enclose more than 90 degrees"
         ),
     ] = None,
+    square: Annotated[
+        list[str] | None,
+        typer.Option(help="calliper lengths AC, BD, AD of a square, mm: 'XY 140.4 142.8 99.8'"),
+    ] = None,
     column: Annotated[
         list[str] | None, typer.Option(metavar="NAME=HEADING", help="which column holds what")
     ] = None,
@@ -59,12 +63,13 @@ def import_files(
     if show_kinds:
         _list_kinds()
         return
-    if not files and not squareness:
-        raise InputError("nothing to import", accepted="FILE..., or --squareness")
+    if not files and not squareness and not square:
+        raise InputError("nothing to import", accepted="FILE..., --squareness or --square")
     targets = _targets(into or [])
     given = _pairs(answer or [], "--set") | ({"error": error} if error else {})
     questions = _questions(given, _pairs(column or [], "--column"), targets, job, asks=not yes)
     found = [_squareness(text, questions) for text in squareness or []]
+    found += [_square(text, questions) for text in square or []]
     found += import_files(files or [], questions, kind=kind)
     folder = out or (targets[0].parent if targets else Path())
     written = write_imported(found, Target(folder, tuple(targets)))
@@ -136,6 +141,23 @@ def _squareness(text: str, questions: Questions) -> Imported:
     size_urad = urad_from_rad(float(number) * RAD_PER[match[3] or "um/m"])
     told = Asked({"angle": match[4]}, machine_file=questions.machine_file)
     return squareness_sections(match[1], size_urad, told, what="--squareness")
+
+
+def _square(text: str, questions: Questions) -> Imported:
+    """``XY 140.4 142.8 99.8`` as a line of [squareness]."""
+    from vmach.files.text_file import decimal_number
+    from vmach.importers.squareness import NAMES, square_sections
+
+    plane, *words = text.split() or [""]
+    lengths = [decimal_number(word.replace(",", ".")) for word in words]
+    good = len(lengths) == 3 and all(0.0 < length < 1e5 for length in lengths)
+    if not good or plane not in {*NAMES, *(name[::-1] for name in NAMES)}:
+        raise InputError(
+            f"--square '{text}'",
+            accepted="plane, diagonals AC and BD, side AD in mm: 'XY 140.4 142.8 99.8'",
+            hint="A is the lowest corner, AC goes up along both axes, AD along the first",
+        )
+    return square_sections(plane, (lengths[0], lengths[1], lengths[2]), questions)
 
 
 def _tell(found: list[Imported], written: list[Path], targets: list[Path]) -> None:

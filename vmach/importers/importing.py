@@ -90,9 +90,7 @@ def import_files(
         except InputError as error:
             if error.file is not None:
                 raise
-            raise InputError(
-                error.what, file=path, accepted=error.accepted, hint=error.hint
-            ) from None
+            raise source.error(error.what, accepted=error.accepted or "", hint=error.hint) from None
     unused = questions.unused()
     if unused:
         keys = ", ".join(dict.fromkeys(k for one in catalogue().values() for k in one.keys))

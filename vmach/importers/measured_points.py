@@ -10,6 +10,7 @@ import numpy as np
 from vmach.importers.importer import Imported, Section
 from vmach.importers.questions import Questions
 from vmach.importers.source_file import SourceFile
+from vmach.instruments.kinds.holes import Holes as HolesInstrument
 from vmach.nominal import NominalPart, read_nominal
 from vmach.nominal.nearest import feet_on
 
@@ -76,7 +77,10 @@ def holes_file(
         lines.append(f"{_word(name)}," + ",".join(f"{v:.9g}" for v in row))
     file = f"{source.path.stem}_holes.csv"
     section = Section(
-        "job", "measurements", {"kind": "holes", "file": file, "u_um": u_um}, is_array=True
+        "job",
+        "measurements",
+        {"kind": HolesInstrument.name, "file": file, "u_um": u_um},
+        is_array=True,
     )
     said = f"{source.path.name}: {len(lines) - 1} holes, bores or bosses"
     return Imported({file: "\n".join(lines) + "\n"}, (section,), (said, *notes))

@@ -62,9 +62,9 @@ class SourceFile:
         except UnicodeDecodeError:
             text = self.content.decode(_CODE_PAGE, errors="replace")
         if "\0" in text:
-            raise InputError(
+            raise self.error(
                 "is no text: it holds zero bytes",
-                file=self.path,
+                line=text[: text.index("\0")].count("\n") + 1,
                 accepted="a file that the instrument's program exports as text",
             )
         return text.replace("\r\n", "\n").replace("\r", "\n")
@@ -84,5 +84,6 @@ class SourceFile:
     def error(
         self, what: str, *, line: int | None = None, accepted: str, hint: str | None = None
     ) -> InputError:
-        """What is wrong with the file, with the line, 1-based."""
+        """What is wrong with the file, with the line, 1-based; the first for all of it."""
+        line = line or (None if self.path.is_dir() else 1)
         return InputError(what, file=self.path, line=line, accepted=accepted, hint=hint)

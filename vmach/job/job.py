@@ -18,6 +18,7 @@ from vmach.features.circular_test import CircularLimits
 from vmach.files.toml_file import line_of_key, read_toml_and_text
 from vmach.job.control import control_told
 from vmach.job.drawing import JobDrawing, read_drawing
+from vmach.job.probing import Probing, read_probing
 from vmach.job.schema import (
     CircularTestEntry,
     InspectionEntry,
@@ -162,6 +163,8 @@ class Job:
     inspection : Inspection
     device : Device
         What is known of the machine that measured the part.
+    probing : Probing or None
+        How zero and tool lengths were set on the machine; None where nobody says it.
     drawing : JobDrawing
         Features, datums and tolerances.
     circular_test : CircularLimits or None
@@ -189,6 +192,7 @@ class Job:
     offsets: Mapping[int, OffsetEntry]
     inspection: Inspection
     device: Device
+    probing: Probing | None
     drawing: JobDrawing
     circular_test: CircularLimits | None
     effects: Mapping[str, Any]
@@ -295,6 +299,7 @@ def read_job(path: Job | str | Path) -> Job:
         offsets={k: OffsetEntry(**row.model_dump()) for k, row in data.offsets.items()},
         inspection=_inspection(data.inspection, at("inspection", "alignment")),
         device=_device(data.measuring_machine),
+        probing=read_probing(data.probing, tools),
         drawing=read_drawing(data, path.parent, at),
         circular_test=_circular_limits(data.circular_test),
         effects=data.effects,

@@ -13,12 +13,19 @@ from typing import Protocol
 import numpy as np
 
 from stock import Material, Sweeps
-from vmach.machine import RigidDisplacement, Variant, displacement
+from vmach.machine import Machine, RigidDisplacement, Variant, displacement
 from vmach.path.preparation import Preparation
 from vmach.path.toolpath import PathStates, Toolpath
+from vmach.path.touched_zero import relative_to_zero
 from vmach.prediction.sweeping import build_sweeps, join_sweeps
 
-__all__ = ["ActingEffect", "DisplacedPath", "displaced_sweeps", "displacement_of"]
+__all__ = [
+    "ActingEffect",
+    "DisplacedPath",
+    "displaced_sweeps",
+    "displacement_of",
+    "of_machine",
+]
 
 #: pieces of the path that are displaced at a time: some MB each
 PIECES_AT_ONCE = 50_000
@@ -60,8 +67,20 @@ def displaced_sweeps(
 def displacement_of(
     preparation: Preparation, states: PathStates, variant: Variant, effects: Sequence[ActingEffect]
 ) -> RigidDisplacement:
-    """Rigid displacement of the tool at P states, by the machine's errors and the effects."""
-    machine = preparation.job.machine
+    """Rigid displacement of the tool at P states, by the machine's errors and the effects.
+
+    It counts from the workpiece zero as it was touched, where the job says how.
+    """
+    job = preparation.job
+    return relative_to_zero(
+        job, states, lambda some: of_machine(job.machine, some, variant, effects)
+    )
+
+
+def of_machine(
+    machine: Machine, states: PathStates, variant: Variant, effects: Sequence[ActingEffect]
+) -> RigidDisplacement:
+    """The same as the machine makes it, whatever zero the job counts from."""
     direction = states.direction if machine.separate_directions else None
     total = displacement(machine, states.nose_mm, states.tool_mm, variant, direction=direction)
     for effect in effects:

@@ -142,6 +142,10 @@ def _job_lines(
         key = name if name.isalnum() else f'"{name}"'
         yield f"{key} = [{place}]"
     yield ""
+    yield "# mend: were zero and tool lengths set on this machine, by edge finder, probe or touch?"
+    yield "# [probing]"
+    yield f"# probe_length_mm = {_LENGTH_MM:g}  # of the edge finder or probe, from nose to tip"
+    yield ""
     low, high = _blank(needs, part)
     yield "[stock]  # mend: the blank, in the coordinates of the workpiece zero"
     yield f"min_mm = [{', '.join(f'{v:g}' for v in low)}]"

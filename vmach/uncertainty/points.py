@@ -16,7 +16,7 @@ from vmach.machine import Variant
 from vmach.prediction import Prediction
 from vmach.uncertainty.corrections import Corrections, Part
 from vmach.uncertainty.monte_carlo import Drawn, Plan, propagate
-from vmach.uncertainty.tables import TableUncertainty, signature
+from vmach.uncertainty.tables import TableUncertainty
 
 __all__ = [
     "PointsDrawn",
@@ -109,8 +109,8 @@ def point_parts(prediction: Prediction, rows: np.ndarray) -> list[Part]:
     parts: list[Part] = []
     if prediction.variant is not Variant.NONE:
         tables = TableUncertainty.of(job.machine)
-        for cause in tables.causes(job.machine, path.nose_mm, path.tool_mm, path.variant):
-            parts.append(Part(cause.label, signature(cause, path, normals), cause.pool))
+        for cause, own in tables.signatures(path, normals):
+            parts.append(Part(cause.label, own, cause.pool))
     for effect in prediction.effects:
         parts += _of_effect(effect, path, normals)
     return parts

@@ -32,6 +32,8 @@ _SETS = 10  #: of I J K in specification II
 _LEVELS = 15  #: nesting of calls; more is a program that calls itself
 _HEAD = re.compile(r"(?:/[1-9]?)?(?:n(\d+))?(?:/[1-9]?)?")
 _SLASH = re.compile(r"\s*(?:n\s*\d+\s*)?/\s*([1-9]?)(?!\s*\d)", re.IGNORECASE)
+_LEADER = re.compile(r"^%(?=[o:]\d)")  #: of a tape; the program's number may follow
+_OUTPUT = ("dprnt", "bprnt", "popen", "pclos")
 _PROGRAM = re.compile(r"(?:o|:)(?:(\d+)|<([^>]*)>)")
 _COMMENT = re.compile(r"\((?:[^()]|\([^()]*\))*\)?")
 _BLANKS = str.maketrans("", "", " \t\r\x0b\x0c")
@@ -67,7 +69,8 @@ class FanucReader(Translated):
         self.calls: list[_Call] = []
         self.guard = LoopGuard(controller)
         self.variables = MacroVariables(controller, self.settings.columns,
-                                        radius_in_d=self.settings.radius_in_d)  # fmt: skip
+                                        radius_in_d=self.settings.radius_in_d,
+                                        counters=self.settings.counters)  # fmt: skip
         self.blocks = BlockRunner(self, self.settings)
         self.modal_call: list[tuple[str, float]] | None = None
         self.fast = self.starts = None
@@ -146,11 +149,17 @@ class FanucReader(Translated):
             text = self.lines[index]
             text = _COMMENT.sub("", text) if "(" in text else text
             text = text.split(";")[0].translate(_BLANKS).lower()
-            text = self.texts[index] = text[_HEAD.match(text).end() :]
+            text = self.texts[index] = _LEADER.sub("", text[_HEAD.match(text).end() :])
         return text
 
     def _statement(self, content: str) -> None:
         if content in _NO_WORDS:
+            return
+        if content.startswith("%"):
+            raise ProgramError(f"cannot read '{content}'", accepted="%, or % with O and a number",
+                               hint="FAGOR, NUM and early SINUMERIK begin so")  # fmt: skip
+        if content.startswith(_OUTPUT):
+            self.controller.note(content[:5].upper(), "output to a device")
             return
         if _PROGRAM.match(content):
             if self.next > 1 and not self.calls:

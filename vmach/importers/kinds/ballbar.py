@@ -8,6 +8,7 @@ from vmach.importers.importer import Imported, Importer, Section
 from vmach.importers.loose_table import ANGLE, SMALL, SPEED, TIME, Column, LooseTable
 from vmach.importers.questions import Questions
 from vmach.importers.source_file import SourceFile
+from vmach.instruments.kinds.ballbar import Ballbar
 
 __all__ = ["BallbarReadings"]
 
@@ -76,7 +77,7 @@ class BallbarReadings(Importer):
             "job",
             "measurements",
             {
-                "kind": "ballbar",
+                "kind": Ballbar.name,
                 "file": file,
                 "plane": plane,
                 "centre_mm": centre,

@@ -8,6 +8,7 @@ from vmach.importers.importer import Imported, Importer, Section
 from vmach.importers.loose_table import SMALL, SPEED, TIME, Column, LooseTable
 from vmach.importers.questions import Questions
 from vmach.importers.source_file import SourceFile
+from vmach.instruments.kinds.drift import Drift
 
 __all__ = ["DriftLog"]
 
@@ -68,7 +69,7 @@ class DriftLog(Importer):
         for row in zip(time, rpm, moved, strict=True):
             lines.append(f"{row[0]:.4f},{row[1]:g}," + ",".join(f"{v:.6g}" for v in row[2]))
         file = f"{source.path.stem}_drift.csv"
-        values = {"kind": "drift", "file": file, "at_mm": at, "tool_length_mm": length,
+        values = {"kind": Drift.name, "file": file, "at_mm": at, "tool_length_mm": length,
                   "u_um": u_um}  # fmt: skip
         span = f"{source.path.name}: {len(time)} readings in {np.ptp(time) / 60:.1f} min, "
         said = span + f"up to {np.abs(moved).max():.1f} um"

@@ -84,11 +84,12 @@ def _side_by_side(unit: str) -> tuple[Column, ...]:
 
 @dataclass(frozen=True)
 class _Readings:
-    """Single readings in the order of the file: positions mm, values um or urad, signs."""
+    """Single readings in the order of the file: positions mm, values um or urad, signs, lines."""
 
     position: np.ndarray
     value: np.ndarray
     approach: np.ndarray
+    line: np.ndarray
 
 
 class LaserRuns(Importer):
@@ -176,16 +177,17 @@ def _readings(table: LooseTable, questions: Questions) -> _Readings:
     sign = 1.0 if sense == wanted[0] else -1.0
     if "actual" in table.numbers:
         value = 1e3 * (table.complete("actual") - position)
-        return _Readings(position, value, _approach(table, position))
+        return _Readings(position, value, _approach(table, position), table.lines)
     if "deviation" in table.numbers:
         value = sign * table.complete("deviation")
-        return _Readings(position, value, _approach(table, position))
+        return _Readings(position, value, _approach(table, position), table.lines)
     found = []
     for name, column in table.numbers.items():
         if name != "position":
             way = 1.0 if name.startswith("forward") else -1.0
             rows = np.flatnonzero(np.isfinite(column))
-            found.append((position[rows], sign * column[rows], np.full(len(rows), way)))
+            ways = np.full(len(rows), way)
+            found.append((position[rows], sign * column[rows], ways, table.lines[rows]))
     return _Readings(*(np.concatenate(part) for part in zip(*found, strict=True)))
 
 
@@ -224,4 +226,13 @@ def _runs(readings: _Readings, source: SourceFile) -> Runs:
             own[count[place[k]]][place[k]] = readings.value[k]
             count[place[k]] += 1
     forward, backward = sides[1.0] or sides[-1.0], sides[-1.0] or sides[1.0]
+    for name, side in (("forward", forward), ("backward", backward)):
+        for end in (0, -1):
+            if np.isnan([run[end] for run in side]).all():
+                line = int(readings.line[np.argmax(target[place] == target[end])])
+                raise source.error(
+                    f"no {name} reading at {target[end]:g}, an end of the table",
+                    line=line,
+                    accepted="both directions at either end, or one direction only",
+                )
     return Runs(target, np.array(forward), np.array(backward))

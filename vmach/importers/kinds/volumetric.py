@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 
-from vmach.errors import InputError
 from vmach.importers.component_table import error_section, runs_text
 from vmach.importers.convention import Convention
 from vmach.importers.importer import Imported, Importer, Section
@@ -42,10 +41,10 @@ class Volumetric(Importer):
             unit = 1e6 if component_of(name)[2] else 1e3
             values = convention.factor(name) * unit * value
             if not abs(values).max() < 1e4:
-                raise InputError(
-                    f"{name} holds a value of {abs(value).max():g}", file=source.path,
+                raise source.error(
+                    f"{name} holds a value of {abs(value).max():g}",
                     accepted="mm and rad, at most 10 mm and 10 mrad",
-                )  # fmt: skip
+                )
             file = f"errors/{name}.csv"
             files[file] = runs_text(Runs(position, values, values), name)
             sections += error_section(name, file, questions)
