@@ -111,7 +111,9 @@ def _table_page(
     figure = _page(run, logo, number)
     has_measured = any(result.measured for result in run.features)
     told = "measured" if has_measured else "predicted"
-    told = f"Values are {told}, ± U (k = {COVERAGE:g}); verdict after ISO 14253-1"
+    drawn = any(r.predicted and r.predicted.interval_mm for r in run.features)
+    spread = "with intervals of 95 % from draws" if drawn else f"± U (k = {COVERAGE:g})"
+    told = f"Values are {told}, {spread}; verdict after ISO 14253-1"
     figure.text(0.07, 0.885, told, size=8, color=_GREY)
     for left, heading in _COLUMNS:
         figure.text(left, _TOP + 0.025, heading, size=8, weight="bold", color=_INK)

@@ -173,6 +173,7 @@ def _drawing(run: RunRecord) -> dict:
         "rows": [(result, used_share(result)) for result in run.features],
         "has_measured": any(result.measured for result in run.features),
         "coverage": COVERAGE,
+        "is_drawn": any(r.predicted and r.predicted.interval_mm for r in run.features),
         "spread_text": spread_text,
     }
 
