@@ -6,6 +6,7 @@ The pipeline fills `InspectedPoints` and `RunRecord`, gets a `DisplayMesh` from
 
 from vmach.report.exchange.formats import ENDINGS, check_ending, write_features_file
 from vmach.report.figures.arms import arms_text
+from vmach.report.figures.circular_tests import circular_table
 from vmach.report.figures.deviations_csv import read_deviations_csv, write_deviations_csv
 from vmach.report.figures.differences import differences_text
 from vmach.report.figures.features import features_table
@@ -45,6 +46,7 @@ __all__ = [
     "arms_text",
     "build_display_mesh",
     "check_ending",
+    "circular_table",
     "column_statistics",
     "columns_table",
     "differences_text",

@@ -176,6 +176,7 @@ def run_record(made: MachinedPart, command: str) -> RunRecord:
         comparison=made.comparison,
         points_file="deviations.csv",
         features=made.features,
+        circular_tests=made.circular_tests,
         part=job.drawing.part,
         serial=job.drawing.serial,
         revision=job.drawing.revision,

@@ -120,8 +120,11 @@
   function leanFlag(flag, x, y) {
     const view = byId("canvas");
     const angle = Math.atan2(y - view.clientHeight / 2, x - view.clientWidth / 2);
-    const [right, down] = [150 * Math.cos(angle), 60 * Math.sin(angle)]; // flags are wider than high
     const [line, text] = flag.children;
+    const inside = (at, size, room) => Math.max(size / 2 + 4, Math.min(room - size / 2 - 4, at));
+    // flags are wider than high, and stay within the view
+    const right = inside(x + 150 * Math.cos(angle), text.offsetWidth, view.clientWidth) - x;
+    const down = inside(y + 60 * Math.sin(angle), text.offsetHeight, view.clientHeight) - y;
     line.style.width = Math.hypot(right, down) + "px";
     line.style.transform = `rotate(${Math.atan2(down, right)}rad)`;
     text.style.left = right + "px";

@@ -14,7 +14,13 @@ from vmach.base.units import um_from_mm
 from vmach.features.result import FeatureResult
 from vmach.files.atomic import atomic_file
 from vmach.report.figures.arms import arms_text
-from vmach.report.figures.features import COVERAGE, flag_text, flagged, used_share
+from vmach.report.figures.circular_tests import (
+    FIGURES,
+    circular_limits,
+    circular_values,
+    circular_verdict,
+)
+from vmach.report.figures.features import COVERAGE, flag_text, flagged, spread_text, used_share
 from vmach.report.figures.statistics import (
     column_statistics,
     common_range_mm,
@@ -121,6 +127,7 @@ def write_report_html(
         payload=encode_payload(mesh, points.with_remainders(), run),
         css=style_sheet(),
         drawing=_drawing(run),
+        circles=_circles(run),
         scripts=[asset(name) for name in ("scene.js", "gestures.js", "page.js")],
     )
     with atomic_file(path) as temporary:
@@ -197,6 +204,18 @@ def _drawing(run: RunRecord) -> dict:
         "rows": [(result, used_share(result)) for result in run.features],
         "has_measured": any(result.measured for result in run.features),
         "coverage": COVERAGE,
+        "is_drawn": any(r.predicted and r.predicted.interval_mm for r in run.features),
+        "spread_text": spread_text,
+    }
+
+
+def _circles(run: RunRecord) -> dict:
+    """What the template shows of the circular tests."""
+    tests = run.circular_tests
+    return {
+        "rows": [(test, circular_values(test), circular_verdict(test)) for test in tests],
+        "figures": FIGURES,
+        "accepted": circular_limits(tests[0]) if tests else "",
     }
 
 
