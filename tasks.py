@@ -4,9 +4,10 @@
     python3 tasks.py demo     machine the sample part and say where the report is
     python3 tasks.py test     pass the tests
     python3 tasks.py check    lint, types and tests
-    python3 tasks.py check-all
+    python3 tasks.py check-all [VERSION] [newest | oldest]
                               the same on every Python from 3.11 to 3.13 that is installed,
-                              with the newest and the oldest dependencies
+                              with the newest and the oldest dependencies; VMACH_PYTHONS
+                              names interpreters (or folders of them) besides those found
     python3 tasks.py docs     build the documentation's site in out/site
     python3 tasks.py setup    only make the environment (.venv)
 
@@ -46,7 +47,8 @@ def main() -> int:
     if sys.version_info < (3, 11):  # noqa: UP036  (any python3 may start this file)
         print(f"vmach needs Python 3.11 or newer; this is {sys.version.split()[0]}")
         return 1
-    set_up()
+    if sys.argv[1] != "check-all":  # it makes environments of its own
+        set_up()
     return tasks[sys.argv[1]](sys.argv[2:])
 
 
@@ -106,7 +108,7 @@ def test(arguments: list[str]) -> int:
 
 def check(arguments: list[str]) -> int:
     """Lint, types and tests; the first that fails ends it."""
-    for tool in (["ruff", "check", "."], ["mypy"], ["pytest", *arguments]):
+    for tool in checks(arguments):
         print(f"== {tool[0]}", flush=True)
         status = subprocess.run([PYTHON, "-m", *tool], cwd=ROOT).returncode
         if status != 0:
@@ -115,34 +117,71 @@ def check(arguments: list[str]) -> int:
 
 
 def check_all(arguments: list[str]) -> int:
-    """Tests on every Python there is, with the newest and the oldest dependencies."""
-    failed = []
-    for version in PYTHONS:
-        python = shutil.which(f"python{version}")
+    """Lint, types and tests on every Python there is, with the newest and oldest dependencies."""
+    versions = [word for word in arguments if word in PYTHONS] or PYTHONS
+    ages = [word for word in arguments if word in ("newest", "oldest")] or ["newest", "oldest"]
+    for_pytest = [word for word in arguments if word not in (*PYTHONS, "newest", "oldest")]
+    failed, passed = [], 0
+    for version in versions:
+        python = interpreter(version)
         if python is None:
-            print(f"== Python {version}: not installed here, not tried", flush=True)
+            print(f"== Python {version}: not found, not tried", flush=True)
             continue
-        # compiled packages of the oldest versions exist for the oldest Python only
-        for age in ("newest", "oldest") if version == PYTHONS[0] else ("newest",):
-            print(f"== Python {version}, {age} dependencies", flush=True)
-            if not passes_with(python, age, arguments):
+        for age in ages:
+            # compiled packages of the oldest versions exist for the oldest Python only
+            if age == "oldest" and version != PYTHONS[0]:
+                continue
+            print(f"== Python {version} ({python}), {age} dependencies", flush=True)
+            if passes_with(python, age, for_pytest):
+                passed += 1
+            else:
                 failed.append(f"Python {version} with the {age} dependencies")
-    print("all passed" if not failed else f"failed: {', '.join(failed)}")
-    return min(len(failed), 1)
+    print(f"passed: {passed}" + (f"; failed: {', '.join(failed)}" if failed else ""))
+    return 0 if passed and not failed else 1
 
 
-def passes_with(python: str, age: str, arguments: list[str]) -> bool:
-    """Whether the tests pass in an environment of their own, made anew."""
-    place = ROOT / "build" / f"check-{Path(python).name}-{age}"
+def interpreter(version: str) -> Path | None:
+    """A Python of this version that runs: one that VMACH_PYTHONS names, on the PATH, or pyenv's."""
+    named = os.environ.get("VMACH_PYTHONS", "").split(os.pathsep)
+    found = [Path(name) for name in named if Path(name).is_file()]
+    folders = [Path(name) for name in [*named, *os.get_exec_path()] if name]
+    pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
+    folders += [place / "bin" for place in sorted(pyenv.glob(f"{version}.*"))]
+    found += [folder / f"python{version}" for folder in folders]
+    question = "import ensurepip, sys, venv; print('%d.%d' % sys.version_info[:2])"
+    for python in found:
+        if not python.is_file():
+            continue
+        asked = subprocess.run([python, "-c", question], capture_output=True, text=True)
+        if asked.returncode == 0 and asked.stdout.strip() == version:
+            return python
+        if python.name == f"python{version}":
+            print(f"== {python} does not run or lacks venv, passed over", flush=True)
+    return None
+
+
+def passes_with(python: Path, age: str, arguments: list[str]) -> bool:
+    """Whether lint, types and tests pass in an environment of their own, made anew."""
+    place = ROOT / "build" / f"check-{python.name}-{age}"
     subprocess.run([python, "-m", "venv", "--clear", place], check=True)
-    packages = ["--editable", f"{ROOT}[test]"] + (oldest() if age == "oldest" else [])
+    packages = ["--editable", f"{ROOT}[test,check]"] + (oldest() if age == "oldest" else [])
     inside = place / "bin" / "python"
     install = [inside, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
     if subprocess.run([*install, *packages]).returncode != 0:
         return False
     environment = os.environ | {"NUMBA_CACHE_DIR": str(place / "kernels")}
-    command = [inside, "-m", "pytest", *arguments]
-    return subprocess.run(command, cwd=ROOT, env=environment).returncode == 0
+    # what an older numpy says of types is not what this code is checked against
+    tools = [["pytest", *arguments]] if age == "oldest" else checks(arguments)
+    for tool in tools:
+        print(f"== {tool[0]}", flush=True)
+        if subprocess.run([inside, "-m", *tool], cwd=ROOT, env=environment).returncode != 0:
+            return False
+    return True
+
+
+def checks(arguments: list[str]) -> list[list[str]]:
+    """What must pass: lint, types, tests."""
+    return [["ruff", "check", "."], ["mypy"], ["pytest", *arguments]]
 
 
 def oldest() -> list[str]:

@@ -11,7 +11,7 @@ from gcode.moves.moves import MoveKind, Moves
 from gcode.program import Note, Program, read_program
 from gcode.state.controller import WORK_OFFSETS
 from gcode.state.tools import OffsetEntry, ToolEntry, read_tool_table
-from gcode.state.trace import Modes, Step
+from gcode.state.trace import Modes, PlainLines, Step
 from gcode.text.items import block_items
 from gcode.text.source import Source, Word
 from gcode.writing.block_text import BlockText, Labels
@@ -20,7 +20,7 @@ from gcode.writing.line_edit import AS_PROGRAMMED, SAME, UNKNOWN, BlockMotion, L
 __all__ = ["ARC_TOLERANCES", "AS_PROGRAMMED", "INCREMENT_SYSTEMS", "SAME", "UNKNOWN",
            "WORK_OFFSETS", "ArcTolerance", "BlockMotion", "BlockText", "ControlSettings",
            "Dialect", "Labels", "LineEdit", "MachineLimits", "Modes", "MoveKind", "Moves", "Note",
-           "OffsetEntry", "Program", "ProgramError", "Source", "Step", "ToolEntry",
+           "OffsetEntry", "PlainLines", "Program", "ProgramError", "Source", "Step", "ToolEntry",
            "UnknownToolError", "Word", "block_items", "canon_calls", "canon_lines", "canon_text",
            "dialect_called", "dialect_name", "dialect_names", "dialect_of", "read_program",
            "read_tool_table"]  # fmt: skip

@@ -12,6 +12,7 @@ import numpy as np
 from gcode.control.predefined import install_predefined
 from gcode.errors import ProgramError
 from gcode.geometry.arc_tolerance import ArcTolerance, arc_tolerance
+from gcode.language.confirmation import unconfirmed_words
 from gcode.language.dialect import Dialect
 from gcode.language.options import ControlSettings, RunOptions
 from gcode.language.registry import Recognition, choose_dialect, dialect_called
@@ -23,7 +24,7 @@ from gcode.run import run_program
 from gcode.state.controller import Controller, mapping_of_systems
 from gcode.state.record import Record
 from gcode.state.tools import OffsetEntry, ToolEntry, offset_memory
-from gcode.state.trace import Step, Trace
+from gcode.state.trace import PlainLines, Step, Trace
 from gcode.text.parameters import system_base
 from gcode.text.source import Source
 
@@ -96,8 +97,16 @@ class Program:
     @cached_property
     def steps(self) -> list[Step]:
         """Lines in the order in which they are obeyed, by reading the program once more."""
-        steps: list[Step] = []
-        options = dict(self.options, dialect=self.dialect, fast=False)
+        return self._traced(fast=False)
+
+    @cached_property
+    def outline(self) -> list[Step | PlainLines]:
+        """The same as `steps`, but for lines of plain motion, which are `PlainLines`."""
+        return self._traced(fast=self.language.is_rs274 and len(self.source.data) >= _FAST_FROM)
+
+    def _traced(self, *, fast: bool) -> list:
+        steps: list[Step | PlainLines] = []
+        options = dict(self.options, dialect=self.dialect, fast=fast)
         read_program(self.source, **options, steps=steps)
         return steps
 
@@ -132,7 +141,7 @@ def read_program(
     preview: bool = False,
     max_blocks: int = 3_000_000,
     fast: bool | None = None,
-    steps: list[Step] | None = None,
+    steps: list[Step | PlainLines] | None = None,
 ) -> Program:
     """Read an NC program as a controller reads it.
 
@@ -172,7 +181,8 @@ def read_program(
         Read stretches of plain motion with compiled code; the result is the same to the bit.
         By default for programs of 50 kB and more.
     steps : list of Step, optional
-        Every line that is obeyed is appended, with its values and modes; without `fast`.
+        Every line that is obeyed is appended, with its values and modes. Where `fast` is True,
+        lines of plain motion one behind the other are one `PlainLines`, in dialects of RS274/NGC.
 
     Raises
     ------
@@ -183,7 +193,8 @@ def read_program(
     """
     options = {name: value for name, value in locals().items() if name not in ("path", "steps")}
     source = path if isinstance(path, Source) else Source.read(path)
-    fast = len(source.data) >= _FAST_FROM if fast is None else fast
+    if fast is None:
+        fast = steps is None and len(source.data) >= _FAST_FROM
     settings = control or ControlSettings(block_delete=block_delete)
     folder = Path(source.path).parent if Path(source.path).is_file() else None
     how = RunOptions(settings, max_blocks, fast, folder)
@@ -205,6 +216,7 @@ def read_program(
         raise _placed(error, source) from None
     if controller.trace is not None:
         controller.trace.end()
+    _note_unconfirmed(controller, spoken.dialect)
     notes = tuple(Note(line, word, text) for (line, word), text in controller.notes.items())
     home = None if home_mm is None else np.array(home_mm, np.float64)
     return Program(source.path, spoken.dialect.name, source, notes, controller.record,
@@ -223,6 +235,15 @@ def _run_as_recognised(
         if other.dialect is spoken.dialect:
             raise
         return other, run(other.dialect)
+
+
+def _note_unconfirmed(controller: Controller, dialect: type[Dialect]) -> None:
+    """One note on the words whose reading nothing but the manual supports."""
+    words = unconfirmed_words(controller.used, dialect.confirmed)
+    if words:
+        controller.notes[(controller.used[words[0]], "not confirmed")] = (
+            f"{', '.join(words)}: read after the maker's manual, confirmed by no second source"
+        )
 
 
 def _prepare(

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-__all__ = ["available_cores", "on_one_core", "run_in_parts"]
+__all__ = ["available_cores", "cores_to_use", "on_one_core", "run_in_parts"]
 
 #: parts for each core, so that a slow one does not keep the others waiting
 _PARTS = 16
@@ -37,7 +37,7 @@ def run_in_parts(
     to its own part; the result then does not depend on the number of cores. An interrupt ends
     the parts that have begun and leaves out the others. `least` items are worth a thread.
     """
-    cores = 1 if _alone.get() else available_cores()
+    cores = cores_to_use()
     parts = max(1, min(cores * _PARTS, count // least))
     ends = [count * part // parts // block * block for part in range(parts)] + [count]
     if parts == 1 or cores == 1:
@@ -48,6 +48,11 @@ def run_in_parts(
         list(pool.map(kernel, ends[:-1], ends[1:]))
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+def cores_to_use() -> int:
+    """Cores for one task: those that are available, or one within `on_one_core`."""
+    return 1 if _alone.get() else available_cores()
 
 
 def available_cores() -> int:

@@ -22,15 +22,15 @@ from vmach.commands.compensate import compensate
 from vmach.commands.diagnosis import add, diagnose, history
 from vmach.commands.effects import effects_app
 from vmach.commands.features import features
+from vmach.commands.importing import import_files
 from vmach.commands.init import init
 from vmach.commands.iso230 import iso230
 from vmach.commands.machining import compare, run
-from vmach.commands.open import open_workbench
+from vmach.commands.open import open_workbench, view
 from vmach.commands.path import path
 from vmach.commands.predict import predict
 from vmach.commands.schema import schema
 from vmach.commands.tables import HelpWithFormats, tables
-from vmach.commands.view import view
 from vmach.commands.warm_up import tell_if_cold, warm_up
 from vmach.errors import VmachError
 
@@ -71,8 +71,9 @@ def _before_any_command(
         load_effect_file(file)
 
 
+app.command()(init)
+app.command("import")(import_files)
 for _command in (
-    init,
     check,
     run,
     compare,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from gcode.dialects.fanuc import Fanuc
+from gcode.dialects.fanuc.confirmed import CONFIRMED
 from gcode.dialects.fanuc.reader import FanucReader
 from gcode.dialects.fanuc.settings import HAAS_COLUMNS, HAAS_M, FanucSettings
 
@@ -18,6 +19,8 @@ class HaasReader(FanucReader):
         pointed_p_is_seconds=True,
         pointless_factor=True,
         haas_cycles=True,
+        reference_all_axes=True,
+        counters=range(5401, 6000),
         builder_m=HAAS_M,
         peck_clearance_mm=1.27,
     )
@@ -33,6 +36,11 @@ class Haas(Fanuc):
     rank = 60
     reader = HaasReader
     reads = ("linuxcnc", "fanuc")
+    confirmed = {
+        "manual": "G0; G1; G10; G12; G13; G28; G40; G41; G70; G71; G80; G83; G91; G99; G154",
+        "fanuc": CONFIRMED["manual"],
+        "no motion": CONFIRMED["no motion"],
+    }
 
     @classmethod
     def detect(cls, text: str) -> None:

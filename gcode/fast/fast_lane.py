@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from gcode.fast.code_table import code_table
@@ -17,7 +19,9 @@ from gcode.fast.lane_state import (
 )
 from gcode.fast.line_kernel import obey_lines
 from gcode.fast.line_words import WORDS
+from gcode.fast.plain_lines import OTHER, motion_of_lines
 from gcode.state.controller import Controller
+from gcode.state.trace import Modes
 
 __all__ = ["FastLane"]
 
@@ -69,11 +73,16 @@ class FastLane:
         if self.pause:
             self.pause -= 1
             return place
-        if not self.hand_over():
+        trace, data = self.controller.trace, self.data
+        if trace is not None:
+            data = self._plain_part(place)
+            trace.end()
+            before = Modes.of(self.controller)
+        if not len(data) or not self.hand_over():
             return place
         frames, begun, is_full = frames_of(self.controller), place, True
         while is_full:
-            offset, line = obey_lines(self.data, place[1], place[0], self.state, self.kept,
+            offset, line = obey_lines(data, place[1], place[0], self.state, self.kept,
                                       self.words, self.codes, frames, self.output,
                                       self.each_word)  # fmt: skip
             is_full = bool(self.state[0]["is_full"]) and line != place[0]
@@ -82,7 +91,36 @@ class FastLane:
         self._adjust_pause(place[0] - begun[0])
         if place != begun:
             self.give_back()
+            if trace is not None:
+                trace.plain_lines(begun[0] + 1, self._said[begun[0] : place[0]], before)
         return place
+
+    @cached_property
+    def _starts(self) -> np.ndarray:
+        """Offset of every line's first byte and of the end, (L + 1,) int64."""
+        return np.concatenate(([0], np.flatnonzero(self.data == ord("\n")) + 1))
+
+    @cached_property
+    def _said(self) -> np.ndarray:
+        """What every line says, (L,) int8, see `motion_of_lines`."""
+        said = np.empty(len(self._starts) - 1, np.int8)
+        motion_of_lines(self.data, self._starts, said)
+        return said
+
+    @cached_property
+    def _others(self) -> np.ndarray:
+        """Lines that are not plain motion, 0-based, in order; behind them the number of lines."""
+        return np.append(np.flatnonzero(self._said == OTHER), len(self._said))
+
+    def _plain_part(self, place: tuple[int, int]) -> np.ndarray:
+        """The program up to the end of the lines of plain motion from a place on."""
+        line = place[0]
+        end = int(self._others[np.searchsorted(self._others, line)]) if line < len(
+            self._said) else line  # fmt: skip
+        is_moving = self.controller.motion in ("G0", "G1", "G2", "G3")
+        if end - line < _SHORT or (not is_moving and self._said[line] < 0):
+            return self.data[:0]
+        return self.data[: self._starts[end]]
 
     def hand_over(self) -> bool:
         """Put the interpreter's state into the record; False where its modes forbid it."""

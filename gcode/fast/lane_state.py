@@ -92,7 +92,7 @@ def frames_of(c: Controller) -> Frames:
 
 def hand_over(c: Controller, state: np.ndarray) -> bool:
     """Put the state of a control into a record, (1,) STATE; False where its modes forbid it."""
-    if c.side or c.feed_mode != "minute" or c.diameter_mode or c.queue.items or c.trace is not None:
+    if c.side or c.feed_mode != "minute" or c.diameter_mode or c.queue.items:
         return False
     if c.record.rpm_of_feed is not None or c.system > _SYSTEMS or c.starting:
         return False

@@ -68,6 +68,11 @@ class Translated:
         """Obey one line."""
         raise NotImplementedError
 
+    def keep(self, why: str) -> None:
+        """The line that is obeyed cannot be written anew."""
+        if self.controller.trace is not None:
+            self.controller.trace.keep(why)
+
     def execute(self, *blocks: str) -> None:
         """Hand blocks of RS274/NGC to the interpreter."""
         for block in blocks:

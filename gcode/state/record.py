@@ -16,7 +16,7 @@ import numpy as np
 from gcode.state.stretch_events import StretchEvents
 from gcode.state.table import Table
 
-__all__ = ["Call", "Path", "Record"]
+__all__ = ["Call", "Path", "Record", "SaidEvents"]
 
 
 class Call(IntEnum):
@@ -54,6 +54,26 @@ class Path:
     point_mm: np.ndarray
     rotary_deg: np.ndarray
     feed_mm_per_min: np.ndarray
+
+
+@dataclass(frozen=True)
+class SaidEvents:
+    """Some events of a record, in order.
+
+    Attributes
+    ----------
+    row, line : (E,) int64
+        The row that they stand before, and the source line.
+    which : (E,) int64
+        Index into `told`.
+    told : list of tuple
+        Name and values; events that say the same may share one.
+    """
+
+    row: np.ndarray
+    line: np.ndarray
+    which: np.ndarray
+    told: list[tuple]
 
 
 class Record:
@@ -102,11 +122,22 @@ class Record:
         for part in self._events:
             yield from part
 
-    def said_events(self, names: Collection[str]) -> Iterator[tuple]:
-        """Events of some names, in order."""
+    def said_events(self, names: Collection[str]) -> SaidEvents:
+        """Events of some names in order, each of the different ones told once."""
+        row, line, which = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
+        told: list[tuple] = []
         for part in self._events:
-            yield from part.named(names) if isinstance(part, StretchEvents) else (
-                event for event in part if event[2] in names)  # fmt: skip
+            if isinstance(part, StretchEvents):
+                found = part.different(names)
+            else:
+                said = [event for event in part if event[2] in names]
+                found = ([e[0] for e in said], [e[1] for e in said], range(len(said)),
+                         [e[2:] for e in said])  # fmt: skip
+            for column, values in zip((row, line), found[:2], strict=True):
+                column.append(np.array(values, np.int64))
+            which.append(np.array(found[2], np.int64) + len(told))
+            told += found[3]
+        return SaidEvents(*map(np.concatenate, (row, line, which)), told)
 
     def events_of(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Rows, (E,) int64, and values, (E, V) float64, of all events of one name."""

@@ -42,14 +42,26 @@ class StretchEvents:
         return len(self.table)
 
     def __iter__(self) -> Iterator[tuple]:
-        return self.named(EVENT_NAMES)
-
-    def named(self, names: Collection[str]) -> Iterator[tuple]:
-        """Events of some names, in order."""
-        wanted = np.array([name in names for name in EVENT_NAMES])
-        for row, value, line, number in self.table[wanted[self.table["name"]]].tolist():
+        for row, value, line, number in self.table.tolist():
             name = EVENT_NAMES[number]
             yield row, line, name, *self._values(name, value)
+
+    def different(
+        self, names: Collection[str]
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[tuple]]:
+        """Events of some names, in order: rows, lines and which of the different ones, (E,) each;
+        and name and values of those.
+        """
+        wanted = np.array([name in names for name in EVENT_NAMES])
+        events = self.table[wanted[self.table["name"]]]
+        which, told = np.zeros(len(events), np.int64), []
+        for number in np.unique(events["name"]).tolist():
+            of_name, name = np.flatnonzero(events["name"] == number), EVENT_NAMES[number]
+            bits = np.ascontiguousarray(events["value"][of_name]).view(np.int64)
+            values, place = np.unique(bits, return_inverse=True)
+            which[of_name] = place + len(told)
+            told += [(name, *self._values(name, v)) for v in values.view(np.float64).tolist()]
+        return events["row"], events["line"], which, told
 
     def _values(self, name: str, value: float) -> tuple:
         if name == "comment":

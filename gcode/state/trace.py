@@ -6,6 +6,8 @@ import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from gcode.text.comments import expand_comment
 from gcode.text.expressions import value_of
 
@@ -13,8 +15,9 @@ if TYPE_CHECKING:
     from gcode.state.controller import Controller
     from gcode.text.lexer import Block
 
-__all__ = ["Modes", "Step", "Trace"]
+__all__ = ["Modes", "PlainLines", "Step", "Trace"]
 
+_PLAIN = {"G0": 0, "G1": 1, "G2": 2, "G3": 3}
 _SHOWN = re.compile(r"\s*(?:msg|debug|print|log)\s*,[^#]*#", re.IGNORECASE)
 
 
@@ -80,6 +83,8 @@ class Step:
         Blocks of RS274/NGC that the line became; 0 for control flow and empty lines.
     before, modes : Modes
         Before the line and after it.
+    unwritable : str
+        Why the dialect cannot write other ends into the line; empty where it can.
     """
 
     line: int
@@ -90,6 +95,7 @@ class Step:
     comment: str | None = None
     blocks: int = 0
     modes: Modes | None = None
+    unwritable: str = ""
 
     @property
     def g_names(self) -> set[str]:
@@ -97,10 +103,36 @@ class Step:
         return {f"G{round(code, 1):g}" for code in self.g_codes}
 
 
+@dataclass(frozen=True, slots=True)
+class PlainLines:
+    """Lines, one behind the other, of plain motion and nothing else, each obeyed once.
+
+    They hold G0 to G3, X Y Z, I J K R, F, S, N and comments without parameters; some are empty.
+
+    Attributes
+    ----------
+    first, last : int
+        1-based.
+    before, modes : Modes
+        Before the first line and after the last.
+    motion : (L,) int8
+        G code in force in every line, 0 to 3; -1 where none is yet.
+    says_motion : (L,) bool
+        Lines with a G code.
+    """
+
+    first: int
+    last: int
+    before: Modes
+    modes: Modes
+    motion: np.ndarray
+    says_motion: np.ndarray
+
+
 class Trace:
     """Steps of one run in the order in which they were made."""
 
-    def __init__(self, controller: Controller, steps: list[Step]) -> None:
+    def __init__(self, controller: Controller, steps: list[Step | PlainLines]) -> None:
         self.controller, self.steps = controller, steps
 
     def begin(self, line: int) -> None:
@@ -109,11 +141,16 @@ class Trace:
         before = self.steps[-1].modes if self.steps else Modes.of(self.controller)
         self.steps.append(Step(line, before))
 
+    def keep(self, why: str) -> None:
+        """The line cannot get other ends."""
+        if self.steps:
+            self.steps[-1].unwritable = why
+
     def take(self, block: Block) -> None:
         """Note the values of a block that is about to be obeyed."""
-        if not self.steps:  # what a control does before the first line
+        step, parameters = self.steps[-1] if self.steps else None, self.controller.parameters
+        if not isinstance(step, Step):  # what a control does before the first line
             return
-        step, parameters = self.steps[-1], self.controller.parameters
         step.blocks += 1
         step.words |= {k.upper(): value_of(v, parameters) for k, v in block.words.items()}
         step.g_codes += [value_of(v, parameters) for v in block.g_codes]
@@ -121,7 +158,25 @@ class Trace:
         if block.comment is not None and _SHOWN.match(block.comment):
             step.comment = expand_comment(block.comment, parameters)
 
+    def plain_lines(self, first: int, says: np.ndarray, before: Modes) -> None:
+        """Note lines of plain motion that have been obeyed.
+
+        Parameters
+        ----------
+        first : int
+            1-based.
+        says : (L,) int8
+            G code that each says; negative for none.
+        before : Modes
+            Before the first of them.
+        """
+        rows = np.maximum.accumulate(np.where(says >= 0, np.arange(len(says)), -1))
+        motion = np.where(rows >= 0, says[rows], _PLAIN.get(before.motion, -1)).astype(np.int8)
+        after = Modes.of(self.controller)
+        self.steps.append(PlainLines(first, first + len(says) - 1, before, after, motion,
+                                     says >= 0))  # fmt: skip
+
     def end(self) -> None:
         """Note the modes that the last line leaves."""
-        if self.steps:
+        if self.steps and isinstance(self.steps[-1], Step):
             self.steps[-1].modes = Modes.of(self.controller)

@@ -15,6 +15,7 @@ from gcode.text.source import Source, Word
 __all__ = ["BlockText", "Labels", "Style", "split_word"]
 
 _NUMBER = re.compile(r"(?:[+-][ \t]*)?(?:\d[\d \t]*\.?[\d \t]*|\.[ \t]*\d[\d \t]*)$")
+_COMMENT, _LABEL_LETTER = re.compile(rb"\([^)\n]*\)?|;[^\n]*"), re.compile(rb"[Nn]")
 _HIGHEST_LABEL = 99999  #: of Fanuc and LinuxCNC: five digits
 #: lines from which the style is taken
 _SAMPLE = 400
@@ -174,12 +175,19 @@ class BlockText:
     @cached_property
     def _numbering(self) -> tuple[set[int], int] | None:
         """Block numbers that are taken, and with how many digits they are written."""
+        if self._has_few_labels:
+            return None
         numbered = [self.label_of(k) for k in range(1, len(self.source) + 1) if self.words(k)]
         blocks = [w for w in numbered if w is not None]
         if len(blocks) < 2 or len(blocks) < 0.9 * len(numbered):
             return None
         width = len(blocks[0].text) - 1 if blocks[0].text[1:].startswith("0") else 0
         return {int(w.value) for w in blocks}, width
+
+    @property
+    def _has_few_labels(self) -> bool:
+        """Whether the letter N stands outside comments less than twice."""
+        return len(_LABEL_LETTER.findall(_COMMENT.sub(b"", self.source.data))) < 2
 
     def finish(self, text: bytes) -> bytes:
         """Last touch to the whole text."""

@@ -16,9 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from stock.compiled import njit_inlined, njit_kernel, read_only
-from stock.exact.motion import Motion, bend_of, tip_at
+from stock.exact.motion import Motion, bend_of, on_arcs, tip_at, tools_of
 from stock.exact.outline import lower_bound
-from stock.sweeps import Sweeps
 from stock.threads import run_in_parts
 
 __all__ = ["Trees", "bound_of_box", "build_trees", "morton_order", "pieces_of_leaf"]
@@ -28,6 +27,8 @@ LEAF = 4
 #: an arc is cut into pieces of at most this angle, rad: along one, the distance to a point
 #: has one minimum or falls towards the ends
 _PIECE_RAD = math.pi / 4
+#: rows whose intermediate values are held at a time
+_ROWS_AT_ONCE = 65_536
 #: relative rounding of single precision
 _SINGLE = 1.2e-7
 #: where the boxes of empty nodes are: far, yet finite
@@ -66,14 +67,15 @@ class Trees(NamedTuple):
     slack_mm: np.ndarray
 
 
-def build_trees(motion: Motion, sweeps: Sweeps, reach_of_tool_mm: np.ndarray) -> Trees:
+def build_trees(motion: Motion, reach_of_tool_mm: np.ndarray) -> Trees:
     """Sort the pieces of all sweeps and bound them, tool by tool; reaches (T,) mm."""
-    sweep, span = _pieces(motion, sweeps.sweep_rad != 0.0)
+    sweep, span = _pieces(motion, on_arcs(motion))
+    tool = tools_of(motion)[sweep]
     box = _piece_boxes(motion, sweep, span)
     first_piece, piece_count, first_node, leaves = [], [], [], []
     order, done, nodes = [np.zeros(0, dtype=np.int64)], 0, 0
     for t in range(len(reach_of_tool_mm)):
-        mine = np.flatnonzero(sweeps.tool[sweep] == t)
+        mine = np.flatnonzero(tool == t)
         mine = mine[morton_order(0.5 * (box[mine, :3] + box[mine, 3:]))]
         order.append(mine)
         count = 1 << max(0, math.ceil(math.log2(max(1, math.ceil(len(mine) / LEAF)))))
@@ -84,7 +86,10 @@ def build_trees(motion: Motion, sweeps: Sweeps, reach_of_tool_mm: np.ndarray) ->
         done += len(mine)
         nodes += 2 * count
     order = np.concatenate(order)
-    sweep, span, box = sweep[order], span[order], box[order]
+    sweep = sweep[order]  # one after the other: each needs its room twice
+    span = span[order]
+    box = box[order]
+    del order
     node_box = np.empty((nodes, 6), dtype=np.float32)
     node_box[:, :3], node_box[:, 3:] = _NOWHERE_MM, -_NOWHERE_MM
     last = np.full(nodes, -1, dtype=np.int32)
@@ -135,7 +140,8 @@ def _bound_pieces(motion, sweep, span, part, box):
 def _largest_tilt(motion: Motion) -> float:
     if len(motion.tilt) == 0:
         return 0.0
-    return float(np.abs(motion.tilt).sum(axis=1).max())
+    parts = (motion.tilt[k : k + _ROWS_AT_ONCE] for k in range(0, len(motion.tilt), _ROWS_AT_ONCE))
+    return float(max(np.abs(part).sum(axis=1).max() for part in parts))
 
 
 @njit_kernel()

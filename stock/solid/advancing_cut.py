@@ -9,11 +9,14 @@ Source: closed form derived here: strokes sorted by their first coordinate never
 
 from __future__ import annotations
 
+import contextlib
+import threading
 from collections.abc import Callable, Iterator
 
 import numpy as np
 from manifold3d import Manifold
 
+from stock.solid.block_unions import block_unions
 from stock.solid.cutter_solids import CutterSolids
 
 __all__ = ["BLOCK_STROKES", "finished_pieces"]
@@ -40,20 +43,25 @@ def finished_pieces(
     index = np.flatnonzero(((low < bounds[1]) & (high > bounds[0])).all(axis=1))
     finished_count = 0
 
+    telling = threading.Lock()
+
     def done(count: int) -> None:
         nonlocal finished_count
-        finished_count += count
-        if progress:
-            progress(finished_count, len(index))
+        with telling:
+            finished_count += count
+            if progress:
+                progress(finished_count, len(index))
 
     extent = (high - low)[index, :2].sum(axis=0) / (bounds[1] - bounds[0])[:2]
     axis = int(np.argmin(extent))
     normal = (1.0, 0.0, 0.0) if axis == 0 else (0.0, 1.0, 0.0)
     index = index[np.argsort(low[index, axis], kind="stable")]
-    for begin in range(0, len(index), block_strokes):
-        block, rest = index[begin : begin + block_strokes], index[begin + block_strokes :]
-        solid = solid - cutters.union(block, done)
-        if len(rest) and low[rest[0], axis] - _FRONT_GAP_MM > bounds[0, axis]:
-            solid, finished = solid.split_by_plane(normal, low[rest[0], axis] - _FRONT_GAP_MM)
-            yield finished
+    blocks = [index[k : k + block_strokes] for k in range(0, len(index), block_strokes)]
+    with contextlib.closing(block_unions(cutters, blocks, done)) as unions:
+        for number, union in enumerate(unions, 1):
+            solid = solid - union
+            rest = index[number * block_strokes :]
+            if len(rest) and low[rest[0], axis] - _FRONT_GAP_MM > bounds[0, axis]:
+                solid, finished = solid.split_by_plane(normal, low[rest[0], axis] - _FRONT_GAP_MM)
+                yield finished
     yield solid

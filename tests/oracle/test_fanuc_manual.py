@@ -316,3 +316,30 @@ def test_compiled_reading_is_the_same_to_the_bit():
     fast, slow = (read(text, fast=flag).moves for flag in (True, False))
     for name in ("kind", "line", "end_mm", "feed_mm_per_min", "duration_s", "tool"):
         assert np.array_equal(getattr(fast, name), getattr(slow, name)), name
+
+
+# "Cancel" codes of one block: B-64484EN-2, modal groups 01 and 09 are apart
+@pytest.mark.parametrize("block", ["G80 G00 Z5. M09", "G00 G80 Z5.", "G80 Z5."])
+def test_end_of_a_cycle_with_a_motion(block):
+    assert last(f"O1\nG0 X1. Z9.\nG81 Z-2. R1. F100.\n{block}\nM30\n")[2] == 5.0
+
+
+def test_a_program_number_on_the_leader_of_the_tape():
+    assert last("%O1200(BOLT)\nG0 X7.\nM30\n%\n")[0] == 7.0
+    assert "FAGOR" in refusal("%00213\nG0 X7.\nM30\n")
+
+
+def test_output_to_a_device_moves_nothing():
+    assert last("O1\nPOPEN\nG0 X7.\nDPRNT[X#5041[53]]\nPCLOS\nM30\n")[0] == 7.0
+
+
+def test_haas_g28_without_axes_moves_all():
+    text = "O1\nG0 X7. Y8. Z9.\nG91 G28\nM30\n"
+    assert last(text, "haas") == [0.0, 0.0, 0.0]
+    assert "without axes" in refusal(text)
+
+
+def test_a_program_without_a_unit_says_so():
+    said = {note.word for note in read("O1\nG0 X7.\nM30\n").notes}
+    assert "units" in said
+    assert "units" not in {note.word for note in read("O1\nG21 G0 X7.\nM30\n").notes}

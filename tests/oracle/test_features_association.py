@@ -7,11 +7,17 @@ from itertools import combinations
 import mpmath as mp
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
 from vmach.errors import InputError
 from vmach.features.association.associate import associate
-from vmach.features.characteristics.form import _circle_zone, _least_width
+from vmach.features.association.linear_program import least_width
+from vmach.features.characteristics.form import _circle_zone
+from vmach.features.datum_system import DatumSystem, datum_system
+from vmach.features.derived import DerivedPoints
+from vmach.features.feature import Points, make_feature
 from vmach.features.surface import Surface
+from vmach.features.zone import across_axis, derived_zone
 
 LEAST_SQUARES_MM, ZONE_MM = 1e-9, 1e-6
 
@@ -152,7 +158,7 @@ def test_straightness_is_that_of_the_best_of_all_lines():
     x, y = np.linspace(0, 40, 30), noise(30)
     slopes = [(y[j] - y[i]) / (x[j] - x[i]) for i, j in combinations(range(30), 2)]
     best = min(np.ptp(y - s * x) for s in slopes)
-    assert _least_width(y, x[:, None])[1] == pytest.approx(best, abs=1e-12)
+    assert least_width(y, x[:, None])[1] == pytest.approx(best, abs=1e-12)
 
 
 def ring(count=13, seed=8):
@@ -248,3 +254,120 @@ def test_an_unknown_criterion_is_refused():
         associate(surface, points, criterion="best")
     with pytest.raises(InputError, match="inscribed association of a plane"):
         associate(surface, points, criterion="inscribed")
+
+
+# --- zones about derived points, and datum systems ----------------------------------------------
+
+
+def enclosing_circle(flat):
+    """Radius of the smallest circle about points: two or three of them decide."""
+    best = np.inf
+    centres = [(p + q) / 2 for p, q in combinations(flat, 2)]
+    for p, q, r in combinations(flat, 3):
+        table = np.array([q - p, r - p])
+        if abs(np.linalg.det(table)) > 1e-14:
+            half = 0.5 * np.array([(q - p) @ (q - p), (r - p) @ (r - p)])
+            centres.append(p + np.linalg.solve(table, half))
+    for centre in centres:
+        best = min(best, np.hypot(*(flat - centre).T).max())
+    return best
+
+
+def test_a_zone_about_centres_is_the_smallest_circle():
+    """Perpendicularity of bores to a plane: their centres in one circle, wherever it lies."""
+    flat = noise(22, 31).reshape(11, 2)
+    points = np.column_stack([flat, np.linspace(-20, 0, 11)])
+    derived = DerivedPoints(points, tuple(np.array([k]) for k in range(11)),
+                            tuple(np.zeros((3, 1)) for _ in range(11)))  # fmt: skip
+    across = np.broadcast_to(across_axis(np.array([0.0, 0.0, 1.0])), (11, 3, 3))
+    shifts = np.vstack([np.eye(3), np.zeros((3, 3))])
+    found = derived_zone(derived, np.zeros((11, 3)) + points * [0, 0, 1], across, DatumSystem(),
+                         shifts)  # fmt: skip
+    assert found.value_mm == pytest.approx(2 * enclosing_circle(flat), abs=ZONE_MM)
+
+
+def test_a_straight_axis_needs_the_best_of_all_lines():
+    """Six centres and any line through space: a smooth convex program, in units of 0.01 mm."""
+    flat = noise(12, 33).reshape(6, 2)
+    z = np.linspace(-20.0, 0.0, 6)
+
+    def room(q):
+        apart = 100.0 * flat - q[:2] - np.outer(z / 10.0, q[2:4])
+        return q[4] ** 2 - (apart**2).sum(axis=1)
+
+    found = minimize(
+        lambda q: q[4], [0, 0, 0, 0, 5.0], constraints={"type": "ineq", "fun": room},
+        method="SLSQP", options={"ftol": 1e-14, "maxiter": 500},
+    )  # fmt: skip
+    best = found.x[4] / 100.0
+    points = np.column_stack([flat, z])
+    derived = DerivedPoints(points, tuple(np.array([k]) for k in range(6)),
+                            tuple(np.zeros((3, 1)) for _ in range(6)))  # fmt: skip
+    across = np.broadcast_to(across_axis(np.array([0.0, 0.0, 1.0])), (6, 3, 3))
+    found = derived_zone(derived, points * [0, 0, 1], across, DatumSystem(), np.eye(6))
+    assert found.value_mm == pytest.approx(2 * best, abs=ZONE_MM)
+
+
+def test_a_datum_system_agrees_with_sixty_digits():
+    """Plane A, plane B squared to it, plane C squared to both: where the corner of them lies."""
+    rng = np.random.default_rng(17)
+    places = {name: rng.uniform(-30, 30, (12, 2)) for name in "ABC"}
+    heights = {name: noise(12, seed) for name, seed in zip("ABC", (41, 42, 43), strict=True)}
+    columns = {"A": (0, 1, 2), "B": (1, 2, 0), "C": (0, 2, 1)}
+    normals = {"A": [0, 0, 1], "B": [-1, 0, 0], "C": [0, -1, 0]}
+    nominal, normal, deviation, features = [], [], [], {}
+    for name in "ABC":
+        u, v, w = columns[name]
+        points = np.zeros((12, 3))
+        points[:, u], points[:, v] = places[name].T
+        side = float(np.sum(normals[name]))
+        nominal.append(points)
+        normal.append(np.tile(normals[name], (12, 1)))
+        deviation.append(side * heights[name])  # the place moves by the height along +w
+        rows = np.arange(12) + 12 * "ABC".index(name)
+        features[name] = make_feature(name, [Surface("plane", [0] * 3, normals[name])], [rows])
+        assert points[0, w] == 0.0
+    points = Points(np.vstack(nominal), np.vstack(normal).astype(float), np.concatenate(deviation),
+                    np.ones(36, bool))  # fmt: skip
+    system = datum_system(["A", "B", "C"], features, points)
+    corner, axes = corner_by_sixty_digits(points.actual_mm.reshape(3, 12, 3))
+    assert np.abs(system.pose.apply(np.zeros((1, 3)))[0] - corner).max() < LEAST_SQUARES_MM
+    assert np.abs(30.0 * (system.pose.turn - axes)).max() < LEAST_SQUARES_MM
+
+
+def corner_by_sixty_digits(parts):
+    """Corner and directions (columns) of three planes, each by orthogonal least squares."""
+    a, b, c = ([mp.matrix([mp.mpf(float(x)) for x in p]) for p in part] for part in parts)
+    z = least_normal(a, [mp.matrix([1, 0, 0]), mp.matrix([0, 1, 0]), mp.matrix([0, 0, 1])], 2)
+    y0 = mp.matrix([0, 1, 0]) - z * z[1]
+    y0 = y0 / mp.norm(y0)
+    x = least_normal(b, [y0, cross(y0, z)], 1)
+    y = cross(z, x)
+    origin = z * mean_along(a, z) + x * mean_along(b, x) + y * mean_along(c, y)
+    axes = [[float(v[k]) for v in (x, y, z)] for k in range(3)]
+    return np.array([float(o) for o in origin]), np.array(axes)
+
+
+def cross(p, q):
+    return mp.matrix([p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2],
+                      p[0] * q[1] - p[1] * q[0]])  # fmt: skip
+
+
+def mean_along(points, way):
+    return sum((p.T * way)[0] for p in points) / len(points)
+
+
+def least_normal(points, frame, near):
+    """The direction in a frame along which points scatter least, turned towards one of it."""
+    middle = sum(points[1:], points[0]) / len(points)
+    seen = [[((p - middle).T * f)[0] for f in frame] for p in points]
+    size = len(frame)
+    scatter = mp.matrix(size, size)
+    for row in seen:
+        for i in range(size):
+            for j in range(size):
+                scatter[i, j] += row[i] * row[j]
+    values, vectors = mp.eigsy(scatter)
+    least = min(range(size), key=lambda k: values[k])
+    found = sum((frame[k] * vectors[k, least] for k in range(size)), mp.matrix([0, 0, 0]))
+    return found if vectors[near, least] > 0 else -found

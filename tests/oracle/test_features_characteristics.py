@@ -93,6 +93,27 @@ CASES = {
         ("bores", "position Ø0.1 A B C", {"bore_1": bore_shift(0.03, 0)}, [0.06]),
     "coaxiality": ("pin", "coaxiality Ø0.1 E", {"pin": bore_shift(0.03, 0.04, "pin")}, [0.1]),
     "symmetry": ("length", "position 0.1 A D", {"left": 0.01, "right": 0.05}, [0.04]),
+    # the middle of the sides moves by half the difference of theirs
+    "symmetry of a width": ("length", "symmetry 0.1 D", {"left": 0.01, "right": 0.05}, [0.04]),
+    "inscribed pin, three lobes": ("pin", "16 h6 (GX)", {"pin": lobes(3, 0.01)}, [15.98]),
+    "circumscribed bore, three lobes":
+        ("bore 1", "20 H7 (GN)", {"bore_1": lobes(3, 0.01)}, [20.02]),
+    "inscribed ball": ("ball", "SØ12 ±0.1 (GX)", {"ball": -0.02}, [11.96]),
+    # two bores 60 mm apart give one datum: a shift of one by 0.06 turns it by 1e-3
+    "common datum turns with both":
+        ("front", "parallelism 0.1 D-E", {"bore_2": bore_shift(0, 0.06, "bore 2")}, [0.1]),
+    "common datum lies between both":
+        ("left", "position 0.1 D-E", {"bore_2": bore_shift(0.04, 0, "bore 2")}, [0.04]),
+    # left is 1e-3 out of square: it stays so where it comes second, and turns the frame where first
+    "secondary datum is squared": ("front", "perpendicularity 0.1 A B",
+                                   {"left": lambda p: 1e-3 * p[:, 2]}, [0.0]),
+    "primary datum turns the frame": ("top", "perpendicularity 0.1 B",
+                                      {"left": lambda p: 1e-3 * p[:, 2]}, [0.1]),
+    "cylindricity of a waist": ("pin", "cylindricity 0.1",
+                                {"pin": lambda p: 0.01 * ((p[:, 2] - 11) / 9) ** 2}, [0.01]),
+    "profile of lines along Y":
+        ("top", "profile of line 0.1 B C along Y",
+         {"top": lambda p: np.where(p[:, 0] > 50, 0.01, 0.0)}, [0.01]),
     "profile": ("top", "profile 0.1 B C", {"top": lambda p: 1e-3 * p[:, 0] - 0.04}, [0.1]),
     "profile in a frame": ("slant", "profile 0.1 A B C", {"slant": -0.03}, [0.06]),
     "profile without datums": ("slant", "profile 0.1", {"slant": -0.03}, [0.0]),

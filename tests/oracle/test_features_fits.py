@@ -32,6 +32,66 @@ def test_limits_are_those_published(size, text):
     assert found == pytest.approx(PUBLISHED[size, text], abs=1e-9)
 
 
+#: fundamental deviations, um, by the upper end of the range: Narayana, Kannaiah and Venkata Reddy,
+#: Machine Drawing, tables 15.2 (shafts) and 15.3 (holes). u from 200 to 225 is printed as 256; its
+#: formula in table 15.4, IT7 + D, and ISO 286 give 258
+HANDBOOK = {
+    "mnprstu": {
+        3: (2, 4, 6, 10, 14, None, 18), 6: (4, 8, 12, 15, 19, None, 23),
+        10: (6, 10, 15, 19, 23, None, 28), 18: (7, 12, 18, 23, 28, None, 33),
+        24: (8, 15, 22, 28, 35, None, 41), 30: (8, 15, 22, 28, 35, 41, 48),
+        40: (9, 17, 26, 34, 43, 48, 60), 50: (9, 17, 26, 34, 43, 54, 70),
+        65: (11, 20, 32, 41, 53, 66, 87), 80: (11, 20, 32, 43, 59, 75, 102),
+        100: (13, 23, 37, 51, 71, 91, 124), 120: (13, 23, 37, 54, 79, 104, 144),
+        140: (15, 27, 43, 63, 92, 122, 170), 160: (15, 27, 43, 65, 100, 134, 190),
+        180: (15, 27, 43, 68, 108, 146, 210),
+    },
+    "prstu": {
+        200: (50, 77, 122, 166, 236), 225: (50, 80, 130, 180, 258), 250: (50, 84, 140, 196, 284),
+        280: (56, 94, 158, 218, 315), 315: (56, 98, 170, 240, 350), 355: (62, 108, 190, 268, 390),
+        400: (62, 114, 208, 294, 435), 450: (68, 126, 232, 330, 490),
+        500: (68, 132, 252, 360, 540),
+    },
+    "abcdefg": {
+        200: (660, 340, 240, 170, 100, 50, 15), 225: (740, 380, 260, 170, 100, 50, 15),
+        250: (820, 420, 280, 170, 100, 50, 15), 280: (920, 480, 300, 190, 110, 56, 17),
+        315: (1050, 540, 330, 190, 110, 56, 17), 355: (1200, 600, 360, 210, 125, 62, 18),
+        400: (1350, 680, 400, 210, 125, 62, 18), 450: (1500, 760, 440, 230, 135, 68, 20),
+        500: (1650, 840, 480, 230, 135, 68, 20),
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("letters", list(HANDBOOK))
+def test_fundamental_deviations_are_those_of_a_handbook(letters):
+    for size, row in HANDBOOK[letters].items():
+        for letter, published in zip(letters, row, strict=True):
+            if published is None:
+                with pytest.raises(InputError, match="above 24 mm"):
+                    fit_limits_mm(size, f"{letter}9")
+                continue
+            low, high = np.array(fit_limits_mm(size, f"{letter}9")) * 1e3
+            found = -high if letter < "h" else low
+            assert found == pytest.approx(published, abs=1e-9), (letter, size)
+
+
+#: upper deviations of J6, J7, J8 and K7 to N7, um, from table 15.3 and its addition for grade 7
+HANDBOOK_HOLES = {
+    ("J6", "J7", "J8"): {180: (18, 26, 41), 250: (22, 30, 47), 315: (25, 36, 55),
+                         400: (29, 39, 60), 500: (33, 43, 66)},
+    ("K7", "M7", "N7", "P7"): {180: (12, 0, -12, -28), 250: (13, 0, -14, -33),
+                               315: (16, 0, -14, -36), 400: (17, 0, -16, -41),
+                               500: (18, 0, -17, -45)},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("classes", list(HANDBOOK_HOLES))
+def test_holes_are_those_of_a_handbook(classes):
+    for size, row in HANDBOOK_HOLES[classes].items():
+        found = [fit_limits_mm(size, name)[1] * 1e3 for name in classes]
+        assert found == pytest.approx(row, abs=1e-9), size
+
+
 @pytest.mark.parametrize(("grade", "units"), [(6, 10), (7, 16), (8, 25), (9, 40), (10, 64),
                                               (11, 100), (12, 160)])  # fmt: skip
 def test_grades_follow_the_tolerance_unit(grade, units):

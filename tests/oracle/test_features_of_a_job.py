@@ -5,9 +5,10 @@ from __future__ import annotations
 import csv
 import json
 
+import numpy as np
 import pytest
 
-from tests.small_job import PROGRAM, write_job
+from tests.small_job import PROGRAM, pocket_points, write_job, write_points
 from vmach.commands.machining import compare
 from vmach.errors import InputError
 from vmach.features.verdict import Verdict
@@ -124,3 +125,22 @@ def test_mistakes_are_named(tmp_path, more, message):
 
 def test_a_job_without_tolerances_loads_nothing_of_it(tmp_path):
     assert inspect_part(write_job(tmp_path), prefer_measured=True).features == ()
+
+
+#: the same part in other units, and another part, with what has to be said of each
+OF_ANOTHER_KIND = {
+    "a scan in inches": (lambda p: p / 25.4, "look like inches.*accepted: all coordinates in mm"),
+    "another part": (lambda p: p * [1.5, 0.7, 1.0] + [3.0, 1.0, 0.0],
+                     "accepted: measured points within 0.5 mm .*measurement of this part"),
+    "another zero": (lambda p: p + np.array([10.0, 0.0, 0.0]),
+                     r"shifted by \(10.000, 0.000, 0.000\) mm"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", list(OF_ANOTHER_KIND))
+def test_a_report_of_something_else_is_refused(tmp_path, name):
+    change, message = OF_ANOTHER_KIND[name]
+    job = write_job(tmp_path, more=DRAWING)
+    write_points(tmp_path / "points.csv", change(pocket_points()[1]))
+    with pytest.raises(InputError, match=r"points\.csv.*" + message):
+        inspect_part(job, prefer_measured=True)

@@ -114,7 +114,8 @@ def test_block_skip():
     assert skipped.end_mm[-1, 0] == 1
 
 
-@pytest.mark.parametrize("line", ["L X+Q1 F200", "LP PR+20 PA+45 F200", "L X+30 RL F200\nL Y+40"])
+@pytest.mark.parametrize("line", ["L X+Q1 F200", "LP PR+20 PA+45 F200", "L X+30 RL F200\nL Y+40",
+                                  "CYCL DEF 11.1 SCL 2\nL X+30 F200"])  # fmt: skip
 def test_what_is_read_but_not_written_back_is_refused(tmp_path, line):
     job, effects = job_with(tmp_path, "", SCALE)
     head = "BEGIN PGM A MM\nTOOL CALL 1 Z S1000\nQ1 = 20\nCC X+0 Y+0\nL X+0 Y+0 Z+5 R0 FMAX\n"
@@ -127,3 +128,90 @@ def test_radius_of_the_tool_and_a_tangent_without_a_move():
     assert read("L X+Q108 R0 FMAX").moves.end_mm[-1, 0] == 5.0
     with pytest.raises(ProgramError, match="CT without a move before it"):
         read("CT X+20 Y+10")
+
+
+# Cycle programming manual, "Scaling": a factor about the datum; "Axis-specific scaling": about CC
+@pytest.mark.parametrize(
+    ("cycle", "line", "end"),
+    [
+        ("CYCL DEF 11.0 SCALING\nCYCL DEF 11.1 SCL 0.75", "L X+20 Y-40 Z+8 F200", (15, -30, 6)),
+        ("CYCL DEF 11.0 SCALING\nCYCL DEF 11.1 SCL 2", "L IX+3 IY+4 F200", (6, 8, 0)),
+        ("CYCL DEF 26.0 AXIS-SPEC. SCALING\nCYCL DEF 26.1 X1.4 Y0.6 CCX+15 CCY+20",
+         "L X+25 Y+30 F200", (29, 26, 0)),
+        ("CYCL DEF 11.0 SCALING\nCYCL DEF 11.1 SCL 2\nCYCL DEF 11.0 SCALING\nCYCL DEF 11.1 SCL 1",
+         "L X+7 F200", (7, 0, 0)),
+    ],
+)  # fmt: skip
+def test_scaling(cycle, line, end):
+    assert places(f"L X+0 Y+0 Z+0 R0 FMAX\n{cycle}\n{line}")[-1] == pytest.approx(end)
+
+
+def test_scaled_circles_keep_their_shape():
+    body = "L X+10 Y+0 Z+0 R0 FMAX\nCYCL DEF 11.1 SCL 0.5\nCC X+0 Y+0\n"
+    moves = read(body.replace("X+10", "X+5") + "C X+0 Y+10 DR+ F100\n").moves
+    assert np.hypot(*moves.centre_mm[-1, :2]) == pytest.approx(0.0)
+    assert moves.end_mm[-1, :2] == pytest.approx([0, 5])
+    oval = "CYCL DEF 26.1 X2 Y1\nL X+0 Y+0 F100\nCR X+4 Y+4 R+4 DR+\n"
+    with pytest.raises(ProgramError, match="one factor for X and Y"):
+        read("L X+0 Y+0 R0 FMAX\n" + oval)
+
+
+# TNC 426 manual, cycles 3, 4 and 5: the tool stands at the set-up clearance above the surface
+def test_first_milling_cycles():
+    old = ("L X+50 Y+40 R0 FMAX M3\nL Z+2 FMAX\nCYCL DEF 5.0 CIRCULAR POCKET\n"
+           "CYCL DEF 5.1 SET UP -2,000\nCYCL DEF 5.2 DEPTH -20\nCYCL DEF 5.3 PECKG -6 F80\n"
+           "CYCL DEF 5.4 RADIUS 35\nCYCL DEF 5.5 F100 DR+\nL Z+2 FMAX M99")  # fmt: skip
+    moves = read(old).moves
+    cut = moves.end_mm[moves.at_feed] - [0, 0, 100]
+    assert cut[:, 2].min() == pytest.approx(-20)
+    assert np.hypot(*(cut[:, :2] - [50, 40]).T).max() == pytest.approx(35 - 5)
+    slot = ("L X+0 Y+0 R0 FMAX M3\nL Z+2 FMAX\nCYCL DEF 3.0 SLOT\nCYCL DEF 3.1 SET UP -2\n"
+            "CYCL DEF 3.2 DEPTH -10\nCYCL DEF 3.3 PECKG -5 F80\nCYCL DEF 3.4 X-12\n"
+            "CYCL DEF 3.5 Y+50\nCYCL DEF 3.6 F100\nL Z+2 FMAX M99")  # fmt: skip
+    moves = read(slot).moves
+    cut = moves.end_mm[moves.at_feed, :2]
+    assert np.ptp(cut, axis=0) == pytest.approx([12 - 10, 50 - 10])
+
+
+def test_blocks_of_several_lines_and_words_of_early_controls():
+    formula = "Q1 = 2 * ~\n   ( 3 + ~\n   4 )\nL X+Q1 R F FMAX M\n;a comment ~\nthat goes on\n"
+    assert read(formula).moves.end_mm[-1, 0] == 14
+    assert places("L X+1 Z+5 FMAX\nCYCLE DEF 9.0 DWELL\nCYCLE DEF 9.1 DWELL 2\nM140 MB20")[-1] == [
+        1, 0, 25]  # fmt: skip
+
+
+def test_tool_call_without_a_number_changes_the_oversize():
+    longer = "L Z+10 R0 FMAX\nTOOL CALL DL+2\nL Z+10 F100"
+    ends = read(longer).moves.end_mm[:, 2]
+    assert ends[-1] == pytest.approx(100 + 2 + 10)
+
+
+def test_fn18_knows_the_tools_and_nothing_of_the_machine():
+    asked = "FN 18: SYSREAD Q10 = ID50 NR2 IDX1\nFN 18: SYSREAD Q11 = ID20 NR1\n"
+    body = f"L X+0 FMAX\n{asked}L X+Q10 Y+Q11 FMAX"
+    assert places(body)[-1][:2] == [5, 1]
+    with pytest.raises(ProgramError, match="asked the machine"):
+        read("FN 18: SYSREAD Q10 = ID270 NR1 IDX1\nL X+Q10 FMAX")
+
+
+@pytest.mark.parametrize("line", ["CC X+0 Z+0", "L X+1 FMAX M128", "L X+1 FMAX M97"])
+def test_what_would_be_read_wrongly_is_refused(line):
+    with pytest.raises(ProgramError) as error:
+        read(line, control=ControlSettings(ignore_m=frozenset((97, 128))))
+    assert "ignore_m" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("plane", "flat"),
+    [("SPATIAL SPA+0 SPB+0 SPC+0 STAY", True), ("AXIAL A+0 C+0 STAY", True),
+     ("VECTOR BX1 BY0 BZ0 NX0 NY0 NZ1 STAY SEQ- TABLE ROT", True), ("RESET STAY", True),
+     ("EULER EULPR0 EULNU0 EULROT0 STAY", True), ("PROJECTED PROPR+0 PROMIN+0 ROT+0 STAY", True),
+     ("VECTOR BX1 BY0 BZ0 NX0 NY1 NZ0 STAY", False), ("SPATIAL SPA+0 SPB+0 SPC+90 STAY", False),
+     ("AXIAL B-90 TURN FMAX", False), ("POINTS P1X0", False)],
+)  # fmt: skip
+def test_planes_that_tilt_nothing_are_read(plane, flat):
+    if flat:
+        assert read(f"PLANE {plane}\nL X+7 FMAX").moves.end_mm[-1, 0] == 7
+    else:
+        with pytest.raises(ProgramError, match="tilts the plane"):
+            read(f"PLANE {plane}\nL X+7 FMAX")

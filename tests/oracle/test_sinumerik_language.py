@@ -165,3 +165,40 @@ def test_a_grid_of_holes():
     found = places("F100\nMCALL CYCLE81(10,0,2,-3)\nCYCLE801(30,20,0,10,15,3,2)\nMCALL\nX0 Y0")
     holes = found[np.abs(found[:, 2] + 3) < 1e-9][:, :2].tolist()
     assert holes == [[30, 20], [40, 20], [50, 20], [50, 35], [40, 35], [30, 35]]
+
+
+def test_fields():
+    found = places(
+        "DEF INT KK\nDEF REAL AA[2,3], BB[3]=SET(4,5,6)\nAA[1,2]=7\nFOR KK=0 TO 2\n"
+        "G0 X=BB[KK] Y=AA[1,KK]\nENDFOR"
+    )[:, :2]
+    assert found.tolist() == [[4, 0], [5, 0], [6, 7]]
+
+
+def test_system_variables_of_the_program_and_its_tool():
+    found = places("T1 D1 M6\nG0 X7 Y2\nX=$P_EP[X]+$P_TOOLR Y=$P_TOOLNO\n")
+    assert found[-1, :2].tolist() == [12, 1]
+    with pytest.raises(ProgramError, match="a variable of the system"):
+        read("G0 X=$AA_MEAS[X]")
+
+
+def test_rigid_tapping_feeds_by_the_pitch():
+    moves = read("S500 M3\nG0 X0 Z2\nG331 Z-18 K1.5\nG332 Z2 K1.5\nG0 X9").moves
+    assert moves.feed_mm_per_min[moves.at_feed] == pytest.approx([750, 750])
+    assert moves.end_mm[moves.at_feed, 2].tolist() == [-18, 2]
+    assert not moves.at_feed[-1]
+
+
+def test_fixed_points_are_machine_zero():
+    found = places("G54\nG0 X7 Y8 Z9\nG75 Z1=0\nG74 X1=0 Y1=0\nX3")
+    assert found.tolist() == [[7, 8, 9], [7, 8, 0], [0, 0, 0], [3, 0, 0]]
+
+
+@pytest.mark.parametrize(
+    "block",
+    ["CYCLE81(10,0,2,-5)", "G0 AP=30 RP=10", "HOLES1(0,0,0,5,10,3)", "G1 X9 RND=2 F100",
+     "POCKET4(5,0,2,-5,20,0,0,2,0,0,100,50,0,0)"],
+)  # fmt: skip
+def test_what_is_worked_out_in_xy_is_refused_in_other_planes(block):
+    with pytest.raises(ProgramError, match="in G18 or G19 is not read"):
+        read(f"G18 F100\nG0 X1 Y1 Z5\nMCALL CYCLE81(10,0,2,-5)\n{block}")

@@ -180,16 +180,20 @@ def test_compiled_reader_reads_fanuc_to_the_same_bits(lines, dialect, increment,
                       work_offsets_mm={"G55": (10.5, -3.25, 7.1)})  # fmt: skip
 
 
-@settings(max_examples=60, deadline=None)
-@given(sound_programs, st.sampled_from([1, 3, 1 << 16]))
-def test_canonical_text_has_the_calls(lines, rows_at_once):
-    program = outcome("\n".join(["F10", *lines, ""]).encode())
+spoken = st.one_of(sound_programs.map(lambda lines: "\n".join(["F10", *lines, ""]).encode()),
+                   st.sampled_from(PROGRAMS).map(FilePath.read_bytes))  # fmt: skip
+
+
+@settings(max_examples=80, deadline=None)
+@given(spoken, st.sampled_from([1, 3, 1 << 16]), st.sampled_from([0, 4_000]))
+def test_canonical_text_has_the_calls(text, rows_at_once, compiled_from):
+    program = outcome(text)
     if isinstance(program, str):
         return
     wanted = [" ".join([str(line), name, *(repr(v + 0.0) if isinstance(v, float) else str(v)
                                            for v in values)])
               for line, name, values in canon_calls(program)]  # fmt: skip
-    with patch.object(canon, "_ROWS", rows_at_once):
+    with patch.multiple(canon, _ROWS=rows_at_once, _COMPILED_FROM=compiled_from):
         assert list(canon_lines(program)) == wanted
 
 

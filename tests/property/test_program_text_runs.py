@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gcode import MoveKind, Source, dialect_called, read_program
-from vmach.program_text import Piece, Rewriter, Target, block_modes
+from vmach.program_text import Piece, Pieces, Rewriter, Target, block_modes
 from vmach.program_text.runs.splicing import Edits, spliced
 
 numbers = st.sampled_from(
@@ -38,7 +38,17 @@ lines = st.builds(
     st.sampled_from(["", "", "F200", "(go)", "; end"]),
 )
 arcs = st.sampled_from(["G91 G2 X2 I1\nG90", "G91 G1 X1\nG90", "/X5", "X 6 Y1 0", "G20\nX.5\nG21"])
-programs = st.lists(st.one_of(lines, lines, lines, arcs), min_size=1, max_size=25)
+#: arcs from known places, by centre and by radius, in all planes, some with words that are missing
+turns = st.builds(
+    "G90 G1 X0. Y0. Z0. F300\n{}\nG17".format,
+    st.sampled_from([
+        "G2 X10. Y0. I5. J0.", "G02 X5. Y5. I5 J-0.", "G3 X10 Y0 I5", "G3 X8.0 Y-6. I5. J.0 F50",
+        "G2 X3. Y3. R4.", "G3 X3. Y3. Z1. R-4.125", "G2 X10. Y0. I5. J0. Z-2.\nX0. Y0. I-5. J0.",
+        "G18 G2 X10. Z0. I5. K0.", "G19 G3 Y3. Z3. R+3.5", "G90.1 G2 X10. Y0. I5. J0.\nG91.1",
+        "G2 I5. J0.", "G2 X10. Y0. I5. J0. K0.", "G20 G2 X1. Y0. I.5 J0.\nG21", "G2 X.1 Y0. I5. J0",
+    ]),
+)  # fmt: skip
+programs = st.lists(st.one_of(lines, lines, lines, arcs, turns), min_size=1, max_size=25)
 
 
 def written(text, seed, resolution_mm, *, compiled):
@@ -57,7 +67,7 @@ def written(text, seed, resolution_mm, *, compiled):
                    for a, b in pairwise(cuts)]  # fmt: skip
     size = random.choice([0.0, 1e-12, 3e-4, 5e-4, 0.02], (len(pieces), 1))
     ends = size * random.uniform(-1.0, 1.0, (len(pieces), 3))
-    return rewriter.write(Target(pieces, ends, 0.5 * ends), resolution_mm)
+    return rewriter.write(Target(Pieces.of(pieces), ends, 0.5 * ends), resolution_mm)
 
 
 @settings(max_examples=150, deadline=None)

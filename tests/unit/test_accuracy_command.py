@@ -7,11 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
+from tests.report_page import Page, assert_asks_for_nothing
 from vmach.commands.accuracy import accuracy
 from vmach.errors import InputError
 from vmach.files.written_files import files_in
-from vmach.machine import Variant
+from vmach.machine import Variant, read_machine
+from vmach.volumetric import error_field, measured_volume
+from vmach.volumetric.cones import SIDES, cone_mesh, cone_step_mm, cone_volume
 from vmach.volumetric.profile import Profile, read_profile
 
 MACHINE = Path(__file__).parents[2] / "samples/mazak_ajv25/machine.toml"
@@ -47,7 +51,8 @@ def test_pictures_and_profile(tmp_path, capsys):
     accuracy(MACHINE, grid="5", profile=profile, out=tmp_path / "out")
     names = {path.name for path in files_in(tmp_path / "out")}
     assert names == {
-        "accuracy.json", "cones.png", "histogram.png", "htm_abbe.png", "profile.png",
+        "accuracy.html", "accuracy.json",
+        "cones.png", "histogram.png", "htm_abbe.png", "profile.png",
     }  # fmt: skip
     report = json.loads((tmp_path / "out/accuracy.json").read_text())
     assert report["profile"]["points"] == 1 + 80 + 70
@@ -55,6 +60,35 @@ def test_pictures_and_profile(tmp_path, capsys):
     text = capsys.readouterr().out
     assert "volumetric accuracy" in text
     assert "% smaller" in text
+
+
+def test_the_page_says_what_the_json_says_and_asks_for_nothing(tmp_path):
+    accuracy(MACHINE, tool_length=200.0, grid="5", out=tmp_path / "out")
+    report = json.loads((tmp_path / "out/accuracy.json").read_text())
+    page = Page((tmp_path / "out/accuracy.html").read_text())
+    assert_asks_for_nothing(page)
+    for name in ("largest_difference_um", "mean_error_um", "p95_error_um"):
+        assert f"{report['volumetric'][name]:.1f} " in page.text
+    assert all(name in page.text for name in list(report["contributions_percent"])[:5])
+    assert all(row["diagonal"] in page.text for row in report["diagonals"])
+
+
+def test_cones_stand_on_the_grid_and_point_along_the_errors():
+    machine = read_machine(MACHINE)
+    volume = cone_volume(measured_volume(machine, (3, 3, 3)))
+    field = error_field(machine, volume, np.array([0.0, 0.0, -200.0]), Variant.ABBE)
+    vertices, triangles = cone_mesh(field)
+    cones = vertices.reshape(-1, SIDES + 2, 3)
+    assert cones[:, 1] == pytest.approx(field.nose_mm(np.arange(len(cones))))
+    way = cones[:, 0] - cones[:, 1]
+    length = np.linalg.norm(way, axis=1)
+    assert length.max() == pytest.approx(0.9 * cone_step_mm(volume))
+    assert length == pytest.approx(length.max() * field.magnitude_mm / field.magnitude_mm.max())
+    mesh = trimesh.Trimesh(vertices, triangles, process=False)
+    assert mesh.is_watertight and mesh.is_winding_consistent
+    # a pyramid on a regular polygon: a third of base times height, and outside is outside
+    base = SIDES / 2 * np.sin(2 * np.pi / SIDES) * (0.25 * length) ** 2
+    assert mesh.volume == pytest.approx((base * length / 3).sum(), rel=1e-6)
 
 
 def test_profile_is_divided_and_remembers_directions():

@@ -9,7 +9,7 @@ from vmach.compensation.aim.shift_fit import centred
 from vmach.compensation.aim.surface_demand import SurfaceDemand
 from vmach.compensation.pieces.plan import Plan
 from vmach.path.geometry import position_at
-from vmach.program_text.blocks.pieces import Piece, circle_through
+from vmach.program_text.blocks.pieces import Piece, Pieces, circle_through
 
 PROGRAM = "G21 G90 G17\nG0 X10 Y0 Z5\nG1 Z0 F500\nG3 X0 Y10 I-10 J0\nG1 X-20\nM30\n"
 RAPID, PLUNGE, ARC, LINE = range(4)
@@ -23,7 +23,7 @@ def moves(tmp_path):
 
 
 def knots(moves):
-    pieces = [Piece(k, 0.0, 1.0, is_arc=k == ARC) for k in range(len(moves))]
+    pieces = Pieces.of(Piece(k, 0.0, 1.0, is_arc=k == ARC) for k in range(len(moves)))
     return no_shift(moves, Plan(pieces, np.zeros((len(pieces), 3))), np.ones((len(moves), 3), bool))
 
 

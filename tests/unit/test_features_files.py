@@ -143,3 +143,30 @@ def test_a_file_is_the_same_on_every_run(module):
 def test_other_endings_are_refused(tmp_path):
     with pytest.raises(InputError, match=r"the ending '.xls'; accepted: .qif \(QIF 3.0"):
         check_ending(tmp_path / "a.xls")
+
+
+def test_the_plan_measures_datums_first_and_every_characteristic_once():
+    """Doubtful features come before those that conform; each step says what is expected."""
+    root = ET.fromstring(qif.content(RUN))
+    plan = root.find(f"{FIRST}Plan")
+    steps = plan.findall(f"{FIRST}OrderedPlanRoot/{FIRST}Steps/{FIRST}NumberedPlanElement")
+    assert [int(s.find(f"{FIRST}SequenceNumber").text) for s in steps] == [
+        *range(1, len(steps) + 1)
+    ]
+    assert steps[0].find(f"{FIRST}MeasureSpecifiedMeasurands") is not None
+    items = {
+        e.get("id"): e.find(f"{FIRST}Name").text
+        for e in root.find(f"{FIRST}Characteristics/{FIRST}CharacteristicItems")
+    }
+    told = {e.get("id"): e[0].text for e in plan.find(f"{FIRST}WorkInstructions")}
+    measured, worst = [], []
+    rank = {"does not conform": 0, "cannot be told": 1, "conforms": 2}
+    for step in steps[1:]:
+        action = step.find(f"{FIRST}MeasureEvaluateSpecified")
+        names = [items[i.text] for i in action.find(f"{FIRST}CharacteristicItemIds")]
+        measured += names
+        (instruction,) = (told[i.text] for i in action.find(f"{FIRST}WorkInstructionIds"))
+        assert all(name.split(": ", 1)[1] in instruction for name in names)
+        worst.append(min(rank[v] for v in rank if f"mm, {v}" in instruction))
+    assert sorted(measured) == sorted(f"{r.feature}: {r.title}" for r in RUN.features)
+    assert worst == sorted(worst)

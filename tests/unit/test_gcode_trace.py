@@ -1,8 +1,11 @@
 """Which lines were obeyed, with which values and modes; the items of a block."""
 
+from dataclasses import replace
+from itertools import pairwise
+
 import pytest
 
-from gcode import ProgramError, Source, block_items, read_program
+from gcode import PlainLines, ProgramError, Source, block_items, read_program
 
 LOOP = (
     b"#1=2\nO1 WHILE [#1 GT 0]\nG1 G91 X#1 F[#1*100] (DEBUG, now #1)\n#1=[#1-1]\nO1 ENDWHILE\n"
@@ -37,6 +40,27 @@ def test_the_fast_lane_does_not_hide_lines():
     text = b"G21\n" + b"".join(b"G1 X%d. F100\n" % k for k in range(50)) + b"M2\n"
     program = read_program(Source(text), fast=True)
     assert [s.line for s in program.steps] == list(range(1, 53))
+
+
+def flat(outline):
+    """Line, motion before and after, and the rest of the modes of every line of an outline."""
+    for part in outline:
+        if isinstance(part, PlainLines):
+            says = [f"G{n}" if n >= 0 else part.before.motion for n in part.motion.tolist()]
+            for k, (before, after) in enumerate(pairwise([part.before.motion, *says])):
+                yield part.first + k, before, after, replace(part.modes, motion=None)
+        else:
+            yield part.line, part.before.motion, part.modes.motion, replace(part.modes, motion=None)
+
+
+def test_lines_of_plain_motion_are_kept_together():
+    text = (b"G21 F100\nG0 X0 Y0\n" + b"G1 X1.\nY2\n\n(so)\nG02 X3 Y2 I1 J0\n; end\n" * 3
+            + b"G81 X1 Y1 Z-1 R1\n" + b"X2 Y2\n" * 6 + b"G1 X1\nX2\nX3\nX4 (#1)\nG0 X5\n"
+            + b"/X6\nX1\nX2\nX3\nX4\n#1=3\nX7\nX8\nX9\nX#1\nM2\n")  # fmt: skip
+    whole: list = []
+    read_program(Source(text), fast=True, steps=whole)
+    assert sum(isinstance(part, PlainLines) for part in whole) == 2
+    assert list(flat(whole)) == list(flat(steps(text)))
 
 
 def test_what_a_control_does_by_itself_is_no_line():

@@ -23,7 +23,7 @@ LAYERS = [
     {"uncertainty"},
     {"measurements", "instruments", "controller_tables"},
     {"fit"},
-    {"diagnosis", "run"},
+    {"diagnosis", "run", "importers"},
     {"history", "compensation", "checkup", "study"},
     {"setup"},
     {"api"},

@@ -6,6 +6,7 @@ import json
 
 import pytest
 
+from tests.report_page import Page, assert_asks_for_nothing
 from tests.small_job import write_job
 from vmach.commands.accuracy import accuracy
 from vmach.commands.iso230 import iso230
@@ -43,6 +44,18 @@ def test_diagram_and_json_are_written(runs, tmp_path, capsys):
     assert (tmp_path / "out/x.png").read_bytes().startswith(b"\x89PNG")
     assert json.loads((tmp_path / "out/iso230.json").read_text())["standard"] == "ISO 230-2:2014"
     assert "expanded uncertainty" in capsys.readouterr().out
+
+
+def test_the_sheet_has_figures_uncertainty_and_a_line_to_sign(runs, tmp_path):
+    iso230(runs, out=tmp_path / "out", serial="4711-B", date="2026-05-04")
+    entry = json.loads((tmp_path / "out/iso230.json").read_text())["tables"]["x"]
+    page = Page((tmp_path / "out/iso230.html").read_text())
+    assert_asks_for_nothing(page)
+    for words in ("4711-B", "2026-05-04", "Signature", "2 runs; the standard asks for five"):
+        assert words in page.text
+    assert f"{entry['U_k2']['A']:.1f}" in page.text
+    marks = [a for t, a in page.elements if t == "path" and a.get("class") == "dots forward"]
+    assert [a["d"].count("M") for a in marks] == [2, 2]  # two runs of two targets
 
 
 def test_budget_file_changes_the_uncertainty(runs, tmp_path, capsys):

@@ -15,7 +15,10 @@ from typer.testing import CliRunner
 from vmach.cli import app
 from vmach.errors import InputError
 from vmach.job import read_job
+from vmach.machine.machine import Axis
 from vmach.path.levers import levers
+from vmach.plausibility import Kind, admitted_machine, doubts, machine_notes
+from vmach.plausibility.places import place_notes
 
 SAMPLE = Path(__file__).parents[2] / "samples" / "iso10791_7"
 POINTS = "id,feature,x,y,z,i,j,k\n1,top,0,0,0,0,0,1\n2,top,20,0,0,0,0,1\n"
@@ -79,7 +82,7 @@ def commands(job: Path, out: Path) -> dict[str, list]:
     [
         ('length = "um"', 'length = "mm"', "1 mm at most"),
         ('angle = "urad"', 'angle = "mrad"', "0.01 rad at most"),
-        ("EC0Y = 11.8", "EC0Y = 12500", "0.1 .. 5000 urad"),
+        ("EC0Y = 11.8", "EC0Y = 12500", "1 .. 5000 urad"),
         ("[-352.0, -214.0, -492.0]", "[-352000, -214000, -492000]", "-1260 .. 500 mm"),
     ],
 )
@@ -96,7 +99,7 @@ def test_what_cannot_be_is_refused_by_every_command(job, tmp_path, old, new, acc
 
 def test_a_doubt_is_told_by_every_command_in_the_same_words(job, tmp_path):
     edit(job.with_name("machine.toml"), "EC0Y = 11.8", "EC0Y = 299.72")
-    doubt = "doubt: EC0Y: a squareness of 299.7 urad; accepted: 0.1 .. 200 urad, or 0"
+    doubt = "doubt: EC0Y: a squareness of 299.7 urad; accepted: 1 .. 100 urad, or 0"
     for name, call in commands(job, tmp_path).items():
         assert doubt in run(*call), name
     assert doubt in (tmp_path / "tables" / "README.md").read_text()
@@ -105,9 +108,53 @@ def test_a_doubt_is_told_by_every_command_in_the_same_words(job, tmp_path):
     assert "EC0Y" in (tmp_path / "new.nc").read_text()
 
 
-def test_a_place_in_metres_is_told(job):
-    edit(job.with_name("machine.toml"), "[-352.0, -214.0, -492.0]", "[-0.352, -0.214, -0.492]")
-    assert "doubt: EXX: measured 0.64 mm from the spindle nose at home" in run("path", job)
+FACTORS = (1e3, 25.4, 1 / 25.4, 1e-3)
+
+
+def told_of(machine: Path) -> str:
+    """The doubts that every command tells of a machine file, or what refuses it."""
+    try:
+        return " ".join(f"{note.subject}: {note.sentence}" for note in doubts_of(machine))
+    except InputError as refused:
+        return str(refused)
+
+
+def doubts_of(machine: Path):
+    return doubts(machine_notes(admitted_machine(machine)))
+
+
+@pytest.mark.parametrize("factor", FACTORS)
+@pytest.mark.parametrize("sample", ["iso10791_7", "mazak_ajv25", "spline_slot"])
+def test_every_place_and_right_angle_in_another_unit_is_told(tmp_path, sample, factor):
+    """Each number alone, in every machine of the samples, by what the file says of itself."""
+    folder = shutil.copytree(SAMPLE.with_name(sample), tmp_path / "machine")
+    machine = folder / "machine.toml"
+    text = machine.read_text()
+    assert not doubts_of(machine)
+    numbers = re.compile(
+        r"(?m)^(?:(?:measured_at|nose_at|stick_out)_mm = \[?|E[ABC]0[XYZ] = (?:\{ um_per_m = )?)"
+        r"([-\d., ]*\d)"
+    )
+    silent = []
+    for match in numbers.finditer(text):
+        wrong = ", ".join(f"{float(x) * factor:.9g}" for x in match[1].split(","))
+        machine.write_text(text[: match.start(1)] + wrong + text[match.end(1) :])
+        if any(map(float, match[1].split(","))) and not told_of(machine):
+            silent.append(match[0])
+    assert not silent
+
+
+def test_the_middle_of_a_travel_about_zero_is_a_place(job):
+    """Home in the middle: a reflector beside it stands in the middle of the table."""
+    machine = job.with_name("machine.toml")
+    component = read_job(job).machine.components["EXX"]
+    there = replace(component, measured_at_mm=np.array([10.0, 5.0, -150.0]))
+    whole = admitted_machine(machine)
+    axes = {name: Axis(-380.0, 380.0) for name in "XYZ"}
+    centred = replace(whole, axes=axes, components={"EXX": there})
+    cornered = replace(whole, components={"EXX": replace(there, measured_at_mm=np.full(3, -12.0))})
+    assert not [note for note in place_notes(centred)]
+    assert [note.kind for note in place_notes(cornered)] == [Kind.PLACE]
 
 
 @pytest.mark.parametrize("factor", [1e3, 25.4, 1 / 25.4, 1e-3])

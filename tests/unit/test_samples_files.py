@@ -19,6 +19,8 @@ SAMPLES = Path(__file__).resolve().parents[2] / "samples"
 JOBS = [
     "iso10791_7/job.toml",
     "freecad_pocket/job.toml",
+    "iso230_4/job.toml",
+    "nas979/job.toml",
     "spline_slot/centre.toml",
     "spline_slot/corner.toml",
     "missing_effect/job.toml",
@@ -33,7 +35,7 @@ def test_no_job_is_forgotten():
         for path in SAMPLES.glob("*/*.toml")
         if not path.name.startswith("machine")
     }
-    assert found == set(JOBS)
+    assert found == {*JOBS, "huddersfield/job.toml"}  # which makes no part
 
 
 @pytest.mark.parametrize("name", JOBS)

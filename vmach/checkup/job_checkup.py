@@ -135,6 +135,18 @@ def _assumed(path: Path, job: Any) -> Iterator[Finding]:
             "tool offsets are those of the program (G43 and the tools' lengths)",
             'tool_offsets = "touched off" where every tool was set on this machine at the part',
         )
+    if job.probing is None and job.machine.components:
+        yield assumed(
+            "the workpiece zero is where the machine believes: its error there shows in the part",
+            "[probing] where zero and tool lengths were set on this machine, by edge finder, probe "
+            "or touch",
+        )
+    elif job.probing is not None and "probe_length_mm" not in said["probing"]:
+        yield assumed(
+            f"the probe or edge finder is {job.probing.probe_length_mm:g} mm long, as the first "
+            "tool",
+            "probe_length_mm in [probing], from the spindle nose to its tip",
+        )
     if job.nominal is None:
         yield assumed(
             "there is no nominal CAD: deviations are those of the path",

@@ -12,14 +12,23 @@ from vmach.base.progress import progress_bar
 from vmach.base.terminal import console
 from vmach.base.uncertainty_method import UncertaintyMethod
 from vmach.base.variant import Variant
-from vmach.commands.options import AsJson, Digits, Draws, Model, Seed, Uncertainty
+from vmach.commands.options import (
+    AsJson,
+    Digits,
+    Draws,
+    Model,
+    Seed,
+    Uncertainty,
+    command_line,
+)
 from vmach.files.atomic import atomic_folder, check_folder
 
 __all__ = ["accuracy"]
 
 _PROFILE_SPACING_MM = 5.0
 #: what may lie in the folder for results
-_FILES = ("accuracy.json", "histogram.png", "cones.png", "htm_abbe.png", "profile.png")
+_PAGE = "accuracy.html"
+_FILES = (_PAGE, "accuracy.json", "histogram.png", "cones.png", "htm_abbe.png", "profile.png")
 
 
 def accuracy(
@@ -36,7 +45,9 @@ def accuracy(
         Path | None,
         typer.Option(help="CSV x,y,z of nose positions: a path to give the error along"),
     ] = None,
-    out: Annotated[Path | None, typer.Option("--out", help="folder for json and pictures")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="folder for page, json and pictures")
+    ] = None,
     uncertainty: Uncertainty = UncertaintyMethod.FIRST_ORDER,
     digits: Digits = 1,
     draws: Draws = 1_000_000,
@@ -77,6 +88,8 @@ def accuracy(
             drawn = draw_accuracy(known, field, tool_mm, model, plan, progress=progress)
             report["uncertainty"] = accuracy_drawn_figures(drawn)
         if out is not None:
+            from vmach.volumetric.cones import cone_volume
+            from vmach.volumetric.page.page import accuracy_page
             from vmach.volumetric.pictures import accuracy_pictures, draw_profile
 
             pictures = accuracy_pictures(known, field, comparison, tool_mm, model=model)
@@ -84,15 +97,18 @@ def accuracy(
                 pictures["profile.png"] = draw_profile(
                     path.distance_mm, path.error_mm, title="profile"
                 )
-            _write(out, report, pictures)
+            coarse = error_field(known, cone_volume(space), tool_mm, model)
+            page = accuracy_page(report, coarse, pictures, command=command_line())
+            _write(out, report, pictures, page)
     if as_json:
         print(json.dumps(report, indent=1))
     else:
         print_accuracy(console(), report)
 
 
-def _write(out: Path, report: dict[str, Any], pictures: dict[str, bytes]) -> None:
+def _write(out: Path, report: dict[str, Any], pictures: dict[str, bytes], page: str) -> None:
     with atomic_folder(out) as folder:
+        (folder / _PAGE).write_text(page, encoding="utf-8")
         for name, picture in pictures.items():
             (folder / name).write_bytes(picture)
         (folder / "accuracy.json").write_text(json.dumps(report, indent=1) + "\n")

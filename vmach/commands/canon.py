@@ -47,7 +47,11 @@ def canon(
         progress("read", 0, 1)
         try:
             read = read_program(
-                program, tools=table, machine_unit_mm=unit_mm, dialect=dialect_name(control)
+                program,
+                tools=table,
+                machine_unit_mm=unit_mm,
+                dialect=dialect_name(control),
+                preview=True,
             )
         except UnknownToolError as error:
             error.hint = f"add it to {tools}" if tools else "give the tool table with --tools"

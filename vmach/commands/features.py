@@ -11,8 +11,21 @@ import typer
 
 from vmach.base.progress import progress_bar
 from vmach.base.terminal import console
+from vmach.base.uncertainty_method import UncertaintyMethod
 from vmach.base.variant import Variant
-from vmach.commands.options import AsJson, Control, JobPath, Model, command_line, input_files
+from vmach.commands.options import (
+    AsJson,
+    Control,
+    Digits,
+    Draws,
+    JobPath,
+    Model,
+    Seed,
+    Uncertainty,
+    command_line,
+    draw_plan,
+    input_files,
+)
 from vmach.errors import InputError
 from vmach.files.atomic import check_outputs
 from vmach.files.together import together
@@ -37,6 +50,10 @@ def features(
     ] = False,
     as_json: AsJson = False,
     control: Control = None,
+    uncertainty: Uncertainty = UncertaintyMethod.FIRST_ORDER,
+    digits: Digits = 1,
+    draws: Draws = 1_000_000,
+    seed: Seed = 1,
 ) -> None:
     """Evaluate what the drawing asks for: values, verdicts, files for other programs."""
     from vmach.job import read_job
@@ -55,7 +72,7 @@ def features(
     with progress_bar() as progress:
         made = machine_part(
             read, model=model, variants=(model,), prefer_measured=True, solid=False,
-            progress=progress,
+            plan=draw_plan(uncertainty, digits, draws, seed), progress=progress,
         )  # fmt: skip
     if not made.features:
         raise InputError(

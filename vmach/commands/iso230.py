@@ -11,7 +11,7 @@ import typer
 from vmach.base.progress import progress_bar
 from vmach.base.stage_clock import Progress
 from vmach.base.terminal import console
-from vmach.commands.options import AsJson
+from vmach.commands.options import AsJson, command_line
 from vmach.errors import InputError
 from vmach.files.atomic import atomic_folder, check_folder
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["iso230"]
 
-_FIGURES = "iso230.json"
+_FIGURES, _PAGE = "iso230.json", "iso230.html"
 
 
 def iso230(
@@ -31,7 +31,11 @@ def iso230(
     budget: Annotated[
         Path | None, typer.Option(help="TOML with the uncertainty contributors of the laser")
     ] = None,
-    out: Annotated[Path | None, typer.Option("--out", help="folder for json and diagrams")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="folder for page, json and diagrams")
+    ] = None,
+    serial: Annotated[str, typer.Option(help="serial number of the machine, for the sheet")] = "",
+    date: Annotated[str, typer.Option(help="date of the measurement, for the sheet")] = "",
     as_json: AsJson = False,
 ) -> None:
     """Evaluate laser runs after ISO 230-2, with uncertainty."""
@@ -44,13 +48,19 @@ def iso230(
     if not axes:
         raise InputError("the machine has no error tables of linear axes", file=data)
     if out is not None:
-        names = [_FIGURES, *(f"{axis.name}.png" for axis in axes)]
+        names = [_FIGURES, _PAGE, *(f"{axis.name}.png" for axis in axes)]
         check_folder(out, names, inputs=[*_files_of(data), *([budget] if budget else [])])
     source = str(budget) if budget else "assumed: Table 8 of the KTH thesis"
     report = iso230_figures(data, axes, contributors, budget_source=source)
     if out is not None:
+        from vmach.iso230.page.page import iso230_page
+
         with progress_bar() as progress:
-            _write(out, report, axes, progress)
+            page = iso230_page(
+                report, axes, machine=_machine_name(data), serial=serial, date=date,
+                command=command_line(),
+            )  # fmt: skip
+            _write(out, report, axes, page, progress)
     if as_json:
         print(json.dumps(report, indent=1))
     else:
@@ -64,10 +74,21 @@ def _files_of(data: Path) -> list[Path]:
     return list(read_machine(data).files) if data.suffix == ".toml" else [data]
 
 
+def _machine_name(data: Path) -> str:
+    """Of a machine file; a single table does not say it."""
+    from vmach.machine import read_machine
+
+    return read_machine(data).name if data.suffix == ".toml" else ""
+
+
 def _write(
-    out: Path, report: dict[str, Any], axes: tuple[EvaluatedTable, ...], progress: Progress
+    out: Path,
+    report: dict[str, Any],
+    axes: tuple[EvaluatedTable, ...],
+    page: str,
+    progress: Progress,
 ) -> None:
-    """The figures and one diagram a table, all files or none."""
+    """The page, the figures and one diagram a table, all files or none."""
     from vmach.iso230.diagram import draw_evaluation
 
     with atomic_folder(out) as folder:
@@ -77,4 +98,5 @@ def _write(
                 axis.result, title=f"{axis.name}, ISO 230-2", unit=axis.unit, factor=axis.factor
             )
             (folder / f"{axis.name}.png").write_bytes(picture)
+        (folder / _PAGE).write_text(page, encoding="utf-8")
         (folder / _FIGURES).write_text(json.dumps(report, indent=1) + "\n")

@@ -4,25 +4,34 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vmach.base.progress import progress_bar
 from vmach.base.terminal import console
+from vmach.base.uncertainty_method import UncertaintyMethod
 from vmach.base.variant import Variant
 from vmach.commands.options import (
     AsJson,
     Control,
+    Digits,
+    Draws,
     JobPath,
     Model,
     OutDir,
+    Seed,
+    Uncertainty,
     command_line,
+    draw_plan,
     input_files,
 )
 from vmach.errors import InputError
 from vmach.files.atomic import check_folder, check_outputs
 from vmach.files.together import together
+
+if TYPE_CHECKING:
+    from vmach.uncertainty.monte_carlo import Plan
 
 __all__ = ["compare", "run"]
 
@@ -41,6 +50,10 @@ def run(
             help="cut the virtual part as a solid; by default for programs of up to 100,000 moves",
         ),
     ] = None,
+    uncertainty: Uncertainty = UncertaintyMethod.FIRST_ORDER,
+    digits: Digits = 1,
+    draws: Draws = 1_000_000,
+    seed: Seed = 1,
     as_json: AsJson = False,
     control: Control = None,
 ) -> None:
@@ -51,7 +64,8 @@ def run(
             what = f"--part {part} without the solid"
             raise InputError(what, accepted="one of --part and --no-solid")
         solid = True
-    _machine(job, model, variants, out=out, part_file=part, as_json=as_json, solid=solid)
+    plan = draw_plan(uncertainty, digits, draws, seed)
+    _machine(job, model, variants, out=out, part_file=part, as_json=as_json, solid=solid, plan=plan)
 
 
 def compare(
@@ -60,6 +74,10 @@ def compare(
     solid: Annotated[
         bool, typer.Option("--solid", help="also cut the virtual part as a solid")
     ] = False,
+    uncertainty: Uncertainty = UncertaintyMethod.FIRST_ORDER,
+    digits: Digits = 1,
+    draws: Draws = 1_000_000,
+    seed: Seed = 1,
     as_json: AsJson = False,
     control: Control = None,
 ) -> None:
@@ -72,6 +90,7 @@ def compare(
         out=out,
         as_json=as_json,
         solid=solid,
+        plan=draw_plan(uncertainty, digits, draws, seed),
     )
 
 
@@ -85,9 +104,16 @@ def _machine(
     part_file: Path | None = None,
     prefer_measured: bool = False,
     solid: bool | None = None,
+    plan: Plan | None = None,
 ) -> None:
     from vmach.job import read_job
-    from vmach.report import arms_text, columns_table, differences_text, features_table
+    from vmach.report import (
+        arms_text,
+        circular_table,
+        columns_table,
+        differences_text,
+        features_table,
+    )
     from vmach.run.pipeline import machine_part
     from vmach.run.results import (
         ALL_FILES,
@@ -110,7 +136,7 @@ def _machine(
     with progress_bar() as progress:
         made = machine_part(
             read, model=model, variants=variants, prefer_measured=prefer_measured, solid=solid,
-            progress=progress,
+            plan=plan, progress=progress,
         )  # fmt: skip
         with together():
             if part_file is not None:
@@ -124,6 +150,8 @@ def _machine(
     screen.print(columns_table(made.points, record))
     if (drawing := features_table(record)) is not None:
         screen.print(drawing)
+    if (circles := circular_table(record)) is not None:
+        screen.print(circles)
     for line in (*arms_text(made.points, record), *differences_text(record)):
         screen.print(line, highlight=False, markup=False)
     for note in figures["run"]["warnings"]:

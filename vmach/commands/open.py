@@ -1,4 +1,4 @@
-"""``vmach open [JOB]``: the workbench, a page in the browser of this machine."""
+"""What is looked at: ``vmach open [JOB]``, the workbench, and ``vmach view DIR``, a result."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import typer
 from vmach.commands.options import Control
 from vmach.errors import InputError
 
-__all__ = ["open_workbench"]
+__all__ = ["open_workbench", "view"]
 
 
 def open_workbench(
@@ -34,3 +34,10 @@ def open_workbench(
     from vmach.workbench.launch import launch
 
     launch(job, port=port, with_browser=browser, control=control)
+
+
+def view(directory: Annotated[Path, typer.Argument(metavar="DIR", help="a result")]) -> None:
+    """Show a result in a window."""
+    from vmach.report import open_viewer
+
+    open_viewer(directory)

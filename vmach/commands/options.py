@@ -14,9 +14,10 @@ from vmach.base.variant import Variant
 
 if TYPE_CHECKING:
     from vmach.job import Job
+    from vmach.uncertainty.monte_carlo import Plan
 
 __all__ = ["AsJson", "Control", "Digits", "Draws", "JobPath", "Model", "OutDir", "OwnEffects",
-           "Seed", "Uncertainty", "command_line", "input_files"]  # fmt: skip
+           "Seed", "Uncertainty", "command_line", "draw_plan", "input_files"]  # fmt: skip
 
 
 def _tell_control(name: str | None) -> str | None:
@@ -48,6 +49,15 @@ OwnEffects = Annotated[
         "--effect-file", metavar="FILE", help="Python file with an effect of your own; repeatable"
     ),
 ]
+
+
+def draw_plan(method: UncertaintyMethod, digits: int, draws: int, seed: int) -> Plan | None:
+    """How to draw; None for first order."""
+    if method is UncertaintyMethod.FIRST_ORDER:
+        return None
+    from vmach.uncertainty.monte_carlo import Plan
+
+    return Plan(digits=digits, most_draws=draws, seed=seed)
 
 
 def command_line() -> str:

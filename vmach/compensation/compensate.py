@@ -237,23 +237,17 @@ def solve(
 def _rewritable(preparation: Preparation, modes: Mapping[int, BlockModes]) -> np.ndarray:
     """Moves that may be rewritten, (M,) int64."""
     moves = preparation.path.nodes.moves
-    return np.array(
-        [
-            k
-            for k in np.flatnonzero(moves.kind != MoveKind.DWELL).tolist()
-            if not modes[int(moves.line[k])].left
-        ],
-        np.int64,
-    )
+    left = np.array([line for line, mode in modes.items() if mode.left], np.int64)
+    return np.flatnonzero((moves.kind != MoveKind.DWELL) & ~np.isin(moves.line, left))
 
 
 def _arcs(preparation: Preparation, found: Solution) -> tuple[int, int]:
     """Arcs of the program, and how many of them stay arcs all along."""
     kind = preparation.path.nodes.moves.kind
     pieces = found.plan.pieces
-    arcs = {p.move for p in pieces if kind[p.move] == MoveKind.ARC}
-    broken = {p.move for p in pieces if not (p.is_arc or p.kept or p.is_step)}
-    return len(arcs), len(arcs - broken)
+    arcs = np.unique(pieces.move[kind[pieces.move] == MoveKind.ARC])
+    broken = pieces.move[~(pieces.is_arc | pieces.kept | pieces.is_step)]
+    return len(arcs), len(np.setdiff1d(arcs, broken))
 
 
 def _unchanged(preparation: Preparation, model: TipModel) -> Compensation:

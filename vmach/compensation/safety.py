@@ -39,7 +39,7 @@ def check_corrections(
     beyond = np.flatnonzero(size > limit_mm)
     if not beyond.size:
         return
-    rows = [target.pieces[k].move for k in beyond]
+    rows = target.pieces.move[beyond]
     lines = expansion.user_line(preparation.path.nodes.moves.line[rows])
     raise InputError(
         f"corrections up to {um_from_mm(size.max()):.1f} um (lines {lines_text(lines)})",

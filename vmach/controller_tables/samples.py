@@ -15,7 +15,7 @@ from vmach.effects import read_effects
 from vmach.errors import InputError
 from vmach.machine import Machine, Variant, contributions, displacement
 from vmach.path.preparation import Preparation
-from vmach.prediction import displacement_of
+from vmach.prediction import of_machine
 from vmach.volumetric.field import Volume
 
 __all__ = ["ErrorSamples", "job_samples", "joined", "lattice_samples", "volume_samples"]
@@ -159,7 +159,8 @@ def job_samples(preparation: Preparation, variant: Variant) -> ErrorSamples:
     if len(used) == 0:
         raise InputError("the program never feeds with a tool", file=job.program)
     states = path.nodes[used]
-    error = displacement_of(preparation, states, variant, effects).shift_mm
+    # a control's tables act while the zero is touched too: they take back the machine's own error
+    error = of_machine(job.machine, states, variant, effects).shift_mm
     weight = weight[used] / weight[used].sum()
     return ErrorSamples(
         states.nose_mm, states.direction.astype(float), states.tool_mm, error, weight

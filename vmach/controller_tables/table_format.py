@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -18,7 +18,14 @@ from vmach.controller_tables.projection import AxisTable, Projection, Term
 from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
 
-__all__ = ["UNLIMITED_ENTRIES", "AppliedTables", "TableFormat", "projected"]
+__all__ = [
+    "UNLIMITED_ENTRIES",
+    "AppliedTables",
+    "HeldErrors",
+    "TableFormat",
+    "error_name",
+    "projected",
+]
 
 #: tables whose largest entry is below this share of the tolerance are left out
 _NEGLIGIBLE = 0.1
@@ -34,6 +41,30 @@ class AppliedTables(Protocol):
         self, nose_mm: np.ndarray, direction: np.ndarray, tool_mm: np.ndarray
     ) -> np.ndarray:
         """What the control adds to the commanded positions, (P, 3) mm."""
+
+
+@dataclass(frozen=True)
+class HeldErrors:
+    """The errors that a control's tables take back, as component errors.
+
+    Attributes
+    ----------
+    tables : dict of ISO 230-1 symbol to (position_mm, forward, backward)
+        Of the tool relative to the workpiece, actual minus nominal, in mm or rad.
+    squareness_rad : dict of ``EC0Y`` and the like to float
+    order : str
+        Axes from the workpiece to the tool, all on the tool's side; empty where the tables hold
+        for any chain, because they have no angles.
+    """
+
+    tables: dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]]
+    squareness_rad: dict[str, float] = field(default_factory=dict)
+    order: str = ""
+
+
+def error_name(output_axis: int, input_axis: int) -> str:
+    """Symbol of the error along one axis as another one moves: ``EYX``."""
+    return f"E{'XYZ'[output_axis]}{'XYZ'[input_axis]}"
 
 
 Write = Callable[[Path, TableTask, tuple[Knots, Knots, Knots], Mapping[str, Any]], list[Path]]
@@ -58,6 +89,11 @@ class TableFormat:
         Files from a task, and tables from files; the keyword options go to both.
     terms : callable or None
         Terms that the format can hold, for a task; None where it holds the error model itself.
+    errors : callable or None
+        From a folder of such files to the errors that they take back; None where these are no
+        component errors.
+    sign : str
+        Name of the file that tells such a folder.
     """
 
     name: str
@@ -69,6 +105,8 @@ class TableFormat:
     write: Write
     read: Callable[[Path, Mapping[str, Any]], AppliedTables]
     terms: Callable[[TableTask], list[Term]] | None = None
+    errors: Callable[[Path, Mapping[str, Any]], HeldErrors] | None = None
+    sign: str = ""
 
     def __post_init__(self) -> None:
         wrong = {
@@ -78,6 +116,7 @@ class TableFormat:
             "write": not callable(self.write),
             "read": not callable(self.read),
             "terms": not (self.terms is None or callable(self.terms)),
+            "errors": not (self.errors is None or (callable(self.errors) and self.sign)),
         }
         wrong |= {
             key: not (isinstance(text := getattr(self, key), str) and text.strip())
@@ -87,7 +126,8 @@ class TableFormat:
             raise InputError(
                 f"table format {self.name!r}: {key} = {getattr(self, key)!r}",
                 accepted="name in lower case with hyphens; title, holds and lacks in words; "
-                "whole numbers rank and most_entries; functions write, read and terms",
+                "whole numbers rank and most_entries; functions write, read, terms and errors, "
+                "the last with sign = the name of a file",
             )
 
 

@@ -13,6 +13,7 @@ from vmach.job import Job
 from vmach.machine import RigidDisplacement
 from vmach.path.circumstances import Circumstances
 from vmach.path.toolpath import PathStates
+from vmach.path.touched_zero import touched_zero
 
 __all__ = ["EffectInstance"]
 
@@ -72,9 +73,9 @@ class EffectInstance:
         """The part that stays the same in all runs, one column a change, (P, 3, K) mm."""
         moved = np.zeros((len(path), 3, len(self.one_sigma)))
         if self.one_sigma and not self._is_out_of_sight(path):
-            here = self._at(path, self.parameters)
+            here = self.at(path, self.parameters)
             for k, change in enumerate(self.one_sigma):
-                moved[:, :, k] = (self._at(path, self._towards(change)) - here) / _SHARE
+                moved[:, :, k] = (self.at(path, self._towards(change)) - here) / _SHARE
         return moved
 
     def at_parameters(self, path: Circumstances, drawn: Sequence[float]) -> np.ndarray:
@@ -88,7 +89,7 @@ class EffectInstance:
         """
         if self._is_out_of_sight(path):
             return np.zeros((len(path), 3))
-        return self._at(path, self.with_drawn(drawn).parameters)
+        return self.at(path, self.with_drawn(drawn).parameters)
 
     def with_drawn(self, drawn: Sequence[float]) -> EffectInstance:
         """The effect with its parameters moved along the changes of `one_sigma`, (K,) of them."""
@@ -107,8 +108,19 @@ class EffectInstance:
         moved = {n: _SHARE * np.asarray(d) + self.parameters[n] for n, d in change.items()}
         return {**self.parameters, **moved}
 
-    def _at(self, path: Circumstances, parameters: Mapping[str, float]) -> np.ndarray:
-        return at_contact(self.effect.displacement(path, self.target, **parameters), path)
+    def at(self, path: Circumstances, parameters: Mapping[str, Any]) -> np.ndarray:
+        """Displacement at the contact with other parameters, (P, 3) mm.
+
+        On a part it counts from the zero that was touched.
+        """
+        moved = at_contact(self.effect.displacement(path, self.target, **parameters), path)
+        on_tool = path.states.normal is not None and not self.effect.needs_surface
+        zero = touched_zero(path.job, path.states) if on_tool else None
+        if zero is None:
+            return moved
+        there = Circumstances(zero.states, path.job, path.variant)
+        at_touch = self.effect.displacement(there, self.target, **parameters)
+        return moved - zero.shift_mm(at_contact(at_touch, there))
 
     def _evaluate(self, states: PathStates) -> Displaced:
         path = Circumstances(states, self.job)

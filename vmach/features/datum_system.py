@@ -132,7 +132,9 @@ def _locked(label: str, surface, seen: np.ndarray, about: np.ndarray, free: np.n
     table = rows @ basis
     if not basis.shape[1]:
         raise _locks_nothing(label)
-    _, size, right = np.linalg.svd(table, full_matrices=True)
+    # all of `right` is wanted; all of the left side only where there are fewer points than motions
+    is_short = len(table) < table.shape[1]
+    _, size, right = np.linalg.svd(table, full_matrices=is_short)
     size = np.append(size, np.zeros(len(right) - len(size)))
     # deviations of the points tilt the rows a little; a motion is locked where it matters
     is_locked = size > _MATTERS * np.linalg.norm(rows)

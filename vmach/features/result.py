@@ -12,11 +12,15 @@ __all__ = ["FeatureResult", "LineShare", "Place", "SourceShare", "Value"]
 
 @dataclass(frozen=True)
 class Value:
-    """A value, its standard uncertainty (None: not known) and the verdict."""
+    """A value, its standard uncertainty (None: not known) and the verdict.
+
+    `interval_mm` is the coverage interval of 95 % where draws found it.
+    """
 
     value_mm: float
     u_mm: float | None
     verdict: Verdict
+    interval_mm: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from enum import StrEnum
 
-__all__ = ["PROBABILITY", "Verdict", "verdict"]
+__all__ = ["PROBABILITY", "Verdict", "verdict", "verdict_of"]
 
 #: default limit of probability of ISO 14253-1:2017
 PROBABILITY = 0.95
@@ -25,7 +25,11 @@ class Verdict(StrEnum):
 
 def verdict(value: float, u: float, lower: float, upper: float) -> Verdict:
     """Judge a value with standard uncertainty `u`; limits may be infinite."""
-    inside = _below(upper, value, u) - _below(lower, value, u)
+    return verdict_of(_below(upper, value, u) - _below(lower, value, u))
+
+
+def verdict_of(inside: float) -> Verdict:
+    """Judge by the probability, 0 to 1, that the true value is within its limits."""
     if inside >= PROBABILITY:
         return Verdict.CONFORMS
     return Verdict.FAILS if 1.0 - inside >= PROBABILITY else Verdict.OPEN

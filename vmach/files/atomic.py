@@ -23,7 +23,7 @@ from vmach.files.written_files import (
     write_results_list,
 )
 
-__all__ = ["atomic_file", "atomic_folder", "check_folder", "check_outputs"]
+__all__ = ["atomic_file", "atomic_folder", "check_folder", "check_outputs", "edited_file"]
 
 #: folders that `atomic_folder` has given out: nothing in them is anybody's yet
 _being_filled: set[Path] = set()
@@ -248,6 +248,41 @@ class _File:
 
     def finish(self) -> None:
         """All is done."""
+
+
+@contextmanager
+def edited_file(path: Path) -> Iterator[Path]:
+    """Give a temporary path for a user's own file that a command was told to edit.
+
+    The file stays the user's: no command takes it for a result later. What it held before is kept
+    beside it, as ``NAME.bak``, which is a result.
+
+    Raises
+    ------
+    InputError
+        There is no such file, it cannot be written to, or ``NAME.bak`` is the user's.
+    """
+    path = _resolved(path)
+    if not path.is_file():
+        raise InputError("is no file that could be edited", file=path)
+    _check_writable_folder(path.parent)
+    with atomic_file(path.with_name(f"{path.name}.bak")) as before:
+        shutil.copyfile(path, before)
+    with ExitStack() as stack:
+        room = stack.enter_context(workplace(path))
+        stack.enter_context(_faults_named(room / path.name, path))
+        temporary = room / path.name
+        yield temporary
+        shutil.copymode(path, temporary)
+        put_in_place(_Edited(temporary, path), stack)
+
+
+@dataclass(frozen=True)
+class _Edited(_File):
+    """A user's own file with its new text; it is noted nowhere."""
+
+    def prepare(self, coming: Collection[Path]) -> None:
+        """Nothing takes time."""
 
 
 @contextmanager

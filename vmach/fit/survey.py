@@ -20,6 +20,7 @@ from vmach.fit.whitening import Whitening, orthonormal
 from vmach.job import Job
 from vmach.measurements import Measurement
 from vmach.path.preparation import job_doubts
+from vmach.path.touched_zero import touched_zero
 from vmach.uncertainty.tables import TableUncertainty
 
 __all__ = ["Survey"]
@@ -142,7 +143,7 @@ class Survey:
     ) -> np.ndarray:
         """What one usual size of each coefficient of an effect does to the readings, (n, K) mm."""
         sensed = [
-            m.sensed(effect.columns(path, target, inner_values)) if _can_show(m, effect) else None
+            m.sensed(_columns(effect, path, target, inner_values)) if _can_show(m, effect) else None
             for path, m in zip(self.seen_paths, self.measurements, strict=True)
         ]
         terms = next((s.shape[1] for s in sensed if s is not None), 0)
@@ -195,6 +196,18 @@ class Survey:
         """Of the measurements that could show an effect."""
         pairs = zip(self.seen_paths, self.measurements, strict=True)
         return [path for path, m in pairs if _can_show(m, effect)]
+
+
+def _columns(
+    effect: Effect, path: Circumstances, target: str, inner_values: Mapping[str, float]
+) -> np.ndarray:
+    """Columns of an effect, (P, 3, K) mm; on a part they count from the zero that was touched."""
+    columns = effect.columns(path, target, inner_values)
+    zero = None if path.states.normal is None else touched_zero(path.job, path.states)
+    if zero is None or effect.needs_surface:
+        return columns
+    at_touch = Circumstances(zero.states, path.job, path.variant)
+    return columns - zero.shift_mm(effect.columns(at_touch, target, inner_values))
 
 
 def _can_show(measurement: Measurement, effect: Effect) -> bool:

@@ -12,7 +12,6 @@ import numpy as np
 
 from vmach.base.units import um_from_mm
 from vmach.effects import EffectInstance
-from vmach.effects.effect import at_contact
 from vmach.fit.survey import Survey
 
 __all__ = ["held_out_rms_um"]
@@ -74,6 +73,5 @@ def _of_readings(
         if not effect.effect.shows_on(measurement.states):
             rows.append(np.zeros((len(measurement), 1)))
             continue
-        moved = effect.effect.displacement(path, effect.target, **parameters)
-        rows.append(measurement.sensed(at_contact(moved, path)[:, :, None]))
+        rows.append(measurement.sensed(effect.at(path, parameters)[:, :, None]))
     return np.vstack(rows)

@@ -16,7 +16,7 @@ from vmach.files.text_file import read_text
 from vmach.files.toml_file import check_section, line_of_key
 from vmach.instruments.catalogue import catalogue
 from vmach.job import Job
-from vmach.machine import Machine, Variant, displacement
+from vmach.machine import Machine, Variant
 from vmach.measurements.columns import Columns, read_columns
 from vmach.measurements.instrument import Instrument
 from vmach.measurements.measurement import Measurement
@@ -40,7 +40,7 @@ from vmach.measurements.plausibility.unit_check import check_unit
 from vmach.path.preparation import Preparation, prepare
 from vmach.path.toolpath import PathStates
 from vmach.plausibility import doubtful_length
-from vmach.prediction import ActingEffect
+from vmach.prediction import ActingEffect, displacement_of, of_machine
 
 __all__ = ["read_instruments", "settings_of"]
 
@@ -101,18 +101,15 @@ class _Model:
         """The same job on a machine with other tables."""
         other = _Model(replace(self.job, machine=machine), self._variant, self._effects)
         if "preparation" in vars(self):  # the program's moves do not depend on them
-            vars(other)["preparation"] = self.preparation
+            vars(other)["preparation"] = replace(self.preparation, job=other.job)
         return other
 
     def moved_mm(self, states: PathStates) -> np.ndarray:
         """Displacement of the tool's point of interest at P states, (P, 3) mm."""
-        machine = self.job.machine
-        direction = states.direction if machine.separate_directions else None
-        moved = displacement(
-            machine, states.nose_mm, states.tool_mm, self._variant, direction=direction
-        )
-        for effect in self._effects:
-            moved = moved + effect.displacement(states)
+        if states.normal is None:  # of the machine itself, whatever zero the part counts from
+            moved = of_machine(self.job.machine, states, self._variant, self._effects)
+        else:
+            moved = displacement_of(self.preparation, states, self._variant, self._effects)
         seen = states.seen_mm(moved)
         for effect in self._effects if states.normal is not None else ():
             seen = seen + effect.at_surface(states)

@@ -14,10 +14,18 @@ from gcode import ControlSettings, OffsetEntry
 from stock import StockError, Tool, make_tool
 from vmach.base.units import mm_from_um
 from vmach.errors import InputError
+from vmach.features.circular_test import CircularLimits
 from vmach.files.toml_file import line_of_key, read_toml_and_text
 from vmach.job.control import control_told
 from vmach.job.drawing import JobDrawing, read_drawing
-from vmach.job.schema import InspectionEntry, JobSchema, MeasuringMachineEntry, ToolEntry
+from vmach.job.probing import Probing, read_probing
+from vmach.job.schema import (
+    CircularTestEntry,
+    InspectionEntry,
+    JobSchema,
+    MeasuringMachineEntry,
+    ToolEntry,
+)
 from vmach.machine import Machine
 from vmach.plausibility import admitted_machine, check_tools
 
@@ -155,8 +163,12 @@ class Job:
     inspection : Inspection
     device : Device
         What is known of the machine that measured the part.
+    probing : Probing or None
+        How zero and tool lengths were set on the machine; None where nobody says it.
     drawing : JobDrawing
         Features, datums and tolerances.
+    circular_test : CircularLimits or None
+        What figures of ISO 230-4 are accepted; None where none is asked for.
     effects, measurements, history
         As in the file; read by the parts of the program that know them.
     fitted : mapping of (effect, target) to tuple of mapping
@@ -180,7 +192,9 @@ class Job:
     offsets: Mapping[int, OffsetEntry]
     inspection: Inspection
     device: Device
+    probing: Probing | None
     drawing: JobDrawing
+    circular_test: CircularLimits | None
     effects: Mapping[str, Any]
     measurements: Sequence[Mapping[str, Any]]
     history: Sequence[Mapping[str, Any]]
@@ -285,12 +299,21 @@ def read_job(path: Job | str | Path) -> Job:
         offsets={k: OffsetEntry(**row.model_dump()) for k, row in data.offsets.items()},
         inspection=_inspection(data.inspection, at("inspection", "alignment")),
         device=_device(data.measuring_machine),
+        probing=read_probing(data.probing, tools),
         drawing=read_drawing(data, path.parent, at),
+        circular_test=_circular_limits(data.circular_test),
         effects=data.effects,
         measurements=data.measurements,
         history=[step.model_dump(exclude_none=True) for step in data.history],
         fitted={(f.effect, f.target): tuple(f.one_sigma) for f in data.fitted},
     )
+
+
+def _circular_limits(data: CircularTestEntry | None) -> CircularLimits | None:
+    if data is None:
+        return None
+    told = data.model_dump(exclude_none=True)
+    return CircularLimits(**{key.removesuffix("_um"): mm_from_um(um) for key, um in told.items()})
 
 
 def _device(data: MeasuringMachineEntry) -> Device:

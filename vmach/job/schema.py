@@ -10,6 +10,7 @@ from gcode import INCREMENT_SYSTEMS, WORK_OFFSETS, ProgramError, dialect_name, d
 from vmach.files.toml_file import FileSection, Finite, NonNegative, Point, Positive, Whole
 
 __all__ = [
+    "CircularTestEntry",
     "ControlEntry",
     "DrawingEntry",
     "FeatureEntry",
@@ -19,6 +20,7 @@ __all__ = [
     "JobSchema",
     "MeasuringMachineEntry",
     "OffsetRow",
+    "ProbingEntry",
     "StockEntry",
     "ToolEntry",
 ]
@@ -43,6 +45,8 @@ def _known_dialect(name: str | None) -> str | None:
         raise ValueError(f"accepted: auto, {', '.join(dialect_names())}") from None
 
 
+#: sign of the last motion of an axis; 0 where it is not known
+Side = Literal[-1, 0, 1]
 #: units of length that CAD without a unit of its own can be told
 LengthUnit = Literal["um", "mm", "cm", "m", "inch"]
 
@@ -117,6 +121,19 @@ class MeasuringMachineEntry(FileSection):
     squareness_u_urad: NonNegative | None = None
 
 
+class ProbingEntry(FileSection):
+    """[probing]: workpiece zero and tool lengths were set on this very machine."""
+
+    zero_at_mm: Point = (0.0, 0.0, 0.0)
+    x_at_mm: Point | None = None
+    y_at_mm: Point | None = None
+    z_at_mm: Point | None = None
+    probe_length_mm: Positive | None = None
+    tools: Literal["touched", "preset"] = "touched"
+    tools_at_mm: Point | None = None
+    approach: tuple[Side, Side, Side] = (0, 0, -1)
+
+
 class FittedEntry(FileSection):
     """[[fitted]]: what ``vmach add`` left open of an effect's parameters."""
 
@@ -155,6 +172,15 @@ class DrawingEntry(FileSection):
     logo: str | None = None
 
 
+class CircularTestEntry(FileSection):
+    """[circular_test]: evaluate the circles of the program; the largest figures accepted."""
+
+    G_um: Positive | None = None
+    G_b_um: Positive | None = None
+    D_um: Positive | None = None
+    F_um: Positive | None = None
+
+
 class JobSchema(FileSection):
     """A whole job file."""
 
@@ -174,10 +200,12 @@ class JobSchema(FileSection):
     offsets: dict[Annotated[int, Field(ge=1, le=_LARGEST_TOOL)], OffsetRow] = {}
     inspection: InspectionEntry = InspectionEntry()
     measuring_machine: MeasuringMachineEntry = MeasuringMachineEntry()
+    probing: ProbingEntry | None = None
     features: list[FeatureEntry] = []
     datums: dict[str, str] = {}
     tolerances: dict[str, str | list[str]] = {}
     drawing: DrawingEntry = DrawingEntry()
+    circular_test: CircularTestEntry | None = None
     effects: dict[str, Any] = {}
     measurements: list[dict[str, Any]] = []
     history: list[HistoryEntry] = []

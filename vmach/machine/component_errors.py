@@ -62,6 +62,8 @@ class ComponentError:
         Where the measuring point was, in the frame of the body that the axis carries, origin at
         the spindle nose with every axis at home; for `SetUp.INDICATOR` with the axis at zero.
         Only for positioning and straightness.
+    nose_at_mm : (3,) float64 or None
+        The axis positions that `measured_at_mm` was stated by, where it was.
     set_up : SetUp
     slope_removed : bool or None
         Whether a least-squares line was taken out of a straightness; None where not said.
@@ -95,6 +97,7 @@ class ComponentError:
     runs: Runs | None = None
     reverse: bool = False
     reverse_deviations: bool | None = None
+    nose_at_mm: np.ndarray | None = None
     source: str = ""
     provenance: str = ""
     measured_on: date | None = None

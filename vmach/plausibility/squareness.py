@@ -16,15 +16,19 @@ __all__ = ["squareness_notes"]
 
 #: 5 mm/m: the slides of such a machine would not run
 _MOST_RAD = 5e-3
-#: ISO 10791-1 accepts 0.02 mm in 500 mm; a machine five times worse is not in use unnoticed
-_USUAL_RAD = 2e-4
-#: no square, ballbar or laser tells less from zero
-_LEAST_RAD = 1e-7
+#: ISO 10791-1 accepts 0.02 mm in 500 mm; two and a half times that is worth a word
+_USUAL_RAD = 1e-4
+#: square, ballbar and laser are uncertain by more: a smaller number is another unit, or a zero
+_LEAST_RAD = 1e-6
+#: between a value and one in inches lies the root of 25.4; so far above the other right angles one
+#: is odd. Far below is not: right angles lie about zero
+_ODD_FACTOR = 5.04
 
 
 def squareness_notes(machine: Machine) -> Iterator[Note]:
     """What cannot be, or is unlikely, of a machine's right angles."""
     yield from _sizes(machine)
+    yield from _odd_one_out(machine)
     yield from _reference_axes_out_of_square(machine)
     yield from _right_angles_stated_twice(machine)
 
@@ -44,6 +48,26 @@ def _sizes(machine: Machine) -> Iterator[Note]:
             size=urad_from_rad(angle),
             unit="urad",
             accepted=f"{urad_from_rad(_LEAST_RAD):g} .. {urad_from_rad(most):g} urad, or 0",
+            hint="is it in the unit that [convention] angle says?",
+        )
+
+
+def _odd_one_out(machine: Machine) -> Iterator[Note]:
+    """A right angle far larger than both others."""
+    stated = np.argwhere(machine.squareness_rad).tolist()
+    if len(stated) < 3:
+        return
+    largest, second = sorted((abs(machine.squareness_rad[a, r]), (a, r)) for a, r in stated)[:-3:-1]
+    angle, (axis, rotation) = largest
+    if _LEAST_RAD <= second[0] < angle / _ODD_FACTOR and angle <= _USUAL_RAD:
+        yield Note(
+            Level.DOUBT,
+            Kind.SQUARENESS,
+            squareness_name(axis, rotation),
+            f"{urad_from_rad(angle):.4g} urad; no other right angle exceeds "
+            f"{urad_from_rad(second[0]):.4g} urad",
+            size=urad_from_rad(angle),
+            unit="urad",
             hint="is it in the unit that [convention] angle says?",
         )
 

@@ -6,7 +6,7 @@ the normal n by n . e_i, so that shares add up.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,9 +14,11 @@ import numpy as np
 
 from vmach.base.units import um_from_mm
 from vmach.files.csv_table import fixed, rounded, whole, words, write_csv
-from vmach.machine import Machine, Variant
+from vmach.job import Job
+from vmach.machine import RigidDisplacement, Variant
 from vmach.machine.displacement import contributions
 from vmach.path.toolpath import PathStates
+from vmach.path.touched_zero import touched_zero
 from vmach.prediction import ActingEffect, Prediction
 
 __all__ = ["PROGRAM", "ErrorBudget", "budget_at", "error_budget", "write_budget_csv"]
@@ -64,7 +66,7 @@ def error_budget(prediction: Prediction, effects: Sequence[ActingEffect] = ()) -
         prediction.states,
         prediction.normals[cut],
         prediction.deviation_mm[cut],
-        machine=prediction.preparation.job.machine,
+        job=prediction.preparation.job,
         variant=prediction.variant,
         effects=effects,
     )
@@ -75,24 +77,37 @@ def budget_at(
     normals: np.ndarray,
     deviation_mm: np.ndarray,
     *,
-    machine: Machine,
+    job: Job,
     variant: Variant,
     effects: Sequence[ActingEffect] = (),
 ) -> ErrorBudget:
     """The same of C states that made surface points, with normals (C, 3), deviations (C,) mm."""
-    direction = states.direction if machine.separate_directions else None
-    parts = contributions(machine, states.nose_mm, states.tool_mm, variant, direction=direction)
+    zero = touched_zero(job, states)
+    at_touch = dict(_parts(zero.states, job, variant, effects)) if zero else {}
     sources, columns = [PROGRAM], [deviation_mm]
-    for name, part in parts:
+    for name, part in _parts(states, job, variant, effects):
+        moved = part.at(states.contact_mm)
+        if zero is not None:
+            moved = moved - zero.shift_mm(at_touch[name].shift_mm)
         sources.append(name)
-        columns.append(np.einsum("ij,ij->i", part.at(states.contact_mm), normals))
-    for effect in effects:
-        moved = effect.displacement(states).at(states.contact_mm) + effect.at_surface(states)
-        sources.append(effect.label)
         columns.append(np.einsum("ij,ij->i", moved, normals))
+    for number, effect in enumerate(effects, len(sources) - len(effects)):
+        columns[number] += np.einsum("ij,ij->i", effect.at_surface(states), normals)
     share = np.column_stack(columns)
     share[:, 0] -= share[:, 1:].sum(axis=1)
     return ErrorBudget(tuple(sources), share)
+
+
+def _parts(
+    states: PathStates, job: Job, variant: Variant, effects: Sequence[ActingEffect]
+) -> Iterator[tuple[str, RigidDisplacement]]:
+    """Every error of the machine, then every effect on the whole tool."""
+    direction = states.direction if job.machine.separate_directions else None
+    yield from contributions(
+        job.machine, states.nose_mm, states.tool_mm, variant, direction=direction
+    )
+    for effect in effects:
+        yield effect.label, effect.displacement(states)
 
 
 def write_budget_csv(path: Path, ids: np.ndarray, states: PathStates, budget: ErrorBudget) -> None:

@@ -1,7 +1,7 @@
 """A program's text taken apart and put together again with moved ends; the rest byte for byte."""
 
 from vmach.program_text.blocks.block_modes import BlockModes, block_modes
-from vmach.program_text.blocks.pieces import Piece, circle_through
+from vmach.program_text.blocks.pieces import Piece, Pieces, circle_through
 from vmach.program_text.control import check_meaning, check_words, target_control
 from vmach.program_text.expanding.expansion import Expanded, prepare_plain
 from vmach.program_text.rewriter import Rewriter, Target, Written
@@ -10,6 +10,7 @@ __all__ = [
     "BlockModes",
     "Expanded",
     "Piece",
+    "Pieces",
     "Rewriter",
     "Target",
     "Written",

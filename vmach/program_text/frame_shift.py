@@ -19,23 +19,26 @@ _OF_INTEREST = _SYSTEMS.keys() | _G92 | {"G10", "G52"}
 
 def rotation_of_moves(program: Program) -> np.ndarray:
     """Angle about Z, rad, by which the work system of every move is turned, (N,)."""
-    angle = np.zeros(len(program.moves))
-    for row, _, name, *values in program.record.events:
-        if name == "set_xy_rotation":
-            angle[row:] = np.radians(values[0])
-    return angle
+    count = len(program.moves)
+    row, told = program.record.events_of("set_xy_rotation")
+    angle = np.concatenate([[0.0], np.radians(told[:, 0]) if len(row) else []])
+    return np.repeat(angle, np.diff(np.concatenate([[0], np.minimum(row, count), [count]])))
 
 
 def zero_settings(program: Program) -> list[tuple[Step, float]]:
     """Lines that set or choose a zero, where any sets it at the tool; angle in force then, rad."""
     if not program.language.is_rs274:
         return []
-    found = [s for s in program.steps if s.blocks and not _OF_INTEREST.isdisjoint(s.g_names)]
+    found = [
+        s
+        for s in program.outline
+        if isinstance(s, Step) and s.blocks and not _OF_INTEREST.isdisjoint(s.g_names)
+    ]
     if not any(_sets_here(step) for step in found):
         return []
-    turns = [(line, values[0]) for _, line, name, *values in program.record.events
-             if name == "set_xy_rotation"]  # fmt: skip
-    degrees = [next((d for line, d in turns[::-1] if line <= s.line), 0.0) for s in found]
+    turns = program.record.said_events(["set_xy_rotation"])
+    last = np.searchsorted(np.maximum.accumulate(turns.line), [s.line for s in found], "right")
+    degrees = np.array([0.0, *(turns.told[k][1] for k in turns.which)])[last]
     return list(zip(found, np.radians(degrees).tolist(), strict=True))
 
 

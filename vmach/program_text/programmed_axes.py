@@ -66,7 +66,7 @@ def _said(
     words: AxisWords,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Axes that the line of every move says, and those that it leaves anywhere, (N, 3) bool."""
-    said, left = words.start >= 0, np.zeros((len(line), 3), bool)
+    said, left = words.start[:, :3] >= 0, np.zeros((len(line), 3), bool)
     stays = {number for number, mode in modes.items() if mode.left}
     plain = words.is_plain & (type(text) is BlockText) & ~np.isin(line, list(stays))
     said[~plain] = False
@@ -110,13 +110,18 @@ def _lost(program: Program) -> tuple[np.ndarray, np.ndarray]:
     lost = np.zeros((len(program.moves) + 1, 3), bool)
     turned = np.zeros(len(lost), bool)
     told: dict[str, list] = {}
-    for row, _, name, *values in program.record.events:
+    since = 0  # row of the last rotation
+    events = program.record.said_events(_ANYWAY.keys() | _FRAMES.keys())
+    for row, which in zip(events.row.tolist(), events.which.tolist(), strict=True):
+        name, *values = events.told[which]
         if name in _ANYWAY:
             lost[row] |= _ANYWAY[name]
         elif name in _FRAMES:
             if told.get(name, values) != values:
                 lost[row] |= _FRAMES[name]
+            if name == "set_xy_rotation":
+                turned[since:row] = told.get(name, [0.0])[0] != 0.0
+                since = row
             told[name] = values
-        if name == "set_xy_rotation":
-            turned[row:] = values[0] != 0.0
+    turned[since:] = told.get("set_xy_rotation", [0.0])[0] != 0.0
     return lost, turned

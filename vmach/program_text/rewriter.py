@@ -10,7 +10,7 @@ import numpy as np
 from gcode import AS_PROGRAMMED
 from vmach.program_text.block_state import BlockState
 from vmach.program_text.blocks.move_writer import Goal, MoveWriter
-from vmach.program_text.blocks.pieces import Piece
+from vmach.program_text.blocks.pieces import Pieces
 from vmach.program_text.plain_program import PlainProgram
 from vmach.program_text.runs.plain_run import write_run
 from vmach.program_text.runs.run_columns import RunColumns, left_by, state_for
@@ -23,7 +23,7 @@ __all__ = ["Rewriter", "Target", "Written"]
 class Target:
     """Pieces and the corrections at their ends and middles, (K, 3) mm, machine axes."""
 
-    pieces: list[Piece]
+    pieces: Pieces
     ends_mm: np.ndarray
     middles_mm: np.ndarray
 
@@ -92,24 +92,26 @@ class _Writing:
 
     def __init__(self, plain: Rewriter, target: Target, resolution_mm: float) -> None:
         self.plain, self.pieces, self.resolution_mm = plain, target.pieces, resolution_mm
-        move = np.array([piece.move for piece in target.pieces], np.int64)
-        spans = np.array([(piece.start, piece.end) for piece in target.pieces]).reshape(-1, 2)
-        self.ends_mm = plain.places(move, spans[:, 1], target.ends_mm)
-        self.middles_mm = plain.places(move, 0.5 * (spans[:, 0] + spans[:, 1]), target.middles_mm)
+        pieces, move = target.pieces, target.pieces.move
+        self.ends_mm = plain.places(move, pieces.end, target.ends_mm)
+        self.middles_mm = plain.places(move, 0.5 * (pieces.start + pieces.end), target.middles_mm)
         moving = np.array(plain.moving, np.int64)
         self.first = np.searchsorted(move, np.arange(len(plain.moves) + 1))
         self.moving = moving
-        self.run = plain._columns.run(self._only_pieces(), self.ends_mm, resolution_mm)
-        self.run_state = state_for(BlockState(), len(moving))
+        self.run = plain._columns.run(self._only_pieces(), self.ends_mm, self.middles_mm,
+                                      resolution_mm)  # fmt: skip
+        arcs = int((np.array(plain.code)[moving] > 1).sum())
+        self.run_state = state_for(BlockState(), 3 * len(moving) + 2 * arcs)
         self.state, self.labels = BlockState(), plain.text.free_labels()
         self.changes: dict[tuple[int, int], str] = {}
         self.line_of_piece = np.zeros(len(move), np.int64)
         self.inserted_after: list[int] = []
 
     def _only_pieces(self) -> np.ndarray:
-        """The piece of every move that has one alone and none of an arc; else -1."""
-        first, count = self.first[:-1], np.diff(self.first)
-        usual = np.array([not (p.kept or p.is_arc or p.is_step) for p in self.pieces] + [False])
+        """The piece of every move that has one alone, an arc where the move is one; else -1."""
+        first, count, pieces = self.first[:-1], np.diff(self.first), self.pieces
+        turns = np.array(self.plain.code)[pieces.move] > 1
+        usual = np.append(~(pieces.kept | pieces.is_step) & (pieces.is_arc == turns), False)
         return np.where((count == 1) & usual[first], first, -1)
 
     def plain_moves(self, index: int) -> int:

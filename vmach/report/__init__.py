@@ -6,13 +6,14 @@ The pipeline fills `InspectedPoints` and `RunRecord`, gets a `DisplayMesh` from
 
 from vmach.report.exchange.formats import ENDINGS, check_ending, write_features_file
 from vmach.report.figures.arms import arms_text
+from vmach.report.figures.circular_tests import circular_table
 from vmach.report.figures.deviations_csv import read_deviations_csv, write_deviations_csv
 from vmach.report.figures.differences import differences_text
 from vmach.report.figures.features import features_table
 from vmach.report.figures.statistics import Statistics, column_statistics, worst_places
 from vmach.report.figures.summary import SIGN_CONVENTION, summary, write_summary
 from vmach.report.figures.table import columns_table
-from vmach.report.page.page import write_report_html
+from vmach.report.page.page import ReportView, write_report_html
 from vmach.report.pictures.coloured_part import part_colours
 from vmach.report.pictures.display_mesh import build_display_mesh, interpolate_to_mesh
 from vmach.report.pictures.viewer import open_viewer
@@ -37,6 +38,7 @@ __all__ = [
     "DisplayMesh",
     "InputFile",
     "InspectedPoints",
+    "ReportView",
     "RunRecord",
     "SolidComparison",
     "SolidDifference",
@@ -44,6 +46,7 @@ __all__ = [
     "arms_text",
     "build_display_mesh",
     "check_ending",
+    "circular_table",
     "column_statistics",
     "columns_table",
     "differences_text",

@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from vmach.base.note import Note
+from vmach.features.circular_test import CircularTest
 from vmach.features.result import FeatureResult
 
 __all__ = [
@@ -345,6 +346,7 @@ class RunRecord:
         Name of the table of all points that lies beside the page; empty where there is none.
     features : tuple of FeatureResult
         What the drawing asks for and what was found.
+    circular_tests : tuple of CircularTest
     part, serial, revision : str
         Of the drawing, for the head of reports.
     """
@@ -364,6 +366,7 @@ class RunRecord:
     comparison: SolidComparison | None = None
     points_file: str = ""
     features: tuple[FeatureResult, ...] = ()
+    circular_tests: tuple[CircularTest, ...] = ()
     part: str = ""
     serial: str = ""
     revision: str = ""
@@ -371,7 +374,7 @@ class RunRecord:
     def __post_init__(self) -> None:
         if not (np.isfinite(self.tolerance_mm) and self.tolerance_mm > 0):
             raise ValueError(f"RunRecord.tolerance_mm is {self.tolerance_mm}; expected > 0")
-        for name in ("files", "warnings", "notes", "program_lines", "features"):
+        for name in ("files", "warnings", "notes", "program_lines", "features", "circular_tests"):
             object.__setattr__(self, name, tuple(getattr(self, name)))
         for name in ("versions", "stages_s", "facts"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vmach.base.note import Kind, Note
+from vmach.base.units import um_from_mm
 from vmach.errors import InputError
 from vmach.features.evaluation import Drawing, Requirement, evaluate
 from vmach.features.feature import Points
 from vmach.features.measure import Measure
 from vmach.features.result import FeatureResult, LineShare, Place, SourceShare, Value
-from vmach.features.verdict import verdict
+from vmach.features.verdict import verdict, verdict_of
 from vmach.job import Job
 from vmach.nominal import NominalPart
 from vmach.nominal.points import SurfacePoints
@@ -20,6 +24,10 @@ from vmach.prediction.error_budget import ErrorBudget
 from vmach.report import InspectedPoints
 from vmach.run.drawing import job_drawing
 from vmach.uncertainty.first_order import combined_u_mm
+
+if TYPE_CHECKING:
+    from vmach.uncertainty.features import Evaluation, FeaturesDrawn
+    from vmach.uncertainty.monte_carlo import Plan
 
 __all__ = ["feature_results"]
 
@@ -36,8 +44,10 @@ def feature_results(
     inspected: InspectedPoints,
     prediction: Prediction,
     budget: ErrorBudget,
-) -> tuple[FeatureResult, ...]:
-    """Values of all requirements of the job's drawing; none where it has none.
+    plan: Plan | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[tuple[FeatureResult, ...], tuple[Note, ...]]:
+    """Values of all requirements of the job's drawing, none where it has none, and notes.
 
     Parameters
     ----------
@@ -47,6 +57,10 @@ def feature_results(
         The primary one; uncertainty, shares and lines are its own.
     budget : ErrorBudget
         Of its cut points.
+    plan : Plan, optional
+        Draw the corrections of the prediction; to first order where left out.
+    progress : callable, optional
+        Told how many of how many draws were evaluated as a whole.
 
     Raises
     ------
@@ -55,7 +69,7 @@ def feature_results(
     """
     drawing = job_drawing(job, nominal, points)
     if drawing is None:
-        return ()
+        return (), ()
     judge = _Judge(drawing, inspected, prediction, budget)
     found = []
     for requirement in drawing.requirements:
@@ -71,7 +85,8 @@ def feature_results(
             raise InputError(
                 what, file=job.path, accepted=error.accepted, hint=error.hint
             ) from None
-    return tuple(judge.with_uncertainty(found))
+    known = judge.with_uncertainty(found)
+    return (tuple(known), ()) if plan is None else judge.with_draws(known, plan, progress)
 
 
 class _Judge:
@@ -96,7 +111,9 @@ class _Judge:
             for column in inspected.columns
         }
         self._primary = inspected.primary.name
+        # of every result: its weights, and which value of which requirement it is
         self._weights: list[np.ndarray] = []
+        self._asked: list[tuple[Requirement, int]] = []
 
     def results(self, requirement: Requirement) -> list[FeatureResult]:
         """One result a value; uncertainty is added later, for all at once."""
@@ -117,6 +134,7 @@ class _Judge:
 
     def refused(self, requirement: Requirement, reason: str) -> FeatureResult:
         """A result without a value."""
+        self._asked.append((requirement, 0))
         self._weights.append(np.zeros(len(self._inspected)))
         return self._bare(requirement, reason)
 
@@ -147,6 +165,7 @@ class _Judge:
         by_column: dict[str, list[Measure]],
     ) -> FeatureResult:
         weight = measure.spread(len(self._inspected))
+        self._asked.append((requirement, number))
         self._weights.append(weight)
         values = {}
         for name, measures in by_column.items():
@@ -215,3 +234,72 @@ class _Judge:
             judged = Value(value, u, verdict(value, u, lower, result.upper_mm))
             done.append(replace(result, values={**result.values, self._primary: judged}))
         return done
+
+    def with_draws(
+        self,
+        found: list[FeatureResult],
+        plan: Plan,
+        progress: Callable[[int, int], None] | None,
+    ) -> tuple[tuple[FeatureResult, ...], tuple[Note, ...]]:
+        """The results with intervals and verdicts of draws in place of first order."""
+        from vmach.uncertainty.features import draw_features, prediction_parts
+
+        shown = [k for k, result in enumerate(found) if result.values]
+        if not shown:
+            return tuple(found), ()
+        limits = [
+            (-np.inf if found[k].lower_mm is None else found[k].lower_mm, found[k].upper_mm)
+            for k in shown
+        ]
+        drawn = draw_features(
+            prediction_parts(self._prediction),
+            self._inspected.primary.deviation_mm[self._prediction.is_cut],
+            self._evaluation(shown),
+            np.array(limits, float),
+            plan,
+            progress=progress,
+        )
+        done, told = list(found), drawn.drawn
+        for place, k in enumerate(shown):
+            value = found[k].values[self._primary]
+            judged = Value(
+                value.value_mm,
+                float(told.u[place]),
+                verdict_of(float(drawn.inside[place])),
+                (float(told.low[place]), float(told.high[place])),
+            )
+            done[k] = replace(found[k], values={**found[k].values, self._primary: judged})
+        doubtful = [found[k] for k, doubt in zip(shown, drawn.doubtful, strict=True) if doubt]
+        return tuple(done), tuple(_doubts(doubtful, drawn))
+
+    def _evaluation(self, shown: list[int]) -> Evaluation:
+        """Values and weights of some results from the deviations of the points that were cut."""
+        cut, count = self._prediction.is_cut, len(self._inspected)
+        asked = [self._asked[k] for k in shown]
+        requirements = list(dict.fromkeys(requirement for requirement, _ in asked))
+
+        def evaluation(deviation_mm: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            spread = np.zeros(count)
+            spread[cut] = deviation_mm
+            part = replace(self._parts[self._primary], deviation_mm=spread)
+            found = {r: evaluate(self._drawing, r, part) for r in requirements}
+            measures = [found[r][min(number, len(found[r]) - 1)] for r, number in asked]
+            values = np.array([m.value_mm for m in measures])
+            return values, np.array([m.spread(count)[cut] for m in measures])
+
+        return evaluation
+
+
+def _doubts(doubtful: list[FeatureResult], drawn: FeaturesDrawn) -> list[Note]:
+    """What to know before trusting the intervals."""
+    said = []
+    if doubtful:
+        which = "; ".join(f"{r.feature}: {r.title}" for r in doubtful[:_LINES])
+        missed_um = um_from_mm(drawn.missed_mm.max())
+        said.append(f"the intervals of {len(doubtful)} values may be off by up to {missed_um:.3g} "
+                    f"um ({which})")  # fmt: skip
+    open_ = int((~drawn.drawn.stands).sum())
+    if open_:
+        said.append(f"{open_} intervals of the drawing do not stand after "
+                    f"{int(drawn.drawn.draws.max())} draws; --draws allows more")  # fmt: skip
+    return [Note.plain(Kind.UNCERTAINTY, text) for text in said]

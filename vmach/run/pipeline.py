@@ -9,16 +9,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from stock import Sweeps, VirtualPart, cut_part
 from vmach.base.note import Kind, Level, Note, in_file
 from vmach.base.stage_clock import Progress, StageClock, silent
 from vmach.effects import read_effects
 from vmach.errors import InputError
+from vmach.features.circular_test import CircularTest
 from vmach.features.result import FeatureResult
 from vmach.job import Job, read_job
 from vmach.machine import Variant
-from vmach.measurements.plausibility.part_check import check_cut, check_file
+from vmach.measurements.plausibility.part_check import check_aligned, check_cut, check_file
 from vmach.nominal import NominalPart, read_nominal
 from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.path.preparation import Preparation, prepare
@@ -27,9 +29,13 @@ from vmach.plausibility import machine_notes
 from vmach.prediction import Prediction, displaced_sweeps, predict_surface
 from vmach.prediction.error_budget import ErrorBudget, error_budget
 from vmach.report import InspectedPoints, SolidComparison
+from vmach.run.circular_tests import job_circular_tests
 from vmach.run.collisions import collision_notes, job_collisions
 from vmach.run.inspection import check_some_cut, inspected_points, surface_points, with_causes
 from vmach.run.solid_comparison import compare_solids, comparison_notes
+
+if TYPE_CHECKING:
+    from vmach.uncertainty.monte_carlo import Plan
 
 __all__ = [
     "SOLID_MOVES",
@@ -65,6 +71,8 @@ class _Inspected:
         What the user should know before trusting the numbers.
     features : tuple of FeatureResult
         What the drawing asks for; empty where the job has no tolerances.
+    circular_tests : tuple of CircularTest
+        Circles of the program; empty where the job does not ask for them.
     """
 
     job: Job
@@ -75,6 +83,7 @@ class _Inspected:
     nominal: NominalPart | None
     notes: tuple[Note, ...]
     features: tuple[FeatureResult, ...] = ()
+    circular_tests: tuple[CircularTest, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,6 +127,7 @@ def machine_part(
     variants: Sequence[Variant] = (Variant.NONE, Variant.ABBE),
     prefer_measured: bool = False,
     solid: bool | None = None,
+    plan: Plan | None = None,
     progress: Progress = silent,
 ) -> MachinedPart:
     """Machine the job's part virtually and inspect it.
@@ -135,6 +145,8 @@ def machine_part(
     solid : bool, optional
         Whether to cut the solid; by default for programs of up to `SOLID_MOVES` moves. The
         deviations come from the exact engine, with or without it.
+    plan : Plan, optional
+        Draws for the values that the drawing asks for; to first order where left out.
     progress : Progress
 
     Raises
@@ -156,8 +168,9 @@ def machine_part(
     if solid is not False:
         _check_blank(job)
     found = inspect_part(
-        job, variants=variants, prefer_measured=prefer_measured, also=model, clock=clock
-    )
+        job, variants=variants, prefer_measured=prefer_measured, also=model, plan=plan,
+        clock=clock,
+    )  # fmt: skip
     part = comparison = None
     moves = len(found.preparation.program.moves)
     is_left_out = solid is None and moves > SOLID_MOVES
@@ -190,6 +203,7 @@ def machine_part(
             *found.notes,
         ),
         features=found.features,
+        circular_tests=found.circular_tests,
     )
 
 
@@ -199,6 +213,7 @@ def inspect_part(
     variants: Sequence[Variant] = (Variant.NONE, Variant.ABBE),
     prefer_measured: bool = False,
     also: Variant | None = None,
+    plan: Plan | None = None,
     clock: StageClock | None = None,
 ) -> PartInspection:
     """Inspect the part that a job makes: deviations of its surface, without a solid.
@@ -212,6 +227,8 @@ def inspect_part(
         Inspect the measured points of the job, where it has them, and not the nominal CAD.
     also : Variant, optional
         Displace the path by this error model too.
+    plan : Plan, optional
+        Draws for the values that the drawing asks for; to first order where left out.
     clock : StageClock, optional
         Told of the stages.
 
@@ -228,6 +245,7 @@ def inspect_part(
         points = surface_points(job, nominal, prefer_measured=prefer_measured)
         if points.measured_mm is not None:
             check_file(points, job.measured)
+            check_aligned(points, job.measured)
     with clock.stage("displace"):
         wanted = {*variants, *([also] if also else [])}
         sweeps = {v: displaced_sweeps(preparation, v, effects) for v in wanted}
@@ -246,10 +264,13 @@ def inspect_part(
     inspected, notes = inspected_points(job, points, predictions)
     budget = error_budget(predictions[-1], effects)
     features: tuple[FeatureResult, ...] = ()
+    doubts: tuple[Note, ...] = ()
     has_pmi = nominal is not None and bool(nominal.pmi) and job.drawing.reads_pmi
     if job.drawing.tolerances or has_pmi:
-        with clock.stage("features"):
-            features = _features(job, nominal, points, inspected, predictions[-1], budget)
+        with clock.stage("features") as step:
+            features, doubts = _features(
+                job, nominal, points, inspected, predictions[-1], budget, plan, step
+            )
     return PartInspection(
         job=job,
         preparation=preparation,
@@ -258,12 +279,13 @@ def inspect_part(
         budget=budget,
         nominal=nominal,
         sweeps=sweeps,
-        notes=(*preparation.notes, *_assumptions(job), *points.notes, *notes),
+        notes=(*preparation.notes, *_assumptions(job), *points.notes, *notes, *doubts),
         features=features,
+        circular_tests=job_circular_tests(job, preparation, variants[-1], effects),
     )
 
 
-def _features(job: Job, *found) -> tuple[FeatureResult, ...]:
+def _features(job: Job, *found) -> tuple[tuple[FeatureResult, ...], tuple[Note, ...]]:
     """What the drawing asks for; jobs without one do not wait for its modules."""
     from vmach.run.feature_results import feature_results
 

@@ -82,12 +82,35 @@ class _Differences(Output):
     places: list[_Place]
 
 
+class _CircularTest(Output):
+    """A pair of circles, ISO 230-4."""
+
+    plane: Literal["XY", "YZ", "ZX"]
+    centre_mm: Vector
+    """Machine coordinates of the spindle nose."""
+    radius_mm: float
+    feed_mm_min: float
+    line_ccw: int
+    line_cw: int
+    G_ccw_um: float
+    G_cw_um: float
+    G_b_um: float
+    """Of both ways together."""
+    D_um: float
+    F_min_um: float
+    F_max_um: float
+    too_large: list[str]
+    """Figures beyond what the job accepts."""
+
+
 class _FeatureValue(Output):
     value_mm: float
     u_um: float | None
     """Standard uncertainty; null where it is not known."""
     verdict: Literal["conforms", "does not conform", "cannot be told"]
     """After ISO 14253-1."""
+    interval_mm: list[float] | None
+    """Ends of the coverage interval of 95 %; null where nothing was drawn."""
 
 
 class _FeatureLine(Output):
@@ -190,6 +213,7 @@ class Summary(Output):
     differences: _Differences | None
     """The virtual part against the nominal CAD; null without one."""
     features: list[_Feature]
+    circular_tests: list[_CircularTest]
     """What the drawing asks for; empty where the job has no tolerances."""
     htm_against_abbe: _Arms | None
     """null where only one of them was predicted."""

@@ -66,8 +66,8 @@ class Corrections:
     curved_mm: np.ndarray
 
     @classmethod
-    def of(cls, parts: Sequence[Part], count: int) -> Corrections:
-        """Put parts side by side; `count` quantities."""
+    def of(cls, parts: Sequence[Part], count: int, *, has_all: bool = False) -> Corrections:
+        """Put parts side by side; `count` quantities. `has_all` keeps what moves none of them."""
         labels, pools, straight = [], [], [np.zeros((count, 0))]
         pairs, curved = [np.zeros((0, 2), int)], [np.zeros((count, 0))]
         for part in parts:
@@ -80,7 +80,7 @@ class Corrections:
             straight.append(part.signature_mm)
         found = cls(tuple(labels), tuple(pools), np.hstack(straight), np.vstack(pairs),
                     np.hstack(curved))  # fmt: skip
-        return found._that_act()
+        return found if has_all else found._that_act()
 
     def _that_act(self) -> Corrections:
         """Without the columns that move nothing."""

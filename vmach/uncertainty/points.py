@@ -16,13 +16,14 @@ from vmach.machine import Variant
 from vmach.prediction import Prediction
 from vmach.uncertainty.corrections import Corrections, Part
 from vmach.uncertainty.monte_carlo import Drawn, Plan, propagate
-from vmach.uncertainty.tables import TableUncertainty, signature
+from vmach.uncertainty.tables import TableUncertainty
 
 __all__ = [
     "PointsDrawn",
     "draw_points",
     "parameters_part",
     "point_corrections",
+    "point_parts",
     "prediction_corrections",
 ]
 
@@ -97,17 +98,22 @@ def prediction_corrections(prediction: Prediction) -> Corrections:
 
 def point_corrections(prediction: Prediction, rows: np.ndarray) -> Corrections:
     """Corrections of some of the points that were cut, by their index (K,) among these."""
+    return Corrections.of(point_parts(prediction, rows), len(rows))
+
+
+def point_parts(prediction: Prediction, rows: np.ndarray) -> list[Part]:
+    """The same, part by part; every set of points has the same columns."""
     states, normals = prediction.states[rows], prediction.normals[prediction.is_cut][rows]
     job = prediction.preparation.job
     path = Circumstances(states, job, prediction.variant)
     parts: list[Part] = []
     if prediction.variant is not Variant.NONE:
         tables = TableUncertainty.of(job.machine)
-        for cause in tables.causes(job.machine, path.nose_mm, path.tool_mm, path.variant):
-            parts.append(Part(cause.label, signature(cause, path, normals), cause.pool))
+        for cause, own in tables.signatures(path, normals):
+            parts.append(Part(cause.label, own, cause.pool))
     for effect in prediction.effects:
         parts += _of_effect(effect, path, normals)
-    return Corrections.of(parts, len(rows))
+    return parts
 
 
 def _of_effect(effect: EffectInstance, path: Circumstances, normals: np.ndarray) -> list[Part]:

@@ -16,6 +16,7 @@ from vmach.base.stage_clock import Progress, silent
 from vmach.effects import Circumstances
 from vmach.machine import Variant
 from vmach.nominal.points import SurfacePoints
+from vmach.path.touched_zero import relative_to_zero
 from vmach.prediction import Prediction, predict_surface
 from vmach.uncertainty.corrections import Corrections
 from vmach.uncertainty.drawn_machine import DrawnTables, drawn_steps
@@ -90,7 +91,7 @@ def _apart(
     states = before.states[both[before.is_cut]]
     normals = before.normals[both]
     path = Circumstances(states, before.preparation.job, before.variant)
-    moved = states.seen_mm(acting.displacement(states))
+    moved = states.seen_mm(relative_to_zero(path.job, states, acting.displacement))
     expected = before.deviation_mm[both] + np.einsum("ij,ij->i", normals, moved)
     for effect, drawn in zip(before.effects, steps, strict=True):
         part = Corrections.of([parameters_part(effect, path, normals)], len(states))

@@ -27,6 +27,7 @@ from vmach.machine import (
 from vmach.machine.component_errors import component_of
 from vmach.machine.squareness import lean_direction, squareness_name
 from vmach.path.levers import levers, tilts_of_axes_rad
+from vmach.path.touched_zero import touched_zero
 
 __all__ = ["STATED", "Cause", "Pool", "TableUncertainty", "signature"]
 
@@ -207,8 +208,26 @@ class TableUncertainty:
 
     def factors(self, path: Circumstances, sensing: np.ndarray) -> np.ndarray:
         """Signature of every unit cause on readings along `sensing` (P, 3), (P, Q) mm."""
+        return np.hstack([own for _, own in self.signatures(path, sensing)])
+
+    def signatures(
+        self, path: Circumstances, sensing: np.ndarray
+    ) -> Iterator[tuple[Cause, np.ndarray]]:
+        """Every cause with what it does to readings along `sensing` (P, 3), (P, Q) mm.
+
+        On a part they count from the zero that was touched, as the prediction does.
+        """
+        zero = None if path.states.normal is None else touched_zero(path.job, path.states)
         causes = self.causes(path.job.machine, path.nose_mm, path.tool_mm, path.variant)
-        return np.hstack([signature(cause, path, sensing) for cause in causes])
+        if zero is None:
+            yield from ((cause, signature(cause, path, sensing)) for cause in causes)
+            return
+        touch = zero.states
+        there = self.causes(path.job.machine, touch.nose_mm, touch.tool_mm, path.variant)
+        for cause, at_touch in zip(causes, there, strict=True):
+            moved = at_touch.lever.shift_mm[:, :, None] * at_touch.size[:, None, :]
+            taken_off = np.einsum("pi,pik->pk", sensing, zero.shift_mm(moved))
+            yield cause, signature(cause, path, sensing) - taken_off
 
 
 def signature(cause: Cause, path: Circumstances, sensing: np.ndarray) -> np.ndarray:

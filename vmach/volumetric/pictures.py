@@ -15,18 +15,16 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from vmach.base.units import um_from_mm
 from vmach.machine import Machine, Variant
 from vmach.volumetric.comparison import Comparison
-from vmach.volumetric.field import ErrorField, Volume, error_field
+from vmach.volumetric.cones import SIDES, cone_mesh, cone_step_mm, cone_volume
+from vmach.volumetric.field import ErrorField, error_field
 from vmach.volumetric.histogram import difference_histogram
 from vmach.volumetric.volumetric import assess
 
 __all__ = ["accuracy_pictures", "draw_cones", "draw_histogram", "draw_maps", "draw_profile"]
 
-_CONE_GRID = (12, 8, 6)
 _COLOURS = "viridis"
 #: told apart by every common kind of colour vision
 _AXES = {"X": "#0072b2", "Y": "#d55e00", "Z": "#009e73"}
-_CONE_SIDES = 8
-_CONE_LENGTH = 0.9  #: of the grid's step, for the longest error
 
 
 def accuracy_pictures(
@@ -36,7 +34,7 @@ def accuracy_pictures(
     """Every picture of a machine's accuracy with a tool (3,) mm, by file name, PNG."""
     largest = assess(field).largest_difference_mm
     edges, counts, _ = difference_histogram(field.error_mm, largest)
-    coarse = Volume(field.volume.low_mm, field.volume.high_mm, _CONE_GRID)
+    coarse = cone_volume(field.volume)
     pictures = {
         "histogram.png": draw_histogram(field.magnitude_mm, edges, counts, largest_mm=largest),
         "cones.png": draw_cones(
@@ -60,17 +58,10 @@ def draw_cones(field: ErrorField, *, title: str) -> bytes:
     figure, axes = _space(title)
     magnitude_um = um_from_mm(field.magnitude_mm)
     scale = Normalize(0.0, max(magnitude_um.max(), 1e-9))
-    where = field.nose_mm(np.arange(len(magnitude_um)))
-    step = max(
-        (high - low) / max(count - 1, 1)
-        for low, high, count in zip(
-            field.volume.low_mm, field.volume.high_mm, field.volume.counts, strict=True
-        )
-    )
-    longest = max(field.magnitude_mm.max(), 1e-12)
-    triangles = _cones(where, field.error_mm * (_CONE_LENGTH * step / longest))
-    colours = np.repeat(colormaps[_COLOURS](scale(magnitude_um)), _CONE_SIDES, axis=0)
-    axes.add_collection3d(Poly3DCollection(triangles, facecolors=colours, linewidths=0))
+    step = cone_step_mm(field.volume)
+    vertices, triangles = cone_mesh(field)
+    colours = np.repeat(colormaps[_COLOURS](scale(magnitude_um)), 2 * SIDES, axis=0)
+    axes.add_collection3d(Poly3DCollection(vertices[triangles], facecolors=colours, linewidths=0))
     low, high = field.volume.low_mm - 0.5 * step, field.volume.high_mm + 0.5 * step
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     for name in "xyz":
@@ -88,21 +79,6 @@ def _space(title: str):
     axes = figure.add_subplot(projection="3d")
     axes.set_title(title)
     return figure, axes
-
-
-def _cones(base_mm: np.ndarray, vector_mm: np.ndarray) -> np.ndarray:
-    """Side triangles of cones from base to base + vector, (P * sides, 3, 3)."""
-    length = np.linalg.norm(vector_mm, axis=1, keepdims=True)
-    along = np.divide(vector_mm, length, out=np.zeros_like(vector_mm), where=length > 0)
-    helper = np.where(np.abs(along[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 1.0, 0]])
-    across = np.cross(along, helper)
-    across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)
-    other = np.cross(along, across)
-    turn = np.linspace(0.0, 2.0 * np.pi, _CONE_SIDES + 1)[:, None, None]
-    rim = base_mm + 0.25 * length * (np.cos(turn) * across + np.sin(turn) * other)
-    tip = np.broadcast_to(base_mm + vector_mm, (_CONE_SIDES, *base_mm.shape))
-    sides = np.stack((rim[:-1], rim[1:], tip), axis=2)
-    return sides.transpose(1, 0, 2, 3).reshape(-1, 3, 3)
 
 
 def draw_histogram(

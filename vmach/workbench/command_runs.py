@@ -27,7 +27,7 @@ _MOST_AT_WORK, _MOST_KEPT = 2, 30
 #: characters of output that are kept
 _MOST_OUTPUT = 4_000_000
 #: time that a run has to end when it is told to, before it is killed
-_TO_END_S = 2.0
+_TO_END_S = 10.0
 
 Done = Callable[["CommandRun"], Awaitable[dict[str, Any] | None]]
 
@@ -137,9 +137,7 @@ class CommandRuns:
             return
         run.state, run.message = "stopped", "stopped; no file is half-written"
         if run.process is not None:
-            _signal(run.process, signal.SIGINT)
-            loop = asyncio.get_running_loop()
-            loop.call_later(_TO_END_S, _signal, run.process, signal.SIGKILL)
+            _end(run.process)
         self._tell(run)
 
     def close(self) -> None:
@@ -161,6 +159,8 @@ class CommandRuns:
                 stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.PIPE,
                 stderr=asyncio.subprocess.PIPE, start_new_session=True, limit=_MOST_OUTPUT,
             )  # fmt: skip
+            if run.is_over:  # it was stopped while its process was started
+                _end(run.process)
             self._tell(run)
             assert run.process.stdout is not None and run.process.stderr is not None
             _, complaints = await asyncio.gather(
@@ -211,6 +211,12 @@ def _progress(line: str) -> dict[str, Any] | None:
         if isinstance(told, dict) and {"stage", "done", "total"} <= told.keys():
             return told
     return None
+
+
+def _end(process: asyncio.subprocess.Process) -> None:
+    """Interrupt a command, and kill it where it does not end."""
+    _signal(process, signal.SIGINT)
+    asyncio.get_running_loop().call_later(_TO_END_S, _signal, process, signal.SIGKILL)
 
 
 def _signal(process: asyncio.subprocess.Process, number: int) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from typing import Any
 
 __all__ = ["Events"]
@@ -43,12 +43,13 @@ class Events:
         for queue in list(self._queues):
             queue.put_nowait(None)
 
-    async def listen(self) -> AsyncIterator[str]:
-        """Events from now on, until the server or the tab goes."""
+    async def listen(self, state: Callable[[], dict[str, Any]]) -> AsyncIterator[str]:
+        """The state as it is, and events from now on, until the server or the tab goes."""
         queue: asyncio.Queue[str | None] = asyncio.Queue()
         self._queues.add(queue)
+        hello = json.dumps(state())  # at this moment: what is told later changes it
         try:
-            yield "retry: 1000\nevent: hello\ndata: {}\n\n"
+            yield f"retry: 1000\nevent: hello\ndata: {hello}\n\n"
             while not self._is_closed:
                 try:
                     text = await asyncio.wait_for(queue.get(), _BEAT_S)

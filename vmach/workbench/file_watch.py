@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -12,20 +13,39 @@ Stamp = tuple[int, int] | None
 
 
 class FileWatch:
-    """Notices files whose time or size has changed since it was last asked."""
+    """Notices files whose time or size has changed, as soon as they rest from one look to the next.
+
+    So a file that is just being written is not taken for what it will be.
+    """
 
     def __init__(self) -> None:
-        self._stamps: dict[Path, Stamp] = {}
+        self._seen: dict[Path, Stamp] = {}
+        self._moving: dict[Path, Stamp] = {}
 
-    def watch(self, files: Iterable[Path]) -> None:
-        """Watch these from now on, and no others."""
-        self._stamps = {path: _stamp(path) for path in files}
+    def watch(self, files: Iterable[Path], *, since_ns: int) -> None:
+        """Watch these from now on, and no others.
+
+        Parameters
+        ----------
+        files : iterable of Path
+        since_ns : int
+            When they were about to be read (`time.time_ns`): one that was changed since counts as
+            changed, for what was read may be older.
+        """
+        now_ns, watched = time.time_ns(), {}
+        for path in files:
+            stamp = _stamp(path)
+            is_newer = stamp is not None and since_ns < stamp[0] <= now_ns
+            watched[path] = None if is_newer else stamp
+        self._seen, self._moving = watched, {}
 
     def changed(self) -> list[Path]:
-        """Those that have changed since; they count as seen."""
-        now = {path: _stamp(path) for path in self._stamps}
-        found = [path for path, stamp in now.items() if stamp != self._stamps[path]]
-        self._stamps = now
+        """Those that have changed and rest since the last look; they count as seen."""
+        now = {path: _stamp(path) for path in self._seen}
+        moving = {path: stamp for path, stamp in now.items() if stamp != self._seen[path]}
+        found = [path for path, stamp in moving.items() if self._moving.get(path, 0) == stamp]
+        self._seen.update((path, moving.pop(path)) for path in found)
+        self._moving = moving
         return found
 
 

@@ -4,12 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 from gcode.dialects.fanuc.block import INCREMENTS, MacroBlock
+from gcode.dialects.fanuc.codes import NOTED, REFUSED
 from gcode.dialects.fanuc.corners import HeldLine
 from gcode.dialects.fanuc.cycles import CYCLES, DrillingCycle
 from gcode.dialects.fanuc.haas_cycles import HAAS_CYCLES, haas_cycle
+from gcode.dialects.fanuc.machine_moves import (
+    dwell,
+    machine_position,
+    reference,
+    skip,
+    to_reference,
+)
+from gcode.dialects.fanuc.modal_variables import modal_variables
 from gcode.dialects.fanuc.offset_words import OffsetWords
 from gcode.dialects.fanuc.settings import FanucSettings
 from gcode.dialects.fanuc.transform import Transform
@@ -27,27 +37,6 @@ if TYPE_CHECKING:
 
 __all__ = ["BlockRunner", "FanucSettings"]
 
-#: G codes that move nothing here, with the words that are theirs
-_NOTED = {5.0: ("high-speed cycle machining", "pq"), 5.1: ("AI contour control", "qr"),
-          8.0: ("look-ahead control", "p"), 22.0: ("stored stroke check on", "xyzijk"),
-          23.0: ("stored stroke check off", ""), 25.0: ("spindle speed detection off", ""),
-          26.0: ("spindle speed detection on", "pqr"), 50.2: ("polygon turning off", ""),
-          64.0: ("cutting mode", ""), 97.0: ("constant spindle speed", ""),
-          103.0: ("block look-ahead limit", "p"), 113.0: ("polar interpolation off", ""),
-          160.0: ("in-feed control off", ""), 187.0: ("smoothness", "pe"),
-          13.1: ("polar interpolation off", ""),
-          40.1: ("normal direction control off", "")}  # fmt: skip
-#: G codes that are refused
-_REFUSED = {7.1: "cylindrical interpolation", 12.1: "polar interpolation",
-            43.4: "tool centre point", 43.5: "tool centre point", 68.2: "tilted plane",
-            68.3: "tilted plane", 6.2: "NURBS interpolation", 2.2: "involute", 3.2: "involute",
-            254.0: "dynamic offset", 234.0: "tool centre point", 10.6: "retraction",
-            33.0: "threading", 47.0: "engraving", 96.0: "constant surface speed",
-            107.0: "cylindrical mapping", 143.0: "five-axis compensation",
-            150.0: "pocket cycle", 36.0: "automatic offset", 37.0: "automatic offset",
-            70.0: "bolt pattern", 71.0: "bolt pattern", 72.0: "bolt pattern",
-            12.0: "circular pocket", 13.0: "circular pocket", 100.0: "mirror image of Haas",
-            101.0: "mirror image of Haas", 35.0: "automatic offset"}  # fmt: skip
 _END_OF_BLOCK_M = (0, 1, 2, 5, 9, 30, 60)
 _ENDS = (2, 30)
 _SENSES = {13: 3, 14: 4}
@@ -76,7 +65,7 @@ class BlockRunner:
         controller = self.controller
         controller.retract_to_initial = True  # G98 after power-on
         controller.start_up = "A"
-        self._modal_variables()
+        reader.variables.modal |= modal_variables(self)
 
     # whole program
 
@@ -87,6 +76,9 @@ class BlockRunner:
     def finish(self) -> None:
         """At the end of the text."""
         self.finish_corner()
+        if not self.reader.says_unit():
+            said = "neither G20 nor G21: the program is read in mm"
+            self.controller.notes[(1, "units")] = said
 
     @property
     def takes_pointless(self) -> bool:
@@ -147,9 +139,9 @@ class BlockRunner:
 
     def _refuse(self, block: MacroBlock) -> None:
         for code in block.g:
-            if code in _REFUSED and not (code in HAAS_CYCLES and self.settings.haas_cycles):
+            if code in REFUSED and not (code in HAAS_CYCLES and self.settings.haas_cycles):
                 raise ProgramError(
-                    f"G{code:g} ({_REFUSED[code]}) is not read", hint="post the program without it"
+                    f"G{code:g} ({REFUSED[code]}) is not read", hint="post the program without it"
                 )
         for letter in "uvw":
             if letter in block.words and not (letter == "u" and block.has(4)):
@@ -160,8 +152,8 @@ class BlockRunner:
                 )
 
     def _note(self, block: MacroBlock) -> None:
-        for code in [code for code in block.g if code in _NOTED]:
-            text, letters = _NOTED[code]
+        for code in [code for code in block.g if code in NOTED]:
+            text, letters = NOTED[code]
             self.controller.note(f"G{code:g}", text)
             if code not in (64.0,):
                 block.g.remove(code)
@@ -190,7 +182,7 @@ class BlockRunner:
                 self.execute(f"m{_SENSES[code]}m8")
             elif code in self.settings.z_home_m:
                 self.finish_corner()
-                self._to_reference({"z": self.here()[2]}, 28.0)
+                to_reference(self, {"z": self.here()[2]}, 28.0)
             elif code in self.settings.builder_m:
                 block.pop("p" if code not in (29,) else "")
                 self.controller.note(f"M{code}", self.settings.builder_m[code])
@@ -352,12 +344,13 @@ class BlockRunner:
             if code == 80.0:
                 block.g.remove(80.0)
                 self.controller.motion = "G80"
-                if block.words.keys() & set("xyz"):
+                code = next((c for c in (0.0, 1.0, 2.0, 3.0) if c in block.g), None)
+                if code is None and block.words.keys() & set("xyz"):
                     block.g.append(0.0)
                     code = 0.0
         if not (block.words or block.g):
             return False
-        return self._exactly(exact, lambda: self._interpolate(block, code))
+        return self._exactly(exact, lambda: self.interpolate(block, code))
 
     def _exactly(self, exact: bool, move: Callable[[], bool]) -> bool:
         """Move with an exact stop where G9 asks for one."""
@@ -370,94 +363,15 @@ class BlockRunner:
         return moved
 
     def _own_motion(self, block: MacroBlock) -> Callable[[MacroBlock], bool] | None:
-        if block.has(4):
-            return self._dwell
-        if block.has(28, 30):
-            return self._reference
-        if block.has(53):
-            return self._machine_position
-        if block.has(31):
-            return self._skip
+        for codes, action in (((4,), dwell), ((28, 30), reference), ((53,), machine_position),
+                              ((31,), skip)):  # fmt: skip
+            if block.has(*codes):
+                return partial(action, self)
         if block.has(10, 11):
             return self.offsets.write
         if self.settings.haas_cycles and block.has(*HAAS_CYCLES):
-            return lambda found: haas_cycle(self, found)
+            return partial(haas_cycle, self)
         return None
-
-    def _dwell(self, block: MacroBlock) -> bool:
-        """G4: P in milliseconds, X or U in seconds (B-64484EN, "Dwell")."""
-        block.take(4)
-        words = block.pop("pxu")
-        if len(words) != 1:
-            raise ProgramError(
-                "G4 needs one of P, X and U",
-                accepted="P in milliseconds: G4 P500; X in seconds: G4 X0.5",
-            )
-        letter, value = words.popitem()
-        if letter == "p":
-            pointed, unit_s = "p" not in block.pointless, self.settings.dwell_p_s
-            in_seconds = self.settings.pointed_p_is_seconds or unit_s == 1.0
-            if pointed and not in_seconds and value != int(value):
-                raise ProgramError(
-                    f"G4 P{value:g}: P takes no decimal point",
-                    accepted="P in milliseconds, or X in seconds",
-                )
-            value *= 1.0 if pointed and in_seconds else unit_s
-        if value < 0.0:
-            raise ProgramError(f"negative dwell {value:g} s")
-        self.execute(f"g4p{value!r}" if value >= 1e-9 else "g4p0")
-        return False
-
-    def _reference(self, block: MacroBlock) -> bool:
-        """G28, G30: over an intermediate point to the reference point; G0 or G1 beside it."""
-        code = block.take(28, 30)
-        block.take(0, 1)
-        if "p" in block.words and code == 30:
-            point = whole(block.words.pop("p"), "P word of G30")
-            if point != 2:
-                raise ProgramError(
-                    f"G30 P{point}: third and fourth reference point", accepted="G28, G30 or G30 P2"
-                )
-        words = block.pop("xyzabc")
-        if not words:
-            raise ProgramError(f"G{code:g} without axes", accepted="G91 G28 Z0.")
-        if not self.transform.is_identity or self.polar is not None:
-            raise ProgramError(
-                f"G{code:g} with rotation, scaling, mirror image or G16 on",
-                hint="cancel them first",
-            )
-        self._to_reference(words, code)
-        return True
-
-    def _to_reference(self, words: dict[str, float], code: float) -> None:
-        modal = self.controller.motion
-        self.execute(MacroBlock(words, g=[code]).text())
-        self.controller.motion = modal if modal in ("G0", "G1", "G2", "G3") else "G0"
-
-    def _machine_position(self, block: MacroBlock) -> bool:
-        """G53: rapid in machine coordinates; without effect in G91 (B-64484EN)."""
-        block.take(53)
-        modal = self.controller.motion
-        own = block.take(0, 1)
-        words = block.pop("xyzabc")
-        if not words:
-            return False
-        if not self.controller.absolute:
-            self.controller.note("G53", "ignored by the control in G91, as its manual says")
-            return False
-        self.execute(MacroBlock(words, g=[53.0, 0.0]).text())
-        self.controller.motion = f"G{own:g}" if own is not None else modal
-        self._forget()
-        return True
-
-    def _skip(self, block: MacroBlock) -> bool:
-        block.take(31)
-        self.controller.note("G31", "skip: the input is taken to stay off to the end of the move")
-        block.pop("pqm")
-        modal = self.controller.motion
-        moved = self._interpolate(block, 1.0)
-        self.controller.motion = modal
-        return moved
 
     def _drill(self, block: MacroBlock, code: float | None) -> bool:
         if code is not None:
@@ -471,7 +385,7 @@ class BlockRunner:
     def _axial(self) -> int:
         return PLANE_AXES[self.controller.plane][2]
 
-    def _interpolate(self, block: MacroBlock, code: float | None) -> bool:
+    def interpolate(self, block: MacroBlock, code: float | None) -> bool:
         """G0 to G3, transformed where a transformation is on."""
         axes = bool(block.words.keys() & set("xyzabcijkr"))
         if code is None and not axes:
@@ -483,7 +397,7 @@ class BlockRunner:
         if block.corner is not None or self.corner is not None:
             return self._with_corner(block, code)
         if self.transform.is_identity and self.polar is None:
-            self._forget()
+            self.forget()
             self._arc_without_end(block, code)
             self.execute(block.text())
             return bool(block.words.keys() & set("xyzabcijk"))
@@ -563,7 +477,8 @@ class BlockRunner:
             said |= {"ijk"[axis]: out[axis] for axis in (first, second)}
         return {"G2": "G3", "G3": "G2"}[motion] if self.transform.flips(plane) else motion
 
-    def _forget(self) -> None:
+    def forget(self) -> None:
+        """The control's own position is the programmed one again."""
         self._known = None
 
     def arc_to(self, block: MacroBlock, code: float) -> None:
@@ -583,23 +498,3 @@ class BlockRunner:
     def stand_at(self, point: list[float]) -> None:
         """The programmed position after a hole."""
         self._known = None if self.transform.is_identity else point
-
-    def _modal_variables(self) -> None:
-        c, modal = self.controller, self.reader.variables.modal
-        planes = {1: 17.0, 3: 18.0, 2: 19.0}
-        modal |= {
-            4001: lambda: float((c.motion or "G0")[1:]),
-            4002: lambda: planes[c.plane],
-            4003: lambda: 90.0 if c.absolute else 91.0,
-            4005: lambda: {"minute": 94.0, "revolution": 95.0, "inverse": 93.0}[c.feed_mode],
-            4006: lambda: 21.0 if c.unit_mm == 1.0 else 20.0,
-            4007: lambda: {0: 40.0, 1: 41.0, -1: 42.0}[c.side],
-            4010: lambda: 98.0 if c.retract_to_initial else 99.0,
-            4012: lambda: 53.0 + min(c.system, 6),
-            4014: lambda: 53.0 + min(c.system, 6),
-            4107: lambda: self.offsets.d or 0.0,
-            4109: lambda: c.feed,
-            4111: lambda: self.offsets.h or 0.0,
-            4119: lambda: c.speed,
-            4120: lambda: float(c.selected_tool or c.tool),
-        }

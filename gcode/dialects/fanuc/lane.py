@@ -36,6 +36,8 @@ class FanucLane(FastLane):
         """Put the state of controller and blocks into the record."""
         blocks, s = self.blocks, self.state[0]
         cycle, controller, settings = blocks.cycle, self.controller, blocks.settings
+        if controller.trace is not None:
+            return False
         if not blocks.is_plain or (cycle is not None and cycle.words.keys() - {"q"}):
             return False
         if not hand_over(controller, self.state):

@@ -68,6 +68,10 @@ class FanucSettings:
         A number without a point is read as it stands, whatever is set.
     haas_cycles : bool
         G12, G13, G70 and G71 are Haas's.
+    reference_all_axes : bool
+        G28 without axes moves all of them (Haas); otherwise it is refused.
+    counters : range
+        System variables that count times and tool life; they are taken as zero.
     builder_m : mapping of int to str
         M codes that are known to move nothing.
     z_home_m : frozenset of int
@@ -83,6 +87,8 @@ class FanucSettings:
     dwell_p_s: float = 0.001
     only_calculator: bool = False
     haas_cycles: bool = False
+    reference_all_axes: bool = False
+    counters: range = range(0)
     builder_m: Mapping[int, str] = field(default_factory=lambda: dict(_COMMON_M))
     z_home_m: frozenset[int] = frozenset()
     peck_clearance_mm: float = 1.0

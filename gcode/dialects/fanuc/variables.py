@@ -50,12 +50,16 @@ class MacroVariables:
         Where the offset memory is found.
     radius_in_d : bool
         D holds radii.
+    counters : range
+        Variables of times and tool life, which read as zero.
     """
 
     def __init__(
-        self, controller: Controller, columns: OffsetColumns, *, radius_in_d: bool
-    ) -> None:
+        self, controller: Controller, columns: OffsetColumns, *, radius_in_d: bool,
+        counters: range = range(0),
+    ) -> None:  # fmt: skip
         self.controller, self.columns, self.radius_in_d = controller, columns, radius_in_d
+        self.counters = counters
         self.locals: dict[int, float] = {}
         self.common: dict[int, float] = {}
         self.external_mm = [0.0] * 6
@@ -104,6 +108,9 @@ class MacroVariables:
         if column is not None:
             entry = self.controller.offsets.get(key - column.first + 1, ToolEntry())
             return getattr(entry, column.name) * self._factor(column) / self.controller.unit_mm
+        if key in self.counters:
+            self.controller.note(f"#{key}", "counter of times and tool life, taken as zero")
+            return 0.0
         raise ProgramError(
             f"system variable #{key} is not read",
             accepted="positions #5001 ..., work offsets #5201 ..., tool offsets, modes #4001 ...",

@@ -43,6 +43,8 @@ class _Words:
         if found is not None:
             self.sizes["R"] = reader.parameters.number(found[1])
             rest = rest[: found.start()] + " " + rest[found.end() :]
+        for name in self.sizes.keys() & {"LEN", "R"}:
+            self.sizes[name] *= reader.frames.scaling.of_radii
         self.words, self.codes = reader.words(rest)
 
     def size(self, name: str) -> float:

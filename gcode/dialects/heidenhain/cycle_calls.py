@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from gcode.dialects.heidenhain.cycles import DRILLING, drill
 from gcode.dialects.heidenhain.milling import MILLING, mill
-from gcode.dialects.heidenhain.old_cycles import OLD_CYCLES, old_datum, renewed
+from gcode.dialects.heidenhain.old_cycles import OLD_CYCLES, old_data, renewed
 from gcode.dialects.heidenhain.parameters import NUMBER
 from gcode.dialects.heidenhain.patterns import (
     PATTERNS,
@@ -31,7 +31,7 @@ _NOTED = {
     392: "adaption of the control to the load",
     332: "tolerance of the control's path",
 }
-_FRAMES = frozenset((7, 8, 10))
+_FRAMES = frozenset((7, 8, 10, 11, 26))
 
 
 class CycleCalls:
@@ -46,7 +46,7 @@ class CycleCalls:
         self.reader = reader
         self.cycle: tuple[int, dict[str, float]] | None = None
         self.modal = False  #: M89
-        self.old: tuple[int, dict[int, float]] | None = None  #: lines of an old cycle
+        self.old: tuple[int, dict[int, dict[str, float]]] | None = None  #: an old cycle's lines
         self.pattern: list[Pattern] = []
 
     # definitions
@@ -72,7 +72,7 @@ class CycleCalls:
             self._dwell(text)
         elif cycle in _FRAMES:
             self.reader.frames.define(cycle, text)
-        elif cycle in (11, 19, 26) and _changes_nothing(text):
+        elif cycle == 19 and _changes_nothing(text):
             self.reader.controller.note(f"CYCL DEF {cycle}", "changes nothing")
         else:
             known = sorted({*DRILLING, *MILLING, *PATTERNS, *OLD_CYCLES, *_FRAMES, *_NOTED, 9})
@@ -103,7 +103,7 @@ class CycleCalls:
         return data
 
     def _old_line(self, text: str) -> None:
-        found = old_datum(text, self.reader.parameters.number)
+        found = old_data(text, self.reader.parameters.number)
         if found is None:
             self.old, self.cycle = (int(re.match(r"\d+", text)[0]), {}), None
         elif self.old is None or self.old[0] != found[0]:
@@ -136,12 +136,17 @@ class CycleCalls:
     def do(self) -> None:
         """Do the cycle in force at the present place."""
         if self.old is not None:
-            drill(self.reader, *renewed(*self.old, self.reader.here()[2]))
+            self._run(*renewed(*self.old, self.reader.here()[2]))
         elif self.cycle is None:
             raise ProgramError("no cycle to call", accepted="CYCL DEF 200 ... before it")
         else:
-            number_, data = self.cycle
-            (mill if number_ in MILLING else drill)(self.reader, number_, data)
+            self._run(*self.cycle)
+
+    def _run(self, cycle: int, data: dict[str, float]) -> None:
+        if not self.reader.frames.scaling.is_identity:
+            raise ProgramError(f"cycle {cycle} with scaling (CYCL DEF 11 or 26) is not read",
+                               hint="cancel the scaling first")  # fmt: skip
+        (mill if cycle in MILLING else drill)(self.reader, cycle, data)
 
     def define_pattern(self, content: str) -> None:
         """PATTERN DEF, with its further lines."""
@@ -179,7 +184,7 @@ class CycleCalls:
         if reader.here()[2] < out:
             reader.execute(f"g0z{number(out)}")
         reader.execute(f"g0x{number(x)}y{number(y)}")
-        (mill if cycle in MILLING else drill)(reader, cycle, data)
+        self._run(cycle, data)
 
 
 def _changes_nothing(text: str) -> bool:

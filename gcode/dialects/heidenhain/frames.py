@@ -1,4 +1,4 @@
-"""Klartext cycles 7, 8 and 10: datum shift, mirror image, rotation.
+"""Klartext cycles 7, 8, 10, 11 and 26: datum shift, mirror image, rotation, scaling.
 
 HEIDENHAIN TNC 640, User's Manual Cycle Programming, "Coordinate transformations". The control
 applies them in the order in which they are activated; here a datum shift comes first, then mirror
@@ -11,6 +11,7 @@ import re
 from typing import TYPE_CHECKING
 
 from gcode.dialects.heidenhain.parameters import NUMBER
+from gcode.dialects.heidenhain.scaling import Scaling
 from gcode.errors import ProgramError
 from gcode.motion.frames import turn_frame
 
@@ -33,14 +34,19 @@ class KlartextFrames:
         self.shift = [0.0] * 6
         self.mirrored: frozenset[str] = frozenset()
         self.angle_deg = 0.0
+        self.scaling = Scaling()
 
     @property
     def _turns(self) -> bool:
-        return bool(self.mirrored) or self.angle_deg != 0.0
+        return bool(self.mirrored) or self.angle_deg != 0.0 or not self.scaling.is_identity
 
     def define(self, cycle: int, text: str) -> None:
         """A line of one of the cycles."""
         body = re.sub(r"^\d+\.\d+\s*", "", text)
+        if cycle in (11, 26):
+            self.reader.controller.require_no_compensation("change the scaling")
+            self.scaling = self.scaling.defined(text, self.reader.parameters.number)
+            return
         {7: self._datum_shift, 8: self._mirror, 10: self._rotate}[cycle](body, text)
         self._apply()
 
@@ -55,8 +61,8 @@ class KlartextFrames:
             level = size + (self.shift[axis] if name[0] == "I" else 0.0)
             if self._turns and level not in (self.shift[axis], 0.0):
                 raise ProgramError(
-                    "a datum shift behind mirror image or rotation is not read",
-                    accepted="the datum shift first, then CYCL DEF 8 and 10",
+                    "a datum shift behind mirror image, rotation or scaling is not read",
+                    accepted="the datum shift first, then CYCL DEF 8, 10, 11 and 26",
                 )
             self.shift[axis] = level
 

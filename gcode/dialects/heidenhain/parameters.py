@@ -58,6 +58,8 @@ class QParameters:
     def __init__(self) -> None:
         self.values: dict[str, float] = {}
         self.computed: dict[str, Callable[[], float]] = {}
+        #: answers FN 18 where the job says what is asked, otherwise None
+        self.tool_data: Callable[[str], float | None] = lambda _: None
 
     def get(self, name: str) -> float:
         """A parameter's value; raises ProgramError where it was never set."""
@@ -111,10 +113,14 @@ class QParameters:
         return None
 
     def _asks(self, text: str) -> None:
-        """FN 18 asks the machine: whoever reads the answer is refused."""
+        """FN 18 asks the machine: but for tools, whoever reads the answer is refused."""
         match = re.match(r"(?:SYSREAD\s+)?Q([LR]?\d+)\s*=\s*((?:SYSREAD\s+)?ID.*)", text)
         if match is None:
             raise ProgramError(f"cannot read FN 18: {text}")
+        known = self.tool_data(match[2])
+        if known is not None:
+            self.values[match[1]] = known
+            return
 
         def answer() -> float:
             raise ProgramError(

@@ -8,12 +8,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from gcode.dialects.heidenhain.approach import approach, depart
+from gcode.dialects.heidenhain.block_text import bare, joined_blocks, key_word
 from gcode.dialects.heidenhain.cycle_calls import CycleCalls
+from gcode.dialects.heidenhain.flow import KlartextFlow
 from gcode.dialects.heidenhain.frames import KlartextFrames
 from gcode.dialects.heidenhain.parameters import NUMBER, QParameters
+from gcode.dialects.heidenhain.plane import is_flat_plane
 from gcode.errors import ProgramError
 from gcode.geometry.corners import broken_corner
-from gcode.language.library import find_beside
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated, number
 from gcode.motion.tangent import tangent_centre
@@ -27,8 +29,6 @@ _WORD = re.compile(
     rf"({NUMBER}|MAX)?\s*([+-])?(?=\s|$|[A-Z])"
 )
 _ACCEPTED = "X Y Z IX IY IZ PR PA IPA R DR RL RR R0 F FMAX M"
-_COMMA = re.compile(r"(?<=\d),(?=\d)")
-_LABEL = re.compile(r"(?:CALL\s+)?LBL\s+(\d+|\"[^\"]*\")")
 _TOOL = re.compile(r"TOOL CALL(?:\s+(\d+|Q\d+|\"[^\"]*\"))?(?:\s+([XYZ])(?!\w))?(.*)")
 _TOOL_WORD = re.compile(rf"\s*(DL|DR2|DR|S|F)\s*({NUMBER})")
 _PLAIN_M = {3: "m3", 4: "m4", 5: "m5", 7: "m7", 8: "m8", 9: "m9", 0: "m0", 1: "m1", 6: ""}
@@ -40,7 +40,9 @@ _NOTED_M = {90: "corners", 94: "rotary display", 103: "plunging feed", 107: "ove
             124: "points left out", 126: "short way of rotary axes", 127: "", 129: "TCPM off",
             134: "", 135: "", 137: "", 138: "", 141: "", 142: "", 143: "", 145: "", 148: "",
             149: "", 150: "", 197: ""}  # fmt: skip
-_LEVELS = 19
+#: M functions that change the path or its feed
+_REFUSED_M = {97: "small steps of a contour", 98: "open corners", 116: "feed of rotary axes",
+              128: "tool centre point", 136: "feed per revolution", 144: "tilted head"}  # fmt: skip
 
 
 class KlartextReader(Translated):
@@ -63,26 +65,39 @@ class KlartextReader(Translated):
         self.held: tuple[list[float], tuple[float, ...]] | None = None
         #: end of the last programmed line or arc, and its direction there
         self.tangent: tuple[tuple[float, ...], float, float] | None = None
-        self.labels: dict[str, int] = {}
-        self.begun: dict[str, int] = {}  #: blocks obeyed when what stands below a label began
-        #: label line, return line, repeats left, what `begun` was before the repeats
-        self.calls: list[tuple[int, int, int, int]] = []
-        self.contents: dict[int, str] = {}
+        self.flow = KlartextFlow(self)
+        self.contents = joined_blocks(lines)
         computed = self.parameters.computed
         computed["108"] = lambda: self.tool_of_spindle().offset_diameter_mm / 2.0
         computed["114"] = lambda: self.tool_of_spindle().offset_length_mm
         computed["109"] = lambda: 2.0
+        self.parameters.tool_data = self._tool_data
 
     def tool_of_spindle(self) -> ToolEntry:
         return self.controller.offsets.get(self.controller.tool, ToolEntry())
+
+    def _tool_data(self, asked: str) -> float | None:
+        """What FN 18 is told of the tools: ID20 NR1 number, ID50 NR1 length and NR2 radius."""
+        match = re.match(rf"(?:SYSREAD\s+)?ID\s*(20|50)\s*NR\s*([12])\s*(?:IDX\s*({NUMBER}))?$",
+                         asked.strip())  # fmt: skip
+        if match is None or (match[1] == "20") != (match[3] is None) or match.group(1, 2) == (
+            "20", "2"
+        ):  # fmt: skip
+            return None
+        if match[1] == "20":
+            return float(self.controller.tool)
+        entry = self.controller.first_offsets.get(
+            number_ := int(self.parameters.number(match[3])),
+            self.controller.offsets.get(number_, ToolEntry()),
+        )
+        size = entry.length_mm if match[2] == "1" else entry.diameter_mm / 2.0
+        return size / self.controller.unit_mm
 
     def content(self, index: int) -> str:
         """A line without number, comment and structure, in upper case."""
         text = self.contents.get(index)
         if text is None:
-            text = re.sub(r";.*", "", self.lines[index]).replace("~", " ").strip().upper()
-            text = _COMMA.sub(".", re.sub(r"^\d+(?:\s+|$)", "", text))
-            self.contents[index] = text
+            text = self.contents[index] = bare(self.lines[index])
         return text
 
     def obey(self, text: str) -> None:
@@ -95,6 +110,7 @@ class KlartextReader(Translated):
                 return
             content = content[1:].strip()
         head = re.match(r"[A-Z]+|", content)[0]
+        self.controller.use(key_word(content))
         if head in ("L", "C", "CR", "CT", "LP", "CP"):
             self._move(head, content[len(head) :])
             return
@@ -106,8 +122,8 @@ class KlartextReader(Translated):
             ("CYCL DEF", self.cycles.define), ("CYCL CALL", self.cycles.call),
             ("PATTERN DEF", self.cycles.define_pattern),
             ("APPR", lambda text: approach(self, text)), ("DEP", lambda text: depart(self, text)),
-            ("CALL PGM", self._call_program), ("CALL LBL", self._call_label),
-            ("LBL", self._label), ("CC", self._centre),
+            ("CALL PGM", self.flow.call_program), ("CALL LBL", self.flow.call_label),
+            ("LBL", self.flow.label), ("CC", self._centre),
             ("FN", self._function), ("RND", self._corner), ("CHF", self._corner),
             ("PLANE", self._plane), ("FUNCTION", self._control_function),
             ("STOP", lambda _: self.execute("m0")), ("M", self._only_m),
@@ -137,34 +153,8 @@ class KlartextReader(Translated):
         """Line of the program; what a called program does is done by the line that calls it."""
         return index + 1 if self.called_at is None else self.called_at
 
-    def _call_program(self, content: str) -> None:
-        """CALL PGM: a program in a file beside this one, with the same Q parameters."""
-        name = re.split(r"[\\/:]", content.removeprefix("CALL PGM").strip().strip('"'))[-1]
-        found = find_beside(self.options.folder, [name], endings=("", ".h"))
-        if found is None:
-            raise ProgramError(
-                f"program {name} is not beside this one",
-                accepted=f"a file {name.upper().removesuffix('.H')}.H in its folder",
-            )
-        if self.depth >= _LEVELS:
-            raise ProgramError(f"programs nested deeper than {_LEVELS}")
-        called = type(self)(self.controller, list(found.lines), self.options)
-        for shared in ("parameters", "budget", "feed", "tool_feed", "pole", "cycles", "frames"):
-            setattr(called, shared, getattr(self, shared))
-        called.called_at, called.depth = self.controller.line, self.depth + 1
-        self.cycles.reader = self.frames.reader = called
-        try:
-            called.run()
-        except ProgramError as error:
-            raise error.located(file=found.file, line=called.next) from None
-        self.cycles.reader = self.frames.reader = self
-        self.feed, self.tool_feed, self.pole = called.feed, called.tool_feed, called.pole
-        self.ended = called.stopped
-
     def _plane(self, content: str) -> None:
-        angles = re.findall(rf"SP[ABC]\s*({NUMBER})", content)
-        is_flat = content.startswith("PLANE SPATIAL") and angles and not any(
-            self.parameters.number(angle) for angle in angles)  # fmt: skip
+        is_flat = is_flat_plane(content, self.parameters.number)
         if not is_flat and not content.startswith("PLANE RESET"):
             raise ProgramError(f"'{content}' tilts the plane", accepted="PLANE RESET")
         self._noted("PLANE RESET", "no tilted plane")
@@ -177,6 +167,9 @@ class KlartextReader(Translated):
     # M functions
 
     def _only_m(self, content: str) -> None:
+        if re.search(r"M\s*140\b", content):
+            self._move("L", content)
+            return
         if not re.fullmatch(r"(?:M\s*\d+\s*)+", content):
             raise ProgramError(f"cannot read '{content}'", accepted="M with a number")
         for code in map(int, re.findall(r"M\s*(\d+)", content)):
@@ -186,6 +179,11 @@ class KlartextReader(Translated):
                 self.execute(self.m_code(code))
 
     def m_code(self, code: int) -> str:
+        """Block of an M function; nothing for one that moves nothing here."""
+        self.controller.use(f"M{code}")
+        if code in _REFUSED_M:
+            raise ProgramError(f"M{code} ({_REFUSED_M[code]}) is not read",
+                               accepted="milling with three axes")  # fmt: skip
         if code in (13, 14):
             return f"m{code - 10}m8"
         if code in (2, 30):
@@ -224,6 +222,8 @@ class KlartextReader(Translated):
                 words["MB"] = None if value in (None, "MAX") else self.parameters.number(value)
             elif letter in ("R0", "RL", "RR", "FMAX", "FAUTO") and value is None:
                 words[letter] = None
+            elif letter in ("R", "F") and value is None:  # early controls: as before
+                continue
             elif value in (None, "MAX") or letter not in _LETTERS:
                 raise ProgramError(f"Klartext word '{letter}' is not read in a motion line",
                                    accepted=_ACCEPTED)  # fmt: skip
@@ -233,6 +233,10 @@ class KlartextReader(Translated):
                 words[letter] = self.parameters.number(value)
         if content[position:].strip():
             raise ProgramError(f"cannot read '{content[position:].strip()}'", accepted=_ACCEPTED)
+        scaling = self.frames.scaling
+        if not scaling.is_identity and not {91, 92} & set(codes):
+            self.keep("scaling")
+            words = scaling.applied(words)
         return words, codes
 
     def here(self) -> list[float]:
@@ -270,6 +274,9 @@ class KlartextReader(Translated):
 
     def _centre(self, content: str) -> None:
         words, _ = self.words(content.removeprefix("CC"))
+        if words.keys() & {"Z", "IZ"}:
+            raise ProgramError("a circle centre with Z: circles in planes of Z are not read",
+                               accepted="CC X Y")  # fmt: skip
         if "PR" in words or "PA" in words or "IPA" in words:
             self.pole = self._polar_target(words)[:2]
         else:
@@ -285,6 +292,8 @@ class KlartextReader(Translated):
             self.feed = words["F"]
         if "FAUTO" in words:
             self.feed = self.tool_feed
+        for code in {91, 92, 99, 140} & set(codes):
+            self.controller.use(f"M{code}")
         if 140 in codes:
             self._retract(words)
         self.execute(*before, self._side(words))
@@ -315,6 +324,7 @@ class KlartextReader(Translated):
         side = next((k for k in ("R0", "RL", "RR") if k in words), None)
         c = self.controller
         wanted = {"R0": 0, "RL": 1, "RR": -1, None: c.side}[side]
+        c.use(side or "R0")
         if wanted == c.side:
             return ""
         if wanted and c.side:
@@ -423,7 +433,8 @@ class KlartextReader(Translated):
             raise ProgramError(
                 f"{found[1]} behind anything but a line L is not read", accepted="two lines"
             )
-        self.corner = (found[1], self.parameters.number(found[2]))
+        scale = self.frames.scaling.of_radii
+        self.corner = (found[1], self.parameters.number(found[2]) * scale)
 
     def _waits(self) -> bool:
         """Whether RND or CHF stands in the next line."""
@@ -467,6 +478,9 @@ class KlartextReader(Translated):
         if "F" in words:
             self.feed = self.tool_feed = words["F"]
         if said is None:
+            if words.keys() & {"DL", "DR"}:
+                self._apply_oversize(self.controller.tool, words)
+                self.execute(f"g43h{self.controller.tool}")
             return
         named = said.startswith('"')
         tool = (
@@ -491,7 +505,7 @@ class KlartextReader(Translated):
             diameter_wear_mm=entry.diameter_wear_mm + 2.0 * words.get("DR", 0.0) * unit,
         )
 
-    # flow
+    # Q parameters
 
     def _function(self, content: str) -> None:
         match = re.match(r"FN\s*(\d+)\s*:?\s*(.*)", content)
@@ -501,55 +515,7 @@ class KlartextReader(Translated):
             raise ProgramError(f"the program stops itself: {content}")
         label = self.parameters.function(int(match[1]), match[2].strip())
         if label is not None:
-            self.next = self._find(label) + 1
-
-    def _name(self, content: str) -> str:
-        match = _LABEL.match(content)
-        if match is None:
-            raise ProgramError(f"cannot read '{content}'", accepted="a label with a number or name")
-        return match[1]
-
-    def _label(self, content: str) -> None:
-        label = self._name(content)
-        if label != "0":
-            self.labels[label], self.begun[label] = self.next - 1, self.budget.executed
-        elif self.calls and self.calls[-1][2] < 0:
-            self.next = self.calls.pop()[1]
-
-    def _find(self, label: str) -> int:
-        for index in range(len(self.lines)):
-            content = self.content(index)
-            if content.startswith("LBL") and self._name(content) == label:
-                return index
-        raise ProgramError(f"LBL {label} does not exist")
-
-    def _call_label(self, content: str) -> None:
-        """CALL LBL n jumps to a subprogram that LBL 0 ends; with REP it repeats what is above."""
-        label = self._name(content)
-        repeats = re.search(rf"REP\s*({NUMBER})?", content)
-        if repeats and repeats[1]:
-            self._repeat(label, int(self.parameters.number(repeats[1])))
-            return
-        target = self._find(label)
-        if len(self.calls) >= _LEVELS:
-            raise ProgramError(f"subprograms nested deeper than {_LEVELS}")
-        self.calls.append((target, self.next, -1, 0))
-        self.next = target + 1
-
-    def _repeat(self, label: str, repeats: int) -> None:
-        here = self.next
-        if label not in self.labels:
-            raise ProgramError(f"LBL {label} is not above this block")
-        if self.calls and self.calls[-1][:2] == (self.labels[label], here):
-            *_, left, begun = self.calls.pop()
-        else:
-            left, begun = repeats, self.begun[label]
-            self.budget.check_rounds(repeats, self.budget.executed - begun)
-        if left > 0:
-            self.calls.append((self.labels[label], here, left - 1, begun))
-            self.next, self.begun[label] = self.labels[label] + 1, self.budget.executed
-        else:
-            self.begun[label] = begun
+            self.next = self.flow.find(label) + 1
 
 
 def _centre_of_radius(

@@ -5,6 +5,7 @@ SINUMERIK 840D sl/828D, Programming Manual Job Planning, "Flexible NC programmin
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Callable
@@ -40,15 +41,39 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {
     "LN": math.log, "EXP": math.exp, "MINVAL": min, "MAXVAL": max,
     "BOUND": lambda low, high, v: min(max(v, low), high),
 }  # fmt: skip
+_MOST_ELEMENTS = 100_000  #: of a field
 _CONSTANTS = {"TRUE": 1.0, "FALSE": 0.0, "$PI": math.pi}
 
 
 class Variables:
-    """Values of R parameters and of variables that DEF declares."""
+    """Values of R parameters and of variables that DEF declares.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    system : callable
+        Name and index of a system variable -> its value, None for one that is not read.
+    """
+
+    def __init__(self, system: Callable[[str, str], float | None] = lambda *_: None) -> None:
         self.r: dict[int, float] = {}
-        self.named: dict[str, float] = {}
+        self.named: dict[str, float] = {}  #: fields by name and indices, as ``A[0,2]``
+        self.system = system
+
+    def declare(self, name: str, value: str) -> None:
+        """DEF: a variable, or a field with one or two indices; zero where nothing is said."""
+        sizes = re.fullmatch(r"(\w+)\s*\[([^\]]*)\]", name)
+        if sizes is None:
+            self.named[name] = self.value(value) if value else 0.0
+            return
+        counts = [self._index(self.value(size)) for size in sizes[2].split(",")]
+        if len(counts) > 2 or math.prod(counts) > _MOST_ELEMENTS:
+            raise ProgramError(f"field {name}", accepted=f"up to {_MOST_ELEMENTS} elements")
+        places = [f"{sizes[1]}[{','.join(map(str, place))}]"
+                  for place in itertools.product(*map(range, counts))]  # fmt: skip
+        listed = re.fullmatch(r"SET\s*\((.*)\)", value, re.IGNORECASE)
+        first = [] if listed is None else [self.value(v) for v in listed[1].split(",")]
+        each = self.value(value) if value and listed is None else 0.0
+        self.named |= dict(itertools.zip_longest(places, first[: len(places)], fillvalue=each))
 
     def value(self, text: str) -> float:
         """Value of an expression.
@@ -97,15 +122,24 @@ class Variables:
         if index:
             number = int(index[1]) if index[1] else self._index(self.value(index[2]))
             self.r[number] = value
-        elif name in self.named:
-            self.named[name] = value
+        elif self._element(name) in self.named:
+            self.named[self._element(name)] = value
         else:
             raise ProgramError(f"variable '{name}' is not declared", accepted="DEF REAL NAME, R1")
+
+    def _element(self, name: str) -> str:
+        """Name of an element, its indices worked out."""
+        field = re.fullmatch(r"(\w+)\s*\[(.*)\]", name)
+        if field is None:
+            return name
+        return (
+            f"{field[1]}[{','.join(str(self._index(self.value(v))) for v in field[2].split(','))}]"
+        )
 
     @staticmethod
     def _index(value: float) -> int:
         if value != round(value) or value < 0:
-            raise ProgramError(f"index {value:g} of R", accepted="a whole number")
+            raise ProgramError(f"index {value:g}", accepted="a whole number")
         return int(value)
 
     def _operation(self, tokens: list[str], lowest: int) -> float:
@@ -162,8 +196,19 @@ class Variables:
             return self.r.get(int(name[1:]), 0.0)
         if name in _CONSTANTS:
             return _CONSTANTS[name]
-        if name in self.named:
-            return self.named[name]
+        index = ""
+        if tokens[:1] == ["["]:
+            stop = tokens.index("]") if "]" in tokens else len(tokens)
+            index = " ".join(tokens[1:stop])
+            del tokens[: stop + 1]
+            name_ = self._element(f"{name}[{index}]") if not name.startswith("$") else name
+        else:
+            name_ = name
+        if name_ in self.named:
+            return self.named[name_]
+        told = self.system(name, index)
+        if told is not None:
+            return told
         why = "a variable of the system" if name.startswith("$") else "not declared"
         raise ProgramError(
             f"'{name}' is {why} and has no value here", accepted="R parameters, variables of DEF"

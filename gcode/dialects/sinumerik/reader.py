@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 
+from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, NO_MOTION, SAME, STOPS
 from gcode.dialects.sinumerik.corners import CORNERS, WaitingLine
 from gcode.dialects.sinumerik.cycles import CYCLES, PATTERNS, drill, pattern_points
 from gcode.dialects.sinumerik.expressions import Variables
@@ -12,6 +13,7 @@ from gcode.dialects.sinumerik.flow import Flow
 from gcode.dialects.sinumerik.frames import ProgrammableFrame
 from gcode.dialects.sinumerik.milling import MILLING, mill
 from gcode.dialects.sinumerik.subprograms import Subprograms
+from gcode.dialects.sinumerik.system_variables import system_variable
 from gcode.errors import ProgramError
 from gcode.geometry.three_points import centre_of_three
 from gcode.language.options import RunOptions
@@ -32,25 +34,11 @@ _OWN = re.compile(r"\s*(AC|IC)\s*\(", re.IGNORECASE)
 _HEAD = re.compile(
     r"(?:/\s*(\d?)\s*)?(?:[N:](\d+)\s*)?(?:/\s*(\d?)\s*)?(?:([A-Z_]\w+):(?!=)\s*)?", re.IGNORECASE
 )
-_ASSIGNED = re.compile(r"(R\d+|R\[.*?\]|[A-Z_][A-Z_]\w*)\s*=(?!=)\s*(.*)", re.IGNORECASE)
-_ADDRESSES = (
-    "CR",
-    "TURN",
-    "AP",
-    "RP",
-    "RND",
-    "RNDM",
-    "CHF",
-    "CHR",
-    "FRC",
-    "FRCM",
-    "RPL",
-    "ADIS",
-    "DISC",
-    "I1",
-    "J1",
-    "K1",
+_ASSIGNED = re.compile(
+    r"(R\d+|R\[.*?\]|[A-Z_][A-Z_]\w*(?:\[[^\]]*\])?)\s*=(?!=)\s*(.*)", re.IGNORECASE
 )
+_ADDRESSES = ("CR", "TURN", "AP", "RP", "RND", "RNDM", "CHF", "CHR", "FRC", "FRCM", "RPL", "ADIS",
+              "DISC", "I1", "J1", "K1")  # fmt: skip
 _NAMED_TOOL = re.compile(r"\bT\s*=\s*\"([^\"]*)\"", re.IGNORECASE)
 _ARC_WORD = re.compile(r"\b(CIP|CT)\b", re.IGNORECASE)
 _UNIFR = re.compile(
@@ -66,43 +54,15 @@ _CALLED = re.compile(
     r"(MCALL\s+)?(CYCLE\d+|HOLES[12]|POCKET[34]|SLOT1|LONGHOLE)\s*\((.*)\)", re.IGNORECASE
 )
 _FRAME = re.compile(r"(A?TRANS|A?ROT|A?SCALE|A?MIRROR)\b\s*(.*)", re.IGNORECASE)
-#: codes of this control -> RS274/NGC; absent ones keep their meaning
-_CODES = {
-    70: "g20",
-    700: "g20",
-    71: "g21",
-    710: "g21",
-    60: "g61.1",
-    601: "",
-    602: "",
-    603: "",
-    451: "",
-    64: "g64",
-    641: "g64",
-    642: "g64",
-    643: "g64",
-    644: "g64",
-    645: "g64",
-    450: "",
-    97: "",
-    153: "g53",
-    460: "",
-    461: "",
-    462: "",
-    290: "",
-    500: "",
-}
-_SAME = frozenset((0, 1, 2, 3, 17, 18, 19, 53, 54, 55, 56, 57, 90, 91, 94, 95))
-_STOPS = frozenset((0, 1, 2, 30, 17))
-_ACCEPTED_G = "G0-G4 G17-G19 G40-G42 G53-G57 G60 G64 G70 G71 G90 G91 G94 G95 G110-G112"
 #: for the screen, or how the control follows the path
 _NO_MOTION = re.compile(
     r"\b(?:(WORKPIECE|MSG|CYCLE832|CYCLE800|GROUP_BEGIN|GROUP_END|SETMS|EXTCALL_END)\s*"
     r"\((?:\"[^\"]*\"|[^)\"])*\)"
-    r"|(STOPRE|FFWON|FFWOF|SOFT|BRISK|DRIVE|COMPOF|COMPON|COMPCURV|COMPCAD|CFTCP|CFC|CFIN|NORM"
-    r"|CUT2D|CUT2DF|TRAFOOF|DIAMOF|CDOF|CDON|ORIWKS|ORIMKS|FIFOCTRL|STARTFIFO|STOPFIFO|SPOS)\b)",
+    rf"|({'|'.join(NO_MOTION)})\b)",
     re.IGNORECASE,
 )
+_KEY_WORD = re.compile(r"\w+")
+_MACHINE_AXIS = re.compile(r"\b([XYZ])1\s*=", re.IGNORECASE)  #: G74 X1=0
 _TILTED = re.compile(r"CYCLE800\s*\((.*)\)", re.IGNORECASE)
 _SUPPRESSED = re.compile(r"\bSUPA\b", re.IGNORECASE)  #: every frame, for one block
 
@@ -113,7 +73,7 @@ class SinumerikReader(Translated):
     def __init__(self, controller: Controller, lines: list[str], options: RunOptions) -> None:
         super().__init__(controller, lines, options)
         self.edge = 1  #: D: cutting edge, 0 takes the tool offset off
-        self.variables = Variables()
+        self.variables = Variables(system=lambda name, index: system_variable(self, name, index))
         self.subprograms = Subprograms(self)
         self.flow = Flow(self)
         self.frame = ProgrammableFrame(self)
@@ -154,6 +114,7 @@ class SinumerikReader(Translated):
 
     def _obey(self, content: str) -> None:
         if self.flow.obey(content):
+            self.controller.use(_KEY_WORD.match(content)[0].upper())
             return
         declared, frame = _DEFINED.fullmatch(content), _FRAME.fullmatch(content)
         called, settable = _CALLED.fullmatch(content), _UNIFR.fullmatch(content)
@@ -161,6 +122,7 @@ class SinumerikReader(Translated):
             self._declare(declared[2])
         elif frame is not None:
             self._finish_line()
+            self.controller.use(frame[1].upper())
             self.frame.obey(frame[1].upper(), dict(self._words(frame[2])) if frame[2] else {})
         elif called is not None and called[2].upper() not in ("CYCLE832", "CYCLE800"):
             self._finish_line()
@@ -215,8 +177,7 @@ class SinumerikReader(Translated):
     def _declare(self, text: str) -> None:
         for piece in self._split(text):
             name, _, value = piece.partition("=")
-            first = self.variables.value(value) if value else 0.0
-            self.variables.named[name.strip().upper()] = first
+            self.variables.declare(name.strip().upper(), value.strip())
 
     def _assignments(self, content: str) -> bool:
         """Obey ``R1=5 R2=R1*2``; tells whether the block holds nothing else."""
@@ -239,11 +200,17 @@ class SinumerikReader(Translated):
         content = _SUPPRESSED.sub("G53", _NO_MOTION.sub(self._noted, content)).strip()
         content = _NAMED_TOOL.sub(lambda m: f"T{self.controller.tool_named(m[1])}", content)
         arc = _ARC_WORD.search(content)
-        words = self._words(_ARC_WORD.sub("", content))
+        words = self._words(_ARC_WORD.sub("", _MACHINE_AXIS.sub(r"\1=", content)))
         g_codes = [value for letter, value in words if letter == "G"]
+        self._use(words, None if arc is None else arc[1].upper())
         if 4.0 in g_codes:
             self._dwell(words)
             return
+        if {74.0, 75.0} & set(g_codes):
+            self._fixed_point(words)
+            return
+        if {331.0, 332.0} & set(g_codes):
+            words, g_codes = self._rigid_tap(words)
         self._tool(words)
         self._polar(words, g_codes)
         if self._break_corner(words, g_codes, is_arc=arc is not None):
@@ -256,11 +223,52 @@ class SinumerikReader(Translated):
             self.execute(self._text(words, g_codes))
         if self.modal is not None and moved:
             self._do_modal()
-        stop = [v for letter, v in words if letter == "M" and v in _STOPS]
+        stop = [v for letter, v in words if letter == "M" and v in STOPS]
         if 17.0 in stop and self.subprograms.returned():
             return
         if stop:
             self.execute("m30" if stop[0] in (2, 17, 30) else f"m{stop[0]:.0f}")
+
+    def _use(self, words: list[tuple[str, float]], arc: str | None) -> None:
+        for letter, value in words:
+            if letter in "GM":
+                self.controller.use(f"{letter}{value:g}")
+            elif letter in _ADDRESSES:
+                self.controller.use(letter)
+        if arc is not None:
+            self.controller.use(arc)
+
+    def _fixed_point(self, words: list[tuple[str, float]]) -> None:
+        """G74, G75: rapid to the reference or fixed point of the named axes."""
+        self._finish_line()
+        axes = "".join(f"{letter.lower()}0" for letter, _ in words if letter in "XYZ")
+        self.controller.note("G74, G75", "fixed point of the machine: machine zero is taken")
+        modal = self.controller.motion
+        if axes:
+            self.keep("a fixed point of the machine")
+            self.execute(f"g53g0{axes}")
+        self.controller.motion = modal
+
+    def _rigid_tap(
+        self, words: list[tuple[str, float]]
+    ) -> tuple[list[tuple[str, float]], list[float]]:
+        """G331 into the thread and G332 out of it: pitch I, J or K times the speed is the feed."""
+        pitch = next((abs(v) for letter, v in words if letter in ("I", "J", "K")), 0.0)
+        values = dict(words)
+        if "S" in values:
+            self.execute(f"s{number(values['S'])}")
+        feed = pitch * self.controller.speed
+        if not feed > 0.0:
+            raise ProgramError("G331 and G332 need a pitch I, J or K, and S")
+        self.keep("tapping by G331 and G332")
+        left = [w for w in words if w[0] not in ("I", "J", "K", "S") and w[0] != "G"]
+        codes = [1.0 if v in (331.0, 332.0) else v for letter, v in words if letter == "G"]
+        return [*(("G", v) for v in codes), *left, ("F", feed)], codes
+
+    def only_in_xy(self, what: str) -> None:
+        """Refuse what is worked out in the plane XY alone."""
+        if self.controller.plane != 1:
+            raise ProgramError(f"{what} in G18 or G19 is not read", accepted="G17")
 
     # corners
 
@@ -282,6 +290,8 @@ class SinumerikReader(Translated):
         is_line = code == "G1" and moves and not is_arc and "CR" not in values
         if not moves:
             return False
+        if size or self.rounding:
+            self.only_in_xy(size[0][0] if size else "RNDM")
         if self.waiting is None and not (is_line and (size or self.rounding)):
             if size:
                 raise ProgramError(
@@ -339,8 +349,7 @@ class SinumerikReader(Translated):
         g_codes = [v for letter, v in words if letter == "G"]
         start, end = self.here(), self._end(words, g_codes)
         others = [w for w in words if w[0] not in ("X", "Y", "Z", "I1", "J1", "K1")]
-        if self.controller.plane != 1:
-            raise ProgramError(f"{kind} in G18 or G19 is not read", accepted="G17")
+        self.only_in_xy(kind)
         if kind == "CT":
             if self.controller.side:
                 raise ProgramError("CT with cutter compensation is not read", accepted="G40")
@@ -506,6 +515,7 @@ class SinumerikReader(Translated):
             return
         if not {"AP", "RP"} & values.keys():
             return
+        self.only_in_xy("AP and RP")
         here = self.here()
         out = here[0] - self.pole[0], here[1] - self.pole[1]
         radius, angle = values.get("RP", math.hypot(*out)), values.get("AP")
@@ -524,7 +534,7 @@ class SinumerikReader(Translated):
             if letter == "G":
                 text.append(self._code(value))
             elif letter == "M":
-                if value not in _STOPS and value != 6:
+                if value not in STOPS and value != 6:
                     text.append(self._m_code(value))
             elif letter == "CR":
                 text.append(f"r{number(value)}")
@@ -555,10 +565,10 @@ class SinumerikReader(Translated):
             return ""
         if value == 500.0 and not any(self.controller.origin):
             return ""
-        if value in _CODES and value != 500.0:
-            return _CODES[value]
-        if value not in _SAME:
-            raise ProgramError(f"Sinumerik G{value:g} is not read", accepted=_ACCEPTED_G)
+        if value in CODES and value != 500.0:
+            return CODES[value]
+        if value not in SAME:
+            raise ProgramError(f"Sinumerik G{value:g} is not read", accepted=ACCEPTED_G)
         return f"g{value:.0f}"
 
     # frames and cycles
@@ -581,6 +591,8 @@ class SinumerikReader(Translated):
         ]
 
     def _cycle(self, name: str, arguments: list[float | None], *, modal: bool) -> None:
+        self.controller.use(name)
+        self.only_in_xy(name)
         if name in PATTERNS:
             if self.modal is None:
                 raise ProgramError(

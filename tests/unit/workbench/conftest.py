@@ -1,6 +1,7 @@
 """A small job with a hidden backlash, opened in the workbench."""
 
 import json
+import os
 import time
 
 import numpy as np
@@ -19,6 +20,8 @@ ERRORS = {
     "EYY": (lambda y: -6e-3 * (y + 150.0), None),
 }
 BACKLASH_UM, NOISE_UM = 6.0, 0.3
+#: how long a test waits for what must come; a slow machine costs time, never a test
+PATIENCE_S = 300
 
 
 def write_measured_job(folder):
@@ -33,6 +36,25 @@ def write_measured_job(folder):
     noise = NOISE_UM * np.random.default_rng(7).standard_normal(len(points))
     write_points(folder / "points.csv", points + 1e-3 * (deviation + noise)[:, None] * normals)
     return job
+
+
+def write_odd_job(folder):
+    """Beside the measured job: the same part with an error that no effect of the catalogue is."""
+    _, points, normals = pocket_points()
+    deviation_um = predict(folder / "job.toml", folder / "points.csv").deviation_um
+    bend_um = 8.0 * (points[:, 0] / 20.0) ** 2 * np.sign(points[:, 1])
+    noise_um = NOISE_UM * np.random.default_rng(3).standard_normal(len(points))
+    moved_um = deviation_um + bend_um * normals[:, 1] + noise_um
+    write_points(folder / "odd.csv", points + 1e-3 * moved_um[:, None] * normals)
+    text = (folder / "job.toml").read_text().replace('"points.csv"', '"odd.csv"')
+    (folder / "odd.toml").write_text(text)
+
+
+def replace(path, text):
+    """Write a file in one step, as an editor does: nobody ever reads half of it."""
+    fresh = path.with_name(f".{path.name}.new")
+    fresh.write_text(text)
+    os.replace(fresh, path)
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -80,15 +102,24 @@ class Page:
             answer.content[4 + length :], "<f4"
         )
 
-    def wait_for(self, kind, seconds=60):
+    def wait_for(self, kind):
         """The last run of a kind when it is over."""
-        end = time.monotonic() + seconds
+        end = time.monotonic() + PATIENCE_S
         while time.monotonic() < end:
             runs = [r for r in self.get("/api/state").json()["runs"] if r["kind"] == kind]
             if runs and runs[-1]["state"] in ("done", "failed", "stopped"):
                 return runs[-1]
             time.sleep(0.05)
         raise AssertionError(f"{kind} is not over")
+
+    def wait_for_revision(self, last):
+        """The number of what is read next, after the `last`."""
+        end = time.monotonic() + PATIENCE_S
+        while time.monotonic() < end:
+            if (now := self.get("/api/state").json()["revision"]) != last:
+                return now
+            time.sleep(0.05)
+        raise AssertionError("nothing was read again")
 
 
 @pytest.fixture(scope="session")

@@ -1,13 +1,16 @@
-"""Diagnose, add, go back: the files are those of the commands."""
+"""Add, go back: the files are those of the commands."""
 
+import asyncio
 import shutil
 import time
 
 import pytest
 
-from tests.unit.workbench.conftest import Page
+from tests.unit.workbench.conftest import PATIENCE_S, Page, replace
 from vmach.job import read_job
 from vmach.workbench.job_chain import job_chain
+from vmach.workbench.model.remote import ModelStopped
+from vmach.workbench.session import Session
 
 
 @pytest.fixture(scope="module")
@@ -25,16 +28,7 @@ def folder(bench):
     return bench.session.folder.root
 
 
-def test_the_loop(bench, folder):
-    bench.post("/api/diagnose")
-    run = bench.wait_for("diagnose")
-    assert run["state"] == "done", run["message"]
-    effects = run["result"]["effects"]
-    assert [(e["effect"], e["target"]) for e in effects] == [("backlash", "Y")]
-    assert run["command"].startswith("vmach diagnose job.toml --out vmach-results/job/diagnosis")
-    shown = bench.get("/show/" + run["result"]["page"])
-    assert "sandbox" in shown.headers["content-security-policy"]
-
+def test_an_effect_is_added_and_taken_back(bench, folder):
     bench.post("/api/add", {"effects": ["backlash:Y"]})
     assert bench.wait_for("add")["state"] == "done"
     state = bench.get("/api/state").json()
@@ -61,14 +55,14 @@ def test_what_fails_says_what_the_terminal_says(bench):
 
 def test_a_run_can_be_stopped_and_leaves_nothing_half_written(bench, folder):
     before = sorted(path.name for path in folder.iterdir())
-    run = bench.post("/api/report").json()
-    assert bench.post("/api/report").status_code == 400  # one of a kind at a time
+    run = bench.post("/api/machine").json()
+    assert bench.post("/api/machine").status_code == 400  # one of a kind at a time
     while bench.session.runs.of_number(run["number"]).process is None:
         time.sleep(0.01)
     stopped = bench.post(f"/api/runs/{run['number']}/stop").json()
     assert stopped["state"] == "stopped"
     process = bench.session.runs.of_number(run["number"]).process
-    end = time.monotonic() + 10
+    end = time.monotonic() + PATIENCE_S
     while process.returncode is None and time.monotonic() < end:
         bench.get("/api/state")
         time.sleep(0.05)
@@ -77,33 +71,44 @@ def test_a_run_can_be_stopped_and_leaves_nothing_half_written(bench, folder):
     assert sorted(path.name for path in folder.iterdir()) == before
 
 
-def test_a_dead_model_is_replaced_and_nothing_is_lost(bench, monkeypatch):
-    monkeypatch.setattr("vmach.workbench.session._TOO_SOON_S", 0.0)
+def test_a_dead_model_is_replaced_and_nothing_is_lost(bench):
     before = bench.get("/api/about").json()
     bench.session.model._process.kill()
     bench.session.model._process.join()
-    answer = bench.get("/api/values")
-    assert answer.status_code == 503 and "started again" in answer.json()["error"]
     assert bench.get("/api/about").json() == before
     assert bench.get("/api/values").status_code == 200
+
+
+def test_a_question_that_kills_every_model_is_given_up(bench):
+    class Dead:
+        has_answered, asked = True, 0
+
+        async def ask(self, question):
+            Dead.asked += 1
+            raise ModelStopped("dead")
+
+    async def ask():
+        session = Session()
+        session._model = Dead()
+        session.reload = lambda: setattr(session, "_model", Dead())
+        with pytest.raises(ModelStopped):
+            await session.ask("about")
+
+    asyncio.run(ask())
+    assert Dead.asked == 2  # and once more after it was started again
 
 
 def test_files_that_change_outside_are_read_again(bench, folder):
     bench.get("/api/about")
     revision = bench.get("/api/state").json()["revision"]
-    time.sleep(0.3)  # the watch takes the files that it has been told of
     job = folder / "job.toml"
     good = job.read_text()
-    job.write_text(good.replace("diameter_mm = 10", 'diameter_mm = "ten"'))
-    end = time.monotonic() + 8
-    while bench.get("/api/state").json()["revision"] == revision and time.monotonic() < end:
-        time.sleep(0.1)
+    replace(job, good.replace("diameter_mm = 10", 'diameter_mm = "ten"'))
+    revision = bench.wait_for_revision(revision)
     answer = bench.get("/api/about")
     assert answer.status_code == 400 and "diameter_mm" in answer.json()["error"]
-    revision = bench.get("/api/state").json()["revision"]
-    job.write_text(good)
-    while bench.get("/api/state").json()["revision"] == revision and time.monotonic() < end + 8:
-        time.sleep(0.1)
+    replace(job, good)
+    bench.wait_for_revision(revision)
     assert bench.get("/api/about").status_code == 200
 
 

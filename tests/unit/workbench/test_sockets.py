@@ -18,6 +18,7 @@ from vmach.workbench.server import build_server
 from vmach.workbench.session import Session
 
 MANY = 1000
+PATIENCE_S = 120
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +45,7 @@ def served():
 
 def state_of(access):
     """What a page gets that asks for the state."""
-    connection = http.client.HTTPConnection("127.0.0.1", access.port, timeout=10)
+    connection = http.client.HTTPConnection("127.0.0.1", access.port, timeout=PATIENCE_S)
     connection.request("GET", "/api/state", headers={"x-vmach-token": access.token})
     answer = connection.getresponse()
     answer.read()
@@ -52,51 +53,55 @@ def state_of(access):
     return answer.status
 
 
+def until(holds):
+    """Wait until something holds, on a slow machine as well."""
+    end = time.monotonic() + PATIENCE_S
+    while not holds():
+        assert time.monotonic() < end, "it does not come to hold"
+        time.sleep(0.05)
+
+
+def is_closed(one):
+    """Whether the server takes no further byte of a socket."""
+    try:
+        one.send(b"x")
+    except OSError:
+        return True
+    return False
+
+
 def test_a_thousand_sockets_that_ask_nothing(served):
     access, server = served
     crowd = []
     for _ in range(MANY):
-        one = socket.create_connection(("127.0.0.1", access.port), timeout=5)
+        one = socket.create_connection(("127.0.0.1", access.port), timeout=PATIENCE_S)
         crowd.append(one)
     assert state_of(access) == 200
-    assert len(server.server_state.connections) <= bounded_http._MOST_SOCKETS + 1
+    until(lambda: len(server.server_state.connections) <= bounded_http._MOST_SOCKETS + 1)
     for one in crowd:
         one.close()
     assert state_of(access) == 200
 
 
 def test_sockets_that_ask_a_byte_at_a_time_are_closed(served):
-    access, server = served
-    slow = [socket.create_connection(("127.0.0.1", access.port), timeout=5) for _ in range(20)]
-    while len(server.server_state.connections) < len(slow):  # all of them are taken
-        time.sleep(0.01)
-    end = time.monotonic() + 4
-    while time.monotonic() < end and len(server.server_state.connections) > 2:
-        for one in slow:
-            try:
-                one.send(b"G")
-            except OSError:
-                continue
-        time.sleep(0.1)
+    access, _ = served
+    address = ("127.0.0.1", access.port)
+    slow = [socket.create_connection(address, timeout=PATIENCE_S) for _ in range(20)]
+    until(lambda: all([is_closed(one) for one in slow]))
     for one in slow:
         one.close()
-    assert len(server.server_state.connections) <= 2
     assert state_of(access) == 200
 
 
 def test_content_that_never_ends_is_cut_off(served):
     access, _ = served
-    one = socket.create_connection(("127.0.0.1", access.port), timeout=5)
+    one = socket.create_connection(("127.0.0.1", access.port), timeout=PATIENCE_S)
     head = (
         f"PUT /api/files/a.csv HTTP/1.1\r\nHost: 127.0.0.1:{access.port}\r\nx-vmach: 1\r\n"
         f"x-vmach-token: {access.token}\r\nContent-Length: 1000000\r\n\r\n"
     )
     one.sendall(head.encode() + b"x")
-    time.sleep(1.5)
-    with pytest.raises(OSError):  # the server has closed it
-        for _ in range(50):
-            one.sendall(b"x" * 1000)
-            time.sleep(0.02)
+    until(lambda: is_closed(one))
     one.close()
     assert state_of(access) == 200
 
@@ -109,7 +114,7 @@ GARBAGE = [b"\0" * 4000, b"GET / HTTP/9.9\r\n\r\n", b"GET " + b"a" * 100_000, b"
 def test_what_is_no_http_is_refused(served, garbage):
     access, _ = served
     for _ in range(20):
-        with socket.create_connection(("127.0.0.1", access.port), timeout=5) as one:
+        with socket.create_connection(("127.0.0.1", access.port), timeout=PATIENCE_S) as one:
             try:
                 one.sendall(garbage)
                 one.shutdown(socket.SHUT_WR)
@@ -130,11 +135,11 @@ def test_browsers_that_leave_while_they_are_answered(tmp_path):
             f"x-vmach-token: {access.token}\r\n\r\n"
         )
         for _ in range(50):
-            with socket.create_connection(("127.0.0.1", access.port), timeout=5) as one:
+            with socket.create_connection(("127.0.0.1", access.port), timeout=PATIENCE_S) as one:
                 one.sendall(asked.encode())
         assert state_of(access) == 200
         process.send_signal(signal.SIGINT)
-        assert process.wait(30) in (0, 130)
+        assert process.wait(PATIENCE_S) in (0, 130)
 
 
 def test_it_listens_on_this_machine_alone(monkeypatch):
@@ -143,6 +148,7 @@ def test_it_listens_on_this_machine_alone(monkeypatch):
     found = launch._listen(0)
     try:
         assert found.getsockname()[0] == "127.0.0.1"
-        socket.create_connection(found.getsockname(), timeout=5).close()  # it listens already
+        address = found.getsockname()
+        socket.create_connection(address, timeout=PATIENCE_S).close()  # it listens already
     finally:
         found.close()

@@ -15,7 +15,7 @@ from vmach.compensation.aim.shift_fit import centred
 from vmach.compensation.aim.surface_demand import SurfaceDemand
 from vmach.compensation.iteration import Iteration, Solution
 from vmach.compensation.pieces.plan import Plan
-from vmach.program_text import Piece, Target
+from vmach.program_text import Pieces, Target
 
 __all__ = ["PartAim", "aim_at_part"]
 
@@ -114,20 +114,19 @@ def _shifted(found: Solution, old: PathShift, new: PathShift) -> tuple[Plan, Tar
     stretches: dict[int, list[int]] = {}
     for stretch in np.flatnonzero(np.isin(new.move, new.move[moved])).tolist():
         stretches.setdefault(int(new.move[stretch]), []).append(stretch)
-    pieces: list[Piece] = []
-    origin: list[int] = []
-    for k, piece in enumerate(found.plan.pieces):
-        if piece.kept and piece.move in stretches:
-            parts = stretches[piece.move]
-            pieces += [
-                Piece(piece.move, float(new.start[s]), float(new.end[s]), bool(new.is_arc[s]))
-                for s in parts
-            ]
-            origin += [-1] * (len(parts) - 1) + [k]
-        else:
-            pieces.append(piece)
-            origin.append(k)
-    old_piece = np.array(origin)
+    old_pieces = found.plan.pieces
+    written = np.flatnonzero(old_pieces.kept & np.isin(old_pieces.move, list(stretches)))
+    parts, origin, done = [], [], 0
+    for k in written.tolist():  # their blocks stayed, and are written now
+        s = np.array(stretches[int(old_pieces.move[k])])
+        nothing = np.zeros(len(s), bool)
+        parts += [old_pieces.taken(slice(done, k)),
+                  Pieces(np.full(len(s), old_pieces.move[k]), new.start[s], new.end[s],
+                         new.is_arc[s], nothing, np.zeros(len(s)))]  # fmt: skip
+        origin += [np.arange(done, k), np.append(np.full(len(s) - 1, -1), k)]
+        done = k + 1
+    pieces = Pieces.joined([*parts, old_pieces.taken(slice(done, None))])
+    old_piece = np.concatenate([*origin, np.arange(done, len(old_pieces))])
     known = (old_piece >= 0)[:, None]
 
     def carried(values: np.ndarray) -> np.ndarray:

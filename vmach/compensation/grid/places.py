@@ -195,7 +195,7 @@ class Grid:
 
 def _inserted(rewriter: Rewriter, plan: Plan) -> np.ndarray:
     kind = rewriter.moves.kind[plan.move]
-    is_arc = np.array([p.is_arc for p in plan.pieces], bool)
+    is_arc = plan.pieces.is_arc
     plain = ~plan.is_kept & ~plan.is_step & (kind != MoveKind.RAPID)
     plain &= is_arc == (kind == MoveKind.ARC)
     found = np.zeros(len(plan.pieces), bool)

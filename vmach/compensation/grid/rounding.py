@@ -64,7 +64,7 @@ class Rounding:
         self.rewriter, self.plan, self.target = rewriter, plan, target
         self.step_mm = _steps(rewriter, plan, resolution_mm)
         self.grid = Grid(rewriter, plan, target, self.step_mm)
-        self.is_arc = np.array([p.is_arc for p in plan.pieces], bool)
+        self.is_arc = plan.pieces.is_arc
         self.first, self.last = plan.parameter(0.0), plan.parameter(1.0)
         feed = rewriter.moves.kind[plan.move] != MoveKind.RAPID
         self.path_length_mm = np.maximum(np.where(feed, self.grid.length_mm, 0.0), _LEAST_LENGTH_MM)
@@ -98,11 +98,10 @@ class Rounding:
         return course, found
 
     def _taken(self, chosen: GridPlaces) -> tuple[Plan, Target]:
-        pieces = list(self.plan.pieces)
-        for k in np.flatnonzero(self.grid.inserted).tolist():
-            place = float(chosen.parameter[k, 0])
-            pieces[k] = replace(pieces[k], end=place)
-            pieces[k + 1] = replace(pieces[k + 1], start=place)
+        old, inserted = self.plan.pieces, np.flatnonzero(self.grid.inserted)
+        start, end = old.start.copy(), old.end.copy()
+        end[inserted] = start[inserted + 1] = chosen.parameter[inserted, 0]
+        pieces = replace(old, start=start, end=end)
         ends_mm = (chosen.wanted_mm + chosen.off_mm)[:, 0]
         return Plan(pieces, self.plan.aim_mm), Target(pieces, ends_mm, self.target.middles_mm)
 
@@ -183,9 +182,9 @@ class Rounding:
 
 def _steps(rewriter: Rewriter, plan: Plan, resolution_mm: float) -> np.ndarray:
     """Step of the words of every piece, (K,) mm."""
-    units = {}
-    for move in set(plan.move.tolist()):
-        units[move] = rewriter.modes[int(rewriter.moves.line[move])].unit_mm
-    return np.array(
-        [units[k] * 10.0 ** -rewriter.control.decimals(resolution_mm, units[k]) for k in plan.move]
-    )
+    lines, of_line = np.unique(rewriter.moves.line[plan.move], return_inverse=True)
+    units, which = np.unique([rewriter.modes[line].unit_mm for line in lines.tolist()],
+                             return_inverse=True)  # fmt: skip
+    steps = [unit * 10.0 ** -rewriter.control.decimals(resolution_mm, unit)
+             for unit in units.tolist()]  # fmt: skip
+    return np.array(steps)[which[of_line]]

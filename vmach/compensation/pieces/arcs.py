@@ -9,12 +9,14 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 import numpy as np
+from numba import njit
 
 from gcode import Moves
 from vmach.path.geometry import position_at
-from vmach.program_text import Piece, circle_through
+from vmach.program_text import Piece
+from vmach.program_text.blocks.circles import circle_centre, length
 
-__all__ = ["LARGEST_SWEEP_RAD", "split_arc"]
+__all__ = ["LARGEST_SWEEP_RAD", "circle_misses", "split_arc"]
 
 #: an arc is cut into arcs of no more than this, so that start and end stay apart
 LARGEST_SWEEP_RAD = np.radians(181.0)
@@ -78,12 +80,45 @@ def _farthest(fits: Callable[[int], bool], good: int, most: int) -> int:
 
 def _circle_miss(points: np.ndarray, parameter: np.ndarray, axis: np.ndarray) -> float:
     """Largest distance of points (K, 3) from the helix through first, middle and last."""
-    side = [k for k in range(3) if abs(axis[k]) < 0.5]
-    flat, height = points[:, side], points @ axis
-    centre = circle_through(flat[0], flat[len(flat) // 2], flat[-1])
-    if centre is None:
-        return np.inf
-    radius = np.linalg.norm(flat - centre, axis=1)
-    share = (parameter - parameter[0]) / (parameter[-1] - parameter[0])
-    rise = height[0] + share * (height[-1] - height[0])
-    return float(np.hypot(radius - radius[0], height - rise).max())
+    return float(circle_misses(points, parameter, np.array([0, len(points)]), axis[None])[0])
+
+
+@njit(cache=True)
+def circle_misses(points, parameter, first, axes):  # pragma: no cover - compiled
+    """Largest distance of samples from the helix through the first, middle and last of each arc.
+
+    Parameters
+    ----------
+    points : (P, 3) float64
+    parameter : (P,) float64
+        Increasing along every arc.
+    first : (A + 1,) int64
+        Samples of arc k are ``first[k]`` to ``first[k + 1] - 1``.
+    axes : (A, 3) float64
+        Along an axis of the machine.
+
+    Returns
+    -------
+    (A,) float64
+        Infinite where the three points are in line.
+    """
+    found = np.full(len(axes), np.inf)
+    for k in range(len(axes)):
+        begin, last = first[k], first[k + 1] - 1
+        normal = np.argmax(np.abs(axes[k]))
+        u, v = (1 if normal == 0 else 0), (1 if normal == 2 else 2)
+        flat = np.empty((3, 2))
+        for n, row in enumerate((begin, begin + (last + 1 - begin) // 2, last)):
+            flat[n, 0], flat[n, 1] = points[row, u], points[row, v]
+        is_circle, x, y = circle_centre(flat[0], flat[1], flat[2])
+        if not is_circle:
+            continue
+        radius, worst = length(flat[0, 0] - x, flat[0, 1] - y), 0.0
+        low, high = points[begin] @ axes[k], points[last] @ axes[k]
+        span = parameter[last] - parameter[begin]
+        for row in range(begin, last + 1):
+            share = (parameter[row] - parameter[begin]) / span
+            off = points[row] @ axes[k] - (low + share * (high - low))
+            worst = max(worst, length(length(points[row, u] - x, points[row, v] - y) - radius, off))
+        found[k] = worst
+    return found

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from vmach.program_text import Piece
+from vmach.program_text import Pieces
 
 __all__ = ["Plan"]
 
@@ -21,48 +21,48 @@ class Plan:
 
     Attributes
     ----------
-    pieces : list of Piece
+    pieces : Pieces
     aim_mm : (K, 3) float64
         Where the tool shall be at their ends, from the nominal path: within the tolerance, so
         that fewer pieces do. The middles of arcs shall be on the nominal path.
     """
 
-    pieces: list[Piece]
+    pieces: Pieces
     aim_mm: np.ndarray
 
-    @cached_property
+    @property
     def move(self) -> np.ndarray:
         """Nominal moves of the pieces, (K,) int64."""
-        return np.array([p.move for p in self.pieces], np.int64)
+        return self.pieces.move
 
     def parameter(self, share: float) -> np.ndarray:
         """Parameters of the nominal moves at a share of the pieces, (K,)."""
-        return np.array([p.start + share * (p.end - p.start) for p in self.pieces], np.float64)
+        pieces = self.pieces
+        return pieces.start + share * (pieces.end - pieces.start)
 
     @cached_property
     def answered(self) -> np.ndarray:
         """Parameters of the nominal moves whose error the ends of the pieces answer, (K,)."""
-        return np.where(self.is_step, [p.settled for p in self.pieces], self.parameter(1.0))
+        return np.where(self.is_step, self.pieces.settled, self.parameter(1.0))
 
-    @cached_property
+    @property
     def is_kept(self) -> np.ndarray:
         """Pieces whose blocks stay, (K,) bool."""
-        return np.array([p.kept for p in self.pieces], bool)
+        return self.pieces.kept
 
     @cached_property
     def is_step(self) -> np.ndarray:
         """Pieces without way along the path, (K,) bool."""
-        return np.array([p.is_step for p in self.pieces], bool)
+        return self.pieces.is_step
 
     @cached_property
     def ready(self) -> np.ndarray:
         """Share of every piece, (K,), from which on the error is there that its step answers."""
-        share = np.zeros(len(self.pieces))
-        for k in np.flatnonzero(self.is_step[:-1]):
-            step, following = self.pieces[k], self.pieces[k + 1]
-            span = following.end - following.start
-            if span > 0:
-                share[k + 1] = min((step.settled - step.start) / span, 0.5)
+        pieces, share = self.pieces, np.zeros(len(self.pieces))
+        span = pieces.end - pieces.start
+        step = np.flatnonzero(self.is_step[:-1] & (span[1:] > 0.0))
+        late = (pieces.settled - pieces.start)[step] / span[step + 1]
+        share[step + 1] = np.minimum(late, 0.5)
         return share
 
     def refined(self, split: np.ndarray, step: np.ndarray) -> tuple[Plan, np.ndarray]:
@@ -79,20 +79,22 @@ class Plan:
             The old piece that every new one comes from; -1 - k for one that ends inside or
             before the old piece k.
         """
-        pieces: list[Piece] = []
-        origin: list[int] = []
-        for k, piece in enumerate(self.pieces):
-            start = piece.start
-            if step[k]:
-                pieces.append(Piece(piece.move, start, start, settled=start))
-                origin.append(-1 - k)
-            if split[k]:
-                middle = 0.5 * (start + piece.end)
-                pieces.append(Piece(piece.move, start, middle, is_arc=piece.is_arc))
-                origin.append(-1 - k)
-                piece = Piece(piece.move, middle, piece.end, is_arc=piece.is_arc)
-            pieces.append(piece)
-            origin.append(k)
-        old = np.array(origin, np.int64)
-        aim = np.where((old >= 0)[:, None], self.aim_mm[np.maximum(old, 0)], 0.0)
-        return Plan(pieces, aim), old
+        old, count = self.pieces, 1 + step.astype(np.int64) + split
+        owner = np.repeat(np.arange(len(old)), count)
+        place = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
+        is_step = step[owner] & (place == 0)
+        is_last = place == count[owner] - 1
+        is_first_half = ~is_step & ~is_last
+        middle = (0.5 * (old.start + old.end))[owner]
+        start, end = old.start[owner], old.end[owner]
+        pieces = Pieces(
+            move=old.move[owner],
+            start=np.where(is_last & split[owner], middle, start),
+            end=np.where(is_step, start, np.where(is_first_half, middle, end)),
+            is_arc=old.is_arc[owner] & ~is_step,
+            kept=old.kept[owner] & is_last & ~split[owner],
+            settled=np.where(is_step, start, np.where(split[owner], 0.0, old.settled[owner])),
+        )
+        origin = np.where(is_last, owner, -1 - owner)
+        aim = np.where(is_last[:, None], self.aim_mm[owner], 0.0)
+        return Plan(pieces, aim), origin

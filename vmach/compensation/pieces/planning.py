@@ -13,13 +13,13 @@ from itertools import pairwise
 import numpy as np
 
 from gcode import MoveKind, Moves
-from vmach.compensation.pieces.arcs import split_arc
+from vmach.compensation.pieces.arcs import LARGEST_SWEEP_RAD, circle_misses, split_arc
 from vmach.compensation.pieces.plan import Plan
-from vmach.compensation.pieces.reversals import reversals_of_arc, settled, turned_at_start
+from vmach.compensation.pieces.reversals import reversals_of_arcs, settled, turned_at_start
 from vmach.compensation.pieces.sampling import ErrorAlongMoves, ErrorAt
 from vmach.compensation.pieces.tube import fewest_pieces
-from vmach.path.geometry import across, move_length_mm, tangent_at
-from vmach.program_text import Piece
+from vmach.path.geometry import across, move_length_mm, position_at, tangent_at
+from vmach.program_text import Piece, Pieces
 
 __all__ = ["plan_pieces"]
 
@@ -63,15 +63,12 @@ def plan_pieces(
     unknown_start : (M,) bool
         Moves that begin where the program does not say: they get no points.
     """
-    planner = _Planner(moves, found, error_at, tolerance_mm, rewritten, unknown_start)
-    for index in range(len(found.move)):
-        planner.add(index)
-    return Plan(planner.pieces, np.array(planner.aim_mm).reshape(-1, 3))
+    return _Planner(moves, found, error_at, tolerance_mm, rewritten, unknown_start).plan()
 
 
 @dataclass
 class _Planner:
-    """Goes through the moves and keeps where the last piece ends."""
+    """Plans all moves that are one piece at once, and goes through the others."""
 
     moves: Moves
     found: ErrorAlongMoves
@@ -79,8 +76,10 @@ class _Planner:
     tolerance_mm: np.ndarray
     rewritten: np.ndarray
     unknown_start: np.ndarray
-    pieces: list[Piece] = field(default_factory=list)
-    aim_mm: list[np.ndarray] = field(default_factory=list)
+    #: pieces and aims of the moves that are not one piece alone
+    own: dict[int, tuple[list[Piece], list[np.ndarray]]] = field(default_factory=dict)
+    #: aims of the ends of other moves that have been shifted
+    shifted: dict[int, np.ndarray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         found, kind = self.found, self.moves.kind[self.found.move]
@@ -102,29 +101,61 @@ class _Planner:
         self.in_tube = self.is_bent.copy()  # moves that may begin off the corrected curve
         self.in_tube[1:] |= straight[1:] & self.is_bent[:-1]
 
-    def add(self, index: int) -> None:
-        """Append the pieces of one move."""
-        move, found = int(self.found.move[index]), self.found
-        kind, (parameter, error) = self.moves.kind[move], found.of(index)
-        previous = found.error_mm[found.first[index] - 1] if index else np.zeros(3)
-        nothing = max(self.size[index], np.abs(previous).max()) < _NOTHING_MM
-        if nothing and not self.rewritten[index]:
-            self._put(Piece(move, 0.0, 1.0, kept=True))
-        elif self.is_whole[index]:
-            self._put(Piece(move, 0.0, 1.0, is_arc=kind == MoveKind.ARC))
+    def plan(self) -> Plan:
+        """The plan of all moves."""
+        found, kind = self.found, self.moves.kind[self.found.move]
+        before = np.zeros((len(found.move), 3))
+        before[1:] = found.error_mm[found.first[1:-1] - 1]
+        nothing = np.maximum(self.size, np.abs(before).max(axis=1, initial=0.0)) < _NOTHING_MM
+        kept = nothing & ~self.rewritten
+        whole = ~kept & self.is_whole
+        jump = across(self.settled_error - before, self.direction)
+        self.steps = np.linalg.norm(jump, axis=1) > self.tolerance_mm
+        is_arc = kind == MoveKind.ARC
+        open_ = ~kept & ~whole & ~self.steps
+        one_arc = open_ & is_arc
+        one_arc[is_arc] &= self._is_one_arc(np.flatnonzero(is_arc))
+        single = kept | whole | one_arc | (open_ & ~is_arc & ~self.in_tube)
+        for index in np.flatnonzero(~single).tolist():
+            self._add(index)
+        return self._joined(kept, (whole & is_arc) | one_arc)
+
+    def _joined(self, kept: np.ndarray, is_arc: np.ndarray) -> Plan:
+        """All pieces in order, given which single ones are kept and arcs."""
+        count = np.ones(len(kept), np.int64)
+        order = list(self.own)
+        count[order] = [len(self.own[index][0]) for index in order]
+        first = np.cumsum(count) - count
+        owner = np.repeat(np.arange(len(kept)), count)
+        zeros = np.zeros(len(owner))
+        pieces = Pieces(self.found.move[owner], zeros.copy(), np.ones(len(owner)), is_arc[owner],
+                        kept[owner], zeros)  # fmt: skip
+        aim = np.zeros((len(owner), 3))
+        if order:
+            rows = np.concatenate([first[k] + np.arange(count[k]) for k in order])
+            own = Pieces.of(piece for k in order for piece in self.own[k][0])
+            for name, column in vars(own).items():
+                getattr(pieces, name)[rows] = column
+            aim[rows] = np.array([value for k in order for value in self.own[k][1]])
+        if self.shifted:
+            aim[first[list(self.shifted)]] = list(self.shifted.values())
+        return Plan(pieces, aim)
+
+    def _add(self, index: int) -> None:
+        """Plan the pieces of one move."""
+        self.own[index] = [], []
+        move = int(self.found.move[index])
+        parameter, error = self.found.of(index)
+        if self.steps[index]:
+            self._put(index, Piece(move, 0.0, 0.0, settled=float(self.settled[index])))
+            unsettled = (parameter < self.settled[index])[:, None]
+            error = np.where(unsettled, self.settled_error[index], error)
+        if self.moves.kind[move] == MoveKind.ARC:
+            self._arc(index, error)
+        elif self.in_tube[index]:
+            self._tube(index, error)
         else:
-            jump = across(self.settled_error[index] - previous, self.direction[index])
-            steps = np.linalg.norm(jump) > self.tolerance_mm[index]
-            if steps:
-                self._put(Piece(move, 0.0, 0.0, settled=float(self.settled[index])))
-                unsettled = (parameter < self.settled[index])[:, None]
-                error = np.where(unsettled, self.settled_error[index], error)
-            if kind == MoveKind.ARC:
-                self._arc(index, error)
-            elif self.in_tube[index]:
-                self._tube(index, error)
-            else:
-                self._put(Piece(move, 0.0, 1.0))
+            self._put(index, Piece(move, 0.0, 1.0))
 
     def _settled(
         self, move: np.ndarray, place: np.ndarray, turned: np.ndarray, tolerance_mm: np.ndarray
@@ -142,49 +173,59 @@ class _Planner:
         grows &= np.linalg.norm(farther - in_full, axis=1) < (1.0 - _SUDDEN) * growth
         return np.where(grows, later, soon), np.where(grows[:, None], in_full, at_once)
 
-    def _turns_of_arcs(self, arcs: np.ndarray) -> dict[int, tuple[np.ndarray, ...]]:
+    def _turns_of_arcs(self, arcs: np.ndarray) -> _Turns:
         """Where axes turn back on arcs, where the error is there in full, and after and before.
 
         Asked for all arcs at once: one question takes as long as thousands.
         """
-        if not len(arcs):
-            return {}
-        found = [reversals_of_arc(self.moves, int(self.found.move[index])) for index in arcs]
-        count = np.array([len(place) for place, _ in found], np.int64)
-        owner = np.repeat(arcs, count)
-        place = np.concatenate([place for place, _ in found])
-        axes = np.concatenate([axis for _, axis in found])
+        arc, place, axes = reversals_of_arcs(self.moves, self.found.move[arcs])
+        owner = arcs[arc]
         row = self.found.move[owner]
         later, after = self._settled(row, place, axes, self.tolerance_mm[owner])
         before = self.error_at(row, place - _ASIDE)
-        ends = np.cumsum(count)[:-1]
-        parts = (np.split(column, ends) for column in (place, later, after, before))
-        return dict(zip(arcs.tolist(), zip(*parts, strict=True), strict=True))
+        jump = across(after - before, tangent_at(self.moves, row, place))
+        jumps = np.flatnonzero(np.linalg.norm(jump, axis=1) > self.tolerance_mm[owner])
+        return _Turns(owner[jumps], place[jumps], later[jumps], after[jumps], before[jumps])
 
-    def _put(self, piece: Piece, aim_mm: np.ndarray | None = None) -> None:
-        self.pieces.append(piece)
-        self.aim_mm.append(np.zeros(3) if aim_mm is None else aim_mm)
+    def _is_one_arc(self, arcs: np.ndarray) -> np.ndarray:
+        """Arcs that no jump divides and that one arc does for, (A,) bool."""
+        found, moves = self.found, self.moves
+        sweep = np.abs(moves.sweep_rad[found.move[arcs]])
+        fits = ~np.isin(arcs, self.turns.owner) & (sweep <= LARGEST_SWEEP_RAD)
+        rows = np.flatnonzero(fits)
+        count = np.diff(found.first)[arcs[rows]]
+        begin = np.cumsum(count) - count
+        sample = np.arange(count.sum()) + np.repeat(found.first[arcs[rows]] - begin, count)
+        move = np.repeat(found.move[arcs[rows]], count)
+        parameter = found.parameter[sample]
+        points = position_at(moves, move, parameter) - found.error_mm[sample]
+        miss = circle_misses(points, parameter, np.append(begin, len(sample)),
+                             moves.axis[found.move[arcs[rows]]])  # fmt: skip
+        fits[rows] = miss <= self.tolerance_mm[arcs[rows]]
+        return fits
+
+    def _put(self, index: int, piece: Piece, aim_mm: np.ndarray | None = None) -> None:
+        pieces, aims = self.own[index]
+        pieces.append(piece)
+        aims.append(np.zeros(3) if aim_mm is None else aim_mm)
 
     def _arc(self, index: int, error: np.ndarray) -> None:
         """Arcs between the places where an axis turns back and the error jumps."""
         move, parameter = int(self.found.move[index]), self.found.of(index)[0]
-        places, later, after, before = self.turns[index]
-        tangent = tangent_at(self.moves, np.full(len(places), move), places)
-        jump = across(after - before, tangent)
-        jumps = np.flatnonzero(np.linalg.norm(jump, axis=1) > self.tolerance_mm[index])
-        cuts = [0.0, *places[jumps], 1.0]
+        jumps = self.turns.of(index)
+        cuts = [0.0, *jumps.place, 1.0]
         for number, (start, end) in enumerate(pairwise(cuts)):
-            ready = later[jumps[number - 1]] if number else start
+            ready = jumps.later[number - 1] if number else start
             inside = (parameter > ready + _ASIDE) & (parameter < end - _ASIDE)
-            first = after[jumps[number - 1]] if number else error[0]
-            last = error[-1] if number == len(jumps) else before[jumps[number]]
+            first = jumps.after[number - 1] if number else error[0]
+            last = error[-1] if number == len(jumps.place) else jumps.before[number]
             if number:
-                self._put(Piece(move, float(start), float(start), settled=float(ready)))
+                self._put(index, Piece(move, float(start), float(start), settled=float(ready)))
             places_here = np.concatenate([[start], parameter[inside], [end]])
             errors_here = np.vstack([first, error[inside], last])
             for piece in split_arc(self.moves, move, places_here, -errors_here,
                                    tolerance_mm=self.tolerance_mm[index]):  # fmt: skip
-                self._put(piece)
+                self._put(index, piece)
 
     def _tube(self, index: int, error: np.ndarray) -> None:
         """A line whose error bends, as a polyline inside the tolerance."""
@@ -200,11 +241,11 @@ class _Planner:
             key=lambda polyline: len(polyline[0]),
         )  # fmt: skip
         move = int(self.found.move[index])
-        if self.pieces:
+        if index:
             self._shift_corner(index, frame, off[0])
         for piece in range(len(vertex) - 1):
             first, last = parameter[vertex[piece]], parameter[vertex[piece + 1]]
-            self._put(Piece(move, float(first), float(last)), off[piece + 1] @ frame)
+            self._put(index, Piece(move, float(first), float(last)), off[piece + 1] @ frame)
 
     def _ends(self, index: int) -> tuple[np.ndarray, np.ndarray, float]:
         """Two directions across the move; range of its start along them; share of the width at
@@ -220,7 +261,7 @@ class _Planner:
             side = across(np.eye(3)[np.argmin(np.abs(own))], own)
         side = side / np.linalg.norm(side)
         frame = np.stack([side, np.cross(own, side)])
-        carried = self.aim_mm[-1] if self.pieces else np.zeros(3)
+        carried = self._aim_before(index)
         reach = _AT_CORNERS * self.tolerance_mm[index] * (turn if turn >= _CORNER else 0.0)
         slack = np.array([reach, 0.0])
         value = frame @ carried
@@ -229,7 +270,7 @@ class _Planner:
 
     def _direction_before(self, index: int) -> np.ndarray:
         """Direction along which the start may be shifted; zero for none."""
-        if index == 0 or not self.pieces or self.pieces[-1].is_step:
+        if index == 0 or self.own[index][0]:  # a step between them
             return np.zeros(3)
         kind = self.moves.kind[self.found.move[index - 1]]
         return self.direction[index - 1] if kind == MoveKind.LINE else np.zeros(3)
@@ -239,8 +280,46 @@ class _Planner:
         before = self._direction_before(index)
         turn = float(frame[0] @ before)
         if turn >= _CORNER:
-            missing = off[0] - frame[0] @ self.aim_mm[-1]
-            self.aim_mm[-1] = self.aim_mm[-1] + missing / turn * before
+            aim = self._aim_before(index)
+            aim = aim + (off[0] - frame[0] @ aim) / turn * before
+            if index - 1 in self.own:
+                self.own[index - 1][1][-1] = aim
+            else:
+                self.shifted[index - 1] = aim
+
+    def _aim_before(self, index: int) -> np.ndarray:
+        """Where the last piece before a move, or before its tube, shall lead, (3,) mm."""
+        if self.own[index][1]:
+            return self.own[index][1][-1]
+        if index - 1 in self.own:
+            return self.own[index - 1][1][-1]
+        return self.shifted.get(index - 1, np.zeros(3))
+
+
+@dataclass(frozen=True)
+class _Turns:
+    """Places on arcs where an axis turns back and the error jumps, in order; J of them.
+
+    Attributes
+    ----------
+    owner : (J,) int64
+        Index of the move.
+    place, later : (J,) float64
+        Parameter, and that from which on the error is there in full.
+    after, before : (J, 3) float64
+        Error there in full, and just before, mm.
+    """
+
+    owner: np.ndarray
+    place: np.ndarray
+    later: np.ndarray
+    after: np.ndarray
+    before: np.ndarray
+
+    def of(self, index: int) -> _Turns:
+        """Those of one move."""
+        part = slice(*np.searchsorted(self.owner, [index, index + 1]))
+        return _Turns(*(column[part] for column in vars(self).values()))
 
 
 def _widths(tolerance_mm: float, start: np.ndarray) -> Iterator[np.ndarray]:

@@ -11,7 +11,7 @@ import numpy as np
 from gcode import Moves
 from vmach.path.geometry import last_direction, position_at
 
-__all__ = ["reversals_of_arc", "settled", "turned_at_start"]
+__all__ = ["reversals_of_arcs", "settled", "turned_at_start"]
 
 #: way of an axis after which its lost motion counts as taken up
 _TAKE_UP_MM = 0.03
@@ -29,21 +29,40 @@ def turned_at_start(moves: Moves, move: np.ndarray) -> np.ndarray:
     return now * before < 0.0
 
 
-def reversals_of_arc(moves: Moves, move: int) -> tuple[np.ndarray, np.ndarray]:
-    """Parameters (K,) between 0 and 1 at which axes turn back on an arc, and which, (K, 3)."""
-    start = moves.start_mm[move] - moves.centre_mm[move]
-    onward, sweep = np.cross(moves.axis[move], start), moves.sweep_rad[move]
-    half_turns = np.pi * np.arange(-1.0, abs(sweep) / np.pi + 1.0) * np.sign(sweep)
-    places, axes = [], []
+def reversals_of_arcs(moves: Moves, arcs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Where axes turn back on arcs, in order.
+
+    Parameters
+    ----------
+    moves : Moves
+    arcs : (A,) int64
+
+    Returns
+    -------
+    arc : (K,) int64
+        Index into `arcs`.
+    place : (K,) float64
+        Parameter, between 0 and 1.
+    axis : (K, 3) bool
+        Which axis.
+    """
+    normal, sweep = moves.axis[arcs], moves.sweep_rad[arcs]
+    start = moves.start_mm[arcs] - moves.centre_mm[arcs]
+    onward = np.cross(normal, start)
+    most = int(np.ceil(np.abs(sweep).max(initial=0.0) / np.pi + 2.0))
+    half_turns = np.pi * np.arange(-1.0, most - 1.0) * np.sign(sweep)[:, None]
+    owners, places, axes = [], [], []
     for axis in range(3):
-        if abs(moves.axis[move][axis]) < 0.5:
-            found = (np.arctan2(onward[axis], start[axis]) + half_turns) / sweep
-            places.append(found)
-            axes.append(np.tile(np.arange(3) == axis, (len(found), 1)))
-    place, axis = np.concatenate(places), np.concatenate(axes)
-    inside = np.flatnonzero((place > _LADDER[0]) & (place < 1.0 - _LADDER[0]))
-    order = inside[np.argsort(place[inside])]
-    return place[order], axis[order]
+        angle = np.arctan2(onward[:, axis], start[:, axis])[:, None] + half_turns
+        found = angle / sweep[:, None]
+        inside = (found > _LADDER[0]) & (found < 1.0 - _LADDER[0])
+        inside &= (np.abs(normal[:, axis]) < 0.5)[:, None]
+        owners.append(np.nonzero(inside)[0])
+        places.append(found[inside])
+        axes.append(np.full(len(places[-1]), axis))
+    owner, place, axis = (np.concatenate(a) for a in (owners, places, axes))
+    order = np.lexsort((place, owner))
+    return owner[order], place[order], np.arange(3) == axis[order, None]
 
 
 def settled(

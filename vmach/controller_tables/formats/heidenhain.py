@@ -25,7 +25,7 @@ import numpy as np
 
 from vmach.controller_tables.knots import Knots
 from vmach.controller_tables.projection import AxisTable, Term
-from vmach.controller_tables.table_format import TableFormat, projected
+from vmach.controller_tables.table_format import HeldErrors, TableFormat, error_name, projected
 from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
@@ -150,6 +150,17 @@ def _com(path: Path) -> dict[str, np.ndarray]:
     return columns
 
 
+def errors_of_heidenhain(folder: Path, options: Mapping[str, Any]) -> HeldErrors:
+    """The entries, which are errors as measured; reversal of the own axis alone."""
+    tables = {}
+    for axis, columns in read_heidenhain(folder).tables.items():
+        for name in columns.keys() & set(_AXES):
+            output = _AXES.index(name)
+            back = columns.get("BACKLASH", columns[name]) if output == axis else columns[name]
+            tables[error_name(output, axis)] = (columns["AXISPOS"], columns[name], back)
+    return HeldErrors(dict(sorted(tables.items())))
+
+
 def _cross_own_reversal(task: TableTask) -> list[Term]:
     return [Term(j, i, task.by_direction and i == j) for i in range(3) for j in range(3)]
 
@@ -172,5 +183,7 @@ FORMATS = (
         write=_write,
         read=lambda folder, options: read_heidenhain(folder),
         terms=_cross_own_reversal,
+        errors=errors_of_heidenhain,
+        sign="CONFIG.CMA",
     ),
 )

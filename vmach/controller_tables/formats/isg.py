@@ -23,7 +23,7 @@ import numpy as np
 from vmach.controller_tables.fitted_chain import fitted_chain
 from vmach.controller_tables.knots import Knots
 from vmach.controller_tables.rigid_chain import RigidChain
-from vmach.controller_tables.table_format import UNLIMITED_ENTRIES, TableFormat
+from vmach.controller_tables.table_format import UNLIMITED_ENTRIES, HeldErrors, TableFormat
 from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
@@ -152,6 +152,12 @@ def _write(
     return write_isg(folder, fitted_chain(task, knots, by_direction=False))
 
 
+def errors_of_isg(folder: Path, options: Mapping[str, Any]) -> HeldErrors:
+    """The tables as they stand: they hold errors."""
+    chain = read_isg(folder)
+    return HeldErrors(chain.tables, chain.squareness_rad, chain.order)
+
+
 FORMATS = (
     TableFormat(
         name="isg",
@@ -162,5 +168,7 @@ FORMATS = (
         most_entries=UNLIMITED_ENTRIES,
         write=_write,
         read=lambda folder, options: read_isg(folder),
+        errors=errors_of_isg,
+        sign="volcomp.lis",
     ),
 )

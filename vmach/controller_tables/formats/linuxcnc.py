@@ -23,7 +23,7 @@ import numpy as np
 
 from vmach.controller_tables.knots import Knots
 from vmach.controller_tables.projection import AxisTable, Term
-from vmach.controller_tables.table_format import TableFormat, projected
+from vmach.controller_tables.table_format import HeldErrors, TableFormat, error_name, projected
 from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
@@ -127,6 +127,14 @@ def _triplets(path: Path, file_type: int) -> np.ndarray:
     return np.array(rows)
 
 
+def errors_of_linuxcnc(folder: Path, options: Mapping[str, Any]) -> HeldErrors:
+    """The errors that the trims take back: positioning of each joint, with its reversal."""
+    joints = read_linuxcnc(folder).joints
+    return HeldErrors(
+        {error_name(j, j): (own[:, 0], -own[:, 1], -own[:, 2]) for j, own in joints.items()}
+    )
+
+
 def _own_axis(task: TableTask) -> list[Term]:
     return [Term(k, k, task.by_direction) for k in range(3)]
 
@@ -149,5 +157,7 @@ FORMATS = (
         write=_write,
         read=lambda folder, options: read_linuxcnc(folder),
         terms=_own_axis,
+        errors=errors_of_linuxcnc,
+        sign="joints.ini",
     ),
 )

@@ -29,7 +29,7 @@ import numpy as np
 
 from vmach.controller_tables.knots import Knots
 from vmach.controller_tables.projection import AxisTable, Term, scaled
-from vmach.controller_tables.table_format import TableFormat, projected
+from vmach.controller_tables.table_format import HeldErrors, TableFormat, error_name, projected
 from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
@@ -217,6 +217,11 @@ class _ReadTable:
         left = np.minimum(place.astype(int), count - 2)
         return entries[left] + (place - left) * (entries[left + 1] - entries[left])
 
+    def positions(self) -> np.ndarray:
+        """Where the entries are, (K,) mm."""
+        low, high = float(self.settings["MIN"]), float(self.settings["MAX"])
+        return np.linspace(low, high, len(self.values))
+
     def axis(self, name: str) -> int:
         return "XYZ".index(self.settings[name].strip("()")[0])
 
@@ -327,6 +332,46 @@ def _check(tables: dict[int, _ReadTable], path: Path) -> None:
             )  # fmt: skip
 
 
+def errors_of_enc(folder: Path, options: Mapping[str, Any]) -> HeldErrors:
+    """The entries, which are errors; both directions alike."""
+    tables = {}
+    for axis, table in read_enc_comp(folder).tables.items():
+        position = table.positions()
+        tables[error_name(axis, axis)] = (position, table.at(position), table.at(position))
+    return HeldErrors(tables)
+
+
+def errors_of_cec(folder: Path, options: Mapping[str, Any]) -> HeldErrors:
+    """What the plain tables of each pair of axes take back, for either direction.
+
+    Raises
+    ------
+    InputError
+        Tables that are multiplied: no component error is a product of two positions.
+    """
+    found = _read_cec(folder, options)
+    sign = -1.0 if found.entries == "correction" else 1.0
+    pairs = defaultdict(list)
+    for index, table in found.tables.items():
+        if int(table.settings.get("MULT_BY_TABLE", 0)):
+            raise InputError(
+                f"table {index} is multiplied by another one",
+                file=folder / "NC_CEC.INI",
+                accepted="plain tables: products of two positions are no component error",
+            )
+        pairs[table.axis("OUTPUT_AXIS"), table.axis("INPUT_AXIS")].append(table)
+    tables = {}
+    for (output, axis), own in sorted(pairs.items()):
+        position = np.unique(np.concatenate([table.positions() for table in own]))
+        ways = [
+            sum(t.at(position) for t in own if int(t.settings["DIRECTION"]) in (0, way))
+            + np.zeros(len(position))
+            for way in (1, -1)
+        ]
+        tables[error_name(output, axis)] = (position, sign * ways[0], sign * ways[1])
+    return HeldErrors(tables)
+
+
 def _own_axis_mean(task: TableTask) -> list[Term]:
     return [Term(k, k) for k in range(3)]
 
@@ -385,6 +430,8 @@ FORMATS = (
         write=_write_enc,
         read=lambda folder, options: read_enc_comp(folder),
         terms=_own_axis_mean,
+        errors=errors_of_enc,
+        sign="AX_EEC.INI",
     ),
     TableFormat(
         name="sinumerik-cec",
@@ -397,6 +444,8 @@ FORMATS = (
         write=_write_cec,
         read=_read_cec,
         terms=_cross,
+        errors=errors_of_cec,
+        sign="NC_CEC.INI",
     ),
     TableFormat(
         name="sinumerik-cec-products",

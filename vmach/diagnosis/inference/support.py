@@ -74,9 +74,9 @@ class Support:
         return self.odds >= CLEARLY and self.probability >= 0.5
 
     @property
-    def order(self) -> float:
-        """Smaller the less it is to be believed."""
-        return self.probability * float(expit(self.odds))
+    def order(self) -> tuple[bool, float]:
+        """Smaller the less it is to be believed; first what a rival beside it makes needless."""
+        return self.odds >= CLEARLY, self.probability * float(expit(self.odds))
 
     def after(self, before: Support) -> Support:
         """The same as it was judged beside others, which are gone: what they did is no rest."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["Optimum", "solve"]
+__all__ = ["Optimum", "least_width", "solve"]
 
 #: a row may be broken by this share of the largest right hand side
 _FEASIBLE = 1e-12
@@ -85,3 +85,21 @@ def _first_rows(rows: np.ndarray, right: np.ndarray) -> np.ndarray:
     extreme = [f(rows[:, k]) for k in range(rows.shape[1]) for f in (np.argmin, np.argmax)]
     spread = np.linspace(0, len(rows) - 1, _ROWS).astype(int)
     return np.unique(np.r_[extreme, spread, np.argsort(-right, kind="stable")[:_ROWS]])
+
+
+def least_width(value: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
+    """Coefficients that make ``value - rows c`` as narrow as can be, the width, its weights.
+
+    Parameters
+    ----------
+    value : (N,) array
+    rows : (N, K) array
+        A constant is always allowed too.
+    """
+    ones = np.ones((len(value), 1))
+    table = np.hstack([rows, ones, ones])
+    other = np.hstack([-rows, -ones, ones])
+    cost = np.r_[np.zeros(rows.shape[1] + 1), 1.0]
+    found = solve(cost, np.vstack([table, other]), np.r_[value, -value])
+    above, below = np.split(found.weight, 2)
+    return found.x[: rows.shape[1]], 2.0 * float(found.x[-1]), 2.0 * (above - below)

@@ -9,7 +9,7 @@ import numpy as np
 
 from vmach.errors import InputError
 from vmach.features.association.associate import associate
-from vmach.features.association.linear_program import solve
+from vmach.features.association.linear_program import least_width
 from vmach.features.datum_system import DatumSystem
 from vmach.features.derived import derived_points, in_plane, largest_gap_rad, section_rows
 from vmach.features.drawing.callout import Callout
@@ -85,29 +85,11 @@ def _circle_zone(surface, actual: np.ndarray, rows: np.ndarray) -> Measure:
         arm = flat - centre
         radius = np.hypot(*arm.T)
         unit = arm / radius[:, None]
-        step, width, weight = _least_width(radius - radius.mean(), unit)
+        step, width, weight = least_width(radius - radius.mean(), unit)
         centre = centre + step
         if np.abs(step).max() < 1e-12:
             break
     return Measure(width, rows, surface.sign * weight)
-
-
-def _least_width(value: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
-    """Coefficients that make ``value - rows c`` as narrow as can be, the width, its weights.
-
-    Parameters
-    ----------
-    value : (N,) array
-    rows : (N, K) array
-        A constant is always allowed too.
-    """
-    ones = np.ones((len(value), 1))
-    table = np.hstack([rows, ones, ones])
-    other = np.hstack([-rows, -ones, ones])
-    cost = np.r_[np.zeros(rows.shape[1] + 1), 1.0]
-    found = solve(cost, np.vstack([table, other]), np.r_[value, -value])
-    above, below = np.split(found.weight, 2)
-    return found.x[: rows.shape[1]], 2.0 * float(found.x[-1]), 2.0 * (above - below)
 
 
 def straightness(feature: Feature, points: Points, callout: Callout) -> Measure:
@@ -149,7 +131,7 @@ def _plane_lines(member: Member, points: Points, callout: Callout) -> list[Measu
     for rows in lines:
         if len(rows) >= 3:
             length = (nominal[rows] @ direction)[:, None]
-            _, width, weight = _least_width(height[rows], length - length.mean())
+            _, width, weight = least_width(height[rows], length - length.mean())
             found.append(Measure(width, member.rows[rows], weight))
     return found
 

@@ -184,6 +184,7 @@ class _Source:
             runs=table.runs,
             reverse=bool(entry.reverse),
             reverse_deviations=entry.reverse_deviations,
+            nose_at_mm=None if entry.nose_at_mm is None else np.array(entry.nose_at_mm, float),
             provenance=entry.provenance or common.provenance or "",
             measured_on=entry.measured_on or common.measured_on,
             source=str(self.path.parent / (entry.table or self.data.volumetric.file)),

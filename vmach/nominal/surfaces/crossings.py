@@ -26,6 +26,8 @@ _CROWD = 8.0
 
 #: a row whose v differs from that of a whole segment by less than this runs along it
 _ALONG = 1e-7
+#: where one segment ends and the next begins, their v differ by rounding, by less than this
+_ROUNDING = 1e-9
 
 
 @njit(cache=True, nogil=True)
@@ -114,27 +116,46 @@ def interpolated(at, row, x, y):
 
 @njit(cache=True, nogil=True)
 def _beside_edges(segments, level, period):
-    """A row that runs along an edge, moved off it: rounding decides what it crosses there."""
+    """A row along an edge, or through ends that differ by rounding, moved off it.
+
+    Rounding decides what such a row crosses there: both segments that meet, or neither.
+    """
     for s in range(len(segments)):
-        one, other = segments[s, 0, 1] - level, segments[s, 1, 1] - level
-        if period > 0.0:
-            one -= period * np.round(one / period)
-            other -= period * np.round(other / period)
-        if abs(one) < _ALONG and abs(other) < _ALONG:
+        if _is_along(segments[s, 0, 1] - level, segments[s, 1, 1] - level, period):
             return level + 2.0 * _ALONG
     return level
+
+
+@njit(cache=True, nogil=True)
+def _is_along(one, other, period):
+    """Whether a segment with its ends so far above a row lies along it, or ends all but on it."""
+    if period > 0.0:
+        one -= period * np.round(one / period)
+        other -= period * np.round(other / period)
+    one, other = abs(one), abs(other)
+    return (one < _ALONG and other < _ALONG) or 0.0 < one < _ROUNDING or 0.0 < other < _ROUNDING
+
+
+@njit(cache=True, nogil=True)
+def _ends_at(height, period):
+    """Whether an end so far above a row lies on it, but for rounding."""
+    if period > 0.0:
+        height -= period * np.round(height / period)
+    return abs(height) < _ROUNDING
 
 
 @njit(cache=True, nogil=True)
 def _bands(segments, count, low, height, first, listed):
     """List the segments by the bands of v that they reach into; return how many are listed.
 
+    A row may be moved off an edge, into the next band: segments are listed that much further.
     With an empty `listed` they are only counted, in `first`, (count + 1,).
     """
     total = 0
     for s in range(len(segments)):
         v0, v1 = segments[s, 0, 1], segments[s, 1, 1]
-        begin, end = _band(min(v0, v1), low, height, count), _band(max(v0, v1), low, height, count)
+        begin = _band(min(v0, v1) - 4.0 * _ALONG, low, height, count)
+        end = _band(max(v0, v1) + 4.0 * _ALONG, low, height, count)
         for band in range(begin, end + 1):
             if len(listed):
                 listed[first[band]] = s
@@ -192,8 +213,15 @@ def sides_of_points(segments, uv, u_period, v_period):
 def _side(segments, near, point, u_period, v_period):
     """Side of one point from the segments that may cross its row."""
     nearest, side, meets = np.inf, OUTSIDE, False
+    level = point[1]
+    for s in near:  # two edges that meet at this level, or at it but for rounding, decide nothing
+        if _ends_at(segments[s, 0, 1] - level, v_period) or _ends_at(
+            segments[s, 1, 1] - level, v_period
+        ):
+            level -= 2.0 * _ALONG
+            break
     for s in near:
-        crosses, u, up = _crossing(segments[s, 0], segments[s, 1], 1, point[1], v_period)
+        crosses, u, up = _crossing(segments[s, 0], segments[s, 1], 1, level, v_period)
         if not crosses:
             continue
         meets = True

@@ -146,12 +146,20 @@ class Trim:
         return u, ~upward
 
     def _line(self, axis: int, period: float) -> tuple[np.ndarray, np.ndarray]:
-        """Crossings with the line through the middle of the segment that leads most across it."""
+        """Crossings with a line through the segment that leads most across it.
+
+        It keeps away from the ends of all segments: two that meet there differ by rounding, so a
+        line through them crosses both, or neither.
+        """
         if not len(self.segments_uv):
             return np.empty(0), np.empty(0, dtype=bool)
-        step = np.abs(self.segments_uv[:, 1, axis] - self.segments_uv[:, 0, axis])
-        middle = self.segments_uv[np.argmax(step), :, axis].mean()
-        return line_crossings(self.segments_uv, axis, middle, period)
+        ends = self.segments_uv[:, :, axis]
+        low, high = np.sort(ends[np.argmax(np.abs(ends[:, 1] - ends[:, 0]))])
+        place = low + np.mod(ends - low, period) if period else ends
+        place = np.sort(place[(low < place) & (place < high)])
+        bounds = np.r_[low, place, high]
+        widest = np.argmax(np.diff(bounds))
+        return line_crossings(self.segments_uv, axis, bounds[widest : widest + 2].mean(), period)
 
     def _covers_rows(self, v: np.ndarray) -> np.ndarray:
         """Whether rows (R,) that meet no edge are inside, from the nearest crossing of a column."""

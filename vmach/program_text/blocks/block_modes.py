@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
 
-from gcode import MoveKind, Program, Step
+from gcode import Modes, MoveKind, PlainLines, Program, Step
 from vmach.errors import InputError
 
 __all__ = ["PLANE_AXES", "BlockModes", "block_modes"]
@@ -62,16 +61,23 @@ def block_modes(program: Program) -> dict[int, BlockModes]:
     InputError
         A line has more than one motion, or runs out of order.
     """
-    moving = program.moves.line[program.moves.kind != MoveKind.DWELL]
-    rows = Counter(moving.tolist())
+    moving = program.moves.line[program.moves.kind != MoveKind.DWELL].astype(np.int64)
+    lines, rows = np.unique(moving, return_counts=True)
+    several = set(lines[rows > 1].tolist())
     modes: dict[int, BlockModes] = {}
     refused: dict[int, str] = {}
-    for step in program.steps:
-        line = step.line
-        if line not in rows:
+    for step in program.outline:
+        if isinstance(step, PlainLines):
+            found = _modes(step.modes, set())
+            here = slice(*np.searchsorted(lines, [step.first, step.last + 1]))
+            modes |= dict.fromkeys(lines[here].tolist(), found)
             continue
-        found = _modes(step)
-        if rows[line] > 1 and not found.left:
+        line = step.line
+        place = np.searchsorted(lines, line)
+        if place == len(lines) or lines[place] != line:
+            continue
+        found = _modes(step.modes, step.g_names)
+        if line in several and not found.left:
             refused.setdefault(line, "several motions of one block")
         if step.modes.motion == _RIGID_TAP and found.incremental:
             refused.setdefault(line, "tapping by G33.1 in G91")
@@ -87,6 +93,8 @@ def block_modes(program: Program) -> dict[int, BlockModes]:
 def _not_written(program: Program, step: Step) -> dict[int, str]:
     """Why a line of a dialect that is not written out cannot get another end."""
     language = program.language
+    if step.unwritable:
+        return {step.line: step.unwritable}
     if language.is_rs274:
         return {}
     if step.modes.side or step.before.side:
@@ -97,8 +105,7 @@ def _not_written(program: Program, step: Step) -> dict[int, str]:
     return {}
 
 
-def _modes(step: Step) -> BlockModes:
-    modes, codes = step.modes, step.g_names
+def _modes(modes: Modes, codes: set[str]) -> BlockModes:
     return BlockModes(
         unit_mm=modes.unit_mm,
         incremental=not modes.absolute,

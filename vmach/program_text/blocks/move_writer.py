@@ -11,7 +11,7 @@ from gcode import SAME, UNKNOWN, BlockMotion, Labels, Word
 from vmach.program_text.block_state import BlockState
 from vmach.program_text.blocks.block_modes import PLANE_AXES
 from vmach.program_text.blocks.pieces import Piece
-from vmach.program_text.blocks.written_arc import WantedArc, best_centre, best_radius, chord_miss
+from vmach.program_text.blocks.written_arc import LINE, RADIUS, fit_arc
 from vmach.program_text.expanding.expanded_text import number_text
 from vmach.program_text.frame_shift import turned_about_z
 from vmach.program_text.plain_program import PlainProgram
@@ -189,22 +189,18 @@ class MoveWriter:
         """G code and numbers of an arc through three points; G1 where a line is nearer."""
         side = list(PLANE_AXES[self.mode.plane][:2])
         points = (place.aimed, goal.middle_mm, goal.end_mm, place.written, reached)
-        arc = WantedArc(*(point[side] / self.unit for point in points))
+        arc = np.array([point[side] / self.unit for point in points])
         absolute = self.mode.absolute_centre or self.plain.text.absolute_centres
-        origin = self.zero[side] / self.unit if absolute else arc.start
-        centre = best_centre(arc, origin, self.step, self._accepts)
-        if centre is None or chord_miss(arc) <= centre.miss:
+        origin = self.zero[side] / self.unit if absolute else arc[3]
+        arcs = self.plain.control.arcs
+        tolerance = np.array([arcs.absolute(self.unit), arcs.relative])
+        how, turns, *values = fit_arc(arc, origin, self.step, tolerance, self.edit.has_radius)
+        if how == LINE:
             return 1, {}
-        code = 3 if arc.is_counter_clockwise else 2
-        radius = best_radius(arc, self.step) if self.edit.has_radius else None
-        if radius is not None and radius.miss <= max(centre.miss, 0.3 * self.step):
-            return code, {"R": self._number(radius.value, own.get("R"))}
-        letters = ["IJK"[axis] for axis in side]
-        values = zip(letters, centre.value, strict=True)
-        return code, {letter: self._number(value, own.get(letter)) for letter, value in values}
-
-    def _accepts(self, first: float, last: float) -> bool:
-        return self.plain.control.radii_agree(first, last, unit_mm=self.unit)
+        letters = ["R"] if how == RADIUS else ["IJK"[axis] for axis in side]
+        numbers = {letter: self._number(value, own.get(letter))
+                   for letter, value in zip(letters, values, strict=False)}  # fmt: skip
+        return 3 if turns else 2, numbers
 
     def _inverse_feed(self, piece: Piece, chord_mm: float) -> float:
         """F of a piece under G93: the program's feed over the length of the piece."""

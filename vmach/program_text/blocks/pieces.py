@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import astuple, dataclass, fields
 
 import numpy as np
 
-__all__ = ["Piece", "circle_through"]
+from vmach.program_text.blocks.circles import circle_centre
 
-#: a circle of larger radius is written as a line
-_LARGEST_RADIUS_MM = 1e5
+__all__ = ["Piece", "Pieces", "circle_through"]
 
 
 @dataclass(frozen=True)
@@ -42,12 +42,60 @@ class Piece:
         return self.start == self.end
 
 
+@dataclass(frozen=True)
+class Pieces:
+    """Pieces of a whole program as columns, (K,) each; see `Piece`.
+
+    Attributes
+    ----------
+    move : int64
+    start, end : float64
+    is_arc, kept : bool
+    settled : float64
+    """
+
+    move: np.ndarray
+    start: np.ndarray
+    end: np.ndarray
+    is_arc: np.ndarray
+    kept: np.ndarray
+    settled: np.ndarray
+
+    @classmethod
+    def of(cls, pieces: Iterable[Piece]) -> Pieces:
+        """Columns of single pieces."""
+        rows = [astuple(piece) for piece in pieces]
+        kinds = (np.int64, np.float64, np.float64, bool, bool, np.float64)
+        columns = zip(*rows, strict=True) if rows else [()] * len(kinds)
+        return cls(*(np.array(c, kind) for c, kind in zip(columns, kinds, strict=True)))
+
+    @classmethod
+    def joined(cls, parts: Iterable[Pieces]) -> Pieces:
+        """Several one behind the other."""
+        parts = list(parts)
+        return cls(*(np.concatenate([getattr(part, f.name) for part in parts])
+                     for f in fields(cls)))  # fmt: skip
+
+    def __len__(self) -> int:
+        return len(self.move)
+
+    def __getitem__(self, index: int) -> Piece:
+        return Piece(*(getattr(self, f.name)[index].item() for f in fields(self)))
+
+    def __iter__(self) -> Iterator[Piece]:
+        return map(self.__getitem__, range(len(self)))
+
+    def taken(self, rows: np.ndarray) -> Pieces:
+        """Some of them."""
+        return Pieces(*(getattr(self, f.name)[rows] for f in fields(self)))
+
+    @property
+    def is_step(self) -> np.ndarray:
+        """No way along the nominal path, only a jump of the correction, (K,) bool."""
+        return self.start == self.end
+
+
 def circle_through(first: np.ndarray, middle: np.ndarray, last: np.ndarray) -> np.ndarray | None:
     """Centre (2,) of the circle through three points of a plane; None where they are in line."""
-    a, b = middle - first, last - first
-    twice_area = 2.0 * (a[0] * b[1] - a[1] * b[0])
-    if abs(twice_area) * _LARGEST_RADIUS_MM <= abs(a @ a * np.linalg.norm(b)):
-        return None
-    x = (b[1] * (a @ a) - a[1] * (b @ b)) / twice_area
-    y = (a[0] * (b @ b) - b[0] * (a @ a)) / twice_area
-    return first + np.array([x, y])
+    found, x, y = circle_centre(first, middle, last)
+    return np.array([x, y]) if found else None

@@ -1,162 +1,156 @@
-"""Arcs whose end and centre are rounded: the centre or radius that keeps them best."""
+"""Arcs whose end and centre are rounded: the centre or radius that keeps them best.
+
+Compiled code, for arcs that are written one by one and for runs of them. An arc is five points of
+its plane, (5, 2) in program units: where it shall begin, its middle, its end; and where the tool
+really is before it and after it.
+
+Source: closed form derived here: distance of one circle from another at places along it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from itertools import product
+import math
 
 import numpy as np
+from numba import njit
 
-from vmach.program_text.blocks.pieces import circle_through
+from vmach.program_text.blocks.circles import circle_centre, length, swept
 
-__all__ = ["ArcFit", "WantedArc", "best_centre", "best_radius", "chord_miss"]
+__all__ = ["CENTRE", "LINE", "RADIUS", "fit_arc"]
 
-#: rounded centres that are tried, steps from the nearest
-_TRIES = np.array(list(product((-2, -1, 0, 1, 2), repeat=2)), float)
+#: how an arc is written: as a line, by its centre, by its radius
+LINE, CENTRE, RADIUS = 0, 1, 2
+_BEGIN, _MIDDLE, _END, _START, _STOP = range(5)
+#: rounded centres that are tried, steps from the nearest in each axis
+_TRIES = 2
 #: places along an arc at which it is compared with the wanted one
-_SHARES = np.array([0.25, 0.5, 0.75])
+_SHARES = (0.25, 0.5, 0.75)
 #: an arc that is written turns by no more, and by about as much as the wanted one
-_LARGEST_SWEEP_RAD = np.radians(190.0)
+_LARGEST_SWEEP_RAD = math.radians(190.0)
 _SWEEP_SLACK_RAD = 0.3
 #: with R, arcs this near to a half circle have no certain centre
-_UNCERTAIN_RAD = np.radians(170.0)
+_UNCERTAIN_RAD = math.radians(170.0)
+#: the radius is taken where it misses by no more than this share of a step, or than the centre
+_RADIUS_STEPS = 0.3
 
 
-@dataclass(frozen=True)
-class WantedArc:
-    """Three points of an arc in its plane; program units.
-
-    Attributes
-    ----------
-    begin, middle, end : (2,) float64
-        Wanted.
-    start, stop : (2,) float64
-        Where the tool really is before the arc and after it.
-    """
-
-    begin: np.ndarray
-    middle: np.ndarray
-    end: np.ndarray
-    start: np.ndarray
-    stop: np.ndarray
-
-    @property
-    def centre(self) -> np.ndarray | None:
-        """Of the circle through the three points, (3,) mm; None where they are in line."""
-        return circle_through(self.begin, self.middle, self.end)
-
-    @property
-    def is_counter_clockwise(self) -> bool:
-        """Sense from first over second axis."""
-        first, second = self.middle - self.begin, self.end - self.middle
-        return bool(first[0] * second[1] - first[1] * second[0] > 0.0)
-
-
-@dataclass(frozen=True)
-class ArcFit:
-    """A way to write an arc.
-
-    Attributes
-    ----------
-    value : (2,) float64 or float
-        Centre in the numbers of the words, or the radius.
-    miss : float
-        Largest distance from the wanted arc, program units.
-    """
-
-    value: np.ndarray | float
-    miss: float
-
-
-def best_centre(
-    arc: WantedArc, origin: np.ndarray, step: float, accepts: Callable[[float, float], bool]
-) -> ArcFit | None:
-    """The rounded centre whose arc is nearest to the wanted one.
+@njit(cache=True)
+def fit_arc(arc, origin, step, tolerance, by_radius):  # pragma: no cover - compiled
+    """The rounded centre or radius whose arc is nearest to the wanted one.
 
     Parameters
     ----------
-    arc : WantedArc
+    arc : (5, 2) float64
     origin : (2,) float64
         Where the words of the centre count from.
     step : float
         Resolution of the words.
-    accepts : callable
-        Whether the control accepts radii at start and end.
+    tolerance : (2,) float64
+        Absolute, and relative to the larger one, by which radii at start and end may differ.
+    by_radius : bool
+        The block has a radius.
+
+    Returns
+    -------
+    tuple
+        `LINE`, `CENTRE` or `RADIUS`; whether it turns counter-clockwise, from the first over the
+        second axis; the numbers of the centre's words, or the radius and zero.
     """
-    centre = arc.centre
-    if centre is None:
-        return None
-    values = np.round((centre - origin) / step) * step + step * _TRIES
-    centres = origin + values
-    misses = _misses(arc, centre, centres)
-    first, last = (np.linalg.norm(p - centres, axis=1) for p in (arc.start, arc.stop))
-    # controls differ in what they do with unlike radii: half their difference counts as well
-    badness = np.maximum(misses, 0.5 * np.abs(first - last))
-    for index in np.argsort(badness, kind="stable"):
-        if not np.isfinite(misses[index]):
-            return None
-        if accepts(float(first[index]), float(last[index])):
-            return ArcFit(values[index], float(misses[index]))
-    return None
+    a, b, c = arc[_BEGIN], arc[_MIDDLE], arc[_END]
+    sense = (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) > 0.0
+    found, x, y = circle_centre(a, b, c)
+    if not found:
+        return LINE, sense, 0.0, 0.0
+    miss, i, j = _best_centre(arc, (x, y), sense, origin, step, tolerance)
+    if not miss < _chord_miss(arc):
+        return LINE, sense, 0.0, 0.0
+    if by_radius:
+        off, radius = _best_radius(arc, (x, y), sense, step)
+        if off <= max(miss, _RADIUS_STEPS * step):
+            return RADIUS, sense, radius, 0.0
+    return CENTRE, sense, i, j
 
 
-def best_radius(arc: WantedArc, step: float) -> ArcFit | None:
-    """The rounded radius, negative for more than half a circle; None where none is certain."""
-    centre = arc.centre
-    if centre is None:
-        return None
-    sweep = _sweep(arc, centre[None], arc.end)[0]
-    if sweep > _UNCERTAIN_RAD:
-        return None
-    radius = float(np.linalg.norm(arc.begin - centre))
-    near = round(radius / step) * step
-    fits = []
+@njit(cache=True)
+def _best_centre(arc, centre, sense, origin, step, tolerance):  # pragma: no cover - compiled
+    """Distance of the best arc, infinite for none, and the words of its centre."""
+    side = 2 * _TRIES + 1
+    misses, badness = np.empty(side * side), np.empty(side * side)
+    first, last = np.empty(side * side), np.empty(side * side)
+    near_i = np.rint((centre[0] - origin[0]) / step) * step
+    near_j = np.rint((centre[1] - origin[1]) / step) * step
+    for k in range(side * side):
+        x = origin[0] + (near_i + step * (k // side - _TRIES))
+        y = origin[1] + (near_j + step * (k % side - _TRIES))
+        misses[k] = _miss(arc, centre, sense, x, y)
+        first[k] = length(arc[_START, 0] - x, arc[_START, 1] - y)
+        last[k] = length(arc[_STOP, 0] - x, arc[_STOP, 1] - y)
+        # controls differ in what they do with unlike radii: half their difference counts as well
+        badness[k] = max(misses[k], 0.5 * abs(first[k] - last[k]))
+    for _ in range(side * side):
+        k = np.argmin(badness)
+        if not np.isfinite(misses[k]):
+            break
+        largest = max(tolerance[0], tolerance[1] * max(first[k], last[k]))
+        if abs(first[k] - last[k]) <= largest:
+            return (misses[k], near_i + step * (k // side - _TRIES),
+                    near_j + step * (k % side - _TRIES))  # fmt: skip
+        badness[k] = np.inf
+    return np.inf, 0.0, 0.0
+
+
+@njit(cache=True)
+def _best_radius(arc, centre, sense, step):  # pragma: no cover - compiled
+    """Distance of the best arc by radius, infinite where none is certain, and the radius."""
+    best, radius = np.inf, 0.0
+    if swept(centre[0], centre[1], arc[_START], arc[_END], sense) > _UNCERTAIN_RAD:
+        return best, radius
+    wanted = length(arc[_BEGIN, 0] - centre[0], arc[_BEGIN, 1] - centre[1])
+    near = np.rint(wanted / step) * step
     for value in (near, near - step, near + step):
-        found = _centre_of_radius(arc, value)
-        if found is not None:
-            fits.append(ArcFit(value, float(_misses(arc, centre, found[None])[0])))
-    return min(fits, key=lambda fit: fit.miss, default=None)
+        found, x, y = _centre_of_radius(arc, value, sense)
+        miss = _miss(arc, centre, sense, x, y) if found else np.inf
+        if miss < best:
+            best, radius = miss, value
+    return best, radius
 
 
-def chord_miss(arc: WantedArc) -> float:
+@njit(cache=True)
+def _chord_miss(arc):  # pragma: no cover - compiled
     """Distance of the wanted middle from the straight line to the written end."""
-    along = arc.stop - arc.start
-    length = float(np.linalg.norm(along))
-    out = arc.middle - arc.start
-    if length == 0.0:
-        return float(np.linalg.norm(out))
-    return float(abs(along[0] * out[1] - along[1] * out[0]) / length)
+    along_x, along_y = arc[_STOP, 0] - arc[_START, 0], arc[_STOP, 1] - arc[_START, 1]
+    out_x, out_y = arc[_MIDDLE, 0] - arc[_START, 0], arc[_MIDDLE, 1] - arc[_START, 1]
+    chord = length(along_x, along_y)
+    if chord == 0.0:
+        return length(out_x, out_y)
+    return abs(along_x * out_y - along_y * out_x) / chord
 
 
-def _misses(arc: WantedArc, centre: np.ndarray, centres: np.ndarray) -> np.ndarray:
-    """Largest distance of the arcs about `centres` from the circle about `centre`, (K,)."""
-    sense = 1.0 if arc.is_counter_clockwise else -1.0
-    out, last = arc.start - centres, arc.stop - centres
-    radii = np.linalg.norm(out, axis=1), np.linalg.norm(last, axis=1)
-    sweep, wanted = _sweep(arc, centres, arc.stop), _sweep(arc, centre[None], arc.end)[0]
-    angle = np.arctan2(out[:, 1], out[:, 0])[:, None] + sense * _SHARES * sweep[:, None]
-    radius = radii[0][:, None] + _SHARES * (radii[1] - radii[0])[:, None]
-    points = centres[:, None] + radius[..., None] * np.stack([np.cos(angle), np.sin(angle)], -1)
-    off = np.abs(np.linalg.norm(points - centre, axis=-1) - np.linalg.norm(arc.begin - centre))
-    wild = (sweep > _LARGEST_SWEEP_RAD) | (np.abs(sweep - wanted) > _SWEEP_SLACK_RAD)
-    return np.where(wild, np.inf, off.max(axis=1))
+@njit(cache=True)
+def _miss(arc, centre, sense, x, y):  # pragma: no cover - compiled
+    """Largest distance of the arc about a place from the circle about `centre`."""
+    sweep = swept(x, y, arc[_START], arc[_STOP], sense)
+    wanted = swept(centre[0], centre[1], arc[_START], arc[_END], sense)
+    if sweep > _LARGEST_SWEEP_RAD or abs(sweep - wanted) > _SWEEP_SLACK_RAD:
+        return np.inf
+    radius = length(arc[_BEGIN, 0] - centre[0], arc[_BEGIN, 1] - centre[1])
+    out_x, out_y = arc[_START, 0] - x, arc[_START, 1] - y
+    first, last = length(out_x, out_y), length(arc[_STOP, 0] - x, arc[_STOP, 1] - y)
+    begin, turn, worst = math.atan2(out_y, out_x), sweep if sense else -sweep, 0.0
+    for share in _SHARES:
+        angle, here = begin + share * turn, first + share * (last - first)
+        off_x = x + here * math.cos(angle) - centre[0]
+        off_y = y + here * math.sin(angle) - centre[1]
+        worst = max(worst, abs(length(off_x, off_y) - radius))
+    return worst
 
 
-def _sweep(arc: WantedArc, centres: np.ndarray, stop: np.ndarray) -> np.ndarray:
-    """Angle from start to `stop` about every centre in the arc's sense, (K,) rad."""
-    first, last = arc.start - centres, stop - centres
-    cross = first[:, 0] * last[:, 1] - first[:, 1] * last[:, 0]
-    angle = np.arctan2(cross, (first * last).sum(axis=1))
-    return np.mod(angle if arc.is_counter_clockwise else -angle, 2.0 * np.pi)
-
-
-def _centre_of_radius(arc: WantedArc, radius: float) -> np.ndarray | None:
-    """Centre of the shorter arc of this radius, as a control finds it."""
-    chord = arc.stop - arc.start
-    half = 0.5 * float(np.linalg.norm(chord))
+@njit(cache=True)
+def _centre_of_radius(arc, radius, sense):  # pragma: no cover - compiled
+    """Centre of the shorter arc of this radius, as a control finds it, and whether there is one."""
+    x, y = arc[_STOP, 0] - arc[_START, 0], arc[_STOP, 1] - arc[_START, 1]
+    half = 0.5 * length(x, y)
     if half == 0.0 or half >= radius:
-        return None
-    left = np.array([-chord[1], chord[0]]) / (2.0 * half)
-    away = np.sqrt(radius**2 - half**2) * (1.0 if arc.is_counter_clockwise else -1.0)
-    return arc.start + 0.5 * chord + away * left
+        return False, 0.0, 0.0
+    away = math.sqrt(radius * radius - half * half) / (2.0 * half) * (1.0 if sense else -1.0)
+    return True, arc[_START, 0] + 0.5 * x - away * y, arc[_START, 1] + 0.5 * y + away * x

@@ -60,14 +60,15 @@ class LineBuilder:
 
     program: Program
     texts: list[bytes] = field(default_factory=list)
-    origin: list[int] = field(default_factory=list)
+    origin: list[np.ndarray] = field(default_factory=list)
+    count: int = 0
     written: set[int] = field(default_factory=set)
     reasons: dict[int, str] = field(default_factory=dict)
 
-    def keep(self, line: int) -> None:
-        """Copy a line byte for byte."""
-        starts = self.program.source.line_starts
-        self._add(self.program.source.data[starts[line - 1] : starts[line]], line)
+    def keep(self, line: int, last: int | None = None) -> None:
+        """Copy a line, or all from one to the `last`, byte for byte."""
+        starts, last = self.program.source.line_starts, line if last is None else last
+        self._add(self.program.source.data[starts[line - 1] : starts[last]], line, last)
 
     def write(self, line: int, text: str, why: str, *, numbers: bool = True) -> None:
         """Add a line that takes the place of an old one, or a part of it.
@@ -83,20 +84,26 @@ class LineBuilder:
         numbers : bool
             Whether it has numbers that are not the user's.
         """
-        self._add(text.encode("latin-1") + self._line_ending(line), line)
+        self._add(text.encode("latin-1") + self._line_ending(line), line, line)
         self.reasons.setdefault(line, why)
         if numbers:
-            self.written.add(len(self.texts))
+            self.written.add(self.count)
 
     def drop(self, line: int, why: str) -> None:
         """Leave a line out."""
         self.reasons.setdefault(line, why)
 
-    def _add(self, data: bytes, line: int) -> None:
+    @property
+    def last_origin(self) -> int:
+        """The old line that the last one comes from."""
+        return int(self.origin[-1][-1])
+
+    def _add(self, data: bytes, first: int, last: int) -> None:
         if self.texts and not self.texts[-1].endswith(b"\n"):
-            self.texts[-1] += self._line_ending(self.origin[-1])
+            self.texts[-1] += self._line_ending(self.last_origin)
         self.texts.append(data)
-        self.origin.append(line)
+        self.origin.append(np.arange(first, last + 1))
+        self.count += last - first + 1
 
     def _line_ending(self, line: int) -> bytes:
         starts = self.program.source.line_starts
@@ -105,7 +112,7 @@ class LineBuilder:
     def result(self) -> Expanded:
         """The new text."""
         source = Source(b"".join(self.texts), self.program.path)
-        origin = np.array(self.origin, np.int64)
+        origin = np.concatenate([np.zeros(0, np.int64), *self.origin])
         return Expanded(source, origin, frozenset(self.written), self.reasons)
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gcode import Modes, MoveKind, Program, Step, Word
+from gcode import Modes, MoveKind, PlainLines, Program, Step, Word
 from vmach.errors import InputError
 from vmach.program_text.blocks.block_modes import PLANE_AXES
 from vmach.program_text.expanding.expanded_text import Expanded, LineBuilder, number_text
@@ -50,23 +50,36 @@ def plain(program: Program, *, floating_tap: bool) -> Expanded | None:
     if not program.language.is_rs274:
         return None
     writer = _Writer(program, LineBuilder(program))
-    of_line = {step.line: step for step in program.steps}
-    for line in range(1, len(program.source) + 1):
-        step = of_line.get(line)
-        rows = writer.rows_of(line)
-        if step is not None and (refused := _refused(step, rows)) is not None:
-            raise InputError(f"{refused} cannot be compensated", file=program.path, line=line)
-        why = None if step is None else _why(step, rows)
-        if step is not None and why and step.modes.motion in _TAPPING and not floating_tap:
-            raise InputError(
-                f"tapping cycle {step.modes.motion} cannot be written out for this control",
-                file=program.path,
-                line=line,
-                accepted="LinuxCNC, whose G84 feeds and reverses the spindle",
-            )
-        writer.line(line, step, why)
+    done = 0
+    for step in program.outline:
+        if isinstance(step, PlainLines):
+            writer.plain_lines(step)
+            done = step.last
+            continue
+        for line in range(done + 1, step.line):
+            writer.line(line, None, None)
+        _write_step(writer, step, floating_tap=floating_tap)
+        done = step.line
+    for line in range(done + 1, len(program.source) + 1):
+        writer.line(line, None, None)
     writer.end_exact_path()
     return writer.lines.result() if writer.lines.reasons else None
+
+
+def _write_step(writer: _Writer, step: Step, *, floating_tap: bool) -> None:
+    """Copy the line of a step or write it out; refuse what cannot be written out."""
+    rows, path = writer.rows_of(step.line), writer.program.path
+    if (refused := _refused(step, rows)) is not None:
+        raise InputError(f"{refused} cannot be compensated", file=path, line=step.line)
+    why = _why(step, rows)
+    if why and step.modes.motion in _TAPPING and not floating_tap:
+        raise InputError(
+            f"tapping cycle {step.modes.motion} cannot be written out for this control",
+            file=path,
+            line=step.line,
+            accepted="LinuxCNC, whose G84 feeds and reverses the spindle",
+        )
+    writer.line(step.line, step, why)
 
 
 def _refused(step: Step, rows: np.ndarray) -> str | None:
@@ -104,7 +117,7 @@ class _Writer:
     def __post_init__(self) -> None:
         self.path = self.program.record.path()
         self.moves = self.program.moves
-        order = self.path.line
+        order = self.order = self.path.line.astype(np.int64)
         if (np.diff(order) < 0).any():
             line = int(order[1:][np.diff(order) < 0][0])
             raise InputError(
@@ -119,7 +132,7 @@ class _Writer:
 
     def rows_of(self, line: int) -> np.ndarray:
         """Rows of the record that a line makes, (R,) indices."""
-        first, stop = np.searchsorted(self.path.line, [line, line + 1])
+        first, stop = np.searchsorted(self.order, [line, line + 1])
         return np.arange(first, stop)
 
     def motion_of(self, row: int) -> np.ndarray:
@@ -150,6 +163,29 @@ class _Writer:
                 self.motion = None
         else:
             self._write_out(line, step, rows, why)
+
+    def plain_lines(self, lines: PlainLines) -> None:
+        """Copy lines of plain motion; the first of them may not be able to stay."""
+        line = lines.first
+        while line <= lines.last and self._is_unsettled:
+            self.line(line, self._step(lines, line), None)
+            line += 1
+        if line <= lines.last:
+            self.lines.keep(line, lines.last)
+
+    @property
+    def _is_unsettled(self) -> bool:
+        """Lines have been written out, on which the next line that moves may rely."""
+        return self.motion is not None or self.ended_compensation or self.resume is not None
+
+    def _step(self, lines: PlainLines, line: int) -> Step:
+        """The step of one line of plain motion."""
+        index, words = line - lines.first, self.program.source.words(line)
+        codes = [w.value for w in words if w.letter == "G"]
+        motion = f"G{lines.motion[index]}" if lines.motion[index] >= 0 else lines.before.motion
+        modes = replace(lines.before, motion=motion)
+        said = {w.letter: w.value for w in words if w.letter not in "GN"}
+        return Step(line, modes, said, codes, blocks=1, modes=modes)
 
     def _loses_motion(self, step: Step) -> bool:
         """A line that relies on a motion word that the new text has changed."""
@@ -213,7 +249,7 @@ class _Writer:
     def end_exact_path(self) -> None:
         """Let the corners be rounded again after a run of cycles."""
         if self.resume is not None:
-            self.lines.write(self.lines.origin[-1], self.resume, "canned cycle: plain motion",
+            self.lines.write(self.lines.last_origin, self.resume, "canned cycle: plain motion",
                              numbers=False)  # fmt: skip
             self.resume = None
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from itertools import pairwise
 
-from gcode import Program, ProgramError, Step, block_items
+from gcode import PlainLines, Program, ProgramError, Step, block_items
 from vmach.errors import InputError
 from vmach.program_text.expanding.expanded_text import Expanded, LineBuilder, number_text
 
@@ -30,10 +30,13 @@ def unrolled(program: Program) -> Expanded | None:
     InputError
         The program runs too many lines, or a line cannot stand in another order.
     """
-    steps = program.steps
-    jumps = any(after.line <= before.line for before, after in pairwise(steps))
-    if not jumps and not any(_has_expression(program, step) for step in steps):
+    outline = program.outline
+    jumps = any(_first(after) <= _last(before) for before, after in pairwise(outline))
+    if not jumps and not any(
+        isinstance(step, Step) and _has_expression(program, step) for step in outline
+    ):
         return None
+    steps = program.steps
     if jumps and len(steps) > _MOST_LINES:
         raise InputError(
             f"the program runs {len(steps)} lines",
@@ -46,6 +49,14 @@ def unrolled(program: Program) -> Expanded | None:
     else:
         _write_numbers(program, steps, lines)
     return lines.result()
+
+
+def _first(part: Step | PlainLines) -> int:
+    return part.line if isinstance(part, Step) else part.first
+
+
+def _last(part: Step | PlainLines) -> int:
+    return part.line if isinstance(part, Step) else part.last
 
 
 def _code(program: Program, line: int) -> str:

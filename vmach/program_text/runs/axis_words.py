@@ -1,4 +1,4 @@
-"""Words X Y Z of the lines of moves, where they are plain numbers, found by compiled code."""
+"""Words of the lines of moves, where they are plain numbers, found by compiled code."""
 
 from __future__ import annotations
 
@@ -7,12 +7,17 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-__all__ = ["AxisWords", "axis_words"]
+__all__ = ["LETTERS", "RADIUS", "AxisWords", "axis_words"]
+
+#: letters by their columns: ends, centre and radius
+LETTERS = "XYZIJKR"
+RADIUS = LETTERS.index("R")
 
 _POWERS = 10.0 ** np.arange(16)
 _DIGITS = 15  #: whole numbers of so many digits are exact, and so are these powers of ten
-_POSITION = tuple(ord(letter) for letter in "IJKRP")
-_X, _G, _A = ord("X"), ord("G"), ord("A")
+_COLUMN = np.full(26, -1)
+_COLUMN[[ord(letter) - ord("A") for letter in LETTERS]] = np.arange(len(LETTERS))
+_G, _P, _A = ord("G"), ord("P"), ord("A")
 
 
 class AxisWords(NamedTuple):
@@ -21,17 +26,20 @@ class AxisWords(NamedTuple):
     Attributes
     ----------
     is_plain : (M,) bool
-        The line has letters with plain numbers and comments only, each axis once, and no word of
-        an arc.
-    start, stop : (M, 3) int64
-        Span of every number in the text; -1 for an axis without a word.
+        The line has letters with plain numbers and comments only, each of `LETTERS` once at
+        most, and no P.
+    start, stop : (M, 7) int64
+        Span of every number in the text by its letter; -1 where there is no word.
     value : (M, 3) float64
-    fill : (M, 3) int64
+        Of X Y Z.
+    fill : (M, 7) int8
         Decimals that are written.
-    is_bare, has_plus, has_minus, has_zero : (M, 3) bool
+    is_bare, has_plus, has_minus, has_zero : (M, 7) bool
         The number begins with a point after its sign; has a sign; begins with ``0`` itself.
     motion : (M,) int64
         Which of G0 to G3 is said, -1 for none.
+    behind : (M,) int64
+        Where a further word goes: behind the last of `LETTERS` and of G, or else of all words.
     """
 
     is_plain: np.ndarray
@@ -44,6 +52,7 @@ class AxisWords(NamedTuple):
     has_minus: np.ndarray
     has_zero: np.ndarray
     motion: np.ndarray
+    behind: np.ndarray
 
 
 def axis_words(data: bytes, line_starts: np.ndarray, line: np.ndarray) -> AxisWords:
@@ -58,11 +67,11 @@ def axis_words(data: bytes, line_starts: np.ndarray, line: np.ndarray) -> AxisWo
     line : (M,) int64
         1-based lines.
     """
-    count = len(line)
-    flags = [np.zeros((count, 3), bool) for _ in range(4)]
-    found = AxisWords(np.zeros(count, bool), np.full((count, 3), -1), np.full((count, 3), -1),
-                      np.zeros((count, 3)), np.zeros((count, 3), np.int64), *flags,
-                      np.full(count, -1))  # fmt: skip
+    count, shape = len(line), (len(line), len(LETTERS))
+    flags = [np.zeros(shape, bool) for _ in range(4)]
+    found = AxisWords(np.zeros(count, bool), np.full(shape, -1), np.full(shape, -1),
+                      np.zeros((count, 3)), np.zeros(shape, np.int8), *flags,
+                      np.full(count, -1), np.zeros(count, np.int64))  # fmt: skip
     text = np.frombuffer(data + b"\n", np.uint8)
     _read_lines(text, line_starts[line - 1], line_starts[line], found)
     return found
@@ -77,6 +86,7 @@ def _read_lines(data, first, last, found):  # pragma: no cover - compiled
 @njit(cache=True)
 def _read_line(data, at, last, k, found):  # pragma: no cover - compiled
     """Find the words of one line; tells whether it is plain."""
+    has_place = False
     while at < last:
         c = data[at]
         if c in (32, 9, 13, 10):
@@ -114,20 +124,23 @@ def _read_line(data, at, last, k, found):  # pragma: no cover - compiled
             at += 1
         if not _A <= letter <= _A + 25 or digits == 0 or digits > _DIGITS:
             return False
-        for other in _POSITION:
-            if letter == other:
-                return False
+        if letter == _P:
+            return False
         value = mantissa / _POWERS[max(decimals, 0)] * (-1.0 if sign == 45 else 1.0)
         is_motion = letter == _G and 0.0 <= value <= 3.0 and value == np.floor(value)
         if is_motion and found.motion[k] < 0:
             found.motion[k] = np.int64(value)
-        axis = letter - _X
-        if 0 <= axis <= 2:
+        axis = _COLUMN[letter - _A]
+        if axis >= 0 or letter == _G or not has_place:
+            found.behind[k] = at
+            has_place |= axis >= 0 or letter == _G
+        if axis >= 0:
             if found.start[k, axis] >= 0:
                 return False
             found.start[k, axis] = begin
             found.stop[k, axis] = at
-            found.value[k, axis] = value
+            if axis < 3:
+                found.value[k, axis] = value
             found.fill[k, axis] = max(decimals, 0)
             found.is_bare[k, axis] = data[body] == 46
             found.has_plus[k, axis] = sign == 43

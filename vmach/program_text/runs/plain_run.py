@@ -1,4 +1,4 @@
-"""Straight moves of plain lines written anew in compiled code.
+"""Lines and arcs of plain lines written anew in compiled code.
 
 The counterpart of `vmach.program_text.blocks.move_writer` for one piece a move, absolute numbers
 and words that the line already has. It stops before a move that needs more.
@@ -11,15 +11,23 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from vmach.program_text.blocks.written_arc import LINE, RADIUS, fit_arc
+from vmach.program_text.runs.axis_words import LETTERS
+from vmach.program_text.runs.axis_words import RADIUS as R
+
 __all__ = ["LONGEST", "Run", "RunState", "write_run"]
 
 #: a number has no more characters than this
-LONGEST = 24
+LONGEST = 32
 #: corrections that change no word count as swallowed above this, program units
 _NOTHING = 1e-9
-#: where the next digit is so near to a half, in the last place, its text decides
-_UNSURE = 1e-3
+#: relative error of a scaled number, twice the rounding of one product: nearer to a half, in the
+#: last place, its text decides
+_PRODUCT = 2.3e-16
 _LARGEST = 1e14
+_LETTERS = np.frombuffer(LETTERS.encode(), np.uint8)
+_BLANK = ord(" ")
+_TO_LOWER = ord("a") - ord("A")
 
 
 class Run(NamedTuple):
@@ -41,12 +49,23 @@ class Run(NamedTuple):
         Axes that may get a word.
     start_mm, end_mm : (M, 3) float64
         Nominal places, program coordinates.
-    wanted_mm : (K, 3) float64
-        Where the pieces shall end.
-    first, last, value, fill : (M, 3)
-        Span, value and decimals of every number; -1 for no word.
-    is_bare, has_plus : (M, 3) bool
+    wanted_mm, middle_mm : (K, 3) float64
+        Where the pieces shall end, and where their middles shall be.
+    side : (M, 2) int8
+        First and second axis of the plane.
+    absolute_centre : (M,) bool
+    tolerance : (M, 2) float64
+        Of the radii of arcs, see `fit_arc`.
+    first, last, fill : (M, 7)
+        Span and decimals of every number; -1 for no word.
+    value : (M, 3) float64
+    is_bare, has_plus : (M, 7) bool
         How it is written: without a zero before the point; with a plus sign.
+    behind : (M,) int64
+        Where words go that the line lacks.
+    habits : (6,) int64
+        Of these: blanks before the letter and before the number, whether the letter is small;
+        fewest decimals, is_bare, has_plus.
     """
 
     piece: np.ndarray
@@ -59,12 +78,18 @@ class Run(NamedTuple):
     start_mm: np.ndarray
     end_mm: np.ndarray
     wanted_mm: np.ndarray
+    middle_mm: np.ndarray
+    side: np.ndarray
+    absolute_centre: np.ndarray
+    tolerance: np.ndarray
     first: np.ndarray
     last: np.ndarray
-    value: np.ndarray
     fill: np.ndarray
+    value: np.ndarray
     is_bare: np.ndarray
     has_plus: np.ndarray
+    behind: np.ndarray
+    habits: np.ndarray
 
 
 class RunState(NamedTuple):
@@ -125,11 +150,44 @@ def _put_number(text, mantissa, decimals, fill, negative, bare, plus):  # pragma
 
 
 @njit(cache=True)
-def _write_move(run, state, move, reached, aimed):  # pragma: no cover - compiled
-    """Write one move; tells whether that was possible."""
+def _edit(run, state, move, letter, value):  # pragma: no cover - compiled
+    """Put a number in the place of a word's, or add a word.
+
+    Tells whether its digits are sure, and what it says.
+    """
+    decimals = run.decimals[move]
+    scaled = abs(value) * 10.0**decimals
+    mantissa = np.floor(scaled + 0.5)
+    if scaled > _LARGEST or abs(scaled - np.floor(scaled) - 0.5) <= _PRODUCT * scaled:
+        return False, 0.0
+    edit = state.count[0]
+    text, at = state.text[edit], 0
+    fill, is_bare, has_plus = (
+        run.fill[move, letter],
+        run.is_bare[move, letter],
+        run.has_plus[move, letter],
+    )
+    if run.first[move, letter] >= 0:
+        state.start[edit], state.stop[edit] = run.first[move, letter], run.last[move, letter]
+    else:
+        state.start[edit] = state.stop[edit] = run.behind[move]
+        before, between, is_lower, fill = run.habits[0], run.habits[1], run.habits[2], run.habits[3]
+        is_bare, has_plus, fill = run.habits[4] > 0, run.habits[5] > 0, max(min(fill, decimals), 0)
+        text[: before + 1 + between] = _BLANK
+        text[before] = _LETTERS[letter] + (_TO_LOWER if is_lower else 0)
+        at = before + 1 + between
+    state.length[edit] = at + _put_number(
+        text[at:], np.int64(mantissa), decimals, fill, value < 0.0, is_bare, has_plus
+    )
+    state.count[0] = edit + 1
+    new = mantissa / 10.0 ** run.decimals[move]
+    return True, new * (-1.0 if value < 0.0 and mantissa != 0.0 else 1.0)
+
+
+@njit(cache=True)
+def _write_ends(run, state, move, reached, aimed):  # pragma: no cover - compiled
+    """Write X Y Z of one move; tells whether that was possible."""
     piece, unit = run.piece[move], run.unit_mm[move]
-    edits, swallowed = state.count[0], state.count[1]
-    power = 10.0 ** run.decimals[move]
     for axis in range(3):
         before = run.start_mm[move, axis] + state.carried_mm[axis]
         reached[axis] = aimed[axis] = before
@@ -141,23 +199,39 @@ def _write_move(run, state, move, reached, aimed):  # pragma: no cover - compile
         value = wanted / unit
         old = run.value[move, axis] if named else before / unit
         if abs(value - old) < 0.5 * run.step[move]:
-            swallowed += abs(value - old) > _NOTHING
+            state.count[1] += abs(value - old) > _NOTHING
             reached[axis] = 0.0 + old * unit
             continue
-        scaled = abs(value) * power
-        mantissa = np.floor(scaled + 0.5)
-        if not named or scaled > _LARGEST or abs(scaled - np.floor(scaled) - 0.5) < _UNSURE:
+        is_sure, new = _edit(run, state, move, axis, value)
+        if not is_sure:
             return False
-        new = mantissa / power * (-1.0 if value < 0.0 and mantissa != 0.0 else 1.0)
         reached[axis] = 0.0 + new * unit
-        state.start[edits], state.stop[edits] = run.first[move, axis], run.last[move, axis]
-        state.length[edits] = _put_number(
-            state.text[edits], np.int64(mantissa), run.decimals[move], run.fill[move, axis],
-            value < 0.0, run.is_bare[move, axis], run.has_plus[move, axis],
-        )  # fmt: skip
-        edits += 1
-    state.count[0], state.count[1] = edits, swallowed
     return True
+
+
+@njit(cache=True)
+def _write_arc(run, state, move, reached, arc):  # pragma: no cover - compiled
+    """Write I J K or R of one arc whose ends are written; tells whether that was possible."""
+    piece, unit, origin = run.piece[move], run.unit_mm[move], np.zeros(2)
+    for k in range(2):
+        axis = run.side[move, k]
+        start = run.start_mm[move, axis]
+        arc[0, k] = (start + state.aimed_mm[axis]) / unit
+        arc[1, k] = run.middle_mm[piece, axis] / unit
+        arc[2, k] = run.wanted_mm[piece, axis] / unit
+        arc[3, k] = (start + state.carried_mm[axis]) / unit
+        arc[4, k] = reached[axis] / unit
+        if not run.absolute_centre[move]:
+            origin[k] = arc[3, k]
+    by_radius = run.first[move, R] >= 0
+    how, turns, first, second = fit_arc(arc, origin, run.step[move], run.tolerance[move], by_radius)
+    if how == LINE or by_radius != (how == RADIUS) or run.code[move] != (3 if turns else 2):
+        return False
+    if by_radius:
+        return _edit(run, state, move, R, first)[0]
+    one, _ = _edit(run, state, move, 3 + run.side[move, 0], first)
+    two, _ = _edit(run, state, move, 3 + run.side[move, 1], second)
+    return one and two
 
 
 @njit(cache=True)
@@ -181,7 +255,7 @@ def write_run(run, state, moving, index, as_programmed):  # pragma: no cover - c
     int
         Index of the first move that was not written.
     """
-    reached, aimed = np.zeros(3), np.zeros(3)
+    reached, aimed, arc = np.zeros(3), np.zeros(3), np.zeros((5, 2))
     while index < len(moving):
         move = moving[index]
         if run.piece[move] < 0:
@@ -189,7 +263,10 @@ def write_run(run, state, moving, index, as_programmed):  # pragma: no cover - c
         in_force, code = state.motion[0], run.code[move]
         if run.motion[move] < 0 and in_force != as_programmed and in_force != code:
             break
-        if not _write_move(run, state, move, reached, aimed):
+        edits, swallowed = state.count[0], state.count[1]
+        is_written = _write_ends(run, state, move, reached, aimed)
+        if not is_written or (code > 1 and not _write_arc(run, state, move, reached, arc)):
+            state.count[0], state.count[1] = edits, swallowed
             break
         for axis in range(3):
             state.carried_mm[axis] = reached[axis] - run.end_mm[move, axis]

@@ -6,13 +6,12 @@ import numpy as np
 
 from gcode import BlockText, LineEdit, MoveKind
 from vmach.program_text.block_state import BlockState
+from vmach.program_text.blocks.block_modes import PLANE_AXES
 from vmach.program_text.plain_program import PlainProgram
-from vmach.program_text.runs.axis_words import AxisWords
+from vmach.program_text.runs.axis_words import RADIUS, AxisWords
 from vmach.program_text.runs.plain_run import LONGEST, Run, RunState
 
 __all__ = ["RunColumns", "left_by", "state_for"]
-
-_AXES = 3
 
 
 class RunColumns:
@@ -25,8 +24,8 @@ class RunColumns:
     Attributes
     ----------
     is_plain : (M,) bool
-        Straight moves whose lines are letters and plain numbers, in absolute positions: their
-        numbers may be written in compiled code.
+        Moves whose lines are letters and plain numbers, in absolute positions, and hold all
+        words of an arc: their numbers may be written in compiled code.
     """
 
     def __init__(self, plain: PlainProgram) -> None:
@@ -36,6 +35,11 @@ class RunColumns:
         self.modes = [plain.modes.get(line) for line in lines.tolist()]
         self.unit_mm = self._of_lines([m.unit_mm if m else 1.0 for m in self.modes])
         self.code = np.array(plain.code, np.int64)
+        plane = self._of_lines([m.plane if m else 1 for m in self.modes])
+        self.side = np.array([(0, 0, 0), *PLANE_AXES.values()], np.int8)[plane][:, :2]
+        text = plain.text.absolute_centres
+        self.absolute_centre = self._of_lines([text or bool(m and m.absolute_centre)
+                                               for m in self.modes])  # fmt: skip
         self.is_plain = self._plain_moves(lines)
 
     def _of_lines(self, values: list) -> np.ndarray:
@@ -49,7 +53,7 @@ class RunColumns:
         absolute = [m is not None and not (m.incremental or m.inverse_time or m.left)
                     for m in self.modes]  # fmt: skip
         said = self.words.motion
-        found = self.words.is_plain & (self.code < 2) & (plain.angle == 0.0)
+        found = self.words.is_plain & self._has_arc_words() & (plain.angle == 0.0)
         found &= (said < 0) | (said == self.code)
         found &= self._of_lines(users) & self._of_lines(absolute)
         found &= plain.moves.kind != MoveKind.DWELL
@@ -57,15 +61,29 @@ class RunColumns:
             found[plain.first_move] = False
         return found
 
-    def run(self, only_piece: np.ndarray, wanted_mm: np.ndarray, resolution_mm: float) -> Run:
+    def _has_arc_words(self) -> np.ndarray:
+        """Straight moves without words of an arc; arcs with centre or radius alone, (M,) bool."""
+        has = self.words.start >= 0
+        row = np.arange(len(has))
+        in_plane = has[row, 3 + self.side[:, 0]] | has[row, 3 + self.side[:, 1]]
+        in_plane &= ~has[row, 6 - self.side.sum(axis=1)]  # and none of the axis across
+        centre, radius = has[:, 3:6].sum(axis=1), has[:, RADIUS]
+        by_centre = in_plane & ~radius
+        by_radius = (centre == 0) & radius
+        return np.where(self.code > 1, by_centre | by_radius, (centre == 0) & ~radius)
+
+    def run(
+        self, only_piece: np.ndarray, wanted_mm: np.ndarray, middle_mm: np.ndarray,
+        resolution_mm: float,
+    ) -> Run:  # fmt: skip
         """The moves and what they shall become.
 
         Parameters
         ----------
         only_piece : (M,) int64
             The piece of every move that has one alone, which is written; else -1.
-        wanted_mm : (K, 3) float64
-            Where the pieces shall end, program coordinates.
+        wanted_mm, middle_mm : (K, 3) float64
+            Where ends and middles of the pieces shall be, program coordinates.
         resolution_mm : float
         """
         plain, words = self.plain, self.words
@@ -73,10 +91,21 @@ class RunColumns:
         decimals = [plain.control.decimals(resolution_mm, unit) for unit in units.tolist()]
         steps = np.array([10.0**-d for d in decimals])
         decimals = np.array(decimals, np.int64)[which]
+        arcs = plain.control.arcs
+        tolerance = np.array([(arcs.absolute(unit), arcs.relative) for unit in units.tolist()])
         fill, bare, plus = self._habits(words, decimals)
         return Run(np.where(self.is_plain, only_piece, -1), self.code, words.motion, self.unit_mm,
                    decimals, steps[which], plain.programmed, plain.start_mm, plain.end_mm,
-                   wanted_mm, words.start, words.stop, words.value, fill, bare, plus)  # fmt: skip
+                   wanted_mm, middle_mm, self.side, self.absolute_centre, tolerance[which],
+                   words.start, words.stop, fill, words.value, bare, plus, words.behind,
+                   self._habits_of_added())  # fmt: skip
+
+    def _habits_of_added(self) -> np.ndarray:
+        """Habits of words that lines lack, as `BlockText.word` and `BlockText.number` have them."""
+        text, style = self.plain.text, self.plain.text.style
+        return np.array([len(style.between), len(style.gap), style.lower,
+                         max(style.fill, text.fewest_decimals), style.bare_point,
+                         style.plus])  # fmt: skip
 
     def _habits(
         self, words: AxisWords, decimals: np.ndarray
@@ -84,13 +113,13 @@ class RunColumns:
         """Decimals, missing zeros and plus signs of new numbers, as `BlockText.number` has them."""
         text, style = self.plain.text, self.plain.text.style
         fill = np.maximum(np.minimum(words.fill, decimals[:, None]), text.fewest_decimals)
+        fill = fill.astype(np.int64)
         bare = words.is_bare | (style.bare_point & ~words.has_zero)
         return fill, bare, words.has_plus | (style.plus & words.has_minus)
 
 
-def state_for(state: BlockState, room: int) -> RunState:
-    """The state before a run of moves, with room for the numbers of so many of them."""
-    count = _AXES * room
+def state_for(state: BlockState, count: int) -> RunState:
+    """The state before a run of moves, with room for so many numbers."""
     return RunState(state.carried_mm.astype(np.float64), state.aimed_mm.astype(np.float64),
                     np.array([state.motion], np.int64), np.zeros(2, np.int64),
                     np.empty(count, np.int64), np.empty(count, np.int64),

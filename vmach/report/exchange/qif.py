@@ -1,6 +1,6 @@
-"""QIF 3.0 results: characteristics, datums and values of a part.
+"""QIF 3.0: characteristics, datums, a plan to measure them, and their values.
 
-Source: ISO 23952:2020 (QIF 3.0), schemas QIFDocument, Characteristics and Results.
+Source: ISO 23952:2020 (QIF 3.0), schemas QIFDocument, Characteristics, QIFPlan and QIFResults.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from vmach.features.result import FeatureResult
 from vmach.features.verdict import Verdict
 from vmach.report.exchange.formats import reported
+from vmach.report.exchange.qif_plan import add_plan
 from vmach.report.result import RunRecord
 
 __all__ = ["content"]
@@ -48,6 +49,7 @@ class _Numbers:
     """Identifiers of a document, counted from 1."""
 
     last: int = 0
+    letters: dict[str, int] = field(default_factory=dict)
     frames: dict[tuple[str, ...], int] = field(default_factory=dict)
 
     def new(self) -> int:
@@ -72,6 +74,7 @@ def content(run: RunRecord, **more: object) -> bytes:
     product = ET.SubElement(ET.SubElement(root, "Product"), "PartSet", {"n": "1"})
     ET.SubElement(product, "Part", {"id": str(numbers.new()), "label": run.part or run.title})
     items = _characteristics(root, shown, numbers, standard)
+    add_plan(root, run, shown, items, numbers)
     _results(root, run, shown, items, numbers)
     root.set("idMax", str(numbers.last))
     ET.indent(root)
@@ -99,7 +102,7 @@ def _datums(root: ET.Element, shown: list[FeatureResult], numbers: _Numbers) -> 
     if not letters:
         return
     table = ET.SubElement(root, "DatumDefinitions", {"n": str(len(letters))})
-    known = {}
+    known = numbers.letters
     for letter in letters:
         known[letter] = numbers.new()
         _text(ET.SubElement(table, "DatumDefinition", {"id": str(known[letter])}), "DatumLabel",

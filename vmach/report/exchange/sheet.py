@@ -13,7 +13,7 @@ from PIL import Image
 from vmach.features.result import FeatureResult, Value
 from vmach.features.verdict import Verdict
 from vmach.report.exchange.formats import reported
-from vmach.report.figures.features import COVERAGE
+from vmach.report.figures.features import COVERAGE, spread_text
 from vmach.report.result import RunRecord
 
 __all__ = ["content"]
@@ -111,7 +111,9 @@ def _table_page(
     figure = _page(run, logo, number)
     has_measured = any(result.measured for result in run.features)
     told = "measured" if has_measured else "predicted"
-    told = f"Values are {told}, ± U (k = {COVERAGE:g}); verdict after ISO 14253-1"
+    drawn = any(r.predicted and r.predicted.interval_mm for r in run.features)
+    spread = "with intervals of 95 % from draws" if drawn else f"± U (k = {COVERAGE:g})"
+    told = f"Values are {told}, {spread}; verdict after ISO 14253-1"
     figure.text(0.07, 0.885, told, size=8, color=_GREY)
     for left, heading in _COLUMNS:
         figure.text(left, _TOP + 0.025, heading, size=8, weight="bold", color=_INK)
@@ -136,7 +138,7 @@ def _row(figure: Figure, result: FeatureResult, height: float) -> None:
 def _found(value: Value | None) -> str:
     if value is None:
         return "–"
-    spread = "" if value.u_mm is None else f" ± {COVERAGE * value.u_mm:.4f}"
+    spread = spread_text(value)
     return f"{value.value_mm:.4f}{spread}"
 
 

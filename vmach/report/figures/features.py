@@ -22,6 +22,7 @@ __all__ = [
     "features_table",
     "flag_text",
     "flagged",
+    "spread_text",
     "used_share",
 ]
 
@@ -67,6 +68,7 @@ def _value(value: Value) -> dict:
         "value_mm": value.value_mm,
         "u_um": None if value.u_mm is None else um_from_mm(value.u_mm),
         "verdict": str(value.verdict),
+        "interval_mm": None if value.interval_mm is None else list(value.interval_mm),
     }
 
 
@@ -76,7 +78,7 @@ def features_table(run: RunRecord) -> Table | None:
         return None
     has_measured = any(result.measured for result in run.features)
     table = Table(title=Text("The drawing"), title_justify="left", caption_justify="left")
-    table.caption = "predicted ± U (k = 2), mm; verdict after ISO 14253-1 with that uncertainty"
+    table.caption = f"predicted {_spread_text(run)}, mm; verdict after ISO 14253-1 with it"
     table.add_column("requirement")
     table.add_column("predicted", justify="right", no_wrap=True)
     if has_measured:
@@ -93,11 +95,21 @@ def features_table(run: RunRecord) -> Table | None:
     return table
 
 
+def _spread_text(run: RunRecord) -> str:
+    values = [result.predicted for result in run.features if result.predicted]
+    return "and 95 % interval" if any(v.interval_mm for v in values) else "± U (k = 2)"
+
+
 def _cell(value: Value | None) -> str:
-    if value is None:
-        return "–"
-    spread = "" if value.u_mm is None else f" ± {COVERAGE * value.u_mm:.4f}"
-    return f"{value.value_mm:.4f}{spread}"
+    return "–" if value is None else f"{value.value_mm:.4f}{spread_text(value)}"
+
+
+def spread_text(value: Value) -> str:
+    """How far a value is known: the interval of draws, else the expanded uncertainty."""
+    if value.interval_mm is not None:
+        low, high = value.interval_mm
+        return f" ({low:.4f} to {high:.4f})"
+    return "" if value.u_mm is None else f" ± {COVERAGE * value.u_mm:.4f}"
 
 
 def used_share(result: FeatureResult) -> float:
@@ -133,7 +145,8 @@ def flag_text(result: FeatureResult) -> str:
 
 _COLUMNS = (
     "feature", "requirement", "label", "nominal_mm", "lower_mm", "upper_mm", "predicted_mm",
-    "predicted_u_um", "verdict", "measured_mm", "measured_u_um", "measured_verdict", "lines",
+    "predicted_u_um", "verdict", "measured_mm", "measured_u_um", "measured_verdict",
+    "predicted_low_mm", "predicted_high_mm", "lines",
     "largest_shares",
 )  # fmt: skip
 
@@ -147,6 +160,8 @@ def features_csv(features: Sequence[FeatureResult]) -> str:
         limits = [result.nominal_mm, result.lower_mm, result.upper_mm]
         row = [result.feature, result.callout, result.label, *map(_number, limits)]
         row += [*_cells(result.predicted), *_cells(result.measured)]
+        drawn = result.predicted.interval_mm if result.predicted else None
+        row += [_number(end) for end in drawn or (None, None)]
         lines = " ".join(str(one.line) for one in result.lines[:_LISTED])
         writer.writerow([*row, lines, result.cause])
     return text.getvalue()

@@ -11,6 +11,7 @@ from vmach.base.note import note_records
 from vmach.base.units import um_from_mm
 from vmach.files.atomic import atomic_file
 from vmach.report.figures.arms import arms_summary
+from vmach.report.figures.circular_tests import circular_summary
 from vmach.report.figures.differences import differences_summary
 from vmach.report.figures.features import features_summary
 from vmach.report.figures.statistics import (
@@ -60,6 +61,7 @@ def summary(points: InspectedPoints, run: RunRecord) -> dict:
         },
         "differences": differences_summary(run),
         "features": features_summary(run),
+        "circular_tests": circular_summary(run),
         "htm_against_abbe": arms_summary(points, run),
         "run": {
             "command": run.command,

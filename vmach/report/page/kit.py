@@ -90,4 +90,5 @@ def _environment(folder: Path) -> jinja2.Environment:
         lstrip_blocks=True,
     )
     environment.filters["micro"] = with_micro_sign
+    environment.globals["zip"] = zip
     return environment

@@ -120,8 +120,11 @@
   function leanFlag(flag, x, y) {
     const view = byId("canvas");
     const angle = Math.atan2(y - view.clientHeight / 2, x - view.clientWidth / 2);
-    const [right, down] = [150 * Math.cos(angle), 60 * Math.sin(angle)]; // flags are wider than high
     const [line, text] = flag.children;
+    const inside = (at, size, room) => Math.max(size / 2 + 4, Math.min(room - size / 2 - 4, at));
+    // flags are wider than high, and stay within the view
+    const right = inside(x + 150 * Math.cos(angle), text.offsetWidth, view.clientWidth) - x;
+    const down = inside(y + 60 * Math.sin(angle), text.offsetHeight, view.clientHeight) - y;
     line.style.width = Math.hypot(right, down) + "px";
     line.style.transform = `rotate(${Math.atan2(down, right)}rad)`;
     text.style.left = right + "px";
@@ -240,6 +243,11 @@
     });
   }
 
+  function showView({ azimuth_rad, elevation_rad, zoom, target_mm, section }) {
+    Object.assign(scene, { azimuth: azimuth_rad, elevation: elevation_rad, zoom, target: target_mm });
+    scene.setLook({ section });
+  }
+
   async function start() {
     byId("tolerance").max = page.thresholds_um.length - 1;
     byId("tolerance").value = state.tolerance;
@@ -251,6 +259,7 @@
       scene = new Scene(byId("canvas"), model, page.colour_stops, page.unknown_colour);
       scene.onDraw = placeMarks;
       scene.onSettle = hideCovered;
+      if (page.view) showView(page.view);
       listenToGestures(byId("canvas"), scene, pickAt);
       byId("still").hidden = true;
     } catch (error) {

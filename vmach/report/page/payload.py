@@ -17,7 +17,7 @@ import numpy as np
 from vmach.base.units import um_from_mm
 from vmach.report.result import STATUSES, DisplayMesh, InspectedPoints, RunRecord
 
-__all__ = ["MAX_POINTS", "encode_payload", "pack_mesh"]
+__all__ = ["MAX_POINTS", "encode_mesh", "encode_payload", "pack_mesh"]
 
 #: points that the page can name when one clicks on the part; deviations.csv has them all
 MAX_POINTS = 30_000
@@ -52,10 +52,25 @@ def encode_payload(mesh: DisplayMesh, points: InspectedPoints, run: RunRecord) -
 
 def pack_mesh(mesh: DisplayMesh) -> bytes:
     """The mesh alone in the same layout, packed in a hurry for a page of this machine."""
+    return _pack_mesh(mesh, compresslevel=1)
+
+
+def encode_mesh(mesh: DisplayMesh) -> str:
+    """The mesh with its colourings and nothing to click on, as base64 text."""
+    return base64.b64encode(_pack_mesh(mesh, compresslevel=6)).decode("ascii")
+
+
+def _pack_mesh(mesh: DisplayMesh, *, compresslevel: int) -> bytes:
     low, high = mesh.vertices_mm.min(axis=0), mesh.vertices_mm.max(axis=0)
     step = np.maximum(high - low, 1e-9) / _GRID
-    header = {"origin_mm": low.tolist(), "step_mm": step.tolist()}
-    return _pack(header, _mesh_columns(mesh, [], (low, step), 1.0), compresslevel=1)
+    values = [np.abs(c.value_mm).max(initial=0.0) for c in mesh.colourings.values()]
+    value_step_mm = max(values, default=0.0) / _LARGEST or 1e-12
+    header = {
+        "origin_mm": low.tolist(), "step_mm": step.tolist(), "unknown": _UNKNOWN,
+        "value_step_um": um_from_mm(value_step_mm),
+    }  # fmt: skip
+    columns = _mesh_columns(mesh, list(mesh.colourings), (low, step), value_step_mm)
+    return _pack(header, columns, compresslevel=compresslevel)
 
 
 def _choose_points(points: InspectedPoints) -> np.ndarray:
@@ -114,7 +129,7 @@ def _point_columns(
     return columns
 
 
-def _pack(header: dict, columns: dict[str, np.ndarray], *, compresslevel: int = 9) -> bytes:
+def _pack(header: dict, columns: dict[str, np.ndarray], *, compresslevel: int = 6) -> bytes:
     listing, blocks = [], []
     for name, column in columns.items():
         width = 4 if column.dtype == np.uint32 else 2

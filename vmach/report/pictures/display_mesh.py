@@ -13,9 +13,9 @@ from vmach.report.result import Colouring, DisplayMesh, InspectedPoints
 
 __all__ = [
     "Interpolation",
+    "Neighbours",
     "build_display_mesh",
     "interpolate_to_mesh",
-    "interpolation",
     "shaped_for_display",
     "sharp_edges",
     "vertex_normals",
@@ -49,12 +49,11 @@ def build_display_mesh(
     mesh = shaped_for_display(
         vertices_mm, triangles, point_count=len(points), max_triangles=max_triangles
     )
-    colourings = {
-        column.name: interpolate_to_mesh(
-            points, np.where(column.is_cut, column.deviation_mm, np.nan), mesh
-        )
-        for column in points.with_remainders().columns
-    }
+    near = Neighbours.of(points.point_mm, points.normal, mesh)
+    colourings = {}
+    for column in points.with_remainders().columns:
+        found = near.interpolation(has_value=column.is_cut & np.isfinite(column.deviation_mm))
+        colourings[column.name] = Colouring(found.at_vertices(column.deviation_mm), found.known)
     return DisplayMesh(mesh.vertices_mm, mesh.triangles, colourings)
 
 
@@ -97,7 +96,7 @@ class Interpolation:
 def interpolate_to_mesh(
     points: InspectedPoints, values_mm: np.ndarray, mesh: DisplayMesh
 ) -> Colouring:
-    """Interpolate values of the points to the vertices of a mesh; see `interpolation`.
+    """Interpolate values of the points to the vertices of a mesh; see `Neighbours`.
 
     Parameters
     ----------
@@ -111,50 +110,73 @@ def interpolate_to_mesh(
     Colouring
     """
     values_mm = np.asarray(values_mm, float)
-    found = interpolation(points.point_mm, points.normal, mesh, has_value=np.isfinite(values_mm))
+    near = Neighbours.of(points.point_mm, points.normal, mesh)
+    found = near.interpolation(has_value=np.isfinite(values_mm))
     return Colouring(found.at_vertices(values_mm), found.known)
 
 
-def interpolation(
-    point_mm: np.ndarray, normal: np.ndarray, mesh: DisplayMesh, *, has_value: np.ndarray
-) -> Interpolation:
-    """How values of points become values of the vertices of a mesh.
+@dataclass(frozen=True)
+class Neighbours:
+    """The K points nearest to each of V vertices, for display.
 
-    The value of a vertex is the mean of its nearest points with weights 1/distance^2. Points of
-    a parallel face do not count, those on faces of another direction count as far away: the
-    neighbours are found in the space of position and normal, the normal stretched so that 90
+    Points of a parallel face do not count, those on faces of another direction count as far away:
+    the neighbours are found in the space of position and normal, the normal stretched so that 90
     degrees are as far as the reach.
 
-    Parameters
+    Attributes
     ----------
-    point_mm, normal : (P, 3) float64
-    mesh : DisplayMesh
-    has_value : (P,) bool
-        Vertices nearest to a point without a value are not `known`.
+    index : (V, K) int64
+        Of P points.
+    distance_mm : (V, K) float64
+    on_same_face : (V, K) bool
+    reach_mm : float
+        Points farther away say nothing of a vertex.
+    point_count : int
     """
-    vertices = len(mesh.vertices_mm)
-    if not len(point_mm):
-        return Interpolation(csr_matrix((vertices, 0)), np.zeros(vertices, bool))
-    reach_mm = 6 * _spacing(mesh, len(point_mm))
-    stretch_mm = reach_mm / np.sqrt(2)
-    tree = cKDTree(np.hstack([point_mm, stretch_mm * normal]))
-    normals = vertex_normals(mesh)
-    query = np.hstack([mesh.vertices_mm, stretch_mm * normals])
-    count = min(_NEIGHBOURS, len(point_mm))
-    distance_mm, index = tree.query(query, k=count)
-    distance_mm, index = distance_mm.reshape(-1, count), index.reshape(-1, count)
-    same_face = _on_same_face(
-        point_mm[index] - mesh.vertices_mm[:, None], normal[index] + normals[:, None]
-    )
-    counts = same_face & has_value[index]
-    nearest = same_face.argmax(axis=1)[:, None]
-    known = np.take_along_axis(counts, nearest, 1)[:, 0]
-    known &= np.take_along_axis(distance_mm, nearest, 1)[:, 0] < reach_mm
-    weight = np.where(counts, 1 / (distance_mm**2 + (1e-3 * reach_mm) ** 2), 0.0)
-    weight *= known[:, None] / np.maximum(weight.sum(1, keepdims=True), 1e-300)
-    row = np.repeat(np.arange(vertices), count)
-    entries = (weight.ravel(), (row, index.ravel()))
-    return Interpolation(csr_matrix(entries, shape=(vertices, len(point_mm))), known)
+
+    index: np.ndarray
+    distance_mm: np.ndarray
+    on_same_face: np.ndarray
+    reach_mm: float
+    point_count: int
+
+    @classmethod
+    def of(cls, point_mm: np.ndarray, normal: np.ndarray, mesh: DisplayMesh) -> Neighbours:
+        """Find them; places and normals of the points are (P, 3) float64."""
+        vertices, count = len(mesh.vertices_mm), min(_NEIGHBOURS, len(point_mm))
+        if not count:
+            none = np.zeros((vertices, 0))
+            return cls(none.astype(int), none, none.astype(bool), 0.0, 0)
+        reach_mm = 6 * _spacing(mesh, len(point_mm))
+        stretch_mm = reach_mm / np.sqrt(2)
+        tree = cKDTree(np.hstack([point_mm, stretch_mm * normal]))
+        normals = vertex_normals(mesh)
+        distance_mm, index = tree.query(
+            np.hstack([mesh.vertices_mm, stretch_mm * normals]), k=range(1, count + 1)
+        )
+        same_face = _on_same_face(
+            point_mm[index] - mesh.vertices_mm[:, None], normal[index] + normals[:, None]
+        )
+        return cls(index, distance_mm, same_face, reach_mm, len(point_mm))
+
+    def interpolation(self, *, has_value: np.ndarray) -> Interpolation:
+        """How values of points become values of vertices: means with weights 1/distance^2.
+
+        Vertices nearest to a point that has no value, (P,) bool, are not `known`.
+        """
+        vertices, count = self.index.shape
+        if not count:
+            return Interpolation(csr_matrix((vertices, 0)), np.zeros(vertices, bool))
+        counts = self.on_same_face & has_value[self.index]
+        nearest = self.on_same_face.argmax(axis=1)[:, None]
+        known = np.take_along_axis(counts, nearest, 1)[:, 0]
+        known &= np.take_along_axis(self.distance_mm, nearest, 1)[:, 0] < self.reach_mm
+        softened_mm2 = self.distance_mm**2 + (1e-3 * self.reach_mm) ** 2
+        weight = np.where(counts, 1 / softened_mm2, 0.0)
+        weight *= known[:, None] / np.maximum(weight.sum(1, keepdims=True), 1e-300)
+        row = np.repeat(np.arange(vertices), count)
+        entries = (weight.ravel(), (row, self.index.ravel()))
+        return Interpolation(csr_matrix(entries, shape=(vertices, self.point_count)), known)
 
 
 def _on_same_face(chord_mm: np.ndarray, normals: np.ndarray) -> np.ndarray:
@@ -171,9 +193,10 @@ def _on_same_face(chord_mm: np.ndarray, normals: np.ndarray) -> np.ndarray:
 def vertex_normals(mesh: DisplayMesh) -> np.ndarray:
     """(V, 3) unit normals, the mean over the triangles at a vertex weighted by area."""
     twice_area = _twice_area_vectors(mesh.vertices_mm, mesh.triangles)
-    normals = np.zeros((len(mesh.vertices_mm), 3))
-    for corner in mesh.triangles.T:
-        np.add.at(normals, corner, twice_area)
+    corners = mesh.triangles.T.ravel()
+    normals = np.column_stack([
+        np.bincount(corners, np.tile(part, 3), len(mesh.vertices_mm)) for part in twice_area.T
+    ])  # fmt: skip
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     return normals / np.where(length > 0, length, 1.0)
 

@@ -10,13 +10,12 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from vmach.effects import Circumstances, EffectInstance
-from vmach.effects.effect import at_contact
 from vmach.job import Job
 from vmach.machine import Variant
 from vmach.path.toolpath import PathStates
 from vmach.prediction.error_budget import ErrorBudget, budget_at
 from vmach.report import DisplayMesh
-from vmach.report.pictures.display_mesh import Interpolation, interpolation
+from vmach.report.pictures.display_mesh import Interpolation, Neighbours
 
 __all__ = ["PointSet"]
 
@@ -94,14 +93,14 @@ class PointSet:
         points = np.vstack([self.point_mm, self.bare[0]])
         normals = np.vstack([self.normal, self.bare[1]])
         has_value = np.arange(len(points)) < len(self)
-        found = interpolation(points, normals, mesh, has_value=has_value)
+        found = Neighbours.of(points, normals, mesh).interpolation(has_value=has_value)
         return Interpolation(found.matrix[:, : len(self)].tocsr(), found.known)
 
     def budget(self, variant: Variant) -> ErrorBudget:
         """Shares of every source with the arms of a variant, (C, B) mm."""
         if variant not in self.kept:
             self.kept[variant] = budget_at(
-                self.states, self.normal, self.predicted_mm, machine=self.job.machine,
+                self.states, self.normal, self.predicted_mm, job=self.job,
                 variant=variant, effects=self.effects,
             )  # fmt: skip
         return self.kept[variant]
@@ -136,8 +135,7 @@ class PointSet:
         return self.kept[key] @ np.array(size)
 
     def _displaced(self, effect: EffectInstance, parameters: Mapping) -> np.ndarray:
-        moved = effect.effect.displacement(self.path, effect.target, **parameters)
-        return np.einsum("ij,ij->i", at_contact(moved, self.path), self.normal)
+        return np.einsum("ij,ij->i", effect.at(self.path, parameters), self.normal)
 
     @cached_property
     def _tree(self) -> cKDTree:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from multiprocessing import get_context
@@ -14,6 +13,8 @@ from vmach.errors import VmachError
 from vmach.workbench.model.process import serve
 
 __all__ = ["ModelRefused", "ModelStopped", "RemoteModel"]
+
+_ENDED = "the process that holds the part has ended"
 
 
 class ModelRefused(VmachError):
@@ -40,16 +41,7 @@ class RemoteModel:
         self._process.start()
         far_end.close()
         self._order = ThreadPoolExecutor(1)  # one question at a time, also where a caller gave up
-
-    @property
-    def pid(self) -> int | None:
-        """Of the process."""
-        return self._process.pid
-
-    @property
-    def is_alive(self) -> bool:
-        """Whether it still answers."""
-        return self._process.is_alive()
+        self.has_answered = False
 
     async def ask(self, question: str, **arguments: Any) -> tuple[dict[str, Any], bytes]:
         """The answer: a record and bytes.
@@ -61,22 +53,26 @@ class RemoteModel:
         ModelStopped
         """
         loop = asyncio.get_running_loop()
-        return await loop.run_in_executor(self._order, self._exchange, question, arguments)
+        try:
+            waiting = loop.run_in_executor(self._order, self._exchange, question, arguments)
+        except RuntimeError:  # it was closed
+            raise ModelStopped(_ENDED) from None
+        return await waiting
 
     def _exchange(self, question: str, arguments: dict) -> tuple[dict[str, Any], bytes]:
         try:
             self._pipe.send((question, arguments))
             kind, record, content = self._pipe.recv()
+            self.has_answered = True
         except (EOFError, OSError):
-            raise ModelStopped("the process that holds the part has ended") from None
+            raise ModelStopped(_ENDED) from None
         if kind != "answer":
             raise ModelRefused(record)
         return record, content
 
     def close(self) -> None:
-        """End the process, whatever it does."""
+        """End the process, whatever it does; questions that wait are told that it has stopped."""
         self._process.kill()
         self._process.join()
-        self._order.shutdown(wait=False, cancel_futures=True)
-        with contextlib.suppress(OSError):
-            self._pipe.close()
+        self._order.submit(self._pipe.close)  # in its turn: nobody reads a pipe that is closed
+        self._order.shutdown(wait=False)

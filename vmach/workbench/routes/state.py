@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response, StreamingResponse
@@ -17,26 +18,31 @@ from vmach.workbench.new_job import SHAPES, new_job_text
 from vmach.workbench.opened_folder import OpenedFolder
 from vmach.workbench.recent_jobs import recent_jobs
 from vmach.workbench.samples import sample_jobs
+from vmach.workbench.session import Session
 
 __all__ = ["routes"]
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,60}")
 
 
-async def _state(request: Request) -> Response:
-    session = session_of(request)
-    return JSONResponse(session.record() | {
+def _whole_state(session: Session) -> dict[str, Any]:
+    return session.record() | {
         "version": __version__,
         "colour_stops": COLOUR_STOPS,
         "unknown_colour": UNKNOWN_COLOUR,
-    })  # fmt: skip
+    }
+
+
+async def _state(request: Request) -> Response:
+    return JSONResponse(_whole_state(session_of(request)))
 
 
 async def _events(request: Request) -> Response:
-    events = session_of(request).events
-    if events.is_full:
+    session = session_of(request)
+    if session.events.is_full:
         return refused("too many tabs listen", 503)
-    return StreamingResponse(events.listen(), media_type="text/event-stream")
+    said = session.events.listen(lambda: _whole_state(session))
+    return StreamingResponse(said, media_type="text/event-stream")
 
 
 async def _start_page(request: Request) -> Response:
@@ -106,6 +112,18 @@ async def _reload(request: Request) -> Response:
     return JSONResponse(session.record())
 
 
+async def _undo(request: Request) -> Response:
+    session = session_of(request)
+    session.steps.undo()
+    return JSONResponse(session.record())
+
+
+async def _redo(request: Request) -> Response:
+    session = session_of(request)
+    session.steps.redo()
+    return JSONResponse(session.record())
+
+
 async def _shut_down(request: Request) -> Response:
     session = session_of(request)
     session.events.tell("goodbye")
@@ -121,5 +139,7 @@ routes = [
     Route("/api/new-job", _new_job, methods=["POST"]),
     Route("/api/compare", _compare, methods=["POST"]),
     Route("/api/reload", _reload, methods=["POST"]),
+    Route("/api/undo", _undo, methods=["POST"]),
+    Route("/api/redo", _redo, methods=["POST"]),
     Route("/api/shut-down", _shut_down, methods=["POST"]),
 ]

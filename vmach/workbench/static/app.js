@@ -10,7 +10,8 @@ import { lookPanel } from "./look.js";
 import { listenToPlayer } from "./player.js";
 import { clearMark, listenToProgram, openProgram } from "./program.js";
 import { proposePanel } from "./propose.js";
-import { showRunInHeader, startRun, takeRun } from "./runs.js";
+import { listenToReports } from "./report.js";
+import { showRunInHeader, takeRun } from "./runs.js";
 import { hideStart, showStart } from "./start.js";
 import { listenToControls, loadPart, setTolerance, showChoices, showPoint, stage } from "./stage.js";
 import { whatIfPanel } from "./what_if.js";
@@ -72,7 +73,7 @@ async function showJob(revision) {
   byId("veil").hidden = false;
   byId("veil").textContent = "Reading the job …";
   try {
-    const [about] = await Promise.all([get("/api/about"), null]);
+    const about = await get("/api/about");
     if (revision !== shownRevision) return;
     const isOther = bench.about?.program !== about.program || bench.about?.lines !== about.lines;
     bench.about = about;
@@ -82,25 +83,41 @@ async function showJob(revision) {
     clearMark();
     openProgram();
     await loadPart();
-    showPoint(null);
     if (revision !== shownRevision) return;
+    showPoint(null);
+    byId("veil").hidden = true;
     bench.tell("part");
     document.body.dataset.ready = "part";
   } catch (error) {
     if (revision !== shownRevision) return;
-    byId("veil").textContent = error.message;
+    const again = el("button", { type: "button" }, "Read it again");
+    again.onclick = attempt(() => post("/api/reload"));
+    byId("veil").replaceChildren(el("span", {}, error.message), again);
     notice(error.message);
     document.body.dataset.ready = "trouble";
   }
 }
 
+// One step back: what was done here, or else to the job before in the chain.
 function showUndo() {
-  const { chain } = bench.state, at = chain.findIndex((step) => step.is_open), before = chain[at - 1];
-  byId("undo").hidden = at < 1;
-  if (at < 1) return;
-  byId("undo").textContent = `Undo + ${chain[at].added.join(", ")}`;
-  byId("undo").title = `Go back to ${before.job}; ${chain[at].job} stays`;
-  byId("undo").onclick = attempt(() => post("/api/open", { job: before.job }));
+  const { chain, steps, job } = bench.state, at = (chain ?? []).findIndex((step) => step.is_open), before = chain?.[at - 1];
+  const word = steps?.undo ?? (before ? "+ " + chain[at].added.join(", ") : null);
+  Object.assign(byId("undo"), { hidden: !job || !word, textContent: `Undo: ${word}`, title: "Ctrl-Z; no file goes away" });
+  Object.assign(byId("redo"), { hidden: !job || !steps?.redo, textContent: "Redo", title: `Do again: ${steps?.redo}` });
+  byId("undo").onclick = attempt(() => (steps?.undo ? post("/api/undo") : post("/api/open", { job: before.job })));
+  byId("redo").onclick = attempt(() => post("/api/redo"));
+}
+
+// Texts have an undo of their own.
+function listenToKeys() {
+  document.addEventListener("keydown", (event) => {
+    const isText = event.target.matches?.("textarea, input:not([type=range], [type=checkbox], [type=radio])");
+    if (!(event.ctrlKey || event.metaKey) || isText) return;
+    const key = event.key.toLowerCase(), button = key === "y" || (key === "z" && event.shiftKey) ? byId("redo") : key === "z" ? byId("undo") : null;
+    if (!button || button.hidden) return;
+    event.preventDefault();
+    button.click();
+  });
 }
 
 // ---- what happens
@@ -108,16 +125,16 @@ function showUndo() {
 function listen() {
   const source = new EventSource("/api/events");
   const on = (kind, work) => source.addEventListener(kind, (event) => attempt(work)(JSON.parse(event.data)));
-  let isBack = false;
-  on("hello", async () => {
-    if (isBack) await showState(await get("/api/state")); // what was missed meanwhile
-    isBack = true;
+  on("hello", async (state) => { // as it is now; what follows are changes of it
     byId("notices").querySelector(".lost")?.remove();
+    await showState(state);
   });
   on("job", showState);
   on("run", takeRun);
   on("changes", (what) => { bench.state.changes = what.changes; bench.tell("changes", what); });
   on("shown", (what) => { Object.assign(bench.state.shown, what); bench.tell("shown"); });
+  on("steps", (steps) => { bench.state.steps = steps; showUndo(); });
+  on("effect-text", ({ file }) => bench.tell("effect-text", file));
   on("other", ({ job }) => { bench.state.other = job; bench.tell("other", job); });
   on("files", ({ names }) => notice(`${names.join(", ")} changed on the disk and was read again`, "news"));
   on("goodbye", () => { source.close(); goodbye(); });
@@ -128,31 +145,19 @@ function goodbye() {
   document.body.replaceChildren(el("main", { class: "start" }, el("h1", {}, "The workbench is closed"), el("p", { class: "lead" }, "Everything that was done is in the job's folder; vmach open starts it again.")));
 }
 
-async function start() {
+function start() {
   makeTabs();
   listenToControls();
   listenToProgram();
   listenToPlayer();
+  listenToKeys();
   byId("home").onclick = showStart;
-  byId("report").onclick = () => startRun("/api/report");
+  listenToReports();
   byId("shut-down").onclick = attempt(() => post("/api/shut-down"));
   bench.on("run", (run) => {
-    if (run.kind === "report" && run.state === "done") showReport(run.result);
     if (run.kind === "add" && run.state === "done") choose("diagnose");
   });
-  const state = await get("/api/state");
   listen();
-  await showState(state);
 }
 
-function showReport({ page, collisions }) {
-  const made = el("div", { class: "notice news stay" }, el("p", {}, "The report is made. ",
-    el("a", { href: "/show/" + page, target: "_blank", rel: "noopener" }, "Open it"), " · ", el("a", { href: "/download/" + page, download: "" }, "download"),
-    collisions.length ? ` · ${collisions.length} collisions: ${collisions[0].text}` : " · no collision found"));
-  const close = el("button", { class: "close", title: "Dismiss", type: "button" }, "×");
-  close.onclick = () => made.remove();
-  made.append(close);
-  byId("notices").append(made);
-}
-
-attempt(start)();
+start();

@@ -2,20 +2,20 @@
 
 import { attempt, bench } from "./bench.js";
 import { bytes, framed, get, post, query } from "./api.js";
-import { byId, el, fixed, signed } from "./dom.js";
+import { byId, el, fixed, redraw, signed } from "./dom.js";
 import { applyValues, loadValues, pairsOf, stage } from "./stage.js";
 
 const other = { scene: null, about: null, figures: null, values: null, mine: null, isAlike: false, isDifference: false, jobs: null };
 
 export function comparePanel(panel) {
-  const draw = () => panel.replaceChildren(...parts().filter(Boolean));
+  const draw = () => redraw(panel, parts());
   bench.on("other", attempt(async (job) => { await load(job); draw(); }));
   bench.on("part", attempt(async () => {
     other.jobs = null;
     draw();
     if (bench.state.other) await load(bench.state.other);
     const found = await get("/api/start");
-    other.jobs = [...new Set([...found.jobs, ...found.recent, ...found.samples.map((one) => one.job)])];
+    other.jobs = [...new Set([...found.jobs, ...found.recent, ...found.samples.map((one) => one.job)])].filter((job) => job !== `${bench.state.folder}/${bench.state.job}`);
     draw();
   }));
   bench.on("figures", attempt(async (figures) => {
@@ -28,16 +28,16 @@ export function comparePanel(panel) {
 function parts() {
   const select = el("select", { "aria-label": "Job to compare with" }, el("option", { value: "" }, "nothing"),
     (other.jobs ?? []).map((job) => el("option", { value: job, selected: job === bench.state.other }, job.split("/").slice(-2).join("/"))));
-  select.onchange = attempt(() => post("/api/compare", { job: select.value || null }));
+  select.onchange = attempt(({ target }) => post("/api/compare", { job: target.value || null }));
   const rows = [el("label", { class: "choice" }, el("span", {}, "Compare with"), select),
     el("p", { class: "soft" }, "Two machines, two programs or two days: both parts turn together, in the same colours.")];
   if (!other.about) return rows;
   rows.push(table());
   if (other.isAlike) {
     const box = el("input", { type: "checkbox", checked: other.isDifference });
-    box.onchange = attempt(async () => {
-      other.isDifference = box.checked;
-      if (box.checked) showDifference();
+    box.onchange = attempt(async ({ target }) => {
+      other.isDifference = target.checked;
+      if (other.isDifference) showDifference();
       else await loadValues();
     });
     rows.push(el("label", { class: "check" }, box, " show the difference: this part minus the other"));
@@ -52,7 +52,7 @@ function table() {
   const rows = [["RMS", "rms_um"], ["Mean", "mean_um"], ["Most left", "high_um"], ["Most gone", "low_um"]].map(([word, key]) =>
     el("tr", {}, el("th", { scope: "row" }, word), ...[mine, its].map((f) => el("td", { class: "value" }, key === "rms_um" ? fixed(f[key]) : signed(f[key]))),
       el("td", { class: "value" }, signed(mine[key] - its[key]))));
-  const head = ["µm", bench.about.name, other.about.name, "difference"].map((word) => el("th", { scope: "col" }, word));
+  const head = ["µm", "this", "the other", "difference"].map((word) => el("th", { scope: "col" }, word));
   return el("table", { class: "rows" }, el("thead", {}, el("tr", {}, head)), el("tbody", {}, rows));
 }
 

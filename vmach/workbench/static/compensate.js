@@ -2,7 +2,7 @@
 
 import { attempt, bench, isAtWork } from "./bench.js";
 import { get } from "./api.js";
-import { el, fixed, micro } from "./dom.js";
+import { el, fixed, micro, redraw } from "./dom.js";
 import { runBox, startRun } from "./runs.js";
 
 const DIALECTS = ["", "fanuc", "grbl", "haas", "heidenhain", "linuxcnc", "sinumerik"];
@@ -11,7 +11,7 @@ const state = { difference: null, of: null };
 export function compensatePanel(panel) {
   const form = choices(), result = el("section");
   panel.append(form, result);
-  const draw = () => result.replaceChildren(...parts().filter(Boolean));
+  const draw = () => redraw(result, parts());
   for (const kind of ["part", "run"]) bench.on(kind, draw);
   bench.on("part", () => { Object.assign(state, { difference: null, of: null }); draw(); });
   state.draw = draw;
@@ -74,7 +74,7 @@ function differenceView() {
   if (!d) return el("p", { class: "soft" }, "Comparing the texts …");
   if (d.is_long) return el("p", { class: "soft" }, `${d.before} lines became ${d.after}: too many to be compared in the page.`);
   const marks = { " ": "same", "-": "old", "+": "new" };
-  return el("details", { class: "difference", open: true }, el("summary", {}, `${d.changed} changed lines (${d.before} → ${d.after} lines)${d.is_cut ? ", the first of them" : ""}`),
+  return el("details", { class: "difference", open: true, "data-free": "" }, el("summary", {}, `${d.changed} changed lines (${d.before} → ${d.after} lines)${d.is_cut ? ", the first of them" : ""}`),
     el("div", { class: "hunks" }, d.hunks.map((hunk) => el("div", { class: "hunk" }, el("p", { class: "soft" }, `from line ${hunk.line}`),
       hunk.rows.map(([mark, text]) => el("div", { class: marks[mark] }, el("span", {}, mark === "-" ? "−" : mark), text))))));
 }

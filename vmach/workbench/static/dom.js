@@ -11,8 +11,44 @@ export function el(tag, properties = {}, ...children) {
     else if (name in made && !name.startsWith("aria")) made[name] = value;
     else made.setAttribute(name, value);
   }
-  made.append(...children.flat().filter((child) => child !== null && child !== undefined && child !== false));
+  made.given = properties;
+  made.append(...present(children));
   return made;
+}
+
+const present = (children) => children.flat().filter((child) => child !== null && child !== undefined && child !== false);
+
+// Make these the children of a node, and keep the nodes that are alike: a press of a button, the focus and a
+// text that is being written outlive the news that come meanwhile. A node with `isKept` is never changed.
+export function redraw(parent, children) {
+  const wanted = present(children);
+  wanted.forEach((one, i) => {
+    const made = typeof one === "string" ? document.createTextNode(one) : one, there = parent.childNodes[i];
+    if (there === made) return;
+    if (there && isAlike(there, made)) become(there, made);
+    else parent.insertBefore(made, there ?? null);
+  });
+  while (parent.childNodes.length > wanted.length) parent.lastChild.remove();
+}
+
+const isAlike = (there, made) => there.nodeName === made.nodeName && there.id === made.id && !there.isKept && !made.isKept;
+const HANDLERS = ["onclick", "onchange", "oninput", "ontoggle", "onkeydown", "onpointerdown", "onpointermove", "onpointerup"];
+const CHOSEN = ["value", "checked", "selected", "open"]; // what people change as well as the page
+
+function become(there, made) {
+  if (made.nodeType === Node.TEXT_NODE) {
+    if (there.data !== made.data) there.data = made.data;
+    return;
+  }
+  for (const { name } of [...there.attributes]) if (name !== "open" && name !== "style" && !made.hasAttribute(name)) there.removeAttribute(name);
+  for (const { name, value } of made.attributes)
+    if (name !== "open" && name !== "style" && there.getAttribute(name) !== value) there.setAttribute(name, value);
+  if (there.style.cssText !== made.style.cssText) there.style.cssText = made.style.cssText;
+  for (const name of HANDLERS) there[name] = made[name];
+  redraw(there, [...made.childNodes]);
+  for (const name of CHOSEN)
+    if (made.given && name in made.given && !("data-free" in made.given) && there[name] !== made[name]) there[name] = made[name];
+  there.given = made.given;
 }
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -41,10 +77,10 @@ export const clock = (seconds) => {
 // Long commands are shown as they can be typed; a click copies.
 export function commandLine(text) {
   const button = el("button", { class: "copy", title: "Copy", type: "button" }, "copy");
-  button.onclick = async () => {
+  button.onclick = async ({ currentTarget }) => {
     await navigator.clipboard?.writeText(text).catch(() => {});
-    button.textContent = "copied";
-    setTimeout(() => { button.textContent = "copy"; }, 1200);
+    currentTarget.textContent = "copied";
+    setTimeout(() => { currentTarget.textContent = "copy"; }, 1200);
   };
   return el("div", { class: "command" }, el("code", {}, text), button);
 }

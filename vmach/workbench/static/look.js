@@ -1,7 +1,7 @@
 // Look: the point that was clicked with the share of every error, the worst places, the features.
 
 import { bench } from "./bench.js";
-import { clock, el, fixed, signed, micro } from "./dom.js";
+import { clock, el, fixed, micro, redraw, signed } from "./dom.js";
 import { faceWorst } from "./stage.js";
 
 const MOST_SHARES = 12;
@@ -9,8 +9,8 @@ const MOST_SHARES = 12;
 export function lookPanel(panel) {
   const point = el("section", { class: "point" }), worst = el("section"), features = el("section"), notes = el("section");
   panel.append(point, worst, features, notes);
-  const empty = () => point.replaceChildren(el("h3", {}, "A point"),
-    el("p", { class: "soft" }, "Click on the part: the point, the line and tool that made it, and the share of every error."));
+  const empty = () => redraw(point, [el("h3", {}, "A point"),
+    el("p", { class: "soft" }, "Click on the part: the point, the line and tool that made it, and the share of every error.")]);
   bench.on("part", () => { empty(); showNotes(notes); });
   bench.on("point", (found) => (found ? showFacts(point, found) : empty()));
   bench.on("figures", (figures) => { showWorst(worst, figures); showFeatures(features, figures); });
@@ -26,10 +26,10 @@ function showFacts(section, p) {
     ["Models", Object.entries(p.predicted_um).map(([name, um]) => `${name} ${signed(um)}`).join(" · ") + " µm"],
   ];
   if (p.residual_um !== undefined) facts.push(["Measured − predicted", `${signed(p.residual_um)} µm (u = ${fixed(p.u_um, 1)})`]);
-  section.replaceChildren(
+  redraw(section, [
     el("h3", {}, `Point ${p.id} `, el("b", { class: "big" }, signed(p.predicted_um.abbe), " ", el("small", {}, "µm predicted"))),
     el("dl", { class: "facts" }, facts.map(([word, value]) => el("div", {}, el("dt", {}, word), el("dd", {}, value)))),
-    shareBars(p.shares));
+    shareBars(p.shares)]);
 }
 
 // One bar a source: to the right where it leaves material, to the left where it takes it.
@@ -48,20 +48,20 @@ function shareBars(shares) {
 }
 
 function showWorst(section, figures) {
-  if (bench.look.quantity === "uncertainty" || !figures.worst.length) return section.replaceChildren();
+  if (bench.look.quantity === "uncertainty" || !figures.worst.length) return redraw(section, []);
   const rows = figures.worst.map((place, i) => {
     const button = el("button", { class: "rank", type: "button", title: "Turn the part to it" }, String(i + 1));
     button.onclick = () => faceWorst(place);
     return el("tr", {}, el("td", {}, button), el("td", {}, place.feature), el("td", {}, place.line > 0 ? "line " + place.line : ""), el("td", { class: "value" }, signed(place.um)));
   });
-  section.replaceChildren(el("h3", {}, "Worst places"), el("table", { class: "rows" }, el("tbody", {}, rows)));
+  redraw(section, [el("h3", {}, "Worst places"), el("table", { class: "rows" }, el("tbody", {}, rows))]);
 }
 
 function showFeatures(section, figures) {
   const rows = figures.features.filter((f) => f.count).sort((a, b) => b.rms_um - a.rms_um).map((f) =>
     el("tr", {}, el("th", { scope: "row" }, f.name || "–"), el("td", { class: "value" }, fixed(f.rms_um)), el("td", { class: "value" }, signed(f.low_um)), el("td", { class: "value" }, signed(f.high_um))));
   const head = el("tr", {}, ["Feature", "RMS", "from", "to, µm"].map((word) => el("th", { scope: "col" }, word)));
-  section.replaceChildren(el("h3", {}, "Features"), el("table", { class: "rows" }, el("thead", {}, head), el("tbody", {}, rows)));
+  redraw(section, [el("h3", {}, "Features"), el("table", { class: "rows" }, el("thead", {}, head), el("tbody", {}, rows))]);
 }
 
 function showNotes(section) {
@@ -69,7 +69,7 @@ function showNotes(section) {
     ["Machine", about.machine], ["Chain", about.chain], ["Program", `${about.program}, ${about.moves} moves, ${clock(about.duration_s)}`],
     ["Effects", about.effects.join(", ") || "none beside the error tables"],
   ];
-  section.replaceChildren(el("h3", {}, "The job"),
+  redraw(section, [el("h3", {}, "The job"),
     el("dl", { class: "facts" }, facts.map(([word, value]) => el("div", {}, el("dt", {}, word), el("dd", {}, value)))),
-    ...about.notes.map((note) => el("p", { class: "remark" }, micro(note))));
+    ...about.notes.map((note) => el("p", { class: "remark" }, micro(note)))]);
 }

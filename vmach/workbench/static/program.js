@@ -2,7 +2,7 @@
 
 import { attempt, bench } from "./bench.js";
 import { framed, get } from "./api.js";
-import { byId, el, signed } from "./dom.js";
+import { byId, el, redraw, signed } from "./dom.js";
 import { stage } from "./stage.js";
 
 const ROW = 20, LOT = 400;
@@ -76,7 +76,7 @@ export function clearMark() {
 
 function draw() {
   const view = byId("lines"), sheet = byId("lines-sheet");
-  if (!text.total) return sheet.replaceChildren();
+  if (!text.total) return redraw(sheet, []);
   const first = Math.max(0, Math.floor(view.scrollTop / ROW) - 5);
   const last = Math.min(text.total, Math.ceil((view.scrollTop + view.clientHeight) / ROW) + 5);
   for (let lot = Math.floor(first / LOT); lot <= Math.floor(Math.max(last - 1, 0) / LOT); lot++) load(lot);
@@ -90,7 +90,7 @@ function draw() {
     row.style.top = ROW * i + "px";
     rows.push(row);
   }
-  sheet.replaceChildren(...rows);
+  redraw(sheet, rows);
 }
 
 const load = attempt(async (lot) => {

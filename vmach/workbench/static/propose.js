@@ -2,7 +2,7 @@
 
 import { attempt, bench, isAtWork } from "./bench.js";
 import { get, put } from "./api.js";
-import { el, fixed, micro, short } from "./dom.js";
+import { el, fixed, micro, redraw, short } from "./dom.js";
 import { runBox, startRun } from "./runs.js";
 
 const SKELETON = `"""What the effect is, in one sentence."""
@@ -32,13 +32,14 @@ export function proposePanel(panel) {
   const forms = el("section"), editing = editorSection(), says = el("section");
   panel.append(forms, editing, says);
   const draw = () => {
-    forms.replaceChildren(...proposals().filter(Boolean));
-    says.replaceChildren(...said().filter(Boolean));
+    redraw(forms, proposals());
+    redraw(says, said());
   };
   for (const kind of ["part", "run", "shown"]) bench.on(kind, draw);
   bench.on("run", attempt(async (run) => {
     if (run.kind === "propose" && run.state === "done" && run.result.file !== state.file) await load(run.result.file);
   }));
+  bench.on("effect-text", attempt(async (file) => { if (file === state.file) await load(file); }));
   bench.on("part", attempt(async () => {
     const own = bench.state.own_effects?.[0];
     if (own && state.isNew) await load(own);
@@ -50,9 +51,9 @@ function proposals() {
   const head = el("h3", {}, "Forms for what no effect explains");
   if (!found.length) return [head, el("p", { class: "soft" }, "A diagnosis whose verdict leaves something unexplained proposes forms here. You can also write a law of your own below.")];
   return [head, ...found.map((p, i) => {
-    const name = el("input", { value: `proposed_${i + 1}`, "aria-label": "Name of the effect", class: "name" });
+    const name = el("input", { value: `proposed_${i + 1}`, "aria-label": "Name of the effect", class: "name", "data-free": "" });
     const write = el("button", { type: "button", class: "primary", disabled: isAtWork("propose") }, "Write it as an effect");
-    write.onclick = () => startRun("/api/propose", { name: name.value.trim(), number: i + 1 });
+    write.onclick = ({ currentTarget }) => startRun("/api/propose", { name: currentTarget.closest("article").querySelector("input").value.trim(), number: i + 1 });
     return el("article", { class: "card" }, el("h4", {}, el("code", {}, p.formula)),
       el("p", {}, el("b", {}, short(p.amount_um)), ` µm (u = ${short(p.u_um)}), ${p.direction}; would leave ${fixed(p.remains_um)} µm`),
       heldOut(p.held_out_um), el("p", { class: "soft" }, "Refuted by: ", micro(p.refuted_by)),

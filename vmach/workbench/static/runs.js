@@ -2,10 +2,11 @@
 
 import { attempt, bench, isAtWork, notice } from "./bench.js";
 import { post } from "./api.js";
-import { byId, commandLine, el } from "./dom.js";
+import { byId, commandLine, el, redraw } from "./dom.js";
 
 export const WORDS = { diagnose: "Diagnosing", add: "Adding", history: "Evaluating the models", propose: "Writing the proposal",
-  check: "Checking the effect", compensate: "Compensating", report: "Machining the part" };
+  check: "Checking the effect", compensate: "Compensating", machine: "Machining the part",
+  collisions: "Looking for collisions" };
 
 const stop = attempt((run) => post(`/api/runs/${run.number}/stop`));
 
@@ -20,7 +21,7 @@ function progressOf(run) {
 export function showRunInHeader() {
   const run = (bench.state.runs ?? []).find((one) => ["running", "waiting"].includes(one.state));
   byId("run").hidden = !run;
-  byId("run").replaceChildren(...(run ? progressOf(run) : []));
+  redraw(byId("run"), run ? progressOf(run) : []);
 }
 
 // A run's box in a panel: its command, how far it is, or what went wrong; of a run that went well
@@ -35,10 +36,8 @@ export function runBox(kind, isWanted = true) {
   return el("div", { class: "run-box" }, ...parts, commandLine(run.command));
 }
 
-export const startRun = attempt(async (address, what = {}) => {
-  const run = await post(address, what);
-  takeRun(run);
-});
+// The server tells all tabs of the run, this one too.
+export const startRun = attempt((address, what = {}) => post(address, what));
 
 export function takeRun(run) {
   const runs = bench.state.runs ?? (bench.state.runs = []);
@@ -46,6 +45,7 @@ export function takeRun(run) {
   if (at < 0) runs.push(run);
   else runs[at] = run;
   if (run.state === "failed" && before?.state !== "failed") notice(run.message);
+  if (run.state === "stopped" && before?.state !== "stopped") notice(`${WORDS[run.kind] ?? run.kind}: ${run.message}`, "news");
   showRunInHeader();
   bench.tell("run", run);
 }

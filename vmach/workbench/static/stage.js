@@ -9,21 +9,18 @@ const MODEL_WORDS = { abbe: "Abbe", htm: "HTM", none: "Program alone" };
 const VIEW_WORDS = { overview: "Overview", top: "Top", front: "Front", right: "Right", back: "Back", below: "Below" };
 
 export const stage = { scene: null, scenes: [], overlay: null, toleranceUm: 10, rangeUm: 1, followers: [] };
-let asked = 0;
+let asked = 0, loaded = 0;
 
 // ---- the mesh of a job, once; the colours as often as anything changes
 
 export async function loadPart() {
-  const first = stage.scene === null;
   byId("veil").textContent = "Machining the part in the model …";
   byId("veil").hidden = false;
-  const [packed] = await Promise.all([bytes("/api/mesh"), first ? null : null]);
-  const model = new Model(await unpackPayload(packed));
-  if (first) makeScene(model);
-  else stage.scene.load(model);
-  stage.isLoaded = true;
+  const number = ++loaded, model = new Model(await unpackPayload(await bytes("/api/mesh")));
+  if (number !== loaded) return; // another part was asked for since
+  if (stage.scene) stage.scene.load(model);
+  else makeScene(model);
   await loadValues();
-  byId("veil").hidden = true;
 }
 
 function makeScene(model) {

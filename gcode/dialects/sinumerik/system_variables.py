@@ -1,0 +1,31 @@
+"""System variables of SINUMERIK that follow from the program and the job.
+
+SINUMERIK 840D sl/828D, List Manual System Variables.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gcode.state.tools import ToolEntry
+
+if TYPE_CHECKING:
+    from gcode.dialects.sinumerik.reader import SinumerikReader
+
+__all__ = ["system_variable"]
+
+_AXES = "XYZABC"
+
+
+def system_variable(reader: SinumerikReader, name: str, index: str) -> float | None:
+    """Value of a system variable in program units; None for one that only the machine knows."""
+    c = reader.controller
+    tool = c.offsets.get(c.tool, ToolEntry())
+    plain = {"$P_TOOLNO": float(c.tool), "$P_TOOL": float(reader.edge),
+             "$P_TOOLR": tool.offset_diameter_mm / 2.0 / c.unit_mm, "$P_F": c.feed,
+             "$P_S": c.speed}  # fmt: skip
+    if not index:
+        return plain.get(name)
+    axis = _AXES.find(index.strip())
+    places = {"$P_EP": reader.here, "$AA_IW": reader.here, "$AA_IM": c.machine_position}
+    return places[name]()[axis] if axis >= 0 and name in places else None

@@ -1,0 +1,175 @@
+"""One good file of each kind that is imported, with the answers that it needs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from tests.small_job import write_job
+
+LASER = """\
+Machine;DMU 50;;
+Axis;X;;
+Position (mm);Abweichung (µm);Richtung;Lauf
+-300,0;0,0;+;1
+-200,0;1,5;+;1
+-100,0;3,2;+;1
+-100,0;2,2;-;1
+-200,0;0,4;-;1
+-300,0;-1,1;-;1
+"""
+BALLBAR = "Run,Feed (mm/min),Angle (deg),Deviation (um)\n" + "".join(
+    f"{run},1000,{angle if run == 'CCW' else 360 - angle},{0.1 * angle % 7 - 3:.2f}\n"
+    for run in ("CCW", "CW")
+    for angle in range(0, 360, 15)
+)
+BALLBAR_REPORT = """\
+<?xml version="1.0"?>
+<BALLBAR>
+ <PLANE TEST_PLANE="XY"/>
+ <FEATURES>
+  <FEATURE NAME="AF_CIRCULARITY" DT="UT_LENGTH_UM">9.1</FEATURE>
+  <FEATURE NAME="AF_SQUARENESS" DT="UT_SQUARENESS">-34.1</FEATURE>
+ </FEATURES>
+</BALLBAR>
+"""
+DRIFT = "Time (min)\tSpeed (rpm)\tdX (µm)\tdY (µm)\tdZ (µm)\n" + "".join(
+    f"{k}\t6000\t{0.1 * k:.2f}\t0.0\t{12 * (1 - np.exp(-k / 20)):.3f}\n" for k in range(0, 60, 3)
+)
+ETALON = """\
+// exchange text
+[EXX]
+Gridpoints = {
+-300.0 0.001
+-100.0 0.003
+0.0 0.002
+}
+[EBX]
+Gridpoints = {
+-300.0 0.00001
+0.0 0.00002
+}
+[C0Y]
+VALUE = 0.0000341
+"""
+ISG = "X EXX EYX\n-300 0.001 0.002\n0 0.002 0.001\n# \nY EYY\n-200 0.001\n0 0.004\n"
+PROBE_LOG = "".join(
+    f"{x:.4f} {y:.4f} {z:.4f} 0.0 0.0 0.0 0.0 0.0 0.0\n"
+    for x, y, z in ((-2.0, -2.0, 1.0), (5.0, 3.0, 1.001), (2.0, 4.0, 0.998), (6.0, -3.0, 1.0))
+)
+DMIS = """\
+DMISMN/'plate',05.2
+UNITS/MM,ANGDEC
+F(P1)=FEAT/POINT,CART,0,0,0,0,0,1
+FA(P1)=FEAT/POINT,CART,0.001,0.002,-0.0123,0,0,1
+F(H1)=FEAT/CIRCLE,INNER,CART,10,20,0,0,0,1,8.0
+FA(H1)=FEAT/CIRCLE,INNER,CART,10.011,19.995,0,0,0,$
+1,8.012
+ENDFIL
+"""
+QIF = """\
+<?xml version="1.0"?>
+<QIFDocument versionQIF="3.0.0" idMax="9" xmlns="http://qifstandards.org/xsd/qif3">
+ <FileUnits><PrimaryUnits><LinearUnit><SIUnitName>meter</SIUnitName>
+  <UnitName>inch</UnitName><UnitConversion><Factor>0.0254</Factor></UnitConversion>
+ </LinearUnit></PrimaryUnits></FileUnits>
+ <Features>
+  <FeatureDefinitions n="2">
+   <PointFeatureDefinition id="1"/>
+   <CircleFeatureDefinition id="2"><Diameter>0.5</Diameter></CircleFeatureDefinition>
+  </FeatureDefinitions>
+  <FeatureNominals n="2">
+   <PointFeatureNominal id="3"><FeatureDefinitionId>1</FeatureDefinitionId>
+    <Location>1 2 0</Location><Normal>0 0 1</Normal></PointFeatureNominal>
+   <CircleFeatureNominal id="4"><FeatureDefinitionId>2</FeatureDefinitionId>
+    <Location>3 1 0</Location><Normal>0 0 1</Normal></CircleFeatureNominal>
+  </FeatureNominals>
+  <FeatureItems n="2">
+   <PointFeatureItem id="5"><FeatureNominalId>3</FeatureNominalId>
+    <FeatureName>TOP</FeatureName></PointFeatureItem>
+   <CircleFeatureItem id="6"><FeatureNominalId>4</FeatureNominalId>
+    <FeatureName>BORE</FeatureName></CircleFeatureItem>
+  </FeatureItems>
+ </Features>
+ <Results><MeasurementResultsSet n="1"><MeasurementResults id="7"><MeasuredFeatures n="2">
+  <PointFeatureMeasurement id="8"><FeatureItemId>5</FeatureItemId>
+   <Location>1.0 2.0 0.001</Location></PointFeatureMeasurement>
+  <CircleFeatureMeasurement id="9"><FeatureItemId>6</FeatureItemId>
+   <Location>3.001 1 0</Location><Normal>0 0 1</Normal><Diameter>0.501</Diameter>
+  </CircleFeatureMeasurement>
+ </MeasuredFeatures></MeasurementResults></MeasurementResultsSet></Results>
+</QIFDocument>
+"""
+CMM = """\
+Name;Nom X;Nom Y;Nom Z;I;J;K;Meas X;Meas Y;Meas Z
+P1;0,0;0,0;0,0;0;0;1;0,0;0,0;-0,0123
+P2;5,0;0,0;0,0;0;0;1;5,0;0,0;0,0045
+"""
+HOLES = """\
+Name;Nom X (mm);Nom Y (mm);Meas X (mm);Meas Y (mm);Nominal Diameter (mm);Measured Diameter (mm)
+H1;10,0;20,0;10,011;19,995;8,0;8,012
+H2;30,0;20,0;30,013;19,991;8,0;8,011
+H3;10,0;60,0;10,012;59,992;8,0;8,010
+"""
+PLY = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n" + (
+    "property float z\nend_header\n-2 -2 0.004\n5 3 0.005\n2 4 -0.001\n6 -3 0\n"
+)
+XYZ = "# x y z\n-2 -2 0.004\n5.0 3.0 0.005\n2,4,-0.001\n6;-3;0\n"
+LINUXCNC = {
+    "joints.ini": "[JOINT_0]\nCOMP_FILE = x.comp\nCOMP_FILE_TYPE = 0\n",
+    "x.comp": "-300 -299.998 -299.999\n0 0.002 0.001\n",
+}
+
+#: answers that a person would give
+_BALLBAR = {"centre": "-200 -150 -150", "radius": "100", "tool_length": "150"}
+_DRIFT = {"at": "-200 -150 -150", "tool_length": "150"}
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A file of one kind."""
+
+    kind: str
+    file: str
+    text: str
+    answers: dict[str, str] = field(default_factory=dict)
+
+
+SAMPLES = (
+    Sample("laser", "x.csv", LASER, {"error": "EXX"}),
+    Sample("ballbar", "ballbar.csv", BALLBAR, _BALLBAR),
+    Sample("ballbar_report", "qc20.b5r", BALLBAR_REPORT, {"angle": "more"}),
+    Sample("drift", "drift.txt", DRIFT, _DRIFT),
+    Sample("volumetric", "etalon.txt", ETALON),
+    Sample("volumetric", "isg.csv", ISG),
+    Sample("probe_log", "probe.txt", PROBE_LOG, {"ball_mm": "2"}),
+    Sample("dmis", "part.dmo", DMIS),
+    Sample("qif", "part.qif", QIF),
+    Sample("cmm_table", "cmm.csv", CMM),
+    Sample("cmm_table", "holes.csv", HOLES),
+    Sample("scan", "scan.ply", PLY),
+    Sample("scan", "scan.xyz", XYZ),
+    Sample("controller_tables", "joints.ini", LINUXCNC["joints.ini"]),
+)
+
+
+def write_plate(path: Path) -> None:
+    """A plate of 40 x 30 x 10 mm as STL, its top at Z 0, the middle of it at X 0 Y 0."""
+    import trimesh
+
+    plate = trimesh.creation.box((40.0, 30.0, 10.0))
+    plate.apply_translation((0.0, 0.0, -5.0))
+    plate.export(path)
+
+
+def write_plate_job(folder: Path) -> Path:
+    """A job whose nominal CAD is the plate."""
+    job = write_job(folder)
+    write_plate(folder / "plate.stl")
+    text = job.read_text().replace(
+        'program = "part.nc"', 'program = "part.nc"\nnominal = "plate.stl"'
+    )
+    job.write_text(text)
+    return job

@@ -1,0 +1,338 @@
+"""Importers: what each file says is what the project's own files say, in closed form."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+from tests.import_samples import (
+    BALLBAR_REPORT,
+    LASER,
+    LINUXCNC,
+    PROBE_LOG,
+    SAMPLES,
+    write_plate_job,
+)
+from tests.small_job import MACHINE, write_job
+from vmach.controller_tables import FORMATS
+from vmach.errors import InputError
+from vmach.importers import Questions, catalogue, import_files
+from vmach.importers.importing import Target, kind_of, write_imported
+from vmach.importers.self_check import check_readings
+from vmach.importers.source_file import SourceFile
+from vmach.instruments import read_instruments
+from vmach.job import read_job
+from vmach.machine import Variant, displacement, read_machine
+from vmach.nominal import read_nominal
+from vmach.nominal.nearest import feet_on
+from vmach.nominal.points import read_points_csv
+
+
+def imported(folder, name, content, *, encoding="utf-8", columns=None, machine=None, **given):
+    (folder / name).write_text(content, encoding=encoding)
+    questions = Questions(given, columns=columns or {}, machine_file=machine)
+    (one,) = import_files([folder / name], questions)
+    return one
+
+
+def rows(text):
+    return [line.split(",") for line in text.splitlines()]
+
+
+@pytest.mark.parametrize("sample", SAMPLES, ids=lambda s: f"{s.kind}-{s.file}")
+def test_every_sample_is_known_and_read(sample, tmp_path):
+    path = tmp_path / sample.file
+    for name, text in LINUXCNC.items():
+        (tmp_path / name).write_text(text)
+    path.write_text(sample.text, encoding="utf-8")
+    assert kind_of(SourceFile(path), None).name == sample.kind
+    job = write_plate_job(tmp_path)
+    (one,) = import_files([path], Questions(sample.answers, job_file=job))
+    assert one.files or one.sections
+
+
+def test_every_kind_has_a_sample():
+    assert {sample.kind for sample in SAMPLES} == set(catalogue())
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252", "utf-16"])
+def test_a_laser_in_any_encoding_with_decimal_commas(encoding, tmp_path):
+    one = imported(tmp_path, "x.csv", LASER, encoding=encoding, error="EXX")
+    assert rows(one.files["errors/EXX.csv"]) == [
+        ["position_mm", "forward_1_um", "backward_1_um"],
+        ["-300", "0", "-1.1"],
+        ["-200", "1.5", "0.4"],
+        ["-100", "3.2", "2.2"],
+    ]
+
+
+def test_inches_and_runs_side_by_side(tmp_path):
+    text = 'Target [inch],Run 1 + [inch],Run 1 - [inch]\n0,0,0.0001\n10,"0.0002",0.0003\n'
+    one = imported(tmp_path, "y.csv", text, error="EYY")
+    assert rows(one.files["errors/EYY.csv"])[1:] == [["0", "0", "2.54"], ["254", "5.08", "7.62"]]
+
+
+def test_target_and_actual_in_the_order_of_the_motion(tmp_path):
+    """No column of directions: up, then from the other side down again."""
+    text = "soll (mm)\tist (mm)\n0\t0.001\n100\t100.002\n100\t100.004\n0\t0.003\n"
+    one = imported(tmp_path, "z.txt", text, error="EZZ")
+    assert rows(one.files["errors/EZZ.csv"])[1:] == [["0", "1", "3"], ["100", "2", "4"]]
+
+
+def test_names_of_columns_as_told(tmp_path):
+    text = "A;B\n0;1,5\n50;2,5\n"
+    given = {"error": "EXX", "unit": "um"}
+    with pytest.raises(InputError, match="no importer knows this file"):
+        imported(tmp_path, "a.csv", text, **given)
+    columns = {"position": "A", "deviation": "B"}
+    (tmp_path / "a.csv").write_text(text)
+    (one,) = import_files([tmp_path / "a.csv"], Questions(given, columns=columns), kind="laser")
+    assert rows(one.files["errors/EXX.csv"])[2] == ["50", "2.5", "2.5"]
+
+
+@pytest.mark.parametrize("counts, at_mm, along", [("up", -250.0, 1.0), ("down", 150.0, -1.0)])
+def test_what_a_laser_read_is_what_the_machine_does(counts, at_mm, along, tmp_path):
+    """A reading of +3.2 um at position -100 of the file, reached along the file's +."""
+    job = write_job(tmp_path)
+    machine = job.with_name("machine.toml")
+    machine.write_text(MACHINE.replace("[-400, 0]", "[-400, 400]") +
+                       '[tables]\ndirections = "separate"\n')  # fmt: skip
+    zero = "-150" if counts == "up" else "50"
+    one = imported(tmp_path, "x.csv", LASER, error="EXX", counts=counts, zero=zero)
+    write_imported([one], Target(tmp_path, (machine,)))
+    nose = np.array([[at_mm, -100.0, -100.0]])
+    side = np.array([[along, 0.0, 0.0]])
+    moved = displacement(read_machine(machine), nose, np.zeros(3), Variant.ABBE, direction=side)
+    assert moved.shift_mm[0] == pytest.approx([along * 3.2e-3, 0.0, 0.0], abs=1e-12)
+
+
+def test_a_machine_that_counts_bodies_gets_the_sign_of_the_body(tmp_path):
+    """X carries the workpiece in the chain of the small job: its body moves the other way."""
+    machine = write_job(tmp_path).with_name("machine.toml")
+    machine.write_text(MACHINE.replace('"relative"', '"body"'))
+    one = imported(tmp_path, "x.csv", LASER, error="EXX", machine=machine)
+    assert rows(one.files["errors/EXX.csv"])[3] == ["-100", "-3.2", "-2.2"]
+    assert "difference RMS 0.00" in one.notes[1]
+
+
+def test_the_self_check_sees_what_is_wrong(tmp_path):
+    """With all readings in one run, the mean of two runs is what the table says."""
+    text = "Position (mm);Deviation (um);Direction\n0;0;+\n100;4;+\n0;2;+\n100;8;+\n"
+    one = imported(tmp_path, "x.csv", text, error="EXX")
+    assert "difference RMS 1.58, largest 2.00 um" in one.notes[1]  # sqrt((1 + 1 + 4 + 4) / 4)
+
+
+@pytest.mark.parametrize(
+    "plane, answer, axes", [("XY", "more", (0, 1)), ("ZX", "less", (2, 0)), ("YZ", "more", (1, 2))]
+)
+def test_squareness_is_the_angle_between_the_axes(plane, answer, axes, tmp_path):
+    """The directions of travel of both axes enclose more, or less, than 90 degrees."""
+    report = BALLBAR_REPORT.replace('"XY"', f'"{plane}"')
+    one = imported(tmp_path, "qc.b5r", report, angle=answer)
+    machine = write_job(tmp_path).with_name("machine.toml")
+    write_imported([one], Target(tmp_path, (machine,)))
+    described = read_machine(machine)
+    ends = -100.0 * np.eye(3)[list(axes)]
+    nose = np.vstack([np.zeros(3), ends])
+    moved = displacement(described, nose, np.zeros(3), Variant.ABBE).shift_mm
+    along = [(nose[0] + moved[0]) - (nose[k] + moved[k]) for k in (1, 2)]
+    cosine = along[0] @ along[1] / np.prod([np.linalg.norm(a) for a in along])
+    beyond_urad = 1e6 * (np.arccos(cosine) - np.pi / 2)
+    assert beyond_urad == pytest.approx(34.1 if answer == "more" else -34.1, rel=1e-4)
+
+
+@pytest.mark.parametrize("sample", [s for s in SAMPLES if s.kind in ("ballbar", "drift")],
+                         ids=lambda s: s.kind)  # fmt: skip
+def test_readings_come_into_the_job(sample, tmp_path):
+    job = write_job(tmp_path)
+    job.write_text(job.read_text().replace('measured = "points.csv"\n', ""))
+    one = imported(tmp_path, sample.file, sample.text, **sample.answers)
+    write_imported([one], Target(tmp_path, (job,)))
+    (found,) = read_instruments(read_job(job))
+    assert found.instrument.name == sample.kind
+    count = {"ballbar": 48, "drift": 60}
+    assert len(found) == count[sample.kind]
+    if sample.kind == "drift":
+        last = found.measured_mm[found.sensing[:, 2] > 0.5][-1]
+        assert last == pytest.approx(12e-3 * (1 - np.exp(-57 / 20)), abs=1e-6)
+
+
+def test_a_ballbar_is_predicted_on_the_machine_of_the_job(tmp_path):
+    """A squareness of 100 urad, r = 100 mm: -r EC0Y sin cos is -+5 um; nothing in another plane."""
+    job = write_job(tmp_path, squareness="[squareness]\nEC0Y = 100\n")
+    job.write_text(job.read_text().replace('measured = "points.csv"\n', ""))
+    angle = np.arange(0.0, 360.0, 5.0)
+    read = -10.0 * np.sin(np.radians(angle)) * np.cos(np.radians(angle))
+    rows_ = "\n".join(f"CCW,{a},{v:.6f}" for a, v in zip(angle, read, strict=True))
+    for name, plane, said in (("good", "XY", "RMS 0.00, largest 0.00 um"),
+                              ("turned", "ZX", "largest 5.00 um")):  # fmt: skip
+        answers = {"centre": "-200 -150 -150", "radius": "100", "tool_length": "100",
+                   "feed": "1000", "plane": plane}  # fmt: skip
+        one = imported(tmp_path, f"{name}.csv", f"Run;Angle;Deviation (um)\n{rows_}\n".replace(
+            ",", ";"), **answers)  # fmt: skip
+        write_imported([one], Target(tmp_path, (job,)))
+        (line,) = check_readings(job, set(one.files))
+        assert said in line
+
+
+@pytest.mark.parametrize("name", [one.name for one in FORMATS.values() if one.errors])
+def test_tables_of_controls_come_back(name, tmp_path):
+    """What the control would take back is what the imported machine gets wrong."""
+    from vmach.controller_tables import make_tables
+    from vmach.controller_tables.table_task import task_of_machine
+
+    curves = {f"E{a}{a}": (lambda q: 3.0 * np.sin(q / 60.0), None) for a in "XYZ"}
+    if name in ("isg", "components"):
+        curves |= {"EBX": (lambda q: 0.02 * q, None), "ECY": (lambda q: 0.03 * q, None)}
+        curves = {n: (c, (0, 0, 0) if n[1] in "XYZ" else None) for n, (c, _) in curves.items()}
+    machine = write_job(tmp_path, curves, squareness="[squareness]\nEC0Y = 20.0\n")
+    machine = machine.with_name("machine.toml")
+    machine.write_text(machine.read_text().replace("t (C) Z Y b X' w", "t (C) Z Y X b w"))
+    task = task_of_machine(read_machine(machine), Variant.ABBE, tool_length_mm=80.0,
+                           tolerance_mm=2e-4)  # fmt: skip
+    (tmp_path / "tables").mkdir()
+    make_tables(task, tmp_path / "tables", formats=[name])
+    bare = machine.with_name("bare.toml")
+    text = MACHINE.replace("t (C) Z Y b X' w", "t (C) Z Y X b w")
+    bare.write_text(text + '[tables]\nextrapolation = "hold"\n')
+    (one,) = import_files([tmp_path / "tables" / name], Questions(machine_file=bare))
+    write_imported([one], Target(tmp_path / "back", (bare,)))
+    random = np.random.default_rng(1)
+    nose = random.uniform([-390, -290, -290], [-10, -10, -10], (50, 3))
+    tool = np.array([0.0, 0.0, -80.0])
+    still = np.zeros_like(nose)
+    tables = FORMATS[name].read(tmp_path / "tables" / name, {})
+    corrected = tables.applied_correction(nose, still, np.tile(tool, (50, 1)))
+    moved = displacement(read_machine(bare), nose, tool, Variant.ABBE).shift_mm
+    apart = moved + corrected
+    if name not in ("isg", "components"):  # a constant of the tables is nobody's error
+        apart = apart - apart.mean(axis=0)
+    assert np.abs(apart).max() < 2e-6
+
+
+def test_points_of_a_scan_lie_on_the_nominal_surface(tmp_path):
+    """A grown, moved plate: what a scan of it reads is known at every point."""
+    job = write_plate_job(tmp_path)
+    random = np.random.default_rng(2)
+    plate = trimesh.creation.box((40.0, 30.0, 10.0))
+    plate.apply_translation((0.0, 0.0, -5.0))
+    seen, face = trimesh.sample.sample_surface(plate, 500, seed=3)
+    inner = np.all(np.abs(np.abs(seen) - [20.0, 15.0, 5.0]) > 1.0, axis=1) | True
+    out = plate.face_normals[face]
+    size = random.uniform(-0.05, 0.05, len(seen))
+    cloud = seen + size[:, None] * out
+    np.savetxt(tmp_path / "scan.xyz", cloud)
+    (one,) = import_files([tmp_path / "scan.xyz"], Questions(job_file=job))
+    (name,) = one.files
+    (tmp_path / name).write_text(one.files[name])
+    points = read_points_csv(tmp_path / name)
+    away = np.min(np.abs(np.abs(seen - [0, 0, -5]) - [20.0, 15.0, 5.0]) + 9 * np.abs(out), axis=1)
+    clear = inner & (away > 0.2)
+    assert np.count_nonzero(clear) > 400
+    assert np.abs(points.measured_deviation_mm - size)[clear].max() < 1e-6
+
+
+def test_feet_on_exact_surfaces():
+    """On a STEP part: sampled points moved along their normals come back."""
+    part = read_nominal("samples/freecad_pocket/part.step")
+    known = part.sample(7.0, edge_margin_mm=1.0)
+    random = np.random.default_rng(4)
+    size = random.uniform(-0.1, 0.1, len(known))
+    feet = feet_on(part, known.point_mm + size[:, None] * known.normal)
+    assert (feet.feature == known.feature).all()
+    assert np.abs(feet.distance_mm - size).max() < 1e-7
+
+
+def test_the_ball_of_a_probe_is_taken_off(tmp_path):
+    job = write_plate_job(tmp_path)
+    (tmp_path / "p.txt").write_text(PROBE_LOG)
+    (one,) = import_files([tmp_path / "p.txt"], Questions({"ball_mm": "2"}, job_file=job))
+    (text,) = one.files.values()
+    z = [float(row[-1]) for row in rows(text)[1:]]
+    assert z == pytest.approx([0.0, 0.001, -0.002, 0.0], abs=1e-9)
+
+
+def test_a_scan_in_inches_is_asked_about(tmp_path):
+    job = write_plate_job(tmp_path)
+    corners = np.array([[-19, -14, 0], [19, -14, 0], [19, 14, 0], [-19, 14, 0]]) / 25.4
+    np.savetxt(tmp_path / "scan.asc", corners)
+    with pytest.raises(InputError, match="are they in inches"):
+        import_files([tmp_path / "scan.asc"], Questions(job_file=job))
+    questions = Questions({"unit": "inch"}, job_file=job)
+    (one,) = import_files([tmp_path / "scan.asc"], questions)
+    assert len(rows(next(iter(one.files.values())))) == 5
+
+
+def test_qif_in_inches_and_dmis(tmp_path):
+    by_kind = {sample.kind: sample for sample in SAMPLES}
+    qif = imported(tmp_path, "part.qif", by_kind["qif"].text)
+    assert rows(qif.files["part_points.csv"])[1] == (
+        ["TOP", "TOP", "25.4", "50.8", "0", "0", "0", "1", "25.4", "50.8", "0.0254"]
+    )
+    assert [float(v) for v in rows(qif.files["part_holes.csv"])[1][1:]] == pytest.approx(
+        [76.2, 25.4, 76.2254, 25.4, 12.7, 12.7254]
+    )
+    dmis = imported(tmp_path, "part.dmo", by_kind["dmis"].text)
+    assert rows(dmis.files["part_holes.csv"])[1] == ["H1", "10", "20", "10.011", "19.995", "8",
+                                                     "8.012"]  # fmt: skip
+
+
+def test_a_file_of_the_user_is_edited_once_and_kept(tmp_path):
+    machine = write_job(tmp_path).with_name("machine.toml")
+    before = machine.read_text()
+    one = imported(tmp_path, "x.csv", LASER, error="EXX", zero="-5")
+    write_imported([one], Target(tmp_path, (machine,)))
+    assert machine.with_name("machine.toml.bak").read_text() == before
+    assert before in machine.read_text().replace("\n[errors.EXX]", "")  # nothing else changed
+    after = machine.read_text()
+    with pytest.raises(InputError, match=r"errors.EXX.table is there already"):
+        write_imported([one], Target(tmp_path, (machine,)))
+    assert machine.read_text() == after
+
+
+def test_nothing_is_written_where_anything_is_wrong(tmp_path):
+    machine = write_job(tmp_path).with_name("machine.toml")
+    (tmp_path / "errors").mkdir()
+    (tmp_path / "errors" / "EXX.csv").write_text("mine")
+    before = machine.read_text()
+    one = imported(tmp_path, "x.csv", LASER, error="EXX")
+    with pytest.raises(InputError, match="vmach did not write it"):
+        write_imported([one], Target(tmp_path, (machine,)))
+    assert machine.read_text() == before
+    assert (tmp_path / "errors" / "EXX.csv").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    "change, said",
+    [
+        (("3,2", "3,2,1"), r"x.csv:6: Abweichung \(µm\) is '3,2,1'"),
+        (("-100,0;3,2;+;1", "-100,0;3,2"), r"x.csv:6: 2 cells; accepted: 4 as in line 3"),
+        (("0,4;-;1", "0,4;sideways;1"), r"x.csv:8: direction 'sideways'"),
+        ((" (µm)", ""), r"x.csv:3: the heading 'Abweichung' names no unit"),
+        (("-200,0;1,5", ";1,5"), r"x.csv:5: no position in this row"),
+    ],
+)
+def test_a_bad_row_is_named(change, said, tmp_path):
+    with pytest.raises(InputError, match=said):
+        imported(tmp_path, "x.csv", LASER.replace(*change), error="EXX")
+
+
+def test_what_only_the_user_knows_is_asked_or_said(tmp_path):
+    with pytest.raises(InputError, match=r"which error does x.csv hold.*--set error="):
+        imported(tmp_path, "x.csv", LASER)
+    with pytest.raises(InputError, match="error = 'EXQ'; accepted: EXX, EYX"):
+        imported(tmp_path, "x.csv", LASER, error="EXQ")
+    with pytest.raises(InputError, match="--set radius: no file asks for it"):
+        imported(tmp_path, "x.csv", LASER, error="EXX", radius="5")
+    asked = []
+
+    def person(question, default):
+        asked.append(question)
+        return {"which": "EXX", "when ": "down", "machi": "-7"}.get(question[:5], default)
+
+    (tmp_path / "x.csv").write_text(LASER)
+    (one,) = import_files([tmp_path / "x.csv"], Questions(ask=person))
+    values = one.sections[0].values
+    assert values["position_zero_mm"] == -7 and values["reverse"] is True
+    assert len(asked) == 4

@@ -1,0 +1,269 @@
+"""A table as instruments write it: any separator, decimal comma, units in the heading.
+
+The heading is the first line that names the columns that are asked for. Lines above it are the
+instrument's own head. Every line below it is a row, or the file is refused with its number.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vmach.files.text_file import decimal_number
+from vmach.importers.source_file import SourceFile
+from vmach.machine.tables.error_table import MM_PER, RAD_PER
+
+__all__ = ["ANGLE", "LENGTH", "NUMBER", "SMALL", "SPEED", "TIME", "Column", "LooseTable", "cells"]
+
+#: sizes of units in the unit of the project's own files: mm; um or urad; degrees; s; 1/min
+LENGTH = {**MM_PER, "in": 25.4, "inches": 25.4}
+SMALL = {unit: size * 1e3 for unit, size in LENGTH.items()} | {
+    unit: size * 1e6 for unit, size in RAD_PER.items()
+} | {"sec": 1e6 * RAD_PER["arcsec"]}  # fmt: skip
+ANGLE = {"deg": 1.0, "degree": 1.0, "degrees": 1.0, "rad": 57.29577951308232, "°": 1.0}
+TIME = {"s": 1.0, "sec": 1.0, "min": 60.0, "h": 3600.0, "ms": 1e-3}
+SPEED = {"rpm": 1.0, "1/min": 1.0, "mm/min": 1.0, "mm/s": 60.0, "in/min": 25.4, "m/min": 1e3}
+NUMBER = None
+
+_SEPARATORS = (";", "\t", ",", "|", None)
+_UNIT = re.compile(r"[\s_/]*[\[(/_ ]\s*([a-zµμ°\"/0-9]+)\s*[\])]?\s*$")
+#: lines that are looked at for a heading
+_HEAD_LINES = 200
+_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column that is looked for.
+
+    Attributes
+    ----------
+    name : str
+        What the importer calls it.
+    words : tuple of str
+        How headings call it, in lower case, without the unit. A `*` at the end stands for more.
+    units : mapping
+        Sizes of the units that it can have; None for a number without unit.
+    unit : str
+        Of a heading that names none.
+    is_needed : bool
+    is_text : bool
+    """
+
+    name: str
+    words: tuple[str, ...]
+    units: Mapping[str, float] | None = NUMBER
+    unit: str = ""
+    is_needed: bool = True
+    is_text: bool = False
+
+    def matches(self, word: str) -> bool:
+        """Whether a heading is this column's."""
+        return any(
+            word.startswith(own[:-1]) if own.endswith("*") else word == own for own in self.words
+        )
+
+
+@dataclass(frozen=True)
+class LooseTable:
+    """Rows of a table.
+
+    Attributes
+    ----------
+    source : SourceFile
+    header : tuple of str
+        Headings as they stand in the file.
+    header_line : int
+    lines : (P,) int64
+        Line of each row.
+    numbers : mapping of str to (P,) float64
+        In the units of the project's own files; NaN for an empty cell.
+    text : mapping of str to (P,) str
+    """
+
+    source: SourceFile
+    header: tuple[str, ...]
+    header_line: int
+    lines: np.ndarray
+    numbers: Mapping[str, np.ndarray]
+    text: Mapping[str, np.ndarray]
+
+    @classmethod
+    def find(
+        cls,
+        source: SourceFile,
+        columns: Sequence[Column],
+        *,
+        given: Mapping[str, str] | None = None,
+    ) -> LooseTable | None:
+        """The table with these columns, or None where no line names them all.
+
+        Parameters
+        ----------
+        source : SourceFile
+        columns : sequence of Column
+        given : mapping, optional
+            The file's own heading of a column, by the importer's name for it.
+
+        Raises
+        ------
+        InputError
+            A row that does not fit below the heading.
+        """
+        if not source.is_text:
+            return None
+        for number, line in enumerate(source.lines[:_HEAD_LINES]):
+            for separator in _SEPARATORS:
+                header = cells(line, separator)
+                found = _found(header, columns, given or {})
+                if found is not None:
+                    return cls._read(source, number, separator, header, found)
+        return None
+
+    @classmethod
+    def _read(
+        cls,
+        source: SourceFile,
+        head: int,
+        separator: str | None,
+        header: list[str],
+        found: Mapping[int, tuple[Column, str]],
+    ) -> LooseTable:
+        rows, lines = [], []
+        for number, line in enumerate(source.lines[head + 1 :], head + 2):
+            row = cells(line, separator)
+            if not any(row) or line.lstrip().startswith("#"):
+                continue
+            if number == head + 2 and _is_row_of_units(row, found):
+                found = {
+                    k: (column, _plain_unit(row[k]) or unit) for k, (column, unit) in found.items()
+                }
+                continue
+            if len(row) != len(header) and not (
+                len(row) > len(header) and not any(row[len(header) :])
+            ):
+                raise source.error(
+                    f"{len(row)} cells",
+                    line=number,
+                    accepted=f"{len(header)} as in line {head + 1}",
+                )
+            rows.append(row)
+            lines.append(number)
+        if not rows:
+            raise source.error(
+                "no rows below the heading", line=head + 1, accepted="rows of numbers"
+            )
+        numbers, text = {}, {}
+        for k, (column, unit) in found.items():
+            own = [row[k] for row in rows]
+            if column.is_text:
+                text[column.name] = np.array(own)
+            else:
+                size = _size(source, column, unit, header[k], head + 1)
+                numbers[column.name] = size * _values(source, own, lines, header[k])
+        return cls(source, tuple(header), head + 1, np.array(lines), numbers, text)
+
+    def complete(self, name: str) -> np.ndarray:
+        """A column without empty cells, (P,).
+
+        Raises
+        ------
+        InputError
+            With the line of the first that is empty.
+        """
+        values = self.numbers[name]
+        empty = np.isnan(values)
+        if empty.any():
+            line = int(self.lines[np.argmax(empty)])
+            raise self.source.error(f"no {name} in this row", line=line, accepted="a number")
+        return values
+
+
+def cells(line: str, separator: str | None) -> list[str]:
+    """Cells of a line, without blanks and quotation marks; no separator means blanks."""
+    if separator is None:
+        return line.split()
+    try:
+        found = next(csv.reader([line], delimiter=separator), [])
+    except csv.Error:
+        return []
+    return [cell.strip() for cell in found]
+
+
+def _found(
+    header: list[str], columns: Sequence[Column], given: Mapping[str, str]
+) -> dict[int, tuple[Column, str]] | None:
+    """Place of each column in a heading, and its unit; None where one is missing or twice."""
+    found: dict[int, tuple[Column, str]] = {}
+    for column in columns:
+        if column.name in given:
+            own = given[column.name].strip().lower()
+            places = [k for k, cell in enumerate(header) if cell.lower() == own]
+        else:
+            places = [k for k, cell in enumerate(header) if column.matches(_split(cell, column)[0])]
+        places = [k for k in places if k not in found]
+        if not places and column.is_needed:
+            return None
+        if places:
+            found[places[0]] = (column, _split(header[places[0]], column)[1])
+    return found if len(found) > 1 else None
+
+
+def _split(cell: str, column: Column) -> tuple[str, str]:
+    """Word and unit of a heading; the unit is left in where it is none of this column."""
+    text = cell.strip().strip('"').lower().replace("µ", "u").replace("μ", "u")
+    unit = _UNIT.search(text)
+    if unit and _plain_unit(unit[1]) in (column.units or ()):
+        return _plain_word(text[: unit.start()]), _plain_unit(unit[1])
+    return _plain_word(text), ""
+
+
+def _plain_word(text: str) -> str:
+    return re.sub(r"[\s_:]+", " ", text).strip(" .")
+
+
+def _plain_unit(text: str) -> str:
+    text = text.strip("[]() ").lower().replace("µ", "u").replace("μ", "u")
+    return {'"': "arcsec", "micron": "um", "microns": "um", "mm/m": "mrad"}.get(text, text)
+
+
+def _is_row_of_units(row: list[str], found: Mapping[int, tuple[Column, str]]) -> bool:
+    """Whether the line below the heading has units where the columns have them."""
+    own = [
+        _plain_unit(row[k]) in column.units
+        for k, (column, _) in found.items()
+        if column.units and k < len(row)
+    ]
+    return bool(own) and all(own)
+
+
+def _size(source: SourceFile, column: Column, unit: str, heading: str, line: int) -> float:
+    if not column.units:
+        return 1.0
+    unit = unit or column.unit
+    if unit not in column.units:
+        raise source.error(
+            f"the heading '{heading}' names no unit",
+            line=line,
+            accepted=", ".join(column.units),
+            hint="--set unit=mm for lengths, or write the unit into the heading: 'Deviation (um)'",
+        )
+    return column.units[unit]
+
+
+def _values(
+    source: SourceFile, own: Sequence[str], lines: Sequence[int], heading: str
+) -> np.ndarray:
+    values = np.empty(len(own))
+    for k, cell in enumerate(own):
+        plain = cell.replace(",", ".") if _COMMA.fullmatch(cell) else cell
+        values[k] = decimal_number(plain.replace("−", "-"))
+        if (cell and not np.isfinite(values[k])) or abs(values[k]) > 1e9:
+            raise source.error(
+                f"{heading} is '{cell}'", line=lines[k], accepted="a number such as -1.25 or -1,25"
+            )
+    return values

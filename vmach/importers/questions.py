@@ -1,0 +1,124 @@
+"""What only the user knows of a file: given as options, asked on a terminal, or refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+from vmach.errors import InputError
+from vmach.files.text_file import decimal_number
+from vmach.job import Job, read_job
+
+__all__ = ["Questions"]
+
+_LARGEST = 1e6  #: of a number in an answer: what files of the project take
+
+
+@dataclass
+class Questions:
+    """Answers, and whom to ask for those that are missing.
+
+    Attributes
+    ----------
+    given : mapping of str to str
+        By the key of the question.
+    ask : callable or None
+        Asks a person: question and what is taken where nothing is typed; None without a terminal.
+    columns : mapping of str to str
+        Which column of the file holds what, where its name does not say.
+    job_file : Path or None
+        Of the job whose nominal CAD points are laid on.
+    machine_file : Path or None
+        The machine file that the tables are for.
+    """
+
+    given: Mapping[str, str] = field(default_factory=dict)
+    ask: Callable[[str, str], str] | None = None
+    columns: Mapping[str, str] = field(default_factory=dict)
+    job_file: Path | None = None
+    machine_file: Path | None = None
+    used: set[str] = field(default_factory=set)
+
+    @cached_property
+    def job(self) -> Job | None:
+        """The job, read when it is first asked for."""
+        return None if self.job_file is None else read_job(self.job_file)
+
+    def text(self, key: str, question: str, *, accepted: str, default: str | None = None) -> str:
+        """An answer in words.
+
+        Raises
+        ------
+        InputError
+            It is not given, and nobody can be asked.
+        """
+        self.used.add(key)
+        if key in self.given:
+            return self.given[key].strip()
+        if self.ask is not None:
+            return self.ask(f"{question} ({accepted})", default or "").strip()
+        if default is None:
+            raise InputError(
+                f"the file does not say: {question}", accepted=accepted, hint=f"--set {key}=..."
+            )
+        return default
+
+    def unit(self) -> str:
+        """What ``unit`` is given as, for headings that name none; empty without it."""
+        self.used.add("unit")
+        return self.given.get("unit", "")
+
+    def choice(
+        self, key: str, question: str, choices: Sequence[str], *, default: str | None = None
+    ) -> str:
+        """One of some words.
+
+        Raises
+        ------
+        InputError
+            Another word.
+        """
+        accepted = ", ".join(choices)
+        word = self.text(key, question, accepted=accepted, default=default)
+        if word not in choices:
+            raise InputError(f"{key} = '{word}'", accepted=accepted)
+        return word
+
+    def number(self, key: str, question: str, *, unit: str, default: float | None = None) -> float:
+        """A number.
+
+        Raises
+        ------
+        InputError
+            It is none.
+        """
+        fallback = None if default is None else f"{default:g}"
+        return self._numbers(key, question, 1, f"a number in {unit}", fallback)[0]
+
+    def point(
+        self, key: str, question: str, *, default: Sequence[float] | None = None
+    ) -> list[float]:
+        """Three coordinates.
+
+        Raises
+        ------
+        InputError
+            They are no numbers, or another count of them.
+        """
+        fallback = None if default is None else " ".join(f"{v:g}" for v in default)
+        return self._numbers(key, question, 3, "three numbers in mm: '-300 -200 -250'", fallback)
+
+    def _numbers(
+        self, key: str, question: str, count: int, accepted: str, default: str | None
+    ) -> list[float]:
+        text = self.text(key, question, accepted=accepted, default=default)
+        values = [decimal_number(word) for word in text.replace(",", " ").split()]
+        if len(values) != count or not all(abs(value) <= _LARGEST for value in values):
+            raise InputError(f"{key} = '{text}'", accepted=accepted)
+        return values
+
+    def unused(self) -> list[str]:
+        """Keys that were given and that nothing asked for."""
+        return [key for key in self.given if key not in self.used]

@@ -1,0 +1,1 @@
+"""iso230.html: a sheet for every evaluated table, to be signed."""

@@ -1,0 +1,1 @@
+"""accuracy.html: the page of a machine's volumetric accuracy."""
