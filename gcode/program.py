@@ -12,6 +12,7 @@ import numpy as np
 from gcode.control.predefined import install_predefined
 from gcode.errors import ProgramError
 from gcode.geometry.arc_tolerance import ArcTolerance, arc_tolerance
+from gcode.language.confirmation import unconfirmed_words
 from gcode.language.dialect import Dialect
 from gcode.language.options import ControlSettings, RunOptions
 from gcode.language.registry import Recognition, choose_dialect, dialect_called
@@ -215,6 +216,7 @@ def read_program(
         raise _placed(error, source) from None
     if controller.trace is not None:
         controller.trace.end()
+    _note_unconfirmed(controller, spoken.dialect)
     notes = tuple(Note(line, word, text) for (line, word), text in controller.notes.items())
     home = None if home_mm is None else np.array(home_mm, np.float64)
     return Program(source.path, spoken.dialect.name, source, notes, controller.record,
@@ -233,6 +235,15 @@ def _run_as_recognised(
         if other.dialect is spoken.dialect:
             raise
         return other, run(other.dialect)
+
+
+def _note_unconfirmed(controller: Controller, dialect: type[Dialect]) -> None:
+    """One note on the words whose reading nothing but the manual supports."""
+    words = unconfirmed_words(controller.used, dialect.confirmed)
+    if words:
+        controller.notes[(controller.used[words[0]], "not confirmed")] = (
+            f"{', '.join(words)}: read after the maker's manual, confirmed by no second source"
+        )
 
 
 def _prepare(

@@ -6,7 +6,7 @@ Knows neither NC programs nor machines.
 from stock.collision import Collision, find_collisions
 from stock.compile_ahead import compile_ahead
 from stock.errors import StockError
-from stock.exact.edge import Edges, EdgeStatus, find_edges
+from stock.exact.edge import Edges, EdgeStatus, Material, find_edges
 from stock.exact.generating import Generation, find_generating
 from stock.exact.left_surface import LeftSurface, find_left_surface
 from stock.solid import BLANK, VirtualPart, cut_part
@@ -25,6 +25,7 @@ __all__ = [
     "Edges",
     "Generation",
     "LeftSurface",
+    "Material",
     "StockError",
     "Surface",
     "Sweeps",

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from vmach.api.comparison import ModelComparison, compare
+    from vmach.api.features import evaluate_features
     from vmach.api.machining import (
         accuracy,
         compensate,
@@ -65,6 +66,7 @@ __all__ = [
     "diagnose",
     "displacement",
     "evaluate_axis",
+    "evaluate_features",
     "inner",
     "linear",
     "machine_from_arrays",
@@ -111,6 +113,7 @@ _HOMES = {
     "diagnose": "vmach.api.measuring",
     "displacement": "vmach.machine",
     "evaluate_axis": "vmach.api.machining",
+    "evaluate_features": "vmach.api.features",
     "inner": "vmach.effects",
     "linear": "vmach.effects",
     "machine_from_arrays": "vmach.machine.from_arrays",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from gcode.dialects.fanuc import Fanuc
+from gcode.dialects.fanuc.confirmed import CONFIRMED
 from gcode.dialects.fanuc.reader import FanucReader
 from gcode.dialects.fanuc.settings import FanucSettings
 
@@ -34,6 +35,11 @@ class Centroid(Fanuc):
     rank = 62
     reader = CentroidReader
     reads = ("linuxcnc", "fanuc")
+    confirmed = {
+        "posts": "G0; G1; G2; G3; G17; G21; G40; G49; G53; G80; G81; G82; G83; G90; G98; M25; M99",
+        "fanuc": CONFIRMED["manual"],
+        "no motion": CONFIRMED["no motion"],
+    }
 
     @classmethod
     def detect(cls, text: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from gcode.dialects.fanuc import Fanuc
+from gcode.dialects.fanuc.confirmed import CONFIRMED
 from gcode.dialects.fanuc.reader import FanucReader
 from gcode.dialects.fanuc.settings import HAAS_COLUMNS, HAAS_M, FanucSettings
 
@@ -35,6 +36,11 @@ class Haas(Fanuc):
     rank = 60
     reader = HaasReader
     reads = ("linuxcnc", "fanuc")
+    confirmed = {
+        "manual": "G0; G1; G10; G12; G13; G28; G40; G41; G70; G71; G80; G83; G91; G99; G154",
+        "fanuc": CONFIRMED["manual"],
+        "no motion": CONFIRMED["no motion"],
+    }
 
     @classmethod
     def detect(cls, text: str) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from gcode.errors import ProgramError
 from gcode.geometry.arc_tolerance import ArcTolerance
+from gcode.language.confirmation import TRUTHS
 from gcode.language.dialect import Dialect
 from gcode.language.translate import Translated
 from gcode.writing.block_text import BlockText
@@ -23,7 +24,8 @@ _PATTERN = (re.Pattern, type(None))
 _TYPES = {"name": str, "title": str, "source": str, "synonyms": tuple, "marks": _PATTERN,
           "rank": int, "is_rs274": bool, "arcs": ArcTolerance, "reads": tuple,
           "own_words": _PATTERN, "unlike": _PATTERN, "flow_lines": _PATTERN, "unwritable": _PATTERN,
-          "inch_decimals": int, "ending": frozenset, "floating_tap": bool}  # fmt: skip
+          "inch_decimals": int, "ending": frozenset, "floating_tap": bool,
+          "confirmed": Mapping}  # fmt: skip
 #: attribute -> what class it must be derived from
 _CLASSES = {"reader": Translated, "text": BlockText, "edit": LineEdit}
 _OBLIGATORY = ("name", "title", "source")
@@ -58,6 +60,10 @@ def check_dialect(kind: type[Dialect], others: Mapping[str, type[Dialect]]) -> N
             raise _error(kind, None, f"dialect {kind.__name__} has no {name}",
                          hint=f'give it a line {name} = "..."')  # fmt: skip
     _check_types(kind)
+    unknown = sorted(set(kind.confirmed) - set(TRUTHS))
+    if unknown:
+        raise _error(kind, "confirmed", f"confirmed by '{unknown[0]}'",
+                     accepted=", ".join(TRUTHS))  # fmt: skip
     if not _NAME.fullmatch(kind.name):
         raise _error(kind, "name", f"name = '{kind.name}'", accepted="lower case letters")
     for name in (kind.name, *kind.synonyms):

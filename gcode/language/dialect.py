@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
+from types import MappingProxyType
 
 from gcode.geometry.arc_tolerance import ArcTolerance
 from gcode.language.options import RunOptions
@@ -62,6 +64,9 @@ class Dialect:
         M codes that act when the block's motion has ended.
     floating_tap : bool
         G84 is a feed move with the spindle reversed, so that it can be written out.
+    confirmed : mapping of str to str
+        A truth of `gcode.language.confirmation.TRUTHS` -> words whose reading it confirms, with
+        semicolons between them. A program that uses others gets a note; none where it is empty.
     text : type
         Syntax of its blocks, see `gcode.writing.block_text.BlockText`.
     edit : type
@@ -86,6 +91,7 @@ class Dialect:
     inch_decimals: int = 1
     ending: frozenset[int] = frozenset((0, 1, 2, 5, 9, 30, 60))
     floating_tap: bool = False
+    confirmed: Mapping[str, str] = MappingProxyType({})
     text: type[BlockText] = BlockText
     edit: type[LineEdit] = LineEdit
 

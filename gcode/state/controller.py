@@ -116,11 +116,16 @@ class Controller:
     offsets: dict[int, ToolEntry] = field(default_factory=dict)  #: what H and D mean
     first_offsets: dict[int, ToolEntry] = field(init=False)
     notes: dict[tuple[int, str], str] = field(default_factory=dict)
+    used: dict[str, int] = field(default_factory=dict)  #: codes and words -> line of first use
     trace: Trace | None = None  #: what is obeyed, where somebody asks for it
 
     def __post_init__(self) -> None:
         self.offsets = self.offsets or dict(self.tools)
         self.first_offsets = dict(self.offsets)
+
+    def use(self, word: str) -> None:
+        """Count a code, cycle or key word among those that the program uses."""
+        self.used.setdefault(word, self.line)
 
     def note(self, word: str, meaning: str) -> None:
         """List a word as irrelevant to geometry."""

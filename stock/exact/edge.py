@@ -7,7 +7,7 @@ sign (docs/engine.md).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -110,21 +110,31 @@ def find_edges(
 class Material:
     """What sweeping tools leave of a blank, made ready for many questions.
 
-    Parameters as of `find_edges`.
+    Parameters
+    ----------
+    sweeps : Sweeps or iterable of Sweeps
+        In parts they need not all be there at once.
+    tools, blank_mm
+        As of `find_edges`.
+    count : int, optional
+        How many sweeps all parts have; needed with parts.
     """
 
     def __init__(
         self,
-        sweeps: Sweeps,
+        sweeps: Sweeps | Iterable[Sweeps],
         tools: Sequence[Tool],
-        blank_mm: tuple[Sequence[float], Sequence[float]] | None,
+        blank_mm: tuple[Sequence[float] | np.ndarray, Sequence[float] | np.ndarray] | None,
+        *,
+        count: int | None = None,
     ) -> None:
         self._blank = _checked_blank(blank_mm)
-        sweeps.check_tools(len(tools))
+        parts = [sweeps] if isinstance(sweeps, Sweeps) else sweeps
+        count = len(sweeps) if isinstance(sweeps, Sweeps) else count
         size = np.array([math.hypot(tool.diameter_mm / 2, tool.length_mm) for tool in tools])
-        motion = build_motion(sweeps, size)
+        motion = build_motion((_with_tools(part, tools) for part in parts), count, size)
         cut = Cut(motion, build_outlines(tools))
-        self._work = Work(cut, build_trees(motion, sweeps, size))
+        self._work = Work(cut, build_trees(motion, size))
 
     def edges(self, points_mm: np.ndarray, normals: np.ndarray, reach_mm: float) -> Edges:
         """Edges on normals, (P, 3), through points, (P, 3) mm; as `find_edges`."""
@@ -142,6 +152,11 @@ class Material:
         for array in arrays:
             array.setflags(write=False)
         return Edges(*arrays)
+
+
+def _with_tools(sweeps: Sweeps, tools: Sequence[Tool]) -> Sweeps:
+    sweeps.check_tools(len(tools))
+    return sweeps
 
 
 def _checked_points(points_mm: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -169,7 +184,9 @@ def _checked_points(points_mm: np.ndarray, normals: np.ndarray) -> tuple[np.ndar
     return read_only(points), read_only(normals / length[:, None])
 
 
-def _checked_blank(blank_mm: tuple[Sequence[float], Sequence[float]] | None) -> np.ndarray:
+def _checked_blank(
+    blank_mm: tuple[Sequence[float] | np.ndarray, Sequence[float] | np.ndarray] | None,
+) -> np.ndarray:
     if blank_mm is None:
         return np.array([[-np.inf] * 3, [np.inf] * 3])
     blank = np.array(blank_mm, dtype=np.float64)

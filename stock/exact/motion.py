@@ -10,6 +10,7 @@ derivatives term by term.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -24,11 +25,13 @@ __all__ = [
     "arc_of",
     "bend_of",
     "build_motion",
+    "on_arcs",
     "ripple_of",
     "tilt_at",
     "tip_at",
     "tip_positions",
     "tool_of",
+    "tools_of",
 ]
 
 #: rows whose intermediate values are held at a time
@@ -64,12 +67,15 @@ class Motion(NamedTuple):
     arcs: np.ndarray
 
 
-def build_motion(sweeps: Sweeps, reach_of_tool_mm: np.ndarray) -> Motion:
+def build_motion(parts: Iterable[Sweeps], count: int, reach_of_tool_mm: np.ndarray) -> Motion:
     """Bring sweeps into the kernels' form.
 
     Parameters
     ----------
-    sweeps : Sweeps
+    parts : iterable of Sweeps
+        One after the other; each may be forgotten when the next is asked for.
+    count : int
+        How many sweeps all parts have.
     reach_of_tool_mm : (T,) float64
         Distance from the tip to the farthest point of each tool.
 
@@ -78,24 +84,44 @@ def build_motion(sweeps: Sweeps, reach_of_tool_mm: np.ndarray) -> Motion:
     StockError
         If an arc does not end where its angle says.
     """
-    path = np.empty((len(sweeps), 16))
+    path, tilt, arcs = np.empty((count, 16)), np.empty((0, 12)), [np.empty((0, 5, 3))]
+    done = arc_count = 0
+    for sweeps in parts:
+        rows = slice(done, done + len(sweeps))
+        _write_path(path[rows], sweeps)
+        if sweeps.tilt_rad.any() or sweeps.tilt_slope_rad.any():
+            tilt = tilt if len(tilt) else np.zeros((count, 12))
+            for begin in range(0, len(sweeps), _ROWS_AT_ONCE):
+                some = slice(begin, begin + _ROWS_AT_ONCE)
+                _add_tilt(path[rows], tilt[rows], sweeps, some, reach_of_tool_mm)
+        curved = np.flatnonzero(sweeps.sweep_rad != 0.0)
+        arcs.append(_arcs(sweeps, curved, done))
+        radius, growth, angle = arcs[-1][:, 4].T
+        own = (radius + np.maximum(growth, 0.0)) * angle**2 + 2.0 * np.abs(growth * angle)
+        path[done + curved, _BEND] += own
+        path[done + curved, _ARC] = arc_count + np.arange(len(curved))
+        done, arc_count = rows.stop, arc_count + len(curved)
+    return Motion(path, tilt, np.concatenate(arcs))
+
+
+def on_arcs(motion: Motion) -> np.ndarray:
+    """Which sweeps are arcs, (M,) bool."""
+    return motion.path[:, _ARC] >= 0.0
+
+
+def tools_of(motion: Motion) -> np.ndarray:
+    """Index of the tool of every sweep, (M,) int32."""
+    return motion.path[:, _TOOL].astype(np.int32)
+
+
+def _write_path(path: np.ndarray, sweeps: Sweeps) -> None:
+    """Rows of `Motion.path` without what tilts and arcs add."""
     straight = sweeps.sweep_rad == 0.0
     shift, ends = (sweeps.shift_mm, sweeps.shift_slope_mm), (sweeps.start_mm, sweeps.end_mm)
     run_in_parts(
         lambda begin, end: _fill_path(path, shift, ends, (straight, sweeps.tool), (begin, end)),
         len(path),
     )
-    tilt = np.empty((0, 12))
-    if sweeps.tilt_rad.any() or sweeps.tilt_slope_rad.any():
-        tilt = np.empty((len(sweeps), 12))
-        for begin in range(0, len(sweeps), _ROWS_AT_ONCE):
-            _add_tilt(path, tilt, sweeps, slice(begin, begin + _ROWS_AT_ONCE), reach_of_tool_mm)
-    arcs = _arcs(sweeps, np.flatnonzero(~straight))
-    radius, growth, angle = arcs[:, 4].T
-    own = (radius + np.maximum(growth, 0.0)) * angle**2 + 2.0 * np.abs(growth * angle)
-    path[~straight, _BEND] += own
-    path[~straight, _ARC] = np.arange(len(arcs))
-    return Motion(path, tilt, arcs)
 
 
 def _add_tilt(
@@ -154,13 +180,15 @@ def _largest_second_derivative(cubic, i):
     return math.sqrt(max(start, end))
 
 
-def _arcs(sweeps: Sweeps, which: np.ndarray) -> np.ndarray:
-    """Rows of `Motion.arcs` for the sweeps `which`, checked."""
+def _arcs(sweeps: Sweeps, which: np.ndarray, first: int) -> np.ndarray:
+    """Rows of `Motion.arcs` for the sweeps `which`, checked; `first` is the number of sweep 0."""
     axis, angle = sweeps.axis[which], sweeps.sweep_rad[which]
     start, end, centre = sweeps.start_mm[which], sweeps.end_mm[which], sweeps.centre_mm[which]
     if len(which) and np.abs(np.linalg.norm(axis, axis=1) - 1.0).max() > 1e-9:
         bad = which[np.argmax(np.abs(np.linalg.norm(axis, axis=1) - 1.0))]
-        raise StockError(f"axis of the arc in sweep {bad} is no unit vector: {sweeps.axis[bad]}")
+        raise StockError(
+            f"axis of the arc in sweep {first + bad} is no unit vector: {sweeps.axis[bad]}"
+        )
     centre = centre + axis * _dot(start - centre, axis)
     rise = axis * _dot(end - start, axis)
     radial_start, radial_end = start - centre, end - rise - centre
@@ -175,7 +203,7 @@ def _arcs(sweeps: Sweeps, which: np.ndarray) -> np.ndarray:
     if len(which) and gap.max() > _ARC_END_MM:
         bad = np.argmax(gap)
         raise StockError(
-            f"arc in sweep {which[bad]} (move {sweeps.move[which[bad]]}) misses its end by "
+            f"arc in sweep {first + which[bad]} (move {sweeps.move[which[bad]]}) misses its end by "
             f"{gap[bad]:.3g} mm",
             accepted="end_mm at the angle sweep_rad from start_mm about axis through centre_mm",
         )

@@ -16,9 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from stock.compiled import njit_inlined, njit_kernel, read_only
-from stock.exact.motion import Motion, bend_of, tip_at
+from stock.exact.motion import Motion, bend_of, on_arcs, tip_at, tools_of
 from stock.exact.outline import lower_bound
-from stock.sweeps import Sweeps
 from stock.threads import run_in_parts
 
 __all__ = ["Trees", "bound_of_box", "build_trees", "morton_order", "pieces_of_leaf"]
@@ -68,14 +67,15 @@ class Trees(NamedTuple):
     slack_mm: np.ndarray
 
 
-def build_trees(motion: Motion, sweeps: Sweeps, reach_of_tool_mm: np.ndarray) -> Trees:
+def build_trees(motion: Motion, reach_of_tool_mm: np.ndarray) -> Trees:
     """Sort the pieces of all sweeps and bound them, tool by tool; reaches (T,) mm."""
-    sweep, span = _pieces(motion, sweeps.sweep_rad != 0.0)
+    sweep, span = _pieces(motion, on_arcs(motion))
+    tool = tools_of(motion)[sweep]
     box = _piece_boxes(motion, sweep, span)
     first_piece, piece_count, first_node, leaves = [], [], [], []
     order, done, nodes = [np.zeros(0, dtype=np.int64)], 0, 0
     for t in range(len(reach_of_tool_mm)):
-        mine = np.flatnonzero(sweeps.tool[sweep] == t)
+        mine = np.flatnonzero(tool == t)
         mine = mine[morton_order(0.5 * (box[mine, :3] + box[mine, 3:]))]
         order.append(mine)
         count = 1 << max(0, math.ceil(math.log2(max(1, math.ceil(len(mine) / LEAF)))))

@@ -4,9 +4,16 @@
 
 A round changes one thing in a copy of a sample and calls a command in this process. Three things
 are counted: faults of the program itself (exit 70), rounds above 20 s of processor time, and wrong
-tables, tools or units (25 or 1000 times, shifted, mirrored) that are accepted without a doubt.
-Squareness and places are one number each: those that stay within what a machine can be are listed
-apart.
+tables, tools, units, places and right angles (25 or 1000 times, shifted, mirrored) that are
+accepted without a doubt.
+
+A number that is wrong and moves the prediction nowhere in the machine's volume by more than 1 um
+is listed as harmless: nobody can tell it from a right one, and nobody needs to. A reading of laser
+or straightedge is itself uncertain by that much. Places where no angle acts on the component are of
+this kind.
+
+Programs are the samples' own, with the first lines of every tool only: what is wrong with a
+configuration does not depend on how long the program goes on.
 """
 
 import argparse
@@ -18,7 +25,7 @@ import sys
 import tempfile
 import time
 from collections import Counter, defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -31,6 +38,8 @@ from gcode import ProgramError
 from stock import StockError
 from vmach.cli import app
 from vmach.errors import VmachError
+from vmach.machine import Variant, displacement, read_machine
+from vmach.machine.tables.interpolation import Extrapolation
 
 ROOT = Path(__file__).parents[2]
 JOBS = {
@@ -43,10 +52,14 @@ JOBS = {
     "spline_slot/corner.toml": "spline_slot",
 }
 FACTORS = (1e3, 1e-3, 25.4, 1 / 25.4)
+#: a wrong number that moves no point of the volume by more is harmless, um
+HARMLESS_UM = 1.0
+#: lines of the program that every tool gets, and points that have to be cut with them
+LINES_A_TOOL, LEAST_POINTS = 40, 40
 #: more processor time than this is a fault
 LIMIT_S = 20
 #: of the rounds that look at the path, so many ask a slow command instead
-SLOW_SHARE = 0.12
+SLOW_SHARE = 0.4
 NUMBER = re.compile(r"(?<![\w.\"'-])-?\d+\.?\d*(?:[eE][-+]?\d+)?(?![\w.])")
 ODD_VALUES = (
     "1e308", "-1e308", "1e-308", "0", "-1", "nan", "inf", "true", '"10"', "[]", "[1, 2]", "{}",
@@ -158,24 +171,22 @@ def all_values(folder, job, rng):
 def squareness(folder, job, rng):
     path, factor = machine_of(folder), rng.choice(FACTORS)
     text = path.read_text()
-    found = assigned(text, "E[ABC]0[XYZ]") or assigned(text, "um_per_m")
-    if not found:
-        return Change("nothing", "no squareness")
+    found = list(re.finditer(r"(?m)^(E[ABC]0[XYZ])( = (?:\{ um_per_m = )?)(-?[\d.]+)", text))
     match = rng.choice(found)
     path.write_text(replaced(text, match, float(match[3]) * factor))
-    return Change("squareness (apart)", f"{match[1]} = {match[3]} x {factor:.4g}")
+    return Change("squareness", f"{match[1]} = {match[3]} x {factor:.4g}", True)
 
 
 def place(folder, job, rng):
     path, factor = machine_of(folder), rng.choice(FACTORS)
     text = path.read_text()
-    found = list(re.finditer(r"(?m)^(?:measured_at_mm|nose_at_mm) = \[(.*)\]", text))
+    found = list(re.finditer(r"(?m)^(?:measured_at|nose_at|stick_out)_mm = \[?([-\d., ]*\d)", text))
     if not found:
         return Change("nothing", "no place")
     match = rng.choice(found)
     numbers = ", ".join(f"{float(x) * factor:.9g}" for x in match[1].split(","))
     path.write_text(text[: match.start(1)] + numbers + text[match.end(1) :])
-    return Change("place (apart)", f"[{match[1]}] x {factor:.4g}")
+    return Change("place", f"[{match[1]}] x {factor:.4g}", True)
 
 
 def some_file(folder, job, rng):
@@ -251,15 +262,26 @@ CHANGES = (
 )  # fmt: skip
 
 
-def sample(name, machine, where):
+def beginnings(text, lines):
+    """The first lines of a program and of every tool in it, and its end."""
+    kept, since = [], 0
+    for line in text.splitlines():
+        since = 0 if re.search(r"\bM0?6\b", line) else since + 1
+        if since < lines or re.search(r"\bM(0?2|30)\b|^%|^O\d", line):
+            kept.append(line)
+    return "\n".join(kept) + "\n"
+
+
+def sample(name, machine, where, lines=None):
     """A folder with the job, its machine and tables; without CAD, which nothing here reads."""
+    lines = lines or lines_needed(name)
     source = ROOT / "samples" / Path(name).parent
     folder = shutil.copytree(
         ROOT / "samples" / machine, where / "job", ignore=shutil.ignore_patterns("*.st*", "*.py")
     )
     text = (ROOT / "samples" / name).read_text()
     program = re.search(r'(?m)^program = "(.*)"', text)[1]
-    shutil.copy(source / program, folder / "program.nc")
+    (folder / "program.nc").write_text(beginnings((source / program).read_text(), lines))
     text = re.sub(r'(?m)^program = ".*"', 'program = "program.nc"', text)
     text = re.sub(r'(?m)^machine = ".*"', 'machine = "machine.toml"', text)
     text = re.sub(r'(?m)^(nominal|measured) = ".*"\n', "", text)
@@ -267,14 +289,22 @@ def sample(name, machine, where):
     job.write_text(text)
     points = "id,feature,x,y,z,i,j,k\n1,top,0,0,0,0,0,1\n2,top,20,0,0,0,0,1\n"
     (folder / "points.csv").write_text(points)
-    (folder / "measured.csv").write_text(points_on_cut(name))
+    (folder / "measured.csv").write_text(points_on_cut(name, lines))
     return folder, job
 
 
 @cache
-def points_on_cut(name):
+def lines_needed(name):
+    """So many lines of every tool that some points are cut."""
+    lines = LINES_A_TOOL
+    while lines < 10_000 and points_on_cut(name, lines).count("\n") <= LEAST_POINTS:
+        lines *= 3
+    return lines
+
+
+@cache
+def points_on_cut(name, lines):
     """Some points that the job's program cuts, measured where they should be but for noise."""
-    from vmach.base.variant import Variant
     from vmach.job import read_job
     from vmach.nominal import read_nominal
     from vmach.path.preparation import prepare
@@ -283,7 +313,14 @@ def points_on_cut(name):
 
     job = read_job(ROOT / "samples" / name)
     points = surface_points(job, read_nominal(job.nominal, job.nominal_unit))
-    found = predict(prepare(job), points.point_mm, points.normal, variant=Variant.ABBE)
+    with tempfile.TemporaryDirectory() as place_:
+        program = Path(place_) / "program.nc"
+        program.write_text(beginnings(job.program.read_text(), lines))
+        try:
+            prepared = prepare(job, program_path=program)
+        except ProgramError:  # cut off in the middle of a subprogram
+            return ""
+    found = predict(prepared, points.point_mm, points.normal, variant=Variant.ABBE)
     rows = np.flatnonzero(found.is_cut)
     rows = rows[:: max(len(rows) // 150, 1)]
     noise = np.random.default_rng(0).normal(0.0, 5e-4, len(rows))
@@ -338,6 +375,26 @@ def outcome(call):
     return "fault", f"{type(error).__name__}: {error}"
 
 
+@cache
+def displaced_um(machine_path, stamp):
+    """Error of the tip over the machine's volume, (N, 3), um; tables hold beyond their ends."""
+    machine = read_machine(machine_path)
+    held = {name: replace(component, extrapolation=Extrapolation.HOLD)
+            for name, component in machine.components.items()}  # fmt: skip
+    axes = (np.linspace(*ends, 5) for ends in machine.travel_mm.T)
+    nose = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    tool = np.array([0.0, 0.0, -120.0])
+    moved = displacement(replace(machine, components=held), nose, tool, Variant.ABBE)
+    return 1e3 * moved.shift_mm
+
+
+def moved_um(folder, name):
+    """How far a changed machine is from the sample's own, at most; a shift of all is none."""
+    right = ROOT / "samples" / JOBS[name] / "machine.toml"
+    change = displaced_um(machine_of(folder), object()) - displaced_um(right, None)
+    return float(np.abs(change - change.mean(axis=0)).max())
+
+
 def stop(*_):
     raise Slow
 
@@ -358,9 +415,13 @@ def fuzz(rounds, seed, show):
             signal.setitimer(signal.ITIMER_PROF, LIMIT_S)
             found, said = outcome(call)
             signal.setitimer(signal.ITIMER_PROF, 0)
+            if change.kind in ("squareness", "place") and found == "silent":
+                moved = moved_um(folder, name)
+                found = "silent" if moved > HARMLESS_UM else "harmless"
+                change = replace(change, told=f"{change.told}, {moved:.2f} um")
         counts[change.kind][found] += 1
         bad = found in ("fault", "slow") or (change.is_wrong and found == "silent")
-        if bad or (show and found == "silent"):
+        if bad or (show and found in ("silent", "harmless")):
             examples[found].append(f"{number}: {name}: {call[0]}: {change.told}: {said[:90]!r}")
         if bad:
             counts["BAD"]["silent and wrong" if found == "silent" else found] += 1
@@ -387,7 +448,7 @@ def main():
     start = time.process_time()
     counts, examples, asked = fuzz(options.rounds, options.seed, options.list)
     bad = counts.pop("BAD", Counter())
-    names = ("refused", "asked", "silent", "slow", "fault")
+    names = ("refused", "asked", "silent", "harmless", "slow", "fault")
     print(f"{'changed':22}" + "".join(f"{name:>9}" for name in names))
     for kind, row in counts.items():
         print(f"{kind:22}" + "".join(f"{row[name]:9}" for name in names))

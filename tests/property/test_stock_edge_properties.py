@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stock import EdgeStatus, Sweeps, find_edges, make_tool
+from stock import EdgeStatus, Material, Sweeps, find_edges, make_tool
 from tests.oracle.stock_edge_cases import joined, sweeps_of
 
 TOOLS = [
@@ -62,6 +62,17 @@ def test_a_cut_through_every_sweep_changes_nothing(seed):
     assert (whole.status == EdgeStatus.CUT).sum() > 100
     assert (split.status == whole.status).all()
     assert np.abs(split.deviation_mm - whole.deviation_mm).max() <= 1e-9
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_sweeps_in_parts_are_the_same_material(seed):
+    sweeps, points, normals = job(seed)
+    parts = (Sweeps(**{name: value[k : k + 17] for name, value in vars(sweeps).items()})
+             for k in range(0, len(sweeps), 17))  # fmt: skip
+    whole = edges_of(sweeps, points, normals)
+    found = Material(parts, TOOLS, None, count=len(sweeps)).edges(points, normals, 1.0)
+    for name, value in vars(whole).items():
+        assert np.array_equal(getattr(found, name), value)
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -19,6 +19,7 @@ from vmach.controller_tables import FORMATS
 from vmach.errors import InputError
 from vmach.importers import Questions, catalogue, import_files
 from vmach.importers.importing import Target, kind_of, write_imported
+from vmach.importers.self_check import check_readings
 from vmach.importers.source_file import SourceFile
 from vmach.instruments import read_instruments
 from vmach.job import read_job
@@ -155,6 +156,24 @@ def test_readings_come_into_the_job(sample, tmp_path):
     if sample.kind == "drift":
         last = found.measured_mm[found.sensing[:, 2] > 0.5][-1]
         assert last == pytest.approx(12e-3 * (1 - np.exp(-57 / 20)), abs=1e-6)
+
+
+def test_a_ballbar_is_predicted_on_the_machine_of_the_job(tmp_path):
+    """A squareness of 100 urad, r = 100 mm: -r EC0Y sin cos is -+5 um; nothing in another plane."""
+    job = write_job(tmp_path, squareness="[squareness]\nEC0Y = 100\n")
+    job.write_text(job.read_text().replace('measured = "points.csv"\n', ""))
+    angle = np.arange(0.0, 360.0, 5.0)
+    read = -10.0 * np.sin(np.radians(angle)) * np.cos(np.radians(angle))
+    rows_ = "\n".join(f"CCW,{a},{v:.6f}" for a, v in zip(angle, read, strict=True))
+    for name, plane, said in (("good", "XY", "RMS 0.00, largest 0.00 um"),
+                              ("turned", "ZX", "largest 5.00 um")):  # fmt: skip
+        answers = {"centre": "-200 -150 -150", "radius": "100", "tool_length": "100",
+                   "feed": "1000", "plane": plane}  # fmt: skip
+        one = imported(tmp_path, f"{name}.csv", f"Run;Angle;Deviation (um)\n{rows_}\n".replace(
+            ",", ";"), **answers)  # fmt: skip
+        write_imported([one], Target(tmp_path, (job,)))
+        (line,) = check_readings(job, set(one.files))
+        assert said in line
 
 
 @pytest.mark.parametrize("name", [one.name for one in FORMATS.values() if one.errors])

@@ -91,3 +91,20 @@ def test_a_path_in_parts_gives_the_same_sweeps():
         )
         for field in fields(whole):
             assert np.array_equal(getattr(joined, field.name), getattr(whole, field.name))
+
+
+def test_the_moves_of_some_pieces_give_the_same_sweeps():
+    back = {"kind": MoveKind.LINE, "start_mm": (30, 40, 0), "end_mm": (0, 0, 0)}
+    whole, path = sweeps_of(make_moves(*[LINE, back] * 6), wave)
+    piece = np.array([57, 3, 4, 110, 57])
+    some, here = path.of_pieces(piece)
+    assert len(some.first_node) < len(path.first_node) / 2
+    moved = wave(some.nodes.nose_mm)
+    found = build_sweeps(
+        some,
+        RigidDisplacement(moved, np.zeros_like(moved)),
+        zero_mm=ZERO_MM,
+        tool_index=np.array([-1, 0]),
+    )
+    for field in fields(whole):
+        assert np.array_equal(getattr(found, field.name)[here], getattr(whole, field.name)[piece])

@@ -161,12 +161,17 @@ def _square(text: str, questions: Questions) -> Imported:
 
 
 def _tell(found: list[Imported], written: list[Path], targets: list[Path]) -> None:
+    from vmach.importers.importing import is_machine
+    from vmach.importers.self_check import check_readings
     from vmach.importers.toml_text import section_text
 
     for one in found:
         print(*one.notes, sep="\n")
     for path in written:
         print(f"wrote {path}")
+    for job in (path for path in targets if path in written and not is_machine(path)):
+        names = {Path(name).name for one in found for name in one.files}
+        print(*check_readings(job, names), sep="\n")
     kinds = {"machine": "machine.toml", "job": "job.toml"}
     open_ones = {kinds[s.file] for one in found for s in one.sections}
     open_ones -= {path.name for path in targets}

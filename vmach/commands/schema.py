@@ -1,4 +1,4 @@
-"""``vmach schema``: the keys, types and units of an output for programs."""
+"""``vmach schema``: keys, types and units of outputs for programs, and of files for editors."""
 
 from __future__ import annotations
 
@@ -12,13 +12,19 @@ __all__ = ["schema"]
 
 def schema(
     name: Annotated[
-        str | None, typer.Argument(help="summary, predict, path ...; all names where left out")
+        str | None, typer.Argument(help="job, machine, summary ...; all names where left out")
     ] = None,
 ) -> None:
-    """Print the JSON schema of an output."""
+    """Print the JSON schema of an output, or of a file that you write."""
     from vmach.schemas import SCHEMAS, json_schema
+    from vmach.setup.editor_schemas import EDITED_FILES, editor_schema
 
+    if name is not None and name in EDITED_FILES:
+        print(json.dumps(editor_schema(name), indent=1))
+        return
     if name is None:
+        for known in EDITED_FILES:
+            print(f"{known:11} {known}.toml, for editors")
         for known, record in SCHEMAS.items():
             print(f"{known:11} {(record.__doc__ or '').splitlines()[0]}")
         return

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
-from vmach.errors import InputError
-from vmach.files.text_file import read_text
+from vmach.files.toml_file import read_toml
 from vmach.machine.chain import Chain
+from vmach.machine.files.machine_schema import MachineSchema
 from vmach.machine.sign_convention import SignConvention, sign_to_relative
 from vmach.machine.tables.error_table import RAD_PER
 
@@ -32,26 +31,18 @@ class Convention:
 
     @classmethod
     def of(cls, path: Path | None) -> Convention:
-        """That of a machine file, as far as it says it."""
+        """That of a machine file.
+
+        Raises
+        ------
+        InputError
+            The file cannot be read.
+        """
         if path is None:
             return cls()
-        try:
-            said = tomllib.loads(read_text(path, what="machine file"))
-            sign = said["convention"]["sign"]
-            angle = str(said["convention"]["angle"])
-            found = cls(str(said["chain"]), SignConvention(sign).value, angle)
-            Chain.parse(found.chain)
-            found.in_angle_unit(0.0)
-        except (KeyError, TypeError, ValueError, RecursionError) as error:
-            if isinstance(error, InputError) and error.file is not None:
-                raise
-            raise InputError(
-                f"chain, sign and angle cannot be read: {error}",
-                file=path,
-                accepted="chain, and sign and angle in [convention]",
-                hint="'vmach check' says what the machine file lacks",
-            ) from None
-        return found
+        said = read_toml(path, MachineSchema, what="machine file")
+        Chain.parse(said.chain)
+        return cls(said.chain, said.convention.sign, said.convention.angle)
 
     def factor(self, name: str) -> float:
         """From an error of the tool relative to the workpiece to one as the file counts it."""

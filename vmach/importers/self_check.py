@@ -7,22 +7,27 @@ a zero or a direction that the description has wrong shows as a difference.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from gcode import ProgramError
 from vmach.base.units import um_from_mm, urad_from_rad
+from vmach.effects import read_effects
+from vmach.errors import InputError
 from vmach.importers.component_table import unit_of
 from vmach.importers.convention import Convention
 from vmach.importers.importer import Section
 from vmach.importers.toml_text import section_text
+from vmach.instruments import read_instruments
+from vmach.job import read_job
 from vmach.machine import LINEAR_AXES, RigidDisplacement, Variant, displacement
 from vmach.machine.component_errors import component_of
 from vmach.machine.files.machine_file import read_machine
 
-__all__ = ["LaserReadings", "check_laser", "difference"]
+__all__ = ["LaserReadings", "check_laser", "check_readings", "difference"]
 
 _HEAD = """schema = 1
 name = "self-check"
@@ -139,3 +144,29 @@ def _machine_text(nose: np.ndarray, axis: int, convention: Convention) -> str:
     travels = {name: (-1.0, 1.0) for name in LINEAR_AXES} | {LINEAR_AXES[axis]: (low, high)}
     tables = (f"[axes.{n}]\ntravel_mm = [{a:.6f}, {b:.6f}]\n" for n, (a, b) in travels.items())
     return _HEAD.format(chain=convention.chain, sign=convention.sign) + "".join(tables)
+
+
+def check_readings(job_file: Path, names: Collection[str]) -> list[str]:
+    """What instruments of a job would read on its machine, and what they read: a line for each.
+
+    Parameters
+    ----------
+    job_file : Path
+    names : collection of str
+        Names of the files that are looked at.
+    """
+    try:
+        job = read_job(job_file)
+        effects = read_effects(job.effects, file=job.path, job=job)
+        tests = read_instruments(job, effects=effects)
+    except (InputError, ProgramError) as error:
+        return [f"no self-check: {error}"]
+    found = []
+    for test in tests:
+        if test.name in names:
+            free = [test.nuisance @ np.linalg.lstsq(test.nuisance, v, rcond=None)[0]
+                    for v in (test.predicted_mm, test.measured_mm)]  # fmt: skip
+            predicted, read = test.predicted_mm - free[0], test.measured_mm - free[1]
+            what = f"{test.name}, {test.instrument.left_free_by(test)} left free"
+            found.append(difference(what, um_from_mm(predicted), um_from_mm(read), "um"))
+    return found

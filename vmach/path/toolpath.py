@@ -187,6 +187,15 @@ class Toolpath:
             yield Toolpath(self.nodes[slice(first[0], first[-1] + 2)], first - first[0])
             begin = end
 
+    def of_pieces(self, piece: np.ndarray) -> tuple[Toolpath, np.ndarray]:
+        """The moves that some pieces (P,) belong to, and the number of each piece there, (P,)."""
+        move = self.piece_move
+        chosen = np.zeros(len(self.nodes.moves), dtype=bool)
+        chosen[move[piece]] = True
+        pieces, nodes = chosen[move], chosen[self.nodes.move]
+        first = (np.cumsum(nodes) - 1)[self.first_node[pieces]]
+        return Toolpath(self.nodes[nodes], first), (np.cumsum(pieces) - 1)[piece]
+
     def states_on_pieces(
         self,
         piece: np.ndarray,

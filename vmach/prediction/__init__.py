@@ -1,14 +1,12 @@
 """Predicted deviation of surface points: the displaced path, swept exactly."""
 
-from vmach.prediction.prediction import (
+from vmach.prediction.displaced_path import (
     ActingEffect,
-    Prediction,
     displaced_sweeps,
     displacement_of,
     of_machine,
-    predict,
-    predict_surface,
 )
+from vmach.prediction.prediction import Prediction, predict, predict_surface
 
 __all__ = [
     "ActingEffect",

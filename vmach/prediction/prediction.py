@@ -9,43 +9,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 
-from stock import Edges, EdgeStatus, Sweeps, find_edges, find_generating
-from vmach.machine import Machine, RigidDisplacement, Variant, displacement
+from stock import Edges, EdgeStatus, Sweeps, find_generating
+from vmach.machine import RigidDisplacement, Variant
 from vmach.nominal.points import SurfacePoints
 from vmach.path.preparation import Preparation
 from vmach.path.toolpath import PathStates
-from vmach.path.touched_zero import relative_to_zero
-from vmach.prediction.sweeping import join_sweeps
+from vmach.prediction.displaced_path import ActingEffect, DisplacedPath, displacement_of
 
 #: a tool that passes a surface point no closer than this does not generate it
 GENERATING_MISS_MM = 0.05
 
-#: pieces of the path that are displaced at a time: some ten MB each
-PIECES_AT_ONCE = 200_000
-
-__all__ = ["ActingEffect", "Prediction", "displaced_sweeps", "displacement_of", "of_machine",
-           "predict", "predict_surface"]  # fmt: skip
-
-
-class ActingEffect(Protocol):
-    """An effect at work: its target and parameters are set, so that states are all it needs."""
-
-    @property
-    def label(self) -> str:
-        """Name and target."""
-
-    def displacement(self, states: PathStates) -> RigidDisplacement:
-        """Rigid motion of the tool relative to the workpiece, whatever the surface."""
-
-    def at_surface(self, states: PathStates) -> np.ndarray:
-        """Further displacement of the cutting edge at the contact, (P, 3) mm."""
-
-    def uncertainty_patterns(self, states: PathStates) -> np.ndarray:
-        """Displacements at the contact, (P, 3, K) mm of unit variance, that are left open."""
+__all__ = ["Prediction", "predict", "predict_surface"]
 
 
 @dataclass(frozen=True)
@@ -88,22 +65,6 @@ class Prediction:
         return _contact_states(self.preparation, self.edges, self.normals)
 
 
-def displaced_sweeps(
-    preparation: Preparation, variant: Variant, effects: Sequence[ActingEffect] = ()
-) -> Sweeps:
-    """Sweeps of the whole program, displaced by the machine's errors and the effects."""
-    path = preparation.path
-    # effects look back along the path, and keep what they found for all of it
-    parts = [path] if effects else path.parts(PIECES_AT_ONCE)
-    return join_sweeps(
-        parts,
-        lambda nodes: displacement_of(preparation, nodes, variant, effects),
-        count=len(path.first_node),
-        zero_mm=preparation.zero_mm,
-        tool_index=preparation.tool_index,
-    )
-
-
 def predict(
     preparation: Preparation,
     points_mm: np.ndarray,
@@ -142,27 +103,17 @@ def predict(
     exactly there, and the difference along the normal is added: what is left is of second order
     in the slope of the error, and effects that depend on the surface's normal enter here.
     """
-    if sweeps is None:
-        sweeps = displaced_sweeps(preparation, variant, effects)
-    job = preparation.job
-    edges = find_edges(
-        points_mm,
-        normals,
-        sweeps=sweeps,
-        tools=preparation.cutters,
-        blank_mm=None if job.blank is None else (job.blank.min_mm, job.blank.max_mm),
-        reach_mm=job.inspection.reach_mm,
-    )
+    displaced = DisplacedPath(preparation, variant, tuple(effects), sweeps)
+    edges = displaced.material().edges(points_mm, normals, preparation.job.inspection.reach_mm)
     overcut = np.zeros(len(points_mm), dtype=bool)
     if known_surface is not None:
-        meant = _path_displaced(sweeps) if is_compensated else sweeps
         edges, overcut = _generated(
             edges, known_surface, points_mm, normals,
-            preparation=preparation, sweeps=sweeps, meant=meant,
+            displaced=displaced, is_compensated=is_compensated,
         )  # fmt: skip
     cut = np.flatnonzero(edges.status == EdgeStatus.CUT)
     states = _contact_states(preparation, edges, normals)
-    at_contact = sweeps.displacement_at(edges.sweep[cut], edges.parameter[cut])
+    at_contact = displaced.at(edges.sweep[cut], edges.parameter[cut])
     interpolated = RigidDisplacement(*at_contact).at(states.contact_mm)
     exact = displacement_of(preparation, states, variant, effects).at(states.contact_mm)
     for effect in effects:
@@ -207,9 +158,8 @@ def _generated(
     points_mm: np.ndarray,
     normals: np.ndarray,
     *,
-    preparation: Preparation,
-    sweeps: Sweeps,
-    meant: Sweeps,
+    displaced: DisplacedPath,
+    is_compensated: bool,
 ) -> tuple[Edges, np.ndarray]:
     """Give known surface points that were gouged away the place on the path that makes them.
 
@@ -221,7 +171,9 @@ def _generated(
     overcut = np.zeros(len(points_mm), dtype=bool)
     if lost.size == 0:
         return edges, overcut
-    found = find_generating(points_mm[lost], normals[lost], sweeps=meant, tools=preparation.cutters)
+    sweeps, tools = displaced.sweeps, displaced.preparation.cutters
+    meant = _path_displaced(sweeps) if is_compensated else sweeps
+    found = find_generating(points_mm[lost], normals[lost], sweeps=meant, tools=tools)
     near = found.miss_mm < GENERATING_MISS_MM
     rows = lost[near]
     overcut[rows] = True
@@ -251,30 +203,6 @@ def _path_displaced(sweeps: Sweeps) -> Sweeps:
         end_mm=sweeps.end_mm + last,
         centre_mm=sweeps.centre_mm + 0.5 * (first + last),
     )
-
-
-def displacement_of(
-    preparation: Preparation, states: PathStates, variant: Variant, effects: Sequence[ActingEffect]
-) -> RigidDisplacement:
-    """Rigid displacement of the tool at P states, by the machine's errors and the effects.
-
-    It counts from the workpiece zero as it was touched, where the job says how.
-    """
-    job = preparation.job
-    return relative_to_zero(
-        job, states, lambda some: of_machine(job.machine, some, variant, effects)
-    )
-
-
-def of_machine(
-    machine: Machine, states: PathStates, variant: Variant, effects: Sequence[ActingEffect]
-) -> RigidDisplacement:
-    """The same as the machine makes it, whatever zero the job counts from."""
-    direction = states.direction if machine.separate_directions else None
-    total = displacement(machine, states.nose_mm, states.tool_mm, variant, direction=direction)
-    for effect in effects:
-        total = total + effect.displacement(states)
-    return total
 
 
 def _contact_states(preparation: Preparation, edges: Edges, normals: np.ndarray) -> PathStates:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,7 @@ from vmach.errors import InputError
 from vmach.files.atomic import atomic_file
 from vmach.files.together import together
 from vmach.nominal import NominalPart, read_nominal
+from vmach.setup.editor_schemas import EDITED_FILES, editor_schema
 from vmach.setup.kinematics import Kinematics
 from vmach.setup.said_tools import SaidTool, said_tools
 
@@ -24,6 +26,8 @@ _ALLOWANCE_MM = 1.0
 _DIAMETER_MM, _LENGTH_MM = 10.0, 100.0
 #: above the table, as a share of the travel, at which a workpiece zero is put that nobody has said
 _ZERO_ABOVE = 0.2
+#: folder of the schemas that editors look into, beside the files
+_SCHEMAS = ".vmach"
 
 
 @dataclass(frozen=True)
@@ -77,7 +81,9 @@ def new_job(folder: Path, answers: Answers) -> tuple[Path, ...]:
         machine: "\n".join(_machine_lines(answers)) + "\n",
         job: "\n".join(_job_lines(folder, answers, needs, part)) + "\n",
     }
-    folder.mkdir(parents=True, exist_ok=True)
+    (folder / _SCHEMAS).mkdir(parents=True, exist_ok=True)
+    schemas = {folder / _SCHEMAS / f"{n}.json": json.dumps(editor_schema(n)) for n in EDITED_FILES}
+    texts |= {path: text + "\n" for path, text in schemas.items()}
     with together():
         for path, text in texts.items():
             with atomic_file(path) as file:
@@ -94,6 +100,7 @@ def _relative(path: Path, folder: Path) -> str:
 
 
 def _machine_lines(answers: Answers) -> Iterator[str]:
+    yield f"#:schema ./{_SCHEMAS}/machine.json"
     yield "schema = 1"
     yield 'name = "my machine"  # mend: what it is called in reports'
     yield f'chain = "{answers.kinematics.chain}"  # {answers.kinematics.title}'
@@ -124,6 +131,7 @@ def _machine_lines(answers: Answers) -> Iterator[str]:
 def _job_lines(
     folder: Path, answers: Answers, needs: Needs, part: NominalPart | None
 ) -> Iterator[str]:
+    yield f"#:schema ./{_SCHEMAS}/job.json"
     yield "schema = 1"
     yield 'machine = "machine.toml"'
     yield f'program = "{_relative(answers.program, folder)}"'

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from gcode.dialects.fanuc.confirmed import CONFIRMED
 from gcode.dialects.fanuc.reader import FanucReader
 from gcode.dialects.fanuc.turning import looks_like_turning
 from gcode.language.dialect import Dialect
@@ -32,6 +33,7 @@ class Fanuc(Dialect):
     reader = FanucReader
     is_rs274 = True
     reads = ("linuxcnc", "haas")
+    confirmed = CONFIRMED
 
     @classmethod
     def detect(cls, text: str) -> str | None:

@@ -57,7 +57,6 @@ class BlockRunner:
         self.increments = INCREMENTS[control.increment or "calculator"]
         self.is_told = control.increment is not None or settings.only_calculator
         self.ended = False
-        self.unit_said = False
         self.transform = Transform()
         self.polar: list[float] | None = None  #: its centre X Y Z
         self.offsets = OffsetWords(self)
@@ -77,8 +76,9 @@ class BlockRunner:
     def finish(self) -> None:
         """At the end of the text."""
         self.finish_corner()
-        if not self.unit_said:
-            self.controller.note("units", "neither G20 nor G21: the program is read in mm")
+        if not self.reader.says_unit():
+            said = "neither G20 nor G21: the program is read in mm"
+            self.controller.notes[(1, "units")] = said
 
     @property
     def takes_pointless(self) -> bool:
@@ -214,7 +214,6 @@ class BlockRunner:
             code = block.take(*codes)
             if code is not None:
                 self.finish_corner()
-                self.unit_said = self.unit_said or code in (20, 21)
                 self.execute(f"g{code:g}")
         if "f" in block.words and not block.has(93) and self.controller.feed_mode != "inverse":
             self.execute(f"f{block.words.pop('f')!r}")

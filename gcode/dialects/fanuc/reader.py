@@ -33,6 +33,7 @@ _LEVELS = 15  #: nesting of calls; more is a program that calls itself
 _HEAD = re.compile(r"(?:/[1-9]?)?(?:n(\d+))?(?:/[1-9]?)?")
 _SLASH = re.compile(r"\s*(?:n\s*\d+\s*)?/\s*([1-9]?)(?!\s*\d)", re.IGNORECASE)
 _LEADER = re.compile(r"^%(?=[o:]\d)")  #: of a tape; the program's number may follow
+_UNIT = re.compile(r"G\s*2[01](?![\d.])", re.IGNORECASE)
 _OUTPUT = ("dprnt", "bprnt", "popen", "pclos")
 _PROGRAM = re.compile(r"(?:o|:)(?:(\d+)|<([^>]*)>)")
 _COMMENT = re.compile(r"\((?:[^()]|\([^()]*\))*\)?")
@@ -75,12 +76,12 @@ class FanucReader(Translated):
         self.modal_call: list[tuple[str, float]] | None = None
         self.fast = self.starts = None
         self._forms = (
-            (re.compile(r"if(\[.*\])go(?:to)?(.+)"), self._if_goto),
-            (re.compile(r"if(\[.*\])th(?:en)?(.+)"), self._if_then),
-            (re.compile(r"go(?:to)?([\d#\[].*)"), self._goto),
-            (re.compile(r"wh(?:ile)?(\[.*\])do(\d+)"), self._while),
-            (re.compile(r"do(\d+)"), lambda _: None),
-            (re.compile(r"en(?:d)?(\d+)"), self._end),
+            ("IF", re.compile(r"if(\[.*\])go(?:to)?(.+)"), self._if_goto),
+            ("IF THEN", re.compile(r"if(\[.*\])th(?:en)?(.+)"), self._if_then),
+            ("GOTO", re.compile(r"go(?:to)?([\d#\[].*)"), self._goto),
+            ("WHILE", re.compile(r"wh(?:ile)?(\[.*\])do(\d+)"), self._while),
+            ("DO", re.compile(r"do(\d+)"), lambda _: None),
+            ("END", re.compile(r"en(?:d)?(\d+)"), self._end),
         )
 
     def run(self) -> None:
@@ -129,9 +130,10 @@ class FanucReader(Translated):
             return
         content = self._content(self.next - 1)
         if content[:1] in ("i", "g", "w", "d", "e"):
-            for pattern, action in self._forms:
+            for name, pattern, action in self._forms:
                 match = pattern.fullmatch(content)
                 if match:
+                    self.controller.use(name)
                     self.blocks.finish_corner()
                     action(*match.groups())
                     return
@@ -171,6 +173,7 @@ class FanucReader(Translated):
             self._assign(content)
             return
         block = read_words(content, self.variables)
+        self._use(block)
         if block.has(65, 66, 67) or any(code in (97, 98, 99) for code in block.m):
             self.blocks.finish_corner()
             self._call_block(block)
@@ -180,6 +183,11 @@ class FanucReader(Translated):
             self.ended = self.blocks.ended
             if moved and self.modal_call is not None and not self._in_modal_call():
                 self._macro_call(self.modal_call, modal=True)
+
+    def says_unit(self) -> bool:
+        """Whether G20 or G21 stands anywhere in the text."""
+        bare = (_COMMENT.sub("", line) if "(" in line else line for line in self.lines)
+        return any(_UNIT.search(line) for line in bare)
 
     def m_codes(self) -> set[int]:
         """M codes with plain numbers anywhere in the text."""
@@ -191,6 +199,14 @@ class FanucReader(Translated):
         trace = self.controller.trace
         if trace is not None:
             trace.take(Block(dict(block.words), list(block.g), [float(m) for m in block.m]))
+
+    def _use(self, block: MacroBlock) -> None:
+        for code in block.g:
+            self.controller.use(f"G{code:g}")
+        for code in block.m:
+            self.controller.use(f"M{code}")
+        if block.corner is not None:
+            self.controller.use(f",{block.corner[0].upper()}")
 
     def _check_end(self, content: str) -> None:
         """A second program begins: the main program has no end."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from gcode.dialects.heidenhain.confirmed import CONFIRMED
 from gcode.dialects.heidenhain.reader import KlartextReader
 from gcode.geometry.arc_tolerance import ARC_TOLERANCES
 from gcode.language.dialect import Dialect
@@ -33,3 +34,4 @@ class Heidenhain(Dialect):
     inch_decimals = 2
     text = KlartextText
     edit = KlartextEdit
+    confirmed = CONFIRMED

@@ -5,8 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-__all__ = ["bare", "joined_blocks"]
+__all__ = ["bare", "joined_blocks", "key_word"]
 
+_KEY_WORD = re.compile(
+    r"CYCL DEF\s*\d+|CYCL CALL(?:\s+(?:POS|PAT))?|FN\s*\d+|(?:APPR|DEP)\s+\w+|PLANE\s+\w+"
+    r"|CALL (?:PGM|LBL)|TOOL (?:CALL|DEF)|BLK FORM|(?:BEGIN|END) PGM|PATTERN DEF"
+    r"|Q[LR]?(?=\d)|[A-Z]+"
+)
 _COMMA = re.compile(r"(?<=\d),(?=\d)")
 _NUMBER = re.compile(r"^\d+(?:\s+|$)")
 #: their further lines are Q parameters or places, each with a comment of its own
@@ -18,6 +23,14 @@ def bare(line: str) -> str:
     text = re.sub(r";.*", "", line).replace("~", " ").strip().upper()
     text = _COMMA.sub(".", _NUMBER.sub("", text))
     return "CYCL" + text[5:] if text.startswith("CYCLE ") else text
+
+
+def key_word(content: str) -> str:
+    """By what a block is counted: ``L``, ``CYCL DEF 200``, ``FN 9``, ``APPR LT``."""
+    found = _KEY_WORD.match(content)
+    if found is None:
+        return content[:12]
+    return re.sub(r"(?<=[A-Z])\s*(?=\d)", " ", found.group())
 
 
 def joined_blocks(lines: Sequence[str]) -> dict[int, str]:

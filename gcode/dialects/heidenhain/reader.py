@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from gcode.dialects.heidenhain.approach import approach, depart
-from gcode.dialects.heidenhain.block_text import bare, joined_blocks
+from gcode.dialects.heidenhain.block_text import bare, joined_blocks, key_word
 from gcode.dialects.heidenhain.cycle_calls import CycleCalls
 from gcode.dialects.heidenhain.flow import KlartextFlow
 from gcode.dialects.heidenhain.frames import KlartextFrames
@@ -110,6 +110,7 @@ class KlartextReader(Translated):
                 return
             content = content[1:].strip()
         head = re.match(r"[A-Z]+|", content)[0]
+        self.controller.use(key_word(content))
         if head in ("L", "C", "CR", "CT", "LP", "CP"):
             self._move(head, content[len(head) :])
             return
@@ -179,6 +180,7 @@ class KlartextReader(Translated):
 
     def m_code(self, code: int) -> str:
         """Block of an M function; nothing for one that moves nothing here."""
+        self.controller.use(f"M{code}")
         if code in _REFUSED_M:
             raise ProgramError(f"M{code} ({_REFUSED_M[code]}) is not read",
                                accepted="milling with three axes")  # fmt: skip
@@ -290,6 +292,8 @@ class KlartextReader(Translated):
             self.feed = words["F"]
         if "FAUTO" in words:
             self.feed = self.tool_feed
+        for code in {91, 92, 99, 140} & set(codes):
+            self.controller.use(f"M{code}")
         if 140 in codes:
             self._retract(words)
         self.execute(*before, self._side(words))
@@ -320,6 +324,7 @@ class KlartextReader(Translated):
         side = next((k for k in ("R0", "RL", "RR") if k in words), None)
         c = self.controller
         wanted = {"R0": 0, "RL": 1, "RR": -1, None: c.side}[side]
+        c.use(side or "R0")
         if wanted == c.side:
             return ""
         if wanted and c.side:

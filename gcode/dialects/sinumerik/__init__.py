@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from gcode.dialects.sinumerik.confirmed import CONFIRMED
 from gcode.dialects.sinumerik.reader import SinumerikReader
 from gcode.geometry.arc_tolerance import ARC_TOLERANCES
 from gcode.language.dialect import Dialect
@@ -50,6 +51,7 @@ class Sinumerik(Dialect):
         re.IGNORECASE | re.MULTILINE,
     )
     reader = SinumerikReader
+    confirmed = CONFIRMED
     arcs = ARC_TOLERANCES["sinumerik"]
     inch_decimals = 2
     text = SinumerikText

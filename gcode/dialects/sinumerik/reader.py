@@ -61,6 +61,7 @@ _NO_MOTION = re.compile(
     rf"|({'|'.join(NO_MOTION)})\b)",
     re.IGNORECASE,
 )
+_KEY_WORD = re.compile(r"\w+")
 _MACHINE_AXIS = re.compile(r"\b([XYZ])1\s*=", re.IGNORECASE)  #: G74 X1=0
 _TILTED = re.compile(r"CYCLE800\s*\((.*)\)", re.IGNORECASE)
 _SUPPRESSED = re.compile(r"\bSUPA\b", re.IGNORECASE)  #: every frame, for one block
@@ -113,6 +114,7 @@ class SinumerikReader(Translated):
 
     def _obey(self, content: str) -> None:
         if self.flow.obey(content):
+            self.controller.use(_KEY_WORD.match(content)[0].upper())
             return
         declared, frame = _DEFINED.fullmatch(content), _FRAME.fullmatch(content)
         called, settable = _CALLED.fullmatch(content), _UNIFR.fullmatch(content)
@@ -120,6 +122,7 @@ class SinumerikReader(Translated):
             self._declare(declared[2])
         elif frame is not None:
             self._finish_line()
+            self.controller.use(frame[1].upper())
             self.frame.obey(frame[1].upper(), dict(self._words(frame[2])) if frame[2] else {})
         elif called is not None and called[2].upper() not in ("CYCLE832", "CYCLE800"):
             self._finish_line()
@@ -199,6 +202,7 @@ class SinumerikReader(Translated):
         arc = _ARC_WORD.search(content)
         words = self._words(_ARC_WORD.sub("", _MACHINE_AXIS.sub(r"\1=", content)))
         g_codes = [value for letter, value in words if letter == "G"]
+        self._use(words, None if arc is None else arc[1].upper())
         if 4.0 in g_codes:
             self._dwell(words)
             return
@@ -224,6 +228,15 @@ class SinumerikReader(Translated):
             return
         if stop:
             self.execute("m30" if stop[0] in (2, 17, 30) else f"m{stop[0]:.0f}")
+
+    def _use(self, words: list[tuple[str, float]], arc: str | None) -> None:
+        for letter, value in words:
+            if letter in "GM":
+                self.controller.use(f"{letter}{value:g}")
+            elif letter in _ADDRESSES:
+                self.controller.use(letter)
+        if arc is not None:
+            self.controller.use(arc)
 
     def _fixed_point(self, words: list[tuple[str, float]]) -> None:
         """G74, G75: rapid to the reference or fixed point of the named axes."""
@@ -578,6 +591,7 @@ class SinumerikReader(Translated):
         ]
 
     def _cycle(self, name: str, arguments: list[float | None], *, modal: bool) -> None:
+        self.controller.use(name)
         self.only_in_xy(name)
         if name in PATTERNS:
             if self.modal is None:

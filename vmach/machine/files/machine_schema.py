@@ -42,7 +42,11 @@ def _origin(text: str) -> str:
 
 class _Convention(FileSection):
     origin: Annotated[str, AfterValidator(_origin)] = _ORIGIN
-    sign: Annotated[str, AfterValidator(_sign)]
+    sign: Annotated[
+        str,
+        AfterValidator(_sign),
+        Field(json_schema_extra={"enum": [*SignConvention, *_SIGN_IN_WORDS]}),
+    ]
     length: Literal["um", "mm", "m", "inch"]
     angle: Literal["urad", "rad", "mrad", "arcsec", "deg", "um/m", "um/mm"]
     set_up: SetUp = SetUp.REFLECTOR

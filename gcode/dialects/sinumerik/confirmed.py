@@ -1,0 +1,24 @@
+"""Words of SINUMERIK that an independent truth has confirmed."""
+
+from __future__ import annotations
+
+__all__ = ["CONFIRMED"]
+
+#: truth -> words, see `gcode.language.confirmation`
+CONFIRMED = {
+    "manual": (
+        "AP; ATRANS; CR; CYCLE81; CYCLE82; CYCLE83; CYCLE84; CYCLE85; CYCLE87; CYCLE88; "
+        "CYCLE89; CYCLE840; ELSE; ENDFOR; ENDIF; ENDLOOP; ENDWHILE; FOR; G0; G1; G2; G3; G40; "
+        "G41; G42; G53; G54; G56; G57; G70; G71; G90; G91; G95; G110; G111; G112; G153; G700; "
+        "G710; GOTOB; GOTOF; HOLES2; IF; LOOP; REPEAT; RP; SUPA; TRANS; UNTIL; WHILE"
+    ),
+    "closed form": (
+        "AMIRROR; AROT; CASE; CHF; CHR; CIP; CT; CYCLE86; CYCLE801; G54; G55; G74; G75; G331; "
+        "G332; I1; J1; MIRROR; POCKET3; POCKET4; REPEATB; RND; RNDM; ROT; SLOT1"
+    ),
+    "one part": ("AROT; CR; ENDFOR; FOR; G0; G1; G2; G17; G40; G41; G54; G71; G90; RND; TRANS"),
+    "no motion": (
+        "G4; G60; G64; G94; G97; G290; G450; G460; G461; G462; G601; G602; G603; G641; G642; "
+        "G643; G644; G645; M0; M1; M2; M3; M4; M5; M6; M7; M8; M9; M17; M30"
+    ),
+}

@@ -1,0 +1,58 @@
+"""Which words of a control an independent truth has confirmed, and which it has not.
+
+Each dialect says it once, as data (`Dialect.confirmed`); the table of the documentation and the
+note of a program are made from that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+__all__ = ["TRUTHS", "confirmation_table", "unconfirmed_words"]
+
+#: name of a truth -> what it is, and the tests that compare with it
+TRUTHS: dict[str, tuple[str, tuple[str, ...]]] = {
+    "manual": ("rules and figures of the maker's manuals, computed by hand",
+               ("test_fanuc_manual.py", "test_klartext_manual.py", "test_sinumerik_manual.py",
+                "test_drilling_cycles.py", "test_common_words.py", "test_haas_cycles.py")),
+    "closed form": ("walls, floors, places and frames in closed form",
+                    ("test_klartext_cycles.py", "test_sinumerik_language.py",
+                     "test_haas_cycles.py")),
+    "posts": ("36 paths that FreeCAD 0.20 posted", ("test_freecad_posts.py",)),
+    "one part": ("one part programmed by hand for three controls",
+                 ("test_one_part_three_controls.py",)),
+    "fanuc": ("the same reader as FANUC's, whose words are confirmed above", ()),
+    "no motion": ("nothing to confirm: the word moves nothing", ()),
+}  # fmt: skip
+
+
+def _words(said: str) -> list[str]:
+    return [word.strip() for word in said.split(";") if word.strip()]
+
+
+def unconfirmed_words(used: Iterable[str], confirmed: Mapping[str, str]) -> list[str]:
+    """Words that no truth covers, in the order of their first use.
+
+    Parameters
+    ----------
+    used : iterable of str
+    confirmed : mapping of str to str
+        Truth -> words with semicolons between them; empty for a dialect that keeps no table.
+    """
+    known = {word for said in confirmed.values() for word in _words(said)}
+    return [word for word in used if word not in known] if known else []
+
+
+def confirmation_table(confirmed: Mapping[str, Mapping[str, str]]) -> str:
+    """Rows of the documentation: control, truth, words.
+
+    Parameters
+    ----------
+    confirmed : mapping
+        Name of a dialect -> its table.
+    """
+    rows = ["| control | confirmed by | words |", "|---|---|---|"]
+    for name, table in confirmed.items():
+        for truth, said in table.items():
+            rows.append(f"| {name} | {TRUTHS[truth][0]} | {', '.join(_words(said))} |")
+    return "\n".join(rows)
