@@ -66,6 +66,7 @@ class BlockText:
     #: all blocks are numbered anew at the end
     renumbers = False
     fewest_decimals = 0
+    plain: type | None = None  #: plain lines in the place of others, as `KlartextBlocks` makes them
 
     def __init__(self, source: Source) -> None:
         self.source = source

@@ -13,6 +13,7 @@ from vmach.errors import InputError
 from vmach.path.geometry import position_at
 from vmach.path.preparation import Preparation, prepare
 from vmach.program_text.expanding.expanded_text import Expanded
+from vmach.program_text.expanding.plain_lines import plain_lines
 from vmach.program_text.expanding.plain_motion import plain
 from vmach.program_text.expanding.unrolling import unrolled
 
@@ -47,7 +48,7 @@ def expanded(program: Program, *, floating_tap: bool = True) -> tuple[Program, E
         Something cannot be written out, or the new text makes another path.
     """
     whole = Expanded.unchanged(program)
-    for expand in (unrolled, lambda p: plain(p, floating_tap=floating_tap)):
+    for expand in (unrolled, lambda p: plain(p, floating_tap=floating_tap), plain_lines):
         step = expand(program)
         if step is not None:
             again = _read_again(program, step)
