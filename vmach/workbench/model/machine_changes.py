@@ -49,10 +49,8 @@ class MachineChange:
     def _share(self, machine: Machine, points: PointSet, variant: Variant) -> np.ndarray:
         some = {k: c for k, c in machine.components.items() if k in self.components}
         nothing = np.zeros(len(points))
-        budget = budget_at(
-            points.states, points.normal, nothing, machine=replace(machine, components=some),
-            variant=variant,
-        )  # fmt: skip
+        job = replace(points.job, machine=replace(machine, components=some))
+        budget = budget_at(points.states, points.normal, nothing, job=job, variant=variant)
         columns = [k for k, source in enumerate(budget.sources) if source in some]
         return budget.share_mm[:, columns].sum(axis=1)
 
