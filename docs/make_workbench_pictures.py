@@ -23,7 +23,13 @@ IMAGES = ROOT / "docs" / "images"
 #: of the window, px; and how well the pictures are kept
 SIZE, QUALITY = {"width": 1400, "height": 860}, 82
 PATIENCE_MS = 600_000
-FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+FLAGS = [
+    "--no-sandbox",
+    "--disable-dev-shm-usage",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+]
 
 
 def main() -> None:
@@ -60,6 +66,12 @@ def tour(page: Page) -> None:
     page.mouse.click(box["x"] + 0.52 * box["width"], box["y"] + 0.48 * box["height"])
     page.wait_for_selector("table.shares")
     keep(page, "see")
+    page.locator("#play").click()
+    page.wait_for_timeout(4000)
+    page.locator("#play").click()
+    page.get_by_text("No collision").wait_for()
+    keep(page, "play")
+    page.get_by_title("Leave the playback").click()
     page.locator("#tab-diagnose").click()
     page.locator("#diagnose").click()
     page.locator(".card .primary", has_text="Add").first.wait_for()
@@ -76,6 +88,7 @@ def tour(page: Page) -> None:
     page.locator("#tab-what-if").click()
     page.get_by_label("Find an effect").fill("backlash")
     page.get_by_label("backlash Y reversal").fill("124")
+    page.locator("#machine-data summary").click()
     page.get_by_text("with the sliders").wait_for()
     keep(page, "what-if")
 

@@ -6,11 +6,15 @@ A user's folder may hold a file ``numpy.py`` or a folder ``stock``. With its usu
 
 from __future__ import annotations
 
+import contextlib
 import os
+import signal
 import sys
+import threading
+from collections.abc import Iterator
 from pathlib import Path
 
-__all__ = ["isolated_python"]
+__all__ = ["children_may_die", "isolated_python"]
 
 #: takes the folders to import from, the module, then the module's own arguments
 _START = (
@@ -34,6 +38,24 @@ def isolated_python(module: str, *arguments: str | Path) -> list[str]:
     """
     folders = "\n".join(_folders_without_current())
     return [sys.executable, "-I", "-c", _START, folders, module, *map(str, arguments)]
+
+
+@contextlib.contextmanager
+def children_may_die() -> Iterator[None]:
+    """While it lasts, writing to a child that has died raises `BrokenPipeError`.
+
+    A command line may have asked to be ended by a closed pipe, as ``cat`` is; only the main thread
+    can say, and need say, that it wants to live on.
+    """
+    sigpipe = getattr(signal, "SIGPIPE", None)  # None on Windows
+    if sigpipe is None or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(sigpipe, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(sigpipe, before)
 
 
 def _folders_without_current() -> list[str]:

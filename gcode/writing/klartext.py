@@ -8,6 +8,7 @@ from functools import cached_property
 
 from gcode.text.source import Word
 from gcode.writing.block_text import BlockText, Labels, Style
+from gcode.writing.klartext_blocks import KlartextBlocks
 from gcode.writing.line_edit import BlockMotion, LineEdit
 
 __all__ = ["KlartextEdit", "KlartextText"]
@@ -19,6 +20,7 @@ class KlartextText(BlockText):
     absolute_centres = True
     renumbers = True
     fewest_decimals = 1
+    plain = KlartextBlocks
     _TOKEN = re.compile(
         r"(?<![A-Z])(I?[XYZ]|DR|R(?![0LR](?![\d.]))|F|M)[ \t]*"
         r"([+-]?[ \t]*(?:\d+\.?\d*|\.\d+)|[+-](?=\s|$))",

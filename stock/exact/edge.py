@@ -124,7 +124,7 @@ class Material:
         self,
         sweeps: Sweeps | Iterable[Sweeps],
         tools: Sequence[Tool],
-        blank_mm: tuple[Sequence[float], Sequence[float]] | None,
+        blank_mm: tuple[Sequence[float] | np.ndarray, Sequence[float] | np.ndarray] | None,
         *,
         count: int | None = None,
     ) -> None:
@@ -184,7 +184,9 @@ def _checked_points(points_mm: np.ndarray, normals: np.ndarray) -> tuple[np.ndar
     return read_only(points), read_only(normals / length[:, None])
 
 
-def _checked_blank(blank_mm: tuple[Sequence[float], Sequence[float]] | None) -> np.ndarray:
+def _checked_blank(
+    blank_mm: tuple[Sequence[float] | np.ndarray, Sequence[float] | np.ndarray] | None,
+) -> np.ndarray:
     if blank_mm is None:
         return np.array([[-np.inf] * 3, [np.inf] * 3])
     blank = np.array(blank_mm, dtype=np.float64)

@@ -24,7 +24,7 @@ from typing import BinaryIO
 import numpy as np
 from manifold3d import Manifold, Mesh64
 
-from stock.child_process import isolated_python
+from stock.child_process import children_may_die, isolated_python
 from stock.solid.cutter_solids import CutterSolids
 from stock.threads import cores_to_use
 
@@ -61,8 +61,7 @@ def block_unions(
         for block in blocks:
             yield _unpacked(_united(cutters, block, done), cutters)
         return
-    team = _Team(cutters, count)
-    try:
+    with children_may_die(), contextlib.closing(_Team(cutters, count)) as team:
         waiting: deque[Future[_Packed]] = deque()
         for block in blocks:
             waiting.append(team.give(block, done))
@@ -70,8 +69,6 @@ def block_unions(
                 yield _unpacked(waiting.popleft().result(), cutters)
         while waiting:
             yield _unpacked(waiting.popleft().result(), cutters)
-    finally:
-        team.dismiss()
 
 
 def _united(cutters: CutterSolids, block: np.ndarray, done: Callable[[int], None]) -> _Packed:
@@ -139,7 +136,7 @@ class _Team:
         finally:
             self.idle.put(one)
 
-    def dismiss(self) -> None:
+    def close(self) -> None:
         """End all processes, at once those that still work."""
         self.is_over = True
         for one in self.all:

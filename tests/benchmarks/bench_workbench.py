@@ -1,6 +1,6 @@
 """How fast the workbench answers, how much it sends, and what memory it takes.
 
-    python tests/benchmarks/bench_workbench.py [--diagnoses 10] [--spacing 0.72]
+    python tests/benchmarks/bench_workbench.py [--diagnoses 10] [--spacing 0.72] [--browser]
 
 Opens a copy of the sample missing_effect and asks as a page does. Clock times are of an idle
 machine only; the processor times of the two processes stand beside them.
@@ -9,6 +9,7 @@ machine only; the processor times of the two processes stand beside them.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import os
 import re
@@ -17,7 +18,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from http.client import HTTPConnection
+from http.client import HTTPConnection, HTTPException
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -77,6 +78,7 @@ def main() -> None:
     given = argparse.ArgumentParser()
     given.add_argument("--diagnoses", type=int, default=10)
     given.add_argument("--spacing", type=float, help="of the inspected points, mm")
+    given.add_argument("--browser", action="store_true", help="measure in Chromium, too")
     options = given.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         os.environ["XDG_STATE_HOME"] = folder
@@ -87,13 +89,13 @@ def main() -> None:
             job.write_text(job.read_text() + f"\n[inspection]\nspacing_mm = {options.spacing}\n")
         bench = Bench(job)
         try:
-            measure(bench, options.diagnoses)
+            measure(bench, options.diagnoses, options.browser)
         finally:
             bench.process.terminate()
             bench.process.wait()
 
 
-def measure(bench: Bench, diagnoses: int) -> None:
+def measure(bench: Bench, diagnoses: int, browser: bool) -> None:
     static = sorted((ROOT / "vmach" / "workbench" / "static").iterdir())
     sent = sum(len(bench.ask(address)) for address in FIRST)
     took, cpu = time.perf_counter() - bench.began, bench.processor_s()
@@ -103,6 +105,9 @@ def measure(bench: Bench, diagnoses: int) -> None:
     repeat("slider", bench, "model", lambda k: bench.ask("/api/what-if", slider(k)))
     place = "/api/point?points=surface&x=0&y={}&z=0&i=0&j=0&k=1"
     repeat("pick", bench, "model", lambda k: bench.ask(place.format(k)))
+    hostile(bench)
+    if browser:
+        seen(bench)
     print(f"memory: {told(bench.memory_mb())} MB")
     for number in range(1, diagnoses + 1):
         bench.ask("/api/diagnose", {})
@@ -113,6 +118,87 @@ def measure(bench: Bench, diagnoses: int) -> None:
             time.sleep(0.2)
         assert runs[-1]["state"] == "done", runs[-1]["message"]
         print(f"memory after {number} diagnoses: {told(bench.memory_mb())} MB", flush=True)
+
+
+def hostile(bench: Bench, times: int = 1000) -> None:
+    """Requests of others and of nobody: refused, and the page is served all the same."""
+    own = {"x-vmach-token": bench.token, "x-vmach": "1"}
+    kinds = [
+        ("GET", "/api/state", {}, b""),
+        ("GET", "/api/state", {"x-vmach-token": "0" * 43}, b""),
+        ("GET", "/api/state", own | {"origin": "http://evil.example"}, b""),
+        ("GET", "/api/state", own | {"host": "evil.example"}, b""),
+        ("POST", "/api/reload", {"x-vmach-token": bench.token}, b"{}"),
+        ("GET", "/show/..%2f..%2fetc%2fpasswd", own, b""),
+        ("GET", "/download/%2e%2e/secret", own, b""),
+        ("PUT", "/api/files/huge.csv", own | {"content-length": "1000000000"}, b"x"),
+        ("POST", "/api/add", own, b"{" * 1000),
+        ("POST", "/api/what-if", own, b'{"changes": [{"component": "E"}]}'),
+    ]
+    began, refused = time.perf_counter(), 0
+    for k in range(times):
+        method, address, headers, content = kinds[k % len(kinds)]
+        connection = HTTPConnection("127.0.0.1", bench.port, timeout=60)
+        with contextlib.suppress(OSError):
+            connection.request(method, address, body=content or None, headers=headers)
+        with contextlib.suppress(OSError, HTTPException):
+            refused += 400 <= connection.getresponse().status < 500
+        connection.close()
+    bench.ask("/api/about")
+    took = time.perf_counter() - began
+    print(f"hostile requests: {refused} of {times} refused, still serving; {took:.1f} s")
+
+
+def seen(bench: Bench, times: int = 20) -> None:
+    """What somebody in front of the page waits for: the first picture, a slider, a pick."""
+    from playwright.sync_api import sync_playwright
+
+    flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
+             "--enable-unsafe-swiftshader"]  # fmt: skip
+    program = next(filter(None, map(shutil.which, ("chromium", "google-chrome"))))
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, args=flags)
+        page = browser.new_page(viewport={"width": 1400, "height": 900}, bypass_csp=True)
+        page.set_default_timeout(600_000)
+        began = time.perf_counter()
+        page.goto(f"http://127.0.0.1:{bench.port}/?token={bench.token}")
+        page.wait_for_selector("body[data-ready=part]")
+        print(f"seen: the page in {time.perf_counter() - began:.1f} s, the part being there")
+        page.locator("#tab-what-if").click()
+        page.get_by_label("Find an effect").fill("backlash y")
+        page.get_by_label("backlash Y reversal").wait_for()
+        print(f"seen: a slider in {median(page, _SLIDER, times):.0f} ms")
+        page.locator("#tab-look").click()
+        print(f"seen: a pick in {median(page, _PICK, times):.0f} ms")
+        browser.close()
+
+
+#: from the input to the first frame after the figures, or the point, have changed
+_FRAME = """() => new Promise((done) => {
+  const began = performance.now(), place = document.querySelector("PLACE");
+  setTimeout(() => done(NaN), 5000);
+  new MutationObserver((_, me) => {
+    me.disconnect();
+    requestAnimationFrame(() => setTimeout(() => done(performance.now() - began), 0));
+  }).observe(place, { childList: true, subtree: true, characterData: true });
+  ACT
+})"""
+_SLIDER = _FRAME.replace("PLACE", "#figures").replace("ACT", """
+  const input = document.querySelector('[aria-label^="backlash Y reversal"]');
+  input.value = 110 + K;
+  input.dispatchEvent(new Event("input", { bubbles: true }));""")  # fmt: skip
+_PICK = _FRAME.replace("PLACE", ".point").replace("ACT", """
+  const canvas = document.querySelector("#canvas"), box = canvas.getBoundingClientRect();
+  const at = { clientX: box.left + (0.45 + 0.005 * K) * box.width, button: 0, pointerId: 1,
+    clientY: box.top + 0.5 * box.height, bubbles: true };
+  canvas.setPointerCapture = () => {};
+  for (const kind of ["pointerdown", "pointerup"])
+    canvas.dispatchEvent(new PointerEvent(kind, at));""")  # fmt: skip
+
+
+def median(page, act: str, times: int) -> float:
+    took = sorted(page.evaluate(act.replace("K", str(k))) for k in range(1, times + 1))
+    return took[times // 2]
 
 
 def slider(k: int) -> dict:

@@ -35,7 +35,7 @@ from tests.hidden_effects.part import PartDesign
 from tests.hidden_effects.verdict import is_answer
 from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.prepare import prepare_weighing
-from vmach.diagnosis.inference.rules import CERTAIN, CLEARLY, OFFSET, WEIGHT_OF_FORM, WEIGHT_OF_SIZE
+from vmach.diagnosis.inference.rules import CLEARLY, OFFSET, WEIGHT_OF_FORM, WEIGHT_OF_SIZE
 from vmach.diagnosis.inference.support import Support
 from vmach.diagnosis.inference.verdicts import supports_before_verdict
 from vmach.diagnosis.residuals.job_survey import survey_job
@@ -111,7 +111,7 @@ def print_fit(rows: list[dict]) -> None:
     print("OFFSET, WEIGHT_OF_SIZE, WEIGHT_OF_FORM = {:.2f}, {:.2f}, {:.3f}".format(*best))
     said = 1.0 / (1.0 + np.exp(-columns @ best))
     print("shown from this probability on: so many, of which so many false; true ones lost")
-    for least in (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, CERTAIN):
+    for least in (0.3, 0.4, 0.5, 0.6, 0.7, 0.8):
         shown = said >= least
         false, lost = (shown & (sign < 0)).sum(), (~shown & (sign > 0)).sum()
         print(f"{least:.2f}: {shown.sum():4d} {false:4d} {lost:4d}")

@@ -161,6 +161,19 @@ def test_collisions_are_named_by_line(job, tmp_path, monkeypatch, capsys):
     assert note.startswith("part.nc:18: collision: rapid in material, T1, 8 mm deep")
 
 
+def test_collisions_are_known_before_anything_is_machined(job, monkeypatch, capsys):
+    status, text, _ = run_vmach(monkeypatch, capsys, "check", job, "--collisions", "--json")
+    assert status == 0 and json.loads(text)["collisions"] == []
+    replace(job.parent / "part.nc", "G0 Z5\nG0 X40 Y0", "G0 X25 Y9\nG0 Z5\nG0 X40 Y0")
+    _, text, _ = run_vmach(monkeypatch, capsys, "check", job, "--collisions", "--json")
+    (hit,) = json.loads(text)["collisions"]
+    assert (hit["kind"], hit["line"], hit["tool"]) == ("rapid in material", 18, 1)
+    assert hit["depth_mm"] == pytest.approx(8.0, abs=0.05) and hit["time_s"] > 0
+    assert 19 < hit["place_mm"][0] < 31 and hit["place_mm"][2] == pytest.approx(-8, abs=0.05)
+    _, text, _ = run_vmach(monkeypatch, capsys, "check", job, "--json")
+    assert json.loads(text)["collisions"] is None
+
+
 def test_blank_from_a_solid(job, tmp_path, monkeypatch, capsys):
     block = trimesh.creation.box(bounds=[(-30, -25, -20), (60, 25, 0)])
     block.export(job.parent / "blank.stl")

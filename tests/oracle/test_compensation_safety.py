@@ -1,8 +1,12 @@
 """What is refused leaves nothing behind; what is written is what is reported."""
 
+import base64
+import io
 import json
+import re
 
 import pytest
+from PIL import Image
 from typer.testing import CliRunner
 
 from tests.oracle.test_compensation_programs import SCALE, job_with
@@ -71,6 +75,29 @@ def test_the_report_has_the_figures_of_the_terminal(tmp_path):
     assert figures["growth"] == 1.0
     result, _ = run(tmp_path)
     assert f"{figures['before_largest_um']:.3f} um" in result.stdout
+
+
+def test_the_report_holds_its_picture_and_comes_with_the_program_or_not_at_all(
+    tmp_path, monkeypatch
+):
+    job_of_walls(tmp_path, SCALE)
+    report = tmp_path / "report.html"
+    result, out = run(tmp_path, "--report", str(report))
+    assert result.exception is None, result.exception
+    (picture,) = re.findall(r'src="data:image/jpeg;base64,([^"]+)"', report.read_text())
+    with Image.open(io.BytesIO(base64.b64decode(picture))) as drawn:
+        assert min(drawn.size) > 100
+        assert len(drawn.getcolors(10**7)) > 100  # it is no empty sheet
+    written, page = out.read_bytes(), report.read_bytes()
+
+    def fails(*given, **named):
+        raise InputError("no room")
+
+    monkeypatch.setattr("vmach.compensation.report.write_report_html", fails)
+    result, _ = run(tmp_path, "--report", str(report), "--resolution-mm", "0.01")
+    assert isinstance(result.exception, InputError)
+    assert (out.read_bytes(), report.read_bytes()) == (written, page)
+    assert not list(tmp_path.glob("*.png"))
 
 
 def test_a_report_needs_a_surface(tmp_path):

@@ -69,8 +69,8 @@ def test_evidence_averages_over_the_grid_by_its_prior():
     random = np.random.default_rng(3)
     x, y = random.standard_normal((30, 4, 1)), random.standard_normal((30, 1))
     prior = np.log([0.1, 0.2, 0.3, 0.4])
-    single = [log_evidence(x[:, [g]], y, np.zeros(1)).log_factor[0] for g in range(4)]
-    together = log_evidence(x, y, prior).log_factor[0]
+    single = [log_evidence(x[:, [g]], y, np.zeros(1)).log_factor[0, 0] for g in range(4)]
+    together = log_evidence(x, y, prior).log_factor[0, 0]
     np.testing.assert_allclose(together, np.log(np.exp(prior) @ np.exp(single)), rtol=1e-10)
 
 

@@ -114,13 +114,17 @@ def test_block_skip():
     assert skipped.end_mm[-1, 0] == 1
 
 
-@pytest.mark.parametrize("line", ["L X+Q1 F200", "LP PR+20 PA+45 F200", "L X+30 RL F200\nL Y+40",
-                                  "CYCL DEF 11.1 SCL 2\nL X+30 F200"])  # fmt: skip
-def test_what_is_read_but_not_written_back_is_refused(tmp_path, line):
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [("CYCL DEF 11.1 SCL 2\nL X+30 F200", "scaling"), ("CP IPA+90 IZ-3 DR+ F200", "a parameter"),
+     ("CYCL DEF 207 TAP ~\nQ200=2 ~\nQ201=-9 ~\nQ239=1 ~\nQ203=0 ~\nQ204=9\nL X+9 FMAX M99",
+      "tapping")],
+)  # fmt: skip
+def test_what_is_read_but_not_written_back_is_refused(tmp_path, line, word):
     job, effects = job_with(tmp_path, "", SCALE)
-    head = "BEGIN PGM A MM\nTOOL CALL 1 Z S1000\nQ1 = 20\nCC X+0 Y+0\nL X+0 Y+0 Z+5 R0 FMAX\n"
+    head = "BEGIN PGM A MM\nTOOL CALL 1 Z S1000\nQ1 = 20\nCC X+0 Y+0\nL X+5 Y+0 Z+5 R0 FMAX\n"
     job.program.write_text(f"{head}{line}\nL Z+9 R0 FMAX\nEND PGM A MM\n")
-    with pytest.raises((InputError, ProgramError), match="cannot be compensated"):
+    with pytest.raises((InputError, ProgramError), match=f"{word}.*cannot be compensated"):
         compensate(job, effects)
 
 

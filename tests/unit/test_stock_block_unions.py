@@ -1,5 +1,6 @@
 """Blocks of strokes united in several processes: the same bits, and nothing is left behind."""
 
+import signal
 import subprocess
 import sys
 
@@ -41,12 +42,19 @@ def test_the_bits_do_not_depend_on_the_number_of_processes(monkeypatch, hired):
 
 def test_a_process_that_dies_leaves_its_block_to_this_one(monkeypatch):
     def dies():
-        return subprocess.Popen([sys.executable, "-c", "pass"], stdin=subprocess.PIPE,
-                                stdout=subprocess.PIPE)  # fmt: skip
+        one = subprocess.Popen([sys.executable, "-c", "pass"], stdin=subprocess.PIPE,
+                               stdout=subprocess.PIPE)  # fmt: skip
+        one.wait()
+        return one
 
     here = cut(monkeypatch, 1, block_strokes=60)
     monkeypatch.setattr(block_unions, "_hired", dies)
-    there = cut(monkeypatch, 2, block_strokes=60)
+    before = signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # as on the command line
+    try:
+        there = cut(monkeypatch, 2, block_strokes=60)
+        assert signal.getsignal(signal.SIGPIPE) == signal.SIG_DFL
+    finally:
+        signal.signal(signal.SIGPIPE, before)
     np.testing.assert_array_equal(here.vertices_mm, there.vertices_mm)
 
 

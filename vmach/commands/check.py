@@ -20,6 +20,10 @@ def check(
     job: Annotated[Path, typer.Argument(help="job file, or the folder that holds job.toml")],
     as_json: AsJson = False,
     control: Control = None,
+    collisions: Annotated[
+        bool,
+        typer.Option("--collisions", help="look for rapid moves, shanks and holders in material"),
+    ] = False,
 ) -> None:
     """Say everything that a job lacks, has wrong, leaves doubtful or does not say."""
     from vmach.checkup import Weight, check_job
@@ -27,6 +31,7 @@ def check(
 
     found = check_job(job)
     counts = Counter(finding.weight for finding in found)
+    hits = _collisions(job) if collisions and not counts[Weight.MEND] else None
     if as_json:
         records = [
             {
@@ -39,14 +44,35 @@ def check(
             }
             for f in found
         ]
-        report = {"ready": not counts[Weight.MEND], "findings": records}
+        report = {
+            "ready": not counts[Weight.MEND],
+            "findings": records,
+            "collisions": None if hits is None else [vars(hit) for hit in hits],
+        }
         print(json.dumps(CheckOutput.model_validate(report).model_dump(), indent=1))
     else:
         for weight in Weight:
             if counts[weight]:
                 print(f"{_TITLES[weight]}:")
                 print(*(f"  {finding}" for finding in found if finding.weight is weight), sep="\n")
+        if collisions and not counts[Weight.MEND]:
+            _say_collisions(hits)
         total = ", ".join(f"{counts[weight]} {_TITLES[weight]}" for weight in Weight)
         print(f"{total}: " + ("mend these first" if counts[Weight.MEND] else "the job can be run"))
     if counts[Weight.MEND]:
         raise typer.Exit(1)
+
+
+def _collisions(job: Path):
+    from vmach.base.progress import progress_bar
+    from vmach.checkup.program_collisions import check_collisions
+
+    with progress_bar() as progress:
+        return check_collisions(job, progress=progress)
+
+
+def _say_collisions(hits) -> None:
+    if hits is None:
+        print("collisions: the job has no [stock] to collide with")
+        return
+    print(f"collisions: {len(hits) or 'none'}", *(f"  {hit}" for hit in hits), sep="\n")

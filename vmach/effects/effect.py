@@ -14,7 +14,7 @@ import numpy as np
 
 from vmach.effects.wandering import wandering
 from vmach.job import Job
-from vmach.machine import LINEAR_AXES, RigidDisplacement
+from vmach.machine import LINEAR_AXES, Machine, RigidDisplacement
 from vmach.path.circumstances import Circumstances
 from vmach.path.toolpath import PathStates
 
@@ -223,6 +223,10 @@ class Effect(ABC):
     def possible_targets(self, job: Job) -> tuple[str, ...]:
         """The targets that this job has; those of the class unless overridden."""
         return self.targets
+
+    def is_unmeasured(self, machine: Machine, target: str) -> bool:
+        """Whether every machine has some of it, and nobody measured how much of it this one has."""
+        return False
 
     def needed(self, target: str) -> tuple[str, ...]:
         """Names of the parameters that a job has to give for a target."""

@@ -38,24 +38,29 @@ _TINY = 1e-12
 
 @dataclass(frozen=True)
 class Evidence:
-    """Log evidence of one candidate.
+    """Log evidence of C candidates on S sets of readings.
 
     Attributes
     ----------
-    log_factor : (S,) float64
-        For each of S sets of readings.
-    best : (S,) int
-        Place on the inner grid that fits best.
-    best_width : (S,) int
+    log_factor : (C, S) float64
+    best : (C, S) int
+        Place on the candidate's inner grid that fits best.
+    best_width : (C, S) int
         Index of the prior width that fits best there.
-    information : float
+    information : (C,) float64
         Largest singular value over the grid: signal-to-noise of one usual size.
     """
 
     log_factor: np.ndarray
     best: np.ndarray
     best_width: np.ndarray
-    information: float
+    information: np.ndarray
+
+    @classmethod
+    def joined(cls, parts: Sequence[Evidence], order: np.ndarray) -> Evidence:
+        """Of several groups of candidates, put in an order (C,) of those behind each other."""
+        names = ("log_factor", "best", "best_width", "information")
+        return cls(*(np.concatenate([getattr(p, n) for p in parts])[order] for n in names))
 
 
 def _factors(gram: np.ndarray, inner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -75,25 +80,16 @@ def _factors(gram: np.ndarray, inner: np.ndarray) -> tuple[np.ndarray, np.ndarra
     return squared, np.array(factors)
 
 
-def _evidence(squared: np.ndarray, by_width: np.ndarray, log_prior: np.ndarray) -> Evidence:
-    total = _log_of_sum(by_width) - np.log(len(WIDTHS)) + log_prior[:, None]
-    best = np.argmax(total, axis=0)
-    return Evidence(
-        log_factor=_log_of_sum(total),
-        best=best,
-        best_width=np.argmax(by_width[:, best, np.arange(len(best))], axis=0),
-        information=float(np.sqrt(squared.max(initial=0.0))),
-    )
-
-
-def _log_of_sum(logarithms: np.ndarray) -> np.ndarray:
-    """Logarithm of the sum over the first axis; as scipy's logsumexp, without its checks."""
-    largest = logarithms.max(axis=0)
-    return largest + np.log(np.exp(logarithms - largest).sum(axis=0))
+def _log_of_sum(logarithms: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Logarithm of the sum over stretches of the first axis that begin at `starts`."""
+    largest = np.maximum.reduceat(logarithms, starts)
+    count = np.diff([*starts, len(logarithms)])
+    relative = np.exp(logarithms - np.repeat(largest, count, axis=0))
+    return largest + np.log(np.add.reduceat(relative, starts))
 
 
 def log_evidence(columns: np.ndarray, readings: np.ndarray, log_prior: np.ndarray) -> Evidence:
-    """Evidence of a single candidate.
+    """Evidence of a single candidate, one row.
 
     Parameters
     ----------
@@ -104,7 +100,7 @@ def log_evidence(columns: np.ndarray, readings: np.ndarray, log_prior: np.ndarra
         Logarithm of the weight of each place; the weights add up to one.
     """
     rows = columns.transpose(1, 2, 0)
-    return evidence_at_places(rows @ rows.transpose(0, 2, 1), rows @ readings, [log_prior])[0]
+    return evidence_at_places(rows @ rows.transpose(0, 2, 1), rows @ readings, [log_prior])
 
 
 def width_of(coefficients: np.ndarray) -> float:
@@ -116,7 +112,7 @@ def width_of(coefficients: np.ndarray) -> float:
 
 def evidence_at_places(
     gram: np.ndarray, inner: np.ndarray, log_priors: Sequence[np.ndarray]
-) -> list[Evidence]:
+) -> Evidence:
     """Evidence of candidates with K coefficients, from inner products at all their places.
 
     Parameters
@@ -129,8 +125,19 @@ def evidence_at_places(
         Of each candidate; the lengths add up to P.
     """
     squared, by_width = _factors(gram, inner)
-    found, place = [], 0
-    for log_prior in log_priors:
-        own = slice(place, place := place + len(log_prior))
-        found.append(_evidence(squared[own], by_width[:, own], log_prior))
-    return found
+    count = [len(log_prior) for log_prior in log_priors]
+    starts = np.cumsum([0, *count[:-1]])
+    widths, places, sets = by_width.shape
+    total = _log_of_sum(by_width.reshape(widths, -1), np.zeros(1, dtype=int)).reshape(places, sets)
+    total += np.concatenate(log_priors)[:, None] - np.log(widths)
+    log_factor = _log_of_sum(total, starts)
+    # the first of the places that are best
+    is_best = total == np.repeat(np.maximum.reduceat(total, starts), count, axis=0)
+    number = np.where(is_best, np.arange(places)[:, None], places)
+    best = np.minimum.reduceat(number, starts)
+    return Evidence(
+        log_factor=log_factor,
+        best=best - starts[:, None],
+        best_width=np.argmax(by_width[:, best, np.arange(sets)], axis=0),
+        information=np.sqrt(np.maximum.reduceat(squared.max(axis=1, initial=0.0), starts)),
+    )

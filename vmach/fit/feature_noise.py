@@ -57,15 +57,23 @@ class FeatureNoise:
             result[rows] = solve_triangular(root, scaled[rows], lower=True, check_finite=False)
         return result
 
+    def back(self, white: np.ndarray) -> np.ndarray:
+        """Columns (n, k) by the transpose of the map that makes columns white."""
+        if self.share == 0.0:
+            return white * (np.sqrt(self.weight) / self.u_mm)[:, None]
+        result = np.empty_like(white)
+        for rows, root in self._roots:
+            result[rows] = solve_triangular(
+                root, white[rows], lower=True, trans="T", check_finite=False
+            )
+        return result / self.u_mm[:, None]
+
     def standardised(self, white: np.ndarray) -> np.ndarray:
         """The expected independent part of white readings (n,), in standard deviations."""
         if self.share == 0.0:
             return white / np.sqrt(self.weight)
-        result = np.empty_like(white)
-        for rows, root in self._roots:
-            back = solve_triangular(root, white[rows], lower=True, trans="T", check_finite=False)
-            result[rows] = np.sqrt(1.0 - self.share) / self.weight[rows] * back
-        return result
+        back = self.back(white[:, None])[:, 0] * self.u_mm
+        return np.sqrt(1.0 - self.share) / self.weight * back
 
     @cached_property
     def log_determinant(self) -> float:

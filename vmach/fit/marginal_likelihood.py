@@ -9,7 +9,8 @@ effects X c, and a factor k on the stated uncertainty. Everything but k and the 
 in closed form; only inner products enter, so a trial of other sizes costs no pass over readings.
 
 Source: C. Rasmussen and C. Williams, Gaussian Processes for Machine Learning (2006), eq. 5.8, the
-marginal likelihood; closed form derived here: f and c integrated as normal variables.
+marginal likelihood; closed form derived here: f and c integrated as normal variables, and the
+information, 1/2 tr(C^-1 dC C^-1 dC), from the covariance of both.
 """
 
 from __future__ import annotations
@@ -19,8 +20,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import LinAlgError, cho_solve
-from scipy.linalg.lapack import dpotrf, dtrtri
-from scipy.optimize import minimize
+from scipy.linalg.lapack import dpotrf, dpotri
 
 from vmach.fit.discrepancy import Members
 from vmach.fit.feature_noise import FeatureNoise
@@ -34,8 +34,12 @@ _LOG_FACTOR = float(np.log(2.0))
 #: of the order of u; a lighter tail would leave it what slow effects do to a few floors. Imitations
 #: of something larger are told by their size and by forms, not by this
 _USUAL_SIZE, _POWER = 0.6, 2.5
-#: a member of this size, in u, counts as absent
-_ABSENT = 0.02
+#: a member of this size, in u, counts as absent; up to the second one its columns are left out
+_ABSENT, _GONE = 0.02, 0.025
+#: steps at most towards the best sizes, none longer than this; multiples of a step that are tried
+_STEPS, _STRIDE, _TIMID, _BOLD = 20, 1.5, 0.05, 4.0
+#: log probability that a further step has to promise
+_GAIN = 0.01
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,12 @@ class Sizes:
             [-np.log(self.factor) / _LOG_FACTOR**2, *(-2 * _POWER * ratio / (1 + ratio))]
         )
 
+    @property
+    def information_of_prior(self) -> np.ndarray:
+        """Second derivative of minus `log_prior` by the logarithms, (q,)."""
+        ratio = (np.array(self.members) / _USUAL_SIZE) ** 2
+        return np.array([1.0 / _LOG_FACTOR**2, *(4 * _POWER * ratio / (1 + ratio) ** 2)])
+
 
 class Base:
     """Readings of a survey in the units of one feature noise, nuisance projected out.
@@ -103,27 +113,40 @@ class Base:
         white = self.noise.white(columns_mm)
         return white - self._free @ (self._free.T @ white)
 
+    def back(self, white: np.ndarray) -> np.ndarray:
+        """Columns (n, k) whose product with raw ones is that of white ones with white ones."""
+        return self.noise.back(white)
+
     def posterior(self, sizes: Sizes, effects: Effects) -> Posterior:
         """What the readings say with given sizes beside given effects."""
         return Posterior(self, sizes, effects)
 
     def best_sizes(self, start: Sizes, effects: Effects) -> Posterior:
-        """The posterior at the most probable sizes."""
+        """The posterior at the most probable sizes, by Fisher scoring on their logarithms.
 
-        def negative(logarithms: np.ndarray) -> tuple[float, np.ndarray]:
-            here = Posterior(self, Sizes.at(logarithms), effects)
-            return -here.log_probability, -here.slope
-
+        A member that is nearly absent moves as fast as any other: its information falls off with
+        its slope.
+        """
         low = np.log([0.1, *([_ABSENT] * len(start.members))])
-        found = minimize(
-            negative,
-            np.maximum(start.logarithms, low),
-            jac=True,
-            bounds=[(b, b + 12.0) for b in low],
-            method="L-BFGS-B",
-            options={"maxiter": 15, "ftol": 1e-5},
-        )
-        return Posterior(self, Sizes.at(found.x), effects)
+        place, boldness = np.maximum(start.logarithms, low), 1.0
+        here = Posterior(self, Sizes.at(place), effects)
+        for _ in range(_STEPS):
+            slope = here.slope
+            moves = (place > low) | (slope > 0.0)
+            step = np.zeros(len(place))
+            step[moves] = np.linalg.solve(here.information[np.ix_(moves, moves)], slope[moves])
+            if slope @ (np.maximum(place + step, low) - place) < 2.0 * _GAIN:
+                break
+            while True:
+                onward = np.maximum(place + np.clip(boldness * step, -_STRIDE, _STRIDE), low)
+                trial = Posterior(self, Sizes.at(onward), effects)
+                if trial.log_probability > here.log_probability:
+                    break
+                if boldness < _TIMID:
+                    return here
+                boldness *= 0.25
+            place, here, boldness = onward, trial, min(2.0 * boldness, _BOLD)
+        return here
 
 
 class Effects:
@@ -135,7 +158,6 @@ class Effects:
         cross = base.z.T @ self.x
         self.gram = np.block([[base._gram, cross], [cross.T, self.x.T @ self.x]])
         self.seen = np.concatenate([base._seen, self.x.T @ base.y])
-        self.columns = np.hstack([base.z, self.x])
         self.member_of = np.concatenate([base.member_of, np.zeros(self.x.shape[1], dtype=int)])
 
     def on(self, base: Base) -> Effects:
@@ -167,20 +189,24 @@ class Posterior:
     @cached_property
     def root(self) -> np.ndarray:
         """Lower Cholesky factor of the posterior precision, (k, k), in prior deviations."""
-        precision = self.effects.gram * self.scale
-        precision *= self.scale[:, None]
-        precision[np.diag_indices(len(precision))] += 1.0
-        # symmetric: its transpose lies in memory as LAPACK wants it
-        root, failed = dpotrf(precision.T, lower=True, overwrite_a=True)
-        if failed:
-            raise LinAlgError("the posterior precision has to be positive definite")
-        return root
+        return _root_of_precision(self.effects.gram, self.scale)
 
     @cached_property
     def mean(self) -> np.ndarray:
         """Expected coefficients in prior standard deviations, (k,)."""
         aim = self.scale * self.effects.seen / self.sizes.factor
         return cho_solve((self.root, True), aim, check_finite=False)
+
+    @cached_property
+    def present(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Columns that are not absent (p,), their root (p, p) and mean (p,) without the others."""
+        sizes = np.array([1.0, *self.sizes.members])[self.effects.member_of]
+        here = np.flatnonzero(sizes > _GONE)
+        if len(here) == len(sizes):
+            return here, self.root, self.mean
+        root = _root_of_precision(self.effects.gram[np.ix_(here, here)], self.scale[here])
+        aim = self.scale[here] * self.effects.seen[here] / self.sizes.factor
+        return here, root, cho_solve((root, True), aim, check_finite=False)
 
     @cached_property
     def log_probability(self) -> float:
@@ -192,10 +218,17 @@ class Posterior:
         return float(self.base._constant - half + self.sizes.log_prior + self.effects.log_prior)
 
     @cached_property
+    def covariance(self) -> np.ndarray:
+        """Of the coefficients in prior deviations, lower triangle, (k, k)."""
+        inverse, failed = dpotri(self.root, lower=True)
+        if failed:
+            raise LinAlgError("the posterior precision has to be regular")
+        return inverse
+
+    @cached_property
     def slope(self) -> np.ndarray:
         """Derivative of `log_probability` by the logarithms of the sizes, (q,)."""
-        inverse, _ = dtrtri(self.root, lower=True)
-        variance = np.einsum("ij,ij->j", inverse, inverse)
+        variance = np.diag(self.covariance)
         k, member = self.sizes.factor, self.effects.member_of
         amount = self.scale * self.mean
         rest = self.base._square / k**2 - 2 * amount @ self.effects.seen / k
@@ -205,7 +238,40 @@ class Posterior:
         return np.array([by_factor, *by_size[1:]]) + self.sizes.slope_of_prior
 
     @cached_property
+    def information(self) -> np.ndarray:
+        """Of Fisher about the logarithms of the sizes, with that of their prior, (q, q).
+
+        With P = 1 - V, V the posterior covariance in prior deviations: 2 |P_jl|² of the blocks of
+        two members; the factor replaces one P by V.
+        """
+        count, member = len(self.sizes.members) + 1, self.effects.member_of
+        variance = np.bincount(member, np.diag(self.covariance), count)
+        columns = np.bincount(member, minlength=count)
+        of_member = np.eye(count)[member]
+        squared = of_member.T @ (self.covariance**2 @ of_member)
+        squared += squared.T
+        squared -= np.diag(np.bincount(member, np.diag(self.covariance) ** 2, count))
+        found = squared + np.diag(columns - 2.0 * variance)
+        found[0] = found[:, 0] = variance - squared.sum(axis=0)
+        found[0, 0] = self.base.degrees - len(member) + squared.sum()
+        return 2.0 * found + np.diag(self.sizes.information_of_prior)
+
+    @cached_property
     def left(self) -> np.ndarray:
         """What members and effects leave of the white readings, (n,), in units of the factor."""
         amount = self.scale * self.mean * self.sizes.factor
-        return (self.base.y - self.effects.columns @ amount) / self.sizes.factor
+        of_members, of_effects = np.split(amount, [self.base.z.shape[1]])
+        taken = self.base.z @ of_members + self.effects.x @ of_effects
+        return (self.base.y - taken) / self.sizes.factor
+
+
+def _root_of_precision(gram: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """Lower Cholesky factor of 1 + S G S, (k, k), from products G and prior deviations S (k,)."""
+    precision = gram * scale
+    precision *= scale[:, None]
+    precision[np.diag_indices(len(precision))] += 1.0
+    # symmetric: its transpose lies in memory as LAPACK wants it
+    root, failed = dpotrf(precision.T, lower=True, overwrite_a=True)
+    if failed:
+        raise LinAlgError("the posterior precision has to be positive definite")
+    return root

@@ -77,7 +77,7 @@ def _mark_ranges(axes: Axes, result: Evaluation, factor: float) -> None:
     if result.s_forward is None or result.s_backward is None:
         return
     wide = 2.0 * np.concatenate((result.s_forward, result.s_backward))
-    for end in ((means - wide).min(), (means + wide).max()):
+    for end in (np.min(means - wide), np.max(means + wide)):
         axes.axhline(factor * end, color="black", lw=0.9, ls="-.")
 
 

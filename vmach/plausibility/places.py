@@ -33,11 +33,12 @@ def place_notes(machine: Machine) -> Iterator[Note]:
         at = component.measured_at_mm
         if component.is_angle or at is None:
             continue
-        near = _near_the_nose(machine, name, at) or _in_the_corner(machine, component)
+        near = _near_the_nose(machine, name, at) or _in_the_corner(machine, component, at)
         if near is not None:
             yield near
         if component.nose_at_mm is not None:
-            yield from _stick_out(machine, component, component.nose_at_mm)
+            arm = machine.chain.arm_masks[component_of(name)[1]] * component.nose_at_mm
+            yield from _stick_out(name, float((arm - at)[2]))
         yield from _out_of_reach(machine, component, at)
 
 
@@ -53,11 +54,13 @@ def _near_the_nose(machine: Machine, name: str, at: np.ndarray) -> Note | None:
     )  # fmt: skip
 
 
-def _in_the_corner(machine: Machine, component: ComponentError) -> Note | None:
+def _in_the_corner(
+    machine: Machine, component: ComponentError, measured_at: np.ndarray
+) -> Note | None:
     """Near home along every axis that the place counts along; a 0 is one that does not matter."""
     _, axis, _ = component_of(component.name)
     by_nose = component.nose_at_mm is not None
-    at = component.nose_at_mm if by_nose else component.measured_at_mm
+    at = measured_at if component.nose_at_mm is None else component.nose_at_mm
     span = np.ptp(machine.travel_mm, axis=0)
     home_at_end = np.abs(machine.travel_mm).min(axis=0) <= _CORNER_SHARE * span
     counts = (machine.chain.arm_masks[axis] > 0.0) & home_at_end & (at != 0.0)
@@ -74,13 +77,11 @@ def _in_the_corner(machine: Machine, component: ComponentError) -> Note | None:
     )  # fmt: skip
 
 
-def _stick_out(machine: Machine, component: ComponentError, nose: np.ndarray) -> Iterator[Note]:
+def _stick_out(name: str, length_mm: float) -> Iterator[Note]:
     """The length from nose to optics, which is that of a tool."""
-    _, axis, _ = component_of(component.name)
-    length = float((machine.chain.arm_masks[axis] * nose - component.measured_at_mm)[2])
-    said = doubtful_length("stick_out_mm", round(length, 9)) if length else None
+    said = doubtful_length("stick_out_mm", round(length_mm, 9)) if length_mm else None
     if said is not None:
-        yield Note(Level.DOUBT, Kind.PLACE, component.name, said, size=length, unit="mm")
+        yield Note(Level.DOUBT, Kind.PLACE, name, said, size=length_mm, unit="mm")
 
 
 def _out_of_reach(machine: Machine, component: ComponentError, at: np.ndarray) -> Iterator[Note]:

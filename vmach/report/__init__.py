@@ -13,7 +13,7 @@ from vmach.report.figures.features import features_table
 from vmach.report.figures.statistics import Statistics, column_statistics, worst_places
 from vmach.report.figures.summary import SIGN_CONVENTION, summary, write_summary
 from vmach.report.figures.table import columns_table
-from vmach.report.page.page import write_report_html
+from vmach.report.page.page import ReportView, write_report_html
 from vmach.report.pictures.coloured_part import part_colours
 from vmach.report.pictures.display_mesh import build_display_mesh, interpolate_to_mesh
 from vmach.report.pictures.viewer import open_viewer
@@ -38,6 +38,7 @@ __all__ = [
     "DisplayMesh",
     "InputFile",
     "InspectedPoints",
+    "ReportView",
     "RunRecord",
     "SolidComparison",
     "SolidDifference",

@@ -17,7 +17,7 @@ from vmach.base.stage_clock import Progress, StageClock, silent
 from vmach.base.units import um_from_mm
 from vmach.files.atomic import atomic_file, atomic_folder
 from vmach.files.csv_table import Cells, fixed, whole, words, write_csv
-from vmach.job import job_name
+from vmach.job import Job, job_name
 from vmach.nominal.patches import patches
 from vmach.nominal.points import SurfacePoints
 from vmach.prediction import Prediction
@@ -45,9 +45,11 @@ __all__ = [
     "RESULT_FILES",
     "SOLID_FILE",
     "default_folder",
+    "input_files",
     "prediction_columns",
     "prediction_summary",
     "run_record",
+    "versions",
     "write_coloured_part",
     "write_columns",
     "write_results",
@@ -157,8 +159,8 @@ def run_record(made: MachinedPart, command: str) -> RunRecord:
         model=str(made.model),
         tolerance_mm=job.inspection.tolerance_mm,
         started_at=datetime.now(UTC).isoformat(timespec="seconds"),
-        files=tuple(_input_file(role, path, job.folder) for role, path in job.files()),
-        versions={"python": platform.python_version()} | {p: version(p) for p in _PACKAGES},
+        files=input_files(job),
+        versions=versions(),
         stages_s=made.stages_s,
         facts={
             "machine": job.machine.name,
@@ -179,6 +181,16 @@ def run_record(made: MachinedPart, command: str) -> RunRecord:
         serial=job.drawing.serial,
         revision=job.drawing.revision,
     )
+
+
+def input_files(job: Job) -> tuple[InputFile, ...]:
+    """All files of a job, with their hashes."""
+    return tuple(_input_file(role, path, job.folder) for role, path in job.files())
+
+
+def versions() -> dict[str, str]:
+    """Of Python, vmach and what it calculates with."""
+    return {"python": platform.python_version()} | {p: version(p) for p in _PACKAGES}
 
 
 def _input_file(role: str, path: Path, folder: Path) -> InputFile:

@@ -26,9 +26,25 @@ class _Finding(Output):
     hint: str
 
 
+class _Collision(Output):
+    """A move that brings a part of the tool where it must not be."""
+
+    kind: Literal["rapid in material", "shank", "holder"]
+    line: int
+    tool: int
+    time_s: float
+    """When the move begins."""
+    depth_mm: float
+    """Height of the material inside the body where it is greatest."""
+    place_mm: tuple[float, float, float]
+    """The lowest point of that material, workpiece coordinates."""
+
+
 class CheckOutput(Output):
     """What a job lacks."""
 
     ready: bool
     """Nothing has to be mended before the job can be run."""
     findings: list[_Finding]
+    collisions: list[_Collision] | None = None
+    """In the order of the program; null where they were not looked for, or there is no blank."""

@@ -45,14 +45,14 @@ async def read_content(request: Request, most: int) -> bytes:
     return b"".join(chunks)
 
 
-async def read_json(request: Request) -> dict[str, Any]:
-    """The JSON object that a request brings.
+async def read_json(request: Request, most: int = _MOST_JSON) -> dict[str, Any]:
+    """The JSON object that a request brings, of at most so many bytes.
 
     Raises
     ------
     InputError
     """
-    content = await read_content(request, _MOST_JSON)
+    content = await read_content(request, most)
     try:
         found = json.loads(content or b"{}", parse_constant=_refuse_constant)
     except (ValueError, RecursionError):

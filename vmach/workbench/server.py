@@ -15,7 +15,7 @@ from vmach.errors import VmachError
 from vmach.workbench.access import Access, Guard
 from vmach.workbench.exchange import refused
 from vmach.workbench.model.remote import ModelStopped
-from vmach.workbench.routes import files, pages, part, state, work
+from vmach.workbench.routes import files, pages, part, report, state, work
 from vmach.workbench.session import Session
 
 __all__ = ["build_server"]
@@ -37,7 +37,14 @@ def build_server(
         session.close()
 
     app = Starlette(
-        routes=[*pages.routes, *state.routes, *part.routes, *work.routes, *files.routes],
+        routes=[
+            *pages.routes,
+            *state.routes,
+            *part.routes,
+            *work.routes,
+            *report.routes,
+            *files.routes,
+        ],
         middleware=[Middleware(Guard, access=access)],
         exception_handlers={
             VmachError: _refuse,

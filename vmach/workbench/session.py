@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
+from collections.abc import Hashable
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from vmach.workbench.job_chain import job_chain
 from vmach.workbench.model.remote import ModelRefused, ModelStopped, RemoteModel
 from vmach.workbench.opened_folder import OpenedFolder
 from vmach.workbench.recent_jobs import remember_job
+from vmach.workbench.steps_back import Step, StepsBack
 
 __all__ = ["Session"]
 
@@ -48,7 +50,9 @@ class Session:
         self.runs: CommandRuns | None = None
         self.own_effects: list[Path] = []
         self.revision = 0
-        self.shown: dict[str, Any] = {}
+        self.steps = StepsBack(self._tell_steps)
+        self._of_job: dict[Path, dict[str, Any]] = {}
+        self._of_folder: dict[str, Any] = {}
         self.other: Path | None = None
         self._other_model: RemoteModel | None = None
         self._control = control
@@ -70,18 +74,50 @@ class Session:
         folder = OpenedFolder(job.parent)
         if self.folder != folder:
             self.open_folder(folder)
+        elif self.job is not None and self.job != job:
+            before, sliders = self.job, self.changes
+            back = lambda: (self.open(before), self.set_changes(sliders))  # noqa: E731
+            self.steps.did(Step(_word_for(job), back, lambda: self.open(job)))
         self.job, self.changes = job, []
         self.own_effects = [f for f in self.own_effects if f.is_file()]
         remember_job(job)
         self._start_model()
         self.events.tell("job", **self.record())
 
+    def set_changes(
+        self, changes: list[dict[str, Any]], *, tab: str = "", gesture: Hashable = None
+    ) -> None:
+        """What the sliders of What if say from now on; `tab` moved them."""
+        before = self.changes
+        if changes == before:
+            return
+        self.changes = changes
+        self.steps.did(Step(
+            _moved(before, changes), lambda: self.set_changes(before),
+            lambda: self.set_changes(changes), (tab, gesture) if gesture else None,
+        ))  # fmt: skip
+        self.events.tell("changes", changes=changes, tab=tab)
+
     def open_folder(self, folder: OpenedFolder) -> None:
         """Open a folder; work in another one ends."""
         if self.runs is not None:
             self.runs.close()
-        self.folder, self.own_effects, self.shown = folder, [], {}
+        self.folder, self.own_effects = folder, []
+        self.steps.forget()
+        self._of_job, self._of_folder = {}, {}
         self.runs = CommandRuns(folder.root, self._tell_run)
+
+    @property
+    def shown(self) -> dict[str, Any]:
+        """What was found about the open job, by its kind."""
+        return self._of_folder | self._of_job.get(self.job or Path(), {})
+
+    def show(self, kind: str, found: dict[str, Any], job: Path | None = None) -> None:
+        """Keep what was found about a job, or about its chain, and tell it to the tabs."""
+        of = self._of_folder if job is None else self._of_job.setdefault(job, {})
+        of[kind] = found
+        if job in (None, self.job):
+            self.events.tell("shown", **{kind: found})
 
     @property
     def effect_files(self) -> list[Path]:
@@ -130,6 +166,13 @@ class Session:
         """Load another job beside the open one; None puts it away."""
         if self._other_model is not None:
             self._other_model.close()
+        before = self.other
+        if before != job:
+            word = "end of comparison" if job is None else f"comparison with {job_name(job)}"
+            self.steps.did(Step(
+                word, lambda: self.compare_with(before),
+                lambda: self.compare_with(job),
+            ))  # fmt: skip
         self.other, self._other_model = job, None
         if job is not None:
             files = {f for s in job_chain(job) for f in s.effect_files.values() if f.is_file()}
@@ -190,6 +233,7 @@ class Session:
             "own_effects": [self.folder.name_of(path) for path in self.effect_files],
             "shown": self.shown,
             "other": None if self.other is None else str(self.other),
+            "steps": self.steps.record(),
         }
 
     async def keep_watch(self) -> None:
@@ -199,6 +243,7 @@ class Session:
             changed = self._watch.changed()
             if changed and self.job is not None:
                 names = [path.name for path in changed]
+                self._of_job.pop(self.job, None)  # it was about other files
                 self.events.tell("files", names=names)
                 self.reload()
 
@@ -232,5 +277,26 @@ class Session:
                 files = [*map(Path, about["files"]), *self.effect_files]
                 self._watch.watch(files, since_ns=self._started_ns)
 
+    def _tell_steps(self) -> None:
+        self.events.tell("steps", **self.steps.record())
+
     def _tell_run(self, run: CommandRun) -> None:
         self.events.tell("run", **run.record())
+
+
+def _word_for(job: Path) -> str:
+    """What opening a job did, for people."""
+    last = [step for step in job_chain(job) if not step.is_later][-1]
+    return "+ " + ", ".join(last.added) if last.added else f"open {job.name}"
+
+
+def _moved(before: list[dict[str, Any]], after: list[dict[str, Any]]) -> str:
+    """Which sliders differ, for people."""
+    differing = [one for one in (*before, *after) if one not in before or one not in after]
+    names = [_slider_word(one) for one in differing if isinstance(one, dict)]
+    return ", ".join(dict.fromkeys(names)) or "sliders"
+
+
+def _slider_word(one: dict[str, Any]) -> str:
+    words = [one.get("component") or one.get("effect"), one.get("target")]
+    return " ".join(str(word)[:40] for word in words if word)

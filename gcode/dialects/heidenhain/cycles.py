@@ -22,6 +22,10 @@ _MOST_PECKS = 100_000
 _OFF_THE_WALL_MM = 0.2
 
 
+#: cycles that turn the spindle back or stop it, so that plain lines cannot take their place
+_SPINDLE = {202: "boring with a stopped spindle", 206: "tapping", 207: "tapping", 209: "tapping"}
+
+
 class _Hole:
     """One hole at the present place."""
 
@@ -208,6 +212,8 @@ def drill(reader: KlartextReader, number: int, data: dict[str, float]) -> None:
     """Do a cycle at the present place."""
     if number in (207, 209):
         data = _rigid(reader, data)
+    if number in _SPINDLE:
+        reader.keep(_SPINDLE[number])
     hole = _Hole(reader, data)
     hole.rapid(hole.clear)
     DRILLING[number](hole)

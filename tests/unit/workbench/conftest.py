@@ -21,7 +21,7 @@ ERRORS = {
 }
 BACKLASH_UM, NOISE_UM = 6.0, 0.3
 #: how long a test waits for what must come; a slow machine costs time, never a test
-PATIENCE_S = 600
+PATIENCE_S = 300
 
 
 def write_measured_job(folder):
@@ -36,6 +36,18 @@ def write_measured_job(folder):
     noise = NOISE_UM * np.random.default_rng(7).standard_normal(len(points))
     write_points(folder / "points.csv", points + 1e-3 * (deviation + noise)[:, None] * normals)
     return job
+
+
+def write_odd_job(folder):
+    """Beside the measured job: the same part with an error that no effect of the catalogue is."""
+    _, points, normals = pocket_points()
+    deviation_um = predict(folder / "job.toml", folder / "points.csv").deviation_um
+    bend_um = 8.0 * (points[:, 0] / 20.0) ** 2 * np.sign(points[:, 1])
+    noise_um = NOISE_UM * np.random.default_rng(3).standard_normal(len(points))
+    moved_um = deviation_um + bend_um * normals[:, 1] + noise_um
+    write_points(folder / "odd.csv", points + 1e-3 * moved_um[:, None] * normals)
+    text = (folder / "job.toml").read_text().replace('"points.csv"', '"odd.csv"')
+    (folder / "odd.toml").write_text(text)
 
 
 def replace(path, text):

@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import re
 
 import numpy as np
 import pytest
@@ -159,3 +160,35 @@ def test_cards_start_where_the_job_is(tmp_path):
     assert (card["effect"], card["target"], card["in_job"]) == ("backlash", "Y", True)
     slider = card["parameters"][0]
     assert slider["value"] == 5.5 and slider["low"] <= 5.5 <= slider["high"]
+
+
+VIEW = {"azimuth_rad": 0.3, "elevation_rad": 0.5, "zoom": 2, "target_mm": [1, 2, 3],
+        "section": [0, 0, 0, 0], "range_um": 5}  # fmt: skip
+ON_SCREEN = {"shown": {"quantity": "difference"}, "tolerance_um": 3, "view": VIEW}
+
+
+def test_the_report_is_of_what_is_on_the_screen(page):
+    made = page.post("/api/report", ON_SCREEN)
+    assert made.status_code == 200, made.text
+    shown = page.get("/show/" + made.json()["page"])
+    assert "sandbox" in shown.headers["content-security-policy"]
+    data = json.loads(re.search(r'id="page-data"[^>]*>(.*?)</script>', shown.text, re.DOTALL)[1])
+    figures, _ = page.framed(page.get("/api/values?quantity=difference&tolerance_um=3"))
+    assert data["view"] == VIEW and data["primary"] == "shown"
+    column = data["variants"]["shown"]
+    assert (column["label"], column["range_um"]) == ("Abbe − HTM", 5)
+    assert column["largest_um"] == pytest.approx(figures["largest_um"])
+    outside = column["outside"][data["tolerance_index"]] / column["count"]
+    assert outside == pytest.approx(figures["outside"])
+
+
+@pytest.mark.parametrize("wrong", [
+    {"tolerance_um": 0}, {"tolerance_um": None}, {"view": None}, {"picture": "x"},
+    {"view": VIEW | {"zoom": "2"}}, {"view": VIEW | {"target_mm": [1, 2]}},
+    {"view": VIEW | {"range_um": 1e400}}, {"picture": "data:image/jpeg;base64,!"},
+    {"shown": {"quantity": "nothing"}}, {"picture": "data:image/jpeg;base64,/9j/4AAQ"},
+], ids=range(10))  # fmt: skip
+def test_what_is_no_screen_makes_no_report(page, wrong):
+    content = json.dumps(ON_SCREEN | wrong).encode()
+    answer = page.client.post("/api/report", content=content, headers=page.headers)
+    assert answer.status_code == 400 and answer.json()["error"]

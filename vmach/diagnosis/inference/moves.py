@@ -11,7 +11,7 @@ from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossi
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.marginal_likelihood import Sizes
 
-__all__ = ["search", "without_needless"]
+__all__ = ["beside_little", "search", "search_beyond", "without_needless"]
 
 #: candidates that are tried at each step, by their odds beside the discrepancy and without it
 _TRIED = 3
@@ -35,6 +35,13 @@ def search(weighing: Weighing, start: Explanation | None = None) -> Explanation:
     return here
 
 
+def search_beyond(weighing: Weighing, here: Explanation) -> Explanation:
+    """A more probable set beyond what single moves lead to, by two effects in place of one."""
+    while better := _best(_split(weighing, here), here):
+        here = search(weighing, without_needless(weighing, better))
+    return here
+
+
 def _best(found: Iterator[Explanation], than: Explanation) -> Explanation | None:
     best = max(found, key=lambda e: e.score, default=None)
     return best if best is not None and best.score > than.score + _STEP else None
@@ -45,7 +52,7 @@ def _added(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
         child = weighing.extend(here, k)
         if not weighing.candidates[k].effect.amplitudes:
             # a curve that a large discrepancy left narrow: once more where it may be wide
-            child = max(child, weighing.extend(_plain(here), k), key=lambda e: e.score)
+            child = max(child, weighing.extend(beside_little(here), k), key=lambda e: e.score)
         wrong = impossible_terms(child.fit)
         if not wrong:
             yield child
@@ -65,9 +72,12 @@ def _with_others_for(
 
 
 def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
-    """One effect in place of another; only those that come near it before anything is refitted."""
+    """One effect in place of another; only those that come near it before anything is refitted.
+
+    Members stay as they are at first: where they grow into a gap, they hide what could fill it.
+    """
     for k, term in enumerate(here.terms):
-        others = weighing.without(here, [k])
+        others = weighing.without(here, [k], resize=False)
         gains = weighing.gains(others)
         least = gains[weighing.index_of(term.label)] - _NEAR
         ranked = [i for i in _ranked(weighing, gains, here.labels)[:_TRIED] if gains[i] > least]
@@ -75,6 +85,21 @@ def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
             child = weighing.extend(others, i)
             if not has_impossible_sizes(child.fit):
                 yield child
+
+
+def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
+    """Two effects in place of one that stands for both, found beside members as they are."""
+    for k in range(len(here.terms)):
+        others = weighing.without(here, [k], resize=False)
+        for i in _ranked(weighing, weighing.gains(others), here.labels)[: 2 * _TRIED]:
+            one = weighing.extend(others, i, resize=False)
+            gains = weighing.gains(one)
+            for j in _ranked(weighing, gains, here.labels | one.labels)[:_TRIED]:
+                if one.score + gains[j] < here.score - _NEAR:
+                    break
+                child = weighing.extend(one, j)
+                if not has_impossible_sizes(child.fit):
+                    yield child
 
 
 def _ranked(weighing: Weighing, gains: np.ndarray, but: Collection[str]) -> list[int]:
@@ -85,14 +110,14 @@ def _ranked(weighing: Weighing, gains: np.ndarray, but: Collection[str]) -> list
 def _leading(weighing: Weighing, here: Explanation, but: Collection[str]) -> list[int]:
     """Candidates worth a fit: the first ones beside the discrepancy, and nearly without it."""
     found: list[int] = []
-    for view in (here, _plain(here)):
+    for view in (here, beside_little(here)):
         gains = weighing.gains(view)
         ranked = _ranked(weighing, gains, but)
         found += [k for k in ranked[:_TRIED] if gains[k] > -2.0 and k not in found]
     return found
 
 
-def _plain(here: Explanation) -> Explanation:
+def beside_little(here: Explanation) -> Explanation:
     """An explanation beside a discrepancy that leaves effects to show."""
     sizes = here.posterior.sizes
     small = Sizes(min(sizes.factor, 1.0), tuple(min(s, 0.3) for s in sizes.members))

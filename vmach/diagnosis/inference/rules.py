@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 __all__ = [
-    "CERTAIN",
     "CLEARLY",
     "OFFSET",
     "RULES",
     "STRUCTURE",
     "TRUST",
+    "UNMEASURED",
     "WEIGHT_OF_FORM",
     "WEIGHT_OF_SIZE",
     "WORTH_A_FORM",
@@ -20,10 +20,10 @@ __all__ = [
 
 #: log evidence by which one explanation is clearly more probable than another
 CLEARLY = 4.6
-#: probability that an effect is no imitation from which it counts as shown
-CERTAIN = 0.5
-#: logit of that probability: for an effect as large as the rest; for a power of e in its variance;
-#: for a log evidence that a form does better in its place
+#: log prior odds of an effect that every machine has and nobody measured in this one
+UNMEASURED = 4.0
+#: logit that an effect is no imitation: for one as large as the rest; for a power of e in its
+#: variance; for a log evidence that a form does better in its place
 OFFSET, WEIGHT_OF_SIZE, WEIGHT_OF_FORM = -3.2, 1.0, 0.19
 #: what remains counts as structure from this multiple of the median stated uncertainty on
 STRUCTURE = 1.0
@@ -60,18 +60,20 @@ RULES = (
         _COUNTS,
     ),
     Rule(
-        "certain",
-        CERTAIN,
-        "probability",
-        "an effect is shown where it is no imitation with at least this probability",
-        "more probable than not",
-        _COUNTS,
+        "unmeasured",
+        UNMEASURED,
+        "log odds",
+        "for an effect before any reading, and for its being no imitation, where every machine "
+        "has it and nobody measured it: a table that is missing, a squareness not stated",
+        "chosen: of fifty such effects one is too small to be seen",
+        "tests/unit/test_instruments_holes.py, a plate of holes",
     ),
     Rule(
         "offset",
         OFFSET,
         "logit",
-        "of that probability, for an effect as large as what remains beside it",
+        "that an effect is no imitation, where it is as large as what remains beside it; it is "
+        "shown where this is more probable than not",
         _CALIBRATION,
         _COUNTS,
     ),

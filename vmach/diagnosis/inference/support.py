@@ -18,7 +18,6 @@ from scipy.special import expit
 
 from vmach.diagnosis.inference.remains import remains_um, sizes_um, usual_u_um
 from vmach.diagnosis.inference.rules import (
-    CERTAIN,
     CLEARLY,
     OFFSET,
     WEIGHT_OF_FORM,
@@ -47,12 +46,15 @@ class Support:
         What remains unexplained, beyond what would not be looked into.
     against_form : float
         Log evidence for it against the best form in its place, where that is negative.
+    prior : float
+        Log odds beforehand that the machine has it, where they are more than even.
     """
 
     odds: float
     size_um: float
     rest_um: float
     against_form: float = 0.0
+    prior: float = 0.0
 
     @property
     def relative_size(self) -> float:
@@ -64,12 +66,12 @@ class Support:
     def probability(self) -> float:
         """That it is no imitation of something else."""
         score = OFFSET + WEIGHT_OF_SIZE * self.relative_size + WEIGHT_OF_FORM * self.against_form
-        return float(expit(score))
+        return float(expit(score + self.prior))
 
     @property
     def is_shown(self) -> bool:
         """Whether readings clearly speak for it, and it is probably no imitation."""
-        return self.odds >= CLEARLY and self.probability >= CERTAIN
+        return self.odds >= CLEARLY and self.probability >= 0.5
 
     @property
     def order(self) -> tuple[bool, float]:
@@ -94,4 +96,8 @@ def supports_of(weighing: Weighing, found: Explanation) -> Sequence[Support]:
     beyond = max(remains_um(weighing, found) ** 2 - (WORTH_A_FORM * u_um) ** 2, 0.0)
     rest = float(np.sqrt(beyond))
     sizes = sizes_um(weighing, found)
-    return [Support(found.score - e.score, s, rest) for e, s in zip(fewer, sizes, strict=True)]
+    priors = [max(weighing.prior_of(t.effect, t.target), 0.0) for t in found.terms]
+    return [
+        Support(found.score - e.score, s, rest, prior=p)
+        for e, s, p in zip(fewer, sizes, priors, strict=True)
+    ]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from vmach.diagnosis.gates.impossible_sizes import impossible_terms
-from vmach.diagnosis.inference.moves import search
+from vmach.diagnosis.inference.moves import search, search_beyond
 from vmach.diagnosis.inference.noise import noise_after, noise_before
 from vmach.diagnosis.inference.remains import is_structure, remains_um
 from vmach.diagnosis.inference.support import Support, supports_of
@@ -121,7 +121,7 @@ def _searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
             break
         weighing = weighing.with_noise(noise)
         found = search(weighing, weighing.explain(found.terms, found.posterior.sizes))
-    return weighing, found
+    return weighing, search_beyond(weighing, found)
 
 
 def _judged(

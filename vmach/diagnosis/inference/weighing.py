@@ -5,13 +5,13 @@ from __future__ import annotations
 import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Self
 
 import numpy as np
 
 from vmach.diagnosis.gates.absorbing import slack_of
 from vmach.diagnosis.inference.bank import Bank
+from vmach.diagnosis.inference.rules import UNMEASURED
 from vmach.effects import Effect
 from vmach.fit.candidates import Candidate
 from vmach.fit.discrepancy import members_of
@@ -25,10 +25,10 @@ from vmach.fit.whitening import MemberWhitening
 
 __all__ = ["Explanation", "Weighing"]
 
-#: log prior odds of a component that the machine file has no table of: it is there, unmeasured
-_MISSING_TABLE = 4.0
 #: sizes in u that a search starts from
 _START = 0.3
+#: readings of the explanations that are remembered
+_ROOM = 100_000
 #: times that what the laws leave open is set by the fit before, so that it is a share of the last
 _PASSES = 3
 
@@ -93,7 +93,7 @@ class Weighing:
         self.base = Base(self.survey, noise, self.members)
         self.bank = Bank(self.base, self.candidates)
         # by identity: a posterior is asked again and again
-        self._known: dict[int, tuple[Posterior, list[Evidence]]] = {}
+        self._known: dict[int, tuple[Posterior, Evidence]] = {}
         # likewise: a search, and the odds of what it found, leave the same terms out
         self._fewer: dict[tuple, tuple[Explanation, Explanation]] = {}
         self.alone = self._empty(Sizes(1.0, (0.0,) * len(self.members.names)))
@@ -102,6 +102,12 @@ class Weighing:
         """The empty set beside members of given sizes."""
         none = Effects(self.base, np.zeros((len(self.survey), 0)))
         return Explanation(None, self.base.posterior(sizes, none))
+
+    def _keep(self, known: dict, key: object, value: object) -> None:
+        """Remember something, and forget what is oldest where there is no room for it."""
+        known[key] = value
+        while len(known) > max(_ROOM // len(self.survey), 4):
+            del known[next(iter(known))]
 
     def on(self, survey: Survey) -> Self:
         """The same over other readings of the same design."""
@@ -122,23 +128,21 @@ class Weighing:
         other._log_priors = {c.label: self.log_prior(c) for c in known} | dict(log_priors)
         other.candidates = list(known)
         other._place = {c.label: k for k, c in enumerate(known)}
-        other.bank, other._known = Bank(self.base, known), {}
+        other.bank, other._known, other._fewer = Bank(self.base, known), {}, {}
         return other
 
-    @cached_property
-    def missing_tables(self) -> frozenset[str]:
-        """Labels of components that the machine file has no table of."""
-        tables = self.survey.job.machine.components
-        components = [c for c in self.candidates if c.effect.corrects_table]
-        return frozenset(c.label for c in components if c.target not in tables)
+    def prior_of(self, effect: Effect, target: str) -> float:
+        """Log odds for an effect beforehand, beside one that machines often have."""
+        if effect.is_unmeasured(self.survey.job.machine, target):
+            return UNMEASURED
+        return -effect.rarity
 
     def log_prior(self, candidate: Candidate) -> float:
-        """Prior odds of a candidate; a component without a table is expected to be missing."""
+        """Log prior odds of a candidate, even at most: none is there before any reading says so."""
         if candidate.label in self._log_priors:
             return self._log_priors[candidate.label]
-        if candidate.label in self.missing_tables:
-            return _MISSING_TABLE - np.log(len(self.candidates))
-        return -candidate.effect.rarity - np.log(len(self.candidates))
+        prior = self.prior_of(candidate.effect, candidate.target)
+        return min(prior - float(np.log(len(self.candidates))), 0.0)
 
     def index_of(self, label: str) -> int:
         """Which candidate has a given name and target."""
@@ -227,18 +231,16 @@ class Weighing:
         if key not in self._fewer:
             left = [term for k, term in enumerate(explanation.terms) if k not in ks]
             fewer = self.explain(left, explanation.posterior.sizes, refine=False, resize=resize)
-            self._fewer[key] = explanation, fewer
+            self._keep(self._fewer, key, (explanation, fewer))
         return self._fewer[key][1]
 
     def term(self, k: int, explanation: Explanation) -> Term:
         """Candidate k with its best inner parameters on what an explanation leaves."""
-        candidate, evidence = self.candidates[k], self.evidence(explanation)[k]
+        candidate, evidence = self.candidates[k], self.evidence(explanation)
         width = None
         if not candidate.effect.amplitudes:
-            width = WIDTHS[int(evidence.best_width[0])]
-        return Term(
-            candidate.effect, candidate.target, candidate.grid[int(evidence.best[0])], width
-        )
+            width = WIDTHS[evidence.best_width[k, 0]]
+        return Term(candidate.effect, candidate.target, candidate.grid[evidence.best[k, 0]], width)
 
     def whitening_beside(self, explanation: Explanation) -> MemberWhitening:
         """Turns readings into unit noise, the terms of an explanation open as before the fit."""
@@ -247,30 +249,28 @@ class Weighing:
 
     # candidates, weighed ----------------------------------------------------------------------
 
-    def evidence(self, explanation: Explanation) -> list[Evidence]:
+    def evidence(self, explanation: Explanation) -> Evidence:
         """Of every candidate beside an explanation, at its sizes."""
         posterior = explanation.posterior
         if id(posterior) not in self._known:
-            self._known[id(posterior)] = posterior, self.bank.evidence(posterior)
+            self._keep(self._known, id(posterior), (posterior, self.bank.evidence(posterior)))
         return self._known[id(posterior)][1]
 
     def gains(self, explanation: Explanation) -> np.ndarray:
         """Log odds of every candidate beside an explanation, at its sizes."""
-        evidence = self.evidence(explanation)
-        found = [float(e.log_factor[0]) for e in evidence]
-        return np.array(found) + [self.log_prior(c) for c in self.candidates]
+        found = self.evidence(explanation).log_factor[:, 0]
+        return found + [self.log_prior(c) for c in self.candidates]
 
     def fitted_alone(self, k: int) -> tuple[Term, np.ndarray]:
         """Candidate k fitted alone: the term and its coefficients (K,)."""
-        term = self.term(k, self.alone)
-        place = int(self.evidence(self.alone)[k].best[0])
-        columns = self.candidates[k].signatures_mm[:, place]
-        width = WIDTHS[int(self.evidence(self.alone)[k].best_width[0])]
+        term, evidence = self.term(k, self.alone), self.evidence(self.alone)
+        columns = self.candidates[k].signatures_mm[:, evidence.best[k, 0]]
+        width = WIDTHS[evidence.best_width[k, 0]]
         white, reading = self.base.white(columns), self.base.y
         prior = np.eye(white.shape[1]) / width**2
         return term, np.linalg.solve(white.T @ white + prior, white.T @ reading)
 
     def alone_mm(self, k: int) -> np.ndarray:
         """What candidate k does to the readings when it is fitted alone, (n,) mm."""
-        place = int(self.evidence(self.alone)[k].best[0])
+        place = self.evidence(self.alone).best[k, 0]
         return self.candidates[k].signatures_mm[:, place] @ self.fitted_alone(k)[1]

@@ -79,15 +79,15 @@ def blind_spots(
     needed_z = float(np.sqrt(2.0 * (CLEARLY + np.log(len(weighing.candidates)) + _FREEDOM)))
     weighed = zip(
         weighing.candidates,
-        weighing.evidence(explanation),
-        weighing.evidence(weighing.alone),
+        weighing.evidence(explanation).information,
+        weighing.evidence(weighing.alone).information,
         strict=True,
     )
     spots = [
         _blind_spot(
             candidate,
-            needed_z / max(left.information, _TINY),
-            alone=needed_z / max(all_of_it.information, _TINY),
+            needed_z / max(left, _TINY),
+            alone=needed_z / max(all_of_it, _TINY),
             beside=beside,
         )
         for candidate, left, all_of_it in weighed

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from vmach.diagnosis.inference.bank import Bank
-from vmach.diagnosis.inference.moves import without_needless
+from vmach.diagnosis.inference.moves import beside_little, without_needless
 from vmach.diagnosis.inference.remains import remains_mm, remains_um, usual_u_um
 from vmach.diagnosis.inference.rules import CLEARLY, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
@@ -30,8 +30,6 @@ _IN_PLACE = 3
 _MOST = 4
 #: proposals that are told
 _TOLD = 3
-#: sizes in u of a discrepancy that leaves a form to show
-_SMALL = 0.3
 #: readings at most that all forms are looked through on; the best are fitted to all readings
 _LOOKED_THROUGH = 3000
 #: numbers that products of forms may take up while they are kept
@@ -76,17 +74,21 @@ class Forms:
             if remains_um(self._weighing, here) < WORTH_A_FORM * usual_u_um(self._weighing):
                 break
             self._columns.add_waves(self._left_mm(here))
-            better = self._extended(here, self._leading(here))
+            better = self._extended(here, self._leading(_two_views(here)))
             if better.score < here.score + CLEARLY:
                 break
             here = better
         return here
 
     def in_place_of(self, here: Explanation, k: int) -> Explanation:
-        """An explanation with the best form in the place of term k, or with none."""
+        """An explanation with the best form in the place of term k, or with none.
+
+        Forms are looked for beside members as they are: grown into the gap, they would hide some.
+        """
         rest = self.weighing.without(here, [k])
-        self._columns.add_waves(self._left_mm(rest))
-        better = self._extended(rest, self._leading(rest, _IN_PLACE))
+        gap = self.weighing.without(here, [k], resize=False)
+        self._columns.add_waves(self._left_mm(gap))
+        better = self._extended(gap, self._leading([gap], _IN_PLACE))
         return max(rest, better, key=lambda e: e.score)
 
     def _extended(self, here: Explanation, leading: Sequence[Form]) -> Explanation:
@@ -109,7 +111,7 @@ class Forms:
         grown : Explanation
             With forms.
         """
-        leading = self._leading(alone)
+        leading = self._leading(_two_views(alone))
         weighing = self._with(leading)
         start = weighing.explain(alone.terms, alone.posterior.sizes, refine=False)
         trials = [weighing.extend(start, weighing.index_of(_label(f))) for f in leading]
@@ -159,21 +161,16 @@ class Forms:
         left = survey.residual_mm - explained - remains_mm(self._weighing, here)
         return left - survey.aligned(left[:, None])[:, 0]
 
-    def _leading(self, here: Explanation, most: int = _FITTED) -> list[Form]:
-        """Forms worth a fit, beside an explanation, so many at most from either view."""
-        sizes = here.posterior.sizes
-        small = Sizes(sizes.factor, tuple(min(s, _SMALL) for s in sizes.members))
-        views = [self._screen.posterior(each, here.posterior.effects) for each in (sizes, small)]
-        gains: tuple[list[float], list[float]] = ([], [])
+    def _leading(self, views: Sequence[Explanation], most: int = _FITTED) -> list[Form]:
+        """Forms worth a fit beside an explanation, so many at most from each view of it."""
+        seen = [self._screen.posterior(v.posterior.sizes, v.posterior.effects) for v in views]
+        gains: list[list[float]] = [[] for _ in seen]
         forms: list[Form] = []
         for some, bank in self._weighed():
             forms += some
-            for view, gain in zip(views, gains, strict=True):
-                found = bank.evidence(view)
-                gain += [
-                    float(e.log_factor[0] - np.log(f.looked_at))
-                    for e, f in zip(found, some, strict=True)
-                ]
+            price = np.log([form.looked_at for form in some])
+            for view, gain in zip(seen, gains, strict=True):
+                gain += (bank.evidence(view).log_factor[:, 0] - price).tolist()
         chosen: list[Form] = []
         for gain in gains:
             taken: list[np.ndarray] = []
@@ -184,7 +181,7 @@ class Forms:
                 if all(_share_within(space, other) < _SAME for other in taken):
                     taken.append(space)
                     chosen += [forms[k]] if forms[k] not in chosen else []
-        return [form for form in chosen if _label(form) not in here.labels]
+        return [form for form in chosen if _label(form) not in views[0].labels]
 
     def _weighed(self) -> Iterator[tuple[list[Form], Bank]]:
         """Forms with their products, kept for the next time where there is room for them."""
@@ -199,6 +196,11 @@ class Forms:
             yield some, bank
         if known < room:
             self._listed = len(self._columns.forms)
+
+
+def _two_views(here: Explanation) -> list[Explanation]:
+    """An explanation as it is, and beside a discrepancy that leaves forms to show."""
+    return [here, beside_little(here)]
 
 
 def _share_within(space: np.ndarray, other: np.ndarray) -> float:

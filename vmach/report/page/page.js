@@ -243,6 +243,11 @@
     });
   }
 
+  function showView({ azimuth_rad, elevation_rad, zoom, target_mm, section }) {
+    Object.assign(scene, { azimuth: azimuth_rad, elevation: elevation_rad, zoom, target: target_mm });
+    scene.setLook({ section });
+  }
+
   async function start() {
     byId("tolerance").max = page.thresholds_um.length - 1;
     byId("tolerance").value = state.tolerance;
@@ -254,6 +259,7 @@
       scene = new Scene(byId("canvas"), model, page.colour_stops, page.unknown_colour);
       scene.onDraw = placeMarks;
       scene.onSettle = hideCovered;
+      if (page.view) showView(page.view);
       listenToGestures(byId("canvas"), scene, pickAt);
       byId("still").hidden = true;
     } catch (error) {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 
@@ -42,10 +43,36 @@ from vmach.report.pictures.colours import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.report.pictures.histogram import histograms
 from vmach.report.result import Column, DisplayMesh, InspectedPoints, RunRecord
 
-__all__ = ["write_report_html"]
+__all__ = ["ReportView", "write_report_html"]
 
 _HERE = Path(__file__).parent
 _SLIDER_STEPS = 200
+
+
+@dataclass(frozen=True)
+class ReportView:
+    """How the part is seen when the report is opened.
+
+    Attributes
+    ----------
+    azimuth_rad, elevation_rad : float
+        Direction from which it is looked at.
+    zoom : float
+        1 shows all of it.
+    target_mm : tuple of 3 float
+        What is in the middle, workpiece coordinates.
+    section : tuple of 4 float
+        Normal and distance of the plane beyond which all is cut away; zeros for none.
+    range_um : float
+        End of the colour scale.
+    """
+
+    azimuth_rad: float
+    elevation_rad: float
+    zoom: float
+    target_mm: tuple[float, float, float]
+    section: tuple[float, float, float, float]
+    range_um: float
 
 
 def write_report_html(
@@ -55,6 +82,7 @@ def write_report_html(
     run: RunRecord,
     *,
     stills: Sequence[Path] = (),
+    view: ReportView | None = None,
 ) -> None:
     """Write the report.
 
@@ -67,6 +95,8 @@ def write_report_html(
     points, run : InspectedPoints, RunRecord
     stills : sequence of path
         The pictures for print and for browsers without WebGL 2.
+    view : ReportView, optional
+        How the part is seen at first; else all of it, from above and the front.
 
     Raises
     ------
@@ -93,7 +123,7 @@ def write_report_html(
         um=partial(um_text, decimals=um_decimals(_largest_mm(points.columns))),
         sign_convention=SIGN_CONVENTION,
         stills=[_data_uri(png) for png in stills],
-        page_data=script_json(_page_data(points, run)),
+        page_data=script_json(_page_data(points, run, view)),
         payload=encode_payload(mesh, points.with_remainders(), run),
         css=style_sheet(),
         drawing=_drawing(run),
@@ -132,13 +162,13 @@ def _optional_columns(points: InspectedPoints) -> dict[str, bool]:
     }
 
 
-def _page_data(points: InspectedPoints, run: RunRecord) -> dict:
+def _page_data(points: InspectedPoints, run: RunRecord, view: ReportView | None) -> dict:
     """What the script of the page needs apart from the payload."""
     thresholds_mm = _tolerance_steps(points, run.tolerance_mm)
     columns = {}
     for group in _groups(points):
         scale = {
-            "range_um": um_from_mm(common_range_mm(group)),
+            "range_um": view.range_um if view else um_from_mm(common_range_mm(group)),
             "largest_um": um_from_mm(_largest_mm(group)),
         }
         for column in group:
@@ -152,6 +182,7 @@ def _page_data(points: InspectedPoints, run: RunRecord) -> dict:
         "colour_stops": COLOUR_STOPS,
         "unknown_colour": UNKNOWN_COLOUR,
         "flags": [_flag(result) for result in flagged(run.features)],
+        "view": asdict(view) if view else None,
     }
 
 

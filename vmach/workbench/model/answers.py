@@ -14,13 +14,16 @@ from vmach.errors import InputError
 from vmach.history import rms_um
 from vmach.job import job_name
 from vmach.machine import Variant
+from vmach.report import ReportView
 from vmach.report.page.payload import pack_mesh
 from vmach.workbench.model.effect_cards import effect_cards
 from vmach.workbench.model.instrument_forms import instrument_forms
+from vmach.workbench.model.machine_changes import MachineChange, machine_cards
 from vmach.workbench.model.part_model import load_part
 from vmach.workbench.model.playback import playback
 from vmach.workbench.model.point_facts import point_facts, points_of_line
 from vmach.workbench.model.quantities import figures_of, quantities, values_mm
+from vmach.workbench.model.screen_report import Shown, sliders_in_words, write_screen_report
 from vmach.workbench.model.what_if import read_changes
 
 __all__ = ["QUESTIONS", "Answer", "Answers"]
@@ -100,11 +103,30 @@ class Answers:
         part = self._model
         wanted = read_changes(changes, part.job, part.effects)
         points, first_order_mm = values_mm(part, "deviation", Variant.ABBE, wanted)
-        value_mm = points.align(part.cut_anew([change.now for change in wanted]))
+        machines = [c.now for c in wanted if isinstance(c, MachineChange)]
+        effects = [c.now for c in wanted if not isinstance(c, MachineChange)]
+        value_mm = points.align(part.cut_anew(effects, *machines))
         figures = figures_of(points, value_mm, part.job.inspection.tolerance_mm)
         off_um = float(um_from_mm(np.abs(value_mm - first_order_mm).max(initial=0.0)))
         figures |= {"quantity": "deviation", "model": "abbe", "first_order_off_um": off_um}
         return figures, self._at_vertices(points, value_mm)
+
+    def screen_report(
+        self, path: str, picture: str | None, view: Mapping[str, Any], tolerance_um: float,
+        quantity: str = "deviation", model: str = "abbe", changes: Sequence[Mapping] = (),
+    ) -> Answer:  # fmt: skip
+        """Write the one-file report of what is shown."""
+        part = self._model
+        wanted = read_changes(changes, part.job, part.effects)
+        points, value_mm = values_mm(part, quantity, _variant(model), wanted)
+        asked = next(one for one in quantities(part) if one.name == quantity)
+        facts = {"shown": asked.label, "sliders": sliders_in_words(changes)}
+        facts |= {"error model": model} if asked.has_models else {}
+        label = asked.label + (", with the sliders" if changes else "")
+        shown = Shown(points, value_mm, label, facts, 1e-3 * tolerance_um)
+        still = None if picture is None else Path(picture)
+        write_screen_report(Path(path), part, shown, ReportView(**view), picture=still)
+        return {}, b""
 
     def residual(self, changes: Sequence[Mapping] = ()) -> Answer:
         """RMS of measured minus predicted with changes, um; None where no part was measured."""
@@ -133,8 +155,9 @@ class Answers:
                 "lines": list(lines[first - 1 : first - 1 + count])}, b""  # fmt: skip
 
     def effects(self) -> Answer:
-        """Cards of all effects."""
-        return {"cards": effect_cards(self._model)}, b""
+        """Cards of all effects, and of the machine's tables."""
+        machine = machine_cards(self._model.job.machine)
+        return {"cards": effect_cards(self._model), "machine": machine}, b""
 
     def instruments(self) -> Answer:
         """Forms for readings."""
@@ -168,5 +191,5 @@ def _variant(name: str) -> Variant:
 QUESTIONS: dict[str, Callable[..., Answer]] = {
     name: getattr(Answers, name)
     for name in ("about", "measured", "mesh", "values", "exact", "residual", "point", "line",
-                 "program", "effects", "instruments", "check_job", "playback")
+                 "program", "effects", "instruments", "check_job", "playback", "screen_report")
 }  # fmt: skip

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from vmach.effects import EffectInstance, load_effect_file, read_effects
 from vmach.errors import InputError
 from vmach.fit.survey import Survey
 from vmach.job import Job, read_job
-from vmach.machine import Variant
+from vmach.machine import Machine, Variant
 from vmach.nominal import read_nominal
 from vmach.nominal.alignment import align
 from vmach.nominal.patches import patches
@@ -67,15 +67,20 @@ class PartModel:
         """Whether anything was measured for the job."""
         return self.job.measured is not None or bool(self.job.measurements)
 
-    def cut_anew(self, changed: Sequence[EffectInstance]) -> np.ndarray:
+    def cut_anew(
+        self, changed: Sequence[EffectInstance], machine: Machine | None = None
+    ) -> np.ndarray:
         """Predicted deviations (C,) mm of the surface's points with effects in place of the job's.
 
-        A point that no tool cuts any more keeps the deviation that it had.
+        And with another machine in place of it. A point that no tool cuts any more keeps the
+        deviation that it had.
         """
         effects = {e.label: e for e in self.effects} | {e.label: e for e in changed}
-        prediction = self.prediction
+        prediction, preparation = self.prediction, self.preparation
+        if machine is not None:
+            preparation = replace(preparation, job=replace(self.job, machine=machine))
         found = predict(
-            self.preparation, self.points_mm, prediction.normals, variant=Variant.ABBE,
+            preparation, self.points_mm, prediction.normals, variant=Variant.ABBE,
             effects=tuple(effects.values()),
         )  # fmt: skip
         deviation = np.where(found.is_cut, found.deviation_mm, prediction.deviation_mm)

@@ -8,9 +8,11 @@ import numpy as np
 
 from gcode import MoveKind
 from vmach.base.units import um_from_mm
+from vmach.effects import Circumstances
 from vmach.machine import Variant
 from vmach.prediction import displacement_of
 from vmach.workbench.model.part_model import PartModel
+from vmach.workbench.model.warmth import warm_states
 
 __all__ = ["playback"]
 
@@ -19,18 +21,22 @@ _MOST_NODES = 120_000
 #: columns of a node
 _COLUMNS = ("time_s", "x_mm", "y_mm", "z_mm", "dx_um", "dy_um", "dz_um", "line", "tool", "feed",
             "rpm")  # fmt: skip
+#: and of each body that warms
+_WARMTH = "warmth:{name}"
 
 
 def playback(model: PartModel) -> tuple[dict[str, Any], np.ndarray]:
-    """Nodes of the path: facts about them, and a row of `_COLUMNS` each, (K, 11) float32.
+    """Nodes of the path: facts about them, and a row each, (K, 11 and one a warm body) float32.
 
-    Places are those of the tip in workpiece coordinates. The feed of a rapid move is 0.
+    Places are those of the tip in workpiece coordinates. The feed of a rapid move is 0. Warmth is
+    a share of what `WarmState.reference` says.
     """
     preparation = model.preparation
     nodes = preparation.path.nodes
     step = max(1, -(-len(nodes) // _MOST_NODES))
     nodes = nodes[np.arange(0, len(nodes), step)]
     moved = displacement_of(preparation, nodes, Variant.ABBE, model.effects)
+    bodies = warm_states(model, Circumstances(nodes, model.job)) if len(nodes) else []
     rapid = nodes.moves.kind[nodes.move] == MoveKind.RAPID
     rows = np.column_stack([
         nodes.time_s,
@@ -39,10 +45,12 @@ def playback(model: PartModel) -> tuple[dict[str, Any], np.ndarray]:
         nodes.line, nodes.tool,
         np.where(rapid, 0.0, nodes.feed_mm_per_min),
         nodes.spindle_rpm,
+        *(body.warmth for body in bodies),
     ])  # fmt: skip
     job = model.job
     facts = {
-        "columns": list(_COLUMNS),
+        "columns": [*_COLUMNS, *(_WARMTH.format(name=body.name) for body in bodies)],
+        "bodies": [body.record() for body in bodies],
         "count": len(rows),
         "duration_s": float(nodes.time_s[-1]) if len(rows) else 0.0,
         "zero_mm": preparation.zero_mm.tolist(),

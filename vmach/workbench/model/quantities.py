@@ -15,7 +15,7 @@ from vmach.report.figures.statistics import apart_on_part_mm, worst_rows
 from vmach.report.pictures.colours import colour_range
 from vmach.workbench.model.part_model import PartModel
 from vmach.workbench.model.point_set import PointSet
-from vmach.workbench.model.what_if import Change, changed_mm
+from vmach.workbench.model.what_if import Change, MachineChange, changed_mm
 
 __all__ = ["Quantity", "figures_of", "quantities", "values_mm"]
 
@@ -63,7 +63,7 @@ def quantities(model: PartModel) -> tuple[Quantity, ...]:
 
 
 def values_mm(
-    model: PartModel, name: str, variant: Variant, changes: Sequence[Change] = ()
+    model: PartModel, name: str, variant: Variant, changes: Sequence[Change | MachineChange] = ()
 ) -> tuple[PointSet, np.ndarray]:
     """A quantity at its points: the set, and (C,) mm.
 
@@ -77,11 +77,11 @@ def values_mm(
         abbe = points.under(Variant.ABBE)
         if name == "measured":
             return points, abbe + points.align(points.measured_mm - abbe)
-        predicted = points.under(variant) + changed_mm(points, changes)
+        predicted = points.under(variant) + changed_mm(points, changes, variant)
         return points, points.align(points.measured_mm - predicted)
     points = model.surface
     if name == "deviation":
-        return points, points.align(points.under(variant) + changed_mm(points, changes))
+        return points, points.align(points.under(variant) + changed_mm(points, changes, variant))
     if name == "change":
         return points, changed_mm(points, changes)
     if name == "difference":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import difflib
 import itertools
+from pathlib import Path
 
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
@@ -16,6 +17,8 @@ from vmach.job import free_job_name
 from vmach.workbench.added_readings import job_with_readings
 from vmach.workbench.exchange import read_content, read_json, session_of
 from vmach.workbench.opened_folder import MOST_UPLOADED, OpenedFolder
+from vmach.workbench.session import Session
+from vmach.workbench.steps_back import Step
 
 __all__ = ["routes"]
 
@@ -108,16 +111,29 @@ async def _read_text(request: Request) -> Response:
 
 async def _write_effect(request: Request) -> Response:
     """Save the file of an own effect from the editor."""
-    folder, asked = _folder(request), await read_json(request)
+    session, folder, asked = session_of(request), _folder(request), await read_json(request)
     name, text = asked.get("file"), asked.get("text")
     if not isinstance(name, str) or not name.endswith(".py") or not isinstance(text, str):
         raise InputError("file and text", accepted="a Python file and its text")
     path = folder.inside(name)
-    if path in session_of(request).effect_files:  # known from before: the user's to change
+    before = _text(path) if path.is_file() else None
+    if path in session.effect_files:  # known from before: the user's to change
         path.write_text(text, encoding="utf-8")
     else:
         path = folder.write(name, text.encode())
+    if before is not None and before != text:
+        session.steps.did(Step(
+            f"text of {path.name}", lambda: _put_text(session, path, before),
+            lambda: _put_text(session, path, text),
+        ))  # fmt: skip
     return JSONResponse({"file": folder.name_of(path)})
+
+
+def _put_text(session: Session, path: Path, text: str) -> None:
+    """Bring back a text of an own effect; tabs that show it read it again."""
+    with atomic_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    session.events.tell("effect-text", file=session.need_job()[0].name_of(path))
 
 
 async def _difference(request: Request) -> Response:

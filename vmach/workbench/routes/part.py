@@ -57,8 +57,8 @@ async def _what_if(request: Request) -> Response:
         model=str(shown.get("model", "abbe")), changes=changes,
     )  # fmt: skip
     residual, _ = await session.ask("residual", changes=changes)
-    session.changes = changes
-    session.events.tell("changes", changes=changes, tab=str(asked.get("tab", ""))[:40])
+    tab, gesture = (str(asked.get(name, ""))[:40] for name in ("tab", "gesture"))
+    session.set_changes(changes, tab=tab, gesture=gesture)
     return framed(figures | {"residual_rms_um": residual["rms_um"]}, content)
 
 

@@ -112,6 +112,18 @@ async def _reload(request: Request) -> Response:
     return JSONResponse(session.record())
 
 
+async def _undo(request: Request) -> Response:
+    session = session_of(request)
+    session.steps.undo()
+    return JSONResponse(session.record())
+
+
+async def _redo(request: Request) -> Response:
+    session = session_of(request)
+    session.steps.redo()
+    return JSONResponse(session.record())
+
+
 async def _shut_down(request: Request) -> Response:
     session = session_of(request)
     session.events.tell("goodbye")
@@ -127,5 +139,7 @@ routes = [
     Route("/api/new-job", _new_job, methods=["POST"]),
     Route("/api/compare", _compare, methods=["POST"]),
     Route("/api/reload", _reload, methods=["POST"]),
+    Route("/api/undo", _undo, methods=["POST"]),
+    Route("/api/redo", _redo, methods=["POST"]),
     Route("/api/shut-down", _shut_down, methods=["POST"]),
 ]

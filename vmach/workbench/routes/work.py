@@ -15,12 +15,11 @@ from starlette.routing import Route
 from vmach.errors import InputError
 from vmach.workbench.command_runs import CommandRun
 from vmach.workbench.exchange import read_json, session_of
+from vmach.workbench.results import result_place
 from vmach.workbench.session import Session
 
 __all__ = ["routes"]
 
-#: where results go, beside the job, as on the command line
-_RESULTS = "vmach-results"
 _EFFECT = re.compile(r"[a-z][a-z0-9_]{0,60}(:[A-Za-z0-9]{1,12})?")
 _FILE_STEM = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 _SIZES = {
@@ -33,15 +32,14 @@ _DIALECTS = ("fanuc", "grbl", "haas", "heidenhain", "linuxcnc", "sinumerik")
 async def _diagnose(request: Request) -> Response:
     session = session_of(request)
     _, job, _ = session.need_job()
-    out = _results(session, "diagnosis")
+    out = result_place(session, "diagnosis")
 
     async def done(run: CommandRun) -> dict[str, Any]:
         found = _json(session, out / "diagnosis.json")
         found |= {"page": str(out / "diagnosis.html"), "job": session.folder.name_of(job)}
         found["run"] = run.number
         found["program"] = str(out / "next.nc") if found.get("next_measurement") else None
-        session.shown["diagnosis"] = found
-        session.events.tell("shown", diagnosis=found)
+        session.show("diagnosis", found, job)
         return found
 
     words = ["diagnose", job.name, "--out", str(out), *_own_effects(session)]
@@ -58,7 +56,6 @@ async def _add(request: Request) -> Response:
 
     async def done(run: CommandRun) -> dict[str, Any]:
         found = json.loads(run.output)
-        session.shown.pop("diagnosis", None)
         session.open(job.parent / Path(found["job"]).name)
         _history(session)
         return found
@@ -74,12 +71,11 @@ async def _history_again(request: Request) -> Response:
 def _history(session: Session) -> CommandRun:
     """Evaluate the chain of jobs anew, on what was fitted and on what was held out."""
     _, job, runs = session.need_job()
-    picture = _results(session, "history.png", is_folder=False)
+    picture = result_place(session, "history.png", is_folder=False)
 
     async def done(run: CommandRun) -> dict[str, Any]:
         found = {"steps": json.loads(run.output)}
-        session.shown["history"] = found
-        session.events.tell("shown", history=found)
+        session.show("history", found)
         return found
 
     words = ["history", job.name, "--json", "--picture", str(picture), *_own_effects(session)]
@@ -130,7 +126,7 @@ async def _compensate(request: Request) -> Response:
     _, job, _ = session.need_job()
     asked = await read_json(request)
     suffix = (await session.ask("about"))[0]["program"].rpartition(".")[2]
-    out = _results(session, f"compensated.{suffix}", is_folder=False)
+    out = result_place(session, f"compensated.{suffix}", is_folder=False)
     report = out.with_name("compensated.html")
     words = ["compensate", job.name, "-o", str(out), "--report", str(report), "--json",
              *_choices(asked)]  # fmt: skip
@@ -168,25 +164,31 @@ def _choices(asked: dict[str, Any]) -> list[str]:
     return words
 
 
-async def _report(request: Request) -> Response:
-    """The one-file report of the part; it also looks for collisions."""
+async def _machine(request: Request) -> Response:
+    """Cut the virtual part, and write all results with their one-file report."""
     session = session_of(request)
     _, job, _ = session.need_job()
-    out = _results(session, "run")
+    out = result_place(session, "run")
     is_cut = (await session.ask("about"))[0]["has_blank"]
 
     async def done(run: CommandRun) -> dict[str, Any]:
-        notes = _json(session, out / "summary.json").get("run", {}).get("note_records", [])
-        found = {
-            "page": str(out / "report.html"),
-            "collisions": [n for n in notes if n.get("kind") == "collision"],
-        }
-        session.shown["report"] = found
-        session.events.tell("shown", report=found)
-        return found
+        return {"page": str(out / "report.html")}
 
     words = ["run", job.name, "--out", str(out), *([] if is_cut else ["--no-solid"])]
-    return _start(session, "report", words, done)
+    return _start(session, "machine", words, done)
+
+
+async def _collisions(request: Request) -> Response:
+    """Look for collisions; no part is cut for it."""
+    session = session_of(request)
+    _, job, _ = session.need_job()
+
+    async def done(run: CommandRun) -> dict[str, Any]:
+        session.show("collisions", {"found": json.loads(run.output)["collisions"]}, job)
+        return {}
+
+    words = ["check", job.name, "--collisions", "--json", *_own_effects(session)]
+    return _start(session, "collisions", words, done)
 
 
 async def _stop(request: Request) -> Response:
@@ -199,15 +201,6 @@ async def _stop(request: Request) -> Response:
 def _start(session: Session, kind: str, words: Sequence[str], done: Any) -> Response:
     _, _, runs = session.need_job()
     return JSONResponse(runs.start(kind, words, done).record())
-
-
-def _results(session: Session, name: str, *, is_folder: bool = True) -> Path:
-    """Where a result goes, seen from the opened folder; the folders above it are made."""
-    folder, job, _ = session.need_job()
-    place = Path(_RESULTS) / job.stem / name
-    made = folder.inside(str(place if is_folder else place.parent))
-    (made.parent if is_folder else made).mkdir(parents=True, exist_ok=True)
-    return place
 
 
 def _json(session: Session, name: Path) -> dict[str, Any]:
@@ -228,6 +221,7 @@ routes = [
     Route("/api/propose", _propose, methods=["POST"]),
     Route("/api/check-effect", _check_effect, methods=["POST"]),
     Route("/api/compensate", _compensate, methods=["POST"]),
-    Route("/api/report", _report, methods=["POST"]),
+    Route("/api/machine", _machine, methods=["POST"]),
+    Route("/api/collisions", _collisions, methods=["POST"]),
     Route("/api/runs/{number:int}/stop", _stop, methods=["POST"]),
 ]

@@ -10,7 +10,8 @@ import { lookPanel } from "./look.js";
 import { listenToPlayer } from "./player.js";
 import { clearMark, listenToProgram, openProgram } from "./program.js";
 import { proposePanel } from "./propose.js";
-import { showRunInHeader, startRun, takeRun } from "./runs.js";
+import { listenToReports } from "./report.js";
+import { showRunInHeader, takeRun } from "./runs.js";
 import { hideStart, showStart } from "./start.js";
 import { listenToControls, loadPart, setTolerance, showChoices, showPoint, stage } from "./stage.js";
 import { whatIfPanel } from "./what_if.js";
@@ -97,13 +98,26 @@ async function showJob(revision) {
   }
 }
 
+// One step back: what was done here, or else to the job before in the chain.
 function showUndo() {
-  const { chain } = bench.state, at = chain.findIndex((step) => step.is_open), before = chain[at - 1];
-  byId("undo").hidden = at < 1;
-  if (at < 1) return;
-  byId("undo").textContent = `Undo + ${chain[at].added.join(", ")}`;
-  byId("undo").title = `Go back to ${before.job}; ${chain[at].job} stays`;
-  byId("undo").onclick = attempt(() => post("/api/open", { job: before.job }));
+  const { chain, steps, job } = bench.state, at = (chain ?? []).findIndex((step) => step.is_open), before = chain?.[at - 1];
+  const word = steps?.undo ?? (before ? "+ " + chain[at].added.join(", ") : null);
+  Object.assign(byId("undo"), { hidden: !job || !word, textContent: `Undo: ${word}`, title: "Ctrl-Z; no file goes away" });
+  Object.assign(byId("redo"), { hidden: !job || !steps?.redo, textContent: "Redo", title: `Do again: ${steps?.redo}` });
+  byId("undo").onclick = attempt(() => (steps?.undo ? post("/api/undo") : post("/api/open", { job: before.job })));
+  byId("redo").onclick = attempt(() => post("/api/redo"));
+}
+
+// Texts have an undo of their own.
+function listenToKeys() {
+  document.addEventListener("keydown", (event) => {
+    const isText = event.target.matches?.("textarea, input:not([type=range], [type=checkbox], [type=radio])");
+    if (!(event.ctrlKey || event.metaKey) || isText) return;
+    const key = event.key.toLowerCase(), button = key === "y" || (key === "z" && event.shiftKey) ? byId("redo") : key === "z" ? byId("undo") : null;
+    if (!button || button.hidden) return;
+    event.preventDefault();
+    button.click();
+  });
 }
 
 // ---- what happens
@@ -119,6 +133,8 @@ function listen() {
   on("run", takeRun);
   on("changes", (what) => { bench.state.changes = what.changes; bench.tell("changes", what); });
   on("shown", (what) => { Object.assign(bench.state.shown, what); bench.tell("shown"); });
+  on("steps", (steps) => { bench.state.steps = steps; showUndo(); });
+  on("effect-text", ({ file }) => bench.tell("effect-text", file));
   on("other", ({ job }) => { bench.state.other = job; bench.tell("other", job); });
   on("files", ({ names }) => notice(`${names.join(", ")} changed on the disk and was read again`, "news"));
   on("goodbye", () => { source.close(); goodbye(); });
@@ -134,24 +150,14 @@ function start() {
   listenToControls();
   listenToProgram();
   listenToPlayer();
+  listenToKeys();
   byId("home").onclick = showStart;
-  byId("report").onclick = () => startRun("/api/report");
+  listenToReports();
   byId("shut-down").onclick = attempt(() => post("/api/shut-down"));
   bench.on("run", (run) => {
-    if (run.kind === "report" && run.state === "done") showReport(run.result);
     if (run.kind === "add" && run.state === "done") choose("diagnose");
   });
   listen();
-}
-
-function showReport({ page, collisions }) {
-  const made = el("div", { class: "notice news stay" }, el("p", {}, "The report is made. ",
-    el("a", { href: "/show/" + page, target: "_blank", rel: "noopener" }, "Open it"), " · ", el("a", { href: "/download/" + page, download: "" }, "download"),
-    collisions.length ? ` · ${collisions.length} collisions: ${collisions[0].text}` : " · no collision found"));
-  const close = el("button", { class: "close", title: "Dismiss", type: "button" }, "×");
-  close.onclick = () => made.remove();
-  made.append(close);
-  byId("notices").append(made);
 }
 
 start();

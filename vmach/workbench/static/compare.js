@@ -15,7 +15,7 @@ export function comparePanel(panel) {
     draw();
     if (bench.state.other) await load(bench.state.other);
     const found = await get("/api/start");
-    other.jobs = [...new Set([...found.jobs, ...found.recent, ...found.samples.map((one) => one.job)])];
+    other.jobs = [...new Set([...found.jobs, ...found.recent, ...found.samples.map((one) => one.job)])].filter((job) => job !== `${bench.state.folder}/${bench.state.job}`);
     draw();
   }));
   bench.on("figures", attempt(async (figures) => {
@@ -52,7 +52,7 @@ function table() {
   const rows = [["RMS", "rms_um"], ["Mean", "mean_um"], ["Most left", "high_um"], ["Most gone", "low_um"]].map(([word, key]) =>
     el("tr", {}, el("th", { scope: "row" }, word), ...[mine, its].map((f) => el("td", { class: "value" }, key === "rms_um" ? fixed(f[key]) : signed(f[key]))),
       el("td", { class: "value" }, signed(mine[key] - its[key]))));
-  const head = ["µm", bench.about.name, other.about.name, "difference"].map((word) => el("th", { scope: "col" }, word));
+  const head = ["µm", "this", "the other", "difference"].map((word) => el("th", { scope: "col" }, word));
   return el("table", { class: "rows" }, el("thead", {}, el("tr", {}, head)), el("tbody", {}, rows));
 }
 

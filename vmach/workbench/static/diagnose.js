@@ -41,7 +41,7 @@ function parts() {
     historyCurve(),
     ...(found ? verdict(found) : []),
     found ? runBox("diagnose") : null,
-    readingsForm(),
+    found?.next_measurement ? null : readingsForm(),
   ];
 }
 
@@ -71,7 +71,7 @@ function verdict(found) {
   }
   if (found.weak_effects.length)
     rows.push(el("p", { class: "soft" }, "Hinted at, not shown: ", found.weak_effects.map((w) => [w.effect, w.target].filter(Boolean).join(" ")).join(", ")));
-  if (found.next_measurement) rows.push(next(found));
+  if (found.next_measurement) rows.push(next(found), readingsForm(found.next_measurement.text));
   rows.push(...found.notes.map((note) => el("p", { class: "remark" }, micro(note))));
   rows.push(whole(found));
   return rows;
@@ -96,7 +96,7 @@ function card(one, found) {
   const numbers = Object.entries(one.interval_95).map(([name, [low, high]]) => {
     const unit = units(unitOf(name));
     return el("p", { class: "size" }, el("b", {}, short(one.parameters[name])), ` ${unit} `,
-      el("small", { class: "soft" }, one.hardly_shown.includes(name) ? `${name}: the readings hardly show it` : `${name}: ${short(low)} to ${short(high)} (95 %)`));
+      el("small", { class: "soft" }, one.hardly_shown.includes(name) ? `${wordsOf(name)}: the readings hardly show it` : `${wordsOf(name)}: ${short(low)} to ${short(high)} (95 %)`));
   });
   const rivals = (one.rivals ?? []).filter((label) => label !== [one.effect, one.target].filter(Boolean).join(" "));
   return el("article", { class: "card" },
@@ -116,6 +116,7 @@ function addAll(found) {
 }
 
 const unitOf = (name) => (name.match(/_((?:um|mm|urad|rad|ppm|s|ms|ms2|deg|degc|n)(?:_per_\w+)?)$/i) ?? ["", ""])[1];
+const wordsOf = (name) => (unitOf(name) ? name.slice(0, -unitOf(name).length - 1) : name).replaceAll("_", " ");
 
 function details(rows) {
   const known = rows.filter(([, text]) => text);
@@ -127,7 +128,7 @@ function details(rows) {
 function next(found) {
   return el("article", { class: "card next" }, el("h4", {}, "Measure next"), el("p", {}, micro(found.next_measurement.text)),
     found.program ? el("p", {}, el("a", { href: "/download/" + found.program, download: "" }, "Download its NC program")) : null,
-    el("p", { class: "soft" }, "Its readings go into Further readings below."));
+    el("p", { class: "soft" }, "Drop its readings below."));
 }
 
 function whole(found) {
@@ -136,6 +137,6 @@ function whole(found) {
   const address = `/show/${found.page}?run=${found.run}`; // another diagnosis is another page
   const frame = state.isWhole ? el("iframe", { title: "The whole diagnosis", class: "whole", id: "whole-" + found.run, sandbox: "allow-scripts", src: address }) : null;
   return el("section", {}, el("div", { class: "row" }, toggle,
-    el("a", { href: "/show/" + found.page, target: "_blank", rel: "noopener" }, "in a page of its own"),
+    el("a", { href: "/show/" + found.page, target: "_blank", rel: "noopener" }, "open"),
     el("a", { href: "/download/" + found.page, download: "" }, "download")), frame);
 }

@@ -32,7 +32,7 @@ export function redraw(parent, children) {
 }
 
 const isAlike = (there, made) => there.nodeName === made.nodeName && there.id === made.id && !there.isKept && !made.isKept;
-const HANDLERS = ["onclick", "onchange", "oninput", "ontoggle", "onkeydown"];
+const HANDLERS = ["onclick", "onchange", "oninput", "ontoggle", "onkeydown", "onpointerdown", "onpointermove", "onpointerup"];
 const CHOSEN = ["value", "checked", "selected", "open"]; // what people change as well as the page
 
 function become(there, made) {

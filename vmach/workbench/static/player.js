@@ -1,23 +1,28 @@
 // Playback: the tool along the program, and how far off it is, magnified.
 
-import { attempt, bench } from "./bench.js";
+import { attempt, bench, isAtWork } from "./bench.js";
 import { framed } from "./api.js";
-import { byId, clock, el, fixed, signed } from "./dom.js";
+import { byId, clock, el, fixed, redraw, signed, svg } from "./dom.js";
 import { follow } from "./program.js";
+import { startRun } from "./runs.js";
 import { stage } from "./stage.js";
 
 const SPEEDS = [1, 10, 60, 300], SIDES = 36, TRAIL = 600; // nodes of the path behind the tool
+const CHART = { width: 1000, height: 44, steps: 500 }, MOST_HITS = 4;
 const player = { data: null, at: 0, isPlaying: false, speed: 60, parts: [] };
-const C = { time: 0, x: 1, dx: 4, line: 7, tool: 8, feed: 9, rpm: 10 };
+const C = { time: 0, x: 1, dx: 4, line: 7, tool: 8, feed: 9, rpm: 10, warmth: 11 }; // columns of a node
 
 export function listenToPlayer() {
   const play = el("button", { type: "button", id: "play", title: "Play the program" }, "▶ Play");
   const slider = el("input", { type: "range", min: 0, max: 1000, value: 0, id: "time", "aria-label": "Time of the program" });
   const speed = el("select", { "aria-label": "Speed of playback" }, SPEEDS.map((s) => el("option", { value: s, selected: s === player.speed }, `${s}×`)));
   const close = el("button", { type: "button", title: "Leave the playback", hidden: true }, "×");
-  const text = el("p", { class: "telling", id: "telling" }, "");
-  byId("player").replaceChildren(play, slider, speed, close, text);
-  Object.assign(player, { play, slider, close, text });
+  const text = el("p", { class: "telling", id: "telling" }, ""), states = el("p", { class: "states", id: "states", hidden: true });
+  const chart = svg("svg", { class: "course", viewBox: `0 0 ${CHART.width} ${CHART.height}`, preserveAspectRatio: "none", hidden: "", role: "img",
+    "aria-label": "Speed of the spindle, and warmth of spindle and axes, over the time of the program" });
+  const hits = el("p", { class: "hits", id: "hits", hidden: true });
+  byId("player").replaceChildren(play, slider, speed, close, chart, states, hits, text);
+  Object.assign(player, { play, slider, close, text, states, chart, hits });
   play.onclick = attempt(async () => { await open(); player.isPlaying ? pause() : run(); });
   slider.oninput = attempt(async () => {
     await open();
@@ -27,16 +32,20 @@ export function listenToPlayer() {
   speed.onchange = () => { player.speed = Number(speed.value); };
   close.onclick = leave;
   bench.on("part", leave);
-  bench.on("shown", marks);
+  bench.on("shown", showHits);
+  bench.on("run", ({ kind }) => { if (kind === "collisions") showHits(); });
 }
 
 async function open() {
   if (player.data) return;
   const [facts, data] = await framed("/api/playback");
   Object.assign(player, { facts, data });
-  player.close.hidden = false;
+  for (const one of [player.close, player.states, player.hits]) one.hidden = false;
+  player.chart.removeAttribute("hidden");
   drawPath();
-  marks();
+  drawCourse();
+  showHits();
+  if (bench.about.has_blank && !found() && !isAtWork("collisions")) startRun("/api/collisions");
 }
 
 function leave() {
@@ -48,12 +57,13 @@ function leave() {
     stage.scene.redraw();
   }
   Object.assign(player, { data: null, parts: [], at: 0 });
-  player.close.hidden = true;
+  for (const one of [player.close, player.states, player.hits]) one.hidden = true;
+  player.chart.setAttribute("hidden", "");
   player.slider.value = 0;
   player.text.textContent = "";
 }
 
-const row = (i) => 11 * i;
+const row = (i) => player.facts.columns.length * i;
 const count = () => player.facts.count;
 
 // The path as line pieces, the strip of colours from small to large errors; rapid moves pale.
@@ -118,7 +128,8 @@ function seek(seconds) {
     el("b", {}, clock(player.at)), ` / ${clock(facts.duration_s)} · line ${data[row(j) + C.line]} · T${data[row(j) + C.tool]} · `,
     axes.map((x, k) => `${"XYZ"[k]} ${fixed(x, 1)}`).join(" "), " · error ",
     el("b", {}, error.map((x) => signed(x, 1)).join(", ")), " µm · ",
-    data[row(j) + C.feed] ? `F ${Math.round(data[row(j) + C.feed])}` : "rapid", ` · S ${Math.round(data[row(j) + C.rpm])}`);
+    data[row(j) + C.feed] ? `F ${Math.round(data[row(j) + C.feed])}` : "rapid");
+  showStates(mix);
 }
 
 // The tool where it should be, pale, and where it is, with the error so much larger that it shows.
@@ -148,9 +159,43 @@ function drawTool(tip, error, number) {
   scene.redraw();
 }
 
-// Collisions that the report found stand as marks beside the slider of time.
-function marks() {
-  const found = bench.state.shown?.report?.collisions ?? [];
-  player.slider.title = found.length ? found.map((one) => one.text).join("\n") : "";
-  player.play.classList.toggle("collides", found.length > 0);
+// ---- what goes on beside the tool: speed of the spindle, warmth, collisions
+
+// The course of the speed as an area, of every warmth as a line, over the time of the program.
+function drawCourse() {
+  const { data, facts } = player, { width, height, steps } = CHART, nodes = Array.from({ length: steps + 1 }, (_, k) => nodeAt((k / steps) * facts.duration_s));
+  const course = (column) => nodes.map((i) => data[row(i) + column]), most = (values) => values.reduce((a, b) => Math.max(a, Math.abs(b)), 0);
+  const speeds = course(C.rpm).map(Math.abs), warmths = facts.bodies.map((_, k) => course(C.warmth + k)), top = Math.max(1e-9, ...warmths.map(most));
+  const points = (values, end) => values.map((v, k) => `${(k / steps) * width},${height - 2 - ((height - 6) * v) / end}`).join(" ");
+  player.chart.replaceChildren(
+    svg("polygon", { class: "speed", points: `0,${height} ${points(speeds, most(speeds) || 1)} ${width},${height}` }),
+    ...warmths.map((values, k) => svg("polyline", { class: "warmth body-" + k, points: points(values, top) })),
+    ...(found() ?? []).map((hit) => svg("line", { class: "hit", x1: x(hit.time_s), x2: x(hit.time_s), y1: 0, y2: height })),
+    svg("line", { class: "now", x1: x(player.at), x2: x(player.at), y1: 0, y2: height }));
+}
+
+const x = (seconds) => (CHART.width * seconds) / (player.facts.duration_s || 1);
+
+function showStates(mix) {
+  const now = player.chart.lastChild;
+  for (const name of ["x1", "x2"]) now.setAttribute(name, x(player.at));
+  redraw(player.states, [el("span", { title: "Speed of the spindle" }, el("i", { class: "key" }), `S ${Math.round(Math.abs(mix(C.rpm)))} 1/min`),
+    ...player.facts.bodies.map((body, k) => el("span", { title: `100 %: ${body.reference}. Time constant ${Math.round(body.time_constant_s)} s, ${body.is_of_job ? "of the job" : "a usual one"}` },
+      svg("svg", { viewBox: "0 0 26 6", "aria-hidden": "true" }, svg("line", { class: "body-" + k, x1: 0, x2: 26, y1: 3, y2: 3 })), `${body.name} ${fixed(100 * mix(C.warmth + k), 1)} %`)), el("span", { class: "soft" }, "warm")]);
+}
+
+const found = () => bench.state.shown?.collisions?.found;
+
+// Collisions stand in the course, and as buttons that lead there.
+function showHits() {
+  player.play.classList.toggle("collides", Boolean(found()?.length));
+  if (!player.data) return;
+  drawCourse();
+  const hits = found();
+  if (!hits) return redraw(player.hits, [el("span", { class: "soft" }, isAtWork("collisions") ? "Looking for collisions …" : bench.about.has_blank ? "" : "No blank, so no collisions are looked for.")]);
+  redraw(player.hits, hits.length ? [...hits.slice(0, MOST_HITS).map((hit) => {
+    const button = el("button", { type: "button", class: "hit" }, `⚠ line ${hit.line}: ${hit.kind}, ${fixed(hit.depth_mm, 1)} mm`);
+    button.onclick = () => { pause(); seek(hit.time_s); };
+    return button;
+  }), hits.length > MOST_HITS ? el("span", { class: "soft" }, `and ${hits.length - MOST_HITS} more`) : null] : [el("span", { class: "soft" }, "No collision.")]);
 }

@@ -39,6 +39,7 @@ export function proposePanel(panel) {
   bench.on("run", attempt(async (run) => {
     if (run.kind === "propose" && run.state === "done" && run.result.file !== state.file) await load(run.result.file);
   }));
+  bench.on("effect-text", attempt(async (file) => { if (file === state.file) await load(file); }));
   bench.on("part", attempt(async () => {
     const own = bench.state.own_effects?.[0];
     if (own && state.isNew) await load(own);

@@ -4,14 +4,20 @@ import { attempt, bench } from "./bench.js";
 import { get, post, send } from "./api.js";
 import { el } from "./dom.js";
 
-const state = { forms: null, file: null, section: null, isOpen: false };
+const state = { forms: null, file: null, section: null, isOpen: false, wanted: null };
 
-export function readingsForm() {
+// `wanted` says in words what to measure, the instrument first: its form is open at once.
+export function readingsForm(wanted = null) {
   if (!state.section) state.section = makeForm();
+  if (wanted !== state.wanted) {
+    state.wanted = wanted;
+    state.section.open ||= Boolean(wanted);
+    state.section.choose();
+  }
   return state.section;
 }
 
-bench.on("part", () => { state.section = null; state.file = null; });
+bench.on("part", () => Object.assign(state, { section: null, file: null, wanted: null }));
 
 function makeForm() {
   const fields = el("div", { class: "choices" }), kind = el("select", { "aria-label": "Instrument" });
@@ -53,8 +59,13 @@ function makeForm() {
     if (!made.open || kind.options.length) return;
     state.forms ??= (await get("/api/instruments")).forms;
     kind.append(...state.forms.map((form) => el("option", { value: form.kind }, form.title)));
-    show();
+    made.choose();
   });
+  made.choose = () => {
+    const fitting = state.forms?.find((form) => state.wanted?.toLowerCase().startsWith(form.kind));
+    if (fitting && kind.options.length) kind.value = fitting.kind;
+    show();
+  };
   return made;
 }
 

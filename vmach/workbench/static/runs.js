@@ -5,7 +5,8 @@ import { post } from "./api.js";
 import { byId, commandLine, el, redraw } from "./dom.js";
 
 export const WORDS = { diagnose: "Diagnosing", add: "Adding", history: "Evaluating the models", propose: "Writing the proposal",
-  check: "Checking the effect", compensate: "Compensating", report: "Machining the part" };
+  check: "Checking the effect", compensate: "Compensating", machine: "Machining the part",
+  collisions: "Looking for collisions" };
 
 const stop = attempt((run) => post(`/api/runs/${run.number}/stop`));
 
@@ -44,6 +45,7 @@ export function takeRun(run) {
   if (at < 0) runs.push(run);
   else runs[at] = run;
   if (run.state === "failed" && before?.state !== "failed") notice(run.message);
+  if (run.state === "stopped" && before?.state !== "stopped") notice(`${WORDS[run.kind] ?? run.kind}: ${run.message}`, "news");
   showRunInHeader();
   bench.tell("run", run);
 }

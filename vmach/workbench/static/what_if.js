@@ -3,9 +3,10 @@
 import { attempt, bench } from "./bench.js";
 import { framed, get, postFramed, TAB } from "./api.js";
 import { el, fixed, redraw, short, units } from "./dom.js";
-import { applyValues, loadValues } from "./stage.js";
+import { machineChanges, machineSection, showMachine } from "./machine_data.js";
+import { applyValues } from "./stage.js";
 
-const state = { cards: [], values: new Map(), isWaiting: false, isDirty: false, panel: null, open: new Set() };
+const state = { cards: [], machine: [], values: new Map(), gesture: 1, movedBy: 1, isWaiting: false, isDirty: false, panel: null, open: new Set() };
 const STEPS = 200, SETTLED_MS = 700;
 const keyOf = (card) => card.effect + ":" + card.target;
 
@@ -13,15 +14,17 @@ export function whatIfPanel(panel) {
   state.panel = panel;
   const filter = el("input", { type: "search", placeholder: "Find an effect: backlash, thermal, Y …", "aria-label": "Find an effect" });
   const reset = el("button", { type: "button", class: "reset" }, "Reset");
-  reset.onclick = () => change(new Map());
+  reset.onclick = () => { nextGesture(); showMachine(state.machine, []); change(new Map()); nextGesture(); };
+  const machine = el("div", { class: "machine" });
+  machineSection(machine, moved, nextGesture);
   const list = el("div", { class: "cards" });
   panel.append(
     el("div", { class: "row" }, filter, reset),
-    el("p", { class: "residual", id: "what-if-residual", role: "status" }),
-    el("p", { class: "residual soft", id: "what-if-exact" }), list);
+    el("div", {}, el("p", { class: "residual", id: "what-if-residual", role: "status" }), el("p", { class: "residual soft", id: "what-if-exact" })),
+    el("details", { class: "effect", id: "machine-data" }, el("summary", {}, el("b", {}, "Machine data: tables, reflectors")), machine), list);
   filter.oninput = () => showCards(list, filter.value.toLowerCase());
   bench.on("part", attempt(async () => {
-    state.cards = (await get("/api/effects")).cards;
+    ({ cards: state.cards, machine: state.machine } = await get("/api/effects"));
     readChanges(bench.state.changes);
     showCards(list, filter.value.toLowerCase());
     showResidual(null);
@@ -30,13 +33,15 @@ export function whatIfPanel(panel) {
     if (tab === TAB) return;
     readChanges(changes);
     showCards(list, filter.value.toLowerCase());
-    await loadValues();
+    await push(); // colours and RMS of what the server knows already
   }));
   state.redraw = () => showCards(list, filter.value.toLowerCase());
 }
 
 function readChanges(changes) {
-  state.values = new Map((changes ?? []).map((one) => [one.effect + ":" + (one.target ?? ""), { ...one.parameters }]));
+  const ofMachine = (changes ?? []).filter((one) => one.component);
+  showMachine(state.machine, ofMachine);
+  state.values = new Map((changes ?? []).filter((one) => !one.component).map((one) => [one.effect + ":" + (one.target ?? ""), { ...one.parameters }]));
 }
 
 // One card an effect, with the sliders of all its targets; those that were moved come first.
@@ -79,6 +84,7 @@ function sliderOf(card, p) {
     range.setAttribute("aria-valuetext", output.textContent);
   };
   show(now, input, text);
+  input.onchange = nextGesture;
   input.oninput = ({ target }) => {
     let value = toValue(Number(target.value) / STEPS);
     if (p.is_amplitude && Math.abs(value) < (p.high - p.low) / STEPS / 2) value = 0;
@@ -92,11 +98,21 @@ function sliderOf(card, p) {
   return el("label", { class: "slider" }, el("span", {}, p.meaning.replace(/\bum\b/g, "µm")), text, input, interval ? el("small", { class: "soft" }, interval) : null);
 }
 
+// A slider is let go: what is moved next is another step to undo.
+function nextGesture() {
+  state.gesture += 1;
+}
+
 // ---- to the server: one question at a time, the last position always gets there
 
 function change(values, isRedrawn = true) {
   state.values = values;
   if (isRedrawn) state.redraw();
+  moved();
+}
+
+function moved() {
+  state.movedBy = state.gesture;
   push();
 }
 
@@ -110,7 +126,7 @@ const push = attempt(async () => {
   try {
     do {
       state.isDirty = false;
-      const [figures, values] = await postFramed("/api/what-if", { changes: changesNow(), shown: bench.look, tab: TAB });
+      const [figures, values] = await postFramed("/api/what-if", { changes: changesNow(), shown: bench.look, tab: TAB, gesture: state.movedBy });
       if (figures.quantity === bench.look.quantity) applyValues(figures, values);
       showResidual(figures.residual_rms_um);
     } while (state.isDirty);
@@ -118,7 +134,7 @@ const push = attempt(async () => {
     state.isWaiting = false;
   }
   clearTimeout(state.settling);
-  if (state.values.size && bench.look.quantity === "deviation" && bench.look.model === "abbe")
+  if (changesNow().length && bench.look.quantity === "deviation" && bench.look.model === "abbe")
     state.settling = setTimeout(cutAnew, SETTLED_MS);
 });
 
@@ -133,17 +149,18 @@ const cutAnew = attempt(async () => {
 });
 
 function changesNow() {
-  return [...state.values].map(([key, parameters]) => {
+  const ofEffects = [...state.values].map(([key, parameters]) => {
     const [effect, target] = key.split(":");
     return { effect, target, parameters };
   });
+  return [...ofEffects, ...machineChanges()];
 }
 
 function showResidual(um) {
   const line = document.getElementById("what-if-residual");
-  const count = state.values.size;
+  const count = changesNow().length;
   if (!count) line.textContent = "Move a slider: the part is coloured anew at once. The job stays as it is.";
-  else if (um === null || um === undefined) line.textContent = `${count} ${count === 1 ? "effect" : "effects"} moved.`;
+  else if (um === null || um === undefined) line.textContent = `${count} ${count === 1 ? "thing" : "things"} moved.`;
   else line.textContent = `RMS of measured − predicted with the sliders: ${fixed(um)} µm`;
 }
 

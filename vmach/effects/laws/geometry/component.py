@@ -46,6 +46,9 @@ class Component(Effect):
     confirm = "measure this component again over the range where it differs"
     cure = "enter the new table; mend the guide where the damage is local"
 
+    def is_unmeasured(self, machine, target):
+        return target not in machine.components
+
     def displacement(self, path, target, position_mm, correction_um=None, correction_urad=None):
         _, axis, angular = component_of(target)
         values = 1e-6 * np.array(correction_urad) if angular else 1e-3 * np.array(correction_um)

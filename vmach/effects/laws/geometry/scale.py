@@ -24,5 +24,8 @@ class Scale(Effect):
     cure = "set the axis' linear compensation, or mend the temperature compensation"
     imitates_as_team = True
 
+    def is_unmeasured(self, machine, target):
+        return f"E{target}{target}" not in machine.components
+
     def displacement(self, path, target, scale_ppm):
         return along(target, 1e-6 * scale_ppm * path.nose_mm[:, LINEAR_AXES.index(target)])

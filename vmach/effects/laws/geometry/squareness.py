@@ -25,6 +25,10 @@ class Squareness(Effect):
     confirm = "cut or measure a square, turn it by 90 degrees, measure again; or a ballbar"
     cure = "align the guides, or set the control's squareness compensation"
 
+    def is_unmeasured(self, machine, target):
+        rotation = _PAIRS[target][1]
+        return not machine.squareness_rad[:, rotation].any()
+
     def displacement(self, path, target, squareness_urad):
         axis, rotation = _PAIRS[target]
         lean = 1e-6 * squareness_urad * path.nose_mm[:, axis, None]

@@ -1,6 +1,7 @@
 """Workpiece temperature: the part was cut at another temperature than it is measured at."""
 
 from vmach.effects.effect import Effect, linear
+from vmach.machine import LINEAR_AXES
 
 __all__ = ["WorkpieceTemperature"]
 
@@ -23,6 +24,10 @@ class WorkpieceTemperature(Effect):
     usual_size = "23 ppm per kelvin in aluminium, 12 in steel"
     confirm = "log the part's temperature while it is cut and while it is measured"
     cure = "cut with coolant at measuring temperature, or scale the program"
+
+    def is_unmeasured(self, machine, target):
+        # without any positioning table no length that this machine made was ever compared
+        return not any(f"E{axis}{axis}" in machine.components for axis in LINEAR_AXES)
 
     def displacement(self, path, target, expansion_ppm):
         return -1e-6 * expansion_ppm * path.on_part_mm

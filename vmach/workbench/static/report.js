@@ -1,0 +1,43 @@
+// The one-file report: of what is on the screen, or of the job with its virtual part.
+
+import { attempt, bench } from "./bench.js";
+import { post } from "./api.js";
+import { byId, el } from "./dom.js";
+import { startRun } from "./runs.js";
+import { stage } from "./stage.js";
+
+const WIDEST = 1600, QUALITY = 0.85;
+
+export function listenToReports() {
+  byId("machine").onclick = () => startRun("/api/machine");
+  byId("report").onclick = attempt(async () => {
+    const { scene } = stage;
+    const view = { azimuth_rad: scene.azimuth, elevation_rad: scene.elevation, zoom: scene.zoom, target_mm: [...scene.target],
+      section: scene.look.section, range_um: stage.rangeUm };
+    const { page } = await post("/api/report", { shown: bench.look, tolerance_um: stage.toleranceUm, view, picture: picture(scene) });
+    offer("The report of what is on the screen is made.", page);
+  });
+  bench.on("run", (run) => {
+    if (run.kind === "machine" && run.state === "done") offer("The part is machined, and its report made.", run.result.page);
+  });
+}
+
+// The canvas as it is drawn now, on white; a canvas forgets its picture when it has been shown.
+function picture(scene) {
+  const { canvas } = scene, share = Math.min(1, WIDEST / canvas.width), made = document.createElement("canvas"), pen = made.getContext("2d");
+  Object.assign(made, { width: Math.round(share * canvas.width), height: Math.round(share * canvas.height) });
+  pen.fillStyle = "#ffffff";
+  pen.fillRect(0, 0, made.width, made.height);
+  scene.draw();
+  pen.drawImage(canvas, 0, 0, made.width, made.height);
+  return made.toDataURL("image/jpeg", QUALITY);
+}
+
+function offer(word, page) {
+  const made = el("div", { class: "notice news stay" }, el("p", {}, word, " ",
+    el("a", { href: "/show/" + page, target: "_blank", rel: "noopener" }, "Open it"), " · ", el("a", { href: "/download/" + page, download: "" }, "download")));
+  const close = el("button", { class: "close", title: "Dismiss", type: "button" }, "×");
+  close.onclick = () => made.remove();
+  made.append(close);
+  byId("notices").append(made);
+}
