@@ -6,7 +6,7 @@ the ends.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -84,8 +84,7 @@ class Rounding:
         total, last = np.zeros(_POINTS), None
         for first in range(0, count, _AT_ONCE):  # the points of all ends would fill the memory
             ends = np.arange(first, min(first + _AT_ONCE, count))
-            kept[ends] = self._best(course, exact, probes, ends)
-            places = self._places(ends, kept[ends])
+            kept[ends], places = self._best(course, exact, probes, ends)
             if last is not None:
                 places, ends = last.before(places), np.arange(first - 1, ends[-1] + 1)
             points = self.points(probes, places, ends)
@@ -101,18 +100,22 @@ class Rounding:
             if mask.any():
                 yield np.flatnonzero(mask), near(ends[mask])
 
-    def _best(self, course: Course, exact: Points, probes: Probes, ends: np.ndarray) -> np.ndarray:
-        """Numbers of the points that leave least between exact neighbours, (E, points)."""
-        best = np.zeros((len(ends), _POINTS), np.int64)
-        for rows, places in self._near(ends):
+    def _best(
+        self, course: Course, exact: Points, probes: Probes, ends: np.ndarray
+    ) -> tuple[np.ndarray, GridPlaces]:
+        """The points that leave least between exact neighbours: numbers, (E, points), and they."""
+        best, near = np.zeros((len(ends), _POINTS), np.int64), [*self._near(ends)]
+        for rows, places in near:
             points = self.points(probes, places, ends[rows])
             best[rows] = best_points(course, exact, points, ends[rows], _POINTS)
-        return best
+        return best, self._places(ends, near, best)
 
-    def _places(self, ends: np.ndarray, number: np.ndarray) -> GridPlaces:
-        """The points about some ends with these numbers, (E, C)."""
+    def _places(
+        self, ends: np.ndarray, near: Iterable[tuple[np.ndarray, GridPlaces]], number: np.ndarray
+    ) -> GridPlaces:
+        """Of all points about some ends those with these numbers, (E, C)."""
         found = GridPlaces.empty(len(ends), number.shape[1])
-        for rows, places in self._near(ends):
+        for rows, places in near:
             found.put(rows, places.taken(number[rows]))
         found.off_mm[self.plan.is_kept[ends]] = 0.0
         return found
@@ -122,7 +125,7 @@ class Rounding:
         chosen = GridPlaces.empty(len(number), 1)
         for first in range(0, len(number), _AT_ONCE):
             ends = np.arange(first, min(first + _AT_ONCE, len(number)))
-            chosen.put(ends, self._places(ends, number[ends, None]))
+            chosen.put(ends, self._places(ends, self._near(ends), number[ends, None]))
         old, inserted = self.plan.pieces, np.flatnonzero(self.grid.inserted)
         start, end = old.start.copy(), old.end.copy()
         end[inserted] = start[inserted + 1] = chosen.parameter[inserted, 0]
