@@ -7,11 +7,13 @@ import subprocess
 import sys
 
 import pytest
+from typer.testing import CliRunner
 
 from gcode import ProgramError
 from gcode.state.tools import read_tool_table
 from gcode.text.source import Source
 from vmach.base.terminal import printable
+from vmach.cli import app
 from vmach.errors import InputError
 from vmach.files import toml_file
 from vmach.files.text_file import read_bytes, read_text
@@ -65,6 +67,14 @@ def test_a_file_too_large_a_loop_and_a_zero_byte(tmp_path):
         read_bytes(tmp_path / "loop", what="table")
     with pytest.raises(InputError, match="zero byte in its name"):
         read_bytes(tmp_path / "a\0b", what="table")
+
+
+@pytest.mark.parametrize("command", ["run", "path", "diagnose", "open", "batch"])
+def test_a_job_that_is_a_loop_of_links(tmp_path, command):
+    (tmp_path / "job.toml").symlink_to("job.toml")
+    error = CliRunner().invoke(app, [command, str(tmp_path / "job.toml")]).exception
+    assert isinstance(error, InputError)
+    assert re.search("Too many levels of symbolic links|no such job file", str(error))
 
 
 @pytest.mark.parametrize(
