@@ -20,7 +20,7 @@ from vmach.compensation.residual import Residual
 from vmach.errors import InputError
 from vmach.path.geometry import across, position_at, tangent_at
 from vmach.path.preparation import Preparation, prepare
-from vmach.program_text import Expanded, Written
+from vmach.program_text import Expanded, Written, job_of_control
 
 __all__ = ["WrittenRun"]
 
@@ -89,7 +89,7 @@ class WrittenRun:
             path = Path(folder) / original.program.path.name
             path.write_bytes(written.text)
             try:
-                again = prepare(original.job, program_path=path)
+                again = prepare(job_of_control(original), program_path=path)
             except ValueError as error:
                 line = written.original_line(getattr(error, "line", None))
                 raise InputError(
