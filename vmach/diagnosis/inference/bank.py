@@ -75,7 +75,7 @@ class _Group:
 
     def _by_place(self, rows: np.ndarray) -> np.ndarray:
         """Rows (P K, n) as (P, K, n)."""
-        return rows.reshape(-1, self._terms, rows.shape[1])
+        return rows.reshape(len(rows) // self._terms, self._terms, rows.shape[1])
 
 
 def _products(rows: np.ndarray) -> np.ndarray:
