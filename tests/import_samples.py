@@ -122,6 +122,48 @@ LINUXCNC = {
     "x.comp": "-300 -299.998 -299.999\n0 0.002 0.001\n",
 }
 
+CEC = """\
+%_N_NC_CEC_INI
+CHANDATA(1)
+$AN_CEC[0,0]=-0.001
+$AN_CEC[0,1]=-0.003
+$AN_CEC[0,2]=0.002
+$AN_CEC_INPUT_AXIS[0]=(X1)
+$AN_CEC_OUTPUT_AXIS[0]=(Z1)
+$AN_CEC_STEP[0]=100.0
+$AN_CEC_MIN[0]=-200.0
+$AN_CEC_MAX[0]=0.0
+$AN_CEC_DIRECTION[0]=0
+$AN_CEC_MULT_BY_TABLE[0]=0
+$AN_CEC_IS_MODULO[0]=0
+M17
+"""
+ENC = """\
+%_N_AX_EEC_INI
+CHANDATA(1)
+$AA_ENC_COMP[0,0,X1]=0.001
+$AA_ENC_COMP[0,1,X1]=0.004
+$AA_ENC_COMP_STEP[0,X1]=300.0
+$AA_ENC_COMP_MIN[0,X1]=-300.0
+$AA_ENC_COMP_MAX[0,X1]=0.0
+M17
+"""
+HEIDENHAIN = {
+    "CONFIG.CMA": "BEGIN CONFIG.CMA\nNR ACTIVE X Y Z\n0 * XERR.COM - -\n[END]\n",
+    "XERR.COM": "BEGIN XERR.COM MM\nNR AXISPOS BACKLASH X Y\n0 -300 0.001 0.002 0.000\n"
+    "1 0 0.003 0.004 0.001\n[END]\n",
+}
+ISG_TABLES = {
+    "volcomp.lis": "chain xyz\nchain XYZ\nworkpiece_axes 0\nfile[0] volcomp.csv\n",
+    "volcomp.csv": "// mm, rad\nX EXX EBX\n-300 0.001 0.00001\n0 0.002 0.00002\n#\nC0Y\n0.00003\n",
+}
+COMPONENTS = {
+    "chain.json": '{"order": "XYZ", "squareness_rad": {"EC0Y": 3e-05}, "tables": ["EXX"]}\n',
+    "EXX.csv": "position_mm,forward_um,backward_um\n-300,1.0,2.0\n0,3.0,4.0\n",
+}
+#: what lies in the folder beside the file that is imported
+BESIDE = {**LINUXCNC, **HEIDENHAIN, **ISG_TABLES, **COMPONENTS}
+
 #: answers that a person would give
 _BALLBAR = {"centre": "-200 -150 -150", "radius": "100", "tool_length": "150"}
 _DRIFT = {"at": "-200 -150 -150", "tool_length": "150"}
@@ -129,12 +171,21 @@ _DRIFT = {"at": "-200 -150 -150", "tool_length": "150"}
 
 @dataclass(frozen=True)
 class Sample:
-    """A file of one kind."""
+    """A file of one kind; `entry` is the one to import where it is not that one."""
 
     kind: str
     file: str
     text: str
     answers: dict[str, str] = field(default_factory=dict)
+    entry: str = ""
+
+    def write(self, folder: Path, text: str | None = None) -> Path:
+        """Write it, or another text in its place, and what lies beside it; the path to import."""
+        for name, other in BESIDE.items():
+            (folder / name).write_text(other, encoding="utf-8")
+        content = self.text if text is None else text
+        (folder / self.file).write_bytes(content.encode("utf-8", "replace"))
+        return folder / (self.entry or self.file)
 
 
 SAMPLES = (
@@ -152,6 +203,14 @@ SAMPLES = (
     Sample("scan", "scan.ply", PLY),
     Sample("scan", "scan.xyz", XYZ),
     Sample("controller_tables", "joints.ini", LINUXCNC["joints.ini"]),
+    Sample("controller_tables", "x.comp", LINUXCNC["x.comp"], entry="joints.ini"),
+    Sample("controller_tables", "NC_CEC.INI", CEC),
+    Sample("controller_tables", "AX_EEC.INI", ENC),
+    Sample("controller_tables", "XERR.COM", HEIDENHAIN["XERR.COM"], entry="CONFIG.CMA"),
+    Sample("controller_tables", "CONFIG.CMA", HEIDENHAIN["CONFIG.CMA"]),
+    Sample("controller_tables", "volcomp.csv", ISG_TABLES["volcomp.csv"], entry="volcomp.lis"),
+    Sample("controller_tables", "EXX.csv", COMPONENTS["EXX.csv"], entry="chain.json"),
+    Sample("controller_tables", "chain.json", COMPONENTS["chain.json"]),
 )
 
 

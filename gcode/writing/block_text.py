@@ -11,6 +11,7 @@ from functools import cached_property
 from itertools import pairwise
 
 from gcode.text.source import Source, Word
+from gcode.writing.plain_blocks import PlainBlocks
 
 __all__ = ["BlockText", "Labels", "Style", "split_word"]
 
@@ -66,7 +67,7 @@ class BlockText:
     #: all blocks are numbered anew at the end
     renumbers = False
     fewest_decimals = 0
-    plain: type | None = None  #: plain lines in the place of others, as `KlartextBlocks` makes them
+    plain: type[PlainBlocks] | None = None  #: how other lines are written out
 
     def __init__(self, source: Source) -> None:
         self.source = source

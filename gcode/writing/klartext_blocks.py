@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from gcode.text.source import Source
+from gcode.writing.plain_blocks import PlainBlocks
 
 __all__ = ["KlartextBlocks"]
 
@@ -20,18 +20,11 @@ _MOVES = re.compile(r"(?:L|C|CR|CT|LP|CP)\b")
 _PARAMETER = re.compile(r"\s*Q\d+\s*=")
 _ABOUT_POLE = re.compile(r"(?:C|CP|LP)\b")
 _DECIMALS = 12
+_STILL_MM = 1e-9
 
 
-class KlartextBlocks:
-    """Parts of lines that stay, and plain lines in their place.
-
-    Parameters
-    ----------
-    source : Source
-    """
-
-    def __init__(self, source: Source) -> None:
-        self.source = source
+class KlartextBlocks(PlainBlocks):
+    """Klartext: L, and C about a centre CC."""
 
     def content(self, line: int) -> str:
         """A line without number and comment, in upper case; empty beyond the end."""
@@ -67,6 +60,10 @@ class KlartextBlocks:
         """Whether it has a feed of its own that holds on."""
         return re.search(r"\bF\s*(?:[\d.Q]|AUTO)", self.content(line)) is not None
 
+    def says_motion(self, line: int) -> bool:
+        """Always: every line begins with its motion."""
+        return True
+
     def is_in_machine_coordinates(self, line: int) -> bool:
         """M91 or M92."""
         return re.search(r"\bM\s*9[12]\b", self.content(line)) is not None
@@ -86,15 +83,18 @@ class KlartextBlocks:
 
     def straight(self, end: np.ndarray, named: list[str], feed: float | None) -> list[str]:
         """A line to a place, X Y Z of which those in `named` are said; rapid without a feed."""
-        axes = [axis + _number(end["XYZ".index(axis)]) for axis in named]
+        axes = [axis + _signed(end["XYZ".index(axis)]) for axis in named]
         return [" ".join(["L", *axes, "R0", _feed(feed)])]
 
     def arc(
-        self, end: np.ndarray, centre: np.ndarray, feed: float | None, *, counter_clockwise: bool
-    ) -> list[str]:
-        """An arc in the plane XY about a centre."""
-        place = [axis + _number(v) for axis, v in zip("XY", end[:2], strict=True)]
-        pole = [axis + _number(v) for axis, v in zip("XY", centre[:2], strict=True)]
+        self, start: np.ndarray, end: np.ndarray, centre: np.ndarray, feed: float, *,
+        counter_clockwise: bool,
+    ) -> list[str] | None:  # fmt: skip
+        """An arc in the plane XY about a centre; None for a helix."""
+        if abs(end[2] - start[2]) > _STILL_MM:
+            return None
+        place = [axis + _signed(v) for axis, v in zip("XY", end[:2], strict=True)]
+        pole = [axis + _signed(v) for axis, v in zip("XY", centre[:2], strict=True)]
         sense = "DR+" if counter_clockwise else "DR-"
         return [" ".join(["CC", *pole]), " ".join(["C", *place, sense, _feed(feed)])]
 
@@ -103,7 +103,7 @@ class KlartextBlocks:
         return ["CYCL DEF 9.0 DWELL TIME", f"CYCL DEF 9.1 DWELL {seconds:.6g}"]
 
 
-def _number(value: float) -> str:
+def _signed(value: float) -> str:
     text = f"{value:+.{_DECIMALS}f}".rstrip("0")
     return text + "0" if text.endswith(".") else text
 

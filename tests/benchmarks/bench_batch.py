@@ -61,6 +61,7 @@ def on_cluster(folder: Path, cases: int) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cases", type=int, default=10_000)
+    parser.add_argument("--ways", nargs="+", default=["one", "two", "shards", "dask"])
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -77,9 +78,9 @@ def main() -> None:
             ],
             "dask": lambda: on_cluster(folder, options.cases),
         }
-        for way, work in ways.items():
+        for way in options.ways:
             start, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
-            work()
+            ways[way]()
             after = resource.getrusage(resource.RUSAGE_CHILDREN)
             cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
             clock = time.perf_counter() - start

@@ -6,9 +6,11 @@
 Every command runs in a process of its own, in a folder of its own. ``raster`` is plain motion, a
 ball-nose cutter over a wavy floor; ``cam`` is what a CAM system writes: three tools, roughing by
 arcs, F and S words, comments, drilling cycles, then a raster. Peers get the same program in the
-same run where they are installed: LinuxCNC's ``rs274`` (it reads and says moves, no more). The
-exponent is that of the processor's time between two sizes. A size that passes the limit ends, and
-larger ones are left out. Kernels are compiled before anything is timed.
+same run where they are installed: LinuxCNC's ``rs274`` (it reads and says moves, no more), and
+FreeCAD's simulator beside ``run`` (a map of heights). ``growth`` is the exponent of the processor's
+time between two sizes, less that of the same command with a few lines, as imports would hide it. A
+size that passes the limit ends, and larger ones are left out. Kernels are compiled before anything
+is timed.
 """
 
 from __future__ import annotations
@@ -155,7 +157,14 @@ SAMPLES: dict[str, str] = {
     "effects list": "effects list",
 }
 #: programs of others that read the same file: name, command and for which of ours
-PEERS = {"canon": ("rs274", "rs274 -t {f}/tool.tbl -g {f}/part.nc")}
+PEERS = {
+    "canon": ("rs274", "rs274 -t {f}/tool.tbl -g {f}/part.nc"),
+    "run": ("FreeCAD", f"freecadcmd {Path(__file__).parent}/peer_freecad.py {{f}}/part.nc"),
+}
+#: seconds of work, at least, that a growth is told from
+LEAST_S = 0.1
+#: lines that take no time, and lines from which on all compiled code is used
+FEW_LINES, COMPILED_LINES = 100, 6_000
 
 
 @dataclass(frozen=True)
@@ -203,17 +212,25 @@ def vmach(text: str, folder: Path, limit_s: float) -> Cost:
     return measured([sys.executable, "-m", "vmach", *words], folder, limit_s)
 
 
+def write_all(folder: Path, program: str, lines: int, points: int) -> None:
+    """What any command needs."""
+    write_job(folder, program, lines, points)
+    job = (folder / "job.toml").read_text()
+    measured = job.replace('"part.nc"', '"part.nc"\nmeasured = "measured.csv"')
+    (folder / "run.toml").write_text(measured)
+    measured_as_nominal(folder)
+
+
 def grown(name: str, program: str, options: argparse.Namespace) -> None:
     """Print one command's row for every size."""
     before: tuple[int, Cost] | None = None
+    with tempfile.TemporaryDirectory() as path:
+        write_all(Path(path), program, FEW_LINES, options.points)
+        idle_s = vmach(COMMANDS[name], Path(path), options.limit_s).processor_s
     for lines in options.lines:
         with tempfile.TemporaryDirectory() as path:
             folder = Path(path)
-            write_job(folder, program, lines, options.points)
-            job = (folder / "job.toml").read_text()
-            (folder / "run.toml").write_text(job.replace('"part.nc"', '"part.nc"\nmeasured = '
-                                                         '"measured.csv"'))  # fmt: skip
-            measured_as_nominal(folder)
+            write_all(folder, program, lines, options.points)
             cost = vmach(COMMANDS[name], folder, options.limit_s)
             peer = ""
             if name in PEERS and shutil.which(PEERS[name][1].split()[0]):
@@ -221,8 +238,9 @@ def grown(name: str, program: str, options: argparse.Namespace) -> None:
                 peer = f"  {PEERS[name][0]} {other.processor_s:.1f} s"
         growth = ""
         if before is not None:
-            ratio = math.log(cost.processor_s / before[1].processor_s)
-            growth = f"{ratio / math.log(lines / before[0]):.2f}"
+            work = [c.processor_s - idle_s for c in (cost, before[1])]
+            if min(work) > LEAST_S:
+                growth = f"{math.log(work[0] / work[1]) / math.log(lines / before[0]):.2f}"
         print(f"{name:12} {program:7} {lines:9} {cost.text} {growth:>8}{peer}", flush=True)
         before = lines, cost
         if cost.status != 0:
@@ -240,7 +258,7 @@ def measured_as_nominal(folder: Path) -> None:
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--lines", nargs="+", type=int, default=[1_000, 10_000, 100_000])
+    parser.add_argument("--lines", nargs="+", type=int, default=[1_000, 10_000, 100_000, 1_000_000])
     parser.add_argument("--points", type=int, default=10_000)
     parser.add_argument("--programs", nargs="+", choices=PROGRAMS, default=list(PROGRAMS))
     parser.add_argument("--commands", nargs="*", choices=COMMANDS, default=list(COMMANDS))
@@ -249,9 +267,9 @@ def main() -> None:
     options = parser.parse_args()
     print(f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}, {options.points} points")
     with tempfile.TemporaryDirectory() as path:
-        write_job(Path(path), "cam", 300, 100)
+        write_all(Path(path), "cam", COMPILED_LINES, 100)
         for name in options.commands:
-            vmach(COMMANDS[name].replace("run.toml", "job.toml"), Path(path), options.limit_s)
+            vmach(COMMANDS[name], Path(path), options.limit_s)
     print(f"{'command':12} {'program':7} {'lines':>9} {'clock s':>9} {'proc s':>9} {'MB':>9} "
           f"{'growth':>8}")  # fmt: skip
     for name in options.commands:

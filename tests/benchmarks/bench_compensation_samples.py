@@ -107,10 +107,12 @@ class BeforeRounding:
         probes = surface_probes(self.part, points.normal[self.part.row],
                                 left_mm=self.part.error_mm,
                                 path_length_mm=1.0).in_order()  # fmt: skip
-        course, places = rounding.candidates(probes)
-        ends = rounding.points(probes, places, np.arange(len(solution.plan.pieces)))
+        course, exact = rounding._course(probes), rounding.exact(probes)
+        every = np.arange(len(solution.plan.pieces))
+        places = rounding._places(every, rounding._best(course, exact, probes, every))
+        ends = rounding.points(probes, places, every)
         step_mm = rounding.step_mm.max()
-        largest, total = least_of_pieces(course, rounding.exact(probes), ends)
+        largest, total = least_of_pieces(course, exact, ends)
         self.least = f"{1e3 * step_mm * largest:.3f}/{1e3 * step_mm * total / len(probes.move):.3f}"
 
     def added(self, after):

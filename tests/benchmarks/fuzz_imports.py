@@ -18,7 +18,7 @@ import warnings
 from collections import Counter
 from pathlib import Path
 
-from tests.import_samples import LINUXCNC, SAMPLES, Sample, write_plate_job
+from tests.import_samples import SAMPLES, Sample, write_plate_job
 from vmach.errors import InputError
 from vmach.importers import Questions, import_files
 from vmach.importers.toml_text import section_text
@@ -60,10 +60,7 @@ def mutated(text: str, random_: random.Random) -> str:
 
 def outcome(sample: Sample, text: str, folder: Path, job: Path) -> str:
     """``read``, ``refused with a line``, ``refused`` or what went wrong."""
-    for name, other in LINUXCNC.items():
-        (folder / name).write_text(other)
-    path = folder / sample.file
-    path.write_bytes(text.encode("utf-8", "replace"))
+    path = sample.write(folder, text)
     start = time.perf_counter()
     try:
         (one,) = import_files([path], Questions(sample.answers, job_file=job), kind=sample.kind)

@@ -191,6 +191,26 @@ def test_a_fit_sees_an_effect_as_the_prediction_does(tmp_path):
     assert 1e3 * column[side] == pytest.approx((with_it - perfect(tmp_path))[side], abs=5e-3)
 
 
+def test_a_compensated_program_makes_what_was_programmed(tmp_path):
+    """The program is moved against the error as the part feels it, and nothing is left."""
+    import vmach
+
+    own = perfect(tmp_path)
+    errors = {"EXX": (lambda q: 0.3 * q, None), "EZZ": (lambda q: 25.0, None)}
+    path = write_job(tmp_path, errors, more="[probing]\nx_at_mm = [-30, 0, 0]\n")
+    path.write_text(path.read_text().replace('measured = "points.csv"\n', ""))
+    before, _ = deviations(path)
+    moved = tmp_path / "moved.nc"
+    moved.write_bytes(vmach.compensate(path).text)
+    assert b"G0 X-0.009 Y0" in moved.read_bytes()  # 30 mm from the touch: 0.3 um/mm x 30 mm
+    path.write_text(path.read_text().replace("part.nc", "moved.nc"))
+    names, points, normals = pocket_points()
+    found = predict(prepare(read_job(path)), points, normals, variant=Variant.ABBE,
+                    known_surface=np.ones(len(names), dtype=bool), is_compensated=True)  # fmt: skip
+    assert np.abs(before - own).max() > 15.0
+    assert np.abs(1e3 * found.deviation_mm - own).max() < 1.0  # the control's digits: 0.5 um
+
+
 def test_a_touch_outside_the_travel_is_refused(tmp_path):
     path = write_job(tmp_path, more="[probing]\nzero_at_mm = [500, 0, 0]\n")
     with pytest.raises(InputError, match=r"\[probing\]: to touch, X goes to 300.000 mm"):

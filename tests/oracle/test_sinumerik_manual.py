@@ -8,9 +8,6 @@ import numpy as np
 import pytest
 
 from gcode import ControlSettings, ProgramError, Source, ToolEntry, read_program
-from tests.oracle.test_compensation_programs import SCALE, job_with
-from vmach.compensation import compensate
-from vmach.errors import InputError
 
 TOOLS = {1: ToolEntry(100.0, 10.0)}
 
@@ -111,11 +108,3 @@ def test_block_skip():
     body = "G0 X1\n/X2\n/2 X3"
     assert places(body)[-1][0] == 3
     assert places(body, control=ControlSettings(block_delete=True))[-1][0] == 1
-
-
-@pytest.mark.parametrize("line", ["X=R1*2", "G1 AP=45 RP=20", "G41 X30\nY40\nX60"])
-def test_what_is_read_but_not_written_back_is_refused(tmp_path, line):
-    job, effects = job_with(tmp_path, "", SCALE)
-    job.program.write_text(f'MSG("A")\nT1 D1 M6\nR1=20\nG0 X0 Y0 Z5\nG1 F200\n{line}\nM30\n')
-    with pytest.raises((InputError, ProgramError), match="cannot be compensated"):
-        compensate(job, effects)

@@ -50,6 +50,16 @@ def test_a_right_job_lacks_nothing_and_says_what_it_assumes(folder):
         assert word in assumed
 
 
+def test_how_the_zero_was_set_is_asked_where_the_job_says_nothing(folder):
+    job = folder / "job.toml"
+    assert any("[probing]" in word for word in words(folder, Weight.ASSUMED))
+    job.write_text(job.read_text() + "[probing]\n")
+    (asked,) = [word for word in words(folder, Weight.ASSUMED) if "prob" in word]
+    assert "is 115 mm long, as the first tool" in asked
+    job.write_text(job.read_text() + "probe_length_mm = 80\n")
+    assert not [word for word in words(folder, Weight.ASSUMED) if "prob" in word]
+
+
 def test_every_fault_of_the_job_file_and_of_the_files_it_names(folder):
     text = JOB.format(extra='nominal = "part.step"\nspeed = 3')
     (folder / "job.toml").write_text(text.replace("= 12\n", '= "12"\n'))

@@ -7,12 +7,15 @@ import subprocess
 import sys
 
 import pytest
+from typer.testing import CliRunner
 
 from gcode import ProgramError
 from gcode.state.tools import read_tool_table
 from gcode.text.source import Source
 from vmach.base.terminal import printable
+from vmach.cli import app
 from vmach.errors import InputError
+from vmach.files import toml_file
 from vmach.files.text_file import read_bytes, read_text
 from vmach.files.toml_file import FileSection, read_toml
 from vmach.measurements.columns import read_columns
@@ -66,6 +69,14 @@ def test_a_file_too_large_a_loop_and_a_zero_byte(tmp_path):
         read_bytes(tmp_path / "a\0b", what="table")
 
 
+@pytest.mark.parametrize("command", ["run", "path", "diagnose", "open", "batch"])
+def test_a_job_that_is_a_loop_of_links(tmp_path, command):
+    (tmp_path / "job.toml").symlink_to("job.toml")
+    error = CliRunner().invoke(app, [command, str(tmp_path / "job.toml")]).exception
+    assert isinstance(error, InputError)
+    assert re.search("Too many levels of symbolic links|no such job file", str(error))
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -78,6 +89,21 @@ def test_toml_that_python_itself_refuses(tmp_path, text, message):
     (tmp_path / "job.toml").write_text(text)
     with pytest.raises(InputError, match=message):
         read_toml(tmp_path / "job.toml", Schema, what="job file")
+
+
+def test_thirty_thousand_unknown_keys_are_no_work(tmp_path, monkeypatch):
+    """One line is looked for, not one a key: that took hours."""
+    looked = []
+    found = toml_file.line_of_key
+    monkeypatch.setattr(toml_file, "line_of_key", lambda *a: looked.append(a) or found(*a))
+    path = tmp_path / "job.toml"
+    path.write_text("".join(f"key_{k} = {k}\n" for k in range(30_000)))
+    with pytest.raises(InputError, match=r"job.toml:1: unknown key 'key_0'"):
+        read_toml(path, Schema, what="job file")
+    assert len(looked) == 1
+    looked.clear()
+    path.write_text("".join(f"key_{k} = {k}\n" for k in range(200)))
+    assert len(toml_file.complaints(path, Schema, what="job file")) == len(looked) == 100
 
 
 def test_a_file_that_is_no_toml_is_not_shown(tmp_path):

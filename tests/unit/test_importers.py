@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import sys
+from importlib import invalidate_caches
+
 import numpy as np
 import pytest
 import trimesh
+from typer.testing import CliRunner
 
 from tests.import_samples import (
     BALLBAR_REPORT,
     LASER,
-    LINUXCNC,
     PROBE_LOG,
     SAMPLES,
     write_plate_job,
 )
 from tests.small_job import MACHINE, write_job
+from vmach.cli import app
 from vmach.controller_tables import FORMATS
 from vmach.errors import InputError
 from vmach.importers import Questions, catalogue, import_files
@@ -42,10 +46,7 @@ def rows(text):
 
 @pytest.mark.parametrize("sample", SAMPLES, ids=lambda s: f"{s.kind}-{s.file}")
 def test_every_sample_is_known_and_read(sample, tmp_path):
-    path = tmp_path / sample.file
-    for name, text in LINUXCNC.items():
-        (tmp_path / name).write_text(text)
-    path.write_text(sample.text, encoding="utf-8")
+    path = sample.write(tmp_path)
     assert kind_of(SourceFile(path), None).name == sample.kind
     job = write_plate_job(tmp_path)
     (one,) = import_files([path], Questions(sample.answers, job_file=job))
@@ -211,6 +212,13 @@ def test_tables_of_controls_come_back(name, tmp_path):
     assert np.abs(apart).max() < 2e-6
 
 
+def test_an_entry_of_a_control_that_is_no_number_is_named(tmp_path):
+    (sample,) = [one for one in SAMPLES if one.file == "AX_EEC.INI"]
+    path = sample.write(tmp_path, sample.text.replace("0.004", "0.1e400"))
+    with pytest.raises(InputError, match=r"AX_EEC.INI:4: value '0.1e400'; accepted: a number"):
+        import_files([path], Questions())
+
+
 def test_points_of_a_scan_lie_on_the_nominal_surface(tmp_path):
     """A grown, moved plate: what a scan of it reads is known at every point."""
     job = write_plate_job(tmp_path)
@@ -335,4 +343,147 @@ def test_what_only_the_user_knows_is_asked_or_said(tmp_path):
     (one,) = import_files([tmp_path / "x.csv"], Questions(ask=person))
     values = one.sections[0].values
     assert values["position_zero_mm"] == -7 and values["reverse"] is True
-    assert len(asked) == 4
+    assert len(asked) == 3  # which error, and the two questions
+
+
+SOUND = '''\
+"""A dial gauge of our own."""
+
+from vmach.importers import Imported, Importer, Section
+
+
+class Gauge(Importer):
+    """Two numbers a line."""
+
+    name = "gauge"
+    title = "Our gauge"
+    reads = ".gau: two numbers a line"
+    rank = 1
+
+    def recognises(self, source):
+        return source.suffix == ".gau"
+
+    def read(self, source, questions):
+        section = Section("machine", "squareness", {"EC0Y": float(source.lines[0])})
+        return Imported(sections=(section,), notes=("read",))
+'''
+
+
+def plugged_in(folder, monkeypatch, text):
+    """A package with an importer, as an installation leaves it."""
+    about = folder / "our_gauge-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: our-gauge\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text("[vmach.importers]\ngauge = our_gauge:Gauge\n")
+    (folder / "our_gauge.py").write_text(text)
+    monkeypatch.syspath_prepend(folder)
+    monkeypatch.delitem(sys.modules, "our_gauge", raising=False)
+    invalidate_caches()
+
+
+@pytest.fixture
+def fresh():
+    catalogue.cache_clear()
+    yield
+    catalogue.cache_clear()
+
+
+@pytest.mark.usefixtures("fresh")
+def test_an_importer_of_another_package(tmp_path, monkeypatch):
+    plugged_in(tmp_path, monkeypatch, SOUND)
+    one = imported(tmp_path, "today.gau", "12.5\n")
+    assert one.sections[0].values == {"EC0Y": 12.5}
+
+
+@pytest.mark.parametrize(
+    "old, new, said",
+    [
+        (
+            '    title = "Our gauge"\n',
+            "",
+            r"our_gauge.py:6: importer class Gauge: 'title' is missing",
+        ),
+        ("rank = 1", 'rank = "first"', r"our_gauge.py:12: importer class Gauge: rank = 'first'"),
+        ("reads =", "raeds =", r"our_gauge.py:11: .*unknown attribute 'raeds'.*'reads'"),
+        ("def recognises", "def recognizes", r"our_gauge.py:14: .*'recognizes'.*'recognises'"),
+        (
+            'name = "gauge"',
+            'name = "laser"',
+            "name = 'laser' is that of vmach.importers.kinds.laser",
+        ),
+        ("import Imported", "import Imporded", "our_gauge.py:3: .*cannot be loaded"),
+    ],
+)
+@pytest.mark.usefixtures("fresh")
+def test_an_importer_that_says_something_wrong(old, new, said, tmp_path, monkeypatch):
+    assert old in SOUND
+    plugged_in(tmp_path, monkeypatch, SOUND.replace(old, new, 1))
+    with pytest.raises(InputError, match=said) as caught:
+        catalogue()
+    assert "entry point" in str(caught.value) or caught.value.line or "is that of" in said
+
+
+def command(*words):
+    return CliRunner().invoke(app, ["import", *map(str, words)])
+
+
+@pytest.mark.parametrize(
+    "words, said",
+    [
+        ([], "nothing to import"),
+        (["--squareness", "XY 34"], "--squareness 'XY 34'; accepted: plane, size, unit"),
+        (["--squareness", "XY 1.2.3 more"], "--squareness 'XY 1.2.3 more'"),
+        (["--square", "XY 1 2"], "--square 'XY 1 2'; accepted: plane, diagonals AC and BD"),
+        (["--square", ""], "--square ''"),
+        (["--set", "error", "x.csv"], "--set 'error'; accepted: --set NAME=VALUE"),
+        (["--kind", "laserr", "x.csv"], "--kind laserr; accepted: controller_tables"),
+        (["nowhere.csv"], "nowhere.csv: file to import not found"),
+        (["x.csv", "--into", "nowhere.toml"], "nowhere.toml: --into: no such file"),
+        (["odd.bin"], "odd.bin:1: no importer knows this file"),
+        (["."], "no importer knows this file"),
+    ],
+)
+def test_what_was_typed_wrong_is_said(words, said, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "x.csv").write_text(LASER)
+    (tmp_path / "odd.bin").write_bytes(b"\x00\x01\x02")
+    run = command(*words)
+    assert run.exit_code == 1 and isinstance(run.exception, InputError)
+    assert said in str(run.exception)
+
+
+def test_lines_to_paste_are_printed_where_no_file_is_named(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "EYX.csv").write_text(LASER)
+    run = command("EYX.csv", "--yes", "--square", "XY 140.4 142.8 99.8")
+    assert run.exit_code == 0, run.exception
+    assert "lines for machine.toml" in run.output
+    assert '[errors.EYX]\ntable = "errors/EYX.csv"' in run.output
+    assert (
+        "EC0Y = 16950.7" in run.output
+    )  # 0.0169507 of the firmware's formula, as an angle above 90
+    assert (tmp_path / "errors" / "EYX.csv").is_file()
+
+
+def test_corrections_instead_of_errors_are_told(tmp_path):
+    one = imported(tmp_path, "x.csv", LASER, error="EXX", deviation="target-measured")
+    assert rows(one.files["errors/EXX.csv"])[3] == ["-100", "-3.2", "-2.2"]
+    with pytest.raises(InputError, match="deviation = 'both'; accepted: measured-target"):
+        imported(tmp_path, "x.csv", LASER, error="EXX", deviation="both")
+
+
+def test_faults_of_a_file_that_gets_nothing_do_not_matter(tmp_path):
+    job = write_job(tmp_path)
+    job.write_text("nonsense = 1\n")
+    one = imported(tmp_path, "x.csv", LASER, error="EXX")
+    written = write_imported([one], Target(tmp_path, (job.with_name("machine.toml"), job)))
+    assert [path.name for path in written] == ["EXX.csv", "machine.toml"]
+
+
+def test_a_machine_file_with_faults_is_not_edited(tmp_path):
+    machine = write_job(tmp_path).with_name("machine.toml")
+    machine.write_text(MACHINE.replace("rapid_mm_min", "rapid"))
+    one = imported(tmp_path, "x.csv", LASER, error="EXX")
+    with pytest.raises(InputError, match=r"has faults, the first: .*motion\.rapid"):
+        write_imported([one], Target(tmp_path, (machine,)))
+    assert not (tmp_path / "errors").exists() or not any((tmp_path / "errors").iterdir())

@@ -72,3 +72,38 @@ def test_warm_up_compiles_all_that_reading_cad_needs(tmp_path):
     code = [sys.executable, "-c", WARM, str(tmp_path), *parts]
     found = subprocess.run(code, capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "True []"
+
+
+#: prints which signatures of the compiled reader a program of every kind of line adds
+READ = """
+import pathlib, sys
+from gcode import ToolEntry, read_program
+from gcode.fast import line_kernel
+from vmach.commands import warm_up
+
+def compiled():
+    kernels = [k for k in vars(line_kernel).items() if hasattr(k[1], "signatures")]
+    return {(name, str(s)) for name, kernel in kernels for s in kernel.signatures}
+
+
+folder = pathlib.Path(sys.argv[1])
+(folder / "part.nc").write_text(warm_up._FILES["part.nc"])
+warm_up._read(folder)
+before = compiled()
+tools = {k: ToolEntry(100.0, 10.0) for k in (1, 2, 3)}
+moves = read_program(sys.argv[2], tools=tools, work_offsets_mm={"G54": (0.0, 0.0, 0.0)}).moves
+print(len(before) > 0, len(moves) > 10_000, sorted(compiled() - before))
+"""
+
+
+def test_warm_up_compiles_all_that_reading_a_long_program_needs(tmp_path):
+    rows = "".join(
+        f"G1 X{k}. Y1. F1500 S{k + 1000}\nX{k}.5 Z-1.25\nG2 X{k + 1}.5 I0.5 J0. (arc)\nG0 Z2.\n"
+        for k in range(2000)
+    )
+    head = "G21 G17 G90 G94 G54\nT1 M6\nS6000 M3\nG43 H1\nG0 Z20.\n"
+    cycle = "G99 G81 X1. Y1. Z-3. R2. F200\nX2.\nG80\nT2 M6\nG4 P1\n"
+    (tmp_path / "long.nc").write_text(head + rows + cycle + rows + "M30\n")
+    code = [sys.executable, "-c", READ, str(tmp_path), str(tmp_path / "long.nc")]
+    found = subprocess.run(code, capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "True True []"

@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 from collections import Counter
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vmach.commands.options import AsJson, Control
+
+if TYPE_CHECKING:
+    from vmach.checkup.program_collisions import ProgramCollision
 
 __all__ = ["check"]
 
@@ -63,7 +66,7 @@ def check(
         raise typer.Exit(1)
 
 
-def _collisions(job: Path):
+def _collisions(job: Path) -> tuple[ProgramCollision, ...] | None:
     from vmach.base.progress import progress_bar
     from vmach.checkup.program_collisions import check_collisions
 
@@ -71,7 +74,7 @@ def _collisions(job: Path):
         return check_collisions(job, progress=progress)
 
 
-def _say_collisions(hits) -> None:
+def _say_collisions(hits: tuple[ProgramCollision, ...] | None) -> None:
     if hits is None:
         print("collisions: the job has no [stock] to collide with")
         return

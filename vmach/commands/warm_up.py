@@ -149,7 +149,12 @@ def warm_up() -> None:
         folder = Path(name)
         for file, text in _FILES.items():
             (folder / file).write_text(text, encoding="utf-8")
-        works = (("a machined part", _machine), ("nominal CAD", _cad), ("a diagnosis", _diagnose))
+        works = (
+            ("a machined part", _machine),
+            ("a long program", _read),
+            ("nominal CAD", _cad),
+            ("a diagnosis", _diagnose),
+        )
         for what, work in works:
             print(f"compiling what {what} needs ...", flush=True)
             work(folder)
@@ -161,6 +166,13 @@ def _machine(folder: Path) -> None:
     from vmach.run.results import write_results
 
     write_results(machine_part(folder), folder / "out", command="vmach warm-up")
+
+
+def _read(folder: Path) -> None:
+    """Short programs are read without the compiled reader: it is asked for here."""
+    from gcode import ToolEntry, read_program
+
+    read_program(folder / "part.nc", tools={1: ToolEntry(100.0, 10.0)}, fast=True)
 
 
 def _cad(folder: Path) -> None:

@@ -16,6 +16,9 @@ from vmach.prediction import ActingEffect, displacement_of
 
 __all__ = ["TipModel"]
 
+#: places whose displacement is found at once, or as many as there are moves: directions are looked
+#: for along all of them each time. What effects remember is asked for in one go
+_AT_ONCE = 1 << 18
 _NOTHING_MM = 1e-9
 
 
@@ -39,8 +42,10 @@ class TipModel:
         nodes = preparation.path.nodes
         shift, tilt = np.zeros((len(move), 3)), np.zeros((len(move), 3))
         tool = np.minimum(nodes.moves.tool[move], len(nodes.tool_lengths_mm) - 1)
-        held = np.flatnonzero((tool > 0) & np.isfinite(nodes.tool_lengths_mm[tool]))
-        if len(held):
+        every = np.flatnonzero((tool > 0) & np.isfinite(nodes.tool_lengths_mm[tool]))
+        at_once = len(every) if self.effects else max(_AT_ONCE, len(nodes.moves))
+        for first in range(0, len(every), max(at_once, 1)):
+            held = every[first : first + at_once]
             states = PathStates(nodes.moves, nodes.tool_lengths_mm, move[held], parameter[held],
                                 np.zeros((len(held), 3)))  # fmt: skip
             found = displacement_of(preparation, states, self.variant, self.effects)

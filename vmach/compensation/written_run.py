@@ -20,7 +20,7 @@ from vmach.compensation.residual import Residual
 from vmach.errors import InputError
 from vmach.path.geometry import across, position_at, tangent_at
 from vmach.path.preparation import Preparation, prepare
-from vmach.program_text import Expanded, Written
+from vmach.program_text import Expanded, Written, job_of_control
 
 __all__ = ["WrittenRun"]
 
@@ -34,6 +34,8 @@ _SLACK_MM = 1e-3
 #: the end of a move belongs to its last piece, and a step has no way
 _INSIDE = 1.0 - 1e-9
 _NO_SPAN = 1e-12
+#: places that are compared at once
+_AT_ONCE = 1 << 18
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,7 @@ class WrittenRun:
             path = Path(folder) / original.program.path.name
             path.write_bytes(written.text)
             try:
-                again = prepare(original.job, program_path=path)
+                again = prepare(job_of_control(original), program_path=path)
             except ValueError as error:
                 line = written.original_line(getattr(error, "line", None))
                 raise InputError(
@@ -118,7 +120,15 @@ class WrittenRun:
         """
         if rows is None:
             rows = np.arange(len(self.written))
-        share = np.broadcast_to(np.asarray(share, np.float64), rows.shape).copy()
+        share = np.broadcast_to(np.asarray(share, np.float64), rows.shape)
+        found = np.empty((len(rows), 3))
+        at_once = max(_AT_ONCE, len(self.row))  # directions are looked for along all moves
+        for first in range(0, len(rows), at_once):
+            part = slice(first, first + at_once)
+            found[part] = self._miss(share[part].copy(), rows[part])
+        return found
+
+    def _miss(self, share: np.ndarray, rows: np.ndarray) -> np.ndarray:
         there = position_at(self.again.path.nodes.moves, self.row[rows], share)
         error = self.model.error_at(self.again, self.row[rows], share)
         start, end = self._stretch
@@ -238,5 +248,9 @@ class WrittenRun:
 
     def _across(self, share: np.ndarray, rows: np.ndarray, counts: np.ndarray) -> np.ndarray:
         """Tool minus nominal position across the path, (K, 3) mm."""
-        tangent = tangent_at(self.again.path.nodes.moves, self.row[rows], share)
-        return across(self.miss(share, rows) * counts[rows], tangent)
+        found = self.miss(share, rows)
+        for first in range(0, len(rows), _AT_ONCE):
+            part = slice(first, first + _AT_ONCE)
+            tangent = tangent_at(self.again.path.nodes.moves, self.row[rows[part]], share[part])
+            found[part] = across(found[part] * counts[rows[part]], tangent)
+        return found

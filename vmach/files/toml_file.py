@@ -6,7 +6,8 @@ import difflib
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -35,6 +36,8 @@ _LARGEST = 1e6
 
 #: of a TOML file; those of the samples have less than a hundredth. Python reads as much in 5 s
 _LARGEST_TOML_BYTES = 2**20
+#: each is looked for in the whole text, and nobody reads more
+_MOST_COMPLAINTS = 100
 #: characters of a line that a message shows
 _LONGEST_QUOTE = 120
 
@@ -150,16 +153,18 @@ def check_section(
     try:
         return schema.model_validate(data)
     except ValidationError as error:
-        raise _complaints(error, data, schema, file=file, text=text, within=within)[0] from None
+        first = next(_complaints(error, data, schema, file=file, text=text, within=within))
+        raise first from None
 
 
 def complaints(path: Path, schema: type[Section], *, what: str) -> list[InputError]:
-    """Everything that a TOML file has wrong, where `read_toml` raises the first; maybe nothing."""
+    """All that a TOML file has wrong, 100 at most, where `read_toml` raises the first."""
     try:
         text = read_text(path, what=what, largest_bytes=_LARGEST_TOML_BYTES)
         schema.model_validate(tomllib.loads(text))
     except ValidationError as error:
-        return _complaints(error, tomllib.loads(text), schema, file=path, text=text)
+        found = _complaints(error, tomllib.loads(text), schema, file=path, text=text)
+        return list(islice(found, _MOST_COMPLAINTS))
     except InputError as error:
         return [error]
     except (ValueError, RecursionError):
@@ -178,14 +183,15 @@ def _complaints(
     file: Path,
     text: str,
     within: Sequence[str] = (),
-) -> list[InputError]:
-    """One error a complaint; a misspelt key is also a missing one, so what was written is first."""
-    found = []
+) -> Iterator[InputError]:
+    """One error a complaint; a misspelt key is also a missing one, so what was written is first.
+
+    Each looks through the text for its line, so that no more are made than are asked for.
+    """
     for complaint in sorted(error.errors(), key=lambda c: c["type"] != "extra_forbidden"):
         keys = _keys_of(complaint, data)
         line = line_of_key(text, [*within, *keys])
-        found.append(_complaint(complaint, keys, schema, file=file, line=line))
-    return found
+        yield _complaint(complaint, keys, schema, file=file, line=line)
 
 
 def _keys_of(complaint: Mapping[str, Any], data: Mapping[str, Any]) -> list[str]:

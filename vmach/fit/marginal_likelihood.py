@@ -34,8 +34,8 @@ _LOG_FACTOR = float(np.log(2.0))
 #: of the order of u; a lighter tail would leave it what slow effects do to a few floors. Imitations
 #: of something larger are told by their size and by forms, not by this
 _USUAL_SIZE, _POWER = 0.6, 2.5
-#: a member of this size, in u, counts as absent
-_ABSENT = 0.02
+#: a member of this size, in u, counts as absent; up to the second one its columns are left out
+_ABSENT, _GONE = 0.02, 0.025
 #: steps at most towards the best sizes, none longer than this; multiples of a step that are tried
 _STEPS, _STRIDE, _TIMID, _BOLD = 20, 1.5, 0.05, 4.0
 #: log probability that a further step has to promise
@@ -189,20 +189,24 @@ class Posterior:
     @cached_property
     def root(self) -> np.ndarray:
         """Lower Cholesky factor of the posterior precision, (k, k), in prior deviations."""
-        precision = self.effects.gram * self.scale
-        precision *= self.scale[:, None]
-        precision[np.diag_indices(len(precision))] += 1.0
-        # symmetric: its transpose lies in memory as LAPACK wants it
-        root, failed = dpotrf(precision.T, lower=True, overwrite_a=True)
-        if failed:
-            raise LinAlgError("the posterior precision has to be positive definite")
-        return root
+        return _root_of_precision(self.effects.gram, self.scale)
 
     @cached_property
     def mean(self) -> np.ndarray:
         """Expected coefficients in prior standard deviations, (k,)."""
         aim = self.scale * self.effects.seen / self.sizes.factor
         return cho_solve((self.root, True), aim, check_finite=False)
+
+    @cached_property
+    def present(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Columns that are not absent (p,), their root (p, p) and mean (p,) without the others."""
+        sizes = np.array([1.0, *self.sizes.members])[self.effects.member_of]
+        here = np.flatnonzero(sizes > _GONE)
+        if len(here) == len(sizes):
+            return here, self.root, self.mean
+        root = _root_of_precision(self.effects.gram[np.ix_(here, here)], self.scale[here])
+        aim = self.scale[here] * self.effects.seen[here] / self.sizes.factor
+        return here, root, cho_solve((root, True), aim, check_finite=False)
 
     @cached_property
     def log_probability(self) -> float:
@@ -259,3 +263,15 @@ class Posterior:
         of_members, of_effects = np.split(amount, [self.base.z.shape[1]])
         taken = self.base.z @ of_members + self.effects.x @ of_effects
         return (self.base.y - taken) / self.sizes.factor
+
+
+def _root_of_precision(gram: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """Lower Cholesky factor of 1 + S G S, (k, k), from products G and prior deviations S (k,)."""
+    precision = gram * scale
+    precision *= scale[:, None]
+    precision[np.diag_indices(len(precision))] += 1.0
+    # symmetric: its transpose lies in memory as LAPACK wants it
+    root, failed = dpotrf(precision.T, lower=True, overwrite_a=True)
+    if failed:
+        raise LinAlgError("the posterior precision has to be positive definite")
+    return root

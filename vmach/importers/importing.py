@@ -131,13 +131,12 @@ def _edited(imported: Sequence[Imported], target: Target) -> dict[Path, str]:
         kind = "machine" if is_machine(path) else "job"
         schema = MachineSchema if kind == "machine" else JobSchema
         own = [_relative(s, target.folder, path) for s in sections if s.file == kind]
-        old = {str(fault) for fault in complaints(path, schema, what=f"{kind} file")}
-        if old:
-            raise InputError(
-                f"has faults, the first: {sorted(old)[0]}", file=path, hint="mend it first"
-            )
-        if own:
-            texts[path] = text_with(before, own, file=path)
+        if not own:
+            continue
+        faults = sorted(map(str, complaints(path, schema, what=f"{kind} file")))
+        if faults:
+            raise InputError(f"has faults, the first: {faults[0]}", file=path, hint="mend it first")
+        texts[path] = text_with(before, own, file=path)
     return texts
 
 

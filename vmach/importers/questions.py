@@ -70,6 +70,17 @@ class Questions:
         self.used.add("unit")
         return self.given.get("unit", "")
 
+    def told(self, key: str, choices: Sequence[str]) -> str:
+        """One of some words where it is given, else the first: nobody is asked.
+
+        Raises
+        ------
+        InputError
+            Another word.
+        """
+        self.used.add(key)
+        return _one_of(key, self.given.get(key, choices[0]), choices)
+
     def choice(
         self, key: str, question: str, choices: Sequence[str], *, default: str | None = None
     ) -> str:
@@ -80,11 +91,8 @@ class Questions:
         InputError
             Another word.
         """
-        accepted = ", ".join(choices)
-        word = self.text(key, question, accepted=accepted, default=default)
-        if word not in choices:
-            raise InputError(f"{key} = '{word}'", accepted=accepted)
-        return word
+        word = self.text(key, question, accepted=", ".join(choices), default=default)
+        return _one_of(key, word, choices)
 
     def number(self, key: str, question: str, *, unit: str, default: float | None = None) -> float:
         """A number.
@@ -122,3 +130,9 @@ class Questions:
     def unused(self) -> list[str]:
         """Keys that were given and that nothing asked for."""
         return [key for key in self.given if key not in self.used]
+
+
+def _one_of(key: str, word: str, choices: Sequence[str]) -> str:
+    if word not in choices:
+        raise InputError(f"{key} = '{word}'", accepted=", ".join(choices))
+    return word

@@ -80,7 +80,7 @@ def skew_of_square(ac_mm: float, bd_mm: float, ad_mm: float) -> float:
     Examples
     --------
     >>> round(skew_of_square(140.4, 142.8, 99.8), 5)
-    -0.01698
+    -0.01695
     """
     ab_squared = 0.5 * (ac_mm**2 + bd_mm**2) - ad_mm**2
     cosine = (ac_mm**2 - ab_squared - ad_mm**2) / (2.0 * ad_mm * math.sqrt(max(ab_squared, 1e-12)))

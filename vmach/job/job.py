@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -218,7 +219,7 @@ class Job:
 
 def job_name(path: Path) -> str:
     """What a job is called: its file's name, or its folder's where the file is ``job.toml``."""
-    path = path.resolve()
+    path = Path(os.path.realpath(path))  # a loop of links is told when the file is read
     return path.parent.name if path.name == "job.toml" else path.stem
 
 

@@ -3,7 +3,7 @@
 from vmach.program_text.blocks.block_modes import BlockModes, block_modes
 from vmach.program_text.blocks.pieces import Piece, Pieces, circle_through
 from vmach.program_text.control import check_meaning, check_words, target_control
-from vmach.program_text.expanding.expansion import Expanded, prepare_plain
+from vmach.program_text.expanding.expansion import Expanded, job_of_control, prepare_plain
 from vmach.program_text.rewriter import Rewriter, Target, Written
 
 __all__ = [
@@ -18,6 +18,7 @@ __all__ = [
     "check_meaning",
     "check_words",
     "circle_through",
+    "job_of_control",
     "prepare_plain",
     "target_control",
 ]

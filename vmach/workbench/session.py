@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 import time
 from collections.abc import Hashable
 from pathlib import Path
@@ -68,7 +69,7 @@ class Session:
         InputError
             There is no such file.
         """
-        job = (job / "job.toml" if job.is_dir() else job).resolve()
+        job = Path(os.path.realpath(job / "job.toml" if job.is_dir() else job))
         if not job.is_file():
             raise InputError("no such job file", file=job)
         folder = OpenedFolder(job.parent)

@@ -10,6 +10,7 @@ from gcode.geometry.arc_tolerance import ARC_TOLERANCES
 from gcode.language.dialect import Dialect
 from gcode.text.source import Word
 from gcode.writing.block_text import BlockText
+from gcode.writing.sinumerik_blocks import SinumerikBlocks
 
 __all__ = ["Sinumerik"]
 
@@ -19,6 +20,7 @@ _START = r"^[ \t]*(?:N?\d+[ \t]+)?"  # block number
 class SinumerikText(BlockText):
     """Sinumerik: ``X=1.5``, ``CR=`` for the radius, ``TURN=`` for further turns."""
 
+    plain = SinumerikBlocks
     _TOKEN = re.compile(r"(CR|TURN|[A-Z])[ \t]*(=?)[ \t]*([+-]?(?:\d+\.?\d*|\.\d+))", re.IGNORECASE)
 
     def _read(self, line: int) -> tuple[Word, ...]:
@@ -46,7 +48,8 @@ class Sinumerik(Dialect):
     marks = re.compile(
         r"^[ \t]*(?:%_N_\w+|;\$PATH=)"
         rf"|{_START}(?:DEF[ \t]+(?:REAL|INT|BOOL|STRING)|PROC[ \t]|EXTERN[ \t]|ENDFOR|ENDWHILE"
-        r"|STOPRE|WORKPIECE[ \t]*\(|CYCLE\d+[ \t]*\(|TRANS[ \t]|ATRANS[ \t]|MSG[ \t]*\(\")"
+        r"|STOPRE|(?:WORKPIECE|CYCLE\d+|POCKET\d|SLOT\d|HOLES\d|LONGHOLE)[ \t]*\("
+        r"|A?TRANS[ \t]|MSG[ \t]*\(\")"
         r"|^[^(;\n]*\b(?:[XYZFS]|CR|TURN|AP|RP)[ \t]*=[ \t]*[-+.\dA-Z]",
         re.IGNORECASE | re.MULTILINE,
     )

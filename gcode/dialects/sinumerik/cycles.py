@@ -42,6 +42,8 @@ def drill(reader: SinumerikReader, name: str, arguments: Arguments) -> None:
     if not bottom < surface:
         raise ProgramError(f"{name}: depth {bottom:g} is not below {surface:g}")
     modal = reader.controller.motion
+    if cycle in (84, 840, 86):  # the spindle turns back or stops
+        reader.keep("tapping" if cycle != 86 else "boring with a stopped spindle")
     reader.go("g0", z=clear)
     if cycle == 83:
         _pecks(reader, arguments, surface=surface, clear=clear, bottom=bottom)

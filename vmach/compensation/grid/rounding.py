@@ -6,6 +6,7 @@ the ends.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy as np
 from gcode import MoveKind
 from vmach.compensation.aim.path_shift import arc_frames
 from vmach.compensation.aim.probes import Probes
-from vmach.compensation.grid.choice import Course, Points, best_points, best_sequence
+from vmach.compensation.grid.choice import Course, Points, advance, best_points, traced_back
 from vmach.compensation.grid.places import Grid, GridPlaces
 from vmach.compensation.pieces.plan import Plan
 from vmach.path.geometry import position_at
@@ -77,27 +78,51 @@ class Rounding:
         probes : Probes
         """
         probes = probes.in_order()
-        course, places = self.candidates(probes)
-        points = self.points(probes, places, np.arange(len(self.first)))
-        choice = best_sequence(course, self.exact(probes), points)
-        return self._taken(places.taken(choice[:, None]))
+        course, exact, count = self._course(probes), self.exact(probes), len(self.first)
+        came_from = np.zeros((count, _POINTS), np.int8)
+        kept = np.zeros((count, _POINTS), np.int16)
+        total, last = np.zeros(_POINTS), None
+        for first in range(0, count, _AT_ONCE):  # the points of all ends would fill the memory
+            ends = np.arange(first, min(first + _AT_ONCE, count))
+            kept[ends] = self._best(course, exact, probes, ends)
+            places = self._places(ends, kept[ends])
+            if last is not None:
+                places, ends = last.before(places), np.arange(first - 1, ends[-1] + 1)
+            points = self.points(probes, places, ends)
+            total = advance(course, exact, points, int(ends[0]), first, total, came_from)
+            last = places.last()
+        choice = traced_back(total, came_from)
+        return self._taken(kept[np.arange(count), choice].astype(np.int64))
 
-    def candidates(self, probes: Probes) -> tuple[Course, GridPlaces]:
-        """Costs, and the points of every end that leave least between exact neighbours."""
-        course, exact = self._course(probes), self.exact(probes)
-        found = GridPlaces.empty(len(self.first), _POINTS)
-        inserted = self.grid.inserted
+    def _near(self, ends: np.ndarray) -> Iterator[tuple[np.ndarray, GridPlaces]]:
+        """All points about some ends, (E,): which of these, and their points."""
+        inserted = self.grid.inserted[ends]
         for mask, near in (inserted, self.grid.of_inserted), (~inserted, self.grid.of_programmed):
-            rows = np.flatnonzero(mask)
-            for first in range(0, len(rows), _AT_ONCE):
-                ends = rows[first : first + _AT_ONCE]
-                places = near(ends)
-                best = best_points(course, exact, self.points(probes, places, ends), ends, _POINTS)
-                found.put(ends, places.taken(best))
-        found.off_mm[self.plan.is_kept] = 0.0
-        return course, found
+            if mask.any():
+                yield np.flatnonzero(mask), near(ends[mask])
 
-    def _taken(self, chosen: GridPlaces) -> tuple[Plan, Target]:
+    def _best(self, course: Course, exact: Points, probes: Probes, ends: np.ndarray) -> np.ndarray:
+        """Numbers of the points that leave least between exact neighbours, (E, points)."""
+        best = np.zeros((len(ends), _POINTS), np.int64)
+        for rows, places in self._near(ends):
+            points = self.points(probes, places, ends[rows])
+            best[rows] = best_points(course, exact, points, ends[rows], _POINTS)
+        return best
+
+    def _places(self, ends: np.ndarray, number: np.ndarray) -> GridPlaces:
+        """The points about some ends with these numbers, (E, C)."""
+        found = GridPlaces.empty(len(ends), number.shape[1])
+        for rows, places in self._near(ends):
+            found.put(rows, places.taken(number[rows]))
+        found.off_mm[self.plan.is_kept[ends]] = 0.0
+        return found
+
+    def _taken(self, number: np.ndarray) -> tuple[Plan, Target]:
+        """Plan and target with the points of these numbers, (K,)."""
+        chosen = GridPlaces.empty(len(number), 1)
+        for first in range(0, len(number), _AT_ONCE):
+            ends = np.arange(first, min(first + _AT_ONCE, len(number)))
+            chosen.put(ends, self._places(ends, number[ends, None]))
         old, inserted = self.plan.pieces, np.flatnonzero(self.grid.inserted)
         start, end = old.start.copy(), old.end.copy()
         end[inserted] = start[inserted + 1] = chosen.parameter[inserted, 0]

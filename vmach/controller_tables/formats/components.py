@@ -16,7 +16,6 @@ Source: ISO 230-1 (errors), ISO/TR 16907 (numerical compensation of geometric er
 
 from __future__ import annotations
 
-import csv
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -30,7 +29,7 @@ from vmach.controller_tables.rigid_chain import RigidChain
 from vmach.controller_tables.table_format import UNLIMITED_ENTRIES, HeldErrors, TableFormat
 from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
-from vmach.files.text_file import read_text
+from vmach.files.text_file import decimal_number, read_text
 
 __all__ = ["FORMATS", "read_components", "write_components"]
 
@@ -90,19 +89,25 @@ def read_components(folder: Path) -> RigidChain:
 
 
 def _table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    lines = [line for line in read_text(path, what="error table").splitlines() if line[:1] != "#"]
-    rows = list(csv.DictReader(lines))
-    scale = 1e-3 if rows and "forward_um" in rows[0] else 1e-6
-    unit = "um" if scale == 1e-3 else "urad"
-    try:
-        keys = ("position_mm", f"forward_{unit}", f"backward_{unit}")
-        position, up, down = np.array([[float(row[key]) for key in keys] for row in rows]).T
-    except (KeyError, TypeError, ValueError, csv.Error):
-        raise InputError(
-            f"no error table: it begins with {lines[0] if lines else ''!r}",
-            file=path,
-            accepted="position_mm, forward_um, backward_um (or _urad), and numbers below",
-        ) from None
+    text = read_text(path, what="error table")
+    lines = [(k, row) for k, row in enumerate(text.splitlines(), 1) if row and row[0] != "#"]
+    header = [cell.strip() for cell in lines[0][1].split(",")] if lines else []
+    unit = "urad" if "forward_urad" in header else "um"
+    keys = ("position_mm", f"forward_{unit}", f"backward_{unit}")
+    accepted = "position_mm, forward_um, backward_um (or _urad), and numbers below"
+    if not set(keys) <= set(header):
+        said = f"no error table: it begins with {','.join(header)!r}"
+        raise InputError(said, file=path, line=1, accepted=accepted)
+    rows = []
+    for number, line in lines[1:]:
+        values = [decimal_number(cell) for cell in line.split(",")]
+        if len(values) != len(header) or not np.isfinite(values).all():
+            raise InputError(f"row '{line}'", file=path, line=number, accepted=accepted)
+        rows.append([values[header.index(key)] for key in keys])
+    if not rows:
+        raise InputError("no rows below the heading", file=path, line=1, accepted=accepted)
+    position, up, down = np.array(rows).T
+    scale = 1e-6 if unit == "urad" else 1e-3
     return position, scale * up, scale * down
 
 

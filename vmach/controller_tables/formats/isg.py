@@ -26,7 +26,7 @@ from vmach.controller_tables.rigid_chain import RigidChain
 from vmach.controller_tables.table_format import UNLIMITED_ENTRIES, HeldErrors, TableFormat
 from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
-from vmach.files.text_file import read_text
+from vmach.files.text_file import decimal_number, read_text
 
 __all__ = ["FORMATS", "read_isg", "write_isg"]
 
@@ -116,22 +116,37 @@ def _settings(path: Path) -> Iterator[tuple[str, str]]:
 
 
 def _blocks(path: Path) -> Iterator[tuple[list[str], np.ndarray]]:
-    lines = read_text(path, what="parameter file").splitlines()
-    content = "\n".join(line.split("//")[0].strip() for line in lines)
-    for part in content.split("#"):
-        header, *rows = [line.split() for line in part.splitlines() if line] or [[]]
-        if not header:
-            continue
-        try:
-            values = np.array(rows, dtype=float)
-        except ValueError:
-            values = np.empty((0, 0))
-        if values.ndim != 2 or values.shape[1] != len(header):
-            raise InputError(
-                f"block '{' '.join(header)}'", file=path,
-                accepted=f"rows of {len(header)} numbers",
-            )  # fmt: skip
-        yield header, values
+    header: list[str] = []
+    rows: list[list[float]] = []
+    for number, line in enumerate(read_text(path, what="parameter file").splitlines(), 1):
+        content, is_end, _ = line.split("//")[0].partition("#")
+        words = content.split()
+        if words and not header:
+            header = words
+        elif words:
+            rows.append(_row(words, header, path, number))
+        if is_end and header:
+            yield header, _block(header, rows, path, number)
+            header, rows = [], []
+    if header:
+        yield header, _block(header, rows, path, number)
+
+
+def _row(words: list[str], header: list[str], path: Path, line: int) -> list[float]:
+    values = [decimal_number(word) for word in words]
+    if len(values) != len(header) or not np.isfinite(values).all():
+        raise InputError(
+            f"row '{' '.join(words)}' below '{' '.join(header)}'", file=path, line=line,
+            accepted=f"rows of {len(header)} numbers",
+        )  # fmt: skip
+    return values
+
+
+def _block(header: list[str], rows: list[list[float]], path: Path, line: int) -> np.ndarray:
+    if not rows:
+        raise InputError(f"block '{' '.join(header)}' has no rows", file=path, line=line,
+                         accepted=f"rows of {len(header)} numbers")  # fmt: skip
+    return np.array(rows)
 
 
 def _store(chain: RigidChain, header: list[str], values: np.ndarray, path: Path) -> None:

@@ -79,11 +79,12 @@ class Bank:
         with_effects = np.concatenate(
             [np.zeros((0, back.shape[1])), *(c.T @ back for c in self._columns)]
         )
-        shared = np.hstack([self._with_members, with_effects]) * posterior.scale
-        inner = (self._seen - k * (shared @ posterior.mean)) / k**2
-        taken = solve_triangular(
-            posterior.root, shared.T, lower=True, check_finite=False, overwrite_b=True
-        ).T
+        here, root, mean = posterior.present
+        split = np.searchsorted(here, self._with_members.shape[1])
+        of_members = self._with_members[:, here[:split]]
+        shared = np.hstack([of_members, with_effects]) * posterior.scale[here]
+        inner = (self._seen - k * (shared @ mean)) / k**2
+        taken = solve_triangular(root, shared.T, lower=True, check_finite=False, overwrite_b=True).T
         found = []
         for terms, members in self._members.items():
             part = self._part(taken, terms)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
+
+import numpy as np
 
 from vmach.controller_tables.table_format import HeldErrors, TableFormat
 from vmach.controller_tables.table_formats import FORMATS
@@ -13,14 +16,16 @@ from vmach.importers.convention import Convention
 from vmach.importers.importer import Imported, Importer, Section
 from vmach.importers.questions import Questions
 from vmach.importers.source_file import SourceFile
-from vmach.machine.chain import Chain
-from vmach.machine.component_errors import component_of
+from vmach.machine.chain import LINEAR_AXES, Chain
+from vmach.machine.component_errors import COMPONENT_NAMES, component_of
 from vmach.machine.tables.runs import Runs
 
 __all__ = ["ControllerTables"]
 
-#: largest error of a table that is believed, in mm and rad
+#: largest error of a table that is believed, mm or rad
 _LARGEST = 10.0
+#: of a squareness, rad
+_LARGEST_RAD = 0.1
 
 
 class ControllerTables(Importer):
@@ -89,9 +94,31 @@ def _errors_of(one: TableFormat, folder: Path, options: dict[str, str]) -> HeldE
             line=1,
             accepted=f"files as 'vmach tables --format {one.name}' writes them",
         ) from None
-    if not held.tables and not held.squareness_rad:
-        raise InputError("holds no table", file=folder / one.sign, accepted=one.title)
+    _check(held, folder / one.sign, one)
     return held
+
+
+def _check(held: HeldErrors, file: Path, one: TableFormat) -> None:
+    """Refuse what no control has: other names, positions out of order, values that are none."""
+    wrong = None
+    if not held.tables and not held.squareness_rad:
+        wrong = "holds no table"
+    elif held.order and sorted(held.order) != sorted(LINEAR_AXES):
+        wrong = f"has axes '{held.order}'"
+    for name, columns in held.tables.items():
+        if name not in COMPONENT_NAMES:
+            wrong = f"'{name}' is no error of a linear axis"
+        elif not all(np.isfinite(column).all() for column in columns):
+            wrong = f"{name} holds a value that is no number"
+        elif len(columns[0]) < 2 or (np.diff(columns[0]) <= 0).any():
+            wrong = f"{name} has {len(columns[0])} positions, or two that do not increase"
+    for name, value in held.squareness_rad.items():
+        if not re.fullmatch("E[ABC]0[XYZ]", name) or not isinstance(value, int | float):
+            wrong = f"squareness '{name}' = {value!r}"
+        elif not abs(value) < _LARGEST_RAD:
+            wrong = f"squareness {name} is {value:g} rad"
+    if wrong:
+        raise InputError(wrong, file=file, line=1, accepted=one.title)
 
 
 def _chain_text(held: HeldErrors) -> str:

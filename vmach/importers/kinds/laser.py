@@ -171,9 +171,7 @@ def _readings(table: LooseTable, questions: Questions) -> _Readings:
     """Every reading by itself, deviations as measured minus target."""
     position = table.complete("position")
     wanted = ("measured-target", "target-measured")
-    sense = questions.choice(
-        "deviation", "what a deviation in the file is", wanted, default=wanted[0]
-    )
+    sense = questions.told("deviation", wanted)
     sign = 1.0 if sense == wanted[0] else -1.0
     if "actual" in table.numbers:
         value = 1e3 * (table.complete("actual") - position)

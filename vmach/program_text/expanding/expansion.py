@@ -10,6 +10,7 @@ import numpy as np
 
 from gcode import MoveKind, Moves, Program, ProgramError, Source, read_program
 from vmach.errors import InputError
+from vmach.job import Job
 from vmach.path.geometry import position_at
 from vmach.path.preparation import Preparation, prepare
 from vmach.program_text.expanding.expanded_text import Expanded
@@ -17,7 +18,7 @@ from vmach.program_text.expanding.plain_lines import plain_lines
 from vmach.program_text.expanding.plain_motion import plain
 from vmach.program_text.expanding.unrolling import unrolled
 
-__all__ = ["Expanded", "expanded", "prepare_plain"]
+__all__ = ["Expanded", "expanded", "job_of_control", "prepare_plain"]
 
 #: two readings of one path differ by no more
 _SAME_MM = 1e-9
@@ -73,11 +74,19 @@ def prepare_plain(
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / program.path.name
         path.write_bytes(program.source.data)
-        again = prepare(preparation.job, program_path=path)
+        again = prepare(job_of_control(preparation), program_path=path)
     named = replace(
         again.program, path=program.path, source=Source(program.source.data, program.path)
     )
     return replace(again, program=named, notes=preparation.notes), expansion  # the user's lines
+
+
+def job_of_control(preparation: Preparation) -> Job:
+    """The job, with the control said whose words a written text may have lost."""
+    program = preparation.program
+    if program.language.is_rs274:
+        return preparation.job
+    return replace(preparation.job, dialect=program.dialect)
 
 
 def _read_again(program: Program, step: Expanded) -> Program:

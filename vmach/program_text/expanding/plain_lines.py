@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcode import MoveKind, Program, Step
+from gcode import MoveKind, PlainBlocks, Program, Step
 from vmach.program_text.expanding.expanded_text import Expanded, LineBuilder
 from vmach.program_text.frame_shift import rotation_of_moves, turned_about_z
 
@@ -37,7 +37,7 @@ def plain_lines(program: Program) -> Expanded | None:
 class _Writer:
     """Writes line after line."""
 
-    def __init__(self, program: Program, blocks: object) -> None:
+    def __init__(self, program: Program, blocks: PlainBlocks) -> None:
         self.program, self.blocks, self.moves = program, blocks, program.moves
         self.lines = LineBuilder(program)
         self.point_mm = program.record.path().point_mm
@@ -45,7 +45,8 @@ class _Writer:
         self.angle = rotation_of_moves(program)
         self.seconds = {int(row): seconds for row, seconds in program.record.dwells.tolist()}
         self.steps = {step.line: step for step in program.steps}
-        self.own_feed = self.own_pole = True  #: feed and circle centre in force are the user's
+        #: feed, circle centre and kind of motion in force are the user's
+        self.own_feed = self.own_pole = self.own_motion = True
 
     def write(self) -> None:
         """All lines."""
@@ -58,12 +59,14 @@ class _Writer:
                 self.lines.keep(line, last)
                 self.own_feed |= self.blocks.says_feed(line)
                 self.own_pole |= self.blocks.sets_pole(line)
+                self.own_motion |= self.blocks.says_motion(line)
             else:
                 for block in self.blocks.framed(line, written):
                     self.lines.write(line, block, why)
                 if not written:
                     self.lines.drop(line, why)
                 self.own_feed &= not written
+                self.own_motion &= not written
                 self.own_pole &= not any(block.startswith("CC") for block in written)
             line = last + 1
 
@@ -77,7 +80,7 @@ class _Writer:
         step, rows = self.steps.get(line), self._rows(line)
         moving = rows[self.moves.kind[rows] != MoveKind.DWELL]
         if self.blocks.waits(line):
-            return "rounded or chamfered corner: its lines and arcs"
+            return "corner or modal call: its moves"
         if step is None or not len(moving) or step.unwritable:
             return None
         if step.modes.side or step.before.side:
@@ -89,8 +92,10 @@ class _Writer:
             return "parameters, polar words: X and Y"
         is_fed = self.moves.kind[moving[0]] != MoveKind.RAPID
         lacks_feed = is_fed and not self.own_feed and not self.blocks.says_feed(line)
-        if lacks_feed or (not self.own_pole and self.blocks.needs_pole(line)):
-            return "feed and circle centre of the lines before it"
+        lacks_motion = not self.own_motion and not self.blocks.says_motion(line)
+        lacks_pole = not self.own_pole and self.blocks.needs_pole(line)
+        if lacks_feed or lacks_motion or lacks_pole:
+            return "modes of the lines before it"
         return None
 
     def _written(self, line: int) -> list[str] | None:
@@ -107,7 +112,10 @@ class _Writer:
 
     def _block(self, row: int, step: Step) -> list[str] | None:
         moves, kind = self.moves, self.moves.kind[row]
-        if step.modes.unit_mm != 1.0 or step.modes.plane != 1:
+        modes = step.modes
+        if modes.unit_mm != 1.0 or modes.plane != 1 or not modes.absolute:
+            return None
+        if modes.feed_mode != "minute":
             return None
         if kind == MoveKind.DWELL:
             seconds = self.seconds.get(row, 0.0)
@@ -116,11 +124,11 @@ class _Writer:
         motion = turned_about_z(moves.end_mm[row] - moves.start_mm[row], -self.angle[row])
         feed = None if kind == MoveKind.RAPID else float(moves.feed_mm_per_min[row])
         if kind == MoveKind.ARC:
-            if abs(motion[2]) > _STILL_MM or moves.sweep_rad[row] > 2.0 * np.pi + 1e-9:
+            if abs(moves.sweep_rad[row]) > 2.0 * np.pi + 1e-9:
                 return None
             out = turned_about_z(moves.centre_mm[row] - moves.end_mm[row], -self.angle[row])
-            return self.blocks.arc(end, end + out, feed,
-                                   counter_clockwise=moves.axis[row, 2] > 0)  # fmt: skip
+            turns = moves.sweep_rad[row] * moves.axis[row, 2]
+            return self.blocks.arc(end - motion, end, end + out, feed, counter_clockwise=turns > 0)
         named = [a for a, m in zip("XYZ", motion, strict=True)
                  if abs(m) > _STILL_MM or a in step.words]  # fmt: skip
         return self.blocks.straight(end, named, feed) if named else []

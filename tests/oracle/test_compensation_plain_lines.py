@@ -1,0 +1,162 @@
+"""Klartext and Sinumerik with cycles, compensation, parameters and corners, corrected.
+
+`tests.oracle.other_controls` reads the plain lines by the manual and shares no code with the
+project; what is written is read again by the same control and run through the machine.
+"""
+
+import re
+
+import numpy as np
+import pytest
+
+from gcode import MoveKind, Source, ToolEntry, read_program
+from tests.oracle.other_controls import read_klartext, read_sinumerik
+from tests.oracle.test_compensation_programs import SCALE, job_with
+from vmach.compensation import compensate
+from vmach.errors import InputError
+from vmach.program_text.expanding.expansion import expanded
+
+TOOLS = {1: ToolEntry(100.0, 10.0)}
+
+CONTOUR = """Q1 = 12
+L X+Q1 Y+20 FMAX
+L Z+2 FMAX
+L Z-5 F100 M8
+L X+20 Y+20 RL F200
+L X+60 ; along
+RND R8
+L Y+50
+CHF 3
+L X+20
+L Y+10
+L X+0 Y+0 R0 F500
+L Z+30 FMAX"""
+HOLES = """CYCL DEF 200 DRILLING ~
+    Q200=2 ~
+    Q201=-10 ~
+    Q206=150 ~
+    Q202=4 ~
+    Q210=0 ~
+    Q203=0 ~
+    Q204=20 ~
+    Q211=0.5
+L X+10 Y+10 FMAX M99
+L X+30 FMAX M99"""
+POLAR = """L X+60 Y+40 Z+3 FMAX
+CC X+40 Y+40
+LP PR+20 PA+90 F250
+C X+40 Y+20 DR-
+L X+0
+CT X-20 Y+10
+L Z+50 FMAX"""
+POCKET = """CYCL DEF 252 CIRCULAR POCKET ~
+    Q215=0 ~
+    Q223=40 ~
+    Q207=500 ~
+    Q201=-6 ~
+    Q202=3 ~
+    Q206=150 ~
+    Q200=2 ~
+    Q203=0 ~
+    Q204=20
+CYCL CALL POS X+50 Y+45 Z+0 FMAX
+L X+0 Y+0 FMAX"""
+BODIES = {"contour": CONTOUR, "holes": HOLES, "polar": POLAR, "pocket": POCKET,
+          "everything": "\n".join([CONTOUR, HOLES, POLAR, POCKET])}  # fmt: skip
+
+
+S_CONTOUR = """R1=12
+G0 X=R1 Y20 Z2
+G1 Z-5 F100 M8
+G41 X20 Y20 F200
+X60 RND=8 ; along
+Y50 CHR=3
+X20
+Y10
+G40 X0 Y0
+G0 Z30"""
+S_HOLES = """F150
+MCALL CYCLE81(20,0,2,-10)
+X10 Y10
+X30
+HOLES2(50,50,20,0,0,5)
+MCALL
+G0 Z30 Y60
+CYCLE83(20,0,2,-10,,-4,,0,0.5,0,1,1)
+X15"""
+S_POLAR = """G0 X60 Y40 Z3
+G111 X40 Y40
+G1 AP=90 RP=20 F250
+X0
+G2 X=IC(10) Y=AC(50) CR=12
+CT X30 Y10
+G0 Z50"""
+S_POCKET = """POCKET4(20,0,2,-6,20,50,45,3,0,0,500,150,0,11,0,0,0,0,0)
+G0 X0 Y0"""
+CASES = [
+    *(pytest.param("heidenhain", body, id=f"klartext {name}") for name, body in BODIES.items()),
+    *(pytest.param("sinumerik", body, id=f"sinumerik {name}") for name, body in {
+        "contour": S_CONTOUR, "holes": S_HOLES, "polar": S_POLAR, "pocket": S_POCKET,
+        "everything": "\n".join([S_CONTOUR, S_HOLES, S_POLAR, S_POCKET])}.items()),
+]  # fmt: skip
+READERS = {"heidenhain": read_klartext, "sinumerik": read_sinumerik}
+
+
+def text_of(body, dialect):
+    if dialect == "sinumerik":
+        return f"G17 G71 G90 G54\nT1 D1 M6\nS1000 M3\nG0 X0 Y0 Z50\n{body}\nM30\n"
+    head = "BEGIN PGM A MM\nTOOL CALL 1 Z S1000 F300\nL X+0 Y+0 Z+50 R0 FMAX M3\n"
+    return f"{head}{body}\nM30\nEND PGM A MM\n"
+
+
+def read(text, dialect):
+    return read_program(Source(text.encode(), "part"), tools=TOOLS, dialect=dialect)
+
+
+@pytest.mark.parametrize(("dialect", "body"), CASES)
+def test_plain_lines_are_the_path_that_the_manual_makes_of_them(dialect, body):
+    program = read(text_of(body, dialect), dialect)
+    plain, expansion = expanded(program)
+    text = plain.source.data.decode()
+    assert expansion.reasons
+    for word in ("M99", "RND", " RL", "G41", "CYCLE8", "MCALL", "POCKET4", "AP=", "=R"):
+        assert word not in text
+    moves = program.moves
+    rows = (moves.kind != MoveKind.DWELL) & (
+        (np.abs(moves.end_mm - moves.start_mm).max(axis=1) > 1e-9) | (moves.kind == MoveKind.ARC)
+    )
+    poleless = re.sub(r"(?m)^G111.*\n", "", text)  # says a pole and moves nothing
+    verdict = READERS[dialect](poleless, np.zeros(3))
+    far = [np.abs(np.subtract(a, b)).max() > 1e-9 or arc is not None
+           for a, b, arc in zip(verdict.start, verdict.end, verdict.arc, strict=True)]  # fmt: skip
+    ends, wanted = np.array(verdict.end)[far], moves.end_mm[rows] - [0, 0, 100]
+    assert len(ends) >= len(wanted) > 3
+    assert ends[-len(wanted) :] == pytest.approx(wanted, abs=1e-9)
+
+
+@pytest.mark.parametrize(("dialect", "body"), CASES)
+def test_the_written_program_read_again_makes_the_intended_path(tmp_path, dialect, body):
+    job, effects = job_with(tmp_path, "", SCALE)
+    job.program.write_text(text_of(body, dialect))
+    found = compensate(job, effects)
+    assert found.after.largest_mm < 2e-3 < found.before.largest_mm
+    assert len(read(found.text.decode(), dialect).moves) > 0
+
+
+@pytest.mark.parametrize(
+    ("dialect", "body", "word"),
+    [
+        ("sinumerik", "CYCLE84(20,0,2,-10,,0,3,,1.5,0,500,500)", "tapping"),
+        ("sinumerik", "F100\nCYCLE86(20,0,2,-10,,0,3,1,1,1,0)", "boring"),
+        ("sinumerik", "G331 Z-5 K1", "tapping"),
+        ("sinumerik", "G70\nG41 G1 X9 F9\nG40 X20\nG71", "cutter compensation"),
+        ("heidenhain", "CC X+0 Y+0\nCP IPA+90 IZ-3 DR+ F200", "polar coordinates"),
+    ],
+)
+def test_what_has_no_plain_lines_is_refused_by_line_and_word(tmp_path, dialect, body, word):
+    job, effects = job_with(tmp_path, "", SCALE)
+    start = "G0 X9 Y0\n" if dialect == "sinumerik" else "L X+9 Y+0 FMAX\n"
+    text = text_of(start + body, dialect).replace("G17 G71", 'MSG("A")\nG17 G71')
+    job.program.write_text(text)
+    with pytest.raises(InputError, match=rf"part\.nc:\d+: .*{word}.*cannot be compensated"):
+        compensate(job, effects)
