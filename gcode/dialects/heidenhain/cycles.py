@@ -17,7 +17,7 @@ __all__ = ["DRILLING", "drill"]
 
 #: above the last depth where the tool goes back into the hole, mm
 _ADVANCED_STOP_MM = 0.2
-_MOST_PECKS = 100_000
+_MOST_PECKS = 10_000  #: more is a slip of the decimal point, and would take seconds a hole
 #: by which cycle 202 takes the edge from the wall, mm
 _OFF_THE_WALL_MM = 0.2
 

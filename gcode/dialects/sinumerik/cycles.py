@@ -19,7 +19,7 @@ CYCLES = frozenset(f"CYCLE{number}" for number in (81, 82, 83, 84, 85, 86, 87, 8
 PATTERNS = frozenset(("HOLES1", "HOLES2", "CYCLE801"))
 #: by which CYCLE83 draws back to break chips, mm
 _CHIP_BREAK_MM = 1.0
-_MOST_PECKS = 100_000
+_MOST_PECKS = 10_000  #: more is a slip of the decimal point, and would take seconds a hole
 Arguments = list[float | None]
 
 
