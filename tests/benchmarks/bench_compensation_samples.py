@@ -109,7 +109,7 @@ class BeforeRounding:
                                 path_length_mm=1.0).in_order()  # fmt: skip
         course, exact = rounding._course(probes), rounding.exact(probes)
         every = np.arange(len(solution.plan.pieces))
-        places = rounding._places(every, rounding._best(course, exact, probes, every))
+        _, places = rounding._best(course, exact, probes, every)
         ends = rounding.points(probes, places, every)
         step_mm = rounding.step_mm.max()
         largest, total = least_of_pieces(course, exact, ends)

@@ -4,27 +4,30 @@
     python tests/benchmarks/bench_hidden_effects.py --table rows.csv
 
 Every experiment is drawn by `tests/hidden_effects`, diagnosed through the command line, and
-judged; what was named is added and the check part foretold. A row for each goes to a CSV file as
-soon as it is there; cases in that file are not run again. The peer in the table is abstention:
-an answer "nothing" would be right for kind `none` alone.
+judged; what was named is added and the check part foretold. The experiments are a study of ``vmach
+batch``, which lies in the folder: broken off, the same command goes on; shards and a dask scheduler
+can work on it as well. Rows go to a CSV file; cases in that file are not run again. The peer in the
+table is abstention: an answer "nothing" would be right for kind `none` alone.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import hashlib
 import json
+import os
 import shutil
+import subprocess
 import sys
 from collections import Counter
-from concurrent.futures import ProcessPoolExecutor
 from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 from scipy.stats import beta
 
-sys.path.insert(0, str(Path(__file__).parents[2]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from tests.hidden_effects import program_runs
 from tests.hidden_effects.experiment import FOREIGN_KINDS, SINGLE_KINDS, make_experiment
@@ -32,8 +35,11 @@ from tests.hidden_effects.instruments import INSTRUMENTS
 from tests.hidden_effects.measuring import NOISES
 from tests.hidden_effects.part import PartDesign
 from tests.hidden_effects.verdict import OUTCOMES, judge
+from vmach.study.case import Case
 
+ROOT = Path(__file__).resolve().parents[2]
 NOISE_UM = 0.8
+MODULE = "tests.benchmarks.bench_hidden_effects"
 COLUMNS = (
     "kind", "noise", "seed", "outcome", "hidden", "said", "parameters", "ratio", "inside",
     "foretold", "seconds", "named", "true", "hidden_count",
@@ -187,6 +193,35 @@ def append(path: Path, row: dict) -> None:
         writer.writerow(row)
 
 
+def judged_case(case: Case, random: np.random.Generator) -> dict:
+    """A case of the study. Experiments draw from seeds of their own."""
+    told = dict(case.values)
+    kind, seed = told.pop("kind"), int(told.pop("seed"))
+    told["instruments"] = told["instruments"].split()
+    return one(kind, seed, argparse.Namespace(folder=case.folder, **told))
+
+
+def studied(tasks: list[tuple[str, int]], args: argparse.Namespace) -> list[dict]:
+    """Rows of experiments, (kind, seed) each, by ``vmach batch``."""
+    values = {"instruments": " ".join(args.instruments), "noise": args.noise,
+              "held_out": args.held_out, "keep": args.keep}  # fmt: skip
+    digest = hashlib.sha256(json.dumps([tasks, values]).encode()).hexdigest()[:12]
+    folder = args.folder / f"study_{digest}"
+    folder.mkdir(exist_ok=True)
+    table_rows = [f"{kind},{seed}\n" for kind, seed in tasks]
+    (folder / "cases.csv").write_text("".join(["kind,seed\n", *table_rows]))
+    said = "".join(f"{name} = {json.dumps(value)}\n" for name, value in values.items())
+    (folder / "study.toml").write_text(
+        f'schema = 1\nfunction = "{MODULE}:judged_case"\ntable = "cases.csv"\n[cases]\n{said}'
+    )
+    command = [sys.executable, "-m", "vmach", "batch", str(folder / "study.toml"),
+               "--out", str(folder / "results"), "--processes", str(args.workers)]  # fmt: skip
+    subprocess.run(command, env=os.environ | {"PYTHONPATH": str(ROOT)}, check=True)
+    found = [json.loads(path.read_text())["result"]
+             for path in (folder / "results" / "cases").glob("*.json")]  # fmt: skip
+    return sorted(found, key=lambda row: tasks.index((row["kind"], row["seed"])))
+
+
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -211,13 +246,11 @@ def main() -> None:
     done = {(r["kind"], int(r["seed"])) for r in rows}
     tasks = [(k, args.seed + n) for n in range(args.count) for k in args.kinds]
     tasks = [t for t in tasks if t not in done]
-    if tasks:
-        with ProcessPoolExecutor(args.workers) as pool:
-            for row in pool.map(one, *zip(*tasks, strict=True), [args] * len(tasks)):
-                append(args.rows, row)
-                if row["outcome"] not in ("right", "class"):
-                    told = f"{row['kind']} {row['seed']} {row['outcome']}"
-                    print(f"{told}\n    hidden {row['hidden']}\n    said {row['said']}", flush=True)
+    for row in studied(tasks, args) if tasks else ():
+        append(args.rows, row)
+        if row["outcome"] not in ("right", "class"):
+            told = f"{row['kind']} {row['seed']} {row['outcome']}"
+            print(f"{told}\n    hidden {row['hidden']}\n    said {row['said']}", flush=True)
     return table(read_rows(args.rows))
 
 

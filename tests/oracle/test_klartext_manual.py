@@ -215,7 +215,8 @@ def test_what_would_be_read_wrongly_is_refused(line):
 )  # fmt: skip
 def test_planes_that_tilt_nothing_are_read(plane, flat):
     if flat:
-        assert read(f"PLANE {plane}\nL X+7 FMAX").moves.end_mm[-1, 0] == 7
+        moves = read(f"PLANE {plane}\nL A+Q120 C+Q122 FMAX\nL X+7 FMAX").moves
+        assert moves.end_mm[-1, 0] == 7
     else:
         with pytest.raises(ProgramError, match="tilts the plane"):
             read(f"PLANE {plane}\nL X+7 FMAX")

@@ -212,6 +212,13 @@ def test_tables_of_controls_come_back(name, tmp_path):
     assert np.abs(apart).max() < 2e-6
 
 
+def test_an_entry_of_a_control_that_is_no_number_is_named(tmp_path):
+    (sample,) = [one for one in SAMPLES if one.file == "AX_EEC.INI"]
+    path = sample.write(tmp_path, sample.text.replace("0.004", "0.1e400"))
+    with pytest.raises(InputError, match=r"AX_EEC.INI:4: value '0.1e400'; accepted: a number"):
+        import_files([path], Questions())
+
+
 def test_points_of_a_scan_lie_on_the_nominal_surface(tmp_path):
     """A grown, moved plate: what a scan of it reads is known at every point."""
     job = write_plate_job(tmp_path)

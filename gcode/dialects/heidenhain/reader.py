@@ -157,6 +157,7 @@ class KlartextReader(Translated):
         is_flat = is_flat_plane(content, self.parameters.number)
         if not is_flat and not content.startswith("PLANE RESET"):
             raise ProgramError(f"'{content}' tilts the plane", accepted="PLANE RESET")
+        self.parameters.values |= dict.fromkeys(("120", "121", "122"), 0.0)  # angles of A B C
         self._noted("PLANE RESET", "no tilted plane")
 
     def _control_function(self, content: str) -> None:

@@ -9,6 +9,7 @@ import itertools
 import math
 import re
 from collections.abc import Callable
+from functools import lru_cache
 
 from gcode.errors import ProgramError
 
@@ -43,6 +44,17 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {
 }  # fmt: skip
 _MOST_ELEMENTS = 100_000  #: of a field
 _CONSTANTS = {"TRUE": 1.0, "FALSE": 0.0, "$PI": math.pi}
+
+
+@lru_cache(maxsize=4096)
+def _scanned(text: str, position: int) -> tuple[tuple[str, ...], tuple[int, ...]]:
+    """Parts of the expression that begins at a position, and where each ends."""
+    tokens, ends, text = [], [], text.upper()
+    while (match := _TOKEN.match(text, position)) is not None:
+        tokens.append(match[1])
+        position = match.end()
+        ends.append(position)
+    return tuple(tokens), tuple(ends)
 
 
 class Variables:
@@ -93,11 +105,7 @@ class Variables:
 
     def read(self, text: str, position: int) -> tuple[float, int]:
         """Value of the expression that begins at a position, and where it ends."""
-        tokens, ends = [], []
-        while (match := _TOKEN.match(text.upper(), position)) is not None:
-            tokens.append(match[1])
-            position = match.end()
-            ends.append(position)
+        tokens, ends = _scanned(text, position)
         left = list(tokens)
         value = self._operation(left, 0)
         if not math.isfinite(value):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import lru_cache
 
 from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, NO_MOTION, SAME, STOPS
 from gcode.dialects.sinumerik.corners import CORNERS, WaitingLine
@@ -67,6 +68,13 @@ _TILTED = re.compile(r"CYCLE800\s*\((.*)\)", re.IGNORECASE)
 _SUPPRESSED = re.compile(r"\bSUPA\b", re.IGNORECASE)  #: every frame, for one block
 
 
+@lru_cache(maxsize=4096)
+def _split_head(line: str) -> tuple[re.Match, str]:
+    text = re.sub(r";.*", "", line).strip()
+    head = _HEAD.match(text)
+    return head, text[head.end() :].strip()
+
+
 class SinumerikReader(Translated):
     """Runs a Sinumerik program; every block becomes blocks of RS274/NGC."""
 
@@ -90,9 +98,7 @@ class SinumerikReader(Translated):
 
     def content(self, index: int) -> tuple[re.Match, str]:
         """Head and body of a line without comment."""
-        text = re.sub(r";.*", "", self.lines[index]).strip()
-        head = _HEAD.match(text)
-        return head, text[head.end() :].strip()
+        return _split_head(self.lines[index])
 
     def obey(self, text: str) -> None:
         """Obey one line."""

@@ -63,6 +63,10 @@ class Probes:
         order = np.argsort(self.key, kind="stable")
         return Probes(*(getattr(self, name)[order] for name in self.__dataclass_fields__))
 
+    def part(self, rows: slice) -> Probes:
+        """Some of them."""
+        return Probes(*(getattr(self, name)[rows] for name in self.__dataclass_fields__))
+
     def beside(self, others: Probes) -> Probes:
         """These and others."""
         names = self.__dataclass_fields__

@@ -6,7 +6,7 @@ the ends.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -26,6 +26,8 @@ __all__ = ["Rounding"]
 _POINTS = 24
 #: ends whose points are compared at once
 _AT_ONCE = 4096
+#: probes whose steps are found at once
+_PROBES_AT_ONCE = 1 << 18
 #: weight of the eighth power beside the second, in steps: keeps the largest small
 _LARGE = 16.0
 #: weight of the whole distance of an end, and the way that a piece has at least for it
@@ -84,8 +86,7 @@ class Rounding:
         total, last = np.zeros(_POINTS), None
         for first in range(0, count, _AT_ONCE):  # the points of all ends would fill the memory
             ends = np.arange(first, min(first + _AT_ONCE, count))
-            kept[ends] = self._best(course, exact, probes, ends)
-            places = self._places(ends, kept[ends])
+            kept[ends], places = self._best(course, exact, probes, ends)
             if last is not None:
                 places, ends = last.before(places), np.arange(first - 1, ends[-1] + 1)
             points = self.points(probes, places, ends)
@@ -101,18 +102,22 @@ class Rounding:
             if mask.any():
                 yield np.flatnonzero(mask), near(ends[mask])
 
-    def _best(self, course: Course, exact: Points, probes: Probes, ends: np.ndarray) -> np.ndarray:
-        """Numbers of the points that leave least between exact neighbours, (E, points)."""
-        best = np.zeros((len(ends), _POINTS), np.int64)
-        for rows, places in self._near(ends):
+    def _best(
+        self, course: Course, exact: Points, probes: Probes, ends: np.ndarray
+    ) -> tuple[np.ndarray, GridPlaces]:
+        """The points that leave least between exact neighbours: numbers, (E, points), and they."""
+        best, near = np.zeros((len(ends), _POINTS), np.int64), [*self._near(ends)]
+        for rows, places in near:
             points = self.points(probes, places, ends[rows])
             best[rows] = best_points(course, exact, points, ends[rows], _POINTS)
-        return best
+        return best, self._places(ends, near, best)
 
-    def _places(self, ends: np.ndarray, number: np.ndarray) -> GridPlaces:
-        """The points about some ends with these numbers, (E, C)."""
+    def _places(
+        self, ends: np.ndarray, near: Iterable[tuple[np.ndarray, GridPlaces]], number: np.ndarray
+    ) -> GridPlaces:
+        """Of all points about some ends those with these numbers, (E, C)."""
         found = GridPlaces.empty(len(ends), number.shape[1])
-        for rows, places in self._near(ends):
+        for rows, places in near:
             found.put(rows, places.taken(number[rows]))
         found.off_mm[self.plan.is_kept[ends]] = 0.0
         return found
@@ -122,7 +127,7 @@ class Rounding:
         chosen = GridPlaces.empty(len(number), 1)
         for first in range(0, len(number), _AT_ONCE):
             ends = np.arange(first, min(first + _AT_ONCE, len(number)))
-            chosen.put(ends, self._places(ends, number[ends, None]))
+            chosen.put(ends, self._places(ends, self._near(ends), number[ends, None]))
         old, inserted = self.plan.pieces, np.flatnonzero(self.grid.inserted)
         start, end = old.start.copy(), old.end.copy()
         end[inserted] = start[inserted + 1] = chosen.parameter[inserted, 0]
@@ -135,22 +140,15 @@ class Rounding:
 
         On arcs only what the ends are off counts, in the frame of the place.
         """
-        plan, first, last = self.plan, self.first, self.last
+        plan, first = self.plan, self.first
         inside = np.concatenate([[False], plan.move[1:] == plan.move[:-1]])
-        piece = np.searchsorted(plan.move + first, probes.key, side="right") - 1
-        piece = np.maximum(piece, 0)
-        share = (probes.parameter - first[piece]) / np.maximum(last - first, _NO_SPAN)[piece]
-        end = self.target.ends_mm
-        start = np.vstack([np.zeros(3), end[:-1]])[piece]
-        wanted = start + share[:, None] * (end[piece] - start)
-        wanted[self.is_arc[piece]] = 0.0
-        normal, arc = probes.normal.copy(), self.is_arc[piece]
-        frames = arc_frames(self.rewriter.moves, probes.move[arc], probes.parameter[arc])
-        normal[arc] = np.einsum("pvi,pi->pv", frames, probes.normal[arc])
+        normal, base = np.empty_like(probes.normal), np.empty_like(probes.left_mm)
+        for begin in range(0, len(base), _PROBES_AT_ONCE):
+            part = slice(begin, begin + _PROBES_AT_ONCE)
+            normal[part], base[part] = self._in_steps(probes.part(part))
         return Course(
-            normal=normal / self.step_mm[piece][:, None],
-            base=(probes.left_mm - np.einsum("pi,pi->p", probes.normal, wanted))
-            / self.step_mm[piece],
+            normal=normal,
+            base=base,
             weight=probes.path_length_mm,
             parameter=probes.parameter,
             only_below=probes.only_below,
@@ -160,6 +158,22 @@ class Rounding:
             still=self._still(),
             large=_LARGE,
         )
+
+    def _in_steps(self, probes: Probes) -> tuple[np.ndarray, np.ndarray]:
+        """Normals (P, 3), and what is left without corrections (P,), in steps: see `Course`."""
+        first, span = self.first, np.maximum(self.last - self.first, _NO_SPAN)
+        piece = np.searchsorted(self.plan.move + first, probes.key, side="right") - 1
+        piece = np.maximum(piece, 0)
+        share = (probes.parameter - first[piece]) / span[piece]
+        end = self.target.ends_mm
+        start = np.where((piece > 0)[:, None], end[piece - 1], 0.0)
+        wanted = start + share[:, None] * (end[piece] - start)
+        wanted[self.is_arc[piece]] = 0.0
+        normal, arc = probes.normal.copy(), self.is_arc[piece]
+        frames = arc_frames(self.rewriter.moves, probes.move[arc], probes.parameter[arc])
+        normal[arc] = np.einsum("pvi,pi->pv", frames, probes.normal[arc])
+        left = probes.left_mm - np.einsum("pi,pi->p", probes.normal, wanted)
+        return normal / self.step_mm[piece][:, None], left / self.step_mm[piece]
 
     def _still(self) -> np.ndarray:
         """Weight against motion of axes that stand in a piece, and so need no word, (K, 3)."""

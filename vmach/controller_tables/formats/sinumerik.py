@@ -32,7 +32,7 @@ from vmach.controller_tables.projection import AxisTable, Term, scaled
 from vmach.controller_tables.table_format import HeldErrors, TableFormat, error_name, projected
 from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
-from vmach.files.text_file import read_text
+from vmach.files.text_file import decimal_number, read_text
 
 __all__ = [
     "FORMATS",
@@ -50,6 +50,8 @@ MOST_ENTRIES = 200
 _AXES = ("X1", "Y1", "Z1")
 _DIGITS = 6
 _SMALLEST_FACTOR_MM = 1e-3
+#: of any number of a table, mm
+_LARGEST = 1e6
 _CEC_HEAD = """%_N_NC_CEC_INI
 CHANDATA(1)
 ; sag and angularity compensation; entries in mm: {entries}
@@ -280,7 +282,7 @@ def read_cec(folder: Path, *, entries: str = "correction") -> CrossCompensation:
     tables: dict[int, _ReadTable] = defaultdict(_ReadTable)
     for number, line in _program_lines(path):
         name, index, place, value = _matched(_CEC_LINE, line, path, number)
-        _set(tables[int(index)], name, place, value)
+        _set(tables[int(index)], name, place, _value(name, value, path, number))
     _check(tables, path)
     return CrossCompensation(dict(tables), entries)
 
@@ -291,7 +293,7 @@ def read_enc_comp(folder: Path) -> EncoderCompensation:
     tables: dict[int, _ReadTable] = defaultdict(_ReadTable)
     for number, line in _program_lines(path):
         name, place, axis, value = _matched(_ENC_LINE, line, path, number)
-        _set(tables["XYZ".index(axis)], name, place, value)
+        _set(tables["XYZ".index(axis)], name, place, _value(name, value, path, number))
     _check(tables, path)
     return EncoderCompensation(dict(tables))
 
@@ -308,6 +310,13 @@ def _matched(pattern: re.Pattern, line: str, path: Path, number: int) -> tuple:
     if found is None:
         raise InputError(f"'{line}' is no line of a compensation table", file=path, line=number)
     return found.groups()
+
+
+def _value(name: str | None, value: str, path: Path, line: int) -> str:
+    """The value of a line; of an entry, and of what places the entries, a number."""
+    if name in (None, "STEP", "MIN", "MAX") and not abs(decimal_number(value)) < _LARGEST:
+        raise InputError(f"value '{value}'", file=path, line=line, accepted="a number in mm")
+    return value
 
 
 def _set(table: _ReadTable, name: str | None, place: str | None, value: str) -> None:
