@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -30,6 +31,8 @@ from gcode.text.source import Source
 
 #: Smaller programs are read before the compiled reader would be loaded, bytes.
 _FAST_FROM = 50_000
+#: begins as programs of FANUC and its relatives do
+_NUMBERED = re.compile(rb"\s*%?\s*[O:]\d", re.IGNORECASE)
 
 __all__ = ["Note", "Program", "read_program"]
 
@@ -230,9 +233,11 @@ def _run_as_recognised(
     spoken = choose_dialect(name, data)
     try:
         return spoken, run(spoken.dialect)
-    except ProgramError:
+    except ProgramError as error:
         other = choose_dialect(name, data, whole=True)
         if other.dialect is spoken.dialect:
+            if spoken.is_fallback and _NUMBERED.match(data):
+                error.hint = "it begins with a program number: is it for FANUC or Haas?"
             raise
         return other, run(other.dialect)
 

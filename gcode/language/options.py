@@ -25,14 +25,11 @@ class ControlSettings:
         Skip blocks that begin with a slash; or those of some switches, 1 for a bare slash.
     ignore_m : frozenset of int
         Machine builder's M codes that move nothing.
-    options : tuple of str
-        Options of the dialect, as ``start-up B``.
     """
 
     increment: str | None = None
     block_delete: bool | frozenset[int] = False
     ignore_m: frozenset[int] = frozenset()
-    options: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.increment is not None and self.increment not in INCREMENT_SYSTEMS:

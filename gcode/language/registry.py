@@ -114,6 +114,7 @@ class Recognition:
 
     dialect: type[Dialect]
     reason: str
+    is_fallback: bool = False  #: nothing in the text says it
 
     def __str__(self) -> str:
         return f"read as {self.dialect.title} ({self.dialect.name}): {self.reason}"
@@ -137,7 +138,7 @@ def choose_dialect(name: str, data: bytes, *, whole: bool = False) -> Recognitio
         reason = kind.detect(text)
         if reason is not None:
             return Recognition(kind, reason)
-    return Recognition(_dialects()[_FALLBACK], "it has no word of another control")
+    return Recognition(_dialects()[_FALLBACK], "it has no word of another control", True)
 
 
 def dialect_of(path: str | Path, name: str = "auto") -> str:

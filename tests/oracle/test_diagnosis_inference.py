@@ -9,6 +9,7 @@ from scipy.stats import multivariate_normal
 
 from tests.unit.test_diagnosis_verdicts import stretched_and_loose, tip_job
 from vmach.diagnosis.inference.prepare import prepare_weighing
+from vmach.diagnosis.inference.verdicts import infer
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects import catalogue
 from vmach.fit.feature_noise import FeatureNoise
@@ -115,3 +116,9 @@ def test_a_needless_effect_lowers_the_score(weighing):
     pair = explained(weighing, "scale X", "backlash Y")
     more = explained(weighing, "scale X", "backlash Y", "squareness C0Y")
     assert more.score < pair.score - 1.0
+
+
+def test_without_any_candidate_nothing_is_named(tmp_path):
+    found = infer(prepare_weighing(survey_job(tip_job(tmp_path, stretched_and_loose)), []))
+    assert found.explanation.terms == ()
+    assert found.is_structure

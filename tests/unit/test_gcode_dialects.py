@@ -276,3 +276,11 @@ def test_programs_that_hold_every_word_of_a_control_are_read(path):
     assert len(program.moves) > 100
     again = read_program(path, tools=tools, dialect=program.dialect, fast=True)
     assert np.array_equal(again.moves.end_mm, program.moves.end_mm)
+
+
+def test_a_numbered_program_that_linuxcnc_refuses_is_asked_about():
+    with pytest.raises(ProgramError, match="is it for FANUC or Haas"):
+        read_program(Source(b"%\nO1000 (PLATE)\nG0 G91 G28 Z0\nM30\n", "part.nc"))
+    with pytest.raises(ProgramError) as error:
+        read_program(Source(b"G0 G91 G28 Z0\nM30\n", "part.nc"))
+    assert "FANUC" not in str(error.value)

@@ -58,9 +58,11 @@ class Evidence:
 
     @classmethod
     def joined(cls, parts: Sequence[Evidence], order: np.ndarray) -> Evidence:
-        """Of several groups of candidates, put in an order (C,) of those behind each other."""
+        """Of several groups of candidates on one set of readings, put in an order (C,)."""
+        none, nowhere = np.zeros((0, 1)), np.zeros((0, 1), dtype=int)
+        every = [cls(none, nowhere, nowhere, np.zeros(0)), *parts]
         names = ("log_factor", "best", "best_width", "information")
-        return cls(*(np.concatenate([getattr(p, n) for p in parts])[order] for n in names))
+        return cls(*(np.concatenate([getattr(p, n) for p in every])[order] for n in names))
 
 
 def _factors(gram: np.ndarray, inner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

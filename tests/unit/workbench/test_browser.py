@@ -4,6 +4,7 @@ One server and one page serve all tests, in the order in which somebody would wo
 small. What has to come is waited for as long as it takes.
 """
 
+import json
 import os
 import re
 import shutil
@@ -344,20 +345,39 @@ def test_the_report_is_of_what_is_on_the_screen(tab, folder):
 # ---- where the catalogue ends
 
 
-def test_it_proposes_a_form_and_what_to_measure_next(tab, folder):
+def test_it_proposes_a_form_and_writes_it_as_an_effect(tab, folder):
     open_job(tab, "odd.toml")
     tab.locator("#tab-diagnose").click()
     tab.locator("#diagnose").click()
-    with tab.expect_download() as waiting:
-        tab.get_by_text("Download its NC program").click()
-    assert "M30" in waiting.value.path().read_text() or "M2" in waiting.value.path().read_text()
-    form = tab.get_by_label("Instrument")
-    until(lambda: form.input_value() == "ballbar")  # a place for its readings
+    tab.get_by_role("button", name="Diagnose again").wait_for()
     tab.locator("#tab-propose").click()
     tab.get_by_role("button", name="Write it as an effect").first.click()
     until(lambda: "proposed_1.py" in tab.get_by_label("File of the effect").input_value())
     assert "class" in tab.get_by_label("Python of the effect").input_value()
     assert (folder / "proposed_1.py").is_file()
+
+
+def test_what_to_measure_next_has_a_program_and_a_place_for_its_readings(tab, context, folder):
+    # what a diagnosis asks for changes with its rules: the page is told of one that asks
+    answer = context.request.get(tab.url + "api/state", headers={"x-vmach": "1"})
+    state = answer.json()
+    place = Path("vmach-results") / "odd" / "diagnosis" / "next.nc"
+    (folder / place).write_text("G0 X0\nM30\n")
+    asked = {"text": "ballbar in XY, radius 120 mm", "separates": [], "program": str(place)}
+    state["shown"]["diagnosis"] |= {"next_measurement": asked, "program": str(place)}
+    hello = f"retry: 600000\nevent: hello\ndata: {json.dumps(state)}\n\n"
+    other = context.new_page()
+    other.route("**/api/events", lambda route: route.fulfill(
+        content_type="text/event-stream", body=hello))  # fmt: skip
+    other.goto(tab.url)
+    ready(other)
+    other.locator("#tab-diagnose").click()
+    with other.expect_download() as waiting:
+        other.get_by_text("Download its NC program").click()
+    assert waiting.value.path().read_text() == "G0 X0\nM30\n"
+    until(lambda: other.get_by_label("Instrument").input_value() == "ballbar")
+    assert other.locator(".readings [name=tool_length_mm]").is_visible()
+    other.close()
 
 
 def test_a_broken_law_is_said_with_its_line(tab):
@@ -372,7 +392,9 @@ def test_a_broken_law_is_said_with_its_line(tab):
 def test_a_broken_file_that_is_dropped_is_said_and_harms_nothing(tab, folder):
     before = sorted(path.name for path in folder.glob("*.toml"))
     tab.locator("#tab-diagnose").click()
-    drop(tab, ".drop >> nth=-1", "broken.csv", "radius;1\n\x00\n")
+    tab.get_by_text("Further readings").click()
+    tab.get_by_label("Instrument").wait_for()
+    drop(tab, "#panel-diagnose .drop", "broken.csv", "radius;1\n\x00\n")
     tab.get_by_label("Instrument").select_option("part")
     take = tab.get_by_role("button", name="Add these readings")
     until(take.is_enabled)

@@ -7,7 +7,7 @@ low rank.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -32,74 +32,50 @@ class Bank:
     """
 
     def __init__(self, base: Base, candidates: Sequence[Candidate]) -> None:
-        self._base, self._candidates = base, list(candidates)
-        shapes = [c.signatures_mm.shape[1:] for c in candidates]
-        # candidates with equally many coefficients lie side by side
-        order = sorted(range(len(shapes)), key=lambda c: shapes[c][1])
-        self._columns = [candidates[c].signatures_mm.reshape(len(base.y), -1) for c in order]
-        sizes = [shapes[c][0] * shapes[c][1] for c in order]
-        starts = np.cumsum([0, *sizes])
-        self._first = {c: int(start) for c, start in zip(order, starts[:-1], strict=True)}
-        self._shapes = shapes
-        self._members: dict[int, list[int]] = {}
-        for c in order:
-            self._members.setdefault(shapes[c][1], []).append(c)
-        self._with_members, self._seen = (
-            np.zeros((starts[-1], base.z.shape[1])),
-            np.zeros(starts[-1]),
-        )
-        self._gram = {k: np.zeros((0, k, k)) for k in self._members}
-        for some in self._batches():
-            own = slice(self._first[order[some[0]]], starts[some[-1] + 1])
-            rows = base.white(np.hstack([self._columns[c] for c in some])).T
-            self._with_members[own], self._seen[own] = rows @ base.z, rows @ base.y
-            terms = shapes[order[some[0]]][1]
-            new = _products(rows.reshape(-1, terms, rows.shape[1]))
-            self._gram[terms] = np.concatenate([self._gram[terms], new])
-
-    def _batches(self) -> Iterator[list[int]]:
-        """Candidates, as they lie, whose signatures are whitened together."""
-        order = [c for members in self._members.values() for c in members]
-        room = _ROOM // max(len(self._base.y), 1)
-        start = 0
-        while start < len(order):
-            end, width = start + 1, self._columns[start].shape[1]
-            while end < len(order) and self._shapes[order[end]][1] == self._shapes[order[start]][1]:
-                width += self._columns[end].shape[1]
-                if width > room:
-                    break
-                end += 1
-            yield list(range(start, end))
-            start = end
+        self._base = base
+        # candidates with equally many coefficients are weighed together
+        groups: dict[int, list[int]] = {}
+        for c, candidate in enumerate(candidates):
+            groups.setdefault(candidate.signatures_mm.shape[2], []).append(c)
+        listed = [c for members in groups.values() for c in members]
+        self._place = np.argsort(np.array(listed, dtype=int))
+        self._groups = [_Group(base, [candidates[c] for c in g], k) for k, g in groups.items()]
 
     def evidence(self, posterior: Posterior) -> Evidence:
         """Evidence of every candidate beside members and effects of a posterior."""
-        k, effects = posterior.sizes.factor, posterior.effects
-        back = self._base.back(effects.x)
-        with_effects = np.concatenate(
-            [np.zeros((0, back.shape[1])), *(c.T @ back for c in self._columns)]
-        )
-        here, root, mean = posterior.present
-        split = np.searchsorted(here, self._with_members.shape[1])
-        of_members = self._with_members[:, here[:split]]
-        shared = np.hstack([of_members, with_effects]) * posterior.scale[here]
-        inner = (self._seen - k * (shared @ mean)) / k**2
-        taken = solve_triangular(root, shared.T, lower=True, check_finite=False, overwrite_b=True).T
-        found = []
-        for terms, members in self._members.items():
-            part = self._part(taken, terms)
-            gram = (self._gram[terms] - _products(part)) / k**2
-            priors = [self._candidates[c].log_prior for c in members]
-            here = self._part(inner[:, None], terms)
-            found.append(evidence_at_places(gram, here, priors))
-        listed = [c for members in self._members.values() for c in members]
-        return Evidence.joined(found, np.argsort(listed))
+        back = self._base.back(posterior.effects.x)
+        return Evidence.joined([g.evidence(posterior, back) for g in self._groups], self._place)
 
-    def _part(self, rows: np.ndarray, terms: int) -> np.ndarray:
-        """Rows of the candidates with so many coefficients, (places, coefficients, ...)."""
-        members = self._members[terms]
-        end = self._first[members[-1]] + int(np.prod(self._shapes[members[-1]]))
-        return rows[self._first[members[0]] : end].reshape(-1, terms, rows.shape[1])
+
+class _Group:
+    """Candidates with equally many coefficients K, at P places in all."""
+
+    def __init__(self, base: Base, candidates: Sequence[Candidate], terms: int) -> None:
+        self._log_priors = [c.log_prior for c in candidates]
+        self._terms = terms
+        self._columns = [c.signatures_mm.reshape(len(base.y), -1) for c in candidates]
+        at_once = max(_ROOM // max(sum(c.size for c in self._columns) // len(candidates), 1), 1)
+        parts = []
+        for k in range(0, len(candidates), at_once):
+            rows = base.white(np.hstack(self._columns[k : k + at_once])).T
+            parts.append((rows @ base.z, rows @ base.y, _products(self._by_place(rows))))
+        self._with_members, self._seen, self._gram = map(np.concatenate, zip(*parts, strict=True))
+
+    def evidence(self, posterior: Posterior, back: np.ndarray) -> Evidence:
+        """Evidence of each; `back` (n, k) gives the products with the posterior's effects."""
+        k, (here, root, mean) = posterior.sizes.factor, posterior.present
+        of_members = here[: np.searchsorted(here, self._with_members.shape[1])]
+        with_effects = np.concatenate([columns.T @ back for columns in self._columns])
+        shared = np.hstack([self._with_members[:, of_members], with_effects])
+        shared *= posterior.scale[here]
+        inner = (self._seen - k * (shared @ mean)) / k**2
+        taken = solve_triangular(root, shared.T, lower=True, check_finite=False, overwrite_b=True)
+        gram = (self._gram - _products(self._by_place(taken.T))) / k**2
+        return evidence_at_places(gram, self._by_place(inner[:, None]), self._log_priors)
+
+    def _by_place(self, rows: np.ndarray) -> np.ndarray:
+        """Rows (P K, n) as (P, K, n)."""
+        return rows.reshape(len(rows) // self._terms, self._terms, rows.shape[1])
 
 
 def _products(rows: np.ndarray) -> np.ndarray:

@@ -125,7 +125,8 @@ class Weighing:
     def of_candidates(self, known: Sequence[Candidate], log_priors: Mapping[str, float]) -> Self:
         """The same with other candidates: some of its own, and those whose prior is given."""
         other = copy.copy(self)
-        other._log_priors = {c.label: self.log_prior(c) for c in known} | dict(log_priors)
+        own = (c for c in known if c.label not in log_priors)
+        other._log_priors = {c.label: self.log_prior(c) for c in own} | dict(log_priors)
         other.candidates = list(known)
         other._place = {c.label: k for k, c in enumerate(known)}
         other.bank, other._known, other._fewer = Bank(self.base, known), {}, {}

@@ -33,7 +33,8 @@ class MachineChange:
     ----------
     now, before : Machine
     components : tuple of str
-        Symbols of all components of the axes that differ.
+        Symbols of the components whose share differs: those that were drawn, and the angles of an
+        axis whose measuring points are elsewhere.
     """
 
     now: Machine
@@ -44,14 +45,22 @@ class MachineChange:
         """What the change does to the deviations, (C,) mm, to first order."""
         if variant is Variant.NONE:
             return np.zeros(len(points))
-        return self._share(self.now, points, variant) - self._share(self.before, points, variant)
+        key = ("tables", self.components, variant)  # the points are those of one job
+        if key not in points.kept:
+            points.kept[key] = self._share(self.before, points, variant)
+        return self._share(self.now, points, variant) - points.kept[key]
 
     def _share(self, machine: Machine, points: PointSet, variant: Variant) -> np.ndarray:
-        some = {k: c for k, c in machine.components.items() if k in self.components}
+        turning = {name[2] for name in self.components if component_of(name)[2]}
+        some = {  # an angle needs the places where its axis was read
+            name: component
+            for name, component in machine.components.items()
+            if name in self.components or (name[2] in turning and not component.is_angle)
+        }
         nothing = np.zeros(len(points))
         job = replace(points.job, machine=replace(machine, components=some))
         budget = budget_at(points.states, points.normal, nothing, job=job, variant=variant)
-        columns = [k for k, source in enumerate(budget.sources) if source in some]
+        columns = [k for k, source in enumerate(budget.sources) if source in self.components]
         return budget.share_mm[:, columns].sum(axis=1)
 
 
@@ -69,7 +78,7 @@ def changed_machine(machine: Machine, wanted: Sequence[Mapping[str, Any]]) -> Ma
     ------
     InputError
     """
-    components, axes = dict(machine.components), set()
+    components, differing = dict(machine.components), set()
     for one in wanted:
         name = one.get("component")
         if name not in COMPONENT_NAMES:
@@ -77,13 +86,14 @@ def changed_machine(machine: Machine, wanted: Sequence[Mapping[str, Any]]) -> Ma
         found = components.get(name)
         if one.get("offset") is not None:
             found = _drawn(machine, name, found, _numbers(one, "offset", HANDLES))
+            differing.add(name)
         if one.get("measured_at_mm") is not None and found is not None:
             place = np.array(_numbers(one, "measured_at_mm", 3))
             found = replace(found, measured_at_mm=place)
+            differing |= {f"E{angle}{name[2]}" for angle in "ABC"}
         if found is not None:
             components[name] = found
-            axes.add(name[2])
-    names = tuple(name for name in COMPONENT_NAMES if name[2] in axes)
+    names = tuple(name for name in COMPONENT_NAMES if name in differing)
     return MachineChange(replace(machine, components=components), machine, names)
 
 

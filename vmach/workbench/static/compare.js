@@ -96,7 +96,7 @@ function showDifference() {
   for (const v of known) { low = Math.min(low, v); high = Math.max(high, v); sum += v; }
   const end = Math.max(size[Math.floor(0.99 * (size.length - 1))] ?? 1, 1e-3);
   other.difference = { ...bench.figures, rms_um: Math.sqrt(squares / known.length), mean_um: sum / known.length, low_um: low, high_um: high,
-    count: known.length, range_um: Number(end.toPrecision(2)), worst: [], features: [], outside: size.filter((v) => v > stage.toleranceUm).length / size.length };
+    count: known.length, range_um: Number(end.toPrecision(2)), worst: [], features: [], isOfTwo: true, outside: size.filter((v) => v > stage.toleranceUm).length / size.length };
   const kept = stage.values;
   applyValues(other.difference, values);
   stage.values = kept; // what the next difference is taken from

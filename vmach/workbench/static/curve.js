@@ -44,7 +44,7 @@ function plot(steps) {
       const above = kind === "held" || (other !== undefined && v > other);
       const isSame = kind === "fitted" && other !== undefined && other !== null && fixed(v) === fixed(other);
       if (isSame) continue; // one number says both
-      made.append(Object.assign(svg("text", { class: "value", x: x(i), y: y(v) + (above ? -10 : APART + 2), "text-anchor": "middle" }), { textContent: fixed(v) }));
+      made.append(Object.assign(svg("text", { class: "value", x: x(i), y: y(v) + (above ? -13 : APART + 2), "text-anchor": "middle" }), { textContent: fixed(v) }));
     }
   }
   steps.forEach((step, i) => made.append(Object.assign(

@@ -1,7 +1,7 @@
 // The one-file report: of what is on the screen, or of the job with its virtual part.
 
 import { attempt, bench } from "./bench.js";
-import { post } from "./api.js";
+import { post, Refused } from "./api.js";
 import { byId, el } from "./dom.js";
 import { startRun } from "./runs.js";
 import { stage } from "./stage.js";
@@ -11,6 +11,7 @@ const WIDEST = 1600, QUALITY = 0.85;
 export function listenToReports() {
   byId("machine").onclick = () => startRun("/api/machine");
   byId("report").onclick = attempt(async () => {
+    if (bench.figures?.isOfTwo) throw new Refused("the report is of one part: leave the difference of the two first");
     const { scene } = stage;
     const view = { azimuth_rad: scene.azimuth, elevation_rad: scene.elevation, zoom: scene.zoom, target_mm: [...scene.target],
       section: scene.look.section, range_um: stage.rangeUm };

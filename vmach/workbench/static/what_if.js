@@ -28,6 +28,7 @@ export function whatIfPanel(panel) {
     readChanges(bench.state.changes);
     showCards(list, filter.value.toLowerCase());
     showResidual(null);
+    if (changesNow().length) await push(); // of sliders that stand already
   }));
   bench.on("changes", attempt(async ({ changes, tab }) => {
     if (tab === TAB) return;
