@@ -172,11 +172,11 @@ def passes_with(python: Path, age: str, arguments: list[str]) -> bool:
     environment = os.environ | {"NUMBA_CACHE_DIR": str(place / "kernels")}
     # what an older numpy says of types is not what this code is checked against
     tools = [["pytest", *arguments]] if age == "oldest" else checks(arguments)
+    passed = True  # one that fails does not hide what the next one says
     for tool in tools:
         print(f"== {tool[0]}", flush=True)
-        if subprocess.run([inside, "-m", *tool], cwd=ROOT, env=environment).returncode != 0:
-            return False
-    return True
+        passed &= subprocess.run([inside, "-m", *tool], cwd=ROOT, env=environment).returncode == 0
+    return passed
 
 
 def checks(arguments: list[str]) -> list[list[str]]:

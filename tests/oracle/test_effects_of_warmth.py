@@ -9,8 +9,8 @@ from scipy.signal import lsim
 from tests.small_job import write_job
 from vmach.effects import Circumstances, catalogue
 from vmach.job import read_job
+from vmach.path.instrument_motion import stop_and_go
 from vmach.path.preparation import prepare
-from vmach.path.test_motion import stop_and_go
 from vmach.path.toolpath import PathStates
 
 TWO_TOOLS = """\

@@ -113,3 +113,12 @@ def test_too_many_points(tmp_path):
     part = read_nominal(export(trimesh.creation.box((1000, 1000, 1000)), tmp_path))
     with pytest.raises(InputError, match="accepted: at most"):
         part.sample(0.01)
+
+
+def test_a_face_that_its_edges_do_not_bound_is_refused(tmp_path):
+    """One closed edge runs the other way: the faces on it would go on for ever."""
+    text = FEATURES.with_name("revolved.step").read_text()
+    assert "EDGE_CURVE('',#22,#22,#24,.T.)" in text
+    turned = text.replace("EDGE_CURVE('',#22,#22,#24,.T.)", "EDGE_CURVE('',#22,#22,#24,.F.)")
+    with pytest.raises(InputError, match=r"face \d+: its edges do not bound it on its surface"):
+        read_nominal(spoilt(tmp_path, "part.step", turned))

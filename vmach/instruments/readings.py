@@ -15,7 +15,7 @@ from vmach.measurements.columns import Columns
 from vmach.measurements.instrument import Instrument, ModelOfTest, PlannedTest
 from vmach.measurements.plausibility.motion_check import check_extent, check_travel
 from vmach.measurements.plausibility.motion_doubts import approach_notes, pace_notes
-from vmach.path.test_motion import stop_and_go
+from vmach.path.instrument_motion import stop_and_go
 from vmach.path.toolpath import PathStates
 
 __all__ = [

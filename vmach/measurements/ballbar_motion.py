@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from vmach.errors import InputError
-from vmach.path.test_motion import MotionRecord
+from vmach.path.instrument_motion import MotionRecord
 from vmach.path.toolpath import PathStates
 
 __all__ = ["Circle", "circles"]

@@ -23,7 +23,7 @@ from gcode import WORK_OFFSETS
 from vmach.errors import InputError
 from vmach.job import Job, Probing
 from vmach.machine import RigidDisplacement
-from vmach.path.test_motion import MotionRecord
+from vmach.path.instrument_motion import MotionRecord
 from vmach.path.toolpath import PathStates
 
 __all__ = ["TouchedZero", "relative_to_zero", "touched_zero"]

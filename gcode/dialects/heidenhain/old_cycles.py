@@ -1,11 +1,16 @@
 """Klartext cycles 1 to 5 and 17 of the first TNC controls, as the newer ones they were replaced by.
 
-HEIDENHAIN TNC 426/430 User's Manual, "Cycles for drilling, tapping and thread milling" and "Cycles
-for milling pockets, studs and slots": cycle 1 PECKING (set-up clearance, depth, pecking depth,
-dwell, feed), 2 TAPPING (set-up clearance, depth, dwell, feed), 17 RIGID TAPPING (set-up clearance,
-depth, pitch), 3 SLOT MILLING and 4 POCKET MILLING (set-up clearance, depth, pecking depth with its
-feed, X, Y, feed; 4 with DR and RADIUS), 5 CIRCULAR POCKET (the same with one radius). The tool
-stands at the set-up clearance.
+Source: HEIDENHAIN TNC 426/430 User's Manual, "Cycles for drilling, tapping and thread milling" and
+"Cycles for milling pockets, studs and slots".
+
+- 1 PECKING: set-up clearance, depth, pecking depth, dwell, feed.
+- 2 TAPPING: set-up clearance, depth, dwell, feed.
+- 17 RIGID TAPPING: set-up clearance, depth, pitch.
+- 3 SLOT MILLING and 4 POCKET MILLING: set-up clearance, depth, pecking depth with its feed, X, Y,
+  feed; 4 with DR and RADIUS.
+- 5 CIRCULAR POCKET: the same with one radius.
+
+The tool stands at the set-up clearance.
 """
 
 from __future__ import annotations

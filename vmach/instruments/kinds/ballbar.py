@@ -20,7 +20,7 @@ from vmach.measurements.ballbar_motion import Circle, circles
 from vmach.measurements.instrument import Instrument, PlannedTest
 from vmach.measurements.plausibility.motion_check import check_feed, check_travel
 from vmach.measurements.plausibility.motion_doubts import circle_notes
-from vmach.path.test_motion import MotionRecord
+from vmach.path.instrument_motion import MotionRecord
 
 __all__ = ["Ballbar"]
 

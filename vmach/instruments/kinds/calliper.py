@@ -16,7 +16,7 @@ from vmach.measurements import Contacts, Measurement
 from vmach.measurements.columns import Columns
 from vmach.measurements.instrument import Instrument
 from vmach.measurements.plausibility.motion_check import check_travel
-from vmach.path.test_motion import stop_and_go
+from vmach.path.instrument_motion import stop_and_go
 
 __all__ = ["Calliper"]
 

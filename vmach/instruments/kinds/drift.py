@@ -19,7 +19,7 @@ from vmach.machine import LINEAR_AXES
 from vmach.measurements.instrument import Instrument
 from vmach.measurements.plausibility.motion_check import check_travel
 from vmach.measurements.plausibility.motion_doubts import drift_notes
-from vmach.path.test_motion import stop_and_go
+from vmach.path.instrument_motion import stop_and_go
 
 __all__ = ["Drift"]
 

@@ -16,7 +16,7 @@ from vmach.instruments.readings import PLANNED_TOOL_LENGTH_MM, along_line
 from vmach.machine import LINEAR_AXES
 from vmach.measurements.instrument import Instrument, PlannedTest
 from vmach.measurements.plausibility.motion_doubts import lost_motion_notes
-from vmach.path.test_motion import stop_and_go
+from vmach.path.instrument_motion import stop_and_go
 
 __all__ = ["Laser"]
 

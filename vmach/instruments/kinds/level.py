@@ -15,7 +15,7 @@ from vmach.instruments.readings import PLANNED_TOOL_LENGTH_MM, doubts_of_stops, 
 from vmach.machine import LINEAR_AXES
 from vmach.measurements.instrument import Instrument, PlannedTest
 from vmach.measurements.plausibility.motion_check import check_extent, check_travel
-from vmach.path.test_motion import stop_and_go
+from vmach.path.instrument_motion import stop_and_go
 
 __all__ = ["Level"]
 

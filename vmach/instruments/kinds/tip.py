@@ -19,7 +19,7 @@ from vmach.instruments.readings import (
 from vmach.machine import LINEAR_AXES
 from vmach.measurements.instrument import Instrument
 from vmach.measurements.plausibility.motion_check import check_extent, check_travel
-from vmach.path.test_motion import stop_and_go
+from vmach.path.instrument_motion import stop_and_go
 from vmach.report.page.svg_plot import Frame, Plot, ticks
 
 __all__ = ["Tip"]

@@ -49,6 +49,12 @@ def tessellate(solid: Solid) -> list[tuple[SolidFace, Trim, np.ndarray, np.ndarr
         trim = _trim(solid.edges, face, face.surface)
         if trim.inside_out():
             face, trim = face.turned(), trim.turned()
+        if not np.isfinite(trim.v_range()).all():
+            raise InputError(
+                f"face {len(faces) + 1}: its edges do not bound it on its surface",
+                accepted="closed loops of edges, each on the surface",
+                hint="repair the solid in the CAD system and export it again",
+            )
         faces.append(face)
         patches.append(_Patch.of(trim))
     edges, patches = _conforming(replace(solid, faces=tuple(faces)), patches)
