@@ -72,18 +72,16 @@ def test_another_part_has_to_be_measured(fixed):
 
 
 @pytest.mark.parametrize(
-    ("effects", "seed"),
-    [
-        (["ambient_drift"], 31),
-        (["tool_deflection"], 31),
-        (["axis_expansion"], 32),
-    ],
-    ids=lambda value: value[0] if isinstance(value, list) else None,
+    ("effect", "target", "seed"),
+    [("ambient_drift", "XYZ", 31), ("tool_deflection", None, 31), ("axis_expansion", "Y", 32)],
 )
-def test_another_part_lacks_nothing_once_the_effect_is_in_the_model(tmp_path, effects, seed):
+def test_another_part_lacks_nothing_once_the_effect_is_in_the_model(tmp_path, effect, target, seed):
     """What the model's own effects leave open is no missing effect: weather has another phase."""
-    make_experiment(tmp_path, effects=effects, seed=seed)
-    added = program_runs.add(tmp_path, program_runs.diagnose(tmp_path)[0])
+    make_experiment(tmp_path, effects=[effect], seed=seed)
+    if target is not None:
+        truth = json.loads((tmp_path / "truth.json").read_text())["effects"][0]
+        target = truth["target"] or target
+    added = program_runs.add(tmp_path, {"effects": [{"effect": effect, "target": target}]})
     other = added.read_text().replace("part.nc", "check.nc")
     (tmp_path / "job.toml").write_text(other.replace("part_measured", "check_measured"))
     report, _ = program_runs.diagnose(tmp_path)

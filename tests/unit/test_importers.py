@@ -114,14 +114,14 @@ def test_a_machine_that_counts_bodies_gets_the_sign_of_the_body(tmp_path):
     machine.write_text(MACHINE.replace('"relative"', '"body"'))
     one = imported(tmp_path, "x.csv", LASER, error="EXX", machine=machine)
     assert rows(one.files["errors/EXX.csv"])[3] == ["-100", "-3.2", "-2.2"]
-    assert "difference RMS 0.00" in one.notes[1]
+    assert "difference RMS 0.00" in one.told[1]
 
 
 def test_the_self_check_sees_what_is_wrong(tmp_path):
     """With all readings in one run, the mean of two runs is what the table says."""
     text = "Position (mm);Deviation (um);Direction\n0;0;+\n100;4;+\n0;2;+\n100;8;+\n"
     one = imported(tmp_path, "x.csv", text, error="EXX")
-    assert "difference RMS 1.58, largest 2.00 um" in one.notes[1]  # sqrt((1 + 1 + 4 + 4) / 4)
+    assert "difference RMS 1.58, largest 2.00 um" in one.told[1]  # sqrt((1 + 1 + 4 + 4) / 4)
 
 
 @pytest.mark.parametrize(
@@ -365,7 +365,7 @@ class Gauge(Importer):
 
     def read(self, source, questions):
         section = Section("machine", "squareness", {"EC0Y": float(source.lines[0])})
-        return Imported(sections=(section,), notes=("read",))
+        return Imported(sections=(section,), told=("read",))
 '''
 
 

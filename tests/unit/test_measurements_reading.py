@@ -141,7 +141,7 @@ def test_drift_follows_the_spindle_and_tip_its_sides(tmp_path):
         (LASER, "run,position_mm\n1,2\n", "column 'approach' is missing"),
         (LASER, "run,position_mm,approach,t_s,deviation_um\n1,x,1,0,0\n", "position_mm is 'x'"),
         (LASER, "run,position_mm,approach,t_s,deviation_um\n", "no rows"),
-        (LASER.replace('"laser"', '"lasr"', 1), "", "kind = ballbar, diagonal"),
+        (LASER.replace('"laser"', '"lasr"', 1), "", "kind = ballbar, calliper, diagonal"),
         (LASER.replace("u_um = 0.3", "u_um = -1"), "", "u_um"),
         (LASER + "colour = 3\n", "", "colour"),
     ],

@@ -166,7 +166,7 @@ def _tell(found: list[Imported], written: list[Path], targets: list[Path]) -> No
     from vmach.importers.toml_text import section_text
 
     for one in found:
-        print(*one.notes, sep="\n")
+        print(*one.told, sep="\n")
     for path in written:
         print(f"wrote {path}")
     for job in (path for path in targets if path in written and not is_machine(path)):

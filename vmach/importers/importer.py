@@ -44,13 +44,14 @@ class Imported:
         Text by the name of the file to write, relative to the folder of results.
     sections : tuple of Section
         What a machine file or a job file has to say of them.
-    notes : tuple of str
-        What was taken for what.
+    told : tuple of str
+        Lines for the user: what was taken for what, and the self-check; nothing is decided by
+        them.
     """
 
     files: Mapping[str, str] = field(default_factory=dict)
     sections: tuple[Section, ...] = ()
-    notes: tuple[str, ...] = ()
+    told: tuple[str, ...] = ()
 
 
 class Importer:

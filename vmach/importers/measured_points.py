@@ -47,7 +47,7 @@ class Holes:
     measured_d_mm: np.ndarray
 
 
-def points_file(points: Points, source: SourceFile, notes: Sequence[str] = ()) -> Imported:
+def points_file(points: Points, source: SourceFile, told: Sequence[str] = ()) -> Imported:
     """The file of points that `measured` of a job names."""
     lines = ["id,feature,x,y,z,i,j,k,mx,my,mz"]
     columns = np.hstack([points.nominal_mm, points.normal, points.measured_mm])
@@ -60,11 +60,11 @@ def points_file(points: Points, source: SourceFile, notes: Sequence[str] = ()) -
         f"{1e3 * apart.min():.1f} .. {1e3 * apart.max():.1f} um, mean {1e3 * apart.mean():.1f} um"
     )
     section = Section("job", "", {"measured": file})
-    return Imported({file: "\n".join(lines) + "\n"}, (section,), (said, *notes))
+    return Imported({file: "\n".join(lines) + "\n"}, (section,), (said, *told))
 
 
 def holes_file(
-    holes: Holes, source: SourceFile, questions: Questions, notes: Sequence[str] = ()
+    holes: Holes, source: SourceFile, questions: Questions, told: Sequence[str] = ()
 ) -> Imported:
     """The file of a ``kind = "holes"``, and its section."""
     u_um = questions.number(
@@ -83,7 +83,7 @@ def holes_file(
         is_array=True,
     )
     said = f"{source.path.name}: {len(lines) - 1} holes, bores or bosses"
-    return Imported({file: "\n".join(lines) + "\n"}, (section,), (said, *notes))
+    return Imported({file: "\n".join(lines) + "\n"}, (section,), (said, *told))
 
 
 def _word(text: str) -> str:
@@ -139,11 +139,11 @@ def laid_on_part(
         [str(k + 1) for k in kept], feet.feature[kept], feet.point_mm[kept], feet.normal[kept],
         surface[kept],
     )  # fmt: skip
-    notes = (f"unit: {1 / factor:g} per mm; laid on {part.path.name}",) if factor != 1.0 else ()
+    told = (f"unit: {1 / factor:g} per mm; laid on {part.path.name}",) if factor != 1.0 else ()
     if len(kept) < len(near):
         lost = len(near) - len(kept)
-        notes += (f"{lost} points further than {_FARTHEST_MM:g} mm from the part are left out",)
-    return points, notes
+        told += (f"{lost} points further than {_FARTHEST_MM:g} mm from the part are left out",)
+    return points, told
 
 
 def _nominal(source: SourceFile, questions: Questions) -> NominalPart:

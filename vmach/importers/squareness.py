@@ -59,7 +59,7 @@ def squareness_sections(
         f"{what}: +{plane[0]} and +{plane[1]} enclose {answer} than 90 degrees by "
         f"{size_urad:g} um/m: {name} = {value:g} {convention.angle}"
     )
-    return Imported(sections=(Section("machine", "squareness", {name: value}),), notes=(said,))
+    return Imported(sections=(Section("machine", "squareness", {name: value}),), told=(said,))
 
 
 def skew_of_square(ac_mm: float, bd_mm: float, ad_mm: float) -> float:

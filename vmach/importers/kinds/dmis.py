@@ -66,11 +66,11 @@ class DmisOutput(Importer):
                     line=actual[label].line,
                     accepted="the same kind of feature",
                 )
-        notes = (f"{len(lost)} measured features have no nominal one",) if lost else ()
+        told = (f"{len(lost)} measured features have no nominal one",) if lost else ()
         return features_imported(
             [(label, nominal[label].kind, nominal[label].numbers, actual[label].numbers)
              for label in both],
-            source, questions, notes,
+            source, questions, told,
         )  # fmt: skip
 
 
@@ -78,7 +78,7 @@ def features_imported(
     features: list[tuple[str, str, np.ndarray, np.ndarray]],
     source: SourceFile,
     questions: Questions,
-    notes: tuple[str, ...] = (),
+    told: tuple[str, ...] = (),
 ) -> Imported:
     """Measured features as the project's own files.
 
@@ -88,14 +88,14 @@ def features_imported(
         ``POINT`` with x, y, z, i, j, k; any other kind with a diameter behind them, in mm.
     source : SourceFile
     questions : Questions
-    notes : tuple of str
+    told : tuple of str
     """
     points = [f for f in features if f[1] == "POINT"]
     holes = [f for f in features if f[1] != "POINT"]
     upright = [f for f in holes if abs(f[2][5]) > 0.999]
     if len(upright) < len(holes):
         count = len(holes) - len(upright)
-        notes += (f"{count} circles or cylinders that do not stand upright are left out",)
+        told += (f"{count} circles or cylinders that do not stand upright are left out",)
     found = []
     if points:
         labels = [label for label, *_ in points]
@@ -117,7 +117,7 @@ def features_imported(
     return Imported(
         {name: text for one in found for name, text in one.files.items()},
         tuple(section for one in found for section in one.sections),
-        (*(note for one in found for note in one.notes), *notes),
+        (*(note for one in found for note in one.told), *told),
     )
 
 

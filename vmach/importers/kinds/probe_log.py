@@ -45,5 +45,5 @@ class ProbeLog(Importer):
             line = int(log[:, 3:6].any(axis=1).argmax()) + 1
             raise source.error("A, B or C is not 0", line=line, accepted="probing with three axes")
         ball = questions.number("ball_mm", "diameter of the probe's ball", unit="mm")
-        points, notes = laid_on_part(log[:, :3], source, questions, radius_mm=0.5 * ball)
-        return points_file(points, source, notes)
+        points, told = laid_on_part(log[:, :3], source, questions, radius_mm=0.5 * ball)
+        return points_file(points, source, told)

@@ -41,10 +41,10 @@ class Scan(Importer):
         chosen = cloud
         if len(cloud) > most > 0:
             chosen = cloud[np.linspace(0, len(cloud) - 1, most).astype(int)]
-        points, notes = laid_on_part(chosen[:, :3], source, questions)
+        points, told = laid_on_part(chosen[:, :3], source, questions)
         if len(chosen) < len(cloud):
-            notes += (f"{len(chosen)} of {len(cloud)} points are kept, evenly chosen",)
-        return points_file(points, source, notes)
+            told += (f"{len(chosen)} of {len(cloud)} points are kept, evenly chosen",)
+        return points_file(points, source, told)
 
 
 def coordinates(source: SourceFile, *, least: int) -> np.ndarray:
