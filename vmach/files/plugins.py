@@ -89,7 +89,7 @@ def offered(group: str, *, accepted: str) -> Iterator[tuple[EntryPoint, object]]
             yield entry, entry.load()
         except Exception as error:
             raise InputError(
-                f"{_said(entry)} cannot be loaded: {error!r}",
+                f"{_said(entry)} cannot be loaded: {_in_words(error)}",
                 file=(file := _file_of(entry)),
                 line=None if file is None else line_in(file, error),
                 accepted=accepted,
@@ -120,8 +120,17 @@ def loading(file: Path, what: str) -> Iterator[None]:
         yield
     except Exception as error:
         raise InputError(
-            f"{what} file cannot be loaded: {error!r}", file=file, line=line_in(file, error)
+            f"{what} file cannot be loaded: {_in_words(error)}",
+            file=file,
+            line=line_in(file, error),
         ) from error
+
+
+def _in_words(error: Exception) -> str:
+    """What is wrong, with the line's text where Python cannot read it."""
+    if isinstance(error, SyntaxError):
+        return f"{error.msg}: '{(error.text or '').strip()}'"
+    return f"{type(error).__name__}: {error}"
 
 
 def line_in(file: Path, error: Exception) -> int | None:
