@@ -13,7 +13,7 @@ from gcode.dialects.fanuc.blocks import BlockRunner, FanucSettings
 from gcode.dialects.fanuc.expressions import MacroReader, is_null
 from gcode.dialects.fanuc.variables import MacroVariables
 from gcode.errors import ProgramError
-from gcode.language.library import Routine, find_beside
+from gcode.language.called_programs import Routine, find_beside
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated
 from gcode.state.block_values import whole

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from gcode.dialects.heidenhain.parameters import NUMBER
 from gcode.errors import ProgramError
-from gcode.language.library import find_beside
+from gcode.language.called_programs import find_beside
 
 if TYPE_CHECKING:
     from gcode.dialects.heidenhain.reader import KlartextReader

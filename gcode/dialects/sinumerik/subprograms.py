@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from gcode.errors import ProgramError
-from gcode.language.library import Routine, find_beside
+from gcode.language.called_programs import Routine, find_beside
 
 if TYPE_CHECKING:
     from gcode.dialects.sinumerik.reader import SinumerikReader
