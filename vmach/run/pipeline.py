@@ -7,14 +7,15 @@ be used on its own.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stock import Sweeps, VirtualPart, cut_part
+from stock import CutAside, Sweeps, VirtualPart
 from vmach.base.note import Kind, Level, Note, in_file
 from vmach.base.stage_clock import Progress, StageClock, silent
-from vmach.effects import read_effects
+from vmach.effects import EffectInstance, read_effects
 from vmach.errors import InputError
 from vmach.features.circular_test import CircularTest
 from vmach.features.result import FeatureResult
@@ -167,24 +168,23 @@ def machine_part(
     job = read_job(job_path)
     if solid is not False:
         _check_blank(job)
-    found = inspect_part(
-        job, variants=variants, prefer_measured=prefer_measured, also=model, plan=plan,
-        clock=clock,
-    )  # fmt: skip
-    part = comparison = None
-    moves = len(found.preparation.program.moves)
+    ready = _displaced(job, (*variants, model), prefer_measured=prefer_measured, clock=clock)
+    sweeps, preparation = ready.sweeps[model], ready.preparation
+    moves = len(preparation.program.moves)
     is_left_out = solid is None and moves > SOLID_MOVES
-    if solid or (solid is None and not is_left_out):
-        with clock.stage("cut") as step:
-            part = cut_part(
-                found.sweeps[model], found.preparation.cutters, job.blank.solid, progress=step
-            )
+    is_cut = solid or (solid is None and not is_left_out)
+    part = comparison = None
+    with CutAside(sweeps, preparation.cutters, job.blank.solid) if is_cut else nullcontext() as cut:
+        found = _inspected(ready, variants, plan, clock)
+        with clock.stage("collide") as step:
+            collisions = job_collisions(preparation, sweeps, progress=step)
+        if cut is not None:
+            with clock.stage("cut") as step:
+                part = cut.part(step)
     if part is not None and found.nominal is not None:
         with clock.stage("solids"):
             limit_mm = job.inspection.difference_mm
-            comparison = compare_solids(found.preparation, part, found.nominal, limit_mm)
-    with clock.stage("collide") as step:
-        collisions = job_collisions(found.preparation, found.sweeps[model], progress=step)
+            comparison = compare_solids(preparation, part, found.nominal, limit_mm)
     return MachinedPart(
         job=job,
         preparation=found.preparation,
@@ -212,7 +212,6 @@ def inspect_part(
     *,
     variants: Sequence[Variant] = (Variant.NONE, Variant.ABBE),
     prefer_measured: bool = False,
-    also: Variant | None = None,
     plan: Plan | None = None,
     clock: StageClock | None = None,
 ) -> PartInspection:
@@ -225,8 +224,6 @@ def inspect_part(
         Error models to inspect, side by side.
     prefer_measured : bool
         Inspect the measured points of the job, where it has them, and not the nominal CAD.
-    also : Variant, optional
-        Displace the path by this error model too.
     plan : Plan, optional
         Draws for the values that the drawing asks for; to first order where left out.
     clock : StageClock, optional
@@ -237,6 +234,30 @@ def inspect_part(
     InputError, gcode.ProgramError, stock.StockError
     """
     clock = clock or StageClock(silent)
+    ready = _displaced(job_path, variants, prefer_measured=prefer_measured, clock=clock)
+    return _inspected(ready, variants, plan, clock)
+
+
+@dataclass(frozen=True)
+class _Displaced:
+    """All that is known before the first edge is looked for; attributes as of `PartInspection`."""
+
+    job: Job
+    effects: tuple[EffectInstance, ...]
+    preparation: Preparation
+    nominal: NominalPart | None
+    points: SurfacePoints
+    sweeps: dict[Variant, Sweeps]
+
+
+def _displaced(
+    job_path: Job | str | Path,
+    variants: Sequence[Variant],
+    *,
+    prefer_measured: bool,
+    clock: StageClock,
+) -> _Displaced:
+    """Read the job, and displace its path by every variant."""
     with clock.stage("read"):
         job = read_job(job_path)
         effects = read_effects(job.effects, file=job.path, job=job)
@@ -247,13 +268,20 @@ def inspect_part(
             check_file(points, job.measured)
             check_aligned(points, job.measured)
     with clock.stage("displace"):
-        wanted = {*variants, *([also] if also else [])}
-        sweeps = {v: displaced_sweeps(preparation, v, effects) for v in wanted}
+        sweeps = {v: displaced_sweeps(preparation, v, effects) for v in dict.fromkeys(variants)}
+    return _Displaced(job, effects, preparation, nominal, points, sweeps)
+
+
+def _inspected(
+    ready: _Displaced, variants: Sequence[Variant], plan: Plan | None, clock: StageClock
+) -> PartInspection:
+    """Compare the surface with the nominal one, under every variant."""
+    job, preparation, points, effects = ready.job, ready.preparation, ready.points, ready.effects
     with clock.stage("compare") as step:
         predictions: list[Prediction] = []
         for variant in variants:
             predictions.append(
-                predict_surface(preparation, points, variant, effects, sweeps=sweeps[variant])
+                predict_surface(preparation, points, variant, effects, sweeps=ready.sweeps[variant])
             )
             step(len(predictions), len(variants))
         if points.measured_mm is None:
@@ -265,6 +293,7 @@ def inspect_part(
     budget = error_budget(predictions[-1], effects)
     features: tuple[FeatureResult, ...] = ()
     doubts: tuple[Note, ...] = ()
+    nominal = ready.nominal
     has_pmi = nominal is not None and bool(nominal.pmi) and job.drawing.reads_pmi
     if job.drawing.tolerances or has_pmi:
         with clock.stage("features") as step:
@@ -278,7 +307,7 @@ def inspect_part(
         states=predictions[-1].states,
         budget=budget,
         nominal=nominal,
-        sweeps=sweeps,
+        sweeps=ready.sweeps,
         notes=(*preparation.notes, *_assumptions(job), *points.notes, *notes, *doubts),
         features=features,
         circular_tests=job_circular_tests(job, preparation, variants[-1], effects),
