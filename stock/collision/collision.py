@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from stock.collision.dexels import Dexels, dexels_of, overlap, remove
+from stock.compile_ahead import await_compiled
 from stock.compiled import njit_kernel, njit_part
 from stock.errors import StockError
 from stock.solid.blank import blank_solid
@@ -28,7 +29,7 @@ from stock.solid.strokes import Strokes, strokes_of
 from stock.sweeps import Sweeps
 from stock.tools import Tool
 
-__all__ = ["Collision", "find_collisions"]
+__all__ = ["Collision", "find_collisions", "follow"]
 
 #: what a collision is called, by the body that meets material
 KINDS = ("rapid in material", "shank", "holder")
@@ -134,6 +135,7 @@ def find_collisions(
     )
     strokes = strokes_of(sweeps, cell_mm / 10)
     rapid = np.isin(strokes.move, np.asarray(rapid_moves, dtype=np.int64))
+    await_compiled(follow)
     worst = _walk(strokes, rapid, tables, dexels_of(solid, cell_mm), clearance_mm, progress)
     return _by_move(strokes, worst, clearance_mm)
 
@@ -199,7 +201,7 @@ def _walk(
     grid = (d.origin_mm, d.cell_mm, d.low_mm, d.high_mm, d.count, d.top_mm)
     for begin in range(0, len(strokes), _BATCH):
         batch = slice(begin, begin + _BATCH)
-        _follow(
+        follow(
             np.stack([strokes.start_mm[batch], strokes.end_mm[batch]], axis=1),
             strokes.tool[batch],
             rapid[batch],
@@ -224,7 +226,7 @@ def _by_move(strokes: Strokes, worst: np.ndarray, clearance_mm: float) -> tuple[
 
 
 @njit_kernel()
-def _follow(ends, tool, rapid, tables, dexels, clearance, worst) -> None:
+def follow(ends, tool, rapid, tables, dexels, clearance, worst) -> None:
     """Hold all bodies against the stock along strokes with `ends`, and let the cutters cut."""
     cell, top = dexels[1], dexels[5]
     for s in range(len(ends)):

@@ -169,14 +169,14 @@ def machine_part(
     job = read_job(job_path)
     if solid is not False:
         _check_blank(job)
-    ready = _displaced(job, (*variants, model), prefer_measured=prefer_measured, clock=clock)
+    ready = _displaced(job, (*variants, model), clock)
     sweeps, preparation = ready.sweeps[model], ready.preparation
     moves = len(preparation.program.moves)
     is_left_out = solid is None and moves > SOLID_MOVES
     is_cut = solid or (solid is None and not is_left_out)
     part = comparison = None
     with CutAside(sweeps, preparation.cutters, job.blank.solid) if is_cut else nullcontext() as cut:
-        found = _inspected(ready, variants, plan, clock)
+        found = _inspected(ready, variants, plan, clock, prefer_measured=prefer_measured)
         with clock.stage("collide") as step:
             collisions = job_collisions(preparation, sweeps, progress=step)
         if cut is not None:
@@ -236,49 +236,49 @@ def inspect_part(
     InputError, gcode.ProgramError, stock.StockError
     """
     clock = clock or StageClock(silent)
-    ready = _displaced(job_path, variants, prefer_measured=prefer_measured, clock=clock)
-    return _inspected(ready, variants, plan, clock)
+    ready = _displaced(job_path, variants, clock)
+    return _inspected(ready, variants, plan, clock, prefer_measured=prefer_measured)
 
 
 @dataclass(frozen=True)
 class _Displaced:
-    """All that is known before the first edge is looked for; attributes as of `PartInspection`."""
+    """All that cutting needs; attributes as of `PartInspection`."""
 
     job: Job
     effects: tuple[EffectInstance, ...]
     preparation: Preparation
-    nominal: NominalPart | None
-    points: SurfacePoints
     sweeps: dict[Variant, Sweeps]
 
 
 def _displaced(
-    job_path: Job | str | Path,
-    variants: Sequence[Variant],
-    *,
-    prefer_measured: bool,
-    clock: StageClock,
+    job_path: Job | str | Path, variants: Sequence[Variant], clock: StageClock
 ) -> _Displaced:
     """Read the job, and displace its path by every variant."""
     with clock.stage("read"):
         job = read_job(job_path)
         effects = read_effects(job.effects, file=job.path, job=job)
         preparation = prepare(job)
+    with clock.stage("displace"):
+        sweeps = {v: displaced_sweeps(preparation, v, effects) for v in dict.fromkeys(variants)}
+    return _Displaced(job, effects, preparation, sweeps)
+
+
+def _inspected(
+    ready: _Displaced,
+    variants: Sequence[Variant],
+    plan: Plan | None,
+    clock: StageClock,
+    *,
+    prefer_measured: bool,
+) -> PartInspection:
+    """Compare the surface with the nominal one, under every variant."""
+    job, preparation, effects = ready.job, ready.preparation, ready.effects
+    with clock.stage("read"):
         nominal = read_nominal(job.nominal, job.nominal_unit) if job.nominal else None
         points = surface_points(job, nominal, prefer_measured=prefer_measured)
         if points.measured_mm is not None:
             check_file(points, job.measured)
             check_aligned(points, job.measured)
-    with clock.stage("displace"):
-        sweeps = {v: displaced_sweeps(preparation, v, effects) for v in dict.fromkeys(variants)}
-    return _Displaced(job, effects, preparation, nominal, points, sweeps)
-
-
-def _inspected(
-    ready: _Displaced, variants: Sequence[Variant], plan: Plan | None, clock: StageClock
-) -> PartInspection:
-    """Compare the surface with the nominal one, under every variant."""
-    job, preparation, points, effects = ready.job, ready.preparation, ready.points, ready.effects
     with clock.stage("compare") as step:
         predictions: list[Prediction] = []
         for variant in variants:
@@ -295,7 +295,6 @@ def _inspected(
     budget = error_budget(predictions[-1], effects)
     features: tuple[FeatureResult, ...] = ()
     doubts: tuple[Note, ...] = ()
-    nominal = ready.nominal
     has_pmi = nominal is not None and bool(nominal.pmi) and job.drawing.reads_pmi
     if job.drawing.tolerances or has_pmi:
         with clock.stage("features") as step:
