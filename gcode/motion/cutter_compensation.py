@@ -189,7 +189,7 @@ def _corner_before_line(path: CompensatedPath, call: Call, heading: float) -> No
             path.release_to(line_after_arc(path, before, heading))
         else:
             path.release_to(line_after_line(path, beta, theta))
-    elif beta > _TANGENT and path.goes_straight:
+    elif beta > _TANGENT and path.goes_straight(beta):
         _extended_corner(path, theta, heading)
     elif beta > _TANGENT:
         path.release_to(path.current)
@@ -296,7 +296,7 @@ def _following_arc(path: CompensatedPath, block: Values) -> None:
         else:
             path.release_to(arc_after_line(path, centre, turns, radius=radius, beta=beta,
                                             theta=theta))  # fmt: skip
-    elif beta > _TANGENT and path.goes_straight:
+    elif beta > _TANGENT and path.goes_straight(beta):
         onset = _extended_corner(path, direction(start, path.current), heading)
         path.add_line(Call.FEED, onset, (0.0, 0.0), level=path.level)
         path.queue.release()

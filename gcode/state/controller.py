@@ -106,7 +106,8 @@ class Controller:
     orientation: int = 0
     entering: bool = True
     starting: bool = False  #: its first line waits for the next move
-    round_corners: bool = False  #: with type A: arcs about outer corners in place of lines
+    #: with a start-up: outer corners that turn more get an arc, others go on straight, rad
+    round_corners_from: float = math.inf
     start_up: str = ""  #: cutter compensation: type A or B of Fanuc, empty for LinuxCNC's
     programmed: list[float] = field(default_factory=lambda: [0.0] * 3)
     straight_only: bool = False

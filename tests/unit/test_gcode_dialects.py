@@ -219,7 +219,6 @@ def test_sinumerik():
         ("CYCLE90(10,0,2,-5)", "CYCLE90"),
         ("ROT X10", "ROT"),
         ("G1 F=AC(5)", "AC with F"),
-        ("G451 G41 X5", "G451"),
         ('CYCLE800(1,"",0,57,0,0,0,0,30,0)', "CYCLE800"),
         ("SUPA TRANS X5", "TRANS"),
         ("G4 P2", "G4"),

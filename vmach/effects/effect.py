@@ -202,6 +202,10 @@ class Effect(ABC):
     #: what the law leaves out, as a share of the effect, wandering over this time
     slack_share: ClassVar[float] = 0.0
     slack_time_s: ClassVar[float] = 60.0
+    #: what a measured part shows of it, in a few words
+    shows_as: ClassVar[str] = ""
+    #: its equation; docs/laws.md explains the symbols
+    law: ClassVar[str] = ""
     usual_size: ClassVar[str] = ""
     confirm: ClassVar[str] = ""
     cure: ClassVar[str] = ""

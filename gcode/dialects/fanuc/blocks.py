@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from gcode.dialects.fanuc.block import INCREMENTS, MacroBlock
 from gcode.dialects.fanuc.codes import NOTED, REFUSED
-from gcode.dialects.fanuc.corners import HeldLine
+from gcode.dialects.fanuc.corners import HeldPiece
 from gcode.dialects.fanuc.cycles import CYCLES, DrillingCycle
 from gcode.dialects.fanuc.haas_cycles import HAAS_CYCLES, haas_cycle
 from gcode.dialects.fanuc.machine_moves import (
@@ -61,7 +61,7 @@ class BlockRunner:
         self.polar: list[float] | None = None  #: its centre X Y Z
         self.offsets = OffsetWords(self)
         self.cycle: DrillingCycle | None = None
-        self.corner: HeldLine | None = None
+        self.corner: HeldPiece | None = None
         controller = self.controller
         controller.retract_to_initial = True  # G98 after power-on
         controller.start_up = "A"
@@ -129,6 +129,9 @@ class BlockRunner:
             self._note_increments(f"{word.upper()}{block.words[word]:g}")
         for letter in letters:
             block.words[letter] *= self.increments.of(letter, unit_mm=self.controller.unit_mm)
+        if block.corner is not None and "," in block.pointless:
+            kind, size = block.corner
+            block.corner = (kind, size * self.increments.of("r", unit_mm=self.controller.unit_mm))
 
     def _note_increments(self, word: str) -> None:
         notes = self.controller.notes
@@ -411,22 +414,21 @@ class BlockRunner:
 
     def _with_corner(self, block: MacroBlock, code: float | None) -> bool:
         motion = f"G{code:g}" if code is not None else self.controller.motion
-        line = HeldLine(self.here(), self.target(block), motion, block)
+        piece = HeldPiece(self, self.here(), self.target(block), motion, block)
         held, self.corner = self.corner, None
         if held is not None:
-            held.round_towards(self, line)
+            held.round_towards(piece)
         if block.corner is None:
-            block.words = {k: v for k, v in block.words.items() if k not in "xyz"}
-            self.straight_to(line.end, motion, block)
+            piece.go(piece.end)
         else:
-            self.corner = line
+            self.corner, self.controller.motion = piece, motion
         return True
 
     def finish_corner(self) -> None:
         """Obey a line that waits for the one behind it."""
         held, self.corner = self.corner, None
         if held is not None:
-            raise ProgramError(",R or ,C without a line behind it", line=held.line)
+            raise ProgramError(",R or ,C without a line or arc behind it")
 
     def straight_to(self, end: list[float], motion: str, block: MacroBlock | None = None) -> None:
         """Go to a programmed point; other words of the block with it."""

@@ -6,6 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from gcode.dialects.heidenhain.cycles import DRILLING, drill
+from gcode.dialects.heidenhain.m_functions import m_code
 from gcode.dialects.heidenhain.milling import MILLING, mill
 from gcode.dialects.heidenhain.old_cycles import OLD_CYCLES, old_data, renewed
 from gcode.dialects.heidenhain.parameters import NUMBER
@@ -95,8 +96,8 @@ class CycleCalls:
             reader.next += 1
         data = {}
         for name, value in re.findall(rf"Q(\d+)\s*=\s*({NUMBER}|MAX|AUTO)", " ".join(pieces)):
-            if value == "AUTO" and reader.tool_feed is not None:
-                data[name] = reader.tool_feed
+            if value == "AUTO" and reader.motion.tool_feed is not None:
+                data[name] = reader.motion.tool_feed
             elif value not in ("MAX", "AUTO"):
                 data[name] = reader.parameters.number(value)
         reader.parameters.values |= data
@@ -123,14 +124,14 @@ class CycleCalls:
         reader = self.reader
         if content.startswith("CYCL CALL POS"):
             words, _ = reader.words(content.removeprefix("CYCL CALL POS"))
-            end = reader.target(words)
+            end = reader.motion.target(words)
             reader.execute(f"g0x{number(end[0])}y{number(end[1])}")
             self.do()
         elif content.startswith("CYCL CALL PAT"):
             self._call_pattern()
         else:
             codes = re.findall(r"M\s*(\d+)", content)
-            reader.execute(*(reader.m_code(int(code)) for code in codes))
+            reader.execute(*(m_code(reader, int(code)) for code in codes))
             self.do()
 
     def do(self) -> None:

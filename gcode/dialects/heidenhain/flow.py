@@ -50,8 +50,9 @@ class KlartextFlow:
             raise ProgramError(f"programs nested deeper than {_LEVELS}")
         reader = self.reader
         called = type(reader)(reader.controller, list(found.lines), reader.options)
-        for shared in ("parameters", "budget", "feed", "tool_feed", "pole", "cycles", "frames"):
+        for shared in ("parameters", "budget", "motion", "cycles", "frames"):
             setattr(called, shared, getattr(reader, shared))
+        reader.motion.belong_to(called)
         called.called_at, called.depth = reader.controller.line, reader.depth + 1
         reader.cycles.reader = reader.frames.reader = called
         try:
@@ -59,7 +60,7 @@ class KlartextFlow:
         except ProgramError as error:
             raise error.located(file=found.file, line=called.next) from None
         reader.cycles.reader = reader.frames.reader = reader
-        reader.feed, reader.tool_feed, reader.pole = called.feed, called.tool_feed, called.pole
+        reader.motion.belong_to(reader)
         reader.ended = called.stopped
 
     def _name(self, content: str) -> str:

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
+from gcode.dialects.heidenhain.tool_call import tool_of_spindle
 from gcode.errors import ProgramError
 from gcode.geometry.arcs import Point
 from gcode.geometry.outlines import Outline
@@ -34,7 +35,7 @@ class _Data:
         self.reader, self.number, self.data = reader, number, data
         self.here = tuple(reader.here()[:2])
         unit = reader.controller.unit_mm
-        self.tool_radius = reader.tool_of_spindle().offset_diameter_mm / 2.0 / unit
+        self.tool_radius = tool_of_spindle(reader).offset_diameter_mm / 2.0 / unit
 
     def q(self, number: int, default: float | None = None) -> float:
         """A parameter."""
@@ -114,7 +115,7 @@ class _Data:
     def _feed(self, number: int, default: float | None = None) -> float:
         feed = self.data.get(str(number), default)
         if feed is None:
-            feed = self.reader.tool_feed
+            feed = self.reader.motion.tool_feed
         if not feed or not math.isfinite(feed):
             raise ProgramError(f"Q{number} of cycle {self.number} is missing")
         return feed

@@ -20,6 +20,8 @@ class CyclicPitch(Effect):
     name = "cyclic_pitch"
     title = "cyclic error of the screw's pitch or of the encoder"
     commonness = 24
+    shows_as = "a sine of the axis position"
+    law = "amplitude sin(2π q_j/pitch + phase) ê_j"
     source = (
         "equation (11) of docs/laws.md; ISO 230-2 on periodic errors; closed form derived "
         "here: e = a sin(2 pi q / p + phi)"

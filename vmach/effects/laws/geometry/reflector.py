@@ -24,6 +24,8 @@ class Reflector(Effect):
     name = "reflector"
     title = "documented position of a reflector"
     commonness = 2
+    shows_as = "documented place of a reflector"
+    law = "-(θ_j × offset)_i ê_i, θ_j the tilt by the angular tables of axis j"
     source = (
         "equation (33) of docs/laws.md; the Abbe-consistent model (virtual machining of "
         "free-form slots), e = E + theta x (r - R); closed form derived here: R off by d "

@@ -12,6 +12,8 @@ class Scale(Effect):
     name = "scale"
     title = "scale error (pitch of the screw or scale, or its temperature)"
     commonness = 30
+    shows_as = "in proportion to the distance from home"
+    law = "scale q_j ê_j"
     source = (
         "equation (5) of docs/laws.md; ISO 230-2, positioning deviation; closed form derived "
         "here: a pitch wrong by the share a errs by a q"

@@ -12,6 +12,8 @@ class SpindleGrowth(OfWarmSpindle):
     name = "spindle_growth"
     title = "growth of the warm spindle"
     commonness = 33
+    shows_as = "the tip sinks while the spindle warms"
+    law = "-growth g_S(τ, k) ê_z"
     source = (
         "equation (2) of docs/laws.md; ISO 230-3, distortion by the rotating spindle; closed "
         "form derived here: one body warms by Newton's law"

@@ -13,6 +13,8 @@ class ThermalBow(OfWarmthByTime):
     name = "thermal_bow"
     title = "bed or beam that bows as one side of it warms"
     commonness = 16
+    shows_as = "an arch of the bed over the travel of an axis, which rises with time"
+    law = "bow (1 - m_j^2) g(τ) ê_z"
     source = (
         "equation (19) of docs/laws.md; closed form derived here: a beam of height h bends "
         "by alpha dT / h, which is an arch alpha dT l^2 / (8 h) over its length l"

@@ -13,6 +13,8 @@ class ToolGrowth(Effect):
     name = "tool_growth"
     title = "growth of the tools in the cut"
     commonness = 15
+    shows_as = "every tool lengthens in its first minutes in the spindle and cools outside"
+    law = "-growth g_T(τ) ê_z, g_T the warmth of the tool, which cuts or cools"
     source = (
         "equation (20) of docs/laws.md; closed form derived here: one body warms by Newton's "
         "law, dL = alpha L dT"

@@ -13,6 +13,8 @@ class Backlash(Effect):
     name = "backlash"
     title = "backlash (lost motion at reversal)"
     commonness = 34
+    shows_as = "half the reversal value behind the motion, on either side"
+    law = "-(reversal/2) s_j(take_up) ê_j"
     source = (
         "equation (1) of docs/laws.md; ISO 230-2, reversal value B: e = -B / 2 times the "
         "side that it comes from"

@@ -18,6 +18,8 @@ class Inertia(Effect):
     name = "inertia"
     title = "moving mass bends the structure (circles too large along one axis)"
     commonness = 4
+    shows_as = "curves, away from the centre, along the axis that carries the mass"
+    law = "-sway a_j ê_j, with sway = m/k"
     source = (
         "equation (31) of docs/laws.md; closed form derived here: a spring far below its "
         "resonance gives way by m a / k"

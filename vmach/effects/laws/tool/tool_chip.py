@@ -16,6 +16,8 @@ class ToolChip(Sudden, OfOneTool):
     name = "tool_chip"
     title = "tool whose edge chipped"
     commonness = 11
+    shows_as = "walls and floors that this tool cut after a moment: an edge broke, material is left"
+    law = "(radius n_xy + length ê_z) H(t - t_0) [T1]"
     source = (
         "equation (24) of docs/laws.md; closed form derived here: radius and length change "
         "by a step in time"

@@ -18,6 +18,8 @@ class ToolSlip(Sudden, OfOneTool):
     name = "tool_slip"
     title = "tool that slipped in its holder"
     commonness = 12
+    shows_as = "height of what this tool cut after a moment: it moved in its holder"
+    law = "-slip H(t - t_0) [T1] ê_z"
     source = (
         "equation (23) of docs/laws.md; closed form derived here: the length changes by a "
         "step in time"

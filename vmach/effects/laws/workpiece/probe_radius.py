@@ -16,6 +16,8 @@ class ProbeRadius(Effect):
     name = "probe_radius"
     title = "effective radius of the measuring probe"
     commonness = 10
+    shows_as = "every measured surface"
+    law = "radius n"
     source = (
         "equation (25) of docs/laws.md; ISO 10360-5, probing systems; closed form derived "
         "here: a radius off by c shifts each surface by n c"

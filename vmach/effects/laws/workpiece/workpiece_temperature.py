@@ -12,6 +12,8 @@ class WorkpieceTemperature(Effect):
     name = "workpiece_temperature"
     title = "temperature of the workpiece while it was cut"
     commonness = 31
+    shows_as = "the part shrinks after cutting"
+    law = "-expansion p"
     source = (
         "equation (4) of docs/laws.md; ISO 1, reference temperature; closed form derived "
         "here: -alpha dT p"
