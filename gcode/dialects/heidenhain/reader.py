@@ -6,7 +6,7 @@ import re
 
 from gcode.dialects.heidenhain.approach import approach, depart
 from gcode.dialects.heidenhain.block_text import bare, joined_blocks, key_word
-from gcode.dialects.heidenhain.cycle_calls import CycleCalls
+from gcode.dialects.heidenhain.cycles.calls import CycleCalls
 from gcode.dialects.heidenhain.flow import KlartextFlow
 from gcode.dialects.heidenhain.frames import KlartextFrames
 from gcode.dialects.heidenhain.m_functions import only_m
