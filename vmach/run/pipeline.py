@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from stock import Sweeps, VirtualPart, cut_part
 from vmach.base.note import Kind, Level, Note, in_file
 from vmach.base.stage_clock import Progress, StageClock, silent
+from vmach.base.units import um_from_mm
 from vmach.effects import read_effects
 from vmach.errors import InputError
 from vmach.features.circular_test import CircularTest
@@ -200,6 +201,7 @@ def machine_part(
             *collision_notes(found.preparation, collisions),
             *comparison_notes(comparison),
             *([_no_solid_note(moves)] if is_left_out else []),
+            *([_joined_note(part.joined_mm)] if part is not None and part.joined_mm else []),
             *found.notes,
         ),
         features=found.features,
@@ -304,6 +306,14 @@ def _no_solid_note(moves: int) -> Note:
         "come from the exact engine all the same ('--solid' cuts it)"
     )
     return Note.plain(Kind.SOLID, said, moves, "1")
+
+
+def _joined_note(joined_mm: float) -> Note:
+    said = (
+        f"solid: moves within {um_from_mm(joined_mm):g} um of one line were cut as one, as there "
+        "are very many; the deviations come from the exact engine, move by move"
+    )
+    return Note.plain(Kind.SOLID, said, joined_mm, "mm")
 
 
 def _check_blank(job: Job) -> None:
