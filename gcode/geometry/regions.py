@@ -1,8 +1,9 @@
 """Regions of a plane bounded by lines and arcs: united, cut out of each other, and shrunk.
 
-Arcs become chords that leave them by `CHORD_MM` at most. Source: the boolean operations and offsets
-are those of the library manifold3d (Clipper2); closed form: a chord leaves an arc of radius r and
-angle a by r (1 - cos(a / 2)).
+Arcs become chords that leave them by `CHORD_MM` at most; the library manifold3d does the rest.
+
+Source: closed form derived here: a chord leaves an arc of radius r and angle a by
+r (1 - cos(a / 2)).
 """
 
 from __future__ import annotations
