@@ -84,7 +84,7 @@ def read_contour(reader: KlartextReader, label: str) -> Contour:
     """
     outer = reader.controller
     controller = Controller(outer.tools, outer.tolerance, outer.machine_unit_mm)
-    inner = type(reader)(controller, list(reader.lines), reader.options)
+    inner = reader.apart(controller)
     inner.parameters, inner.budget, inner.contents = (
         reader.parameters, reader.budget, reader.contents,
     )  # fmt: skip
