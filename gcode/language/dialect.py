@@ -64,6 +64,8 @@ class Dialect:
         M codes that act when the block's motion has ended.
     floating_tap : bool
         G84 is a feed move with the spindle reversed, so that it can be written out.
+    is_written : bool
+        Its programs can be written back with other ends; False where they are read only.
     confirmed : mapping of str to str
         A truth of `gcode.language.confirmation.TRUTHS` -> words whose reading it confirms, with
         semicolons between them. A program that uses others gets a note; none where it is empty.
@@ -91,6 +93,7 @@ class Dialect:
     inch_decimals: int = 1
     ending: frozenset[int] = frozenset((0, 1, 2, 5, 9, 30, 60))
     floating_tap: bool = False
+    is_written: bool = True
     confirmed: Mapping[str, str] = MappingProxyType({})
     text: type[BlockText] = BlockText
     edit: type[LineEdit] = LineEdit

@@ -40,11 +40,12 @@ class KlartextFlow:
     def call_program(self, content: str) -> None:
         """CALL PGM: a program in a file beside this one, with the same Q parameters."""
         name = re.split(r"[\\/:]", content.removeprefix("CALL PGM").strip().strip('"'))[-1]
-        found = find_beside(self.reader.options.folder, [name], endings=("", ".h"))
+        ending = self.reader.ending.upper()
+        found = find_beside(self.reader.options.folder, [name], endings=("", self.reader.ending))
         if found is None:
             raise ProgramError(
                 f"program {name} is not beside this one",
-                accepted=f"a file {name.upper().removesuffix('.H')}.H in its folder",
+                accepted=f"a file {name.upper().removesuffix(ending)}{ending} in its folder",
             )
         if self.reader.depth >= _LEVELS:
             raise ProgramError(f"programs nested deeper than {_LEVELS}")
@@ -58,7 +59,7 @@ class KlartextFlow:
         try:
             called.run()
         except ProgramError as error:
-            raise error.located(file=found.file, line=called.next) from None
+            raise error.located(file=found.file, line=called.own_line(called.next - 1)) from None
         reader.cycles.reader = reader.frames.reader = reader
         reader.motion.belong_to(reader)
         reader.ended = called.stopped

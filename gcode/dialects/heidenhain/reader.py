@@ -6,7 +6,7 @@ import re
 
 from gcode.dialects.heidenhain.approach import approach, depart
 from gcode.dialects.heidenhain.block_text import bare, joined_blocks, key_word
-from gcode.dialects.heidenhain.cycle_calls import CycleCalls
+from gcode.dialects.heidenhain.cycles.calls import CycleCalls
 from gcode.dialects.heidenhain.flow import KlartextFlow
 from gcode.dialects.heidenhain.frames import KlartextFrames
 from gcode.dialects.heidenhain.m_functions import only_m
@@ -25,6 +25,8 @@ __all__ = ["KlartextReader"]
 
 class KlartextReader(Translated):
     """Runs Klartext; every line becomes blocks of RS274/NGC."""
+
+    ending = ".h"  #: of files with programs
 
     def __init__(self, controller: Controller, lines: list[str], options: RunOptions) -> None:
         super().__init__(controller, lines, options)
@@ -103,7 +105,15 @@ class KlartextReader(Translated):
 
     def source_line(self, index: int) -> int:
         """Line of the program; what a called program does is done by the line that calls it."""
-        return index + 1 if self.called_at is None else self.called_at
+        return self.own_line(index) if self.called_at is None else self.called_at
+
+    def own_line(self, index: int) -> int:
+        """1-based line of the file that is read."""
+        return index + 1
+
+    def apart(self, controller: Controller) -> KlartextReader:
+        """The same lines for another controller."""
+        return KlartextReader(controller, list(self.lines), self.options)
 
     def _plane(self, content: str) -> None:
         is_flat = is_flat_plane(content, self.parameters.number)
