@@ -502,3 +502,24 @@ def test_a_unit_that_is_told_needs_no_kind(tmp_path, unit):
     size = {"um": 1.0, "mm": 1000.0}[unit]
     table = read_error_table(tmp_path / "errors" / "EXX.csv", MM_PER, "um")
     assert table.forward == pytest.approx([0.0, 0.5e-3 * size])
+
+
+def test_a_report_without_normals_takes_them_from_the_cad(tmp_path):
+    """Points on top and side of a block: the normals are those of its planes."""
+    trimesh.creation.box((40.0, 30.0, 10.0)).export(tmp_path / "part.stl")
+    job = write_job(tmp_path)
+    job.write_text(job.read_text().replace("measured =", 'nominal = "part.stl"\nmeasured =', 1))
+    rows = "id;nominal x;nominal y;nominal z;measured x;measured y;measured z\n"
+    good = rows + "1;1,5;2;5;1,5;2;5,004\n2;20;3;1;20,003;3;1\n"
+    report = tmp_path / "report.csv"
+    report.write_text(good)
+    (found,) = import_files([report], Questions(job_file=job))
+    (text,) = found.files.values()
+    assert [row.split(",")[5:8] for row in text.splitlines()[1:]] == [
+        ["0", "0", "1"], ["1", "0", "0"]]  # fmt: skip
+    report.write_text(good + "3;200;3;1;200;3;1\n")
+    with pytest.raises(InputError, match=r"1 of 3 nominal points are more than 0\.1 mm") as caught:
+        import_files([report], Questions(job_file=job))
+    assert caught.value.line == 4
+    with pytest.raises(InputError, match="need the CAD"):
+        import_files([report], Questions())
