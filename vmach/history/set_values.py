@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -81,8 +81,8 @@ def set_values(
             raise InputError("file is there already", file=path, hint="choose another with -o")
     text = moved_text(read_text(job.path, what="job file"), job.folder, target.parent)
     text = _with_effects(text, of_effects, machine)
-    said = list(dict.fromkeys(value.words for value in (*of_effects, *of_machine)))
-    text = text.rstrip() + "\n" + history_toml(job, target.parent, said)
+    said = [value.words for value in of_effects] + [value.words for value in of_machine]
+    text = text.rstrip() + "\n" + history_toml(job, target.parent, list(dict.fromkeys(said)))
     written: dict[Path, str] = {target: text}
     if machine is not None:
         written[machine] = other_machine_text(job.machine_path, of_machine, machine.parent)
@@ -104,10 +104,11 @@ def _read(words: Sequence[str]) -> tuple[list[_EffectValue], list[MachineValue]]
                                         value))  # fmt: skip
         else:
             raise InputError(f"{word!r}", accepted=_ACCEPTED)
-    for value in machine:
-        if value.component not in COMPONENT_NAMES:
-            raise InputError(f"component error {value.component!r}",
-                             accepted=", ".join(COMPONENT_NAMES))  # fmt: skip
+    for one in machine:
+        if one.component not in COMPONENT_NAMES:
+            raise InputError(
+                f"component error {one.component!r}", accepted=", ".join(COMPONENT_NAMES)
+            )
     return effects, machine
 
 
@@ -134,11 +135,11 @@ def _with_effects(text: str, values: Sequence[_EffectValue], machine: Path | Non
     for value in values:
         _parameters_of(effects, value)[value.parameter] = value.value
     changed = {(value.name, value.target) for value in values}
-    fitted = document.get("fitted")
-    for k in reversed(range(len(fitted) if fitted else 0)):
+    fitted: Any = document.get("fitted", [])
+    for k in reversed(range(len(fitted))):
         if (fitted[k].get("effect"), fitted[k].get("target", "")) in changed:
             del fitted[k]
-    if fitted is not None and not len(fitted):
+    if "fitted" in document and not len(fitted):
         del document["fitted"]
     if not effects:
         del document["effects"]
@@ -148,7 +149,7 @@ def _with_effects(text: str, values: Sequence[_EffectValue], machine: Path | Non
 def _parameters_of(effects: Any, value: _EffectValue) -> Any:
     """The table of an effect; a new one where it is not there."""
     table = effects.setdefault(value.name, tomlkit.table(is_super_table=bool(value.target)))
-    if not isinstance(table, Mapping):
+    if not isinstance(table, MutableMapping):
         raise InputError(f"effects.{value.name} = {table!r}", accepted="a table")
     if not value.target or table.get("target") == value.target:
         return table
