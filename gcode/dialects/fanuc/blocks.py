@@ -66,7 +66,9 @@ class BlockRunner:
         self.corner: HeldPiece | None = None
         controller = self.controller
         controller.retract_to_initial = True  # G98 after power-on
-        controller.start_up = "A"
+        controller.start_up = control.options.get("start_up", "A")
+        if control.options.get("outer_corners") == "arcs":
+            controller.round_corners_from = 0.0
         reader.variables.modal |= modal_variables(self)
         reader.variables.write_offset = self.offsets.write_axis
 
