@@ -18,7 +18,7 @@ export function whatIfPanel(panel) {
   reset.onclick = () => { nextGesture(); showMachine(state.machine, []); change(new Map()); nextGesture(); };
   const keep = el("button", { type: "button", id: "keep", title: "Write a job beside this one that has these values" }, "Keep as a job");
   keep.onclick = () => startRun("/api/keep");
-  const machine = el("div", { class: "machine" }), kept = el("div");
+  const machine = el("div", { class: "machine" }), kept = el("div", { class: "kept" });
   machineSection(machine, moved, nextGesture);
   const list = el("div", { class: "cards" });
   panel.append(
