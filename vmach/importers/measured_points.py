@@ -39,8 +39,8 @@ _UNITS = {"mm": 1.0, "inch": 25.4, "um": 1e-3, "cm": 10.0, "m": 1e3}
 class Points:
     """P points, in mm; `nominal_mm` and `normal` are (P, 3)."""
 
-    id: Sequence[str]
-    feature: Sequence[str]
+    id: Sequence[str] | np.ndarray
+    feature: Sequence[str] | np.ndarray
     nominal_mm: np.ndarray
     normal: np.ndarray
     measured_mm: np.ndarray
@@ -50,7 +50,7 @@ class Points:
 class Holes:
     """H holes, bores or bosses: centres and diameters in mm, (H, 2) and (H,)."""
 
-    id: Sequence[str]
+    id: Sequence[str] | np.ndarray
     nominal_mm: np.ndarray
     measured_mm: np.ndarray
     nominal_d_mm: np.ndarray
@@ -149,7 +149,9 @@ def laid_on_part(
         [str(k + 1) for k in kept], feet.feature[kept], feet.point_mm[kept], feet.normal[kept],
         surface[kept],
     )  # fmt: skip
-    told = (f"unit: {1 / factor:g} per mm; laid on {part.path.name}",) if factor != 1.0 else ()
+    told: tuple[str, ...] = ()
+    if factor != 1.0:
+        told += (f"unit: {1 / factor:g} per mm; laid on {part.path.name}",)
     if len(kept) < len(near):
         lost = len(near) - len(kept)
         told += (f"{lost} points further than {_FARTHEST_MM:g} mm from the part are left out",)

@@ -32,13 +32,22 @@ class KlartextFlow:
 
     def __init__(self, reader: KlartextReader) -> None:
         self.reader = reader
+        self.selected: str | None = None  #: program of SEL PGM
         self.labels: dict[str, int] = {}
         self.begun: dict[str, int] = {}  #: blocks obeyed when what stands below a label began
         #: label line, return line, repeats left, what `begun` was before the repeats
         self.calls: list[tuple[int, int, int, int]] = []
 
+    def select_program(self, content: str) -> None:
+        """SEL PGM: the program that CALL SELECTED PGM will call."""
+        self.selected = content.removeprefix("SEL PGM").strip()
+
     def call_program(self, content: str) -> None:
         """CALL PGM: a program in a file beside this one, with the same Q parameters."""
+        if content.startswith("CALL SELECTED PGM"):
+            if self.selected is None:
+                raise ProgramError("CALL SELECTED PGM without SEL PGM before it")
+            content = self.selected
         name = re.split(r"[\\/:]", content.removeprefix("CALL PGM").strip().strip('"'))[-1]
         ending = self.reader.ending.upper()
         found = find_beside(self.reader.options.folder, [name], endings=("", self.reader.ending))

@@ -75,10 +75,12 @@ class KlartextReader(Translated):
             ("CYCL DEF", self.cycles.define), ("CYCL CALL", self.cycles.call),
             ("PATTERN DEF", self.cycles.define_pattern),
             ("APPR", lambda text: approach(self, text)), ("DEP", lambda text: depart(self, text)),
-            ("CALL PGM", self.flow.call_program), ("CALL LBL", self.flow.call_label),
+            ("CALL PGM", self.flow.call_program),
+            ("CALL SELECTED PGM", self.flow.call_program), ("CALL LBL", self.flow.call_label),
             ("LBL", self.flow.label), ("CC", self.motion.define_pole),
             ("FN", self._function), ("RND", corners.define), ("CHF", corners.define),
             ("PLANE", self._plane), ("FUNCTION", self._control_function),
+            ("TRANS", self.frames.transform), ("SEL PGM", self.flow.select_program),
             ("STOP", lambda _: self.execute("m0")), ("M", lambda text: only_m(self, text)),
         ):  # fmt: skip
             if content.startswith(start):

@@ -120,7 +120,9 @@ class _Blocks:
             position = match.end()
             value = re.sub(r"\s", "", match[2])
             if match[1] == "G":
-                codes.append(int(float(value)))
+                if not value.isdigit():
+                    raise ProgramError(f"G{value} is no G code", accepted="G with a whole number")
+                codes.append(int(value))
             else:
                 words.append((match[1], value))
         if body[position:].strip():

@@ -104,10 +104,12 @@ class CycleCalls:
             pieces.append(content)
             reader.next += 1
         data = {}
-        for name, value in re.findall(rf"Q(\d+)\s*=\s*({NUMBER}|MAX|AUTO)", " ".join(pieces)):
-            if value == "AUTO" and reader.motion.tool_feed is not None:
+        for name, value in re.findall(
+            rf"Q(\d+)\s*=\s*({NUMBER}|F?\s*MAX|F?\s*AUTO)", " ".join(pieces)
+        ):
+            if value.endswith("AUTO") and reader.motion.tool_feed is not None:
                 data[name] = reader.motion.tool_feed
-            elif value not in ("MAX", "AUTO"):
+            elif not value.endswith(("MAX", "AUTO")):
                 data[name] = reader.parameters.number(value)
         reader.parameters.values |= data
         return data
