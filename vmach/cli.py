@@ -19,7 +19,7 @@ from vmach.commands.batch import batch
 from vmach.commands.canon import canon
 from vmach.commands.check import check
 from vmach.commands.compensate import compensate
-from vmach.commands.diagnosis import add, diagnose, history
+from vmach.commands.diagnosis import add, diagnose, history, set_job_values
 from vmach.commands.effects import effects_app
 from vmach.commands.features import features
 from vmach.commands.importing import import_files
@@ -86,6 +86,7 @@ for _command in (
     compensate,
 ):
     app.command()(_command)
+app.command("set")(set_job_values)
 app.command("open")(open_workbench)
 app.command(cls=HelpWithFormats)(tables)
 for _command in (batch, accuracy, iso230, canon, schema, view, warm_up):

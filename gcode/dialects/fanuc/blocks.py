@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 __all__ = ["BlockRunner", "FanucSettings"]
 
+#: G code -> the one that does the same here; 84.2 and 84.3 are those of the Series 15 format
+_SAME = ((61.0, 61.1), (62.0, 64.0), (63.0, 64.0), (84.2, 84.0), (84.3, 74.0))
 _END_OF_BLOCK_M = (0, 1, 2, 5, 9, 30, 60)
 _ENDS = (2, 30)
 _SENSES = {13: 3, 14: 4}
@@ -64,8 +66,11 @@ class BlockRunner:
         self.corner: HeldPiece | None = None
         controller = self.controller
         controller.retract_to_initial = True  # G98 after power-on
-        controller.start_up = "A"
+        controller.start_up = control.options.get("start_up", "A")
+        if control.options.get("outer_corners") == "arcs":
+            controller.round_corners_from = 0.0
         reader.variables.modal |= modal_variables(self)
+        reader.variables.write_offset = self.offsets.write_axis
 
     # whole program
 
@@ -161,9 +166,12 @@ class BlockRunner:
             if code not in (64.0,):
                 block.g.remove(code)
                 block.pop(letters)
-        for code, rs274 in ((61.0, 61.1), (62.0, 64.0), (63.0, 64.0)):
+        for code, rs274 in _SAME:
             if code in block.g:
                 block.g[block.g.index(code)] = rs274
+        if block.take(60) is not None:
+            self.controller.note("G60", "single direction: only the end of the rapid is taken")
+            block.g += [] if block.has(0) else [0.0]
 
     def _m_codes(self, block: MacroBlock) -> list[int]:
         """Obey the M codes that act before the motion; gives those that act after it."""
@@ -231,7 +239,11 @@ class BlockRunner:
             self.execute("g92.1")
 
     def _extended_system(self, block: MacroBlock) -> None:
-        """G54.1 P5 and G154 P5: further work offsets."""
+        """G54.1 P5, G154 P5: further work offsets; G110 to G129 of Haas are the first of them."""
+        if self.settings.haas_cycles:
+            for code in [code for code in block.g if code in range(110, 130)]:
+                block.g.remove(code)
+                frames.select_system(self.controller, f"G54.1 P{code - 109:.0f}")
         code = block.take(54.1, 154)
         if code is None and block.has(54) and "p" in block.words:
             code = block.take(54)

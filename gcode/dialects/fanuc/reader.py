@@ -34,7 +34,8 @@ _HEAD = re.compile(r"(?:/[1-9]?)?(?:n(\d+))?(?:/[1-9]?)?")
 _SLASH = re.compile(r"\s*(?:n\s*\d+\s*)?/\s*([1-9]?)(?!\s*\d)", re.IGNORECASE)
 _LEADER = re.compile(r"^%(?=[o:]\d)")  #: of a tape; the program's number may follow
 _UNIT = re.compile(r"G\s*2[01](?![\d.])", re.IGNORECASE)
-_OUTPUT = ("dprnt", "bprnt", "popen", "pclos")
+_OUTPUT = ("dprnt", "bprnt", "popen", "pclos", "setvn")
+_CALL_BY_NAME = re.compile(r"m98<([^>]*)>(?:l(\d+))?")
 _PROGRAM = re.compile(r"(?:o|:)(?:(\d+)|<([^>]*)>)")
 _COMMENT = re.compile(r"\((?:[^()]|\([^()]*\))*\)?")
 _BLANKS = str.maketrans("", "", " \t\r\x0b\x0c")
@@ -171,6 +172,10 @@ class FanucReader(Translated):
                 return
         if content.startswith("#"):
             self._assign(content)
+            return
+        by_name = _CALL_BY_NAME.fullmatch(content)
+        if by_name:
+            self._call_by_name(by_name[1], int(by_name[2] or 1))
             return
         block = read_words(content, self.variables)
         self._use(block)
@@ -342,6 +347,17 @@ class FanucReader(Translated):
             accepted=f"a file O{wanted:04d}.nc in the folder of the program",
             hint="put the called program into the same file",
         )
+
+    def _call_by_name(self, name: str, repeats: int) -> None:
+        """M98 <NAME>: the program O<NAME> of this file."""
+        self.blocks.finish_corner()
+        for index in range(len(self.lines)):
+            match = _PROGRAM.match(self._content(index))
+            if match and match[2] == name:
+                if repeats > 0:
+                    self._push(_Call(self.next, index, repeats, None, self.budget.executed))
+                return
+        raise ProgramError(f"program O<{name.upper()}> is not in this file")
 
     def _append(self, wanted: int) -> int | None:
         """Put a program from a file beside this one behind its lines; gives its first line."""

@@ -29,7 +29,7 @@ _REFUSED = {97: "small steps of a contour", 98: "open corners", 116: "feed of ro
 
 def only_m(reader: KlartextReader, content: str) -> None:
     """A block of M functions alone."""
-    if re.search(r"M\s*140\b", content):
+    if re.search(r"M\s*140\b", content) or re.search(r"\bF\s*\d", content):
         reader.motion.move("L", content)
         return
     if not re.fullmatch(r"(?:M\s*\d+\s*)+", content):

@@ -41,6 +41,7 @@ class KlartextMotion:
         self.feed: float | None = None
         self.tool_feed: float | None = None
         self.corners = KlartextCorners(reader)
+        self.sides: list[int] | None = None  #: RL and RR of a contour that is only read
         #: end of the last programmed line or arc, and its direction there
         self.tangent: tuple[tuple[float, ...], float, float] | None = None
 
@@ -137,6 +138,9 @@ class KlartextMotion:
         c = self.reader.controller
         wanted = {"R0": 0, "RL": 1, "RR": -1, None: c.side}[side]
         c.use(side or "R0")
+        if self.sides is not None:
+            self.sides += [wanted] if wanted else []
+            return ""
         if wanted == c.side:
             return ""
         if wanted and c.side:

@@ -6,7 +6,7 @@ import re
 
 from gcode.dialects.heidenhain.approach import approach, depart
 from gcode.dialects.heidenhain.block_text import bare, joined_blocks, key_word
-from gcode.dialects.heidenhain.cycle_calls import CycleCalls
+from gcode.dialects.heidenhain.cycles.calls import CycleCalls
 from gcode.dialects.heidenhain.flow import KlartextFlow
 from gcode.dialects.heidenhain.frames import KlartextFrames
 from gcode.dialects.heidenhain.m_functions import only_m
@@ -25,6 +25,8 @@ __all__ = ["KlartextReader"]
 
 class KlartextReader(Translated):
     """Runs Klartext; every line becomes blocks of RS274/NGC."""
+
+    ending = ".h"  #: of files with programs
 
     def __init__(self, controller: Controller, lines: list[str], options: RunOptions) -> None:
         super().__init__(controller, lines, options)
@@ -73,10 +75,12 @@ class KlartextReader(Translated):
             ("CYCL DEF", self.cycles.define), ("CYCL CALL", self.cycles.call),
             ("PATTERN DEF", self.cycles.define_pattern),
             ("APPR", lambda text: approach(self, text)), ("DEP", lambda text: depart(self, text)),
-            ("CALL PGM", self.flow.call_program), ("CALL LBL", self.flow.call_label),
+            ("CALL PGM", self.flow.call_program),
+            ("CALL SELECTED PGM", self.flow.call_program), ("CALL LBL", self.flow.call_label),
             ("LBL", self.flow.label), ("CC", self.motion.define_pole),
             ("FN", self._function), ("RND", corners.define), ("CHF", corners.define),
             ("PLANE", self._plane), ("FUNCTION", self._control_function),
+            ("TRANS", self.frames.transform), ("SEL PGM", self.flow.select_program),
             ("STOP", lambda _: self.execute("m0")), ("M", lambda text: only_m(self, text)),
         ):  # fmt: skip
             if content.startswith(start):
@@ -103,7 +107,15 @@ class KlartextReader(Translated):
 
     def source_line(self, index: int) -> int:
         """Line of the program; what a called program does is done by the line that calls it."""
-        return index + 1 if self.called_at is None else self.called_at
+        return self.own_line(index) if self.called_at is None else self.called_at
+
+    def own_line(self, index: int) -> int:
+        """1-based line of the file that is read."""
+        return index + 1
+
+    def apart(self, controller: Controller) -> KlartextReader:
+        """The same lines for another controller."""
+        return KlartextReader(controller, list(self.lines), self.options)
 
     def _plane(self, content: str) -> None:
         is_flat = is_flat_plane(content, self.parameters.number)
