@@ -7,15 +7,16 @@ be used on its own.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stock import Sweeps, VirtualPart, cut_part
+from stock import CutAside, Sweeps, VirtualPart
 from vmach.base.note import Kind, Level, Note, in_file
 from vmach.base.stage_clock import Progress, StageClock, silent
 from vmach.base.units import um_from_mm
-from vmach.effects import read_effects
+from vmach.effects import EffectInstance, read_effects
 from vmach.errors import InputError
 from vmach.features.circular_test import CircularTest
 from vmach.features.result import FeatureResult
@@ -168,24 +169,23 @@ def machine_part(
     job = read_job(job_path)
     if solid is not False:
         _check_blank(job)
-    found = inspect_part(
-        job, variants=variants, prefer_measured=prefer_measured, also=model, plan=plan,
-        clock=clock,
-    )  # fmt: skip
-    part = comparison = None
-    moves = len(found.preparation.program.moves)
+    ready = _displaced(job, (*variants, model), clock)
+    sweeps, preparation = ready.sweeps[model], ready.preparation
+    moves = len(preparation.program.moves)
     is_left_out = solid is None and moves > SOLID_MOVES
-    if solid or (solid is None and not is_left_out):
-        with clock.stage("cut") as step:
-            part = cut_part(
-                found.sweeps[model], found.preparation.cutters, job.blank.solid, progress=step
-            )
+    is_cut = solid or (solid is None and not is_left_out)
+    part = comparison = None
+    with CutAside(sweeps, preparation.cutters, job.blank.solid) if is_cut else nullcontext() as cut:
+        found = _inspected(ready, variants, plan, clock, prefer_measured=prefer_measured)
+        with clock.stage("collide") as step:
+            collisions = job_collisions(preparation, sweeps, progress=step)
+        if cut is not None:
+            with clock.stage("cut") as step:
+                part = cut.part(step)
     if part is not None and found.nominal is not None:
         with clock.stage("solids"):
             limit_mm = job.inspection.difference_mm
-            comparison = compare_solids(found.preparation, part, found.nominal, limit_mm)
-    with clock.stage("collide") as step:
-        collisions = job_collisions(found.preparation, found.sweeps[model], progress=step)
+            comparison = compare_solids(preparation, part, found.nominal, limit_mm)
     return MachinedPart(
         job=job,
         preparation=found.preparation,
@@ -214,7 +214,6 @@ def inspect_part(
     *,
     variants: Sequence[Variant] = (Variant.NONE, Variant.ABBE),
     prefer_measured: bool = False,
-    also: Variant | None = None,
     plan: Plan | None = None,
     clock: StageClock | None = None,
 ) -> PartInspection:
@@ -227,8 +226,6 @@ def inspect_part(
         Error models to inspect, side by side.
     prefer_measured : bool
         Inspect the measured points of the job, where it has them, and not the nominal CAD.
-    also : Variant, optional
-        Displace the path by this error model too.
     plan : Plan, optional
         Draws for the values that the drawing asks for; to first order where left out.
     clock : StageClock, optional
@@ -239,23 +236,54 @@ def inspect_part(
     InputError, gcode.ProgramError, stock.StockError
     """
     clock = clock or StageClock(silent)
+    ready = _displaced(job_path, variants, clock)
+    return _inspected(ready, variants, plan, clock, prefer_measured=prefer_measured)
+
+
+@dataclass(frozen=True)
+class _Displaced:
+    """All that cutting needs; attributes as of `PartInspection`."""
+
+    job: Job
+    effects: tuple[EffectInstance, ...]
+    preparation: Preparation
+    sweeps: dict[Variant, Sweeps]
+
+
+def _displaced(
+    job_path: Job | str | Path, variants: Sequence[Variant], clock: StageClock
+) -> _Displaced:
+    """Read the job, and displace its path by every variant."""
     with clock.stage("read"):
         job = read_job(job_path)
         effects = read_effects(job.effects, file=job.path, job=job)
         preparation = prepare(job)
+    with clock.stage("displace"):
+        sweeps = {v: displaced_sweeps(preparation, v, effects) for v in dict.fromkeys(variants)}
+    return _Displaced(job, effects, preparation, sweeps)
+
+
+def _inspected(
+    ready: _Displaced,
+    variants: Sequence[Variant],
+    plan: Plan | None,
+    clock: StageClock,
+    *,
+    prefer_measured: bool,
+) -> PartInspection:
+    """Compare the surface with the nominal one, under every variant."""
+    job, preparation, effects = ready.job, ready.preparation, ready.effects
+    with clock.stage("read"):
         nominal = read_nominal(job.nominal, job.nominal_unit) if job.nominal else None
         points = surface_points(job, nominal, prefer_measured=prefer_measured)
         if points.measured_mm is not None:
             check_file(points, job.measured)
             check_aligned(points, job.measured)
-    with clock.stage("displace"):
-        wanted = {*variants, *([also] if also else [])}
-        sweeps = {v: displaced_sweeps(preparation, v, effects) for v in wanted}
     with clock.stage("compare") as step:
         predictions: list[Prediction] = []
         for variant in variants:
             predictions.append(
-                predict_surface(preparation, points, variant, effects, sweeps=sweeps[variant])
+                predict_surface(preparation, points, variant, effects, sweeps=ready.sweeps[variant])
             )
             step(len(predictions), len(variants))
         if points.measured_mm is None:
@@ -280,7 +308,7 @@ def inspect_part(
         states=predictions[-1].states,
         budget=budget,
         nominal=nominal,
-        sweeps=sweeps,
+        sweeps=ready.sweeps,
         notes=(*preparation.notes, *_assumptions(job), *points.notes, *notes, *doubts),
         features=features,
         circular_tests=job_circular_tests(job, preparation, variants[-1], effects),
