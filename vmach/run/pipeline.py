@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stock import Sweeps, VirtualPart, cut_part
+from stock import VirtualPart, cut_part
 from vmach.base.note import Kind, Level, Note, in_file
 from vmach.base.stage_clock import Progress, StageClock, silent
 from vmach.base.units import um_from_mm
@@ -27,7 +27,7 @@ from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.path.preparation import Preparation, prepare
 from vmach.path.toolpath import PathStates
 from vmach.plausibility import machine_notes
-from vmach.prediction import Prediction, displaced_sweeps, predict_surface
+from vmach.prediction import ActingEffect, Prediction, displaced_sweeps, predict_surface
 from vmach.prediction.error_budget import ErrorBudget, error_budget
 from vmach.report import InspectedPoints, SolidComparison
 from vmach.run.circular_tests import job_circular_tests
@@ -54,8 +54,8 @@ SOLID_MOVES = 100_000
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Inspected:
-    """What is known of a job's part without a solid.
+class PartInspection:
+    """The surface of a job's part under several error models, without a solid.
 
     Attributes
     ----------
@@ -67,6 +67,8 @@ class _Inspected:
         How the points that were cut under the last variant were made.
     budget : ErrorBudget
         Of the same points and variant, without alignment.
+    effects : tuple of ActingEffect
+        What acts beside the error tables.
     nominal : NominalPart or None
     notes : tuple of Note
         What the user should know before trusting the numbers.
@@ -81,6 +83,7 @@ class _Inspected:
     points: InspectedPoints
     states: PathStates
     budget: ErrorBudget
+    effects: tuple[ActingEffect, ...]
     nominal: NominalPart | None
     notes: tuple[Note, ...]
     features: tuple[FeatureResult, ...] = ()
@@ -88,20 +91,7 @@ class _Inspected:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PartInspection(_Inspected):
-    """The surface of a job's part under several error models, without a solid.
-
-    Attributes
-    ----------
-    sweeps : dict of Variant to Sweeps
-        The displaced path of every variant.
-    """
-
-    sweeps: dict[Variant, Sweeps]
-
-
-@dataclass(frozen=True, kw_only=True)
-class MachinedPart(_Inspected):
+class MachinedPart(PartInspection):
     """What the main job found.
 
     Attributes
@@ -169,29 +159,30 @@ def machine_part(
     if solid is not False:
         _check_blank(job)
     found = inspect_part(
-        job, variants=variants, prefer_measured=prefer_measured, also=model, plan=plan,
-        clock=clock,
-    )  # fmt: skip
-    part = comparison = None
+        job, variants=variants, prefer_measured=prefer_measured, plan=plan, clock=clock
+    )
+    part = comparison = sweeps = None
     moves = len(found.preparation.program.moves)
     is_left_out = solid is None and moves > SOLID_MOVES
+    if job.blank is not None:
+        with clock.stage("displace"):
+            sweeps = displaced_sweeps(found.preparation, model, found.effects)
     if solid or (solid is None and not is_left_out):
         with clock.stage("cut") as step:
-            part = cut_part(
-                found.sweeps[model], found.preparation.cutters, job.blank.solid, progress=step
-            )
+            part = cut_part(sweeps, found.preparation.cutters, job.blank.solid, progress=step)
     if part is not None and found.nominal is not None:
         with clock.stage("solids"):
             limit_mm = job.inspection.difference_mm
             comparison = compare_solids(found.preparation, part, found.nominal, limit_mm)
     with clock.stage("collide") as step:
-        collisions = job_collisions(found.preparation, found.sweeps[model], progress=step)
+        collisions = job_collisions(found.preparation, sweeps, progress=step)
     return MachinedPart(
         job=job,
         preparation=found.preparation,
         points=found.points,
         states=found.states,
         budget=found.budget,
+        effects=found.effects,
         part=part,
         nominal=found.nominal,
         model=model,
@@ -214,7 +205,6 @@ def inspect_part(
     *,
     variants: Sequence[Variant] = (Variant.NONE, Variant.ABBE),
     prefer_measured: bool = False,
-    also: Variant | None = None,
     plan: Plan | None = None,
     clock: StageClock | None = None,
 ) -> PartInspection:
@@ -227,8 +217,6 @@ def inspect_part(
         Error models to inspect, side by side.
     prefer_measured : bool
         Inspect the measured points of the job, where it has them, and not the nominal CAD.
-    also : Variant, optional
-        Displace the path by this error model too.
     plan : Plan, optional
         Draws for the values that the drawing asks for; to first order where left out.
     clock : StageClock, optional
@@ -248,15 +236,10 @@ def inspect_part(
         if points.measured_mm is not None:
             check_file(points, job.measured)
             check_aligned(points, job.measured)
-    with clock.stage("displace"):
-        wanted = {*variants, *([also] if also else [])}
-        sweeps = {v: displaced_sweeps(preparation, v, effects) for v in wanted}
     with clock.stage("compare") as step:
         predictions: list[Prediction] = []
         for variant in variants:
-            predictions.append(
-                predict_surface(preparation, points, variant, effects, sweeps=sweeps[variant])
-            )
+            predictions.append(predict_surface(preparation, points, variant, effects))
             step(len(predictions), len(variants))
         if points.measured_mm is None:
             check_some_cut(job, points, predictions[-1])
@@ -279,8 +262,8 @@ def inspect_part(
         points=with_causes(inspected, budget),
         states=predictions[-1].states,
         budget=budget,
+        effects=tuple(effects),
         nominal=nominal,
-        sweeps=sweeps,
         notes=(*preparation.notes, *_assumptions(job), *points.notes, *notes, *doubts),
         features=features,
         circular_tests=job_circular_tests(job, preparation, variants[-1], effects),
