@@ -97,7 +97,7 @@ class WrittenRun:
         again = read_back()
         moves = again.path.nodes.moves
         moving = np.flatnonzero(moves.kind != MoveKind.DWELL)
-        lines = np.array(written.line_of_piece, np.int64)
+        lines = written.line_of_piece
         order = np.argsort(moves.line[moving], kind="stable")
         sorted_lines = moves.line[moving][order]
         place = np.minimum(np.searchsorted(sorted_lines, lines), len(sorted_lines) - 1)

@@ -35,7 +35,7 @@ class Written:
     Attributes
     ----------
     text : bytes
-    line_of_piece : list of int
+    line_of_piece : (K,) int64
         1-based line of the new text; 0 for a piece that rounding has swallowed.
     inserted_after : list of int
         For every new block the line of the original program that it stands behind.
@@ -44,7 +44,7 @@ class Written:
     """
 
     text: bytes
-    line_of_piece: list[int]
+    line_of_piece: np.ndarray
     inserted_after: list[int]
     swallowed: int
 
@@ -154,5 +154,5 @@ class _Writing:
         run, count = self.run_state, int(self.run_state.count[0])
         edits = Edits(run.start[:count], run.stop[:count], run.text[:count], run.length[:count])
         data = spliced(self.plain.program.source.data, edits, self.changes)
-        return Written(self.plain.text.finish(data), self.line_of_piece.tolist(),
+        return Written(self.plain.text.finish(data), self.line_of_piece,
                        self.inserted_after, int(run.count[1]))  # fmt: skip
