@@ -134,7 +134,7 @@ class Source:
         line : int
             1-based.
         """
-        text, offset = self.lines[line - 1], int(self.line_starts[line - 1])
+        text, offset = self.line(line), int(self.line_starts[line - 1])
         found: list[Word] = []
         depth, expression = 0, None  # start of a word whose value is an expression
         for token in _TOKEN.finditer(text):

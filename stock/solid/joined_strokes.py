@@ -71,7 +71,10 @@ class JoinedStrokes:
         along = np.einsum("ti,ti->t", normal, way) / length2
         across = normal - along[:, None] * way
         tip = corners_mm.mean(axis=1) - _touching(across, strokes.tool[number], stacks)
-        share = np.einsum("ti,ti->t", tip - start, way) / length2
+        return self.moves_at(number, np.einsum("ti,ti->t", tip - start, way) / length2)
+
+    def moves_at(self, number: np.ndarray, share: np.ndarray) -> np.ndarray:
+        """Moves at shares, (T,), of the joined strokes with these numbers, (T,)."""
         place = number + np.clip(share, 0.0, _INSIDE)
         return self.move[np.searchsorted(self.key, place, side="right")]
 
