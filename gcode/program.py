@@ -203,6 +203,7 @@ def read_program(
     how = RunOptions(settings, max_blocks, fast, folder)
 
     def run(spoken: type[Dialect]) -> Controller:
+        spoken.check_options(settings.options)
         controller = Controller(dict(tools or {}), arc_tolerance(arc_tolerances), machine_unit_mm,
                                 offsets=offset_memory(tools or {}, offsets or {}),
                                 preview=preview)  # fmt: skip

@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 
+from stock.compiled import njit_maker, njit_part
 from stock.solid.ring_stack import RingStack
 from stock.solid.strokes import Strokes
 
@@ -118,7 +118,7 @@ def _touching(direction: np.ndarray, tool: np.ndarray, stacks: Sequence[RingStac
     return found
 
 
-@njit(cache=True)
+@njit_maker()
 def _run_starts(start, end, start_tilt, end_tilt, joined, limit):
     """First stroke of each run whose nodes lie near one chord."""
     first = np.empty(len(start), dtype=np.int64)
@@ -133,7 +133,7 @@ def _run_starts(start, end, start_tilt, end_tilt, joined, limit):
     return first[:runs].copy()
 
 
-@njit(cache=True)
+@njit_part()
 def _near_chord(start, end, start_tilt, end_tilt, first, last, limit):
     """Whether the nodes between two strokes lie near their common chord, one after the other."""
     length2 = 0.0

@@ -12,7 +12,8 @@ from collections.abc import Iterable
 from numbers import Real
 from pathlib import Path
 
-from vmach.effects.effect import Effect, Parameter
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import Parameter
 from vmach.files.declaration import Declaration
 
 __all__ = ["check_declaration", "has_unit", "unit_of"]

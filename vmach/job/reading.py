@@ -117,4 +117,5 @@ def _control_settings(data: JobSchema) -> ControlSettings:
         increment=control.increment,
         block_delete=switches if isinstance(switches, bool) else frozenset(switches),
         ignore_m=frozenset(control.ignore_m),
+        options=dict(control.options),
     )

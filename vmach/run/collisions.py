@@ -21,14 +21,14 @@ Outline = list[tuple[float, float]]
 
 
 def job_collisions(
-    preparation: Preparation, sweeps: Sweeps | None, *, progress: Callable[[int, int], None]
+    preparation: Preparation, sweeps: Sweeps, *, progress: Callable[[int, int], None]
 ) -> tuple[Collision, ...]:
     """Rapid moves in material, and shanks or holders in the stock as it is at that time.
 
-    Nothing can be said of a job without a blank, which needs no sweeps.
+    Nothing can be said of a job without a blank.
     """
     job = preparation.job
-    if job.blank is None or sweeps is None:
+    if job.blank is None:
         return ()
     tools = list(job.tools.values())
     return find_collisions(

@@ -6,16 +6,17 @@ be used on its own.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stock import VirtualPart, cut_part
+from stock import Collision, CutAside, Sweeps, VirtualPart
 from vmach.base.note import Kind, Level, Note, in_file
 from vmach.base.stage_clock import Progress, StageClock, silent
 from vmach.base.units import um_from_mm
-from vmach.effects import read_effects
+from vmach.effects import EffectInstance, read_effects
 from vmach.errors import InputError
 from vmach.features.circular_test import CircularTest
 from vmach.features.result import FeatureResult
@@ -27,7 +28,7 @@ from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.path.preparation import Preparation, prepare
 from vmach.path.toolpath import PathStates
 from vmach.plausibility import machine_notes
-from vmach.prediction import ActingEffect, Prediction, displaced_sweeps, predict_surface
+from vmach.prediction import Prediction, displaced_sweeps, predict_surface
 from vmach.prediction.error_budget import ErrorBudget, error_budget
 from vmach.report import InspectedPoints, SolidComparison
 from vmach.run.circular_tests import job_circular_tests
@@ -67,8 +68,6 @@ class PartInspection:
         How the points that were cut under the last variant were made.
     budget : ErrorBudget
         Of the same points and variant, without alignment.
-    effects : tuple of ActingEffect
-        What acts beside the error tables.
     nominal : NominalPart or None
     notes : tuple of Note
         What the user should know before trusting the numbers.
@@ -83,7 +82,6 @@ class PartInspection:
     points: InspectedPoints
     states: PathStates
     budget: ErrorBudget
-    effects: tuple[ActingEffect, ...]
     nominal: NominalPart | None
     notes: tuple[Note, ...]
     features: tuple[FeatureResult, ...] = ()
@@ -158,31 +156,29 @@ def machine_part(
     job = read_job(job_path)
     if solid is not False:
         _check_blank(job)
-    found = inspect_part(
-        job, variants=variants, prefer_measured=prefer_measured, plan=plan, clock=clock
-    )
-    part = comparison = sweeps = None
-    moves = len(found.preparation.program.moves)
+    ready = _displaced(job, (*variants, model), clock)
+    preparation = ready.preparation
+    moves = len(preparation.program.moves)
     is_left_out = solid is None and moves > SOLID_MOVES
-    if job.blank is not None:
-        with clock.stage("displace"):
-            sweeps = displaced_sweeps(found.preparation, model, found.effects)
-    if solid or (solid is None and not is_left_out):
-        with clock.stage("cut") as step:
-            part = cut_part(sweeps, found.preparation.cutters, job.blank.solid, progress=step)
+    is_cut = solid or (solid is None and not is_left_out)
+    part = comparison = None
+    with ready.cut_aside(model) if is_cut else nullcontext() as cut:
+        found = _inspected(ready, variants, plan, clock, prefer_measured=prefer_measured)
+        with clock.stage("collide") as step:
+            collisions = ready.collisions(model, step)
+        if cut is not None:
+            with clock.stage("cut") as step:
+                part = cut.part(step)
     if part is not None and found.nominal is not None:
         with clock.stage("solids"):
             limit_mm = job.inspection.difference_mm
-            comparison = compare_solids(found.preparation, part, found.nominal, limit_mm)
-    with clock.stage("collide") as step:
-        collisions = job_collisions(found.preparation, sweeps, progress=step)
+            comparison = compare_solids(preparation, part, found.nominal, limit_mm)
     return MachinedPart(
         job=job,
         preparation=found.preparation,
         points=found.points,
         states=found.states,
         budget=found.budget,
-        effects=found.effects,
         part=part,
         nominal=found.nominal,
         model=model,
@@ -227,10 +223,73 @@ def inspect_part(
     InputError, gcode.ProgramError, stock.StockError
     """
     clock = clock or StageClock(silent)
+    ready = _displaced(job_path, variants, clock)
+    return _inspected(ready, variants, plan, clock, prefer_measured=prefer_measured)
+
+
+@dataclass(frozen=True)
+class _Displaced:
+    """All that cutting needs.
+
+    Attributes
+    ----------
+    job, preparation
+        As of `PartInspection`.
+    effects : tuple of EffectInstance
+    sweeps : dict of Variant to Sweeps
+        Those that are kept: long paths are displaced as they are asked for.
+    """
+
+    job: Job
+    effects: tuple[EffectInstance, ...]
+    preparation: Preparation
+    sweeps: dict[Variant, Sweeps]
+
+    def of(self, variant: Variant) -> Sweeps:
+        """The sweeps of one variant."""
+        if variant in self.sweeps:
+            return self.sweeps[variant]
+        return displaced_sweeps(self.preparation, variant, self.effects)
+
+    def cut_aside(self, model: Variant) -> CutAside:
+        """The solid, in a process of its own."""
+        return CutAside(self.of(model), self.preparation.cutters, self.job.blank.solid)
+
+    def collisions(
+        self, model: Variant, progress: Callable[[int, int], None]
+    ) -> tuple[Collision, ...]:
+        """Nothing can be said of a job without a blank."""
+        if self.job.blank is None:
+            return ()
+        return job_collisions(self.preparation, self.of(model), progress=progress)
+
+
+def _displaced(
+    job_path: Job | str | Path, variants: Sequence[Variant], clock: StageClock
+) -> _Displaced:
+    """Read the job, and displace its path by every variant."""
     with clock.stage("read"):
         job = read_job(job_path)
         effects = read_effects(job.effects, file=job.path, job=job)
         preparation = prepare(job)
+    with clock.stage("displace"):
+        is_long = not effects and len(preparation.program.moves) > SOLID_MOVES
+        kept = () if is_long else dict.fromkeys(variants)
+        sweeps = {v: displaced_sweeps(preparation, v, effects) for v in kept}
+    return _Displaced(job, effects, preparation, sweeps)
+
+
+def _inspected(
+    ready: _Displaced,
+    variants: Sequence[Variant],
+    plan: Plan | None,
+    clock: StageClock,
+    *,
+    prefer_measured: bool,
+) -> PartInspection:
+    """Compare the surface with the nominal one, under every variant."""
+    job, preparation, effects = ready.job, ready.preparation, ready.effects
+    with clock.stage("read"):
         nominal = read_nominal(job.nominal, job.nominal_unit) if job.nominal else None
         points = surface_points(job, nominal, prefer_measured=prefer_measured)
         if points.measured_mm is not None:
@@ -239,7 +298,11 @@ def inspect_part(
     with clock.stage("compare") as step:
         predictions: list[Prediction] = []
         for variant in variants:
-            predictions.append(predict_surface(preparation, points, variant, effects))
+            predictions.append(
+                predict_surface(
+                    preparation, points, variant, effects, sweeps=ready.sweeps.get(variant)
+                )
+            )
             step(len(predictions), len(variants))
         if points.measured_mm is None:
             check_some_cut(job, points, predictions[-1])
@@ -262,7 +325,6 @@ def inspect_part(
         points=with_causes(inspected, budget),
         states=predictions[-1].states,
         budget=budget,
-        effects=tuple(effects),
         nominal=nominal,
         notes=(*preparation.notes, *_assumptions(job), *points.notes, *notes, *doubts),
         features=features,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from gcode.dialects.fanuc.variables import OffsetColumn, OffsetColumns
+from gcode.dialects.fanuc.macro.variables import OffsetColumn, OffsetColumns
 
 __all__ = ["FANUC_COLUMNS", "HAAS_COLUMNS", "HAAS_M", "FanucSettings"]
 

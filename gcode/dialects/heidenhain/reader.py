@@ -6,7 +6,7 @@ import re
 
 from gcode.dialects.heidenhain.approach import approach, depart
 from gcode.dialects.heidenhain.block_text import bare, joined_blocks, key_word
-from gcode.dialects.heidenhain.cycle_calls import CycleCalls
+from gcode.dialects.heidenhain.cycles.calls import CycleCalls
 from gcode.dialects.heidenhain.flow import KlartextFlow
 from gcode.dialects.heidenhain.frames import KlartextFrames
 from gcode.dialects.heidenhain.m_functions import only_m
@@ -22,9 +22,13 @@ from gcode.state.controller import Controller
 
 __all__ = ["KlartextReader"]
 
+_FEED = re.compile(r"f([-+]?[\d.]+)")
+
 
 class KlartextReader(Translated):
     """Runs Klartext; every line becomes blocks of RS274/NGC."""
+
+    ending = ".h"  #: of files with programs
 
     def __init__(self, controller: Controller, lines: list[str], options: RunOptions) -> None:
         super().__init__(controller, lines, options)
@@ -73,10 +77,12 @@ class KlartextReader(Translated):
             ("CYCL DEF", self.cycles.define), ("CYCL CALL", self.cycles.call),
             ("PATTERN DEF", self.cycles.define_pattern),
             ("APPR", lambda text: approach(self, text)), ("DEP", lambda text: depart(self, text)),
-            ("CALL PGM", self.flow.call_program), ("CALL LBL", self.flow.call_label),
+            ("CALL PGM", self.flow.call_program),
+            ("CALL SELECTED PGM", self.flow.call_program), ("CALL LBL", self.flow.call_label),
             ("LBL", self.flow.label), ("CC", self.motion.define_pole),
             ("FN", self._function), ("RND", corners.define), ("CHF", corners.define),
             ("PLANE", self._plane), ("FUNCTION", self._control_function),
+            ("TRANS", self.frames.transform), ("SEL PGM", self.flow.select_program),
             ("STOP", lambda _: self.execute("m0")), ("M", lambda text: only_m(self, text)),
         ):  # fmt: skip
             if content.startswith(start):
@@ -103,7 +109,15 @@ class KlartextReader(Translated):
 
     def source_line(self, index: int) -> int:
         """Line of the program; what a called program does is done by the line that calls it."""
-        return index + 1 if self.called_at is None else self.called_at
+        return self.own_line(index) if self.called_at is None else self.called_at
+
+    def own_line(self, index: int) -> int:
+        """1-based line of the file that is read."""
+        return index + 1
+
+    def apart(self, controller: Controller) -> KlartextReader:
+        """The same lines for another controller."""
+        return KlartextReader(controller, list(self.lines), self.options)
 
     def _plane(self, content: str) -> None:
         is_flat = is_flat_plane(content, self.parameters.number)
@@ -117,11 +131,17 @@ class KlartextReader(Translated):
             raise ProgramError(f"'{content}' is not read", accepted="milling with three axes")
         self.noted("FUNCTION", "mode of the control")
 
+    def execute(self, *blocks: str) -> None:
+        """Hand blocks of RS274/NGC to the interpreter; F of an inch program counts 0.1 inch/min."""
+        if self.controller.unit_mm != 1.0:
+            blocks = tuple(_FEED.sub(lambda m: f"f{float(m[1]) / 10.0!r}", text) for text in blocks)
+        super().execute(*blocks)
+
     # words and places
 
     def words(self, content: str) -> tuple[dict[str, float | str | None], list[int]]:
         """Words of a motion line in the control's lengths, and its M codes."""
-        words, codes = motion_words(content, self.parameters.number)
+        words, codes = motion_words(self.motion.plunging(content), self.parameters.number)
         scaling = self.frames.scaling
         if not scaling.is_identity and not {91, 92} & set(codes):
             self.keep("scaling")

@@ -137,7 +137,8 @@ class BlockWords:
         if 505.0 <= value <= 599.0:
             frames.select_system(controller, f"G54.1 P{value - 500.0:.0f}")
             return ""
-        if value == 500.0 and not any(controller.origin):
+        if value == 500.0:
+            frames.select_system(controller, "G54.1 P1")  # no code of this control sets it
             return ""
         if value in CODES and value != 500.0:
             return CODES[value]

@@ -27,11 +27,15 @@ class CycleCalls:
         self.reader = reader
         self.modal: tuple[str, list[float | None]] | None = None  #: MCALL
 
-    def call(self, name: str, arguments: list[float | None], *, modal: bool) -> None:
+    def call(self, name: str, text: str, *, modal: bool) -> None:
         """A cycle or a pattern of holes."""
         reader = self.reader
         reader.controller.use(name)
         reader.only_in_xy(name)
+        if name not in CYCLES | PATTERNS | MILLING:
+            known = (*sorted(CYCLES), *sorted(MILLING))
+            raise ProgramError(f"{name} is not read", accepted=", ".join(known))
+        arguments = reader.arguments(text)
         if name in PATTERNS:
             if self.modal is None:
                 raise ProgramError(
@@ -42,9 +46,6 @@ class CycleCalls:
                 self.do_modal()
         elif name in MILLING:
             mill(reader, name, arguments)
-        elif name not in CYCLES:
-            known = (*sorted(CYCLES), *sorted(MILLING))
-            raise ProgramError(f"{name} is not read", accepted=", ".join(known))
         elif modal:
             self.modal = (name, arguments)
         else:

@@ -11,7 +11,7 @@ from gcode.dialects.sinumerik.block_words import (
     Words,
     split_arguments,
 )
-from gcode.dialects.sinumerik.codes import NO_MOTION, STOPS
+from gcode.dialects.sinumerik.codes import NO_MOTION, REFUSED, STOPS
 from gcode.dialects.sinumerik.corners import SinumerikCorners
 from gcode.dialects.sinumerik.cycle_calls import CycleCalls
 from gcode.dialects.sinumerik.expressions import Variables
@@ -43,16 +43,20 @@ _SUBPROGRAM = re.compile(
 )
 _DEFINED = re.compile(r"DEF\s+(?:NCK\s+|CHAN\s+)?(REAL|INT|BOOL)\s+(.*)", re.IGNORECASE)
 _CALLED = re.compile(
-    r"(MCALL\s+)?(CYCLE\d+|HOLES[12]|POCKET[34]|SLOT1|LONGHOLE)\s*\((.*)\)", re.IGNORECASE
+    r"(MCALL\s+)?(CYCLE\d+|HOLES[12]|POCKET[1-4]|SLOT[12]|LONGHOLE)\s*\((.*)\)", re.IGNORECASE
 )
 _FRAME = re.compile(r"(A?TRANS|A?ROT|A?SCALE|A?MIRROR)\b\s*(.*)", re.IGNORECASE)
 #: for the screen, or how the control follows the path
 _NO_MOTION = re.compile(
     r"\b(?:(WORKPIECE|MSG|CYCLE832|CYCLE800|GROUP_BEGIN|GROUP_END|SETMS|EXTCALL_END)\s*"
     r"\((?:\"[^\"]*\"|[^)\"])*\)"
+    r"|((?:SPOSA?|FGREF\s*\[\w+\]|LIMS)\s*=\s*[\w.+-]+|FGROUP\s*\([^)]*\))"
     rf"|({'|'.join(NO_MOTION)})\b)",
     re.IGNORECASE,
 )
+_REFUSED = re.compile(rf"\b({'|'.join(REFUSED)})\b", re.IGNORECASE)
+_FIRST_SPINDLE = re.compile(r"\b([SM])1\s*=", re.IGNORECASE)  #: S1=1000 M1=3
+_ELSEWHERE = re.compile(r"(?:EXTCALL\s*\(\s*(\".*\")\s*\)|PCALL\s+(\S+))", re.IGNORECASE)
 _KEY_WORD = re.compile(r"\w+")
 _MACHINE_AXIS = re.compile(r"\b([XYZ])1\s*=", re.IGNORECASE)  #: G74 X1=0
 _TILTED = re.compile(r"CYCLE800\s*\((.*)\)", re.IGNORECASE)
@@ -108,6 +112,7 @@ class SinumerikReader(Translated):
         if self.flow.obey(content):
             self.controller.use(_KEY_WORD.match(content)[0].upper())
             return
+        self._refuse(content)
         declared, frame = _DEFINED.fullmatch(content), _FRAME.fullmatch(content)
         called, settable = _CALLED.fullmatch(content), SETTABLE.fullmatch(content)
         if declared is not None:
@@ -118,7 +123,7 @@ class SinumerikReader(Translated):
             self.frame.obey(frame[1].upper(), dict(self.words.read(frame[2])) if frame[2] else {})
         elif called is not None and called[2].upper() not in ("CYCLE832", "CYCLE800"):
             self.corners.finish()
-            self.cycles.call(called[2].upper(), self.arguments(called[3]), modal=bool(called[1]))
+            self.cycles.call(called[2].upper(), called[3], modal=bool(called[1]))
         elif settable is not None:
             settable_frame(self, settable)
         elif content.upper() == "MCALL":
@@ -128,8 +133,20 @@ class SinumerikReader(Translated):
         elif not self._subprogram(content) and not self._assignments(content):
             self._block(content)
 
+    def _refuse(self, content: str) -> None:
+        found = None if '"' in content else _REFUSED.search(content)
+        if found is not None:
+            raise ProgramError(f"{found[1].upper()} ({REFUSED[found[1].upper()]}) is not read",
+                               accepted="milling with three axes")  # fmt: skip
+        if content.upper().startswith("SETAL"):
+            raise ProgramError(f"the program raises an alarm: {content}")
+
     def _subprogram(self, content: str) -> bool:
         """Go to a subprogram that stands alone in its block; tells whether one does."""
+        elsewhere = _ELSEWHERE.fullmatch(content)
+        if elsewhere:  # only the name of a path counts: programs lie beside this one
+            name = re.split(r"[\\/:]", (elsewhere[1] or elsewhere[2]).strip('" '))[-1]
+            content = f'CALL "{re.sub(r"(?i)^_N_|[._][SM]PF$", "", name)}"'
         match = _SUBPROGRAM.fullmatch(content)
         is_word = match is None or _NO_MOTION.fullmatch(content) or _ARC_WORD.fullmatch(content)
         if is_word or (_WORDS_ALONE.fullmatch(content) and not re.fullmatch(r"[Ll]\d+", content)):
@@ -153,7 +170,7 @@ class SinumerikReader(Translated):
     def _assignments(self, content: str) -> bool:
         """Obey ``R1=5 R2=R1*2``; tells whether the block holds nothing else."""
         found = _ASSIGNED.match(content)
-        if found is None or found[1].upper() in ADDRESSES:
+        if found is None or found[1].upper() in ADDRESSES or _NO_MOTION.match(content):
             return False
         while found is not None and found[1].upper() not in ADDRESSES:
             value, stop = self.variables.read(content, found.start(2))
@@ -169,6 +186,7 @@ class SinumerikReader(Translated):
         if tilted and any(self.arguments(re.sub(r"\"[^\"]*\"", "", tilted[1]))[4:13]):
             raise ProgramError("CYCLE800 tilts the plane", accepted="CYCLE800()")
         content = _SUPPRESSED.sub("G53", _NO_MOTION.sub(self._noted, content)).strip()
+        content = _FIRST_SPINDLE.sub(r"\1=", content)
         content = _NAMED_TOOL.sub(lambda m: f"T{self.controller.tool_named(m[1])}", content)
         arc = _ARC_WORD.search(content)
         kind = None if arc is None else arc[1].upper()
@@ -186,6 +204,10 @@ class SinumerikReader(Translated):
             return
         if {331.0, 332.0} & set(g_codes):
             words, g_codes = self.motion.rigid_tap(words)
+        if 9.0 in g_codes:
+            words = [w for w in words if w != ("G", 9.0)]
+            self._stop_exactly(words, arc)
+            return
         self.tools.change(words)
         self.motion.polar(words, g_codes)
         self.motion.opening_angle(words, g_codes)
@@ -205,6 +227,13 @@ class SinumerikReader(Translated):
         if stop:
             self.execute("m30" if stop[0] in (2, 17, 30) else f"m{stop[0]:.0f}")
 
+    def _stop_exactly(self, words: Words, arc: str | None) -> None:
+        """G9: an exact stop at the end of one block."""
+        before = self.controller.path_control
+        self.execute("g61.1")
+        self._obey_words(words, arc)
+        self.execute(before.lower())
+
     def _use(self, words: Words, arc: str | None) -> None:
         for letter, value in words:
             if letter in "GM":
@@ -215,7 +244,9 @@ class SinumerikReader(Translated):
             self.controller.use(arc)
 
     def _noted(self, found: re.Match) -> str:
-        self.controller.note((found[1] or found[2]).upper(), "screen, or following of the path")
+        self.controller.note(
+            (found[1] or found[2] or found[3]).upper(), "screen, or following of the path"
+        )
         return ""
 
     # for those who obey a block

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vmach.effects.effect import Effect, Parameter
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import Parameter
 from vmach.machine import COMPONENT_NAMES, RigidDisplacement
 from vmach.machine.component_errors import component_of
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from vmach.effects.effect import Effect, along, linear
+from vmach.effects.effect import Effect, along
+from vmach.effects.parameter import linear
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["GravitySag", "TableLoadSag", "from_middle"]

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from vmach.effects.effect import inner, linear
 from vmach.effects.laws.heat.warm_spindle import SPEED_EXPONENT, OfWarmSpindle
+from vmach.effects.parameter import inner, linear
 from vmach.machine import RigidDisplacement
 
 __all__ = ["HeadTilt"]

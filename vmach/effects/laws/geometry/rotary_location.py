@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from vmach.effects.effect import Effect, linear
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import linear
 
 __all__ = ["RotaryLocation"]
 

@@ -1,6 +1,7 @@
 """Scale: the axis is longer or shorter than its drive believes."""
 
-from vmach.effects.effect import Effect, along, linear
+from vmach.effects.effect import Effect, along
+from vmach.effects.parameter import linear
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["Scale"]

@@ -1,6 +1,7 @@
 """Squareness: two axes do not stand at right angles."""
 
-from vmach.effects.effect import Effect, linear
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import linear
 from vmach.machine.squareness import lean_direction
 
 __all__ = ["Squareness"]

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from vmach.effects.effect import Effect, along, inner, linear
+from vmach.effects.effect import Effect, along
+from vmach.effects.parameter import inner, linear
 from vmach.effects.wandering import wandering
 from vmach.machine import LINEAR_AXES
 from vmach.path.heat_history import REFERENCE_AXIS_MM_PER_S

@@ -1,7 +1,8 @@
 """Spindle growth: the warm spindle gets longer."""
 
-from vmach.effects.effect import along, inner, linear
+from vmach.effects.effect import along
 from vmach.effects.laws.heat.warm_spindle import SPEED_EXPONENT, OfWarmSpindle
+from vmach.effects.parameter import inner, linear
 
 __all__ = ["SpindleGrowth"]
 

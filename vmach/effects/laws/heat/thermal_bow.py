@@ -1,8 +1,9 @@
 """Thermal bow: a bed, table or beam bends because one side of it is warm."""
 
-from vmach.effects.effect import along, linear
+from vmach.effects.effect import along
 from vmach.effects.laws.geometry.gravity_sag import from_middle
 from vmach.effects.laws.heat.warm_by_time import OfWarmthByTime
+from vmach.effects.parameter import linear
 
 __all__ = ["ThermalBow"]
 

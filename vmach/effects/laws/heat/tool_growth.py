@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from vmach.effects.effect import Effect, along, inner, linear
+from vmach.effects.effect import Effect, along
+from vmach.effects.parameter import inner, linear
 
 __all__ = ["ToolGrowth"]
 

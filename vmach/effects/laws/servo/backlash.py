@@ -1,7 +1,8 @@
 """Backlash: the carriage follows its drive only after the lost motion is taken up."""
 
-from vmach.effects.effect import Effect, along, inner, linear
+from vmach.effects.effect import Effect, along
 from vmach.effects.laws.servo.reversal import TAKE_UP_MM, taken_up
+from vmach.effects.parameter import inner, linear
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["Backlash"]

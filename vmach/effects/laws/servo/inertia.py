@@ -1,7 +1,8 @@
 """Inertia: what an axis carries bends the structure while it is accelerated."""
 
-from vmach.effects.effect import Effect, along, linear
+from vmach.effects.effect import Effect, along
 from vmach.effects.laws.servo.servo import POLYLINE_SHARE, acceleration_on_curves
+from vmach.effects.parameter import linear
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["Inertia"]

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from vmach.effects.effect import Effect, along, inner, linear
+from vmach.effects.effect import Effect, along
+from vmach.effects.parameter import inner, linear
 from vmach.machine import LINEAR_AXES
 from vmach.path.circumstances import Circumstances
 

@@ -3,7 +3,8 @@
 import numpy as np
 
 from gcode import MoveKind
-from vmach.effects.effect import Effect, inner, linear
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import inner, linear
 from vmach.machine import LINEAR_AXES
 from vmach.path.circumstances import Circumstances
 

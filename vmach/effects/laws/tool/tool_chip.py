@@ -1,8 +1,9 @@
 """Tool chip: at one moment an edge of a tool breaks, and it cuts too little from then on."""
 
-from vmach.effects.effect import along, linear
+from vmach.effects.effect import along
 from vmach.effects.laws.tool.sudden import Sudden, moment
 from vmach.effects.laws.tool.tool_size import OfOneTool, by_tool
+from vmach.effects.parameter import linear
 
 __all__ = ["ToolChip"]
 

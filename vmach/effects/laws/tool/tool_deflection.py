@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from gcode import MoveKind
-from vmach.effects.effect import Effect, inner, linear
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import inner, linear
 
 __all__ = ["ToolDeflection"]
 

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from vmach.effects.effect import Effect, along, inner, linear
+from vmach.effects.effect import Effect, along
+from vmach.effects.parameter import inner, linear
 
 __all__ = ["OfOneTool", "Runout", "ToolLength", "ToolRadius", "ToolWear", "by_tool"]
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from vmach.effects.effect import along, linear
+from vmach.effects.effect import along
 from vmach.effects.laws.tool.sudden import Sudden, moment
 from vmach.effects.laws.tool.tool_size import OfOneTool, by_tool
+from vmach.effects.parameter import linear
 
 __all__ = ["ToolSlip"]
 

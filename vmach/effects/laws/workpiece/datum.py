@@ -3,8 +3,9 @@
 import numpy as np
 
 from gcode import WORK_OFFSETS
-from vmach.effects.effect import Effect, linear
+from vmach.effects.effect import Effect
 from vmach.effects.laws.tool.sudden import Sudden, moment
+from vmach.effects.parameter import linear
 
 __all__ = ["DatumShift", "Fixture"]
 

@@ -1,6 +1,7 @@
 """Workpiece temperature: the part was cut at another temperature than it is measured at."""
 
-from vmach.effects.effect import Effect, linear
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import linear
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["WorkpieceTemperature"]

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from vmach.effects.effect import linear
 from vmach.effects.laws.heat.warm_by_time import OfWarmthByTime
+from vmach.effects.parameter import linear
 
 __all__ = ["WorkpieceWarming"]
 
