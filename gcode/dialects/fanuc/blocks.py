@@ -87,6 +87,10 @@ class BlockRunner(ProgrammedMotion):
 
     # blocks
 
+    def keep(self, why: str) -> None:
+        """The line that is obeyed cannot be written anew."""
+        self.reader.keep(why)
+
     def execute(self, text: str) -> None:
         """Hand a block of RS274/NGC to the interpreter; the trace has the words as written."""
         trace, self.controller.trace = self.controller.trace, None

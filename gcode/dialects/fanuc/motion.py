@@ -35,6 +35,10 @@ class ProgrammedMotion:
         """Hand a block of RS274/NGC to the interpreter."""
         raise NotImplementedError
 
+    def keep(self, why: str) -> None:
+        """The line that is obeyed cannot be written anew."""
+        raise NotImplementedError
+
     @property
     def is_plain(self) -> bool:
         """Whether nothing is in force that moves places or holds moves back."""
@@ -97,6 +101,7 @@ class ProgrammedMotion:
             self._arc_without_end(block, code)
             self.execute(block.text())
             return bool(block.words.keys() & set("xyzabcijk"))
+        self.keep("rotation, scaling, mirror image or G16")
         return self._transformed(block, code)
 
     def _arc_without_end(self, block: MacroBlock, code: float | None) -> None:
