@@ -61,7 +61,7 @@ def _last(part: Step | PlainLines) -> int:
 
 def _code(program: Program, line: int) -> str:
     """Text of a line without comments."""
-    return _COMMENT.sub("", program.source.lines[line - 1])
+    return _COMMENT.sub("", program.source.line(line))
 
 
 def _has_expression(program: Program, step: Step) -> bool:
