@@ -221,7 +221,8 @@ MAZAK = {"T1 T2 M6\nG43 H1 G0 Z0\nM6\nG43 H2 Z0": (0, 0, 50), "G61.1 G1 X5.": (1
 ENDS = [
     (dialect, body, end)
     for dialect, table in (
-        ("fanuc", FANUC), ("haas", HAAS), ("mazak", MAZAK), ("sinumerik", SINUMERIK), ("heidenhain", KLARTEXT)
+        ("fanuc", FANUC), ("haas", HAAS), ("mazak", MAZAK),
+        ("sinumerik", SINUMERIK), ("heidenhain", KLARTEXT)
     )
     for body, end in table.items()
 ]  # fmt: skip
