@@ -6,13 +6,13 @@ be used on its own.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stock import CutAside, Sweeps, VirtualPart
+from stock import Collision, CutAside, Sweeps, VirtualPart
 from vmach.base.note import Kind, Level, Note, in_file
 from vmach.base.stage_clock import Progress, StageClock, silent
 from vmach.base.units import um_from_mm
@@ -55,8 +55,8 @@ SOLID_MOVES = 100_000
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Inspected:
-    """What is known of a job's part without a solid.
+class PartInspection:
+    """The surface of a job's part under several error models, without a solid.
 
     Attributes
     ----------
@@ -89,20 +89,7 @@ class _Inspected:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PartInspection(_Inspected):
-    """The surface of a job's part under several error models, without a solid.
-
-    Attributes
-    ----------
-    sweeps : dict of Variant to Sweeps
-        The displaced path of every variant.
-    """
-
-    sweeps: dict[Variant, Sweeps]
-
-
-@dataclass(frozen=True, kw_only=True)
-class MachinedPart(_Inspected):
+class MachinedPart(PartInspection):
     """What the main job found.
 
     Attributes
@@ -170,15 +157,15 @@ def machine_part(
     if solid is not False:
         _check_blank(job)
     ready = _displaced(job, (*variants, model), clock)
-    sweeps, preparation = ready.sweeps[model], ready.preparation
+    preparation = ready.preparation
     moves = len(preparation.program.moves)
     is_left_out = solid is None and moves > SOLID_MOVES
     is_cut = solid or (solid is None and not is_left_out)
     part = comparison = None
-    with CutAside(sweeps, preparation.cutters, job.blank.solid) if is_cut else nullcontext() as cut:
+    with ready.cut_aside(model) if is_cut else nullcontext() as cut:
         found = _inspected(ready, variants, plan, clock, prefer_measured=prefer_measured)
         with clock.stage("collide") as step:
-            collisions = job_collisions(preparation, sweeps, progress=step)
+            collisions = ready.collisions(model, step)
         if cut is not None:
             with clock.stage("cut") as step:
                 part = cut.part(step)
@@ -242,12 +229,39 @@ def inspect_part(
 
 @dataclass(frozen=True)
 class _Displaced:
-    """All that cutting needs; attributes as of `PartInspection`."""
+    """All that cutting needs.
+
+    Attributes
+    ----------
+    job, preparation
+        As of `PartInspection`.
+    effects : tuple of EffectInstance
+    sweeps : dict of Variant to Sweeps
+        Those that are kept: long paths are displaced as they are asked for.
+    """
 
     job: Job
     effects: tuple[EffectInstance, ...]
     preparation: Preparation
     sweeps: dict[Variant, Sweeps]
+
+    def of(self, variant: Variant) -> Sweeps:
+        """The sweeps of one variant."""
+        if variant in self.sweeps:
+            return self.sweeps[variant]
+        return displaced_sweeps(self.preparation, variant, self.effects)
+
+    def cut_aside(self, model: Variant) -> CutAside:
+        """The solid, in a process of its own."""
+        return CutAside(self.of(model), self.preparation.cutters, self.job.blank.solid)
+
+    def collisions(
+        self, model: Variant, progress: Callable[[int, int], None]
+    ) -> tuple[Collision, ...]:
+        """Nothing can be said of a job without a blank."""
+        if self.job.blank is None:
+            return ()
+        return job_collisions(self.preparation, self.of(model), progress=progress)
 
 
 def _displaced(
@@ -259,7 +273,9 @@ def _displaced(
         effects = read_effects(job.effects, file=job.path, job=job)
         preparation = prepare(job)
     with clock.stage("displace"):
-        sweeps = {v: displaced_sweeps(preparation, v, effects) for v in dict.fromkeys(variants)}
+        is_long = not effects and len(preparation.program.moves) > SOLID_MOVES
+        kept = () if is_long else dict.fromkeys(variants)
+        sweeps = {v: displaced_sweeps(preparation, v, effects) for v in kept}
     return _Displaced(job, effects, preparation, sweeps)
 
 
@@ -283,7 +299,9 @@ def _inspected(
         predictions: list[Prediction] = []
         for variant in variants:
             predictions.append(
-                predict_surface(preparation, points, variant, effects, sweeps=ready.sweeps[variant])
+                predict_surface(
+                    preparation, points, variant, effects, sweeps=ready.sweeps.get(variant)
+                )
             )
             step(len(predictions), len(variants))
         if points.measured_mm is None:
@@ -308,7 +326,6 @@ def _inspected(
         states=predictions[-1].states,
         budget=budget,
         nominal=nominal,
-        sweeps=ready.sweeps,
         notes=(*preparation.notes, *_assumptions(job), *points.notes, *notes, *doubts),
         features=features,
         circular_tests=job_circular_tests(job, preparation, variants[-1], effects),
