@@ -26,7 +26,7 @@ from vmach.uncertainty.tables import TableUncertainty
 __all__ = ["Survey"]
 
 #: readings of the signatures that are remembered
-_ROOM = 5_000_000
+_ROOM = 2_000_000
 
 
 @dataclass(frozen=True)
