@@ -19,7 +19,7 @@ from vmach.commands.batch import batch
 from vmach.commands.canon import canon
 from vmach.commands.check import check
 from vmach.commands.compensate import compensate
-from vmach.commands.diagnosis import add, diagnose, history
+from vmach.commands.diagnosis import add, diagnose, history, set_job_values
 from vmach.commands.effects import effects_app
 from vmach.commands.features import features
 from vmach.commands.importing import import_files
@@ -31,7 +31,7 @@ from vmach.commands.path import path
 from vmach.commands.predict import predict
 from vmach.commands.schema import schema
 from vmach.commands.tables import HelpWithFormats, tables
-from vmach.commands.warm_up import tell_if_cold, warm_up
+from vmach.commands.warm_up import compile_if_cold, warm_up
 from vmach.errors import VmachError
 
 __all__ = ["app", "main"]
@@ -64,7 +64,7 @@ def _before_any_command(
     if version:
         print(__version__)
         raise typer.Exit
-    tell_if_cold(context.invoked_subcommand)
+    compile_if_cold(context.invoked_subcommand)
     for file in effect_file or []:
         from vmach.effects import load_effect_file
 
@@ -86,6 +86,7 @@ for _command in (
     compensate,
 ):
     app.command()(_command)
+app.command("set")(set_job_values)
 app.command("open")(open_workbench)
 app.command(cls=HelpWithFormats)(tables)
 for _command in (batch, accuracy, iso230, canon, schema, view, warm_up):

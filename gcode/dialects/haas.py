@@ -37,7 +37,8 @@ class Haas(Fanuc):
     reader = HaasReader
     reads = ("linuxcnc", "fanuc")
     confirmed = {
-        "manual": "G0; G1; G10; G12; G13; G28; G40; G41; G70; G71; G80; G83; G91; G99; G154",
+        "manual": "G0; G1; G10; G12; G13; G28; G40; G41; G70; G71; G72; G80; G83; G91; G99; G114; "
+        "G154",
         "fanuc": CONFIRMED["manual"],
         "no motion": CONFIRMED["no motion"],
     }

@@ -23,6 +23,7 @@ class Element:
 
     end: Point
     centre: Point | None = None
+    against: bool = False  #: the arc turns the other way
 
 
 @dataclass(frozen=True)

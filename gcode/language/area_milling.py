@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from gcode.errors import ProgramError
+from gcode.geometry.curved_slot import CurvedSlot
 from gcode.geometry.outlines import Outline
 from gcode.language.translate import number
 
@@ -26,7 +27,7 @@ class Area:
 
     Attributes
     ----------
-    outline : Outline
+    outline : Outline or CurvedSlot
         The finished wall.
     tool_radius : float
     surface, bottom, clear : float
@@ -44,7 +45,7 @@ class Area:
         Of a stud: what stands before.
     """
 
-    outline: Outline
+    outline: Outline | CurvedSlot
     tool_radius: float
     surface: float
     bottom: float
@@ -104,7 +105,8 @@ def _round(ring: Outline, feed: float, *, clockwise: bool) -> Iterator[str]:
     here = ring.start
     yield _line("g1", here, feed)
     for element in ring.round(clockwise=clockwise):
-        text = _line("g1" if element.centre is None else "g2" if clockwise else "g3", element.end)
+        turns = "g2" if clockwise != element.against else "g3"
+        text = _line("g1" if element.centre is None else turns, element.end)
         if element.centre is not None:
             text += f"i{number(element.centre[0] - here[0])}j{number(element.centre[1] - here[1])}"
         yield text

@@ -24,7 +24,8 @@ _PATTERN = (re.Pattern, type(None))
 _TYPES = {"name": str, "title": str, "source": str, "synonyms": tuple, "marks": _PATTERN,
           "rank": int, "is_rs274": bool, "arcs": ArcTolerance, "reads": tuple,
           "own_words": _PATTERN, "unlike": _PATTERN, "flow_lines": _PATTERN, "unwritable": _PATTERN,
-          "inch_decimals": int, "ending": frozenset, "floating_tap": bool,
+          "inch_decimals": int, "ending": frozenset, "floating_tap": bool, "is_written": bool,
+          "options": Mapping,
           "confirmed": Mapping}  # fmt: skip
 #: attribute -> what class it must be derived from
 _CLASSES = {"reader": Translated, "text": BlockText, "edit": LineEdit}

@@ -14,9 +14,11 @@ __all__ = ["TRUTHS", "confirmation_table", "unconfirmed_words"]
 TRUTHS: dict[str, tuple[str, tuple[str, ...]]] = {
     "manual": ("rules and figures of the maker's manuals, computed by hand",
                ("test_fanuc_manual.py", "test_klartext_manual.py", "test_sinumerik_manual.py",
-                "test_drilling_cycles.py", "test_common_words.py", "test_haas_cycles.py")),
+                "test_drilling_cycles.py", "test_common_words.py", "test_words_one_by_one.py",
+                "test_haas_cycles.py")),
     "closed form": ("walls, floors, places and frames in closed form",
-                    ("test_klartext_cycles.py", "test_sinumerik_language.py",
+                    ("test_klartext_cycles.py", "test_klartext_contour_cycles.py",
+                     "test_sinumerik_language.py", "test_corners_and_scales.py",
                      "test_haas_cycles.py")),
     "posts": ("36 paths that FreeCAD 0.20 posted", ("test_freecad_posts.py",)),
     "one part": ("one part programmed by hand for three controls",

@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from gcode.errors import ProgramError
 from gcode.geometry.arc_tolerance import ArcTolerance
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated
@@ -64,6 +65,10 @@ class Dialect:
         M codes that act when the block's motion has ended.
     floating_tap : bool
         G84 is a feed move with the spindle reversed, so that it can be written out.
+    options : mapping of str to tuple of str
+        Parameter of the control that a job may set -> what it accepts, its default first.
+    is_written : bool
+        Its programs can be written back with other ends; False where they are read only.
     confirmed : mapping of str to str
         A truth of `gcode.language.confirmation.TRUTHS` -> words whose reading it confirms, with
         semicolons between them. A program that uses others gets a note; none where it is empty.
@@ -91,9 +96,22 @@ class Dialect:
     inch_decimals: int = 1
     ending: frozenset[int] = frozenset((0, 1, 2, 5, 9, 30, 60))
     floating_tap: bool = False
+    options: Mapping[str, tuple[str, ...]] = MappingProxyType({})
+    is_written: bool = True
     confirmed: Mapping[str, str] = MappingProxyType({})
     text: type[BlockText] = BlockText
     edit: type[LineEdit] = LineEdit
+
+    @classmethod
+    def check_options(cls, said: Mapping[str, str]) -> None:
+        """Refuse options that the control does not have; raises ProgramError."""
+        for name, value in said.items():
+            if name not in cls.options:
+                known = ", ".join(cls.options) or f"none for {cls.name}"
+                raise ProgramError(f"[control] options: {name}", accepted=known)
+            if value not in cls.options[name]:
+                raise ProgramError(f"[control] options: {name} = '{value}'",
+                                   accepted=", ".join(cls.options[name]))  # fmt: skip
 
     @classmethod
     def detect(cls, text: str) -> str | None:

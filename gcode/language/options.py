@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from gcode.errors import ProgramError
@@ -25,11 +26,14 @@ class ControlSettings:
         Skip blocks that begin with a slash; or those of some switches, 1 for a bare slash.
     ignore_m : frozenset of int
         Machine builder's M codes that move nothing.
+    options : mapping of str to str
+        Parameters of one control, by the names of its `Dialect.options`.
     """
 
     increment: str | None = None
     block_delete: bool | frozenset[int] = False
     ignore_m: frozenset[int] = frozenset()
+    options: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.increment is not None and self.increment not in INCREMENT_SYSTEMS:

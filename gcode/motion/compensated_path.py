@@ -35,10 +35,9 @@ class CompensatedPath:
         self.programmed = self._plane(controller.programmed)
         self.end = self._plane(end)
 
-    @property
-    def goes_straight(self) -> bool:
-        """Whether outer corners are passed by lines, not by arcs."""
-        return bool(self.controller.start_up) and not self.controller.round_corners
+    def goes_straight(self, turn: float) -> bool:
+        """Whether an outer corner of this turn (rad) is passed by lines, not by an arc."""
+        return bool(self.controller.start_up) and turn < self.controller.round_corners_from
 
     def _plane(self, position: list[float]) -> Point:
         return position[self.first], position[self.second]

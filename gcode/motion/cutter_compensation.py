@@ -80,6 +80,7 @@ def _cutter(controller: Controller, block: Values, code: str) -> tuple[float, in
 
 def flush(controller: Controller) -> None:
     """Say everything that waits, ending where the compensated path stands."""
+    _end_leaving(controller)
     if controller.queue.items:
         first, second, _ = PLANE_AXES[controller.plane]
         here = (controller.position[first], controller.position[second])
@@ -89,11 +90,51 @@ def flush(controller: Controller) -> None:
 
 def _cancel(controller: Controller) -> None:
     if controller.side and controller.radius > 0.0 and not controller.entering:
-        flush(controller)
+        if controller.start_up == "B":
+            controller.leaving = controller.side, list(controller.position)
+        else:
+            flush(controller)
         controller.position[:3] = controller.programmed
         controller.straight_only = True
     controller.side = 0
     controller.entering, controller.starting = True, False
+
+
+def _end_leaving(controller: Controller) -> None:
+    """The last compensated move ends square beside its end, whatever comes."""
+    if controller.leaving is None:
+        return
+    _, compensated = controller.leaving
+    controller.leaving = None
+    programmed, controller.position = controller.position, compensated
+    flush(controller)
+    controller.position = programmed
+
+
+def leave(controller: Controller, motion: str, end: list[float]) -> None:
+    """The straight move behind G40, type B: an outer corner is gone round as in compensation.
+
+    FANUC B-64484EN-2, "Tool movement in offset mode cancel".
+    """
+    side, compensated = controller.leaving
+    programmed = list(controller.position)
+    controller.position, controller.side = list(compensated), side
+    path = CompensatedPath(controller, end)
+    if path.end != path.programmed:
+        heading = direction(path.programmed, path.end)
+        theta = direction(path.programmed, path.current)
+        turn = math.remainder((theta - heading) * path.side - QUARTER, 2.0 * math.pi)
+        if turn > _TANGENT and path.goes_straight(turn):
+            _extended_corner(path, theta, heading)
+            controller.leaving = None
+            controller.queue.release()
+            controller.record.straight(Call.FEED if motion == "G1" else Call.TRAVERSE, end)
+            controller.position, controller.side = list(end), 0
+            return
+    controller.position, controller.side = programmed, 0
+    flush(controller)
+    controller.record.straight(Call.FEED if motion == "G1" else Call.TRAVERSE, end)
+    controller.position = list(end)
 
 
 def straight(controller: Controller, motion: str, end: list[float]) -> None:
@@ -134,6 +175,7 @@ def _begin_start_up(path: CompensatedPath, call: Call, level: float) -> None:
     """The first line of Fanuc's compensation: its end waits for the line or arc behind it."""
     path.queue.start = path.current
     path.add_line(call, path.end, (0.0, 0.0), level=level)
+    path.controller.start_heading = direction(path.current, path.end)
     path.finish(path.end)
     path.controller.starting = True
 
@@ -141,11 +183,17 @@ def _begin_start_up(path: CompensatedPath, call: Call, level: float) -> None:
 def _end_start_up(path: CompensatedPath, heading: float) -> None:
     """Type A: the first line ends square beside the start of the next move.
 
-    FANUC B-64484EN-2, "Tool movement in start-up".
+    Type B does so at inner corners; an outer one is gone round as if compensation had been on
+    before. FANUC B-64484EN-2, "Tool movement in start-up".
     """
     if not path.controller.starting:
         return
     path.controller.starting = False
+    start = path.controller.start_heading
+    turn = math.remainder((start - heading) * path.side, 2.0 * math.pi)
+    if path.controller.start_up == "B" and turn > _TANGENT:
+        path.current = beside(path.programmed, path.radius, start + path.side * QUARTER)
+        return
     beside_start = beside(path.programmed, path.radius, heading + path.side * QUARTER)
     path.release_to(beside_start)
     path.current = beside_start
@@ -189,7 +237,7 @@ def _corner_before_line(path: CompensatedPath, call: Call, heading: float) -> No
             path.release_to(line_after_arc(path, before, heading))
         else:
             path.release_to(line_after_line(path, beta, theta))
-    elif beta > _TANGENT and path.goes_straight:
+    elif beta > _TANGENT and path.goes_straight(beta):
         _extended_corner(path, theta, heading)
     elif beta > _TANGENT:
         path.release_to(path.current)
@@ -296,7 +344,7 @@ def _following_arc(path: CompensatedPath, block: Values) -> None:
         else:
             path.release_to(arc_after_line(path, centre, turns, radius=radius, beta=beta,
                                             theta=theta))  # fmt: skip
-    elif beta > _TANGENT and path.goes_straight:
+    elif beta > _TANGENT and path.goes_straight(beta):
         onset = _extended_corner(path, direction(start, path.current), heading)
         path.add_line(Call.FEED, onset, (0.0, 0.0), level=path.level)
         path.queue.release()

@@ -110,11 +110,15 @@ def straight(controller: Controller, block: Values, motion: str) -> None:
             raise ProgramError("cannot use G53 with cutter compensation on")
         cutter_compensation.straight(controller, motion, end)
         return
+    if controller.leaving is not None:
+        cutter_compensation.leave(controller, motion, end)
+        return
     traverse(controller, end, Call.FEED if motion == "G1" else Call.TRAVERSE)
 
 
 def traverse(controller: Controller, end: list[float], call: Call = Call.TRAVERSE) -> None:
     """Go straight to `end` without compensation."""
+    cutter_compensation.flush(controller) if controller.leaving is not None else None
     controller.record.straight(call, end)
     controller.position = end
 
@@ -127,6 +131,7 @@ def arc(controller: Controller, block: Values, motion: str) -> None:
     if controller.side and controller.radius > 0.0:
         cutter_compensation.arc(controller, block, end)
         return
+    cutter_compensation.flush(controller) if controller.leaving is not None else None
     first, second, axial = PLANE_AXES[controller.plane]
     start = controller.position
     start2, end2 = (start[first], start[second]), (end[first], end[second])

@@ -106,7 +106,11 @@ class Controller:
     orientation: int = 0
     entering: bool = True
     starting: bool = False  #: its first line waits for the next move
-    round_corners: bool = False  #: with type A: arcs about outer corners in place of lines
+    start_heading: float = 0.0  #: of that line, rad
+    #: type B: side and compensated position where G40 waits for the next move
+    leaving: tuple[int, list[float]] | None = None
+    #: with a start-up: outer corners that turn more get an arc, others go on straight, rad
+    round_corners_from: float = math.inf
     start_up: str = ""  #: cutter compensation: type A or B of Fanuc, empty for LinuxCNC's
     programmed: list[float] = field(default_factory=lambda: [0.0] * 3)
     straight_only: bool = False

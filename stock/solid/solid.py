@@ -1,9 +1,12 @@
-"""The virtual part: the solid that displaced tools leave of a blank, with its moves."""
+"""The virtual part: the solid that displaced tools leave of a blank, with its moves.
+
+Source: the set operations are those of the library manifold3d.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,9 +17,10 @@ from stock.solid.advancing_cut import BLOCK_STROKES, finished_pieces
 from stock.solid.blank import blank_solid
 from stock.solid.buried_strokes import needed_strokes
 from stock.solid.cutter_solids import CutterSolids
-from stock.solid.ring_stack import ring_stack
+from stock.solid.joined_strokes import JoinedStrokes, join_strokes
+from stock.solid.ring_stack import RingStack, ring_stack
 from stock.solid.seams import PieceMesh, join_pieces
-from stock.solid.strokes import strokes_of
+from stock.solid.strokes import Strokes, strokes_of
 from stock.sweeps import Sweeps
 from stock.tools import Tool
 
@@ -26,6 +30,9 @@ __all__ = ["BLANK", "VirtualPart", "cut_part"]
 BLANK = -1
 #: a wall where the part was split for a while
 _WALL = -2
+#: more strokes than this are joined where they go on in nearly one line: within these shares of the
+#: tolerance, one after the other until there are few enough
+_FEW_STROKES, _JOINED = 20_000, (0.0, 0.2, 1.0)
 
 
 @dataclass(frozen=True)
@@ -41,12 +48,15 @@ class VirtualPart:
     move : (T,) int64
         The move that left the triangle; `BLANK` on the blank's own surface.
     volume_mm3 : float
+    joined_mm : float
+        How near to one line moves lie that were cut as one; 0 where none were.
     """
 
     vertices_mm: np.ndarray
     triangles: np.ndarray
     move: np.ndarray
     volume_mm3: float
+    joined_mm: float = 0.0
 
     def __post_init__(self) -> None:
         for array in (self.vertices_mm, self.triangles, self.move):
@@ -66,8 +76,9 @@ def cut_part(
 
     Round tools are faceted with corners on the true surface: they leave up to the tolerance of
     material, twice that where they are curved both ways, and cut too deep only inside arcs, by
-    up to the tolerance. Planes keep every micrometre of the displacement. Numbers come from the
-    exact engine; the solid is for looking at, volume and export.
+    up to the tolerance. Planes keep every micrometre of the displacement. Of very many moves those
+    that go on in nearly one line are cut as one. Numbers come from the exact engine; the solid is
+    for looking at, volume and export.
 
     Parameters
     ----------
@@ -95,20 +106,53 @@ def cut_part(
     if block_strokes < 1:
         raise StockError(f"blocks of {block_strokes!r} strokes", accepted="1 or more")
     solid = blank_solid(blank)
-    strokes = strokes_of(sweeps, tolerance_mm)
     stacks = [ring_stack(tool, tolerance_mm) for tool in tools]
-    low_mm, high_mm = np.reshape(solid.bounding_box(), (2, 3))
-    cutters = CutterSolids(strokes, stacks, top_mm=high_mm[2])
-    needed = needed_strokes(cutters.footprints(), low_mm, high_mm)
-    cutters = CutterSolids(strokes.only(needed), stacks, top_mm=high_mm[2])
+    cutters, joined, joined_mm = _cutters(
+        strokes_of(sweeps, tolerance_mm), stacks, solid.bounding_box(), tolerance_mm
+    )
     move_of_id = cutters.move_of_id
     move_of_id[solid.original_id()] = BLANK
     pieces, volume_mm3 = [], 0.0
     for piece in finished_pieces(solid, cutters, block_strokes=block_strokes, progress=progress):
-        pieces.append(_mesh(piece, move_of_id))
+        mesh = _mesh(piece, move_of_id)
+        pieces.append(mesh if joined is None else _by_move(mesh, joined, stacks))
         volume_mm3 += piece.volume()
-    joined = join_pieces(pieces)
-    return VirtualPart(joined.vertices_mm, joined.triangles, joined.move, volume_mm3)
+    whole = join_pieces(pieces)
+    return VirtualPart(whole.vertices_mm, whole.triangles, whole.move, volume_mm3, joined_mm)
+
+
+def _cutters(
+    strokes: Strokes, stacks: Sequence[RingStack], box_mm: Sequence[float], tolerance_mm: float
+) -> tuple[CutterSolids, JoinedStrokes | None, float]:
+    """What has to be cut, by strokes as short as there is time for.
+
+    Returns
+    -------
+    CutterSolids
+        Without buried strokes.
+    JoinedStrokes or None
+        What they name, where they have been joined.
+    float
+        Distance within which they have been, mm.
+    """
+    low_mm, high_mm = np.reshape(box_mm, (2, 3))
+    for share in _JOINED:
+        limit_mm = share * tolerance_mm
+        joined = join_strokes(strokes, limit_mm) if share else None
+        found = joined.strokes if joined else strokes
+        cutters = CutterSolids(found, stacks, top_mm=high_mm[2])
+        needed = needed_strokes(cutters.footprints(), low_mm, high_mm)
+        if needed.sum() <= _FEW_STROKES:
+            break
+    return CutterSolids(found.only(needed), stacks, top_mm=high_mm[2]), joined, limit_mm
+
+
+def _by_move(mesh: PieceMesh, joined: JoinedStrokes, stacks: Sequence[RingStack]) -> PieceMesh:
+    """A mesh whose triangles name joined strokes, by the moves of these."""
+    move, cut = mesh.move.copy(), np.flatnonzero(mesh.move != BLANK)
+    corners = mesh.vertices_mm[mesh.triangles[cut]]
+    move[cut] = joined.moves_of(move[cut], corners, stacks)
+    return replace(mesh, move=move)
 
 
 def _mesh(solid: Manifold, move_of_id: dict[int, int]) -> PieceMesh:

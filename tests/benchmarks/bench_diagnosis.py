@@ -125,7 +125,7 @@ def coverage(wanted: list, found: Diagnosis) -> tuple[int, int]:
             if (f.name, f.target) != (name, target):
                 continue
             for key, value in truth.items():
-                if key in f.interval_95 and key not in f.hardly_shown:
+                if key in f.interval_95 and key not in f.weakly_identified:
                     low, high = f.interval_95[key]
                     if key == "phase_rad":  # the turn that is meant is the nearest
                         value += 2 * np.pi * np.round((f.parameters[key] - value) / (2 * np.pi))

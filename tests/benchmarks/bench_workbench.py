@@ -61,8 +61,10 @@ class Bench:
     def memory_mb(self) -> dict[str, float]:
         found = {}
         for name, pid in self.processes().items():
-            text = Path(f"/proc/{pid}/status").read_text()
-            found[name] = int(re.search(r"VmRSS:\s+(\d+)", text)[1]) / 1024
+            text = Path(
+                f"/proc/{pid}/smaps_rollup"
+            ).read_text()  # shared pages count by their share
+            found[name] = int(re.search(r"^Pss:\s+(\d+)", text, re.MULTILINE)[1]) / 1024
         return found
 
     def processor_s(self) -> dict[str, float]:
@@ -108,7 +110,7 @@ def measure(bench: Bench, diagnoses: int, browser: bool) -> None:
     hostile(bench)
     if browser:
         seen(bench)
-    print(f"memory: {told(bench.memory_mb())} MB")
+    print(f"memory (PSS): {told(bench.memory_mb())} MB")
     for number in range(1, diagnoses + 1):
         bench.ask("/api/diagnose", {})
         while True:
@@ -164,23 +166,51 @@ def seen(bench: Bench, times: int = 20) -> None:
         page.goto(f"http://127.0.0.1:{bench.port}/?token={bench.token}")
         page.wait_for_selector("body[data-ready=part]")
         print(f"seen: the page in {time.perf_counter() - began:.1f} s, the part being there")
+        page.evaluate(_CLOCK)
         page.locator("#tab-what-if").click()
         page.get_by_label("Find an effect").fill("backlash y")
         page.get_by_label("backlash Y reversal").wait_for()
-        print(f"seen: a slider in {median(page, _SLIDER, times):.0f} ms")
+        print(f"{'seen, ms':10}{'all':>8}{'server':>8}{'renderer':>10}{'page':>8}")
+        tell_seen("a slider", page, _SLIDER, times)
         page.locator("#tab-look").click()
-        print(f"seen: a pick in {median(page, _PICK, times):.0f} ms")
+        tell_seen("a pick", page, _PICK, times)
         browser.close()
 
 
+def tell_seen(name: str, page, act: str, times: int) -> None:
+    """Medians: from the input to the frame, of which the answer, the renderer, and what is left."""
+    rows = sorted(page.evaluate(act.replace("K", str(k))) for k in range(1, times + 1))
+    total, server, renderer = (sorted(row[i] for row in rows)[times // 2] for i in range(3))
+    page_ms = sorted(row[0] - row[1] - row[2] for row in rows)[times // 2]
+    print(f"{name:10}{total:8.0f}{server:8.0f}{renderer:10.0f}{page_ms:8.0f}", flush=True)
+
+
+#: adds up what drawing takes until its pixels are there
+_CLOCK = """() => {
+  const draw = Scene.prototype.draw, pixel = new Uint8Array(4);
+  window.drawn_ms = 0;
+  Scene.prototype.draw = function () {
+    const began = performance.now(), { gl } = this;
+    draw.call(this);
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+    window.drawn_ms += performance.now() - began;
+  };
+}"""
 #: from the input to the first frame after the figures, or the point, have changed
 _FRAME = """() => new Promise((done) => {
   const began = performance.now(), place = document.querySelector("PLACE");
-  setTimeout(() => done(NaN), 5000);
+  window.drawn_ms = 0;
+  setTimeout(() => done([NaN, NaN, NaN]), 5000);
   new MutationObserver((_, me) => {
     me.disconnect();
-    requestAnimationFrame(() => setTimeout(() => done(performance.now() - began), 0));
+    requestAnimationFrame(() => setTimeout(() => {
+      const answers = performance.getEntriesByType("resource")
+        .filter((one) => one.startTime >= began);
+      const server = answers.reduce((sum, one) => sum + one.responseEnd - one.startTime, 0);
+      done([performance.now() - began, server, window.drawn_ms]);
+    }, 0));
   }).observe(place, { childList: true, subtree: true, characterData: true });
+  performance.clearResourceTimings();
   ACT
 })"""
 _SLIDER = _FRAME.replace("PLACE", "#figures").replace("ACT", """
@@ -194,11 +224,6 @@ _PICK = _FRAME.replace("PLACE", ".point").replace("ACT", """
   canvas.setPointerCapture = () => {};
   for (const kind of ["pointerdown", "pointerup"])
     canvas.dispatchEvent(new PointerEvent(kind, at));""")  # fmt: skip
-
-
-def median(page, act: str, times: int) -> float:
-    took = sorted(page.evaluate(act.replace("K", str(k))) for k in range(1, times + 1))
-    return took[times // 2]
 
 
 def slider(k: int) -> dict:

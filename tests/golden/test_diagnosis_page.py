@@ -87,7 +87,7 @@ def test_named_effects_have_their_card(tmp_path, monkeypatch, capsys):
     for effect in figures["effects"]:
         for words in (effect["usual_size"], effect["confirm"], effect["cure"]):
             assert words.replace(" um", " µm").replace(" urad", " µrad") in page.text
-        for name in effect["interval_95"].keys() - effect["hardly_shown"]:
+        for name in effect["interval_95"].keys() - effect["weakly_identified"]:
             low, high = effect["interval_95"][name]
             shown = re.search(rf"{name}\s+95 % between (\S+) and (\S+)", page.text)
             ends = [float(end.replace("−", "-")) for end in shown.groups()]

@@ -119,7 +119,7 @@ def _parameters(effect: dict, entry: dict) -> list[tuple[str, float, float, floa
     for name, true in effect["comparable"].items():
         value, u = entry["parameters"].get(name), entry["u"].get(name)
         known = isinstance(value, int | float) and isinstance(u, int | float)
-        if not known or name in entry.get("hardly_shown", ()):
+        if not known or name in entry.get("weakly_identified", ()):
             continue
         low, high = entry.get("interval_95", {}).get(name, (value - 1.96 * u, value + 1.96 * u))
         if len(effect["comparable"]) < 3 and value * true < 0:

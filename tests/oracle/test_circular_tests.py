@@ -133,3 +133,37 @@ def test_the_sample_prints_its_table(tmp_path, capsys):
     assert told[0]["G_b_um"] > told[0]["G_cw_um"] > 0.0
     page = (tmp_path / "out" / "report.html").read_text()
     assert 'id="circles"' in page and "Circular tests, ISO 230-4" in page
+
+
+@pytest.mark.parametrize("squareness_urad", [3.0, -40.0])
+def test_the_uncertainty_of_squareness_is_that_of_the_figures(tmp_path, squareness_urad):
+    """G is R times the angle, so that u(G) is R times u of the angle; the mean radius stays."""
+    squareness = f"[squareness]\nEC0Y = {squareness_urad}\n"
+    job = write_job(tmp_path, squareness=squareness, more="[circular_test]\n")
+    machine = tmp_path / "machine.toml"
+    machine.write_text(machine.read_text() + "\n[uncertainty]\nsquareness_urad = 2.0\n")
+    (tmp_path / "part.nc").write_text(CIRCLES)
+    read = read_job(job)
+    (test,) = job_circular_tests(read, prepare(read), Variant.ABBE, ())
+    wanted = RADIUS_MM * 2e-6
+    assert test.u.G_ccw == pytest.approx(wanted, rel=2e-3)
+    assert test.u.G_cw == pytest.approx(wanted, rel=2e-3)
+    assert test.u.G_b == pytest.approx(wanted, rel=2e-3)
+    assert abs(test.u.D) < 1e-9
+    assert test.u.F_max == pytest.approx(wanted / 2, rel=2e-3)
+
+
+def test_figures_are_the_sums_that_their_weights_say():
+    """Against the definition: concentric circles found by trying centres around."""
+    random = np.random.default_rng(5)
+    angle = np.sort(random.uniform(0.0, 2.0 * np.pi, (2, 60)))
+    radial = 1e-3 * random.standard_normal((2, 60))
+    f = circular_figures(tuple(angle), tuple(radial))
+    rows = np.column_stack([np.cos(angle[0]), np.sin(angle[0])])
+
+    def width(centre):
+        return np.ptp(radial[0] - rows @ centre)
+
+    grid = np.linspace(-2e-3, 2e-3, 161)
+    smallest = min(width(np.array([x, y])) for x in grid for y in grid)
+    assert smallest - 1e-4 < f.G_ccw <= smallest + 1e-12

@@ -9,7 +9,15 @@ import math
 import numpy as np
 import pytest
 
-from gcode import ControlSettings, OffsetEntry, ProgramError, Source, ToolEntry, read_program
+from gcode import (
+    ControlSettings,
+    MoveKind,
+    OffsetEntry,
+    ProgramError,
+    Source,
+    ToolEntry,
+    read_program,
+)
 
 TOOLS = {1: ToolEntry(100.0, 10.0), 2: ToolEntry(80.0, 6.0)}
 LENGTH = 100.0
@@ -343,3 +351,60 @@ def test_a_program_without_a_unit_says_so():
     said = {note.word for note in read("O1\nG0 X7.\nM30\n").notes}
     assert "units" in said
     assert "units" not in {note.word for note in read("O1\nG21 G0 X7.\nM30\n").notes}
+
+
+#: B-64484EN-2, "Tool movement in start-up" and "in offset mode cancel": from (-30, 0) to a contour
+#: that turns away from the tool by 45 and by 120 degrees; the tool's radius is 5, on the left
+CONTOUR = "G0 X-30. Y0.\nG1 G41 D1 X0. Y0. F100.\nX{x} Y{y}\nG40 X{u} Y{v}"
+
+
+def _path(body, **options):
+    text = f"O1\nG21 G90 G54\n{body}\nM30\n"
+    return read_program(Source(text.encode(), "part"), dialect="fanuc",
+                        tools={1: ToolEntry(0.0, 10.0)}, work_offsets_mm={"G54": (0, 0, 0)},
+                        control=ControlSettings(options=options)).moves  # fmt: skip
+
+
+@pytest.mark.parametrize("turn_deg", [45.0, 120.0])
+def test_type_b_goes_round_outer_corners_at_start_and_end(turn_deg):
+    turn = math.radians(turn_deg)
+    along = np.array([math.cos(turn), -math.sin(turn)])  # to the right, away from the tool
+    normal = np.array([-along[1], along[0]])
+    end = 40.0 * along
+    last = np.array([math.cos(2 * turn), -math.sin(2 * turn)])
+    out = end + 30.0 * last
+    body = CONTOUR.format(x=end[0], y=end[1], u=out[0], v=out[1])
+    found = {kind: _path(body, start_up=kind).end_mm[1:, :2] for kind in "AB"}
+    assert found["A"] == pytest.approx(np.array([5 * normal, end + 5 * normal, out]))
+    reach = 5.0 * min(math.tan(turn / 2.0), 1.0) if turn_deg > 90 else 5.0 * math.tan(turn / 2.0)
+    first = np.array([reach, 5.0])  # on the line beside the first move
+    second = 5 * normal - reach * along
+    after, normal_last = end + 5 * normal + reach * along, np.array([-last[1], last[0]])
+    before = end + 5 * normal_last - reach * last
+    wanted = [first, second, after, before, out] if turn_deg > 90 else [first, after, out]
+    assert found["B"] == pytest.approx(np.array(wanted))
+
+
+def test_type_b_is_square_at_inner_corners():
+    body = CONTOUR.format(x=20.0, y=20.0, u=0.0, v=40.0)
+    assert _path(body, start_up="B").end_mm == pytest.approx(_path(body, start_up="A").end_mm)
+
+
+def test_a_program_that_ends_behind_g40_ends_square():
+    body = "G0 X-30. Y0.\nG1 G41 D1 X0. Y0. F100.\nX20. Y-20.\nG40"
+    for more in ("", "\nG0 Z5.", "\nG28 Z0."):
+        a, b = (_path(body + more, start_up=kind) for kind in "AB")
+        assert b.end_mm[-1] == pytest.approx(a.end_mm[-1])
+
+
+def test_outer_corners_may_be_arcs():
+    body = "G0 X-30. Y0.\nG1 G41 D1 X0. Y0. F100.\nX20.\nY-20.\nG40 X50."
+    assert (_path(body, outer_corners="arcs").kind == MoveKind.ARC).sum() == 1
+    assert (_path(body).kind == MoveKind.ARC).sum() == 0
+
+
+def test_options_of_another_control_are_refused():
+    with pytest.raises(ProgramError, match="options: start_up = 'C'; accepted: A, B"):
+        _path("G0 X1.", start_up="C")
+    with pytest.raises(ProgramError, match="options: corners; accepted: start_up, outer_corners"):
+        _path("G0 X1.", corners="C")

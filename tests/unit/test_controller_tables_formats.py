@@ -13,12 +13,8 @@ from vmach.controller_tables.formats.grid import read_grid, write_grid
 from vmach.controller_tables.formats.heidenhain import read_heidenhain, write_heidenhain
 from vmach.controller_tables.formats.isg import read_isg, write_isg
 from vmach.controller_tables.formats.linuxcnc import read_linuxcnc, write_linuxcnc
-from vmach.controller_tables.formats.sinumerik import (
-    read_cec,
-    read_enc_comp,
-    write_cec,
-    write_enc_comp,
-)
+from vmach.controller_tables.formats.sinumerik_cec import read_cec, write_cec
+from vmach.controller_tables.formats.sinumerik_enc import read_enc_comp, write_enc_comp
 from vmach.controller_tables.knots import Knots
 from vmach.controller_tables.projection import AxisTable, Term, scaled
 from vmach.errors import InputError

@@ -153,13 +153,16 @@ def test_a_factor_that_is_missing_is_asked_about(tmp_path):
     assert "it moves nothing on the trial part" in found.stdout
 
 
-def test_an_effect_of_the_package_states_its_equation(tmp_path):
+@pytest.mark.parametrize(
+    ("word", "accepted"), [("law", "a few words"), ("source", r"equation \(NUMBER\)")]
+)
+def test_an_effect_of_the_package_states_its_equation(tmp_path, word, accepted):
     file = written(tmp_path)
-    effect = load_effect_file(file)
-    with pytest.raises(
-        InputError, match=r"twist\.py:6: .*source = ''; accepted: equation \(NUMBER\)"
-    ):
-        check_declaration(type(effect), file, needs_source=True)
+    kind = type(load_effect_file(file))
+    for other in {"shows_as", "law", "usual_size", "confirm", "cure"} - {word}:
+        setattr(kind, other, "said")
+    with pytest.raises(InputError, match=rf"twist\.py:6: .*{word} = ''; accepted: {accepted}"):
+        check_declaration(kind, file, is_printed=True)
 
 
 def test_the_core_knows_no_single_effect():

@@ -28,6 +28,7 @@ from vmach.importers.source_file import SourceFile
 from vmach.instruments import read_instruments
 from vmach.job import read_job
 from vmach.machine import Variant, displacement, read_machine
+from vmach.machine.tables.error_table import MM_PER, read_error_table
 from vmach.nominal import read_nominal
 from vmach.nominal.nearest import feet_on
 from vmach.nominal.points import read_points_csv
@@ -487,3 +488,38 @@ def test_a_machine_file_with_faults_is_not_edited(tmp_path):
     with pytest.raises(InputError, match=r"has faults, the first: .*motion\.rapid"):
         write_imported([one], Target(tmp_path, (machine,)))
     assert not (tmp_path / "errors").exists() or not any((tmp_path / "errors").iterdir())
+
+
+@pytest.mark.parametrize("unit", ["um", "mm"])
+def test_a_unit_that_is_told_needs_no_kind(tmp_path, unit):
+    """The heading names none: the file is known by its columns all the same."""
+    (tmp_path / "x.csv").write_text("position_mm,forward_1,backward_1\n0,0,0.1\n100,0.5,0.4\n")
+    words = ["import", str(tmp_path / "x.csv"), "--error", "EXX", "-o", str(tmp_path), "--yes"]
+    refused = CliRunner().invoke(app, words)
+    assert refused.exit_code == 1 and "'forward_1' names no unit" in str(refused.exception)
+    made = CliRunner().invoke(app, [*words, "--set", f"unit={unit}"], catch_exceptions=False)
+    assert made.exit_code == 0, made.output
+    size = {"um": 1.0, "mm": 1000.0}[unit]
+    table = read_error_table(tmp_path / "errors" / "EXX.csv", MM_PER, "um")
+    assert table.forward == pytest.approx([0.0, 0.5e-3 * size])
+
+
+def test_a_report_without_normals_takes_them_from_the_cad(tmp_path):
+    """Points on top and side of a block: the normals are those of its planes."""
+    trimesh.creation.box((40.0, 30.0, 10.0)).export(tmp_path / "part.stl")
+    job = write_job(tmp_path)
+    job.write_text(job.read_text().replace("measured =", 'nominal = "part.stl"\nmeasured =', 1))
+    rows = "id;nominal x;nominal y;nominal z;measured x;measured y;measured z\n"
+    good = rows + "1;1,5;2;5;1,5;2;5,004\n2;20;3;1;20,003;3;1\n"
+    report = tmp_path / "report.csv"
+    report.write_text(good)
+    (found,) = import_files([report], Questions(job_file=job))
+    (text,) = found.files.values()
+    assert [row.split(",")[5:8] for row in text.splitlines()[1:]] == [
+        ["0", "0", "1"], ["1", "0", "0"]]  # fmt: skip
+    report.write_text(good + "3;200;3;1;200;3;1\n")
+    with pytest.raises(InputError, match=r"1 of 3 nominal points are more than 0\.1 mm") as caught:
+        import_files([report], Questions(job_file=job))
+    assert caught.value.line == 4
+    with pytest.raises(InputError, match="need the CAD"):
+        import_files([report], Questions())

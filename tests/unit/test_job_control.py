@@ -2,8 +2,10 @@
 
 import pytest
 
+from gcode import ProgramError
 from tests.golden.test_bad_input import run_vmach
 from tests.small_job import write_job
+from vmach.checkup import Weight, check_job
 from vmach.errors import InputError
 from vmach.job import read_job
 from vmach.job.control import tell_control
@@ -63,3 +65,20 @@ def test_two_names_are_refused(tmp_path):
     job.write_text(job.read_text().replace("measured", 'dialect = "fanuc"\nmeasured', 1))
     with pytest.raises(InputError, match="and \\[control\\] name = 'haas'"):
         read_job(job)
+
+
+def test_a_check_asks_what_numbers_without_a_point_count(tmp_path):
+    for more, asked in (("", 1), ('increment = "IS-B"\n', 0)):
+        job = write_job(tmp_path, more=f'[control]\nname = "fanuc"\n{more}')
+        found = [f for f in check_job(job) if "no decimal point" in f.what]
+        assert len(found) == asked
+        assert all(f.weight is Weight.LOOK and "IS-C" in f.accepted for f in found)
+
+
+def test_options_of_a_control_reach_its_reader(tmp_path):
+    options = '[control]\nname = "fanuc"\noptions = { start_up = "B" }\n'
+    job = read_job(write_job(tmp_path, more=options))
+    assert job.control.options == {"start_up": "B"}
+    wrong = read_job(write_job(tmp_path, more=options.replace('"B"', '"C"')))
+    with pytest.raises(ProgramError, match="options: start_up = 'C'; accepted: A, B"):
+        prepare(wrong)

@@ -55,6 +55,22 @@ COMMANDS: dict[str, list[list[str]]] = {
         ["accuracy", "@machine.toml", "--grid", "4", "--profile", "@line.csv", "--json"],
         ["accuracy", "@machine.toml", "--grid", "4", "--json", *DRAWN],
     ],
+    "import": [
+        [
+            "import",
+            "@x.csv",
+            "--error",
+            "EXX",
+            "--set",
+            "unit=um",
+            "-o",
+            "@imported",
+            "--squareness",
+            "XY 34,1 um/m more",
+            "--yes",
+            "--json",
+        ]
+    ],
     "iso230": [["iso230", "@x.csv", "--json"], ["iso230", "@machine.toml", "--json"]],
     "tables": [
         ["tables", "@job.toml", "--out", "@t", "--format", "linuxcnc", "--json"],

@@ -43,6 +43,17 @@ def test_a_new_job_has_nothing_to_mend_and_what_the_program_asks_for(folder):
     assert not [f for f in check_job(folder) if f.weight is Weight.MEND]
 
 
+def test_check_lists_every_guess_until_it_is_mended(folder):
+    init(folder, "--yes")
+    text = (folder / "job.toml").read_text()
+    guessed = [k for k, line in enumerate(text.splitlines(), 1) if "# mend" in line]
+    found = [f.line for f in check_job(folder) if "a guess of vmach init" in f.what
+             and f.file == folder / "job.toml"]  # fmt: skip
+    assert sorted(found) == guessed and guessed
+    (folder / "job.toml").write_text(text.replace("# mend", "#"))
+    assert not [f for f in check_job(folder) if "guess" in f.what and f.file.name == "job.toml"]
+
+
 def test_nothing_is_written_over_a_file_that_is_there(folder):
     (folder / "machine.toml").write_text("mine")
     run = init(folder, "--yes")
@@ -89,3 +100,19 @@ def test_tools_of_comments():
     assert {k: (t.shape, t.diameter) for k, t in found.items()} == {
         1: ("flat", 6.0), 2: ("ball", 8.0), 3: ("bull", 10.0), 5: ("drill", 6.8),
     }  # fmt: skip
+
+
+def test_tools_of_comments_as_people_write_them():
+    text = (
+        "(T1 FACE MILL D50 L=120)\n(T2 10MM END MILL)\n(T3 DRILL DIA 8,5)\n"
+        "N40 T4 M06 (BALL MILL Ø6)\nT05 M6 ; D12 end mill R1.5\n(T6 SCHAFTFRÄSER D16)\n"
+        "(T7 SPIRALBOHRER D5)\n(T8 D8 H8 END MILL)\n(T9 PROBE D6)\n(10 END MILL D4)\n"
+        "(T1 END MILL D3)\nG41 D2 (END MILL 5 MM DEEP)\n"
+    )
+    found = said_tools(text)
+    assert {k: (t.shape, t.diameter, t.corner_radius) for k, t in found.items()} == {
+        1: ("flat", 50.0, 0.0), 2: ("flat", 10.0, 0.0), 3: ("drill", 8.5, 0.0),
+        4: ("ball", 6.0, 3.0), 5: ("bull", 12.0, 1.5), 6: ("flat", 16.0, 0.0),
+        7: ("drill", 5.0, 0.0),
+    }  # fmt: skip  # 8 names offsets, 9 is no cutter, 10 is no tool's name
+    assert [number for number, tool in found.items() if tool.is_mm] == [2]

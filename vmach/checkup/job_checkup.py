@@ -22,8 +22,10 @@ from vmach.nominal import read_nominal
 from vmach.path.preparation import prepare
 from vmach.plausibility import admitted_machine
 
-__all__ = ["check_job"]
+__all__ = ["OPEN_MARK", "check_job"]
 
+#: what stands behind a line that `vmach init` guessed
+OPEN_MARK = "# mend"
 #: keys of a job that name a file
 _FILES = ("machine", "program", "nominal", "measured")
 
@@ -67,6 +69,7 @@ def _job_file(path: Path) -> Iterator[Finding]:
         said = tomllib.loads(text)
     except (InputError, ValueError, RecursionError):
         return  # said above
+    yield from _open_lines(path, text)
     there: dict[str, Path] = {}
     for key in _FILES:
         name = said.get(key)
@@ -94,6 +97,7 @@ def _machine(file: Path) -> Iterator[Finding]:
     if errors:
         return
     text = read_text(file, what="machine file")
+    yield from _open_lines(file, text)
     said: dict[str, Any] = tomllib.loads(text).get("errors", {})
     missing = False
     for name, entry in said.items():
@@ -104,6 +108,18 @@ def _machine(file: Path) -> Iterator[Finding]:
             yield Finding(Weight.MEND, f"errors.{name}.table = '{table}': no such file", file, line)
     if not missing:
         yield from _refusal(lambda: admitted_machine(file))
+
+
+def _open_lines(file: Path, text: str) -> Iterator[Finding]:
+    """Lines that `vmach init` guessed, and that nobody has mended since."""
+    for number, line in enumerate(text.splitlines(), 1):
+        said, mark, what = line.partition(OPEN_MARK)
+        if mark:
+            words = what.strip(" :")
+            guess = f"{said.strip() or 'the lines below'}: a guess of vmach init"
+            guess += f" ({words})" if words else ""
+            hint = f"mend it, and take '{OPEN_MARK}' away"
+            yield Finding(Weight.LOOK, guess, file, number, hint=hint)
 
 
 def _whole_job(path: Path) -> Iterator[Finding]:

@@ -39,7 +39,7 @@ class ProgramCollision:
     tool: int
     time_s: float
     depth_mm: float
-    place_mm: tuple[float, float, float]
+    place_mm: tuple[float, ...]
 
     def __str__(self) -> str:
         x, y, z = self.place_mm

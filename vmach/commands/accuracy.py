@@ -90,15 +90,22 @@ def accuracy(
         if out is not None:
             from vmach.volumetric.cones import cone_volume
             from vmach.volumetric.page.page import accuracy_page
-            from vmach.volumetric.pictures import accuracy_pictures, draw_profile
+            from vmach.volumetric.pictures import accuracy_pictures, dark_pictures, draw_profile
 
-            pictures = accuracy_pictures(known, field, comparison, tool_mm, model=model)
-            if path is not None:
-                pictures["profile.png"] = draw_profile(
-                    path.distance_mm, path.error_mm, title="profile"
-                )
+            def drawn_now() -> dict[str, bytes]:
+                made = accuracy_pictures(known, field, comparison, tool_mm, model=model)
+                if path is not None:
+                    made["profile.png"] = draw_profile(
+                        path.distance_mm, path.error_mm, title="profile"
+                    )
+                return made
+
+            pictures = drawn_now()
+            with dark_pictures():
+                dark = drawn_now()
             coarse = error_field(known, cone_volume(space), tool_mm, model)
-            page = accuracy_page(report, coarse, pictures, command=command_line())
+            page = accuracy_page(report, coarse, pictures, dark_pictures=dark,
+                                 command=command_line())  # fmt: skip
             _write(out, report, pictures, page)
     if as_json:
         print(json.dumps(report, indent=1))

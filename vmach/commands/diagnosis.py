@@ -1,4 +1,4 @@
-"""Commands: diagnose, add, history."""
+"""Commands: diagnose, add, set, history."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from vmach.diagnosis.named_fit import NamedEffect
     from vmach.job import Job
 
-__all__ = ["add", "diagnose", "history"]
+__all__ = ["add", "diagnose", "history", "set_job_values"]
 
 
 def diagnose(
@@ -218,6 +218,34 @@ def _values(effect: NamedEffect) -> str:
         f"{name} = {value:.4g} (u = {effect.u[name]:.2g})"
         for name, value in effect.parameters.items()
     )
+
+
+def set_job_values(
+    job: JobPath,
+    values: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="NAME=VALUE...",
+            help="backlash:Y.reversal_um=5, EXX=TABLE.csv or EXX.measured_at_mm=X,Y,Z",
+        ),
+    ],
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="job file to write")] = None,
+    effect_file: OwnEffects = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write a job with other sizes of effects, or other tables of its machine."""
+    from vmach.history.set_values import set_values
+
+    _load(effect_file)
+    check_outputs([out])
+    written, machine = set_values(job, values, out=out)
+    if as_json:
+        told = {"job": str(written), "machine": machine and str(machine)}
+        print(json.dumps(told))
+        return
+    print(f"{written} has the new values; {job} is unchanged")
+    if machine is not None:
+        print(f"its machine is {machine}")
 
 
 def history(

@@ -1,4 +1,4 @@
-"""Commands: effects list, new, check, propose."""
+"""Commands: effects list, show, new, check, propose."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["effects_app"]
 
 effects_app = typer.Typer(
-    help="List, write, check and propose physical effects.", no_args_is_help=True
+    help="List, show, write, check and propose physical effects.", no_args_is_help=True
 )
 
 #: effects that are told as looking alike, at most
@@ -23,7 +23,7 @@ _MOST_TOLD = 8
 #: a usual size that moves the tool by less (mm) is hardly meant
 _VERY_LITTLE_MM = 1e-6
 #: what a user should be told of every effect
-_WORDS = ("usual_size", "confirm", "cure", "source")
+_WORDS = ("law", "shows_as", "usual_size", "confirm", "cure", "source")
 
 
 @effects_app.command("list")
@@ -36,6 +36,30 @@ def list_effects() -> None:
         print(f"{effect.name}  {targets}".rstrip())
         print(f"    {effect.title}; usual: {effect.usual_size}")
         print(f"    {', '.join(p.name for p in effect.parameters)}")
+
+
+@effects_app.command()
+def show(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="as 'effects list' has it")],
+) -> None:
+    """Show the law of an effect, its parameters, how to confirm it and what cures it."""
+    from vmach.effects import catalogue
+    from vmach.effects.catalogue import unknown_effect_hint
+    from vmach.errors import InputError
+
+    if name not in catalogue():
+        raise InputError(
+            f"unknown effect '{name}'",
+            accepted=", ".join(catalogue()),
+            hint=unknown_effect_hint(name),
+        )
+    effect = catalogue()[name]
+    print(f"{effect.name}: {effect.title}")
+    for word in _WORDS:
+        if said := getattr(effect, word):
+            print(f"    {word.replace('_', ' ')}: {said}")
+    for parameter in effect.parameters:
+        print(f"    {_told(parameter)}")
 
 
 @effects_app.command()

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import re
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from vmach.commands.options import AsJson
 from vmach.errors import InputError
 
 if TYPE_CHECKING:
@@ -55,6 +57,7 @@ def import_files(
         Path | None, typer.Option("-o", "--out", help="folder for tables and readings")
     ] = None,
     yes: Annotated[bool, typer.Option("--yes", "-y", help="ask nothing, take defaults")] = False,
+    as_json: AsJson = False,
     show_kinds: Annotated[bool, typer.Option("--list", help="say what each kind reads")] = False,
 ) -> None:
     """Read files of instruments and controls, and write the project's own."""
@@ -73,7 +76,11 @@ def import_files(
     found += import_files(files or [], questions, kind=kind)
     folder = out or (targets[0].parent if targets else Path())
     written = write_imported(found, Target(folder, tuple(targets)))
-    _tell(found, written, targets)
+    checks = _self_checks(found, written, targets)
+    if as_json:
+        print(json.dumps(_record(found, written, checks), indent=1))
+    else:
+        _tell(found, written, targets, checks)
 
 
 def _targets(into: list[Path]) -> list[Path]:
@@ -111,7 +118,7 @@ def _questions(
 
     machines = [path for path in targets if is_machine(path)]
     jobs = [path for path in targets if not is_machine(path)]
-    ask = (lambda text, default: typer.prompt(text, default=default or None)) if (
+    ask = (lambda text, default: typer.prompt(text, default=default or None, err=True)) if (
         asks and sys.stdin.isatty()) else None  # fmt: skip
     return Questions(
         given,
@@ -160,18 +167,46 @@ def _square(text: str, questions: Questions) -> Imported:
     return square_sections(plane, (lengths[0], lengths[1], lengths[2]), questions)
 
 
-def _tell(found: list[Imported], written: list[Path], targets: list[Path]) -> None:
+def _self_checks(found: list[Imported], written: list[Path], targets: list[Path]) -> list[str]:
+    """What the readings that were imported would be on the job's machine, in words."""
     from vmach.importers.importing import is_machine
     from vmach.importers.self_check import check_readings
+
+    names = {Path(name).name for one in found for name in one.files}
+    jobs = (path for path in targets if path in written and not is_machine(path))
+    return [line for job in jobs for line in check_readings(job, names)]
+
+
+def _record(found: list[Imported], written: list[Path], checks: list[str]) -> dict[str, Any]:
+    return {
+        "imported": [
+            {
+                "told": list(one.told),
+                "files": list(one.files),
+                "sections": [
+                    {"file": s.file, "table": s.table, "is_array": s.is_array,
+                     "values": dict(s.values)}
+                    for s in one.sections
+                ],
+            }
+            for one in found
+        ],
+        "written": [str(path) for path in written],
+        "self_checks": checks,
+    }  # fmt: skip
+
+
+def _tell(
+    found: list[Imported], written: list[Path], targets: list[Path], checks: list[str]
+) -> None:
     from vmach.importers.toml_text import section_text
 
     for one in found:
         print(*one.told, sep="\n")
     for path in written:
         print(f"wrote {path}")
-    for job in (path for path in targets if path in written and not is_machine(path)):
-        names = {Path(name).name for one in found for name in one.files}
-        print(*check_readings(job, names), sep="\n")
+    for line in checks:
+        print(line)
     kinds = {"machine": "machine.toml", "job": "job.toml"}
     open_ones = {kinds[s.file] for one in found for s in one.sections}
     open_ones -= {path.name for path in targets}

@@ -32,7 +32,7 @@ class Finding:
     where : str or None
     interval_95 : dict
         Of each parameter (low, high); empty for a component.
-    hardly_shown : tuple of str
+    weakly_identified : tuple of str
         Parameters of which the readings say hardly more than was known before.
     odds, probability : float
         Log odds for it, given everything else, and the probability that it is there.
@@ -48,7 +48,7 @@ class Finding:
     rivals: Rivals
     where: str | None
     interval_95: dict
-    hardly_shown: tuple[str, ...] = ()
+    weakly_identified: tuple[str, ...] = ()
     odds: float = 0.0
     probability: float = 0.0
     size_um: float = 0.0
@@ -71,7 +71,7 @@ class Finding:
         return label_of(self.name, self.target)
 
     @property
-    def teams(self) -> tuple[str, ...]:
+    def joint_rivals(self) -> tuple[str, ...]:
         """Names of rivals that would have to act on all axes, or all tools, at once."""
         alone = {label.split()[0] for label in self.rivals.labels}
         return tuple(name for name in self.rivals.names if name not in alone)
@@ -80,7 +80,7 @@ class Finding:
     def indistinct(self) -> tuple[str, ...]:
         """What the data cannot tell this effect from, in words."""
         others = tuple(label for label in self.rivals.labels if label != self.label)
-        return (*others, *(f"{name} on all axes or tools at once" for name in self.teams))
+        return (*others, *(f"{name} on all axes or tools at once" for name in self.joint_rivals))
 
 
 def findings_of(found: Inference) -> tuple[Finding, ...]:
@@ -106,7 +106,7 @@ def _finding(found: Inference, fit: JointFit, k: int) -> Finding:
         rivals=rivals_of(found.weighing, found.explanation, k),
         where=where_component(fitted.values, fitted.u, target) if is_component else None,
         interval_95=fitted.interval_95,
-        hardly_shown=fitted.hardly_shown,
+        weakly_identified=fitted.weakly_identified,
         odds=found.supports[k].odds,
         probability=found.supports[k].probability,
     )

@@ -22,14 +22,14 @@ class FittedParameters:
         With their standard uncertainties.
     interval_95 : dict
         Of each parameter (low, high); empty for a component.
-    hardly_shown : tuple of str
+    weakly_identified : tuple of str
         Parameters of which the readings say hardly more than was known before.
     """
 
     values: dict
     u: dict
     interval_95: dict = field(default_factory=dict)
-    hardly_shown: tuple[str, ...] = ()
+    weakly_identified: tuple[str, ...] = ()
 
 
 def fitted_parameters(survey: Survey, fit: JointFit, k: int) -> FittedParameters:
@@ -41,5 +41,5 @@ def fitted_parameters(survey: Survey, fit: JointFit, k: int) -> FittedParameters
         values=fit.parameters(k),
         u={name: spread.u for name, spread in spreads.items()},
         interval_95={name: (spread.low, spread.high) for name, spread in spreads.items()},
-        hardly_shown=tuple(name for name, spread in spreads.items() if not spread.is_shown),
+        weakly_identified=tuple(name for name, spread in spreads.items() if not spread.is_shown),
     )

@@ -92,7 +92,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "parameters": {k: _rounded(v) for k, v in finding.parameters.items()},
         "u": {k: _rounded(v) for k, v in finding.u.items()},
         "interval_95": {k: _rounded(list(v)) for k, v in finding.interval_95.items()},
-        "hardly_shown": list(finding.hardly_shown),
+        "weakly_identified": list(finding.weakly_identified),
         "class": list(finding.rivals.names),
         "where": finding.where,
     }
@@ -156,7 +156,7 @@ def _chance(p: float) -> str:
 
 
 def _uncertainty(finding: Finding, name: str) -> str:
-    if name in finding.hardly_shown:
+    if name in finding.weakly_identified:
         return "(weakly identified by these readings)"
     low, high = finding.interval_95[name]
     return f"(u = {finding.u[name]:.2g}; 95 % between {low:.4g} and {high:.4g})"

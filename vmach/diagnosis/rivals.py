@@ -45,7 +45,7 @@ def rivals_of(weighing: Weighing, explanation: Explanation, k: int) -> Rivals:
     if own.label not in labels:
         labels.insert(0, own.label)
     names = list(dict.fromkeys(label.split()[0] for label in labels))
-    alike = _teams(weighing, explanation, k, others) + _at_once(weighing, explanation, k, others)
+    alike = _jointly(weighing, explanation, k, others) + _at_once(weighing, explanation, k, others)
     names += [n for n in dict.fromkeys(alike) if n not in names]
     names.sort(key=lambda name: name != own.effect.name)
     return Rivals(tuple(names), tuple(labels))
@@ -59,7 +59,9 @@ def _needs_impossible_size(weighing: Weighing, others: Explanation, i: int) -> b
     return fit is not None and has_impossible_sizes(fit)
 
 
-def _teams(weighing: Weighing, explanation: Explanation, k: int, others: Explanation) -> list[str]:
+def _jointly(
+    weighing: Weighing, explanation: Explanation, k: int, others: Explanation
+) -> list[str]:
     """Effects that do the same when they act on all their targets at once: three scales ..."""
     assert explanation.fit is not None
     own = explanation.fit.terms[k].effect

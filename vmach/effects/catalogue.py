@@ -66,7 +66,7 @@ def _installed() -> dict[str, Effect]:
     """
     effects: dict[str, Effect] = {}
     for kind in classes_of(laws, ENTRY_POINT, Effect, what="effect"):
-        check_declaration(kind, needs_source=kind.__module__.startswith(laws.__name__))
+        check_declaration(kind, is_printed=kind.__module__.startswith(laws.__name__))
         if kind.name in effects:
             raise InputError(
                 f"effect class {kind.__name__} of {kind.__module__}: name = '{kind.name}' is that "

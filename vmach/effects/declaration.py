@@ -12,7 +12,8 @@ from collections.abc import Iterable
 from numbers import Real
 from pathlib import Path
 
-from vmach.effects.effect import Effect, Parameter
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import Parameter
 from vmach.files.declaration import Declaration
 
 __all__ = ["check_declaration", "has_unit", "unit_of"]
@@ -32,14 +33,16 @@ _YES_OR_NO = (
     "is_never_exact",
     "imitates_as_team",
 )
-_WORDS = ("usual_size", "confirm", "cure", "source", "signature")
+_WORDS = ("shows_as", "law", "usual_size", "confirm", "cure", "source", "signature")
+#: what the pages of the package's own effects are made of
+_PRINTED = ("shows_as", "law", "usual_size", "confirm", "cure")
 _NUMBERS = ("commonness", "rarity", "slack_share", "slack_time_s")
 #: how a source names its equation: "equation (3) of ..."
 _EQUATION = re.compile(r"equation \(\d+\) of \S")
 
 
 def check_declaration(
-    kind: type[Effect], file: Path | None = None, *, needs_source: bool = False
+    kind: type[Effect], file: Path | None = None, *, is_printed: bool = False
 ) -> None:
     """Refuse a class that does not say what an effect has to say.
 
@@ -48,8 +51,9 @@ def check_declaration(
     kind : subclass of Effect
     file : Path, optional
         Where it stands; needed where it is in no module that Python knows.
-    needs_source : bool
-        Whether it has to say where its law comes from, with the number of the equation.
+    is_printed : bool
+        Whether it stands in the catalogue's pages: its law, where that comes from, with the number
+        of the equation, and what a machinist is told.
 
     Raises
     ------
@@ -58,7 +62,10 @@ def check_declaration(
     """
     declaration = _OfEffect(kind, Effect, "effect", file)
     declaration.check()
-    if needs_source and not _EQUATION.match(kind.source):
+    if not is_printed:
+        return
+    declaration.check_words(_PRINTED)
+    if not _EQUATION.match(kind.source):
         raise declaration.error(
             f"source = {kind.source!r}",
             key="source",

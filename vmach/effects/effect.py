@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import itertools
-import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
+from vmach.effects.parameter import Parameter
 from vmach.effects.wandering import wandering
 from vmach.job import Job
 from vmach.machine import LINEAR_AXES, Machine, RigidDisplacement
@@ -21,117 +20,12 @@ from vmach.path.toolpath import PathStates
 __all__ = [
     "Displaced",
     "Effect",
-    "Parameter",
     "along",
     "at_contact",
-    "inner",
     "label_of",
-    "linear",
 ]
 
 Displaced = RigidDisplacement | np.ndarray
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A number of an effect; its unit stands at the end of its name.
-
-    Attributes
-    ----------
-    name : str
-    meaning : str
-        What it is, for the documentation and for messages.
-    low, high : float
-        What is accepted.
-    usual : float
-        Usual size, in the parameter's unit. For amplitudes it sets the scale on which "no such
-        effect" and "some of it" are weighed.
-    grid : tuple of float
-        Empty for an amplitude, which the displacement is proportional to. Otherwise the values
-        that a fit starts from.
-    spread : float
-        Of an inner parameter: how far from the usual value it may well be, as the standard
-        deviation of its logarithm; infinite where any value is as good as another.
-    optional : bool
-        Whether a job may leave it out; it then has its usual value.
-    cycle : float
-        Values this far apart mean the same, as with angles.
-    is_size : bool
-        A size in nature, which cannot be below zero.
-    most : float
-        The largest amount that nature has.
-    at_most : str
-        Name of another amplitude of the effect that nature does not let it exceed.
-    is_essential : bool
-        What makes the effect: without it the others describe something else.
-    """
-
-    name: str
-    meaning: str
-    low: float
-    high: float
-    usual: float
-    grid: tuple[float, ...] = ()
-    spread: float = math.inf
-    optional: bool = False
-    cycle: float = math.inf
-    is_size: bool = False
-    most: float = math.inf
-    at_most: str = ""
-    is_essential: bool = False
-
-    @property
-    def is_bounded(self) -> bool:
-        """Whether nature sets bounds to an amplitude."""
-        return self.is_size or math.isfinite(self.most) or bool(self.at_most)
-
-    @property
-    def is_linear(self) -> bool:
-        """Whether the displacement is proportional to it."""
-        return not self.grid
-
-
-def linear(name: str, meaning: str, *, usual: float, is_size: bool = False) -> Parameter:
-    """An amplitude up to a thousand times its usual size, of either sign where it is no size.
-
-    Examples
-    --------
-    >>> import vmach
-    >>> rise = vmach.linear("rise_um_per_m", "rise of the tool per metre along X", usual=10.0)
-    >>> rise.is_linear, rise.low, rise.high
-    (True, -10000.0, 10000.0)
-    """
-    most = 1000.0 * usual
-    return Parameter(name, meaning, -most, most, usual, is_size=is_size)
-
-
-def inner(
-    name: str,
-    meaning: str,
-    grid: Sequence[float],
-    *,
-    usual: float,
-    spread: float = 3.0,
-    optional: bool = False,
-    cycle: float = math.inf,
-    within: tuple[float, float] | None = None,
-) -> Parameter:
-    """A parameter inside the function: time constant, pitch, exponent.
-
-    Accepted `within` bounds; up to four times beyond the grid where none are given.
-
-    Examples
-    --------
-    >>> import vmach
-    >>> time = vmach.inner("time_constant_s", "of the warming", (300.0, 3000.0), usual=900.0)
-    >>> time.is_linear, time.grid
-    (False, (300.0, 3000.0))
-    """
-    values = tuple(float(value) for value in grid)
-    low, high = within or (0.25 * min(values), 4.0 * max(values))
-    if math.isfinite(cycle):
-        low, high = -cycle, cycle
-    return Parameter(name, meaning, low, high, usual, values, spread, optional, cycle)
 
 
 def along(axis: str, amount_mm: np.ndarray) -> np.ndarray:
@@ -202,6 +96,10 @@ class Effect(ABC):
     #: what the law leaves out, as a share of the effect, wandering over this time
     slack_share: ClassVar[float] = 0.0
     slack_time_s: ClassVar[float] = 60.0
+    #: what a measured part shows of it, in a few words
+    shows_as: ClassVar[str] = ""
+    #: its equation; docs/laws.md explains the symbols
+    law: ClassVar[str] = ""
     usual_size: ClassVar[str] = ""
     confirm: ClassVar[str] = ""
     cure: ClassVar[str] = ""

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from vmach.effects.catalogue import catalogue, unknown_effect_hint
-from vmach.effects.effect import Effect, Parameter, label_of
+from vmach.effects.effect import Effect, label_of
 from vmach.effects.instance import EffectInstance
+from vmach.effects.parameter import Parameter
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import line_of_key

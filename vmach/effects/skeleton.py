@@ -23,6 +23,8 @@ class {kind}(Effect):
     title = "{title}"
     parameters = (linear("rise_um_per_m", "rise of the tool per metre along X", usual=10.0),)
     targets = ("",)
+    shows_as = "what a measured part shows of it"
+    law = "rise x ê_z"
     usual_size = "1 to 10 um per metre"
     confirm = "how to see it on the machine"
     cure = "how to mend it"

@@ -12,7 +12,8 @@ import numpy as np
 
 from vmach.features.association.linear_program import least_width
 
-__all__ = ["CircularFigures", "CircularLimits", "CircularTest", "circular_figures"]
+__all__ = ["CircularFigures", "CircularLimits", "CircularTest", "circular_figures",
+           "circular_weights"]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,10 @@ class CircularTest:
         Lines of the program: counter-clockwise, clockwise.
     figures : CircularFigures
     limits : CircularLimits
+    angle_rad, radial_mm : pair of (N,) float64
+        The paths, counter-clockwise and clockwise, as `circular_figures` takes them.
+    u : CircularFigures, optional
+        Standard uncertainties of the figures, to first order.
     """
 
     plane: str
@@ -77,6 +82,9 @@ class CircularTest:
     lines: tuple[int, int]
     figures: CircularFigures
     limits: CircularLimits
+    angle_rad: tuple[np.ndarray, np.ndarray]
+    radial_mm: tuple[np.ndarray, np.ndarray]
+    u: CircularFigures | None = None
 
 
 def circular_figures(
@@ -97,19 +105,35 @@ def circular_figures(
     >>> round(found.G_b, 9), round(found.D, 9)
     (0.02, 0.02)
     """
-    ccw, cw = (
-        (np.column_stack([np.cos(a), np.sin(a)]), r)
-        for a, r in zip(angle_rad, radial_mm, strict=True)
-    )
-    rows, radial = np.vstack([ccw[0], cw[0]]), np.concatenate([ccw[1], cw[1]])
-    design = np.hstack([rows, np.ones((len(rows), 1))])
-    centre_and_mean = np.linalg.lstsq(design, radial, rcond=None)[0]
-    about_centre = radial - rows @ centre_and_mean[:2]
-    return CircularFigures(
-        G_ccw=least_width(ccw[1], ccw[0])[1],
-        G_cw=least_width(cw[1], cw[0])[1],
-        G_b=least_width(radial, rows)[1],
-        D=float(centre_and_mean[2]),
-        F_min=float(about_centre.min()),
-        F_max=float(about_centre.max()),
-    )
+    radial = np.concatenate(radial_mm)
+    values = {name: float(row @ radial) for name, row in _weights(angle_rad, radial_mm).items()}
+    return CircularFigures(**values)
+
+
+def circular_weights(
+    angle_rad: tuple[np.ndarray, np.ndarray], radial_mm: tuple[np.ndarray, np.ndarray]
+) -> np.ndarray:
+    """Weights of the radial deviations in every figure, (6, 2N): to first order a figure is a sum.
+
+    The order is that of `CircularFigures`; counter-clockwise comes first in a row.
+    """
+    return np.array(list(_weights(angle_rad, radial_mm).values()))
+
+
+def _weights(
+    angle_rad: tuple[np.ndarray, np.ndarray], radial_mm: tuple[np.ndarray, np.ndarray]
+) -> dict[str, np.ndarray]:
+    ccw, cw = (np.column_stack([np.cos(a), np.sin(a)]) for a in angle_rad)
+    rows, radial = np.vstack([ccw, cw]), np.concatenate(radial_mm)
+    nothing_ccw, nothing_cw = np.zeros(len(ccw)), np.zeros(len(cw))
+    fit = np.linalg.pinv(np.hstack([rows, np.ones((len(rows), 1))]))  # centre and mean radius
+    about_centre = radial - rows @ (fit[:2] @ radial)
+    of_deviation = lambda k: np.eye(1, len(rows), k)[0] - rows[k] @ fit[:2]  # noqa: E731
+    return {
+        "G_ccw": np.r_[least_width(radial_mm[0], ccw)[2], nothing_cw],
+        "G_cw": np.r_[nothing_ccw, least_width(radial_mm[1], cw)[2]],
+        "G_b": least_width(radial, rows)[2],
+        "D": fit[2],
+        "F_min": of_deviation(int(about_centre.argmin())),
+        "F_max": of_deviation(int(about_centre.argmax())),
+    }

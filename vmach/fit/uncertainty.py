@@ -165,8 +165,9 @@ class _Posterior:
                 free += [fit.signatures_mm[i], fit.tangents_mm[i]]
             else:
                 random.append(term.width * fit.signatures_mm[i])
-        random, free = fit.whiten(np.hstack(random)), fit.whiten(np.hstack(free))
-        others = Whitening(np.ones(len(survey)), random, free)
+        others = Whitening(
+            np.ones(len(survey)), fit.whiten(np.hstack(random)), fit.whiten(np.hstack(free))
+        )
 
         def absorb(columns: np.ndarray) -> np.ndarray:
             return others(fit.whiten(columns))
@@ -241,7 +242,11 @@ def _spreads(fit: JointFit, k: int, distribution: _Distribution) -> dict[str, Sp
     for g, (inner, mean, covariance) in enumerate(distribution):
         here = term.effect.settle(mean, inner)
         away[g] = [_apart(here[name], stated[name], cycle[name]) for name in stated]
-        slope = _slopes(lambda c, i=inner: term.effect.settle(c, i), mean)
+
+        def settled(c: np.ndarray, inner: Mapping[str, float] = inner) -> dict[str, float]:
+            return term.effect.settle(c, inner)
+
+        slope = _slopes(settled, mean)
         local[g] = np.einsum("kj,kl,lj->j", slope, covariance, slope)
     found, prior = {}, _prior_u(term)
     for j, (name, value) in enumerate(stated.items()):

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -19,15 +16,10 @@ from vmach.files.atomic import atomic_file
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import line_of_key
 from vmach.history import rms_um
-from vmach.job import Job, free_job_name, read_job
+from vmach.history.following_job import history_toml, moved_text
+from vmach.job import free_job_name, read_job
 
 __all__ = ["add_effects"]
-
-_PATHS = re.compile(
-    r"""^(?P<key>\s*(?:machine|program|nominal|measured|file)\s*=\s*)"""
-    r"""(?P<quote>["'])(?P<path>(?:(?!(?P=quote)).)+)(?P=quote)""",
-    re.MULTILINE,
-)
 
 
 def add_effects(
@@ -77,12 +69,16 @@ def add_effects(
     target = out or free_job_name(job.path)
     if target.exists():
         raise InputError("file is there already", file=target, hint="choose another name with -o")
-    text = _moved(text, job.folder, target.parent)
+    text = moved_text(text, job.folder, target.parent)
     before = rms_um(survey)
     after = rms_um(survey, sum(effect.explained_mm for effect in found))
     text = text.rstrip() + "\n\n" + "\n".join(_effect_toml(e) for e in found)
     text += "".join(_fitted_toml(e) for e in found)
-    text += _history_toml(job, target.parent, found, before=before, after=after)
+    text += history_toml(
+        job, target.parent, [effect.label for effect in found],
+        figures={"rms_before_um": before, "rms_after_um": after},
+        effect_files={e.effect.name: e.effect.file for e in found if e.effect.file},
+    )  # fmt: skip
     with atomic_file(target) as temporary:
         temporary.write_text(text, encoding="utf-8")
     for note in survey.notes:
@@ -114,42 +110,8 @@ def _value(value: Any) -> str:
     return f"{value:.6g}"
 
 
-def _history_toml(
-    old: Job, folder: Path, found: Sequence[NamedEffect], *, before: float, after: float
-) -> str:
-    def seen_from_folder(path: Path) -> str:
-        return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
-
-    last = old.history[-1] if old.history else {}
-    files = {n: seen_from_folder(old.folder / f) for n, f in last.get("effect_files", {}).items()}
-    files |= {e.effect.name: seen_from_folder(e.effect.file) for e in found if e.effect.file}
-    own = ", ".join(f"{name} = {json.dumps(file)}" for name, file in files.items())
-    previous = seen_from_folder(old.path)
-    return (
-        "\n[[history]]\n"
-        f"previous = {json.dumps(previous)}\n"
-        f"added = {json.dumps([effect.label for effect in found])}\n"
-        f"rms_before_um = {before:.4g}\n"
-        f"rms_after_um = {after:.4g}\n" + (f"effect_files = {{{own}}}\n" if own else "")
-    )
-
-
 def _is_there(effects: Mapping[str, Any], new: NamedEffect) -> bool:
     table = effects.get(new.effect.name)
     if table is None:
         return False
     return new.target in table or table.get("target", "") == new.target
-
-
-def _moved(text: str, old: Path, new: Path) -> str:
-    """The job's text with its relative paths seen from another folder."""
-    if old.resolve() == new.resolve():
-        return text
-
-    def rebased(match: re.Match) -> str:
-        path = Path(match["path"])
-        if not path.is_absolute():
-            path = Path(os.path.relpath((old / path).resolve(), new.resolve()))
-        return f"{match['key']}{match['quote']}{path.as_posix()}{match['quote']}"
-
-    return _PATHS.sub(rebased, text)

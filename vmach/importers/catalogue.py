@@ -27,7 +27,7 @@ def catalogue() -> dict[str, Importer]:
         A file of the folder, or an entry point of another package, is no importer.
     """
     found: dict[str, Importer] = {}
-    for kind in classes_of(kinds, ENTRY_POINT, Importer, what="importer", in_every_file=True):
+    for kind in classes_of(kinds, ENTRY_POINT, Importer, what="importer", in_every_file=True):  # type: ignore[type-abstract]
         check_declaration(kind)
         if kind.name in found:
             raise InputError(

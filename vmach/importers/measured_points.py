@@ -14,10 +14,20 @@ from vmach.instruments.kinds.holes import Holes as HolesInstrument
 from vmach.nominal import NominalPart, read_nominal
 from vmach.nominal.nearest import feet_on
 
-__all__ = ["Holes", "Points", "holes_file", "laid_on_part", "length_factor", "points_file"]
+__all__ = [
+    "Holes",
+    "Points",
+    "holes_file",
+    "laid_on_part",
+    "length_factor",
+    "normals_on_part",
+    "points_file",
+]
 
 #: a measured point further from the nominal surface belongs to something else, mm
 _FARTHEST_MM = 2.0
+#: a nominal point of a report that is farther from the CAD is not one of this part
+_OFF_MM = 0.1
 #: ratios of the sizes of part and points from which on the unit is asked about
 _INCHES = (0.8 / 25.4, 1.25 / 25.4)
 #: share of points that may lie astray, as a table under the part does
@@ -29,8 +39,8 @@ _UNITS = {"mm": 1.0, "inch": 25.4, "um": 1e-3, "cm": 10.0, "m": 1e3}
 class Points:
     """P points, in mm; `nominal_mm` and `normal` are (P, 3)."""
 
-    id: Sequence[str]
-    feature: Sequence[str]
+    id: Sequence[str] | np.ndarray
+    feature: Sequence[str] | np.ndarray
     nominal_mm: np.ndarray
     normal: np.ndarray
     measured_mm: np.ndarray
@@ -40,7 +50,7 @@ class Points:
 class Holes:
     """H holes, bores or bosses: centres and diameters in mm, (H, 2) and (H,)."""
 
-    id: Sequence[str]
+    id: Sequence[str] | np.ndarray
     nominal_mm: np.ndarray
     measured_mm: np.ndarray
     nominal_d_mm: np.ndarray
@@ -139,11 +149,47 @@ def laid_on_part(
         [str(k + 1) for k in kept], feet.feature[kept], feet.point_mm[kept], feet.normal[kept],
         surface[kept],
     )  # fmt: skip
-    told = (f"unit: {1 / factor:g} per mm; laid on {part.path.name}",) if factor != 1.0 else ()
+    told: tuple[str, ...] = ()
+    if factor != 1.0:
+        told += (f"unit: {1 / factor:g} per mm; laid on {part.path.name}",)
     if len(kept) < len(near):
         lost = len(near) - len(kept)
         told += (f"{lost} points further than {_FARTHEST_MM:g} mm from the part are left out",)
     return points, told
+
+
+def normals_on_part(
+    nominal_mm: np.ndarray, source: SourceFile, questions: Questions, lines: np.ndarray
+) -> np.ndarray:
+    """Outward normals of the CAD at nominal points of a report that states none, (P, 3).
+
+    Parameters
+    ----------
+    nominal_mm : (P, 3) array
+    source : SourceFile
+    questions : Questions
+        With the job, whose nominal CAD has them.
+    lines : (P,) int array
+        Where each point stands.
+
+    Raises
+    ------
+    InputError
+        There is no nominal CAD, or a nominal point is not on it.
+    """
+    part = _nominal(source, questions)
+    feet = feet_on(part, nominal_mm)
+    off = np.abs(feet.distance_mm)
+    if (off > _OFF_MM).any():
+        first = int(np.argmax(off > _OFF_MM))
+        raise source.error(
+            f"{np.count_nonzero(off > _OFF_MM)} of {len(off)} nominal points are more than "
+            f"{_OFF_MM:g} mm from {part.path.name}, this one {off[first]:.3g} mm",
+            line=int(lines[first]),
+            accepted="a report of this part, in the coordinates of its CAD",
+            hint="columns i, j, k state the normals of points that the CAD does not have",
+        )
+    return feet.normal
 
 
 def _nominal(source: SourceFile, questions: Questions) -> NominalPart:

@@ -65,6 +65,11 @@ class Questions:
             )
         return default
 
+    @classmethod
+    def none_open(cls) -> Questions:
+        """For a look at a file: a unit that its headings do not name is a question for later."""
+        return cls({"unit": "um"})
+
     def unit(self) -> str:
         """What ``unit`` is given as, for headings that name none; empty without it."""
         self.used.add("unit")

@@ -11,7 +11,7 @@ import numpy as np
 from vmach.job.schema import ProbingEntry
 
 if TYPE_CHECKING:
-    from vmach.job.job import JobTool
+    from vmach.job.tool import JobTool
 
 __all__ = ["Probing", "read_probing"]
 

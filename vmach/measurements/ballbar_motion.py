@@ -83,7 +83,7 @@ def circles(
     )
     starts = np.flatnonzero(np.concatenate([[True], group[1:] != group[:-1]]))
     runs = [slice(*ends) for ends in zip(starts, [*starts[1:], len(group)], strict=True)]
-    turned = [_turned(angle_rad[run], time_s[run], group, path, run.start) for run in runs]
+    turned = [_turned(angle_rad[run], time_s[run], group, path, int(run.start)) for run in runs]
     speed = [np.ptp(a) / np.ptp(time_s[run]) for a, run in zip(turned, runs, strict=True)]
     between = [
         _unseen_rad(time_s[after.start] - time_s[before.stop - 1], speed[k], speed[k + 1])

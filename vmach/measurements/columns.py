@@ -83,7 +83,9 @@ def read_columns(
     return Columns(path, lines, {name: np.array(cells[name]) for name in text}, values)
 
 
-def _numbers(cells: list[str], name: str, path: Path, body) -> np.ndarray:
+def _numbers(
+    cells: list[str], name: str, path: Path, body: Sequence[tuple[int, list[str]]]
+) -> np.ndarray:
     values = np.empty(len(cells))
     for k, cell in enumerate(cells):
         values[k] = decimal_number(cell)

@@ -7,7 +7,16 @@ from pathlib import Path
 
 import numpy as np
 
-from gcode import WORK_OFFSETS, MachineLimits, MoveKind, Moves, Program, ToolEntry, read_program
+from gcode import (
+    INCREMENT_SYSTEMS,
+    WORK_OFFSETS,
+    MachineLimits,
+    MoveKind,
+    Moves,
+    Program,
+    ToolEntry,
+    read_program,
+)
 from stock import Tool, compile_ahead
 from vmach.base.note import Kind, Note, in_file
 from vmach.errors import InputError
@@ -51,6 +60,10 @@ class Preparation:
     tool_index: np.ndarray
     notes: tuple[Note, ...]
     doubts: tuple[Note, ...] = ()
+
+
+#: what a number without a decimal point may count
+_INCREMENTS = "increment in [control]: " + ", ".join(INCREMENT_SYSTEMS)
 
 
 def prepare(
@@ -114,7 +127,8 @@ def prepare(
 def _assumptions(program: Program) -> tuple[Note, ...]:
     """Which control the program was read for, and what that leaves open."""
     read = Note.plain(Kind.CONTROL, f"{program.path.name} is {program.assumed}")
-    open_ones = (Note.plain(Kind.CONTROL, f"line {note.line}: {note.meaning}")
+    open_ones = (Note.question(Kind.CONTROL, f"line {note.line}: {note.meaning}",
+                               accepted=_INCREMENTS)
                  for note in program.notes if note.word == "increment")  # fmt: skip
     return (read, *open_ones)
 

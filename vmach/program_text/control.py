@@ -33,6 +33,12 @@ def target_control(own: str, name: str | None, *, file: Path) -> type[Dialect]:
         control = dialect_called(own if name in (None, "auto") else name)
     except ProgramError:
         raise InputError(f"--dialect {name}", accepted=", ".join(dialect_names())) from None
+    if not dialect_called(own).is_written:
+        raise InputError(
+            f"programs in {dialect_called(own).title} are read, not written back",
+            file=file,
+            hint="post it in another language of the control",
+        )
     if own not in (control.name, *control.reads):
         raise InputError(
             f"a {own} program cannot be written for {control.name}: "

@@ -12,11 +12,17 @@ import numpy as np
 from gcode import MoveKind, Moves
 from vmach.effects import EffectInstance
 from vmach.errors import InputError
-from vmach.features.circular_test import CircularTest, circular_figures
+from vmach.features.circular_test import (
+    CircularFigures,
+    CircularTest,
+    circular_figures,
+    circular_weights,
+)
 from vmach.job import Job
 from vmach.machine import Variant
 from vmach.path.preparation import Preparation
 from vmach.prediction import displacement_of
+from vmach.uncertainty.first_order import path_u_mm
 
 __all__ = ["job_circular_tests"]
 
@@ -54,9 +60,15 @@ def job_circular_tests(
     tip = states.nose_mm + displacement_of(preparation, states, variant, effects).shift_mm
     found = []
     for pair in pairs:
-        seen = [_seen(moves, move, states.nose_mm, tip, states.move == move) for move in pair]
+        own = [np.flatnonzero(states.move == move)[:-1] for move in pair]  # its end is its start
+        seen = [_seen(moves, move, states.nose_mm[k], tip[k])
+                for move, k in zip(pair, own, strict=True)]  # fmt: skip
         angles, radial = zip(*seen, strict=True)
         first = pair[0]
+        u_mm = path_u_mm(
+            states[np.concatenate(own)], _outwards(moves, first, np.concatenate(angles)),
+            circular_weights(angles, radial), job=job, variant=variant, effects=effects,
+        )  # fmt: skip
         found.append(
             CircularTest(
                 _PLANES[_normal(moves, first)][0],
@@ -66,6 +78,9 @@ def job_circular_tests(
                 (int(moves.line[pair[0]]), int(moves.line[pair[1]])),
                 circular_figures(angles, radial),
                 job.circular_test,
+                angles,
+                radial,
+                CircularFigures(*u_mm.tolist()),
             )
         )
     return tuple(found)
@@ -109,12 +124,19 @@ def _alike(moves: Moves, one: int, other: int) -> bool:
     )
 
 
-def _seen(moves: Moves, move: int, nose: np.ndarray, tip: np.ndarray, own: np.ndarray):
-    """Angle and radial deviation, (N,) each, of the nodes of a move; its end is its start."""
-    own = np.flatnonzero(own)[:-1]
+def _seen(moves: Moves, move: int, nose: np.ndarray, tip: np.ndarray):
+    """Angle and radial deviation, (N,) each, of nodes of a move, (N, 3) mm each."""
     _, across, upward = _PLANES[_normal(moves, move)]
     plane = [across, upward]
     centre, radius = moves.centre_mm[move, plane], _radius(moves, move)
-    nominal = nose[own][:, plane] - centre
-    reached = np.hypot(*(tip[own][:, plane] - centre).T)
+    nominal = nose[:, plane] - centre
+    reached = np.hypot(*(tip[:, plane] - centre).T)
     return np.arctan2(nominal[:, 1], nominal[:, 0]), reached - radius
+
+
+def _outwards(moves: Moves, move: int, angle_rad: np.ndarray) -> np.ndarray:
+    """Unit vectors away from the centre, (N, 3)."""
+    _, across, upward = _PLANES[_normal(moves, move)]
+    found = np.zeros((len(angle_rad), 3))
+    found[:, across], found[:, upward] = np.cos(angle_rad), np.sin(angle_rad)
+    return found

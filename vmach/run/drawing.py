@@ -90,7 +90,9 @@ class _Finder:
                 some = ", ".join(repr(k) for k in known[:_LISTED])
                 more = f" and {len(known) - _LISTED} more" if len(known) > _LISTED else ""
                 what = f"no face and no point is called {pattern!r}"
-                raise self._error(name, what, some + more, "'vmach features JOB' lists them")
+                raise self._error(
+                    name, what, some + more, "'vmach features JOB --faces' lists them"
+                )
             found += [self._own_names.get(k, k) for k in hits]
         return list(dict.fromkeys(found))
 

@@ -11,6 +11,7 @@ from vmach.errors import InputError
 from vmach.schemas.base import Output
 from vmach.schemas.checkup import CheckOutput
 from vmach.schemas.correction import CompensationFigures, DiagnosisFigures
+from vmach.schemas.importing import ImportOutput
 from vmach.schemas.machine import Accuracy, Iso230, Tables
 from vmach.schemas.part import PathErrors, PointPrediction, Summary
 from vmach.schemas.study import Batch
@@ -29,6 +30,7 @@ SCHEMAS: dict[str, type[Output]] = {
     "iso230": Iso230,
     "tables": Tables,
     "check": CheckOutput,
+    "import": ImportOutput,
 }
 
 

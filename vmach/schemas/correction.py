@@ -32,7 +32,7 @@ class _Finding(Output):
     """Standard uncertainties, in the unit of the parameter."""
     interval_95: dict[str, Any]
     """Lower and upper end, in the unit of the parameter."""
-    hardly_shown: list[str]
+    weakly_identified: list[str]
     """Parameters of which the readings say little more than was known before."""
     members: list[str] = Field(alias="class")
     """Effects that these measurements do not tell from it."""

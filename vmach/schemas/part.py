@@ -99,6 +99,8 @@ class _CircularTest(Output):
     D_um: float
     F_min_um: float
     F_max_um: float
+    u_um: dict[str, float] | None
+    """Standard uncertainty of each figure, to first order."""
     too_large: list[str]
     """Figures beyond what the job accepts."""
 

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from pydantic import BaseModel
+
 from vmach.errors import InputError
 from vmach.instruments import catalogue
 from vmach.job.schema import JobSchema
@@ -15,7 +17,7 @@ from vmach.machine.files.machine_schema import MachineSchema
 __all__ = ["EDITED_FILES", "editor_schema"]
 
 #: what a person writes, by the name of the schema
-EDITED_FILES = {"job": JobSchema, "machine": MachineSchema}
+EDITED_FILES: dict[str, type[BaseModel]] = {"job": JobSchema, "machine": MachineSchema}
 _DRAFT = "http://json-schema.org/draft-07/schema#"  #: what editors of TOML know
 
 

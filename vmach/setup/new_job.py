@@ -168,6 +168,7 @@ def _job_lines(
 def _tool_lines(number: int, said: SaidTool | None, unit_mm: float) -> Iterator[str]:
     yield f"[tools.{number}]  # mend: " + ("shape and size" if said is None else "length")
     yield f'shape = "{"flat" if said is None else said.shape}"'
+    unit_mm = 1.0 if said is not None and said.is_mm else unit_mm
     diameter = _DIAMETER_MM if said is None else said.diameter * unit_mm
     yield f"diameter_mm = {diameter:g}"
     yield f"length_mm = {_LENGTH_MM:g}  # from the spindle nose to the tip"

@@ -5,15 +5,18 @@ Source: JCGM 100:2008 (GUM), eq. 13, for the combined variance.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from vmach.effects import Circumstances
+from vmach.effects import Circumstances, EffectInstance
+from vmach.job import Job
 from vmach.machine import Variant
 from vmach.path.toolpath import PathStates
 from vmach.prediction import Prediction
 from vmach.uncertainty.tables import TableUncertainty
 
-__all__ = ["combined_u_mm", "prediction_u_mm"]
+__all__ = ["combined_u_mm", "path_u_mm", "prediction_u_mm"]
 
 #: points looked at in one go; a few hundred causes each
 _BATCH = 2000
@@ -57,6 +60,25 @@ def combined_u_mm(prediction: Prediction, weights: np.ndarray) -> np.ndarray:
     return np.sqrt(np.square(total).sum(axis=1))
 
 
+def path_u_mm(
+    states: PathStates, sensing: np.ndarray, weights: np.ndarray, *, job: Job, variant: Variant,
+    effects: Sequence[EffectInstance],
+) -> np.ndarray:  # fmt: skip
+    """Standard uncertainty of sums over states of the path, (M,) mm.
+
+    Parameters
+    ----------
+    states : PathStates
+        P states.
+    sensing : (P, 3) array
+        Direction in which the error of each is looked at, a unit vector.
+    weights : (M, P) array
+        Weight of every state's error in each sum.
+    """
+    parts = [weights @ part for part in _causes(states, sensing, job, variant, effects)]
+    return np.sqrt(sum((np.square(part).sum(axis=1) for part in parts), np.zeros(len(weights))))
+
+
 def _variance(prediction: Prediction, states: PathStates, normals: np.ndarray) -> np.ndarray:
     parts = _factors(prediction, states, normals)
     return sum((np.square(part).sum(axis=1) for part in parts), start=np.zeros(len(states)))
@@ -65,12 +87,18 @@ def _variance(prediction: Prediction, states: PathStates, normals: np.ndarray) -
 def _factors(prediction: Prediction, states: PathStates, normals: np.ndarray) -> list[np.ndarray]:
     """Deviation of every point by each unit cause, some (P, K) mm."""
     job = prediction.preparation.job
+    return _causes(states, normals, job, prediction.variant, prediction.effects)
+
+
+def _causes(
+    states: PathStates, sensing: np.ndarray, job: Job, variant: Variant,
+    effects: Sequence[EffectInstance],
+) -> list[np.ndarray]:  # fmt: skip
+    """Error of every state along its direction by each unit cause, some (P, K) mm."""
     parts = [
-        np.einsum("pi,pik->pk", normals, effect.uncertainty_patterns(states))
-        for effect in prediction.effects
+        np.einsum("pi,pik->pk", sensing, effect.uncertainty_patterns(states)) for effect in effects
     ]
-    if prediction.variant is not Variant.NONE:
+    if variant is not Variant.NONE:
         tables = TableUncertainty.of(job.machine)
-        path = Circumstances(states, job, prediction.variant)
-        parts.append(tables.factors(path, normals))
+        parts.append(tables.factors(Circumstances(states, job, variant), sensing))
     return parts

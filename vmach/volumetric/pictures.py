@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from io import BytesIO
 
 import numpy as np
-from matplotlib import colormaps
+from matplotlib import colormaps, rcParams, style
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
@@ -20,11 +22,28 @@ from vmach.volumetric.field import ErrorField, error_field
 from vmach.volumetric.histogram import difference_histogram
 from vmach.volumetric.volumetric import assess
 
-__all__ = ["accuracy_pictures", "draw_cones", "draw_histogram", "draw_maps", "draw_profile"]
+__all__ = [
+    "accuracy_pictures",
+    "dark_pictures",
+    "draw_cones",
+    "draw_histogram",
+    "draw_maps",
+    "draw_profile",
+]
 
+#: of a dark page, as its style has it
+_DARK_PAPER = "#14181d"
 _COLOURS = "viridis"
 #: told apart by every common kind of colour vision
 _AXES = {"X": "#0072b2", "Y": "#d55e00", "Z": "#009e73"}
+
+
+@contextmanager
+def dark_pictures() -> Iterator[None]:
+    """What is drawn within is for a dark page."""
+    paper = {f"{part}.facecolor": _DARK_PAPER for part in ("figure", "axes", "savefig")}
+    with style.context(["dark_background", paper]):
+        yield
 
 
 def accuracy_pictures(
@@ -92,7 +111,7 @@ def draw_histogram(
     one.set(xlabel="error of the tool tip, µm", ylabel="grid points", title="at one point")
     pairs.bar(um_from_mm(edges_mm[:-1]), counts, width=np.diff(um_from_mm(edges_mm)), align="edge",
               color="#c44e24")  # fmt: skip
-    pairs.axvline(um_from_mm(largest_mm), color="black", lw=1.0, ls="--")
+    pairs.axvline(um_from_mm(largest_mm), color=rcParams["text.color"], lw=1.0, ls="--")
     pairs.set(xlabel="difference of errors, µm", ylabel="pairs of points",
               title=f"between two points, at most {um_from_mm(largest_mm):.1f} µm")  # fmt: skip
     return _png(figure)
@@ -138,7 +157,8 @@ def draw_profile(distance_mm: np.ndarray, error_mm: np.ndarray, *, title: str) -
         shown_um = um_from_mm(error_mm[:, column])
         axes.plot(distance_mm, shown_um, lw=1.2, color=_AXES[name], label=name)
     length = np.linalg.norm(error_mm, axis=1)
-    axes.plot(distance_mm, um_from_mm(length), "k--", lw=1.0, label="length")
+    axes.plot(distance_mm, um_from_mm(length), "--", color=rcParams["text.color"], lw=1.0,
+              label="length")  # fmt: skip
     axes.set(title=title, xlabel="distance along the path, mm", ylabel="error of the tool tip, µm")
     axes.grid(alpha=0.3)
     axes.legend(ncols=4, fontsize=8)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -81,6 +82,12 @@ class OpenedFolder:
         """Names of the files in the folder that a job may be made of."""
         found = [p for p in self.root.iterdir() if p.suffix.lower() in _ENDINGS and p.is_file()]
         return sorted(path.name for path in found)[:_MOST_FILES]
+
+    def free_name(self, name: str) -> str:
+        """A name that no file has: ``EXX.csv``, ``EXX-2.csv`` ..."""
+        stem, _, suffix = name.rpartition(".")
+        candidates = itertools.chain([name], (f"{stem}-{k}.{suffix}" for k in itertools.count(2)))
+        return next(one for one in candidates if not (self.root / one).exists())
 
     def check_new(self, name: str) -> Path:
         """Where a file that the page sends may lie: a plain name that no other file has.

@@ -113,10 +113,26 @@ class Session:
         """What was found about the open job, by its kind."""
         return self._of_folder | self._of_job.get(self.job or Path(), {})
 
-    def show(self, kind: str, found: dict[str, Any], job: Path | None = None) -> None:
-        """Keep what was found about a job, or about its chain, and tell it to the tabs."""
-        of = self._of_folder if job is None else self._of_job.setdefault(job, {})
-        of[kind] = found
+    def show(
+        self, kind: str, found: dict[str, Any], job: Path | None = None, *, step: str = ""
+    ) -> None:
+        """Keep what was found about a job, or about its chain, and tell it to the tabs.
+
+        With a name for the `step`, it can be undone: what was shown before is shown again.
+        """
+        before = self._found(job).get(kind)
+        self._show(kind, found, job)
+        if step:
+            back, again = (
+                lambda what=what: self._show(kind, what, job) for what in (before, found)
+            )
+            self.steps.did(Step(step, back, again))
+
+    def _found(self, job: Path | None) -> dict[str, Any]:
+        return self._of_folder if job is None else self._of_job.setdefault(job, {})
+
+    def _show(self, kind: str, found: dict[str, Any] | None, job: Path | None) -> None:
+        self._found(job)[kind] = found
         if job in (None, self.job):
             self.events.tell("shown", **{kind: found})
 

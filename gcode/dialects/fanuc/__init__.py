@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from types import MappingProxyType
 
 from gcode.dialects.fanuc.confirmed import CONFIRMED
 from gcode.dialects.fanuc.reader import FanucReader
@@ -33,6 +34,8 @@ class Fanuc(Dialect):
     reader = FanucReader
     is_rs274 = True
     reads = ("linuxcnc", "haas")
+    #: parameters 5003#0 SUP and 19607#2 CCC
+    options = MappingProxyType({"start_up": ("A", "B"), "outer_corners": ("lines", "arcs")})
     confirmed = CONFIRMED
 
     @classmethod

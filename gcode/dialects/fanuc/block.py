@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from gcode.dialects.fanuc.expressions import MacroReader, Variables, is_null
+from gcode.dialects.fanuc.macro.expressions import MacroReader, Variables, is_null
 from gcode.errors import ProgramError
 from gcode.text.expressions import value_of
 
@@ -54,7 +54,7 @@ class MacroBlock:
         Every word but G and M, in the order of the text.
     g, m : list of float
     pointless : set of str
-        Letters whose number has no decimal point.
+        Letters whose number has no decimal point; a comma for ``,R`` and ``,C``.
     corner : tuple of (str, float) or None
         ``,R`` or ``,C`` with its length.
     """
@@ -120,6 +120,8 @@ def read_words(text: str, variables: Variables) -> MacroBlock:
         literal = text[start : reader.position]
         if comma:
             block.corner = (letter, value)
+            if literal.isdigit():
+                block.pointless.add(",")
         elif letter == "g":
             block.g.append(round(value, 1))
         elif letter == "m":

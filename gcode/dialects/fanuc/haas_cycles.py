@@ -1,8 +1,8 @@
-"""G12, G13 (circular pocket) and G70, G71 (holes on a circle) of Haas.
+"""G12, G13 (circular pocket) and G70 to G72 (holes on a circle or line) of Haas.
 
 Source: Haas Automation, Mill Operator's Manual 96-8210, "G12 Circular Pocket Milling CW / G13
-Circular Pocket Milling CCW", "G70 Bolt Hole Circle", "G71 Bolt Hole Arc". The tool stands in the
-middle.
+Circular Pocket Milling CCW", "G70 Bolt Hole Circle", "G71 Bolt Hole Arc", "G72 Bolt Holes Along an
+Angle". The tool stands in the middle, for G72 at the first hole.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["HAAS_CYCLES", "haas_cycle"]
 
-HAAS_CYCLES = (12.0, 13.0, 70.0, 71.0)
+HAAS_CYCLES = (12.0, 13.0, 70.0, 71.0, 72.0)
 #: more circles or holes than this are a mistake
 _MOST = 10_000
 
@@ -98,7 +98,7 @@ def _circles(centre: tuple[float, float], radii: list[float], *, clockwise: bool
 
 
 def _holes(runner: BlockRunner, block: MacroBlock, code: float) -> None:
-    """The canned cycle in force, on a circle about where the tool stands, or about X Y."""
+    """The canned cycle in force, on a circle about where the tool stands or X Y, or on a line."""
     words = block.pop("xyijkl")
     if runner.cycle is None or runner.cycle.bottom is None:
         raise ProgramError(f"G{code:g} without a canned cycle", accepted="G81 ... L0 before it")
@@ -110,9 +110,10 @@ def _holes(runner: BlockRunner, block: MacroBlock, code: float) -> None:
         raise ProgramError(f"G{code:g} with {count} holes")
     here = runner.here()
     x, y = words.get("x", here[0]), words.get("y", here[1])
-    step = words["k"] if code == 71.0 else 360.0 / count
+    step = {70.0: 360.0 / count, 71.0: words.get("k", 0.0), 72.0: 0.0}[code]
     for k in range(count):
         angle = math.radians(words["j"] + k * step)
+        away = words["i"] * (k if code == 72.0 else 1.0)
         runner.cycle.hole_at(
-            runner, [x + words["i"] * math.cos(angle), y + words["i"] * math.sin(angle), here[2]]
+            runner, [x + away * math.cos(angle), y + away * math.sin(angle), here[2]]
         )

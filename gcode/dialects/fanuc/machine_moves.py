@@ -95,6 +95,8 @@ def skip(runner: BlockRunner, block: MacroBlock) -> bool:
     runner.controller.note("G31", "skip: the input is taken to stay off to the end of the move")
     block.pop("pqm")
     modal = runner.controller.motion
+    if not block.has(0, 1, 2, 3):
+        block.g.append(1.0)
     moved = runner.interpolate(block, 1.0)
     runner.controller.motion = modal
     return moved

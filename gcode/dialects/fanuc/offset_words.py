@@ -146,6 +146,13 @@ class OffsetWords:
         c.offsets[number] = replace(entry, **{name: size})
         c.set_tool_parameters()
 
+    def write_axis(self, system: int, letter: str, value: float) -> None:
+        """A variable of a work offset; 0 is the external one."""
+        c = self.controller
+        was, c.absolute = c.absolute, True
+        self._write_system({"p": float(system), letter: value})
+        c.absolute = was
+
     def _write_system(self, words: dict[str, float]) -> None:
         number = self._number(words, 2, 0, _SYSTEMS)
         if number:

@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from gcode.dialects.heidenhain.parameters import NUMBER
+from gcode.dialects.heidenhain.tool_call import tool_of_spindle
 from gcode.errors import ProgramError
 from gcode.geometry.arcs import Point
 from gcode.language.translate import number
@@ -72,7 +73,7 @@ def _direction(start: Point, end: Point) -> Point:
 
 def _first_direction(reader: KlartextReader, start: Point) -> Point:
     """Direction of the contour where it begins, from the lines that follow."""
-    pole = reader.pole
+    pole = reader.motion.pole
     for index in range(reader.next, len(reader.lines)):
         content = reader.content(index)
         match = _MOTION.match(content)
@@ -100,19 +101,19 @@ def approach(reader: KlartextReader, content: str) -> None:
     """Go to the contour's first point, with the tool's radius from there on."""
     said = _Words(reader, content)
     start = reader.here()
-    end = reader.target(said.words)
+    end = reader.motion.target(said.words)
     direction = _first_direction(reader, end[:2])
     side, offset = _side(reader, said.words)
     contact = _add(end[:2], _square(direction, side or 1.0), offset)
     path = _tail(said, contact, direction, side or 1.0, start[:2])
     first, code, centre = path
     if "F" in said.words:
-        reader.feed = said.words["F"]
+        reader.motion.feed = said.words["F"]
     level = "" if end[2] == start[2] else f"z{number(end[2])}"
     rapid = "FMAX" in said.words
     reader.execute(
         ("g0" if rapid else "g1") + f"x{number(first[0])}y{number(first[1])}"
-        f"{level}" + reader.feed_word(rapid)
+        f"{level}" + reader.motion.feed_word(rapid)
     )
     reader.execute(_piece(code, contact, centre, first))
     if side:
@@ -163,7 +164,7 @@ def _piece(code: int, end: Point, centre: Point | None, start: Point) -> str:
 def _side(reader: KlartextReader, words: Mapping[str, object]) -> tuple[float, float]:
     """1 for RL, -1 for RR, 0 without; and the tool's radius, program units."""
     side = 1.0 if "RL" in words else -1.0 if "RR" in words else 0.0
-    radius = reader.tool_of_spindle().offset_diameter_mm / 2.0 / reader.controller.unit_mm
+    radius = tool_of_spindle(reader).offset_diameter_mm / 2.0 / reader.controller.unit_mm
     return side, radius if side else 0.0
 
 
@@ -172,19 +173,19 @@ def depart(reader: KlartextReader, content: str) -> None:
     said = _Words(reader, content)
     c = reader.controller
     side, here = float(c.side), reader.here()
-    direction = reader.last_direction(here[:2])
-    radius = reader.tool_of_spindle().offset_diameter_mm / 2.0 / c.unit_mm if side else 0.0
+    direction = reader.motion.last_direction(here[:2])
+    radius = tool_of_spindle(reader).offset_diameter_mm / 2.0 / c.unit_mm if side else 0.0
     contact = _add(here[:2], _square(direction, side or 1.0), radius)
     back = (-direction[0], -direction[1])
-    end = reader.target(said.words)
+    end = reader.motion.target(said.words)
     code = 1
     first, code, centre = _tail(said, contact, back, -(side or 1.0), end[:2])
     code = {2: 3, 3: 2}.get(code, 1)
     if "F" in said.words:
-        reader.feed = said.words["F"]
+        reader.motion.feed = said.words["F"]
     if side:
         reader.execute("g40", f"g1x{number(contact[0])}y{number(contact[1])}")
-    reader.execute(_piece(code, first, centre, contact) + reader.feed_word(False))
+    reader.execute(_piece(code, first, centre, contact) + reader.motion.feed_word(False))
     if said.kind == "LCT":
         reader.execute(f"g1x{number(end[0])}y{number(end[1])}z{number(end[2])}")
     elif end[2] != here[2]:

@@ -32,34 +32,45 @@ class KlartextFlow:
 
     def __init__(self, reader: KlartextReader) -> None:
         self.reader = reader
+        self.selected: str | None = None  #: program of SEL PGM
         self.labels: dict[str, int] = {}
         self.begun: dict[str, int] = {}  #: blocks obeyed when what stands below a label began
         #: label line, return line, repeats left, what `begun` was before the repeats
         self.calls: list[tuple[int, int, int, int]] = []
 
+    def select_program(self, content: str) -> None:
+        """SEL PGM: the program that CALL SELECTED PGM will call."""
+        self.selected = content.removeprefix("SEL PGM").strip()
+
     def call_program(self, content: str) -> None:
         """CALL PGM: a program in a file beside this one, with the same Q parameters."""
+        if content.startswith("CALL SELECTED PGM"):
+            if self.selected is None:
+                raise ProgramError("CALL SELECTED PGM without SEL PGM before it")
+            content = self.selected
         name = re.split(r"[\\/:]", content.removeprefix("CALL PGM").strip().strip('"'))[-1]
-        found = find_beside(self.reader.options.folder, [name], endings=("", ".h"))
+        ending = self.reader.ending.upper()
+        found = find_beside(self.reader.options.folder, [name], endings=("", self.reader.ending))
         if found is None:
             raise ProgramError(
                 f"program {name} is not beside this one",
-                accepted=f"a file {name.upper().removesuffix('.H')}.H in its folder",
+                accepted=f"a file {name.upper().removesuffix(ending)}{ending} in its folder",
             )
         if self.reader.depth >= _LEVELS:
             raise ProgramError(f"programs nested deeper than {_LEVELS}")
         reader = self.reader
         called = type(reader)(reader.controller, list(found.lines), reader.options)
-        for shared in ("parameters", "budget", "feed", "tool_feed", "pole", "cycles", "frames"):
+        for shared in ("parameters", "budget", "motion", "cycles", "frames"):
             setattr(called, shared, getattr(reader, shared))
+        reader.motion.belong_to(called)
         called.called_at, called.depth = reader.controller.line, reader.depth + 1
         reader.cycles.reader = reader.frames.reader = called
         try:
             called.run()
         except ProgramError as error:
-            raise error.located(file=found.file, line=called.next) from None
+            raise error.located(file=found.file, line=called.own_line(called.next - 1)) from None
         reader.cycles.reader = reader.frames.reader = reader
-        reader.feed, reader.tool_feed, reader.pole = called.feed, called.tool_feed, called.pole
+        reader.motion.belong_to(reader)
         reader.ended = called.stopped
 
     def _name(self, content: str) -> str:

@@ -50,6 +50,18 @@ class KlartextFrames:
         {7: self._datum_shift, 8: self._mirror, 10: self._rotate}[cycle](body, text)
         self._apply()
 
+    def transform(self, content: str) -> None:
+        """TRANS DATUM, MIRROR, ROTATION and SCALE of newer controls: cycles 7, 8, 10 and 11."""
+        match = re.fullmatch(r"TRANS\s+(DATUM|MIRROR|ROTATION|SCALE)\s*(?:AXIS\b)?\s*(.*)", content)
+        if match is None or "TABLE" in content:
+            raise ProgramError(f"cannot read '{content}'",
+                               accepted="TRANS DATUM, MIRROR, ROTATION, SCALE")  # fmt: skip
+        kind, body = match[1], match[2]
+        reset = body == "RESET"
+        cycle, nothing = {"DATUM": (7, "X0 Y0 Z0"), "MIRROR": (8, ""), "ROTATION": (10, "ROT0"),
+                          "SCALE": (11, "SCL1")}[kind]  # fmt: skip
+        self.define(cycle, f"{cycle}.1 {nothing if reset else body}")
+
     def _datum_shift(self, body: str, text: str) -> None:
         body = re.sub(r"^DATUM SHIFT", "", body).strip() if text.startswith("7.0") else body
         if body.startswith("#"):

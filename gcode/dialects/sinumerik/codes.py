@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
-__all__ = ["ACCEPTED_G", "CODES", "NO_MOTION", "SAME", "STOPS"]
+__all__ = ["ACCEPTED_G", "CODES", "NO_MOTION", "REFUSED", "SAME", "STOPS"]
 
 #: codes of this control -> RS274/NGC; nothing for those that move nothing here
 CODES = {70: "g20", 700: "g20", 71: "g21", 710: "g21", 60: "g61.1", 64: "g64", 153: "g53"}
 CODES |= dict.fromkeys((641, 642, 643, 644, 645), "g64")
 CODES |= dict.fromkeys((601, 602, 603, 450, 451, 97, 460, 461, 462, 290, 500), "")
 #: codes that keep their meaning
-SAME = frozenset((0, 1, 2, 3, 17, 18, 19, 53, 54, 55, 56, 57, 90, 91, 94, 95))
+SAME = frozenset((0, 1, 2, 3, 17, 18, 19, 53, 54, 55, 56, 57, 90, 91, 93, 94, 95))
 #: M codes that stop or end
 STOPS = frozenset((0, 1, 2, 30, 17))
-ACCEPTED_G = ("G0-G4 G17-G19 G40-G42 G53-G57 G60 G64 G70 G71 G74 G75 G90 G91 G94 G95 G110-G112 "
-              "G331 G332")  # fmt: skip
+ACCEPTED_G = (
+    "G0-G4 G9 G17-G19 G40-G42 G53-G57 G60 G64 G70 G71 G74 G75 G90 G91 G93-G95 G110-G112 G331 G332 "
+    "G500 G505-G599"
+)
+#: words that change the path in a way that is not read, and what they are
+REFUSED = {
+    "TRAORI": "five-axis transformation", "TRANSMIT": "milling on the face of a turned part",
+    "TRACYL": "milling on a cylinder", "TRAANG": "inclined axis", "ASPLINE": "spline",
+    "BSPLINE": "spline", "CSPLINE": "spline", "POLY": "polynomials", "INVCW": "involute",
+    "INVCCW": "involute", "KONT": "approach round the contour's first point",
+    "KONTC": "approach with continuous curvature", "KONTT": "tangential approach",
+    "OFFN": "offset of the contour", "TOROT": "tilted plane", "CUT3DC": "3D radius compensation",
+}  # fmt: skip
 #: words on how the path is followed, of the preprocessing, and for the screen; the G groups are
 #: those of the Programming Manual Fundamentals, "G commands"
 NO_MOTION = (

@@ -1,27 +1,40 @@
 """TRANS, ROT, MIRROR and their additive forms: the programmable frame.
 
 Source: SINUMERIK 840D sl/828D, Programming Manual Fundamentals, "Coordinate transformations
-(frames)". TRANS, ROT, SCALE, MIRROR set a frame and take all others away; ATRANS, AROT, AMIRROR act
-in the frame that is there. MIRROR mirrors the axes that it names, whatever their values.
+(frames)". TRANS, ROT, SCALE, MIRROR set a frame and take all others away; ATRANS, AROT, ASCALE,
+AMIRROR act in the frame that is there. MIRROR mirrors the axes it names, whatever their values.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from gcode.dialects.sinumerik.block_words import split_arguments
 from gcode.errors import ProgramError
 from gcode.geometry.frame_turn import FrameTurn
+from gcode.language.translate import number
 from gcode.motion.frames import turn_frame
 
 if TYPE_CHECKING:
     from gcode.dialects.sinumerik.reader import SinumerikReader
 
-__all__ = ["ProgrammableFrame"]
+__all__ = ["SETTABLE", "ProgrammableFrame", "settable_frame"]
+
+#: ``$P_UIFR[1,X,TR]=10`` and ``$P_UIFR[1]=CTRANS(X,10,Y,5)``
+SETTABLE = re.compile(
+    r"\$P_UIFR\[\s*(\d+)\s*(?:,\s*([XYZ])\s*,\s*TR\s*)?\]\s*=\s*(.*)", re.IGNORECASE
+)
+_LENGTH = re.compile(r"(?<![a-z])([xyzijkr])(-?\d+\.?\d*|-?\.\d+)")
+_ARC = re.compile(r"g0?[23](?![\d.])")
+#: blocks whose numbers are the machine's
+_OF_MACHINE = re.compile(r"g(?:53|10)(?![\d.])")
+_UNIT = (1.0, 1.0, 1.0)
 
 
 class ProgrammableFrame:
-    """The frame in force: a shift, and a turn before it.
+    """The frame in force: a shift, a turn before it, and a scale before that.
 
     Parameters
     ----------
@@ -30,7 +43,7 @@ class ProgrammableFrame:
 
     def __init__(self, reader: SinumerikReader) -> None:
         self.reader = reader
-        self.shift, self.turn = [0.0] * 6, FrameTurn()
+        self.shift, self.turn, self.scale = [0.0] * 6, FrameTurn(), _UNIT
 
     def obey(self, name: str, words: Mapping[str, float]) -> None:
         """One of the words with its axes; without axes all frames go.
@@ -38,11 +51,11 @@ class ProgrammableFrame:
         Raises
         ------
         ProgramError
-            It scales, turns the part over, or names what it does not know.
+            It turns the part over, scales behind a turn, or names what it does not know.
         """
         kind = name.removeprefix("A") if name.startswith("A") else name
         if not words or name == kind:
-            self.shift, self.turn = [0.0] * 6, FrameTurn()
+            self.shift, self.turn, self.scale = [0.0] * 6, FrameTurn(), _UNIT
         if words:
             {
                 "TRANS": self._move,
@@ -61,7 +74,9 @@ class ProgrammableFrame:
 
     def _move(self, words: Mapping[str, float]) -> None:
         self._axes("TRANS", words, "X Y Z A B C")
-        by = self.turn.apply([words.get(axis, 0.0) for axis in "XYZABC"])
+        sizes = (*self.scale, 1.0, 1.0, 1.0)
+        by = [words.get(axis, 0.0) * size for axis, size in zip("XYZABC", sizes, strict=True)]
+        by = self.turn.apply(by)
         self.shift = [s + b for s, b in zip(self.shift, by, strict=True)]
 
     def _rotate(self, words: Mapping[str, float]) -> None:
@@ -71,6 +86,9 @@ class ProgrammableFrame:
         if words.get("X", 0.0) or words.get("Y", 0.0):
             raise ProgramError("ROT about X or Y tilts the plane", accepted="ROT Z or ROT RPL=")
         angle = words.get("RPL", words.get("Z", 0.0))
+        if angle and self.scale[0] != self.scale[1]:
+            raise ProgramError("AROT behind SCALE with different factors for X and Y",
+                               accepted="one factor")  # fmt: skip
         self.turn = self.turn.before(FrameTurn(angle))
 
     def _mirror(self, words: Mapping[str, float]) -> None:
@@ -82,5 +100,61 @@ class ProgrammableFrame:
 
     def _scale(self, words: Mapping[str, float]) -> None:
         self._axes("SCALE", words, "X Y Z")
-        if any(value != 1.0 for value in words.values()):
-            raise ProgramError("SCALE with factors other than 1 is not read", accepted="SCALE X1")
+        if min(words.values()) <= 0.0:
+            raise ProgramError(f"scale factor {min(words.values()):g}", accepted="above zero")
+        self.scale = tuple(
+            size * words.get(axis, 1.0) for axis, size in zip("XYZ", self.scale, strict=True)
+        )
+
+    @property
+    def is_full_size(self) -> bool:
+        """Nothing is scaled."""
+        return self.scale == _UNIT
+
+    def unscaled(self, place: list[float]) -> list[float]:
+        """A place of the control in programmed lengths."""
+        if self.scale == _UNIT:
+            return place
+        return [p / s for p, s in zip(place[:3], self.scale, strict=True)] + place[3:]
+
+    def scaled(self, block: str) -> str:
+        """A block of RS274/NGC in programmed lengths, in those of the control.
+
+        Raises
+        ------
+        ProgramError
+            An arc would turn oval.
+        """
+        if self.scale == _UNIT or _OF_MACHINE.search(block):
+            return block
+        modal = self.reader.controller.motion in ("G2", "G3") and not re.search(r"g[01]\b", block)
+        if self.scale[0] != self.scale[1] and (_ARC.search(block) or modal):
+            raise ProgramError(
+                f"an arc with scale factors {self.scale[0]:g} and {self.scale[1]:g}",
+                accepted="one factor for X and Y",
+            )
+        self.reader.keep("scaling")
+        sizes = dict(zip("xyzijkr", (*self.scale, *self.scale, self.scale[0]), strict=True))
+        return _LENGTH.sub(lambda m: f"{m[1]}{number(float(m[2]) * sizes[m[1]])}", block)
+
+
+def settable_frame(reader: SinumerikReader, match: re.Match) -> None:
+    """Set a work offset as `SETTABLE` says it."""
+    number_, axis, value = int(match[1]), match[2], match[3].strip()
+    code = 10 if number_ < 1 else number_
+    variables = reader.variables
+    if axis is not None:
+        reader.execute(f"g10l2p{code}{axis.lower()}{number(variables.value(value))}")
+        return
+    chained = re.fullmatch(r"CTRANS\s*\((.*)\)", value, re.IGNORECASE)
+    if chained is None or not 1 <= number_ <= 4:
+        raise ProgramError(
+            f"cannot read '$P_UIFR[{number_}]={value}'",
+            accepted="$P_UIFR[1]=CTRANS(X,10,Y,5,Z,0), 1 to 4 for G54 to G57",
+        )
+    pieces = [piece.strip() for piece in split_arguments(chained[1])]
+    said = dict(zip(pieces[::2], pieces[1::2], strict=False))
+    words = "".join(
+        f"{a}{number(variables.value(said.get(a, said.get(a.lower(), '0'))))}" for a in "XYZ"
+    )
+    reader.execute(f"g10l2p{number_}{words.lower()}")

@@ -21,7 +21,7 @@ def system_variable(reader: SinumerikReader, name: str, index: str) -> float | N
     """Value of a system variable in program units; None for one that only the machine knows."""
     c = reader.controller
     tool = c.offsets.get(c.tool, ToolEntry())
-    plain = {"$P_TOOLNO": float(c.tool), "$P_TOOL": float(reader.edge),
+    plain = {"$P_TOOLNO": float(c.tool), "$P_TOOL": float(reader.tools.edge),
              "$P_TOOLR": tool.offset_diameter_mm / 2.0 / c.unit_mm, "$P_F": c.feed,
              "$P_S": c.speed}  # fmt: skip
     if not index:

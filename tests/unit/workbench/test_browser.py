@@ -312,12 +312,14 @@ def test_two_jobs_turn_together_and_their_difference_is_shown(tab):
     mine = figure(tab, "RMS")
     box.check()
     until(lambda: figure(tab, "RMS") != mine)
+    says(tab, "#caption", "job-2 − odd")
+    tab.locator("#other-view").wait_for(state="hidden")  # the difference stands alone
+    box.uncheck()
+    until(lambda: figure(tab, "RMS") == mine)
     before = tab.locator("#other-canvas").screenshot()
     tab.locator("#canvas").focus()
     tab.keyboard.press("ArrowLeft")
     until(lambda: tab.locator("#other-canvas").screenshot() != before)
-    box.uncheck()
-    until(lambda: figure(tab, "RMS") == mine)
     tab.get_by_label("Job to compare with").select_option(label="nothing")
     tab.locator("#other-view").wait_for(state="hidden")
 

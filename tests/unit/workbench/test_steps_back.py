@@ -1,14 +1,25 @@
 """Undo and redo of everything that is done in the page; no file goes away."""
 
+import json
+import re
 import shutil
 
+import numpy as np
 import pytest
 
 from tests.unit.workbench.conftest import Page
+from vmach.api.points import predict, surface_points
+from vmach.history.set_values import set_values
+from vmach.workbench.model.part_model import load_part
 from vmach.workbench.steps_back import Step, StepsBack
 
 BACKLASH = {"effect": "backlash", "target": "Y", "parameters": {"reversal_um": 3.0}}
 SCALE = {"effect": "scale", "target": "X", "parameters": {"scale_ppm": 20.0}}
+#: of a screen that shows the difference of two jobs
+VIEW = {"azimuth_rad": 0.4, "elevation_rad": 0.7, "zoom": 1.0, "target_mm": [0.0, 0.0, 0.0],
+        "section": [0.0, 0.0, 0.0, 0.0], "range_um": 5.0}  # fmt: skip
+SCREEN = {"shown": {"quantity": "deviation", "model": "abbe"}, "tolerance_um": 3, "view": VIEW,
+          "is_difference": True}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -60,6 +71,64 @@ def test_a_job_beside_goes_back(bench):
     assert state(bench)["other"] == beside
     assert state(bench)["steps"]["undo"] == "comparison with other"
     assert bench.post("/api/undo").json()["other"] is None
+
+
+def test_what_the_sliders_say_is_kept_as_a_job_and_goes_back(bench):
+    offset = [0.5 * k for k in range(13)]
+    changes = [SCALE, {"component": "EXX", "offset": offset, "measured_at_mm": [1.0, 2.0, 3.0]}]
+    move(bench, changes, 5)
+    _, shown = bench.framed(bench.get("/api/values"))
+    bench.post("/api/keep")
+    run = bench.wait_for("keep")
+    assert run["state"] == "done", run["message"]
+    assert run["command"] == ("vmach set job.toml scale:X.scale_ppm=20 EXX=EXX.csv "
+                              "EXX.measured_at_mm=1,2,3 --json")  # fmt: skip
+    kept = state(bench)
+    assert kept["changes"] == [] and kept["job"] == run["result"]["job"]
+    _, found = bench.framed(bench.get("/api/values"))
+    known = np.isfinite(shown) & np.isfinite(found)
+    # to first order; where another move makes a point, it is not the same
+    assert np.quantile(np.abs(found - shown)[known], 0.9) < 0.05 < np.abs(shown[known]).max()
+    back = bench.post("/api/undo").json()
+    assert (back["job"], back["changes"]) == ("job.toml", changes)
+    move(bench, [], 6)
+    assert bench.post("/api/keep").status_code == 400  # nothing is moved
+
+
+def test_the_difference_of_two_jobs_has_a_report(bench):
+    folder = bench.session.folder.root
+    bench.post("/api/open", {"job": "job.toml"})
+    beside, _ = set_values(folder / "job.toml", ["scale:X.scale_ppm=40"], out=folder / "wide.toml")
+    assert bench.post("/api/report", SCREEN).status_code == 400  # nothing is beside it
+    bench.post("/api/compare", {"job": beside.name})
+    made = bench.post("/api/report", SCREEN)
+    assert made.status_code == 200, made.text
+    text = bench.get("/show/" + made.json()["page"]).text
+    data = json.loads(re.search(r'id="page-data"[^>]*>(.*?)</script>', text, re.DOTALL)[1])
+    column = data["variants"]["shown"]
+    assert column["label"] == "Predicted deviation, minus that of wide"
+    points = surface_points(*_surface(folder / "job.toml"))
+    found = [predict(job, points) for job in (folder / "job.toml", beside)]
+    wanted = np.where(found[0].is_cut & found[1].is_cut,
+                      found[0].deviation_um - found[1].deviation_um, 0.0)  # fmt: skip
+    assert column["largest_um"] == pytest.approx(np.abs(wanted).max(), rel=1e-6)
+    assert np.abs(wanted).max() > 0.3
+    bench.post("/api/undo")
+
+
+def _surface(job):
+    surface = load_part(job).surface
+    return surface.point_mm, surface.normal
+
+
+def test_what_was_found_goes_back(bench):
+    job = bench.session.job
+    bench.session.show("diagnosis", {"verdict": "named"}, job, step="diagnosis")
+    bench.session.show("diagnosis", {"verdict": "nothing"}, job, step="diagnosis")
+    assert state(bench)["steps"]["undo"] == "diagnosis"
+    assert bench.post("/api/undo").json()["shown"]["diagnosis"] == {"verdict": "named"}
+    assert bench.post("/api/undo").json()["shown"]["diagnosis"] is None
+    assert bench.post("/api/redo").json()["shown"]["diagnosis"] == {"verdict": "named"}
 
 
 def test_the_text_of_an_own_law_goes_back(bench):

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from vmach.base.note import Kind, Note
 from vmach.effects.declaration import unit_of
-from vmach.effects.effect import Effect, Parameter
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import Parameter
 from vmach.fit.terms import JointFit
 
 if TYPE_CHECKING:

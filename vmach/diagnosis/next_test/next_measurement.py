@@ -82,7 +82,7 @@ def _labels(weighing: Weighing, finding: Finding) -> list[str]:
         c.label
         for c in weighing.candidates
         if c.effect.name != finding.name
-        and (c.label in finding.rivals.labels or c.effect.name in finding.teams)
+        and (c.label in finding.rivals.labels or c.effect.name in finding.joint_rivals)
     ]
 
 

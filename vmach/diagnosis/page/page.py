@@ -115,7 +115,7 @@ def _card(finding: Finding, found: Diagnosis) -> dict:
         {
             "name": name,
             "meaning": meaning[name],
-            "hardly": name in finding.hardly_shown,
+            "hardly": name in finding.weakly_identified,
             "quantity": quantity(name, value, finding.interval_95[name]),
         }
         for name, value in finding.parameters.items()
@@ -125,7 +125,7 @@ def _card(finding: Finding, found: Diagnosis) -> dict:
         "finding": finding,
         "rows": rows,
         "rivals": [(label, alone.get(label)) for label in finding.rivals.labels if label != own],
-        "teams": finding.teams,
+        "joint_rivals": finding.joint_rivals,
         "alone": alone.get(own, found.rms_um["after"]),
         "curve": None if rows else _curve(finding),
     }

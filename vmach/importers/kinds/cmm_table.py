@@ -6,7 +6,7 @@ import numpy as np
 
 from vmach.importers.importer import Imported, Importer
 from vmach.importers.loose_table import LENGTH, NUMBER, Column, LooseTable
-from vmach.importers.measured_points import Holes, Points, holes_file, points_file
+from vmach.importers.measured_points import Holes, Points, holes_file, normals_on_part, points_file
 from vmach.importers.questions import Questions
 from vmach.importers.source_file import SourceFile
 
@@ -24,7 +24,12 @@ _MEASURED = {
     for a in "xyz"
 }  # fmt: skip
 _NORMAL = tuple(
-    Column(n, (n, f"nominal {n}", f"nom {n}", f"n{a}", f"normal {a}", f"{n} nom"), NUMBER)
+    Column(
+        n,
+        (n, f"nominal {n}", f"nom {n}", f"n{a}", f"normal {a}", f"{n} nom"),
+        NUMBER,
+        is_needed=False,
+    )
     for n, a in zip("ijk", "xyz", strict=True)
 )
 _NAME = Column("id", ("id", "name", "point", "nr", "no", "label", "number", "punkt", "hole"),
@@ -44,7 +49,7 @@ class CmmTable(Importer):
 
     name = "cmm_table"
     title = "CMM report as a table"
-    reads = "CSV or text with columns for x y z, i j k, mx my mz; or x y, mx my, d, md of holes"
+    reads = "CSV or text: x y z, mx my mz, i j k (else from the CAD); or x y, mx my, d, md of holes"
     rank = 28
     keys = {"u_um": "standard uncertainty of a measured hole", "unit": "of the coordinates"}
 
@@ -54,12 +59,12 @@ class CmmTable(Importer):
     def read(self, source: SourceFile, questions: Questions) -> Imported:
         table = _points(source, questions)
         if table is not None:
-            return points_file(_as_points(table), source)
+            return points_file(_as_points(table, questions), source)
         table = _holes(source, questions)
         if table is None:
             raise source.error(
                 "no heading with nominal and measured coordinates",
-                accepted="x y z i j k mx my mz, or x y mx my d md",
+                accepted="x y z mx my mz and i j k or --job, or x y mx my d md",
                 hint="--column mx='Measured X' and the like name other headings",
             )
         number = np.arange(1, len(table.lines) + 1).astype(str)
@@ -81,16 +86,25 @@ def _holes(source: SourceFile, questions: Questions) -> LooseTable | None:
     return LooseTable.find(source, (*across, *_DIAMETERS, _NAME), given=questions.columns)
 
 
-def _as_points(table: LooseTable) -> Points:
+def _as_points(table: LooseTable, questions: Questions) -> Points:
+    nominal, measured = (
+        np.column_stack([table.complete(f"{m}{a}") for a in "xyz"]) for m in ("", "m")
+    )
+    number = np.arange(1, len(table.lines) + 1).astype(str)
+    feature = table.text.get("feature", np.full(len(number), ""))
+    name = table.text.get("id", number)
+    if set("ijk") <= table.numbers.keys():
+        normal = _normals(table)
+    else:
+        normal = normals_on_part(nominal, table.source, questions, table.lines)
+    return Points(name, feature, nominal, normal, measured)
+
+
+def _normals(table: LooseTable) -> np.ndarray:
+    """Unit vectors, (P, 3)."""
     normal = np.column_stack([table.complete(n) for n in "ijk"])
     length = np.linalg.norm(normal, axis=1)
     if (length < 0.5).any():
         line = int(table.lines[np.argmax(length < 0.5)])
         raise table.source.error("the normal is no direction", line=line, accepted="i, j, k")
-    number = np.arange(1, len(table.lines) + 1).astype(str)
-    nominal, measured = (
-        np.column_stack([table.complete(f"{m}{a}") for a in "xyz"]) for m in ("", "m")
-    )
-    feature = table.text.get("feature", np.full(len(number), ""))
-    name = table.text.get("id", number)
-    return Points(name, feature, nominal, normal / length[:, None], measured)
+    return normal / length[:, None]

@@ -53,7 +53,8 @@ class ControllerTables(Importer):
         held = _errors_of(one, folder, options)
         convention = Convention.of(questions.machine_file)
         _check_chain(held, convention, source)
-        files, sections = {}, []
+        files: dict[str, str] = {}
+        sections: list[Section] = []
         for name, (position, forward, backward) in held.tables.items():
             factor = convention.factor(name) * (1e6 if component_of(name)[2] else 1e3)
             if max(abs(forward).max(), abs(backward).max()) > _LARGEST:

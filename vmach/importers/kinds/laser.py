@@ -113,7 +113,7 @@ class LaserRuns(Importer):
     }
 
     def recognises(self, source: SourceFile) -> bool:
-        return _table(source, Questions()) is not None
+        return _table(source, Questions.none_open()) is not None
 
     def read(self, source: SourceFile, questions: Questions) -> Imported:
         table = _table(source, questions)

@@ -44,13 +44,15 @@ class QifResults(Importer):
             raise source.error(f"is a {local(root)}", line=1, accepted="a QIFDocument")
         factor = _factor(root, source)
         by_id = {e.get("id"): e for e in root.iter() if e.get("id")}
-        found, seen = [], set()
+        found, seen = [], set[str]()
         for element in _result(root, source, questions).iter():
             kind = local(element).removesuffix("FeatureMeasurement")
             if kind == local(element) or kind not in _KINDS:
                 continue
             item = by_id.get(_text(element, "FeatureItemId"))
-            nominal = None if item is None else by_id.get(_text(item, "FeatureNominalId"))
+            if item is None:
+                continue
+            nominal = by_id.get(_text(item, "FeatureNominalId"))
             if nominal is None:
                 continue
             label = _text(item, "FeatureName") or f"{kind} {element.get('id')}"

@@ -55,7 +55,7 @@ def coordinates(source: SourceFile, *, least: int) -> np.ndarray:
     InputError
         A line that is not; with its number.
     """
-    rows = []
+    rows: list[list[float]] = []
     for number, line in enumerate(source.lines, 1):
         words = line.replace(";", " ").replace(",", " ").split()
         if not words or line.lstrip().startswith(("#", "//")):

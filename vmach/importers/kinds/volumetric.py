@@ -36,7 +36,8 @@ class Volumetric(Importer):
         convention = Convention.of(questions.machine_file)
         if found.tables and "measured_at" not in questions.given:
             questions.given = {**questions.given, "measured_at": _asked_point(questions)}
-        files, sections = {}, []
+        files: dict[str, str] = {}
+        sections: list[Section] = []
         for name, (position, value) in found.tables.items():
             unit = 1e6 if component_of(name)[2] else 1e3
             values = convention.factor(name) * unit * value

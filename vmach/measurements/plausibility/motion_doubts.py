@@ -50,11 +50,11 @@ def approach_notes(nose_mm: np.ndarray, side: np.ndarray) -> tuple[Note, ...]:
         return ()
     if not _OF_EITHER < np.mean(said[against] > 0) < 1.0 - _OF_EITHER:
         return ()  # always from one side: that may be meant
-    said = (
+    text = (
         f"{count} of {int(moved.sum())} approaches contradict the direction from the position "
         "before: are the signs exchanged? They are those of the last motion, 1 towards +"
     )
-    return (Note.question(Kind.SIGN, said, count, "1"),)
+    return (Note.question(Kind.SIGN, text, count, "1"),)
 
 
 def lost_motion_notes(test: Measurement, side: np.ndarray) -> tuple[Note, ...]:

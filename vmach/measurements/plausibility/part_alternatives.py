@@ -45,7 +45,9 @@ def part_alternatives(
 
     here_mm = part.predicted_mm - errors_mm(job.machine, nose_mm, tool_mm)
 
-    def elsewhere(what: str, question: str, shift_mm: np.ndarray, longer_mm: np.ndarray):
+    def elsewhere(
+        what: str, question: str, shift_mm: np.ndarray, longer_mm: np.ndarray
+    ) -> Iterator[Alternative]:
         nose = nose_mm + shift_mm + longer_mm
         if np.all((nose >= low) & (nose <= high)):
             with suppress(InputError):  # beyond a table

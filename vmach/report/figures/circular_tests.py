@@ -20,11 +20,14 @@ FIGURES = ("G ccw", "G cw", "G(b)", "D", "F")
 
 
 def circular_values(test: CircularTest) -> list[str]:
-    """The figures in um as text, in the order of `FIGURES`."""
+    """The figures in um as text, in the order of `FIGURES`, with U = 2 u where it is known."""
     f = test.figures
-    plain = [f"{um_from_mm(value):.2f}" for value in (f.G_ccw, f.G_cw, f.G_b)]
+    spread = {} if test.u is None else {n: um_from_mm(2.0 * u) for n, u in vars(test.u).items()}
+    half = {name: f" ± {size:.2f}" for name, size in spread.items()}
+    plain = [f"{um_from_mm(getattr(f, n)):.2f}{half.get(n, '')}" for n in ("G_ccw", "G_cw", "G_b")]
     low, high = um_from_mm(f.F_min), um_from_mm(f.F_max)
-    return [*plain, f"{um_from_mm(f.D):+.2f}", f"{low:+.2f} to {high:+.2f}"]
+    ends = f"{low:+.2f}{half.get('F_min', '')} to {high:+.2f}{half.get('F_max', '')}"
+    return [*plain, f"{um_from_mm(f.D):+.2f}{half.get('D', '')}", ends]
 
 
 def circular_exceeded(test: CircularTest) -> list[str]:
@@ -60,7 +63,8 @@ def circular_table(run: RunRecord) -> Table | None:
     table = Table(title=Text("Circular tests, ISO 230-4, um"), title_justify="left",
                   caption_justify="left")  # fmt: skip
     accepted = circular_limits(run.circular_tests[0])
-    table.caption = f"accepted: {accepted}; predicted" if accepted else "predicted"
+    said = "predicted ± U (k = 2)"
+    table.caption = f"accepted: {accepted}; {said}" if accepted else said
     for heading in ("circle", *FIGURES, "limits"):
         table.add_column(heading, justify="left" if heading in ("circle", "limits") else "right")
     for test in run.circular_tests:
@@ -85,6 +89,7 @@ def circular_summary(run: RunRecord) -> list[dict]:
             "D_um": um_from_mm(test.figures.D),
             "F_min_um": um_from_mm(test.figures.F_min),
             "F_max_um": um_from_mm(test.figures.F_max),
+            "u_um": test.u and {name: um_from_mm(u) for name, u in vars(test.u).items()},
             "too_large": circular_exceeded(test),
         }
         for test in run.circular_tests

@@ -120,11 +120,34 @@
   function leanFlag(flag, x, y) {
     const view = byId("canvas");
     const angle = Math.atan2(y - view.clientHeight / 2, x - view.clientWidth / 2);
-    const [line, text] = flag.children;
+    const [, text] = flag.children;
     const inside = (at, size, room) => Math.max(size / 2 + 4, Math.min(room - size / 2 - 4, at));
     // flags are wider than high, and stay within the view
     const right = inside(x + 150 * Math.cos(angle), text.offsetWidth, view.clientWidth) - x;
     const down = inside(y + 60 * Math.sin(angle), text.offsetHeight, view.clientHeight) - y;
+    drawLeader(flag, text, right, down);
+  }
+
+  // Flags that would cover each other are moved apart, up and down; none leaves the view.
+  function parcelFlags() {
+    const shown = [...byId("marks").children].filter((mark) => mark.matches(".callout") && mark.style.visibility !== "hidden");
+    const boxes = shown.map((flag) => {
+      const [, text] = flag.children, [x, y] = scene.toScreen(flag.point.at);
+      return { flag, x, y, text, across: x + parseFloat(text.style.left), at: y + parseFloat(text.style.top), width: text.offsetWidth + 4, height: text.offsetHeight + 4 };
+    }).sort((one, other) => one.at - other.at);
+    const meet = (one, other) => Math.abs(one.across - other.across) < (one.width + other.width) / 2;
+    for (const order of [boxes, [...boxes].reverse()])
+      order.forEach((one, i) => order.slice(0, i).forEach((other) => {
+        const room = (one.height + other.height) / 2, way = order === boxes ? 1 : -1;
+        if (!meet(one, other) || way * (one.at - other.at) >= room) return;
+        const bottom = byId("canvas").clientHeight - one.height / 2, wanted = other.at + way * room;
+        one.at = Math.max(one.height / 2, Math.min(bottom, wanted));
+      }));
+    for (const { flag, x, y, text, across, at } of boxes) drawLeader(flag, text, across - x, at - y);
+  }
+
+  function drawLeader(flag, text, right, down) {
+    const [line] = flag.children;
     line.style.width = Math.hypot(right, down) + "px";
     line.style.transform = `rotate(${Math.atan2(down, right)}rad)`;
     text.style.left = right + "px";
@@ -139,6 +162,7 @@
       mark.style.transform = `translate(${x}px, ${y}px)`;
       mark.style.visibility = faces(mark.point) ? "" : "hidden";
     }
+    parcelFlags();
     if (state.picked !== null) placeFlag();
     byId("triad").innerHTML = triad(scene);
   }
@@ -152,6 +176,7 @@
       if (!seen) mark.style.visibility = "hidden";
       else moveFlag(mark, seen);
     }
+    parcelFlags();
   }
 
   function moveFlag(flag, place) {

@@ -39,6 +39,7 @@ from vmach.report.page.kit import (
     um_text,
 )
 from vmach.report.page.payload import MAX_POINTS, encode_payload
+from vmach.report.page.polar_plot import polar_plot
 from vmach.report.pictures.colours import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.report.pictures.histogram import histograms
 from vmach.report.result import Column, DisplayMesh, InspectedPoints, RunRecord
@@ -213,7 +214,10 @@ def _circles(run: RunRecord) -> dict:
     """What the template shows of the circular tests."""
     tests = run.circular_tests
     return {
-        "rows": [(test, circular_values(test), circular_verdict(test)) for test in tests],
+        "rows": [
+            (test, circular_values(test), circular_verdict(test), polar_plot(test))
+            for test in tests
+        ],
         "figures": FIGURES,
         "accepted": circular_limits(tests[0]) if tests else "",
     }

@@ -317,22 +317,48 @@ class Scene {
     gl.uniform3fv(at("centre"), centre);
     gl.uniform3fv(at("scale"), scale);
   }
+  // The vertices turned into the view, and which triangles may lie under each cell of a grid over
+  // it: many places are asked for in one view.
+  turned() {
+    const { model, azimuth, elevation } = this;
+    if (this.kept?.model === model && this.kept.azimuth === azimuth && this.kept.elevation === elevation) return this.kept;
+    const { vertices, triangles } = model, axes = this.axes(), flat = new Float32Array(vertices.length);
+    const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+    for (let i = 0; i < vertices.length; i += 3)
+      for (let k = 0; k < 3; k++) {
+        const [x, y, z] = axes[k], at = flat[i + k] = vertices[i] * x + vertices[i + 1] * y + vertices[i + 2] * z;
+        if (k < 2) { if (at < low[k]) low[k] = at; if (at > high[k]) high[k] = at; }
+      }
+    const size = low.map((from, k) => Math.max(high[k] - from, 1e-9) / CELLS);
+    const cell = (value, k) => Math.max(0, Math.min(CELLS - 1, Math.floor((value - low[k]) / size[k])));
+    const first = new Uint32Array(CELLS * CELLS + 1);
+    const visit = (work) => {
+      for (let i = 0; i < triangles.length; i += 3) {
+        const a = 3 * triangles[i], b = 3 * triangles[i + 1], c = 3 * triangles[i + 2];
+        const left = cell(Math.min(flat[a], flat[b], flat[c]), 0), right = cell(Math.max(flat[a], flat[b], flat[c]), 0);
+        const below = cell(Math.min(flat[a + 1], flat[b + 1], flat[c + 1]), 1), above = cell(Math.max(flat[a + 1], flat[b + 1], flat[c + 1]), 1);
+        for (let x = left; x <= right; x++) for (let y = below; y <= above; y++) work(CELLS * x + y, i);
+      }
+    };
+    visit((at) => { first[at + 1] += 1; });
+    for (let at = 0; at < CELLS * CELLS; at++) first[at + 1] += first[at];
+    const under = new Uint32Array(first[CELLS * CELLS]), next = first.slice();
+    visit((at, i) => { under[next[at]++] = i; });
+    return this.kept = { model, azimuth, elevation, flat, first, under, low, high, cell };
+  }
   // What is seen at a pixel: place (mm), normal and depth, or null beside the part.
   pick(x, y) {
-    const { vertices, triangles } = this.model, [right, up, towards] = this.axes(), mm = this.mmPerPixel();
+    const { triangles } = this.model, [right, up, towards] = this.axes(), mm = this.mmPerPixel();
     const px = dot(this.target, right) + (x - this.canvas.clientWidth / 2) * mm;
     const py = dot(this.target, up) - (y - this.canvas.clientHeight / 2) * mm;
-    const flat = new Float32Array(vertices.length);
-    for (let i = 0; i < vertices.length; i += 3) {
-      const p = [vertices[i], vertices[i + 1], vertices[i + 2]];
-      flat[i] = dot(p, right) - px; flat[i + 1] = dot(p, up) - py; flat[i + 2] = dot(p, towards);
-    }
+    const { flat, first, under, low, high, cell } = this.turned();
+    if (px < low[0] || px > high[0] || py < low[1] || py > high[1]) return null;
     let hit = null;
-    for (let i = 0; i < triangles.length; i += 3) {
-      const a = 3 * triangles[i], b = 3 * triangles[i + 1], c = 3 * triangles[i + 2];
-      const u = flat[b] * flat[c + 1] - flat[c] * flat[b + 1];
-      const v = flat[c] * flat[a + 1] - flat[a] * flat[c + 1];
-      const w = flat[a] * flat[b + 1] - flat[b] * flat[a + 1];
+    const at = CELLS * cell(px, 0) + cell(py, 1);
+    for (const i of under.subarray(first[at], first[at + 1])) {
+      const [a, b, c] = [3 * triangles[i], 3 * triangles[i + 1], 3 * triangles[i + 2]];
+      const [ax, ay, bx, by, cx, cy] = [flat[a] - px, flat[a + 1] - py, flat[b] - px, flat[b + 1] - py, flat[c] - px, flat[c + 1] - py];
+      const u = bx * cy - cx * by, v = cx * ay - ax * cy, w = ax * by - bx * ay;
       if (u < 0 || v < 0 || w < 0 || u + v + w <= 0) continue;
       const depth = (u * flat[a + 2] + v * flat[b + 2] + w * flat[c + 2]) / (u + v + w);
       if (hit && depth <= hit.depth) continue;
@@ -344,6 +370,9 @@ class Scene {
     return { place: hit.place, normal: normal.map((n) => n / length), depth: hit.depth - dot(this.target, towards) };
   }
 }
+
+// Cells along each side of the grid in which a pick looks for triangles.
+const CELLS = 96;
 
 const rgbOf = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
 

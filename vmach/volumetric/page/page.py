@@ -31,7 +31,12 @@ _SHARES = 12
 
 
 def accuracy_page(
-    report: Mapping[str, Any], field: ErrorField, pictures: Mapping[str, bytes], *, command: str
+    report: Mapping[str, Any],
+    field: ErrorField,
+    pictures: Mapping[str, bytes],
+    *,
+    dark_pictures: Mapping[str, bytes],
+    command: str,
 ) -> str:
     """The page; it asks the network for nothing.
 
@@ -41,7 +46,8 @@ def accuracy_page(
         The figures, as in ``accuracy.json``.
     field : ErrorField
         A coarse one: every point has a cone.
-    pictures : mapping of file name to PNG
+    pictures, dark_pictures : mapping of file name to PNG
+        On light and on dark paper.
     command : str
         What was typed.
     """
@@ -59,6 +65,7 @@ def accuracy_page(
         report=report,
         shares=[(name, share, counted.get(name)) for name, share in shares],
         pictures={name: _png_uri(data) for name, data in pictures.items()},
+        dark_pictures={name: _png_uri(data) for name, data in dark_pictures.items()},
         started_at=datetime.now(UTC).isoformat(timespec="seconds"),
         command=command,
         count=len(field.error_mm),

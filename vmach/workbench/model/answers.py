@@ -18,12 +18,21 @@ from vmach.report import ReportView
 from vmach.report.page.payload import pack_mesh
 from vmach.workbench.model.effect_cards import effect_cards
 from vmach.workbench.model.instrument_forms import instrument_forms
-from vmach.workbench.model.machine_changes import MachineChange, machine_cards
+from vmach.workbench.model.machine_changes import (
+    MachineChange,
+    drawn_table_text,
+    machine_cards,
+)
 from vmach.workbench.model.part_model import load_part
 from vmach.workbench.model.playback import playback
 from vmach.workbench.model.point_facts import point_facts, points_of_line
 from vmach.workbench.model.quantities import figures_of, quantities, values_mm
-from vmach.workbench.model.screen_report import Shown, sliders_in_words, write_screen_report
+from vmach.workbench.model.screen_report import (
+    Shown,
+    less_of_other,
+    sliders_in_words,
+    write_screen_report,
+)
 from vmach.workbench.model.what_if import read_changes
 
 __all__ = ["QUESTIONS", "Answer", "Answers"]
@@ -114,8 +123,9 @@ class Answers:
     def screen_report(
         self, path: str, picture: str | None, view: Mapping[str, Any], tolerance_um: float,
         quantity: str = "deviation", model: str = "abbe", changes: Sequence[Mapping] = (),
+        minus: tuple[Mapping[str, Any], bytes] | None = None,
     ) -> Answer:  # fmt: skip
-        """Write the one-file report of what is shown."""
+        """Write the one-file report of what is shown; `minus` is what another job answered."""
         part = self._model
         wanted = read_changes(changes, part.job, part.effects)
         points, value_mm = values_mm(part, quantity, _variant(model), wanted)
@@ -123,6 +133,12 @@ class Answers:
         facts = {"shown": asked.label, "sliders": sliders_in_words(changes)}
         facts |= {"error model": model} if asked.has_models else {}
         label = asked.label + (", with the sliders" if changes else "")
+        if minus is not None:
+            value_mm, label = (
+                less_of_other(points, value_mm, *minus),
+                f"{label}, minus that of {minus[0]['name']}",
+            )
+            facts |= {"minus": str(minus[0]["name"])}
         shown = Shown(points, value_mm, label, facts, 1e-3 * tolerance_um)
         still = None if picture is None else Path(picture)
         write_screen_report(Path(path), part, shown, ReportView(**view), picture=still)
@@ -159,6 +175,17 @@ class Answers:
         machine = machine_cards(self._model.job.machine)
         return {"cards": effect_cards(self._model), "machine": machine}, b""
 
+    def drawn_table(self, wanted: Mapping[str, Any]) -> Answer:
+        """The file of a table that was drawn by hand."""
+        return {}, drawn_table_text(self._model.job.machine, wanted).encode()
+
+    def point_values(self, quantity: str, model: str) -> Answer:
+        """A quantity at its points: their names, and (C,) float64 mm."""
+        points, value_mm = values_mm(self._model, quantity, _variant(model))
+        return {"name": job_name(self._model.job.path), "ids": points.id.tolist()}, (
+            value_mm.astype("<f8").tobytes()
+        )
+
     def instruments(self) -> Answer:
         """Forms for readings."""
         return {"forms": instrument_forms()}, b""
@@ -191,5 +218,6 @@ def _variant(name: str) -> Variant:
 QUESTIONS: dict[str, Callable[..., Answer]] = {
     name: getattr(Answers, name)
     for name in ("about", "measured", "mesh", "values", "exact", "residual", "point", "line",
-                 "program", "effects", "instruments", "check_job", "playback", "screen_report")
+                 "program", "effects", "drawn_table", "point_values", "instruments", "check_job",
+                 "playback", "screen_report")
 }  # fmt: skip

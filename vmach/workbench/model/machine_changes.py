@@ -16,11 +16,11 @@ from vmach.machine.component_errors import COMPONENT_NAMES, ComponentError, comp
 from vmach.prediction.error_budget import budget_at
 from vmach.workbench.model.point_set import PointSet
 
-__all__ = ["HANDLES", "MachineChange", "changed_machine", "machine_cards"]
+__all__ = ["HANDLES", "MachineChange", "changed_machine", "drawn_table_text", "machine_cards"]
 
 #: places of a table that are drawn, evenly over the travel of its axis
 HANDLES = 13
-#: positions between which a drawn table runs straight
+#: positions between which a drawn table runs straight where the machine's own is curved
 _FINE = 400
 _MOST = 1e5
 
@@ -97,6 +97,20 @@ def changed_machine(machine: Machine, wanted: Sequence[Mapping[str, Any]]) -> Ma
     return MachineChange(replace(machine, components=components), machine, names)
 
 
+def drawn_table_text(machine: Machine, wanted: Mapping[str, Any]) -> str:
+    """A drawn table as a file of errors, over machine coordinates.
+
+    Raises
+    ------
+    InputError
+    """
+    found = changed_machine(machine, [wanted]).now.components[wanted["component"]]
+    unit, in_unit = ("urad", urad_from_rad) if found.is_angle else ("um", um_from_mm)
+    columns = found.position_mm, in_unit(found.forward), in_unit(found.backward)
+    rows = (",".join(f"{value:.6f}" for value in row) for row in zip(*columns, strict=True))
+    return "\n".join([f"position_mm,forward_{unit},backward_{unit}", *rows, ""])
+
+
 def _numbers(one: Mapping[str, Any], key: str, count: int) -> list[float]:
     values = one[key]
     is_list = isinstance(values, list) and len(values) == count
@@ -125,7 +139,9 @@ def _drawn(
     """
     handles = _handles_mm(machine, name)
     own = [] if found is None else found.position_mm
-    position = np.unique(np.concatenate((np.linspace(*handles[[0, -1]], _FINE), handles, own)))
+    is_straight = found is None or found.interpolation == ComponentError.interpolation
+    fine = [] if is_straight else np.linspace(*handles[[0, -1]], _FINE)
+    position = np.unique(np.concatenate((fine, handles, own)))
     added = np.interp(position, handles, offset)
     added = rad_from_urad(added) if component_of(name)[2] else mm_from_um(added)
     if found is None:

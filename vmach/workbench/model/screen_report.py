@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from vmach.errors import InputError
 from vmach.job import job_name
 from vmach.report import Column, InspectedPoints, ReportView, RunRecord, write_report_html
 from vmach.report.result import Colouring
@@ -17,7 +18,7 @@ from vmach.run.results import input_files, versions
 from vmach.workbench.model.part_model import PartModel
 from vmach.workbench.model.point_set import PointSet
 
-__all__ = ["Shown", "sliders_in_words", "write_screen_report"]
+__all__ = ["Shown", "less_of_other", "sliders_in_words", "write_screen_report"]
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,7 @@ class Shown:
     points : PointSet
         C points.
     value_mm : (C,) float64
+        NaN where nothing is shown.
     label : str
         What the values are.
     facts : mapping of str to str
@@ -58,16 +60,20 @@ def write_screen_report(
         Of the screen, for print and for browsers without WebGL 2.
     """
     points, name = shown.points, "shown"
-    states, count = points.states, len(points)
+    states, is_known = points.states, np.isfinite(shown.value_mm)
+    status = np.where(is_known, "cut", "uncut")
     inspected = InspectedPoints(
         id=points.id, feature=points.feature, point_mm=points.point_mm, normal=points.normal,
         line=states.line, tool=states.tool, move=states.move, time_s=states.time_s,
-        columns=(Column(name, shown.label, shown.value_mm, np.full(count, "cut")),),
+        columns=(Column(name, shown.label, shown.value_mm, status),),
         u_mm=points.u_mm,
     )  # fmt: skip
     onto = points.on_mesh(model.mesh)
-    value = np.where(onto.known, onto.at_vertices(shown.value_mm), 0.0)
-    mesh = replace(model.mesh, colourings={name: Colouring(value, onto.known)})
+    value = onto.at_vertices(shown.value_mm)
+    is_known = onto.known & np.isfinite(value)
+    mesh = replace(
+        model.mesh, colourings={name: Colouring(np.where(is_known, value, 0.0), is_known)}
+    )
     stills = [] if picture is None else [picture]
     write_report_html(path, mesh, inspected, _record(model, shown), stills=stills, view=view)
 
@@ -95,6 +101,34 @@ def _record(model: PartModel, shown: Shown) -> RunRecord:
         notes=model.notes,
         program_lines=tuple(model.preparation.program.source.lines),
     )
+
+
+def less_of_other(
+    points: PointSet, value_mm: np.ndarray, other: Mapping[str, Any], values: bytes
+) -> np.ndarray:
+    """What another job has at the same points taken off, (C,) mm; NaN where it has none.
+
+    Parameters
+    ----------
+    points : PointSet
+        C points.
+    value_mm : (C,) float64
+    other : mapping
+        ``name`` of the other job, and ``ids`` of its points.
+    values : bytes
+        float64 mm at those points.
+
+    Raises
+    ------
+    InputError
+        The two have no point in common.
+    """
+    theirs = dict(zip(other["ids"], np.frombuffer(values, "<f8").tolist(), strict=True))
+    taken = np.array([theirs.get(name, np.nan) for name in points.id.tolist()])
+    if not np.isfinite(taken).any():
+        raise InputError(f"{other['name']} has no point in common with this job",
+                         accepted="two jobs of one part")  # fmt: skip
+    return value_mm - taken
 
 
 def sliders_in_words(changes: Sequence[Mapping[str, Any]]) -> str:

@@ -11,6 +11,7 @@ from starlette.routing import Route
 
 from vmach.errors import InputError
 from vmach.workbench.exchange import framed, number_of, read_json, session_of
+from vmach.workbench.model.remote import ModelStopped
 
 __all__ = ["routes"]
 
@@ -72,10 +73,16 @@ async def _other_mesh(request: Request) -> Response:
 
 
 async def _other_values(request: Request) -> Response:
-    query = request.query_params
-    return framed(*await session_of(request).ask_other(
-        "values", quantity=query.get("quantity", "deviation"), model=query.get("model", "abbe"),
-    ))  # fmt: skip
+    """Values of the job beside; none where it was put away while they were asked for."""
+    session, query = session_of(request), request.query_params
+    look = {name: query.get(name, usual) for name, usual in
+            (("quantity", "deviation"), ("model", "abbe"))}  # fmt: skip
+    try:
+        return framed(*await session.ask_other("values", **look))
+    except (InputError, ModelStopped):
+        if session.other is not None:
+            raise
+        return framed({}, b"")
 
 
 async def _exact(request: Request) -> Response:

@@ -40,6 +40,9 @@ async def _report(request: Request) -> Response:
     if tolerance_um <= 0:
         raise InputError(f"tolerance_um = {tolerance_um:g}", accepted="above 0")
     view, picture = _view(asked.get("view")), _picture(asked.get("picture"))
+    look = {"quantity": str(shown.get("quantity", "deviation")),
+            "model": str(shown.get("model", "abbe"))}  # fmt: skip
+    minus = await session.ask_other("point_values", **look) if asked.get("is_difference") else None
     place = result_place(session, "screen.html", is_folder=False)
     with TemporaryDirectory() as room:
         still = Path(room) / "screen.jpg"
@@ -51,9 +54,9 @@ async def _report(request: Request) -> Response:
             picture=None if picture is None else str(still),
             view=view,
             tolerance_um=tolerance_um,
-            quantity=str(shown.get("quantity", "deviation")),
-            model=str(shown.get("model", "abbe")),
             changes=session.changes,
+            minus=minus,
+            **look,
         )
     return JSONResponse({"page": str(place)})
 

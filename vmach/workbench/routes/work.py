@@ -39,7 +39,7 @@ async def _diagnose(request: Request) -> Response:
         found |= {"page": str(out / "diagnosis.html"), "job": session.folder.name_of(job)}
         found["run"] = run.number
         found["program"] = str(out / "next.nc") if found.get("next_measurement") else None
-        session.show("diagnosis", found, job)
+        session.show("diagnosis", found, job, step="diagnosis")
         return found
 
     words = ["diagnose", job.name, "--out", str(out), *_own_effects(session)]
@@ -62,6 +62,41 @@ async def _add(request: Request) -> Response:
 
     words = ["add", job.name, *effects, "--json", *_own_effects(session)]
     return _start(session, "add", words, done)
+
+
+async def _keep(request: Request) -> Response:
+    """Write what the sliders and the drawn tables say into a job beside the open one."""
+    session = session_of(request)
+    _, job, _ = session.need_job()
+    if not session.changes:
+        raise InputError("no slider was moved", hint="move one in What if first")
+    words = [word for one in session.changes for word in await _kept(session, one)]
+
+    async def done(run: CommandRun) -> dict[str, Any]:
+        found = json.loads(run.output)
+        session.open(job.parent / Path(found["job"]).name)
+        return found
+
+    return _start(
+        session, "keep", ["set", job.name, *words, "--json", *_own_effects(session)], done
+    )
+
+
+async def _kept(session: Session, one: dict[str, Any]) -> list[str]:
+    """What a change is called on the command line; a drawn table becomes a file."""
+    folder, _, _ = session.need_job()
+    if "component" not in one:
+        place = ":".join(filter(None, (one["effect"], one.get("target"))))
+        return [f"{place}.{name}={value:g}" for name, value in one["parameters"].items()]
+    name, words = one["component"], []
+    if one.get("offset") is not None:
+        _, text = await session.ask("drawn_table", wanted=one)
+        words.append(
+            f"{name}={folder.name_of(folder.write(folder.free_name(f'{name}.csv'), text))}"
+        )
+    if one.get("measured_at_mm") is not None:
+        words.append(f"{name}.measured_at_mm={','.join(f'{x:g}' for x in one['measured_at_mm'])}")
+    return words
 
 
 async def _history_again(request: Request) -> Response:
@@ -132,7 +167,9 @@ async def _compensate(request: Request) -> Response:
              *_choices(asked)]  # fmt: skip
 
     async def done(run: CommandRun) -> dict[str, Any]:
-        return {"figures": json.loads(run.output), "program": str(out), "page": str(report)}
+        found = {"figures": json.loads(run.output), "program": str(out), "page": str(report)}
+        session.show("compensation", found | {"run": run.number}, job, step="compensation")
+        return {}
 
     return _start(session, "compensate", words, done)
 
@@ -172,7 +209,9 @@ async def _machine(request: Request) -> Response:
     is_cut = (await session.ask("about"))[0]["has_blank"]
 
     async def done(run: CommandRun) -> dict[str, Any]:
-        return {"page": str(out / "report.html")}
+        found = {"page": str(out / "report.html")}
+        session.show("machined", found, job, step="machined part")
+        return found
 
     words = ["run", job.name, "--out", str(out), *([] if is_cut else ["--no-solid"])]
     return _start(session, "machine", words, done)
@@ -217,6 +256,7 @@ def _own_effects(session: Session) -> list[str]:
 routes = [
     Route("/api/diagnose", _diagnose, methods=["POST"]),
     Route("/api/add", _add, methods=["POST"]),
+    Route("/api/keep", _keep, methods=["POST"]),
     Route("/api/history", _history_again, methods=["POST"]),
     Route("/api/propose", _propose, methods=["POST"]),
     Route("/api/check-effect", _check_effect, methods=["POST"]),

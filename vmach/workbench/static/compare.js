@@ -37,6 +37,7 @@ function parts() {
     const box = el("input", { type: "checkbox", checked: other.isDifference });
     box.onchange = attempt(async ({ target }) => {
       other.isDifference = target.checked;
+      showViews();
       if (other.isDifference) showDifference();
       else await loadValues();
     });
@@ -57,12 +58,13 @@ function table() {
 }
 
 async function load(job) {
-  byId("other-view").hidden = !job;
   if (!job) {
     stage.scenes = [stage.scene];
     Object.assign(other, { about: null, figures: null, values: null, isDifference: false });
+    showViews();
     return loadValues();
   }
+  byId("other-view").hidden = false;
   byId("other-caption").textContent = "Machining the other part …";
   const [about, packed] = [await get("/api/other/about"), await bytes("/api/other/mesh")];
   const model = new Model(await unpackPayload(packed)), mine = stage.scene.model;
@@ -76,13 +78,23 @@ async function load(job) {
   stage.scenes = [stage.scene, other.scene];
   for (const name of ["azimuth", "elevation", "zoom"]) other.scene[name] = stage.scene[name];
   byId("other-caption").textContent = about.name;
+  showViews();
   await loadOther();
 }
 
+// Both parts, or their difference alone: its colours are not theirs.
+function showViews() {
+  byId("other-view").hidden = !other.about || other.isDifference;
+  byId("caption").hidden = !other.about;
+  byId("caption").textContent = other.isDifference ? `${bench.about.name} − ${other.about.name}` : bench.about.name;
+}
+
 async function loadOther() {
-  const names = other.about.quantities.map((one) => one.name);
+  const job = bench.state.other, names = other.about.quantities.map((one) => one.name);
   const quantity = names.includes(bench.look.quantity) ? bench.look.quantity : "deviation";
-  [other.figures, other.values] = await framed("/api/other/values?" + query({ ...bench.look, quantity }));
+  const found = await framed("/api/other/values?" + query({ ...bench.look, quantity }));
+  if (job !== bench.state.other || !found[1].length) return; // it was put away meanwhile
+  [other.figures, other.values] = found;
   other.scene.setValues(pairsOf(other.values));
   other.scene.setLook({ range: stage.rangeUm });
   if (other.isDifference && other.isAlike) showDifference();

@@ -12,7 +12,7 @@ export function compensatePanel(panel) {
   const form = choices(), result = el("section");
   panel.append(form, result);
   const draw = () => redraw(result, parts());
-  for (const kind of ["part", "run"]) bench.on(kind, draw);
+  for (const kind of ["part", "run", "shown"]) bench.on(kind, draw);
   bench.on("part", () => { Object.assign(state, { difference: null, of: null }); draw(); });
   state.draw = draw;
 }
@@ -22,9 +22,9 @@ function choices() {
   const number = (name, value, step) => el("input", { name, type: "number", value, step, min: 0 });
   const row = (word, input) => el("label", { class: "choice" }, el("span", {}, word), input);
   const form = el("form", { class: "choices" },
-    row("Keep in place", select("aim", [["tool", "the tool's tip on its path"], ["part", "the part's surface"]])),
+    row("Keep in place", select("aim", [["tool", "the tool's tip"], ["part", "the surface"]])),
     row("Error model", select("model", [["abbe", "Abbe-consistent"], ["htm", "conventional HTM"]])),
-    row("Written for", select("dialect", DIALECTS.map((d) => [d, d || "the control it is written for"]))),
+    row("Written for", select("dialect", DIALECTS.map((d) => [d, d || "its own control"]))),
     row("Resolution of the control, mm", number("resolution_mm", 0.001, "any")),
     row("Largest residual before rounding, µm", number("tolerance_um", 0.1, "any")),
     row("Largest correction accepted, µm", number("limit_um", 500, "any")),
@@ -39,17 +39,17 @@ function choices() {
 }
 
 function parts() {
-  const run = [...(bench.state.runs ?? [])].reverse().find((one) => one.kind === "compensate");
-  if (!run) return [el("p", { class: "soft" }, "Moves the program against the predicted error, reads it back and checks it.")];
-  if (run.state !== "done" || isAtWork("compensate")) return [runBox("compensate")];
-  const { figures, program, page } = run.result;
-  if (state.of !== run.number) loadDifference(run.number, program);
+  const found = bench.state.shown?.compensation, box = runBox("compensate", Boolean(found));
+  if (isAtWork("compensate")) return [box];
+  if (!found) return [box ?? el("p", { class: "soft" }, "Moves the program against the predicted error, reads it back and checks it.")];
+  const { figures, program, page, run } = found;
+  if (state.of !== run) loadDifference(run, program);
   return [figuresTable(figures), el("div", { class: "row" },
     el("a", { class: "button primary", href: "/download/" + program, download: "" }, "Download the program"),
     el("a", { href: "/show/" + page, target: "_blank", rel: "noopener" }, "its report")),
     ...figures.notes.map((note) => el("p", { class: "remark" }, micro(note))),
     figures.uncorrected.length ? el("p", { class: "remark" }, "Stays: " + figures.uncorrected.map((u) => micro(u.what)).join("; ")) : null,
-    differenceView(), runBox("compensate")];
+    differenceView(), box];
 }
 
 function figuresTable(f) {

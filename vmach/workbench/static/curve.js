@@ -52,7 +52,7 @@ function plot(steps) {
     { textContent: i === 0 ? "as given" : "+ " + step.added.join(", ").slice(0, 22) })));
   return el("figure", {}, made, el("figcaption", {},
     el("span", { class: "key fitted" }), "RMS of the readings that were fitted, µm ",
-    el("span", { class: "key held" }), "of features that were not"));
+    ...(steps.some((step) => typeof step.heldOut === "number") ? [el("span", { class: "key held" }), "of features that were not"] : [])));
 }
 
 function buttons(steps) {

@@ -96,7 +96,7 @@ function card(one, found) {
   const numbers = Object.entries(one.interval_95).map(([name, [low, high]]) => {
     const unit = units(unitOf(name));
     return el("p", { class: "size" }, el("b", {}, short(one.parameters[name])), ` ${unit} `,
-      el("small", { class: "soft" }, one.hardly_shown.includes(name) ? `${wordsOf(name)}: the readings hardly show it` : `${wordsOf(name)}: ${short(low)} to ${short(high)} (95 %)`));
+      el("small", { class: "soft" }, one.weakly_identified.includes(name) ? `${wordsOf(name)}: the readings hardly show it` : `${wordsOf(name)}: ${short(low)} to ${short(high)} (95 %)`));
   });
   const rivals = (one.rivals ?? []).filter((label) => label !== [one.effect, one.target].filter(Boolean).join(" "));
   return el("article", { class: "card" },

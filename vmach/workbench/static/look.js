@@ -12,6 +12,7 @@ export function lookPanel(panel) {
   const empty = () => redraw(point, [el("h3", {}, "A point"),
     el("p", { class: "soft" }, "Click on the part: the point, the line and tool that made it, and the share of every error.")]);
   bench.on("part", () => { empty(); showNotes(notes); });
+  bench.on("shown", () => showNotes(notes));
   bench.on("point", (found) => (found ? showFacts(point, found) : empty()));
   bench.on("figures", (figures) => { showWorst(worst, figures); showFeatures(features, figures); });
   empty();
@@ -65,11 +66,14 @@ function showFeatures(section, figures) {
 }
 
 function showNotes(section) {
-  const { about } = bench, facts = [
+  const { about } = bench, machined = bench.state.shown?.machined;
+  if (!about) return;
+  const facts = [
     ["Machine", about.machine], ["Chain", about.chain], ["Program", `${about.program}, ${about.moves} moves, ${clock(about.duration_s)}`],
     ["Effects", about.effects.join(", ") || "none beside the error tables"],
   ];
-  redraw(section, [el("h3", {}, "The job"),
+  redraw(section, [el("h3", {}, "The job"), machined ? el("p", { class: "lead" }, "It is machined: ",
+    el("a", { href: "/show/" + machined.page, target: "_blank", rel: "noopener" }, "its report")) : null,
     el("dl", { class: "facts" }, facts.map(([word, value]) => el("div", {}, el("dt", {}, word), el("dd", {}, value)))),
     ...about.notes.map((note) => el("p", { class: "remark" }, micro(note)))]);
 }

@@ -1,7 +1,7 @@
 // The one-file report: of what is on the screen, or of the job with its virtual part.
 
 import { attempt, bench } from "./bench.js";
-import { post, Refused } from "./api.js";
+import { post } from "./api.js";
 import { byId, el } from "./dom.js";
 import { startRun } from "./runs.js";
 import { stage } from "./stage.js";
@@ -11,11 +11,10 @@ const WIDEST = 1600, QUALITY = 0.85;
 export function listenToReports() {
   byId("machine").onclick = () => startRun("/api/machine");
   byId("report").onclick = attempt(async () => {
-    if (bench.figures?.isOfTwo) throw new Refused("the report is of one part: leave the difference of the two first");
     const { scene } = stage;
     const view = { azimuth_rad: scene.azimuth, elevation_rad: scene.elevation, zoom: scene.zoom, target_mm: [...scene.target],
       section: scene.look.section, range_um: stage.rangeUm };
-    const { page } = await post("/api/report", { shown: bench.look, tolerance_um: stage.toleranceUm, view, picture: picture(scene) });
+    const { page } = await post("/api/report", { shown: bench.look, tolerance_um: stage.toleranceUm, view, picture: picture(scene), is_difference: Boolean(bench.figures?.isOfTwo) });
     offer("The report of what is on the screen is made.", page);
   });
   bench.on("run", (run) => {

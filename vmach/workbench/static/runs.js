@@ -5,7 +5,7 @@ import { post } from "./api.js";
 import { byId, commandLine, el, redraw } from "./dom.js";
 
 export const WORDS = { diagnose: "Diagnosing", add: "Adding", history: "Evaluating the models", propose: "Writing the proposal",
-  check: "Checking the effect", compensate: "Compensating", machine: "Machining the part",
+  check: "Checking the effect", keep: "Writing the job", compensate: "Compensating", machine: "Machining the part",
   collisions: "Looking for collisions" };
 
 const stop = attempt((run) => post(`/api/runs/${run.number}/stop`));

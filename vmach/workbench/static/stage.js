@@ -145,7 +145,7 @@ function showScale() {
   const end = stage.rangeUm = Number((range_um * 10 ** ((at - 50) / 50)).toPrecision(2));
   byId("range-text").textContent = "± " + short(end) + " µm";
   byId("ticks").replaceChildren(...[1, 0.5, 0, -0.5, -1].map((share) => {
-    const tick = el("li", {}, share === 0 ? "0" : signed(share * end, Math.max(0, 2 - Math.floor(Math.log10(end) + 1))) + (share === 1 ? " µm" : ""));
+    const tick = el("li", {}, share === 0 ? "0" : (share > 0 ? "+" : "") + short(share * end) + (share === 1 ? " µm" : ""));
     tick.style.top = 50 - 50 * share + "%";
     return tick;
   }));

@@ -3,6 +3,7 @@
 import { attempt, bench } from "./bench.js";
 import { framed, get, postFramed, TAB } from "./api.js";
 import { el, fixed, redraw, short, units } from "./dom.js";
+import { runBox, startRun } from "./runs.js";
 import { machineChanges, machineSection, showMachine } from "./machine_data.js";
 import { applyValues } from "./stage.js";
 
@@ -15,12 +16,14 @@ export function whatIfPanel(panel) {
   const filter = el("input", { type: "search", placeholder: "Find an effect: backlash, thermal, Y …", "aria-label": "Find an effect" });
   const reset = el("button", { type: "button", class: "reset" }, "Reset");
   reset.onclick = () => { nextGesture(); showMachine(state.machine, []); change(new Map()); nextGesture(); };
-  const machine = el("div", { class: "machine" });
+  const keep = el("button", { type: "button", id: "keep", title: "Write a job beside this one that has these values" }, "Keep as a job");
+  keep.onclick = () => startRun("/api/keep");
+  const machine = el("div", { class: "machine" }), kept = el("div", { class: "kept" });
   machineSection(machine, moved, nextGesture);
   const list = el("div", { class: "cards" });
   panel.append(
-    el("div", { class: "row" }, filter, reset),
-    el("div", {}, el("p", { class: "residual", id: "what-if-residual", role: "status" }), el("p", { class: "residual soft", id: "what-if-exact" })),
+    el("div", { class: "row" }, filter, reset, keep),
+    el("div", {}, el("p", { class: "residual", id: "what-if-residual", role: "status" }), el("p", { class: "residual soft", id: "what-if-exact" })), kept,
     el("details", { class: "effect", id: "machine-data" }, el("summary", {}, el("b", {}, "Machine data: tables, reflectors")), machine), list);
   filter.oninput = () => showCards(list, filter.value.toLowerCase());
   bench.on("part", attempt(async () => {
@@ -36,6 +39,7 @@ export function whatIfPanel(panel) {
     showCards(list, filter.value.toLowerCase());
     await push(); // colours and RMS of what the server knows already
   }));
+  bench.on("run", () => redraw(kept, [runBox("keep")]));
   state.redraw = () => showCards(list, filter.value.toLowerCase());
 }
 
@@ -160,6 +164,7 @@ function changesNow() {
 function showResidual(um) {
   const line = document.getElementById("what-if-residual");
   const count = changesNow().length;
+  document.getElementById("keep").disabled = !count;
   if (!count) line.textContent = "Move a slider: the part is coloured anew at once. The job stays as it is.";
   else if (um === null || um === undefined) line.textContent = `${count} ${count === 1 ? "thing" : "things"} moved.`;
   else line.textContent = `RMS of measured − predicted with the sliders: ${fixed(um)} µm`;

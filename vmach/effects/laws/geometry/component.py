@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vmach.effects.effect import Effect, Parameter
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import Parameter
 from vmach.machine import COMPONENT_NAMES, RigidDisplacement
 from vmach.machine.component_errors import component_of
 
@@ -24,6 +25,8 @@ class Component(Effect):
     name = "component"
     title = "error table of one component, missing or no longer true"
     commonness = 18
+    shows_as = "one table, missing or no longer true"
+    law = "correction(q_j) times the lever of the component ([machine-model.md](machine-model.md))"
     source = (
         "equation (17) of docs/laws.md; ISO 230-1, error motions of a linear axis; closed "
         "form derived here: a change of a table acts through the arm of that table"

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from vmach.effects.effect import Effect, along, inner, linear
+from vmach.effects.effect import Effect, along
+from vmach.effects.parameter import inner, linear
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["CyclicPitch"]
@@ -20,6 +21,8 @@ class CyclicPitch(Effect):
     name = "cyclic_pitch"
     title = "cyclic error of the screw's pitch or of the encoder"
     commonness = 24
+    shows_as = "a sine of the axis position"
+    law = "amplitude sin(2π q_j/pitch + phase) ê_j"
     source = (
         "equation (11) of docs/laws.md; ISO 230-2 on periodic errors; closed form derived "
         "here: e = a sin(2 pi q / p + phi)"

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from vmach.effects.effect import Effect, along, linear
+from vmach.effects.effect import Effect, along
+from vmach.effects.parameter import linear
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["GravitySag", "TableLoadSag", "from_middle"]
@@ -14,6 +15,8 @@ class GravitySag(Effect):
     name = "gravity_sag"
     title = "sag of a beam or ram under its weight"
     commonness = 17
+    shows_as = "square of the distance from mid-travel"
+    law = "-sag m_j^2 ê_z"
     source = (
         "equation (18) of docs/laws.md; Euler-Bernoulli beam on two supports: a load at u "
         "sinks by (1 - u^2)^2 of its sag at the middle, 1 - 2 u^2 near there, so that sag_um "
@@ -38,6 +41,8 @@ class TableLoadSag(Effect):
     name = "table_load_sag"
     title = "sag of the table under the workpiece"
     commonness = 3
+    shows_as = "cube of the distance from mid-travel"
+    law = "sag m_j^3 ê_z"
     source = (
         "equation (32) of docs/laws.md; Euler-Bernoulli cantilever, P L^3 / (3 E I), L the overhang"
     )

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from vmach.effects.effect import inner, linear
 from vmach.effects.laws.heat.warm_spindle import SPEED_EXPONENT, OfWarmSpindle
+from vmach.effects.parameter import inner, linear
 from vmach.machine import RigidDisplacement
 
 __all__ = ["HeadTilt"]
@@ -15,6 +15,8 @@ class HeadTilt(OfWarmSpindle):
     name = "head_tilt"
     title = "thermal tilt of head or column"
     commonness = 21
+    shows_as = "the head turns while it warms"
+    law = "g_S(τ, k) (tilt ê × T - shift ê × ê_z), the tool turned by tilt g_S about ê"
     source = (
         "equation (14) of docs/laws.md; ISO 230-3, distortion by the rotating spindle; "
         "closed form derived here: a rotation w moves the tip at T by w x T"

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from vmach.effects.effect import Effect, along, linear
+from vmach.effects.effect import Effect, along
+from vmach.effects.parameter import linear
 from vmach.machine import LINEAR_AXES
 from vmach.machine.component_errors import component_of
 
@@ -24,6 +25,8 @@ class Reflector(Effect):
     name = "reflector"
     title = "documented position of a reflector"
     commonness = 2
+    shows_as = "documented place of a reflector"
+    law = "-(θ_j × offset)_i ê_i, θ_j the tilt by the angular tables of axis j"
     source = (
         "equation (33) of docs/laws.md; the Abbe-consistent model (virtual machining of "
         "free-form slots), e = E + theta x (r - R); closed form derived here: R off by d "

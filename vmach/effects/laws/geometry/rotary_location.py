@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from vmach.effects.effect import Effect, linear
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import linear
 
 __all__ = ["RotaryLocation"]
 
@@ -13,6 +14,8 @@ class RotaryLocation(Effect):
     name = "rotary_location"
     title = "location error of a rotary axis"
     commonness = 1
+    shows_as = "offset of a rotary axis"
+    law = "(R(c) - 1) offset, R the rotation by the angle c of the axis"
     source = "equation (34) of docs/laws.md; ISO 230-7, XOC, YOC and the like"
     parameters = (
         linear("first_um", "offset along the first direction across the axis", usual=15.0),

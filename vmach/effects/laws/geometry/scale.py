@@ -1,6 +1,7 @@
 """Scale: the axis is longer or shorter than its drive believes."""
 
-from vmach.effects.effect import Effect, along, linear
+from vmach.effects.effect import Effect, along
+from vmach.effects.parameter import linear
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["Scale"]
@@ -12,6 +13,8 @@ class Scale(Effect):
     name = "scale"
     title = "scale error (pitch of the screw or scale, or its temperature)"
     commonness = 30
+    shows_as = "in proportion to the distance from home"
+    law = "scale q_j ê_j"
     source = (
         "equation (5) of docs/laws.md; ISO 230-2, positioning deviation; closed form derived "
         "here: a pitch wrong by the share a errs by a q"

@@ -1,6 +1,7 @@
 """Squareness: two axes do not stand at right angles."""
 
-from vmach.effects.effect import Effect, linear
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import linear
 from vmach.machine.squareness import lean_direction
 
 __all__ = ["Squareness"]
@@ -16,6 +17,11 @@ class Squareness(Effect):
     name = "squareness"
     title = "squareness of two axes"
     commonness = 32
+    shows_as = "displacement across an axis in proportion to its position"
+    law = (
+        "q_j (σ × ê_j), σ the rotation of the line of axis j: dx = -C0Y y, dz = -B0X x, dz = "
+        "A0Y y, dx = B0Z z, dy = -A0Z z"
+    )
     source = "equation (3) of docs/laws.md; ISO 230-1, squareness of linear axes"
     parameters = (
         linear("squareness_urad", "rotation of the axis' line, right-handed", usual=30.0),

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from vmach.effects.effect import Effect, along, inner, linear
+from vmach.effects.effect import Effect, along
+from vmach.effects.parameter import inner, linear
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["AmbientDrift"]
@@ -24,6 +25,8 @@ class AmbientDrift(Effect):
     name = "ambient_drift"
     title = "drift with the temperature of the shop"
     commonness = 19
+    shows_as = "a slow wave in time"
+    law = "(sine sin φ + cosine (cos φ - 1)) ê_j, φ = 2π t/period"
     source = (
         "equation (16) of docs/laws.md; ISO 230-3, environmental temperature variation "
         "error; closed form derived here: one sine wave of time"

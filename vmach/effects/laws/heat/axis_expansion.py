@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from vmach.effects.effect import Effect, along, inner, linear
+from vmach.effects.effect import Effect, along
+from vmach.effects.parameter import inner, linear
 from vmach.effects.wandering import wandering
 from vmach.machine import LINEAR_AXES
 from vmach.path.heat_history import REFERENCE_AXIS_MM_PER_S
@@ -21,6 +22,14 @@ class AxisExpansion(Effect):
     name = "axis_expansion"
     title = "expansion of the warm screw"
     commonness = 25
+    shows_as = (
+        "the screw stretches while it works: evenly, and most where the nut runs (heat equation "
+        "along the screw, 13 mm2/s); stated for a mean axis speed of 100 mm/min"
+    )
+    law = (
+        "((expansion q_j + at_home) g_j(τ, c) + local u_j) ê_j, u_j from the heat equation "
+        "along the screw"
+    )
     source = (
         "equation (10) of docs/laws.md; ISO 230-3, distortion by moving axes; closed form "
         "derived here: alpha dT (q - q_fixed), dT by Newton's law"

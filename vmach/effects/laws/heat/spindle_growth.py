@@ -1,7 +1,8 @@
 """Spindle growth: the warm spindle gets longer."""
 
-from vmach.effects.effect import along, inner, linear
+from vmach.effects.effect import along
 from vmach.effects.laws.heat.warm_spindle import SPEED_EXPONENT, OfWarmSpindle
+from vmach.effects.parameter import inner, linear
 
 __all__ = ["SpindleGrowth"]
 
@@ -12,6 +13,8 @@ class SpindleGrowth(OfWarmSpindle):
     name = "spindle_growth"
     title = "growth of the warm spindle"
     commonness = 33
+    shows_as = "the tip sinks while the spindle warms"
+    law = "-growth g_S(τ, k) ê_z"
     source = (
         "equation (2) of docs/laws.md; ISO 230-3, distortion by the rotating spindle; closed "
         "form derived here: one body warms by Newton's law"

@@ -1,8 +1,9 @@
 """Thermal bow: a bed, table or beam bends because one side of it is warm."""
 
-from vmach.effects.effect import along, linear
+from vmach.effects.effect import along
 from vmach.effects.laws.geometry.gravity_sag import from_middle
 from vmach.effects.laws.heat.warm_by_time import OfWarmthByTime
+from vmach.effects.parameter import linear
 
 __all__ = ["ThermalBow"]
 
@@ -13,6 +14,8 @@ class ThermalBow(OfWarmthByTime):
     name = "thermal_bow"
     title = "bed or beam that bows as one side of it warms"
     commonness = 16
+    shows_as = "an arch of the bed over the travel of an axis, which rises with time"
+    law = "bow (1 - m_j^2) g(τ) ê_z"
     source = (
         "equation (19) of docs/laws.md; closed form derived here: a beam of height h bends "
         "by alpha dT / h, which is an arch alpha dT l^2 / (8 h) over its length l"

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from vmach.effects.effect import Effect, along, inner, linear
+from vmach.effects.effect import Effect, along
+from vmach.effects.parameter import inner, linear
 
 __all__ = ["ToolGrowth"]
 
@@ -13,6 +14,8 @@ class ToolGrowth(Effect):
     name = "tool_growth"
     title = "growth of the tools in the cut"
     commonness = 15
+    shows_as = "every tool lengthens in its first minutes in the spindle and cools outside"
+    law = "-growth g_T(τ) ê_z, g_T the warmth of the tool, which cuts or cools"
     source = (
         "equation (20) of docs/laws.md; closed form derived here: one body warms by Newton's "
         "law, dL = alpha L dT"

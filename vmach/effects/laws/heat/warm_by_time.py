@@ -5,7 +5,8 @@ Source: closed form derived here: one body that warms by Newton's law: 1 - exp(-
 
 import numpy as np
 
-from vmach.effects.effect import Effect, inner
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import inner
 
 __all__ = ["OfWarmthByTime"]
 

@@ -5,7 +5,8 @@ Source: ISO 230-3 (test of the rotating spindle); the power of the speed is empi
 
 from __future__ import annotations
 
-from vmach.effects.effect import Effect, inner
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import inner
 
 __all__ = ["SPEED_EXPONENT", "OfWarmSpindle"]
 

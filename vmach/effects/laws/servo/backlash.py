@@ -1,7 +1,8 @@
 """Backlash: the carriage follows its drive only after the lost motion is taken up."""
 
-from vmach.effects.effect import Effect, along, inner, linear
+from vmach.effects.effect import Effect, along
 from vmach.effects.laws.servo.reversal import TAKE_UP_MM, taken_up
+from vmach.effects.parameter import inner, linear
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["Backlash"]
@@ -13,6 +14,8 @@ class Backlash(Effect):
     name = "backlash"
     title = "backlash (lost motion at reversal)"
     commonness = 34
+    shows_as = "half the reversal value behind the motion, on either side"
+    law = "-(reversal/2) s_j(take_up) ê_j"
     source = (
         "equation (1) of docs/laws.md; ISO 230-2, reversal value B: e = -B / 2 times the "
         "side that it comes from"

@@ -1,7 +1,8 @@
 """Inertia: what an axis carries bends the structure while it is accelerated."""
 
-from vmach.effects.effect import Effect, along, linear
+from vmach.effects.effect import Effect, along
 from vmach.effects.laws.servo.servo import POLYLINE_SHARE, acceleration_on_curves
+from vmach.effects.parameter import linear
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["Inertia"]
@@ -18,6 +19,8 @@ class Inertia(Effect):
     name = "inertia"
     title = "moving mass bends the structure (circles too large along one axis)"
     commonness = 4
+    shows_as = "curves, away from the centre, along the axis that carries the mass"
+    law = "-sway a_j ê_j, with sway = m/k"
     source = (
         "equation (31) of docs/laws.md; closed form derived here: a spring far below its "
         "resonance gives way by m a / k"

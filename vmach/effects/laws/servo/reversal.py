@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from vmach.effects.effect import Effect, along, inner, linear
+from vmach.effects.effect import Effect, along
+from vmach.effects.parameter import inner, linear
 from vmach.machine import LINEAR_AXES
 from vmach.path.circumstances import Circumstances
 
@@ -29,6 +30,8 @@ class QuadrantGlitch(Effect):
     name = "quadrant_glitch"
     title = "reversal spike (friction at the quadrants)"
     commonness = 8
+    shows_as = "just after a reversal"
+    law = "-spike s exp(-d/travel) ê_j, s = ±1"
     source = (
         "equation (27) of docs/laws.md; ISO 230-4, circular tests; closed form derived here: "
         "a spike fades as exp(-s / w)"
@@ -59,6 +62,8 @@ class Hysteresis(Effect):
     name = "hysteresis"
     title = "hysteresis of guide and structure"
     commonness = 7
+    shows_as = "builds up with the travel since the reversal"
+    law = "-(width/2) s_j(travel) ê_j"
     source = (
         "equation (28) of docs/laws.md; P. Dahl, A Solid Friction Model (1968): F / F_c = 1 "
         "- 2 exp(-s / w) after a reversal"
@@ -90,6 +95,8 @@ class LateralPlay(Effect):
     name = "lateral_play"
     title = "lateral play of a guide"
     commonness = 6
+    shows_as = "first axis reverses, second shifts"
+    law = "(play/2) s_i(take_up) ê_j"
     source = (
         "equation (29) of docs/laws.md; closed form derived here: half the play to either "
         "side, taken up as 1 - 2 exp(-s / w)"

@@ -3,7 +3,8 @@
 import numpy as np
 
 from gcode import MoveKind
-from vmach.effects.effect import Effect, inner, linear
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import inner, linear
 from vmach.machine import LINEAR_AXES
 from vmach.path.circumstances import Circumstances
 
@@ -41,6 +42,8 @@ class ServoLag(Effect):
     name = "servo_lag"
     title = "lag of the position loop (circles too small)"
     commonness = 22
+    shows_as = "curves, towards the centre"
+    law = "(lag/2) a, with lag = 1/Kv^2"
     source = (
         "equation (13) of docs/laws.md; closed form derived here: on a circle the size of 1 "
         "/ (1 + j w / Kv) is 1 - (w / Kv)^2 / 2, so that the radius shrinks by a / (2 Kv^2)"
@@ -65,6 +68,8 @@ class ServoMismatch(Effect):
     name = "servo_mismatch"
     title = "position loops of two axes do not match"
     commonness = 23
+    shows_as = "along the velocity, opposite on two axes"
+    law = "(mismatch/2) (v_i ê_i - v_j ê_j)"
     source = (
         "equation (12) of docs/laws.md; ISO 230-4, circular tests; closed form derived here: "
         "an axis lags by v / Kv, half of the difference each"
@@ -94,6 +99,11 @@ class CornerRounding(Effect):
     name = "corner_rounding"
     title = "corners rounded by lag and look-ahead"
     commonness = 5
+    shows_as = (
+        "just after corners: the velocity changes within the rise time, the position loop "
+        "follows late"
+    )
+    law = "lag Δv (exp(min(r - x, 0)) - exp(-x))/r, x = time since the corner/τ, r = rise/τ"
     source = (
         "equation (30) of docs/laws.md; closed form derived here: the lag 1 / (1 + s / Kv) "
         "of a velocity that changes evenly"

@@ -8,7 +8,8 @@ import math
 
 import numpy as np
 
-from vmach.effects.effect import Effect, inner
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import inner
 
 __all__ = ["Sudden", "moment"]
 

@@ -1,8 +1,9 @@
 """Tool chip: at one moment an edge of a tool breaks, and it cuts too little from then on."""
 
-from vmach.effects.effect import along, linear
+from vmach.effects.effect import along
 from vmach.effects.laws.tool.sudden import Sudden, moment
 from vmach.effects.laws.tool.tool_size import OfOneTool, by_tool
+from vmach.effects.parameter import linear
 
 __all__ = ["ToolChip"]
 
@@ -16,6 +17,8 @@ class ToolChip(Sudden, OfOneTool):
     name = "tool_chip"
     title = "tool whose edge chipped"
     commonness = 11
+    shows_as = "walls and floors that this tool cut after a moment: an edge broke, material is left"
+    law = "(radius n_xy + length ê_z) H(t - t_0) [T1]"
     source = (
         "equation (24) of docs/laws.md; closed form derived here: radius and length change "
         "by a step in time"

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from gcode import MoveKind
-from vmach.effects.effect import Effect, inner, linear
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import inner, linear
 
 __all__ = ["ToolDeflection"]
 
@@ -31,6 +32,13 @@ class ToolDeflection(Effect):
     name = "tool_deflection"
     title = "deflection of the tool under the cutting force"
     commonness = 27
+    shows_as = "force across the wall"
+    law = (
+        "(machine + (tool + taper (1/2 - h) + climb c) λ) b^width_exponent F n_xy + slot c λ F "
+        "n_xy where a slot is cut from the full. F = (depth/10 mm) "
+        "(feed per tooth/0.1 mm)^feed_exponent. λ = (L/100 mm)^3 (20 mm/D)^4. b is the radial "
+        "depth in mm, h the share of the depth from the tip, c = ±1 in down and up milling"
+    )
     source = (
         "equation (8) of docs/laws.md; cantilever L^3/(3 E I); chip thickness exponent 1 - "
         "m_c after Kienzle"

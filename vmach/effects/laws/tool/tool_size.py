@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from vmach.effects.effect import Effect, along, inner, linear
+from vmach.effects.effect import Effect, along
+from vmach.effects.parameter import inner, linear
 
 __all__ = ["OfOneTool", "Runout", "ToolLength", "ToolRadius", "ToolWear", "by_tool"]
 
@@ -27,6 +28,8 @@ class ToolRadius(OfOneTool):
     name = "tool_radius"
     title = "radius of the tool"
     commonness = 29
+    shows_as = "walls that this tool cut"
+    law = "-radius [T1] n_xy"
     source = (
         "equation (6) of docs/laws.md; closed form derived here: a wall lies off by the "
         "change of radius, along its normal"
@@ -53,6 +56,8 @@ class Runout(OfOneTool):
     name = "runout"
     title = "runout of the tool"
     commonness = 9
+    shows_as = "walls that this tool cut; a flute that cuts alone leaves feed marks"
+    law = "(marks_share f^2/(24 R) - runout) [T1] n_xy, f the feed of one turn"
     source = (
         "equation (26) of docs/laws.md; closed form derived here: a flute of radius R leaves "
         "marks f^2 / (8 R) high, f^2 / (24 R) in the mean"
@@ -90,6 +95,8 @@ class ToolWear(OfOneTool):
     name = "tool_wear"
     title = "wear of the tool"
     commonness = 26
+    shows_as = "walls, with the cutting length"
+    law = "wear (cutting length/10 m)^exponent [T1] n_xy"
     source = (
         "equation (9) of docs/laws.md; ISO 8688-2, tool life in end milling; the power of "
         "the cutting length is empirical"
@@ -125,6 +132,8 @@ class ToolLength(OfOneTool):
     name = "tool_length"
     title = "length of the tool"
     commonness = 28
+    shows_as = "height of what this tool cut"
+    law = "-length [T1] ê_z"
     source = (
         "equation (7) of docs/laws.md; closed form derived here: a floor lies off by the "
         "change of length"

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from vmach.effects.effect import along, linear
+from vmach.effects.effect import along
 from vmach.effects.laws.tool.sudden import Sudden, moment
 from vmach.effects.laws.tool.tool_size import OfOneTool, by_tool
+from vmach.effects.parameter import linear
 
 __all__ = ["ToolSlip"]
 
@@ -18,6 +19,8 @@ class ToolSlip(Sudden, OfOneTool):
     name = "tool_slip"
     title = "tool that slipped in its holder"
     commonness = 12
+    shows_as = "height of what this tool cut after a moment: it moved in its holder"
+    law = "-slip H(t - t_0) [T1] ê_z"
     source = (
         "equation (23) of docs/laws.md; closed form derived here: the length changes by a "
         "step in time"

@@ -3,8 +3,9 @@
 import numpy as np
 
 from gcode import WORK_OFFSETS
-from vmach.effects.effect import Effect, linear
+from vmach.effects.effect import Effect
 from vmach.effects.laws.tool.sudden import Sudden, moment
+from vmach.effects.parameter import linear
 
 __all__ = ["DatumShift", "Fixture"]
 
@@ -15,6 +16,8 @@ class Fixture(Effect):
     name = "fixture"
     title = "clamping of one set-up against the first"
     commonness = 14
+    shows_as = "one set-up against the others"
+    law = "shift + turn × p', in one work offset; p' from its zero"
     source = (
         "equation (21) of docs/laws.md; closed form derived here: a rigid body that is "
         "shifted and turned a little: d + w x p"
@@ -55,6 +58,8 @@ class DatumShift(Sudden):
     name = "datum_shift"
     title = "sudden shift of the datum (collision, slipped clamping)"
     commonness = 13
+    shows_as = "everything after a moment"
+    law = "shift H(t - t_0)"
     source = "equation (22) of docs/laws.md; closed form derived here: a step in time"
     parameters = (
         linear("shift_x_um", "shift of the tool against the part along X", usual=15.0),

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from vmach.effects.effect import Effect, linear
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import linear
 
 __all__ = ["ProbeRadius"]
 
@@ -16,6 +17,8 @@ class ProbeRadius(Effect):
     name = "probe_radius"
     title = "effective radius of the measuring probe"
     commonness = 10
+    shows_as = "every measured surface"
+    law = "radius n"
     source = (
         "equation (25) of docs/laws.md; ISO 10360-5, probing systems; closed form derived "
         "here: a radius off by c shifts each surface by n c"

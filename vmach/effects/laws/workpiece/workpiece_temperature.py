@@ -1,6 +1,7 @@
 """Workpiece temperature: the part was cut at another temperature than it is measured at."""
 
-from vmach.effects.effect import Effect, linear
+from vmach.effects.effect import Effect
+from vmach.effects.parameter import linear
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["WorkpieceTemperature"]
@@ -12,6 +13,8 @@ class WorkpieceTemperature(Effect):
     name = "workpiece_temperature"
     title = "temperature of the workpiece while it was cut"
     commonness = 31
+    shows_as = "the part shrinks after cutting"
+    law = "-expansion p"
     source = (
         "equation (4) of docs/laws.md; ISO 1, reference temperature; closed form derived "
         "here: -alpha dT p"

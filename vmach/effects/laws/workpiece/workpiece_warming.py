@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from vmach.effects.effect import linear
 from vmach.effects.laws.heat.warm_by_time import OfWarmthByTime
+from vmach.effects.parameter import linear
 
 __all__ = ["WorkpieceWarming"]
 
@@ -19,6 +19,8 @@ class WorkpieceWarming(OfWarmthByTime):
     name = "workpiece_warming"
     title = "workpiece that warms while it is cut"
     commonness = 20
+    shows_as = "the part warms while it is cut: what is cut late shrinks more"
+    law = "-g(τ) (expansion (p - bottom) + at_zero)"
     source = (
         "equation (15) of docs/laws.md; ISO 1, reference temperature; closed form derived "
         "here: -alpha dT(t) p, dT by Newton's law"

@@ -76,6 +76,16 @@ _OPERATORS: dict[str, tuple[int, Callable[[float, float], float]]] = {
 }
 
 
+def _from_bcd(value: float) -> float:
+    """Value of a number whose bytes hold decimal digits."""
+    digits = f"{int(value):x}"
+    if not digits.isdigit():
+        raise ProgramError(
+            f"BIN[{value:g}] is no BCD number", accepted="digits 0 to 9 in four bits"
+        )
+    return float(digits)
+
+
 def _checked(name: str, low: float, high: float, function: Callable[[float], float]):
     def call(value: float) -> float:
         if not low <= value <= high:
@@ -102,8 +112,8 @@ _FUNCTIONS: dict[str, Callable[[float], float]] = {
     "fix": lambda v: float(math.trunc(v)),
     "fup": lambda v: math.copysign(math.ceil(abs(v)), v),
     "adp": lambda v: v,
-    "bcd": lambda v: float(int(str(int(v)), 16)),
-    "bin": lambda v: float(int(f"{int(v):x}")),
+    "bcd": _checked("BCD", 0, 99_999_999, lambda v: float(int(str(int(v)), 16))),
+    "bin": _checked("BIN", 0, 0x99_999_999, _from_bcd),
 }  # fmt: skip
 
 

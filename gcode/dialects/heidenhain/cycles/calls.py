@@ -5,16 +5,19 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from gcode.dialects.heidenhain.cycles import DRILLING, drill
-from gcode.dialects.heidenhain.milling import MILLING, mill
-from gcode.dialects.heidenhain.old_cycles import OLD_CYCLES, old_data, renewed
-from gcode.dialects.heidenhain.parameters import NUMBER
-from gcode.dialects.heidenhain.patterns import (
+from gcode.dialects.heidenhain.cycles.contour_cycles import CONTOUR_CYCLES, ContourCycles
+from gcode.dialects.heidenhain.cycles.drilling import DRILLING, drill
+from gcode.dialects.heidenhain.cycles.first_controls import OLD_CYCLES, old_data, renewed
+from gcode.dialects.heidenhain.cycles.milling import MILLING, mill
+from gcode.dialects.heidenhain.cycles.patterns import (
     PATTERNS,
     Pattern,
     pattern_definition,
     pattern_places,
 )
+from gcode.dialects.heidenhain.cycles.thread_milling import THREADS, mill_thread
+from gcode.dialects.heidenhain.m_functions import m_code
+from gcode.dialects.heidenhain.parameters import NUMBER
 from gcode.errors import ProgramError
 from gcode.language.translate import number
 
@@ -32,6 +35,8 @@ _NOTED = {
     332: "tolerance of the control's path",
 }
 _FRAMES = frozenset((7, 8, 10, 11, 26))
+#: cycles that a call runs
+_CALLED = frozenset((*DRILLING, *MILLING, *THREADS, *CONTOUR_CYCLES))
 
 
 class CycleCalls:
@@ -48,6 +53,7 @@ class CycleCalls:
         self.modal = False  #: M89
         self.old: tuple[int, dict[int, dict[str, float]]] | None = None  #: an old cycle's lines
         self.pattern: list[Pattern] = []
+        self.contour = ContourCycles()
 
     # definitions
 
@@ -60,8 +66,12 @@ class CycleCalls:
             raise ProgramError(f"cannot read '{content}'", accepted="CYCL DEF with a number")
         cycle = int(code[1])
         data = self._data(text)
-        if cycle in DRILLING or cycle in MILLING:
+        if cycle in _CALLED:
             self.cycle, self.old = (cycle, data), None
+        elif cycle == 14:
+            self.contour.name_labels(text)
+        elif cycle == 20:
+            self.contour.data = data
         elif cycle in OLD_CYCLES and code[2] is not None:
             self._old_line(text)
         elif cycle in PATTERNS:
@@ -75,7 +85,7 @@ class CycleCalls:
         elif cycle == 19 and _changes_nothing(text):
             self.reader.controller.note(f"CYCL DEF {cycle}", "changes nothing")
         else:
-            known = sorted({*DRILLING, *MILLING, *PATTERNS, *OLD_CYCLES, *_FRAMES, *_NOTED, 9})
+            known = sorted({*_CALLED, *PATTERNS, *OLD_CYCLES, *_FRAMES, *_NOTED, 9, 14, 20})
             raise ProgramError(
                 f"Klartext cycle '{content}' is not read",
                 accepted="CYCL DEF " + ", ".join(map(str, known)),
@@ -94,10 +104,12 @@ class CycleCalls:
             pieces.append(content)
             reader.next += 1
         data = {}
-        for name, value in re.findall(rf"Q(\d+)\s*=\s*({NUMBER}|MAX|AUTO)", " ".join(pieces)):
-            if value == "AUTO" and reader.tool_feed is not None:
-                data[name] = reader.tool_feed
-            elif value not in ("MAX", "AUTO"):
+        for name, value in re.findall(
+            rf"Q(\d+)\s*=\s*({NUMBER}|F?\s*MAX|F?\s*AUTO)", " ".join(pieces)
+        ):
+            if value.endswith("AUTO") and reader.motion.tool_feed is not None:
+                data[name] = reader.motion.tool_feed
+            elif not value.endswith(("MAX", "AUTO")):
                 data[name] = reader.parameters.number(value)
         reader.parameters.values |= data
         return data
@@ -123,14 +135,14 @@ class CycleCalls:
         reader = self.reader
         if content.startswith("CYCL CALL POS"):
             words, _ = reader.words(content.removeprefix("CYCL CALL POS"))
-            end = reader.target(words)
+            end = reader.motion.target(words)
             reader.execute(f"g0x{number(end[0])}y{number(end[1])}")
             self.do()
         elif content.startswith("CYCL CALL PAT"):
             self._call_pattern()
         else:
             codes = re.findall(r"M\s*(\d+)", content)
-            reader.execute(*(reader.m_code(int(code)) for code in codes))
+            reader.execute(*(m_code(reader, int(code)) for code in codes))
             self.do()
 
     def do(self) -> None:
@@ -146,7 +158,11 @@ class CycleCalls:
         if not self.reader.frames.scaling.is_identity:
             raise ProgramError(f"cycle {cycle} with scaling (CYCL DEF 11 or 26) is not read",
                                hint="cancel the scaling first")  # fmt: skip
-        (mill if cycle in MILLING else drill)(self.reader, cycle, data)
+        if cycle in CONTOUR_CYCLES:
+            self.contour.run(self.reader, cycle, data)
+            return
+        how = mill if cycle in MILLING else mill_thread if cycle in THREADS else drill
+        how(self.reader, cycle, data)
 
     def define_pattern(self, content: str) -> None:
         """PATTERN DEF, with its further lines."""

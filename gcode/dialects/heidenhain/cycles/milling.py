@@ -1,4 +1,4 @@
-"""Klartext cycles 208, 251 to 253, 256 and 257: pockets, slots, studs and bores.
+"""Klartext cycles 208, 251 to 254, 256 and 257: pockets, slots, studs and bores.
 
 HEIDENHAIN TNC 640, User's Manual Cycle Programming, "Fixed cycles: pocket milling / stud milling /
 slot milling" and "Bore milling".
@@ -10,8 +10,10 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
+from gcode.dialects.heidenhain.tool_call import tool_of_spindle
 from gcode.errors import ProgramError
 from gcode.geometry.arcs import Point
+from gcode.geometry.curved_slot import CurvedSlot
 from gcode.geometry.outlines import Outline
 from gcode.language.area_milling import Area, mill_bore, mill_pocket, mill_stud
 
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MILLING", "mill"]
 
-MILLING = frozenset((208, 251, 252, 253, 256, 257))
+MILLING = frozenset((208, 251, 252, 253, 254, 256, 257))
 #: Q370 where it is not said: TNC 640, cycle 251
 _OVERLAP = 1.0
 #: Q367 -> where the tool stands, in half lengths and half widths from the centre
@@ -32,9 +34,10 @@ class _Data:
 
     def __init__(self, reader: KlartextReader, number: int, data: Mapping[str, float]) -> None:
         self.reader, self.number, self.data = reader, number, data
+        self.turned_deg = 0.0  #: of a repetition of cycle 254
         self.here = tuple(reader.here()[:2])
         unit = reader.controller.unit_mm
-        self.tool_radius = reader.tool_of_spindle().offset_diameter_mm / 2.0 / unit
+        self.tool_radius = tool_of_spindle(reader).offset_diameter_mm / 2.0 / unit
 
     def q(self, number: int, default: float | None = None) -> float:
         """A parameter."""
@@ -58,8 +61,25 @@ class _Data:
         shape = Outline(self.here, half_length, half_width, 0.0, angle_deg)
         return shape.place(-aside[0], -aside[1])
 
-    def outline(self) -> Outline:
+    def curved_slot(self) -> CurvedSlot:
+        """Cycle 254: round Q216, Q217, or through where the tool stands (Q367 = 1, 2, 3)."""
+        radius, first, length = self.q(375) / 2.0, self.q(376), self.q(248)
+        place = int(self.q(367, 0.0))
+        if place not in (0, 1, 2, 3):
+            raise ProgramError(f"Q367={place}", accepted="0 to 3")
+        centre = self.q(216, 0.0), self.q(217, 0.0)
+        if place:
+            at = first + {1: 0.0, 2: length / 2.0, 3: length}[place]
+            out = math.radians(at)
+            centre = (self.here[0] - radius * math.cos(out), self.here[1] - radius * math.sin(out))
+        if length < 0.0:
+            first, length = first + length, -length
+        return CurvedSlot(centre, radius, first + self.turned_deg, length, self.q(219) / 2.0)
+
+    def outline(self) -> Outline | CurvedSlot:
         """The finished wall."""
+        if self.number == 254:
+            return self.curved_slot()
         if self.number == 252:
             return Outline.circle(self.here, self.q(223) / 2.0)
         if self.number == 257:
@@ -114,7 +134,7 @@ class _Data:
     def _feed(self, number: int, default: float | None = None) -> float:
         feed = self.data.get(str(number), default)
         if feed is None:
-            feed = self.reader.tool_feed
+            feed = self.reader.motion.tool_feed
         if not feed or not math.isfinite(feed):
             raise ProgramError(f"Q{number} of cycle {self.number} is missing")
         return feed
@@ -139,5 +159,8 @@ def mill(reader: KlartextReader, number: int, data: Mapping[str, float]) -> None
         "the way through the material is the control's "
         "own; rings are taken here, walls and floor are those of the cycle",
     )
-    reader.execute(f"g0z{max(out, reader.here()[2])!r}", *cycle.blocks(), f"g0z{out!r}")
+    rounds = max(int(cycle.q(377, 1.0)), 1) if number == 254 else 1
+    for turn in range(rounds):
+        cycle.turned_deg = turn * cycle.q(378, 0.0)
+        reader.execute(f"g0z{max(out, reader.here()[2])!r}", *cycle.blocks(), f"g0z{out!r}")
     reader.execute(f"g0x{cycle.here[0]!r}y{cycle.here[1]!r}")

@@ -15,6 +15,8 @@ __all__ = ["LOCALS", "MacroVariables", "OffsetColumn", "OffsetColumns"]
 
 LOCALS = range(1, 34)
 _COMMON = (range(100, 200), range(500, 1000))
+_FIRST_SYSTEM = 5221  #: #5221 to #5226 are G54
+_AXES = "xyzabc"
 _SYSTEMS = 6  #: G54 to G59 have variables of their own
 _SIDES = {0: 40.0, 1: 41.0, -1: 42.0}
 
@@ -64,6 +66,8 @@ class MacroVariables:
         self.common: dict[int, float] = {}
         self.external_mm = [0.0] * 6
         self.modal: dict[int, Callable[[], float]] = {}
+        #: writes an axis of a work offset: its number, the letter, program units
+        self.write_offset: Callable[[int, str, float], None] | None = None
 
     def get(self, key: int | str) -> float:
         """Read a variable."""
@@ -128,16 +132,21 @@ class MacroVariables:
         for first, values in (
             (5001, c.position), (5041, c.position), (5061, c.position),
             (5021, c.machine_position()), (5201, c.to_program(self.external_mm)),
+            (5081, c.tool_offset),
         ):  # fmt: skip
             if first <= key < first + 6:
                 return values[key - first]
-        system, axis = divmod(key - 5221, 20)
+        system, axis = divmod(key - _FIRST_SYSTEM, 20)
         if 0 <= system < _SYSTEMS and axis < 6:
             stored = c.to_program(c.parameters.vector(system_base(system + 1)))
             return stored[axis] - c.to_program(self.external_mm)[axis]
         return None
 
     def _set_offset(self, key: int, value: float) -> bool:
+        system, axis = divmod(key - _FIRST_SYSTEM, 20)
+        if -1 <= system < _SYSTEMS and axis < len(_AXES) and self.write_offset is not None:
+            self.write_offset(system + 1, _AXES[axis], value)
+            return True
         column = self._column(key)
         if column is None:
             return False

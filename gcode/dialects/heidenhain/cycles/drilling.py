@@ -1,4 +1,4 @@
-"""Klartext cycles 200 to 203, 205 to 207, 209, 240 and 241: holes as plain moves.
+"""Klartext cycles 200 to 207, 209, 240 and 241: holes as plain moves.
 
 HEIDENHAIN TNC 640, User's Manual Cycle Programming, "Fixed cycles: drilling" and "tapping".
 """
@@ -22,8 +22,16 @@ _MOST_PECKS = 10_000  #: more is a slip of the decimal point, and would take sec
 _OFF_THE_WALL_MM = 0.2
 
 
+#: Q214 -> where the edge is taken
+_SIDES = {0: (0, 0), 1: (-1, 0), 2: (0, -1), 3: (1, 0), 4: (0, 1)}
 #: cycles that turn the spindle back or stop it, so that plain lines cannot take their place
-_SPINDLE = {202: "boring with a stopped spindle", 206: "tapping", 207: "tapping", 209: "tapping"}
+_SPINDLE = {
+    202: "boring with a stopped spindle",
+    204: "boring with a stopped spindle",
+    206: "tapping",
+    207: "tapping",
+    209: "tapping",
+}
 
 
 class _Hole:
@@ -33,10 +41,10 @@ class _Hole:
         self.reader, self.data = reader, data
         self.surface = self.q(203, 0.0)
         self.clear = self.surface + self.q(200)
-        self.bottom = self.surface + self.q(201)
+        self.bottom = self.surface + (-self.q(250) if "250" in data else self.q(201))
         self.out = max(self.clear, self.surface + self.q(204, 0.0))
-        self.feed_in = self.q(206)
-        if self.q(201) >= 0.0:
+        self.feed_in = self.q(206, self.data.get("254"))
+        if self.bottom >= self.surface:
             raise ProgramError(f"cycle depth Q201={self.q(201):g}", accepted="a negative depth")
 
     def q(self, number: int, default: float | None = None) -> float:
@@ -156,7 +164,7 @@ def _boring(hole: _Hole) -> None:
     """Cycle 202: Q214 takes the edge from the wall before the tool comes out."""
     hole.feed(hole.bottom)
     hole.dwell(211)
-    aside = {0: (0, 0), 1: (-1, 0), 2: (0, -1), 3: (1, 0), 4: (0, 1)}.get(int(hole.q(214, 0.0)))
+    aside = _SIDES.get(int(hole.q(214, 0.0)))
     if aside is None:
         raise ProgramError(f"Q214={hole.q(214):g}", accepted="0 to 4")
     here = hole.reader.here()
@@ -165,8 +173,27 @@ def _boring(hole: _Hole) -> None:
     hole.reader.execute(_beside(here, (0, 0)))
 
 
-def _beside(here: list[float], aside: tuple[int, int]) -> str:
-    place = [h + _OFF_THE_WALL_MM * a for h, a in zip(here, aside, strict=False)]
+def _back_boring(hole: _Hole) -> None:
+    """Cycle 204: through the hole with the edge aside, then a counterbore from below."""
+    edge, under = hole.q(252), hole.surface - hole.q(250)
+    aside = _SIDES.get(int(hole.q(214)))
+    if aside is None or not any(aside):
+        raise ProgramError(f"Q214={hole.q(214):g}", accepted="1 to 4")
+    here, away = hole.reader.here(), hole.q(251)
+    below = under - hole.q(200) - edge
+    hole.reader.execute(_beside(here, aside, away))
+    hole.feed(below, hole.q(253))
+    hole.reader.execute(_beside(here, (0, 0)))
+    hole.feed(under + hole.q(249) - edge, hole.q(254))
+    hole.dwell(255)
+    hole.rapid(below)
+    hole.reader.execute(_beside(here, aside, away))
+    hole.rapid(hole.clear)
+    hole.reader.execute(_beside(here, (0, 0)))
+
+
+def _beside(here: list[float], aside: tuple[int, int], away: float = _OFF_THE_WALL_MM) -> str:
+    place = [h + away * a for h, a in zip(here, aside, strict=False)]
     return f"g0x{place[0]!r}y{place[1]!r}"
 
 
@@ -199,12 +226,13 @@ def _rigid(reader: KlartextReader, data: dict[str, float]) -> dict[str, float]:
     """Cycles 207 and 209 have a pitch in place of a feed."""
     if "239" not in data:
         raise ProgramError("Q239 (pitch) of the cycle is missing")
-    return data | {"206": abs(data["239"]) * reader.controller.speed}
+    tenths = 1.0 if reader.controller.unit_mm == 1.0 else 10.0  # F counts 0.1 inch/min
+    return data | {"206": abs(data["239"]) * reader.controller.speed * tenths}
 
 
 DRILLING: dict[int, Callable[[_Hole], None]] = {
-    200: _drilling, 201: _reaming, 202: _boring, 203: _universal, 205: _deep, 206: _tapping,
-    207: _tapping, 209: _tapping_in_steps, 240: _centring, 241: _single_lip,
+    200: _drilling, 201: _reaming, 202: _boring, 203: _universal, 204: _back_boring, 205: _deep,
+    206: _tapping, 207: _tapping, 209: _tapping_in_steps, 240: _centring, 241: _single_lip,
 }  # fmt: skip
 
 

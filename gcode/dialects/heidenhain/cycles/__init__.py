@@ -1,0 +1,1 @@
+"""Cycles of Klartext: which is called, and what each of them moves."""

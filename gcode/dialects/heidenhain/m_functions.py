@@ -1,0 +1,76 @@
+"""M functions of HEIDENHAIN controls: what they do, and which are refused."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from gcode.errors import ProgramError
+
+if TYPE_CHECKING:
+    from gcode.dialects.heidenhain.reader import KlartextReader
+
+__all__ = ["BEFORE_MOTION", "m_code", "only_m"]
+
+_PLAIN = {3: "m3", 4: "m4", 5: "m5", 7: "m7", 8: "m8", 9: "m9", 0: "m0", 1: "m1", 6: ""}
+#: act when the block begins; all others when it ends
+BEFORE_MOTION = frozenset((3, 4, 7, 8, 13, 14))
+#: move nothing here: feeds at corners, look-ahead, rotary axes that stand still
+_NOTED = {90: "corners", 94: "rotary display", 107: "oversize", 108: "",
+          109: "feed at the edge", 110: "feed at inner arcs", 111: "feed of the centre",
+          112: "corners", 113: "corners", 117: "", 118: "handwheel", 120: "look-ahead",
+          124: "points left out", 126: "short way of rotary axes", 127: "", 129: "TCPM off",
+          134: "", 135: "", 137: "", 138: "", 141: "", 142: "", 143: "", 145: "", 148: "",
+          149: "", 150: "", 197: ""}  # fmt: skip
+#: change the path or its feed
+_REFUSED = {97: "small steps of a contour", 98: "open corners", 116: "feed of rotary axes",
+            128: "tool centre point", 136: "feed per revolution", 144: "tilted head"}  # fmt: skip
+
+
+def only_m(reader: KlartextReader, content: str) -> None:
+    """A block of M functions alone."""
+    content = reader.motion.plunging(content).strip()
+    if not content:
+        return
+    if re.search(r"M\s*140\b", content):
+        reader.motion.move("L", content)
+        return
+    if not re.fullmatch(r"(?:M\s*\d+\s*)+", content):
+        raise ProgramError(f"cannot read '{content}'", accepted="M with a number")
+    for code in map(int, re.findall(r"M\s*(\d+)", content)):
+        if code == 99:
+            reader.cycles.do()
+        else:
+            reader.execute(m_code(reader, code))
+
+
+def m_code(reader: KlartextReader, code: int) -> str:
+    """Block of an M function; nothing for one that moves nothing here.
+
+    Raises
+    ------
+    ProgramError
+        It changes the path in a way that is not read, or nobody knows it.
+    """
+    reader.controller.use(f"M{code}")
+    if code in _REFUSED:
+        raise ProgramError(f"M{code} ({_REFUSED[code]}) is not read",
+                           accepted="milling with three axes")  # fmt: skip
+    if code in (13, 14):
+        return f"m{code - 10}m8"
+    if code in (2, 30):
+        reader.stopped = True
+        return "m30"
+    if code in _NOTED or code in reader.options.control.ignore_m:
+        reader.noted(f"M{code}", _NOTED.get(code) or "moves nothing here")
+        return ""
+    if code == 89:
+        reader.cycles.modal = True
+        return ""
+    if code not in _PLAIN:
+        raise ProgramError(
+            f"M{code} is not read",
+            accepted="M0 M1 M2 M3-M6 M7-M9 M13 M14 M30 M89 M91 M99; others "
+            f"that move nothing by ignore_m = [{code}] in [control]",
+        )
+    return _PLAIN[code]

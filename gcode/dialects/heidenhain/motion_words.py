@@ -1,0 +1,68 @@
+"""Words of a Klartext motion line: ``L X+10 IY-5 RL F200 M3``."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+
+from gcode.dialects.heidenhain.parameters import NUMBER
+from gcode.errors import ProgramError
+
+__all__ = ["Words", "motion_words"]
+
+#: word -> its number, or the sign of DR; None for words that stand alone
+Words = Mapping[str, "float | str | None"]
+
+_WORD = re.compile(
+    r"(I?[XYZABC]|I?P[RA]|DR|R[0LR](?![\d.])|LEN|MB|F\s*(?:MAX|AUTO)|F|S|M|R|[A-Z]+)\s*"
+    rf"({NUMBER}|MAX)?\s*([+-])?(?=\s|$|[A-Z])"
+)
+_LETTERS = frozenset(("X", "Y", "Z", "A", "B", "C", "IX", "IY", "IZ", "IA", "IB", "IC", "F", "R",
+                      "S", "PR", "PA", "IPR", "IPA"))  # fmt: skip
+_ACCEPTED = "X Y Z IX IY IZ PR PA IPA R DR RL RR R0 F FMAX M"
+
+
+def motion_words(
+    content: str, number: Callable[[str], float]
+) -> tuple[dict[str, float | str | None], list[int]]:
+    """Words of a motion line, and its M codes.
+
+    Parameters
+    ----------
+    content : str
+        The line behind its first word, in upper case.
+    number : callable
+        Value of a number or Q parameter.
+
+    Raises
+    ------
+    ProgramError
+        For what is no word of a motion line, and words that stand twice.
+    """
+    words: dict[str, float | str | None] = {}
+    codes, position = [], 0
+    for match in _WORD.finditer(content):
+        if content[position : match.start()].strip():
+            break
+        position = match.end()
+        letter, value, sign = re.sub(r"\s", "", match[1]), match[2], match[3]
+        if letter == "M":  # early controls write an M without a number
+            codes += [] if value is None else [int(number(value))]
+        elif letter == "DR" and (sign or value is None):
+            words["DR"] = sign
+        elif letter == "MB":
+            words["MB"] = None if value in (None, "MAX") else number(value)
+        elif letter in ("R0", "RL", "RR", "FMAX", "FAUTO") and value is None:
+            words[letter] = None
+        elif letter in ("R", "F") and value is None:  # early controls: as before
+            continue
+        elif value in (None, "MAX") or letter not in _LETTERS:
+            raise ProgramError(f"Klartext word '{letter}' is not read in a motion line",
+                               accepted=_ACCEPTED)  # fmt: skip
+        elif letter in words:
+            raise ProgramError(f"two {letter} words in one line")
+        else:
+            words[letter] = number(value)
+    if content[position:].strip():
+        raise ProgramError(f"cannot read '{content[position:].strip()}'", accepted=_ACCEPTED)
+    return words, codes

@@ -1,0 +1,156 @@
+"""Words of a SINUMERIK block: ``X=R1+5``, ``Y=IC(10)``, ``CR=7``; read and written as RS274/NGC."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, SAME, STOPS
+from gcode.errors import ProgramError
+from gcode.language.translate import number
+from gcode.motion import frames
+from gcode.text.lexer import read_block
+
+if TYPE_CHECKING:
+    from gcode.dialects.sinumerik.reader import SinumerikReader
+
+__all__ = ["ADDRESSES", "BlockWords", "Words", "split_arguments"]
+
+#: letter or address, and its number
+Words = list[tuple[str, float]]
+
+#: addresses of more than one letter
+ADDRESSES = ("CR", "TURN", "AP", "RP", "RND", "RNDM", "CHF", "CHR", "FRC", "FRCM", "RPL", "ADIS",
+             "DISC", "I1", "J1", "K1", "AR")  # fmt: skip
+_NUMBER = re.compile(r"\s*([+-]?\s*(?:\d+\.?\d*|\.\d+))")
+_WORD = re.compile(
+    r"\s*(CR|TURN|AP|AR|RPL|RP|RNDM?|CHF|CHR|FRCM?|ADIS|DISC|[IJK]1(?=\s*=)|[A-Z])\s*(=?)",
+    re.IGNORECASE,
+)
+_OWN = re.compile(r"\s*(AC|IC)\s*\(", re.IGNORECASE)
+_CLOSED = re.compile(r"\s*\)")
+
+
+def split_arguments(text: str) -> list[str]:
+    """Arguments between commas that stand in no bracket."""
+    pieces, depth = [""], 0
+    for letter in text:
+        depth += (letter in "([") - (letter in ")]")
+        if letter == "," and depth == 0:
+            pieces.append("")
+        else:
+            pieces[-1] += letter
+    return pieces
+
+
+class BlockWords:
+    """Words of a program's blocks.
+
+    Parameters
+    ----------
+    reader : SinumerikReader
+    """
+
+    def __init__(self, reader: SinumerikReader) -> None:
+        self.reader = reader
+
+    # reading
+
+    def read(self, content: str) -> Words:
+        """Words with their values; those of AC and IC as the mode of the block has them."""
+        words, position = [], 0
+        while content[position:].strip():
+            match = _WORD.match(content, position)
+            letter = match[1].upper() if match else ""
+            if match is None or (letter in ADDRESSES and not match[2]):
+                raise _unknown(content[position:].strip())
+            value, position = self._value(content, match, letter, words)
+            words.append((letter, value))
+        return words
+
+    def _value(self, content: str, match: re.Match, letter: str, words: Words) -> tuple[float, int]:
+        if not match[2]:
+            found = _NUMBER.match(content, match.end())
+            if found is None:
+                raise _unknown(content[match.start() :].strip())
+            return float(re.sub(r"\s", "", found[1])), found.end()
+        variables = self.reader.variables
+        own = _OWN.match(content, match.end())
+        if own is None:
+            return variables.read(content, match.end())
+        value, stop = variables.read(content, own.end())
+        closing = _CLOSED.match(content, stop)
+        if closing is None:
+            raise ProgramError(f"'{own[1].upper()}(' is not closed")
+        return self._as_mode(letter, value, own[1].upper(), words), closing.end()
+
+    def _as_mode(self, letter: str, value: float, kind: str, words: Words) -> float:
+        """AC and IC: the number that says the same in the mode of the block."""
+        here = self.reader.here()
+        if letter in ("I", "J", "K"):
+            return value - here["IJK".index(letter)] if kind == "AC" else value
+        if letter not in ("X", "Y", "Z", "A", "B", "C"):
+            raise ProgramError(f"{kind} with {letter}", accepted="X Y Z A B C I J K")
+        place = here["XYZABC".index(letter)]
+        if self.reader.is_absolute([v for name, v in words if name == "G"]):
+            return value if kind == "AC" else value + place
+        return value - place if kind == "AC" else value
+
+    # writing
+
+    def text(self, words: Words) -> str:
+        """The block in RS274/NGC."""
+        text, controller = [], self.reader.controller
+        for letter, value in words:
+            if letter == "G":
+                text.append(self._code(value))
+            elif letter == "M":
+                if value not in STOPS and value != 6:
+                    text.append(self._m_code(value))
+            elif letter == "CR":
+                text.append(f"r{number(value)}")
+            elif letter == "TURN":
+                text.append(f"p{value + 1:.0f}")
+            elif letter in ("T", "D", "N"):
+                continue
+            elif letter in "XYZABCIJKFS":
+                text.append(f"{letter.lower()}{number(value)}")
+            elif letter == "H":
+                controller.note(f"H{value:g}", "auxiliary function")
+            else:
+                raise _unknown(f"{letter}{value:g}")
+        block = "".join(text)
+        if block and not read_block(block).g_codes and controller.motion in (None, "G80"):
+            block = "g1" + block if any(w[0] in "XYZABC" for w in words) else block
+        return block
+
+    def _m_code(self, value: float) -> str:
+        if value in self.reader.options.control.ignore_m:
+            self.reader.controller.note(
+                f"M{value:g}", "machine builder's code, ignored by ignore_m"
+            )
+            return ""
+        return f"m{value:g}"
+
+    def _code(self, value: float) -> str:
+        controller = self.reader.controller
+        if 505.0 <= value <= 599.0:
+            frames.select_system(controller, f"G54.1 P{value - 500.0:.0f}")
+            return ""
+        if value == 500.0:
+            frames.select_system(controller, "G54.1 P1")  # no code of this control sets it
+            return ""
+        if value in CODES and value != 500.0:
+            return CODES[value]
+        if value not in SAME:
+            raise ProgramError(f"Sinumerik G{value:g} is not read", accepted=ACCEPTED_G)
+        return f"g{value:.0f}"
+
+
+def _unknown(rest: str) -> ProgramError:
+    word = re.match(r"\w+|.", rest)[0]
+    return ProgramError(
+        f"Sinumerik word '{word}' is not read",
+        accepted="G M T D F S X Y Z A B C I J K CR= TURN= AP= RP= with numbers or expressions",
+        hint="post the program without subprograms and frames that turn",
+    )

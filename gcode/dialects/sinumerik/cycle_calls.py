@@ -1,0 +1,65 @@
+"""Cycles of SINUMERIK: where they are done, and what MCALL repeats."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gcode.dialects.sinumerik.cycles import CYCLES, PATTERNS, drill, pattern_points
+from gcode.dialects.sinumerik.milling import MILLING, mill
+from gcode.dialects.sinumerik.thread_milling import mill_thread
+from gcode.errors import ProgramError
+from gcode.language.translate import number
+
+if TYPE_CHECKING:
+    from gcode.dialects.sinumerik.reader import SinumerikReader
+
+__all__ = ["CycleCalls"]
+
+_KNOWN = CYCLES | PATTERNS | MILLING | {"CYCLE90"}
+
+
+class CycleCalls:
+    """Cycles of a program.
+
+    Parameters
+    ----------
+    reader : SinumerikReader
+    """
+
+    def __init__(self, reader: SinumerikReader) -> None:
+        self.reader = reader
+        self.modal: tuple[str, list[float | None]] | None = None  #: MCALL
+
+    def call(self, name: str, text: str, *, modal: bool) -> None:
+        """A cycle or a pattern of holes."""
+        reader = self.reader
+        reader.controller.use(name)
+        reader.only_in_xy(name)
+        if name not in _KNOWN or (modal and name == "CYCLE90"):
+            known = (*sorted(CYCLES), "CYCLE90", *sorted(MILLING))
+            raise ProgramError(f"{name} is not read", accepted=", ".join(known))
+        arguments = reader.arguments(text)
+        if name in PATTERNS:
+            if self.modal is None:
+                raise ProgramError(
+                    f"{name} without a cycle", accepted="MCALL CYCLE81(...) before it"
+                )
+            for x, y in pattern_points(name, arguments):
+                reader.execute(f"g90g0x{number(x)}y{number(y)}")
+                self.do_modal()
+        elif name == "CYCLE90":
+            mill_thread(reader, arguments)
+        elif name in MILLING:
+            mill(reader, name, arguments)
+        elif modal:
+            self.modal = (name, arguments)
+        else:
+            drill(reader, name, arguments)
+
+    def do_modal(self) -> None:
+        """The cycle or subprogram of MCALL at the present place."""
+        name, arguments = self.modal
+        if name in CYCLES:
+            drill(self.reader, name, arguments)
+        else:
+            self.reader.subprograms.call(name, arguments)

@@ -1,0 +1,28 @@
+"""HEIDENHAIN in DIN/ISO: G codes of the controls that also read Klartext."""
+
+from __future__ import annotations
+
+import re
+
+from gcode.dialects.heidenhain import Heidenhain
+from gcode.dialects.heidenhain.confirmed import CONFIRMED
+from gcode.dialects.tnciso.reader import TncIsoReader
+
+__all__ = ["TncIso"]
+
+
+class TncIso(Heidenhain):
+    """HEIDENHAIN in DIN/ISO."""
+
+    name = "tnciso"
+    title = "HEIDENHAIN TNC, DIN/ISO"
+    source = "HEIDENHAIN TNC 426/430 User's Manual ISO Programming"
+    synonyms = ()
+    rank = 9
+    marks = re.compile(
+        r"^[ \t]*(?:N\d+[ \t]*)?%[ \t]*\w+[ \t]+G7[01]\b[ \t]*\*?", re.IGNORECASE | re.MULTILINE
+    )
+    reader = TncIsoReader
+    is_written = False
+    #: words are counted as those of Klartext that they become
+    confirmed = CONFIRMED

@@ -1,0 +1,168 @@
+"""Programs of TNC controls in DIN/ISO: one part in ISO and in Klartext, and places by hand."""
+
+import numpy as np
+import pytest
+
+from gcode import ProgramError, Source, ToolEntry, read_program
+
+TOOLS = {1: ToolEntry(100.0, 10.0)}
+
+ISO = """%PART G71 *
+N10 G30 G17 X+0 Y+0 Z-20 *
+N20 G31 G90 X+100 Y+100 Z+0 *
+N30 G99 T1 L+0 R+5 *
+N40 T1 G17 S4000 *
+N50 G00 G40 G90 Z+250 *
+N60 X-10 Y-10 *
+N70 G01 Z-5 F1000 M3 *
+N80 G01 G41 X+5 Y+5 F300 *
+N90 Y+95 *
+N100 G25 R10 *
+N110 X+95 *
+N120 G24 R3 *
+N130 Y+50 *
+N140 G02 X+75 Y+30 R+20 *
+N150 I+75 J+20 *
+N160 G03 X+65 Y+20 *
+N170 G01 X+5 Y+5 *
+N180 G00 G40 X-20 Y-20 *
+N190 Z+50 *
+N200 I+50 J+50 *
+N210 G10 R+30 H+90 *
+N220 G91 H+30 *
+N230 G90 G200 DRILLING Q200=2 Q201=-15 Q206=250 Q202=5 Q210=0 Q203=0 Q204=50 Q211=0 *
+N240 D00 Q1 P01 +30 *
+N250 G98 L1 *
+N260 G00 X+Q1 Y+35 M3 *
+N270 G79 *
+N280 D01 Q1 P01 +Q1 P02 +20 *
+N290 L1,2 *
+N300 D09 P01 +Q1 P02 +90 P03 2 *
+N310 G00 X+999 *
+N320 G98 L2 *
+N330 G54 X+10 *
+N340 G73 H+90 *
+N350 G00 X+5 Y+0 *
+N360 G73 H+0 *
+N370 G54 X+0 *
+N380 G83 P01 -2 P02 -20 P03 -10 P04 0 P05 250 *
+N390 G00 X+1 Y+2 *
+N400 Z+2 M99 *
+N410 L7,0 *
+N420 G00 Z+250 M2 *
+N430 G98 L7 *
+N440 G00 X+7 Y+7 *
+N450 G98 L0 *
+N99999 %PART G71 *
+"""
+KLARTEXT = """BEGIN PGM PART MM
+TOOL CALL 1 Z S4000
+L Z+250 R0 FMAX
+L X-10 Y-10 FMAX
+L Z-5 F1000 M3
+L X+5 Y+5 RL F300
+L Y+95
+RND R10
+L X+95
+CHF 3
+L Y+50
+CR X+75 Y+30 R+20 DR-
+CC X+75 Y+20
+C X+65 Y+20 DR+
+L X+5 Y+5
+L X-20 Y-20 R0 FMAX
+L Z+50 FMAX
+CC X+50 Y+50
+LP PR+30 PA+90 FMAX
+LP IPA+30 FMAX
+CYCL DEF 200 DRILLING Q200=2 Q201=-15 Q206=250 Q202=5 Q210=0 Q203=0 Q204=50 Q211=0
+L X+30 Y+35 FMAX M3
+CYCL CALL
+L X+50 Y+35 FMAX
+CYCL CALL
+L X+70 Y+35 FMAX
+CYCL CALL
+L X+10 Y+5 FMAX
+CYCL DEF 1.0 PECKING
+CYCL DEF 1.1 SET UP-2
+CYCL DEF 1.2 DEPTH-20
+CYCL DEF 1.3 PECKG-10
+CYCL DEF 1.4 DWELL 0
+CYCL DEF 1.5 F250
+L X+1 Y+2 FMAX
+L Z+2 FMAX
+CYCL CALL
+L X+7 Y+7 FMAX
+L Z+250 FMAX M2
+END PGM PART MM
+"""
+
+
+def read(text, name="part.i"):
+    return read_program(Source(text.encode(), name), tools=TOOLS)
+
+
+def test_iso_is_recognised_and_makes_the_path_of_klartext():
+    iso, klartext = read(ISO), read(KLARTEXT, "part.h")
+    assert (iso.dialect, klartext.dialect) == ("tnciso", "heidenhain")
+    one, other = iso.moves, klartext.moves
+    assert one.end_mm == pytest.approx(other.end_mm, abs=1e-9)
+    assert (one.kind == other.kind).all()
+    assert one.feed_mm_per_min == pytest.approx(other.feed_mm_per_min)
+    assert one.sweep_rad == pytest.approx(other.sweep_rad)
+
+
+def test_moves_have_the_lines_of_the_iso_program():
+    moves = read(ISO).moves
+    row = np.flatnonzero(np.abs(moves.end_mm[:, :2] - 7).max(axis=1) < 1e-9)[0]
+    assert moves.line[row] == ISO.splitlines().index("N440 G00 X+7 Y+7 *") + 1
+
+
+@pytest.mark.parametrize(
+    ("block", "end"),
+    [
+        ("G02 I+10 J+0 X+10 Y+10", (10, 10)),
+        ("G01 X+10 Y+0 F99 *\nG06 X+20 Y+10", (20, 10)),
+        ("G91 G01 X+3 F99 *\nX+3", (6, 0)),
+        ("G29 *\nG11 R+5 H+90 F99", (0, 5)),
+        ("I+0 J+0 *\nG00 X+10 *\nG13 H+90 F99", (0, 10)),
+        ("G28 X *\nG00 X+5", (-5, 0)),
+        ("G72 F2 *\nG00 X+5", (10, 0)),
+        ("G54 G91 X+5 *\nG90 G00 X+1", (6, 0)),
+        ("Q3 = 2 * 3 *\nG00 X+Q3", (6, 0)),
+        ("D05 Q3 P01 +16 *\nG00 X+Q3", (4, 0)),
+        ("D13 Q3 P01 +1 P02 +1 *\nG00 X+Q3", (45, 0)),
+        ("G04 F1 *\nG00 X+2", (2, 0)),
+        ("G17 *\nG07 X+4 F99", (4, 0)),
+    ],
+)
+def test_words_of_iso(block, end):
+    head = "%A G71 *\nT1 G17 S1 *\nG00 G40 G90 X+0 Y+0 Z+0 *\nF300 *\n"
+    moves = read(head + block + " *\nN9 %A G71 *\n").moves
+    assert moves.end_mm[-1, :2] == pytest.approx(end, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("block", "message"),
+    [
+        ("G43 X+5", "part.i:2: G43"),
+        ("G16 R5 H7", "part.i:2: G16"),
+        ("D18 Q1 P01 +1", "part.i:2: D18"),
+        ("D01 Q1 P01 +1", "part.i:2: D01 lacks"),
+        ("G83 P01 -2", "part.i:2: G83 lacks"),
+        ("L9,0", "LBL 9 does not exist"),
+        ("G00 X+", "cannot read 'X\\+'"),
+        ("T1 G18 S5", "cannot read 'TOOL CALL"),
+    ],
+)
+def test_refusals_name_word_and_line(block, message):
+    with pytest.raises(ProgramError, match=message):
+        read(f"%A G71 *\n{block} *\nN9 %A G71 *\n")
+
+
+def test_it_is_not_written_back(tmp_path):
+    from vmach.errors import InputError
+    from vmach.program_text.control import target_control
+
+    with pytest.raises(InputError, match="DIN/ISO are read, not written back"):
+        target_control("tnciso", None, file=tmp_path / "part.i")

@@ -1,0 +1,103 @@
+"""The text of a machine file with other tables, or with reflectors that stood elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import tomlkit
+
+from vmach.errors import InputError
+from vmach.files.text_file import read_text
+from vmach.history.following_job import moved_path
+from vmach.machine.component_errors import component_of
+
+__all__ = ["MachineValue", "other_machine_text"]
+
+#: keys of a table that stay with its error whatever file it is in
+_OF_SET_UP = ("measured_at_mm", "nose_at_mm", "stick_out_mm", "set_up", "slope_removed",
+              "extrapolation")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class MachineValue:
+    """Another table of a component error, or another place of its reflector.
+
+    Attributes
+    ----------
+    component : str
+        ``EXX``.
+    table : Path, optional
+        CSV file over machine coordinates.
+    place_mm : (3,) of float, optional
+        In the frame of the body that the axis carries.
+    """
+
+    component: str
+    table: Path | None = None
+    place_mm: tuple[float, ...] | None = None
+
+    @property
+    def words(self) -> str:
+        """For people."""
+        if self.table is not None:
+            return f"table {self.component}"
+        return f"reflector of {self.component}"
+
+
+def other_machine_text(machine: Path, values: Sequence[MachineValue], folder: Path) -> str:
+    """The text of a machine file in a folder, with other values.
+
+    Raises
+    ------
+    InputError
+        The machine's errors are all in one volumetric file; a reflector without a table.
+    """
+    document: Any = tomlkit.parse(read_text(machine, what="machine file"))
+    volumetric = document.get("volumetric")
+    if volumetric is not None:
+        raise InputError(
+            "the machine's errors are in one volumetric file",
+            file=machine,
+            accepted="a machine with a table for every error",
+            hint="change the values in that file",
+        )
+    entries = document.setdefault("errors", tomlkit.table(is_super_table=True))
+    for entry in entries.values():
+        if "table" in entry:
+            entry["table"] = moved_path(str(entry["table"]), machine.parent, folder)
+    for value in values:
+        _set(entries, value, machine, folder)
+    return tomlkit.dumps(document)
+
+
+def _set(entries: Any, value: MachineValue, machine: Path, folder: Path) -> None:
+    name, old = value.component, entries.get(value.component)
+    if value.table is not None:
+        entries[name] = _with_table(old, value, folder)
+    elif old is None:
+        raise InputError(f"{name} has no table", file=machine, hint=f"set {name}=TABLE.csv, too")
+    if value.place_mm is not None:
+        for key in ("nose_at_mm", "stick_out_mm"):
+            entries[name].pop(key, None)
+        entries[name]["measured_at_mm"] = list(value.place_mm)
+
+
+def _with_table(old: Any, value: MachineValue, folder: Path) -> Any:
+    """An entry for a table that runs straight between its positions, in the set-up of before.
+
+    A displacement that had no table is taken to be read at the frame's origin.
+    """
+    assert value.table is not None
+    entry = tomlkit.table()
+    entry["table"] = moved_path(value.table.as_posix(), Path(), folder)
+    entry["interpolation"] = "linear"
+    entry["provenance"] = "assumed"
+    for key in _OF_SET_UP:
+        if old is not None and key in old:
+            entry[key] = old[key].unwrap()
+    if old is None and not component_of(value.component)[2]:
+        entry["measured_at_mm"] = [0.0, 0.0, 0.0]
+    return entry
