@@ -223,7 +223,9 @@ def read_program(
     _note_unconfirmed(controller, spoken.dialect)
     notes = tuple(Note(line, word, text) for (line, word), text in controller.notes.items())
     home = None if home_mm is None else np.array(home_mm, np.float64)
-    return Program(source.path, spoken.dialect.name, source, notes, controller.record,
+    record = controller.record
+    vars(controller).clear()  # its functions refer to it: such rings keep long programs in memory
+    return Program(source.path, spoken.dialect.name, source, notes, record,
                    limits or MachineLimits(), home, options, str(spoken))  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from stock.exact.edge import Edges, EdgeStatus, Material, find_edges
 from stock.exact.generating import Generation, find_generating
 from stock.exact.left_surface import LeftSurface, find_left_surface
 from stock.solid import BLANK, VirtualPart, cut_part
+from stock.solid.cut_aside import CutAside
 from stock.solid.difference import Difference, Surface, find_differences
 from stock.solid.export import write_part
 from stock.sweeps import Sweeps
@@ -20,6 +21,7 @@ __all__ = [
     "TOOL_SHAPES",
     "Collision",
     "Corner",
+    "CutAside",
     "Difference",
     "EdgeStatus",
     "Edges",

@@ -7,12 +7,14 @@ from functools import partial
 import numpy as np
 from numba import njit
 
-__all__ = ["njit_inlined", "njit_kernel", "njit_part", "read_only"]
+__all__ = ["njit_inlined", "njit_kernel", "njit_maker", "njit_part", "read_only"]
 
 #: what Python calls: machine code, kept between runs, that leaves the interpreter's lock alone.
 #: Kernels make no arrays. So nobody counts references to those that they are handed, which would
 #: take most of their time: they look into their records millions of times, between threads
 njit_kernel = partial(njit, cache=True, nogil=True, error_model="numpy", _nrt=False)
+#: what Python calls and what makes arrays: those it returns, or room to work in
+njit_maker = partial(njit, cache=True, nogil=True, error_model="numpy")
 #: what only kernels call: without a way in from Python, which takes as long to compile as the rest
 njit_part = partial(
     njit,

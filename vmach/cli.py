@@ -31,7 +31,7 @@ from vmach.commands.path import path
 from vmach.commands.predict import predict
 from vmach.commands.schema import schema
 from vmach.commands.tables import HelpWithFormats, tables
-from vmach.commands.warm_up import tell_if_cold, warm_up
+from vmach.commands.warm_up import compile_if_cold, warm_up
 from vmach.errors import VmachError
 
 __all__ = ["app", "main"]
@@ -64,7 +64,7 @@ def _before_any_command(
     if version:
         print(__version__)
         raise typer.Exit
-    tell_if_cold(context.invoked_subcommand)
+    compile_if_cold(context.invoked_subcommand)
     for file in effect_file or []:
         from vmach.effects import load_effect_file
 

@@ -201,7 +201,7 @@ class Record:
             return Path(np.zeros(0, np.int8), np.zeros(0, np.int32), empty, empty, np.zeros(0))
         if len(self._parts) > 1:
             names = ("call", "line", "point_mm", "rotary_deg", "feed_mm_per_min")
-            self._parts = [Path(*(np.concatenate([getattr(part, name) for part in self._parts])
+            self._parts = [Path(*(_joined([getattr(part, name) for part in self._parts])
                                   for name in names))]  # fmt: skip
         return self._parts[0]
 
@@ -250,3 +250,10 @@ class Record:
         """Append a feed in program units a minute (or a revolution)."""
         self.feed_mm_per_min = feed * self.unit_mm
         self.event("set_feed_rate", self.feed_mm_per_min)
+
+
+def _joined(parts: list[np.ndarray]) -> np.ndarray:
+    """The parts as one; memory that nobody writes to, as for axes that stand, takes no room."""
+    if any(part.any() for part in parts):
+        return np.concatenate(parts)
+    return np.zeros((sum(map(len, parts)), *parts[0].shape[1:]), parts[0].dtype)

@@ -85,6 +85,8 @@ class Step:
         Before the line and after it.
     unwritable : str
         Why the dialect cannot write other ends into the line; empty where it can.
+    is_flow : bool
+        It says nothing but what runs next, so that it goes where lines are written as they run.
     """
 
     line: int
@@ -96,6 +98,7 @@ class Step:
     blocks: int = 0
     modes: Modes | None = None
     unwritable: str = ""
+    is_flow: bool = False
 
     @property
     def g_names(self) -> set[str]:
@@ -145,6 +148,11 @@ class Trace:
         """The line cannot get other ends."""
         if self.steps:
             self.steps[-1].unwritable = why
+
+    def flow(self) -> None:
+        """The line says nothing but what runs next."""
+        if self.steps:
+            self.steps[-1].is_flow = True
 
     def take(self, block: Block) -> None:
         """Note the values of a block that is about to be obeyed."""

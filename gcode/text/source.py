@@ -119,6 +119,13 @@ class Source:
             lines.pop()
         return [line[:-1] if line.endswith("\r") else line for line in lines]
 
+    def line(self, line: int) -> str:
+        """Text of one line, 1-based; a long program's `lines` take four times its size."""
+        if "lines" in vars(self):
+            return self.lines[line - 1]
+        text = self.data[self.line_starts[line - 1] : self.line_starts[line]]
+        return text.decode("latin-1").removesuffix("\n").removesuffix("\r")
+
     def words(self, line: int) -> tuple[Word, ...]:
         """Words of a line in the order in which they stand, comments left out.
 
@@ -127,7 +134,7 @@ class Source:
         line : int
             1-based.
         """
-        text, offset = self.lines[line - 1], int(self.line_starts[line - 1])
+        text, offset = self.line(line), int(self.line_starts[line - 1])
         found: list[Word] = []
         depth, expression = 0, None  # start of a word whose value is an expression
         for token in _TOKEN.finditer(text):

@@ -90,7 +90,7 @@ class BlockText:
 
     def may_be_skipped(self, line: int) -> bool:
         """Whether the line begins with a slash."""
-        return self.source.lines[line - 1].lstrip().startswith("/")
+        return self.source.line(line).lstrip().startswith("/")
 
     def is_incremental(self, word: Word) -> bool:
         """Whether the word itself says that it is a distance."""
@@ -107,8 +107,8 @@ class BlockText:
         small = [n.lstrip("+-") for n, w in zip(numbers, axes, strict=True) if 0 < abs(w.value) < 1]
         pointed = [len(n) - n.index(".") - 1 for n in numbers if "." in n]
         codes = [w.text for w in words if w.letter == "G" and w.value in (0, 1, 2, 3)]
-        lines = self.source.lines
-        ends = [s.rstrip().endswith(";") for s in lines[:_SAMPLE] if s.strip(" \t%")]
+        lines = map(self.source.line, range(1, min(len(self.source), _SAMPLE) + 1))
+        ends = [s.rstrip().endswith(";") for s in lines if s.strip(" \t%")]
         return Style(
             plus=_mostly(n.startswith("+") for n in positive),
             bare_point=_mostly(n.startswith(".") for n in small),

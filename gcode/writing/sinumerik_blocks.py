@@ -23,7 +23,7 @@ _MACHINE = re.compile(r"\b(?:SUPA|G(?:53|153|74|75))\b", re.IGNORECASE)
 #: words that go with the motion
 _GONE = re.compile(
     r"\b(?:G0*[0-3]|G4[0-2]|G9[01]|CIP|CT)(?!\d)"
-    r"|(?:\b|(?<=\d))(?:CR|TURN|AP|RP|RND|CHF|CHR|[IJK]1|[XYZIJKF])\s*(?:=\s*\S+|[-+]?\d*\.?\d+)",
+    r"|(?:\b|(?<=\d))(?:CR|TURN|AP|AR|RP|RND|CHF|CHR|[IJK]1|[XYZIJKF])\s*(?:=\s*\S+|[-+]?\d*\.?\d+)",
     re.IGNORECASE,
 )
 _DECIMALS = 12

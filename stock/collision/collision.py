@@ -13,22 +13,24 @@ derived here: bodies of revolution as lowest and highest height over the radius.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from stock.collision.dexels import Dexels, dexels_of, overlap, remove
+from stock.compile_ahead import await_compiled
+from stock.compiled import njit_kernel, njit_part
 from stock.errors import StockError
 from stock.solid.blank import blank_solid
+from stock.solid.joined_strokes import JoinedStrokes, join_strokes
 from stock.solid.ring_stack import ring_stack
 from stock.solid.strokes import Strokes, strokes_of
 from stock.sweeps import Sweeps
 from stock.tools import Tool
 
-__all__ = ["Collision", "find_collisions"]
+__all__ = ["Collision", "find_collisions", "follow"]
 
 #: what a collision is called, by the body that meets material
 KINDS = ("rapid in material", "shank", "holder")
@@ -39,6 +41,8 @@ _RADII = 1025
 _CELLS = 400_000
 #: strokes between two calls of `progress`
 _BATCH = 2000
+#: more strokes than this are joined where they keep to one line within this share of the clearance
+_FEW_STROKES, _JOINED = 100_000, 0.1
 
 Outline = Sequence[tuple[float, float]]
 
@@ -132,10 +136,24 @@ def find_collisions(
         ],
         axis=1,
     )
+    strokes, rapid, joined = _strokes(sweeps, rapid_moves, cell_mm, clearance_mm)
+    await_compiled(follow)
+    worst = _walk(strokes, rapid, tables, dexels_of(solid, cell_mm), clearance_mm, progress)
+    return _by_move(strokes, joined, worst, clearance_mm)
+
+
+def _strokes(
+    sweeps: Sweeps, rapid_moves: Sequence[int] | np.ndarray, cell_mm: float, clearance_mm: float
+) -> tuple[Strokes, np.ndarray, JoinedStrokes | None]:
+    """Strokes, which of them are rapid, and what very many of them were joined of."""
     strokes = strokes_of(sweeps, cell_mm / 10)
     rapid = np.isin(strokes.move, np.asarray(rapid_moves, dtype=np.int64))
-    worst = _walk(strokes, rapid, tables, dexels_of(solid, cell_mm), clearance_mm, progress)
-    return _by_move(strokes, worst, clearance_mm)
+    if len(strokes) <= _FEW_STROKES:
+        return strokes, rapid, None
+    alike = np.append(True, rapid[1:] == rapid[:-1])
+    joined = join_strokes(replace(strokes, joined=strokes.joined & alike), _JOINED * clearance_mm)
+    first = np.searchsorted(joined.key, np.arange(len(joined.strokes)), side="right")
+    return joined.strokes, rapid[first], joined
 
 
 def _one_a_tool(
@@ -193,13 +211,13 @@ def _walk(
     clearance_mm: float,
     progress: Callable[[int, int], None] | None,
 ) -> np.ndarray:
-    """Worst overlap of each stroke and body with its place, (S, 3, 4)."""
-    worst = np.zeros((len(strokes), len(KINDS), 4))
+    """Worst overlap of each stroke and body, its place, and the share of the stroke, (S, 3, 5)."""
+    worst = np.zeros((len(strokes), len(KINDS), 5))
     d = dexels
     grid = (d.origin_mm, d.cell_mm, d.low_mm, d.high_mm, d.count, d.top_mm)
     for begin in range(0, len(strokes), _BATCH):
         batch = slice(begin, begin + _BATCH)
-        _follow(
+        follow(
             np.stack([strokes.start_mm[batch], strokes.end_mm[batch]], axis=1),
             strokes.tool[batch],
             rapid[batch],
@@ -213,54 +231,65 @@ def _walk(
     return worst
 
 
-def _by_move(strokes: Strokes, worst: np.ndarray, clearance_mm: float) -> tuple[Collision, ...]:
+def _by_move(
+    strokes: Strokes, joined: JoinedStrokes | None, worst: np.ndarray, clearance_mm: float
+) -> tuple[Collision, ...]:
     found: dict[tuple[int, int], Collision] = {}
-    for stroke, kind in np.argwhere(worst[..., 0] > clearance_mm).tolist():
-        depth, *place = worst[stroke, kind]
-        key = (int(strokes.move[stroke]), kind)
-        if key not in found or depth > found[key].depth_mm:
-            found[key] = Collision(key[0], KINDS[kind], float(depth), np.array(place))
+    stroke, kind = np.nonzero(worst[..., 0] > clearance_mm)
+    contacts = worst[stroke, kind]
+    move = strokes.move[stroke] if joined is None else joined.moves_at(stroke, contacts[:, 4])
+    for key, contact in zip(zip(move.tolist(), kind.tolist(), strict=True), contacts, strict=True):
+        if key not in found or contact[0] > found[key].depth_mm:
+            found[key] = Collision(key[0], KINDS[key[1]], float(contact[0]), contact[1:4].copy())
     return tuple(found.values())
 
 
-@njit(cache=True)
-def _follow(ends, tool, rapid, tables, dexels, clearance, worst) -> None:
+@njit_kernel()
+def follow(ends, tool, rapid, tables, dexels, clearance, worst) -> None:
     """Hold all bodies against the stock along strokes with `ends`, and let the cutters cut."""
     cell, top = dexels[1], dexels[5]
     for s in range(len(ends)):
-        step = ends[s, 1] - ends[s, 0]
-        stops = max(int(np.ceil(2 * np.sqrt((step**2).sum()) / cell)), 1)
+        x, y, z = ends[s, 0, 0], ends[s, 0, 1], ends[s, 0, 2]
+        dx, dy, dz = ends[s, 1, 0] - x, ends[s, 1, 1] - y, ends[s, 1, 2] - z
+        stops = max(int(np.ceil(2 * np.sqrt(dx * dx + dy * dy + dz * dz) / cell)), 1)
         first = 1 if _goes_on(ends, tool, rapid, s) else 0
         cutter = tables[tool[s], _CUTTER]
         if rapid[s]:
             for stop in range(first, stops + 1):
-                tip = ends[s, 0] + step * (stop / stops)
-                _hold(tip, cutter, dexels, clearance, worst[s, _CUTTER])
+                tip = _between((x, y, z), (dx, dy, dz), stop / stops)
+                _hold(tip, cutter, dexels, clearance, worst[s, _CUTTER], stop / stops)
         for stop in range(first, stops + 1):
-            tip = ends[s, 0] + step * (stop / stops)
+            tip = _between((x, y, z), (dx, dy, dz), stop / stops)
             for body in range(_CUTTER + 1, len(KINDS)):
-                _hold(tip, tables[tool[s], body], dexels, clearance, worst[s, body])
+                _hold(tip, tables[tool[s], body], dexels, clearance, worst[s, body], stop / stops)
             if tip[2] < top:
                 _cut(tip, cutter, dexels)
 
 
-@njit(cache=True)
+@njit_part()
 def _goes_on(ends, tool, rapid, s) -> bool:
     """Whether a stroke begins as the one before has ended: nothing is new there."""
     if s == 0 or tool[s] != tool[s - 1] or rapid[s] != rapid[s - 1]:
         return False
-    return (ends[s, 0] == ends[s - 1, 1]).all()
+    begin, before = ends[s, 0], ends[s - 1, 1]
+    return begin[0] == before[0] and begin[1] == before[1] and begin[2] == before[2]
 
 
-@njit(cache=True)
+@njit_part()
+def _between(begin, step, share):
+    """The place at a share of a step, (3,)."""
+    return begin[0] + step[0] * share, begin[1] + step[1] * share, begin[2] + step[2] * share
+
+
+@njit_part()
 def _span(centre: float, radius: float, origin: float, cell: float, count: int):
     """Range of the lines within `radius` of `centre` along one direction."""
     first = max(int(np.ceil((centre - radius - origin) / cell)), 0)
     return range(first, min(int(np.floor((centre + radius - origin) / cell)), count - 1) + 1)
 
 
-@njit(cache=True)
-def _hold(tip, table, dexels, clearance, worst) -> None:
+@njit_part()
+def _hold(tip, table, dexels, clearance, worst, share) -> None:
     """Longest stretch of material inside a body, made smaller by the clearance, at one place."""
     origin, cell, low, high, count, highest = dexels
     if table[0] == 0.0 or tip[2] + table[1] >= highest:
@@ -275,10 +304,10 @@ def _hold(tip, table, dexels, clearance, worst) -> None:
                 bottom, top = tip[2] + table[1 + k], tip[2] + table[1 + _RADII + k]
                 depth, z = overlap(low[i, j], high[i, j], count[i, j], bottom, top)
                 if depth > worst[0]:
-                    worst[0], worst[1], worst[2], worst[3] = depth, x, y, z
+                    worst[0], worst[1], worst[2], worst[3], worst[4] = depth, x, y, z, share
 
 
-@njit(cache=True)
+@njit_part()
 def _cut(tip, table, dexels) -> None:
     """Take the cutting part out of the lines below it."""
     origin, cell, low, high, count, _ = dexels

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from manifold3d import Manifold
-from numba import njit
+
+from stock.compiled import njit_kernel, njit_part
 
 __all__ = ["Dexels", "dexels_of", "overlap", "remove"]
 
@@ -68,7 +69,7 @@ def dexels_of(solid: Manifold, cell_mm: float) -> Dexels:
     )
 
 
-@njit(cache=True)
+@njit_kernel()
 def _cross(
     corners: np.ndarray,
     origin: np.ndarray,
@@ -95,7 +96,7 @@ def _cross(
                     count[i, j] += 1
 
 
-@njit(cache=True)
+@njit_part()
 def overlap(
     low: np.ndarray, high: np.ndarray, count: int, bottom: float, top: float
 ) -> tuple[float, float]:
@@ -108,7 +109,7 @@ def overlap(
     return longest, begins
 
 
-@njit(cache=True)
+@njit_part()
 def remove(low: np.ndarray, high: np.ndarray, count: int, bottom: float, top: float) -> int:
     """Take what lies between two heights from one line, intervals (K,); returns their number."""
     k = 0
@@ -116,8 +117,9 @@ def remove(low: np.ndarray, high: np.ndarray, count: int, bottom: float, top: fl
         if top <= low[k] or bottom >= high[k]:
             k += 1
         elif bottom <= low[k] and top >= high[k]:
-            low[k:-1], high[k:-1] = low[k + 1 :].copy(), high[k + 1 :].copy()
             count -= 1
+            for later in range(k, count):
+                low[later], high[later] = low[later + 1], high[later + 1]
         elif bottom <= low[k]:
             low[k] = top
             k += 1
@@ -126,7 +128,8 @@ def remove(low: np.ndarray, high: np.ndarray, count: int, bottom: float, top: fl
             k += 1
         else:
             if count < len(low):
-                low[k + 1 :], high[k + 1 :] = low[k:-1].copy(), high[k:-1].copy()
+                for later in range(count, k, -1):
+                    low[later], high[later] = low[later - 1], high[later - 1]
                 high[k], low[k + 1] = bottom, top
                 count += 1
             return count

@@ -20,7 +20,7 @@ from stock.exact.meeting import Cut
 from stock.exact.motion import build_motion, tip_positions
 from stock.exact.outline import build_outlines
 from stock.exact.tree import build_trees
-from stock.exact.walk import CUT, GOUGED, UNCUT, Work, walk_lines
+from stock.exact.walk import CUT, GOUGED, UNCUT, Work, walk_lines, walk_part
 from stock.sweeps import Sweeps
 from stock.tools import Tool
 
@@ -141,7 +141,7 @@ class Material:
         points, normals = _checked_points(points_mm, normals)
         if not (math.isfinite(reach_mm) and reach_mm > 0.0):
             raise StockError(f"reach_mm = {reach_mm!r}", accepted="a finite length above 0")
-        await_compiled()
+        await_compiled(walk_part)
         found = walk_lines(self._work, points, normals, self._blank, float(reach_mm))
         status, edge, parameter, sweep = found
         contact = np.zeros_like(points)

@@ -6,7 +6,6 @@ none adds to it.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +16,7 @@ from stock.exact.meeting import TOUCH_MM, Cut, Meeting, point_at
 from stock.exact.tree import Trees, bound_of_box, morton_order, pieces_of_leaf
 from stock.threads import run_in_parts
 
-__all__ = ["CUT", "GOUGED", "UNCUT", "Work", "is_walk_compiled", "walk_lines"]
+__all__ = ["CUT", "GOUGED", "UNCUT", "Work", "walk_lines", "walk_part"]
 
 CUT, UNCUT, GOUGED = 0, 1, 2
 _STACK = 128
@@ -59,7 +58,7 @@ def walk_lines(work, points, normals, blank, reach):
     )
     order = morton_order(points)  # neighbours use the same nodes of the tree
     run_in_parts(
-        lambda begin, end: _walk_part(
+        lambda begin, end: walk_part(
             work, (points, normals, order[begin:end]), (blank, reach), _nodes_to_visit(), found
         ),
         count,
@@ -68,19 +67,13 @@ def walk_lines(work, points, normals, blank, reach):
     return found
 
 
-def is_walk_compiled() -> bool:
-    """Whether the machine code of the walk has been kept from an earlier run."""
-    kept = f"{Path(__file__).stem}.{_walk_part.__name__}-*.nbc"
-    return any(Path(_walk_part.stats.cache_path).glob(kept))
-
-
 def _nodes_to_visit():
     """Room for the nodes that one search still has to visit, their bounds, and its hint."""
     return np.empty(_STACK, np.int64), np.empty(_STACK), np.empty(1, np.int64)
 
 
 @njit_kernel()
-def _walk_part(work, lines, bounds, todo, found):
+def walk_part(work, lines, bounds, todo, found):
     """Walk along the lines `order`; `hint` is the piece to look at first."""
     points, normals, order = lines
     status, edge, parameter, sweep = found

@@ -15,7 +15,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
+
+from stock.compiled import njit_kernel, njit_maker, njit_part
 
 __all__ = ["Footprints", "needed_strokes"]
 
@@ -86,7 +87,7 @@ def _covered_mm2(footprints: Footprints, size_mm: np.ndarray) -> float:
     return float(np.minimum(area, size_mm[0] * size_mm[1]).sum())
 
 
-@njit(cache=True)
+@njit_kernel()
 def _cover(
     depth: np.ndarray,
     owner: np.ndarray,
@@ -120,7 +121,7 @@ def _cover(
                     owner[row, column] = i
 
 
-@njit(cache=True)
+@njit_maker()
 def _reaches_floor(
     depth: np.ndarray,
     grid: np.ndarray,
@@ -152,7 +153,7 @@ def _reaches_floor(
     return reaches
 
 
-@njit(cache=True)
+@njit_part()
 def _rows(
     start: np.ndarray, end: np.ndarray, radius: float, grid: np.ndarray, rows: int
 ) -> tuple[int, int]:
@@ -162,7 +163,7 @@ def _rows(
     return max(first, 0), min(last, rows)
 
 
-@njit(cache=True)
+@njit_part()
 def _chord(start: np.ndarray, end: np.ndarray, radius: float, y: float) -> tuple[float, float]:
     """Range of X in which a stroke of that radius covers the line at `y`; empty: (inf, -inf)."""
     left, right = np.inf, -np.inf

@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 
+from stock.compiled import njit_maker, njit_part
 from stock.solid.ring_stack import RingStack
 from stock.solid.strokes import Strokes
 
@@ -71,7 +71,10 @@ class JoinedStrokes:
         along = np.einsum("ti,ti->t", normal, way) / length2
         across = normal - along[:, None] * way
         tip = corners_mm.mean(axis=1) - _touching(across, strokes.tool[number], stacks)
-        share = np.einsum("ti,ti->t", tip - start, way) / length2
+        return self.moves_at(number, np.einsum("ti,ti->t", tip - start, way) / length2)
+
+    def moves_at(self, number: np.ndarray, share: np.ndarray) -> np.ndarray:
+        """Moves at shares, (T,), of the joined strokes with these numbers, (T,)."""
         place = number + np.clip(share, 0.0, _INSIDE)
         return self.move[np.searchsorted(self.key, place, side="right")]
 
@@ -115,7 +118,7 @@ def _touching(direction: np.ndarray, tool: np.ndarray, stacks: Sequence[RingStac
     return found
 
 
-@njit(cache=True)
+@njit_maker()
 def _run_starts(start, end, start_tilt, end_tilt, joined, limit):
     """First stroke of each run whose nodes lie near one chord."""
     first = np.empty(len(start), dtype=np.int64)
@@ -130,7 +133,7 @@ def _run_starts(start, end, start_tilt, end_tilt, joined, limit):
     return first[:runs].copy()
 
 
-@njit(cache=True)
+@njit_part()
 def _near_chord(start, end, start_tilt, end_tilt, first, last, limit):
     """Whether the nodes between two strokes lie near their common chord, one after the other."""
     length2 = 0.0

@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from stock.compiled import njit_maker, njit_part
 from stock.sweeps import Sweeps
 
 __all__ = ["Strokes", "strokes_of"]
@@ -133,7 +133,7 @@ def _placement(sweeps: Sweeps, index: np.ndarray, s: np.ndarray) -> tuple[np.nda
     return sweeps.nominal_tip_at(index, s) + shift, tilt
 
 
-@njit(cache=True)
+@njit_maker()
 def _run_starts(
     start: np.ndarray, end: np.ndarray, move: np.ndarray, mergeable: np.ndarray
 ) -> np.ndarray:
@@ -148,16 +148,23 @@ def _run_starts(
     return first[:runs]
 
 
-@njit(cache=True)
+@njit_part()
 def _on_chord(start: np.ndarray, end: np.ndarray, first: int, last: int) -> bool:
     """Whether the nodes between piece `first` and piece `last` lie on their common chord."""
-    chord = end[last] - start[first]
-    length = np.sqrt((chord[:3] ** 2).sum())
+    origin, target = start[first], end[last]
+    squared = 0.0
+    for n in range(3):
+        squared += (target[n] - origin[n]) ** 2
+    length = np.sqrt(squared)
     if length == 0.0:
         return False
     for k in range(first + 1, last + 1):
-        arm = start[k] - start[first]
-        share = (arm[:3] * chord[:3]).sum() / length**2
-        if np.abs(arm - share * chord).max() > STRAIGHT_MM:
-            return False
+        along = 0.0
+        for n in range(3):
+            along += (start[k, n] - origin[n]) * (target[n] - origin[n])
+        share = along / length**2
+        for n in range(start.shape[1]):
+            arm, chord = start[k, n] - origin[n], target[n] - origin[n]
+            if abs(arm - share * chord) > STRAIGHT_MM:
+                return False
     return True

@@ -18,7 +18,8 @@ Source: closed form derived here: a convex body that goes straight sweeps the hu
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from stock.compiled import njit_maker, njit_part
 
 __all__ = ["swept_points"]
 
@@ -30,7 +31,7 @@ _NOTHING = 1e-12
 _LEVEL_MM = 1e-4
 
 
-@njit(cache=True)
+@njit_maker()
 def swept_points(
     rings: np.ndarray,
     azimuths: np.ndarray,
@@ -59,8 +60,11 @@ def swept_points(
     """
     heading = _heading(placement[1] - placement[0])
     heading0 = heading if ends[0] else _heading(before)
-    out = np.empty((2 * (azimuths.sum() + 8 * len(rings)) + 1, 3))
-    angles = np.empty(azimuths.max() + 8)
+    corners, most = 0, 0
+    for number in azimuths:
+        corners, most = corners + number, max(most, number)
+    out = np.empty((2 * (corners + 8 * len(rings)) + 1, 3))
+    angles = np.empty(most + 8)
     count = 0
     foremost, reach = 0, -np.inf
     for k in range(len(rings)):
@@ -96,16 +100,16 @@ def swept_points(
     return out[: count + 1]
 
 
-@njit(cache=True)
+@njit_part()
 def _heading(step: np.ndarray) -> tuple[float, float, float]:
     """Azimuth, level and rising part of the unit vector along `step`; +X where it is zero."""
-    length = np.sqrt((step**2).sum())
+    length = np.sqrt(step[0] ** 2 + step[1] ** 2 + step[2] ** 2)
     if length == 0.0:
         return 0.0, 1.0, 0.0
     return np.arctan2(step[1], step[0]), np.hypot(step[0], step[1]) / length, step[2] / length
 
 
-@njit(cache=True)
+@njit_part()
 def _view(
     ring: np.ndarray, azimuths: int, heading: tuple[float, float, float]
 ) -> tuple[float, float]:
@@ -127,7 +131,7 @@ def _view(
     return max(below, above), min(below, above)
 
 
-@njit(cache=True)
+@njit_part()
 def _half_front(inclination: float, level: float, rise: float) -> float:
     """Half the azimuth range around the motion in which one inclination looks forward.
 
@@ -143,14 +147,14 @@ def _half_front(inclination: float, level: float, rise: float) -> float:
     return 0.0 if lift >= side else np.arccos(lift / side)
 
 
-@njit(cache=True)
+@njit_part()
 def _apart(a: float, b: float) -> float:
     """Angle between two azimuths, 0 to pi."""
     turn = abs(a - b) % (2 * np.pi)
     return min(turn, 2 * np.pi - turn)
 
 
-@njit(cache=True)
+@njit_part()
 def _place(
     out: np.ndarray, ring: np.ndarray, azimuth: float, tip: np.ndarray, tilt: np.ndarray
 ) -> None:

@@ -62,7 +62,7 @@ def test_a_run_without_the_solid_has_the_same_deviations(job, tmp_path, monkeypa
     with_solid = run_vmach(monkeypatch, capsys, "run", job, "--out", tmp_path / "with")
     without = run_vmach(monkeypatch, capsys, "run", job, "--out", tmp_path / "no", "--no-solid")
     monkeypatch.setattr(pipeline, "SOLID_MOVES", 5)
-    monkeypatch.setattr(pipeline, "cut_part", None)  # it would be an error to call it
+    monkeypatch.setattr(pipeline, "CutAside", None)  # it would be an error to call it
     large = run_vmach(monkeypatch, capsys, "run", job, "--out", tmp_path / "large")
     assert (with_solid[0], without[0], large[0]) == (0, 0, 0)
     assert "no solid was cut" in large[1]

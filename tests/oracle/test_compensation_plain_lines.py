@@ -5,6 +5,7 @@ project; what is written is read again by the same control and run through the m
 """
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -159,4 +160,35 @@ def test_what_has_no_plain_lines_is_refused_by_line_and_word(tmp_path, dialect, 
     text = text_of(start + body, dialect).replace("G17 G71", 'MSG("A")\nG17 G71')
     job.program.write_text(text)
     with pytest.raises(InputError, match=rf"part\.nc:\d+: .*{word}.*cannot be compensated"):
+        compensate(job, effects)
+
+
+SUBPROGRAM = "L100 P2\nG0 Z9\nM30\n%_N_L100_SPF\nPROC L100\nG1 X5 F100\nG91 X9\nG90\nM17"
+
+
+def test_subprograms_of_sinumerik_are_written_out_where_they_run(tmp_path):
+    job, effects = job_with(tmp_path, "", SCALE)
+    text = text_of(SUBPROGRAM, "sinumerik").removesuffix("M30\n")
+    job.program.write_text(text)
+    found = compensate(job, effects)
+    assert "L100" not in found.text.decode()
+    again = read(found.text.decode(), "sinumerik").moves
+    assert again.end_mm == pytest.approx(read(text, "sinumerik").moves.end_mm, abs=0.05)
+
+
+def test_an_arc_by_its_opening_angle_is_written_out(tmp_path):
+    job, effects = job_with(tmp_path, "", SCALE)
+    job.program.write_text(text_of("G3 X9 Y9 AR=90 F100\nG2 I5 J0 AR=45", "sinumerik"))
+    found = compensate(job, effects)
+    assert "AR" not in found.text.decode()
+    assert found.after.largest_mm < 2e-3 < found.before.largest_mm
+
+
+@pytest.mark.parametrize("block", ["G68 X0 Y0 R30.", "G51 X0 Y0 P2.", "G51.1 X0.", "G16"])
+def test_transformed_blocks_of_fanuc_are_refused_by_line(tmp_path, block):
+    job, effects = job_with(tmp_path, "", SCALE)
+    job = replace(job, dialect="fanuc")
+    head = "O1\nG17 G21 G90 G54\nT1 M6\nS1000 M3\nG43 H1 Z50.\nG0 X0 Y0\n"
+    job.program.write_text(f"{head}{block}\nG1 X9. Y9. F100.\nM30\n")
+    with pytest.raises(InputError, match=r"part\.nc:8: rotation, scaling, mirror image or G16"):
         compensate(job, effects)

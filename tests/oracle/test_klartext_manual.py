@@ -220,3 +220,28 @@ def test_planes_that_tilt_nothing_are_read(plane, flat):
     else:
         with pytest.raises(ProgramError, match="tilts the plane"):
             read(f"PLANE {plane}\nL X+7 FMAX")
+
+
+def test_plunging_feed_of_m103():
+    """TNC 410 User's Manual, "Feed rate factor for plunging movements: M103", page 114."""
+    body = "L X+20 Y+20 F500 M103 F20\nL Y+50\nL IZ-2.5\nL IY+5 IZ-5\nL IX+50\nL Z+5\nM103\nL IZ-1"
+    text = f"BEGIN PGM A MM\nTOOL CALL 1 Z S1000\nL X+0 Y+0 Z+0 R0 FMAX\n{body}\nEND PGM A MM\n"
+    run = read_program(Source(text.encode(), "part.h"), tools={1: ToolEntry(0.0, 10.0)}).moves
+    found = run.feed_mm_per_min[run.at_feed]
+    assert np.round(found[:-1]) == pytest.approx([500, 500, 100, 141, 500, 500])
+    assert found[-1] == pytest.approx(500)
+
+
+def test_feeds_of_inch_programs_count_tenths():
+    """CAM posts for these controls multiply feeds by ten in inch programs."""
+    body = (
+        "L X+1 F100\nCC X+2 Y+0\nC X+3 Y+0 DR+ F50\nCYCL DEF 200 D ~\nQ200=.1 ~\nQ201=-.2 ~\n"
+        "Q206=30 ~\nQ202=1 ~\nQ203=0 ~\nQ204=2\nCYCL CALL\n"
+        "CYCL DEF 207 T ~\nQ200=.1 ~\nQ201=-.2 ~\nQ239=.05 ~\nQ203=0 ~\nQ204=2\nCYCL CALL"
+    )
+    text = (
+        f"BEGIN PGM A INCH\nTOOL CALL 1 Z S1000\nL X+0 Y+0 Z+0 R0 FMAX M3\n{body}\nEND PGM A INCH\n"
+    )
+    run = read_program(Source(text.encode(), "part.h"), tools={1: ToolEntry(0.0, 10.0)}).moves
+    inch_per_min = run.feed_mm_per_min[run.at_feed] / 25.4
+    assert inch_per_min == pytest.approx([10, 5, 3, 50, 50])

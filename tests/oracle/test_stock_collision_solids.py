@@ -9,6 +9,7 @@ import pytest
 from manifold3d import Manifold
 
 from stock import find_collisions, make_tool
+from stock.collision import collision
 from tests.stock_solid_cases import polyline
 
 LOW, HIGH = (-15.0, -15.0, -30.0), (15.0, 15.0, 0.0)
@@ -69,3 +70,25 @@ def test_same_moves_as_solids(seed):
         stock = after
     assert sure >= 5
     assert free >= 5
+
+
+def test_very_many_short_moves_collide_as_the_long_ones_do(monkeypatch):
+    """Every move in 200 parts, which are followed as one: the same contacts, of a part nearby."""
+    rng = np.random.default_rng(7)
+    path = np.column_stack([rng.uniform(-14, 14, (16, 2)), rng.uniform(-16, 1, 16)])
+    parts, rapid = 200, np.arange(2, 15, 3)
+    fine = np.concatenate([np.linspace(a, b, parts, endpoint=False) for a, b in pairwise(path)])
+    fine = np.vstack([fine, path[-1]])
+    bodies = {"shanks": [SHANK], "holders": [HOLDER], "cell_mm": 0.25}
+    tools = [make_tool("flat", diameter_mm=6.0, length_mm=6.0)]
+    whole = find_collisions(polyline(path), tools, (LOW, HIGH), rapid_moves=rapid, **bodies)
+    monkeypatch.setattr(collision, "_FEW_STROKES", 100)
+    of_parts = (rapid[:, None] * parts + np.arange(parts)).ravel()
+    found = find_collisions(polyline(fine), tools, (LOW, HIGH), rapid_moves=of_parts, **bodies)
+    assert {(c.move // parts, c.kind) for c in found} == {(c.move, c.kind) for c in whole}
+    assert len(found) < 3 * len(whole)
+    depth = {(c.move, c.kind): c.depth_mm for c in whole}
+    for c in found:
+        assert c.depth_mm == pytest.approx(depth[c.move // parts, c.kind], abs=0.5)
+        reach = 9.0 if c.kind == "holder" else 3.0
+        assert np.linalg.norm(fine[c.move, :2] - c.place_mm[:2]) < reach + 0.5

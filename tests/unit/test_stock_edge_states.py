@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from stock import EdgeStatus, StockError, Sweeps, find_edges, make_tool
-from stock.compile_ahead import compile_walk
+from stock.collision import find_collisions
+from stock.collision.collision import follow
+from stock.compile_ahead import compile_collisions, compile_walk
 from stock.exact.tree import _fill_morton_codes
-from stock.exact.walk import _walk_part, is_walk_compiled
+from stock.exact.walk import walk_part
 from tests.oracle.stock_edge_cases import joined, polyline, sweeps_of
 
 FLAT = make_tool("flat", diameter_mm=10.0, length_mm=30.0)
@@ -178,10 +180,9 @@ def test_bad_input_is_named(changes, said):
 
 def test_what_is_compiled_ahead_is_what_the_engine_uses():
     one([0.0, 0.0, 0.3], UP)
-    used = list(_walk_part.signatures)
+    used = list(walk_part.signatures)
     compile_walk()
-    assert _walk_part.signatures == used
-    assert is_walk_compiled()
+    assert walk_part.signatures == used
 
 
 def test_arrays_that_may_and_may_not_be_written_use_one_compiled_kernel():
@@ -190,5 +191,12 @@ def test_arrays_that_may_and_may_not_be_written_use_one_compiled_kernel():
         find_edges(points, normals, sweeps=SLOT, tools=[FLAT], blank_mm=BLANK)
         points.setflags(write=False)
         normals.setflags(write=False)
-    assert len(_walk_part.signatures) == 1
+    assert len(walk_part.signatures) == 1
     assert len(_fill_morton_codes.signatures) == 1
+
+
+def test_collisions_compiled_ahead_are_those_that_are_looked_for():
+    find_collisions(SLOT, [FLAT], BLANK)
+    used = list(follow.signatures)
+    compile_collisions()
+    assert follow.signatures == used

@@ -4,6 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import stock
 from tests.golden.test_bad_input import run_vmach
 from vmach.base import kernel_cache
 from vmach.commands import warm_up
@@ -17,14 +18,17 @@ def test_warm_up_runs_a_part_and_a_diagnosis(monkeypatch, capsys):
 
 
 def test_the_first_command_says_why_it_takes_long(monkeypatch, capsys):
+    begun = []
     monkeypatch.setattr(warm_up, "is_cold", lambda: True)
-    warm_up.tell_if_cold("run")
+    monkeypatch.setattr(stock, "compile_ahead", lambda: begun.append(True))
+    warm_up.compile_if_cold("run")
     assert capsys.readouterr().err == ""  # nobody looks
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     for command in ("run", "effects", None):
-        warm_up.tell_if_cold(command)
+        warm_up.compile_if_cold(command)
     told = capsys.readouterr().err
     assert told.count("\n") == 1
+    assert len(begun) == 2  # for both "run", whoever looks
     assert "vmach warm-up does it beforehand" in told
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from vmach.base.kernel_cache import is_cold
 
-__all__ = ["tell_if_cold", "warm_up"]
+__all__ = ["compile_if_cold", "warm_up"]
 
 #: commands that look for edges, which takes longest to compile
 _COMPILING = {"run", "compare", "predict", "diagnose", "add", "history", "compensate"}
@@ -190,16 +190,19 @@ def _diagnose(folder: Path) -> None:
     diagnose(survey_job(folder))
 
 
-def tell_if_cold(command: str | None) -> None:
-    """Say on a terminal why the first command takes longer than the next.
+def compile_if_cold(command: str | None) -> None:
+    """Begin to compile for the first command, and say on a terminal why it takes longer.
 
     Where standard error is no terminal nobody waits, and a message of an error stands alone.
     """
-    if not sys.stderr.isatty():
+    if command not in _COMPILING or {"-h", "--help"} & set(sys.argv) or not is_cold():
         return
-    if command in _COMPILING and not {"-h", "--help"} & set(sys.argv) and is_cold():
+    if sys.stderr.isatty():
         print(
             "vmach: compiling first, once after an installation or an update, up to a minute; "
             "vmach warm-up does it beforehand",
             file=sys.stderr,
         )
+    from stock import compile_ahead
+
+    compile_ahead()

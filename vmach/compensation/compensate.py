@@ -17,7 +17,7 @@ from vmach.compensation.iteration import Iteration, Solution
 from vmach.compensation.model import TipModel
 from vmach.compensation.residual import Residual
 from vmach.compensation.safety import check_corrections, check_part, check_result
-from vmach.compensation.uncorrected import largest_tilt, uncorrected
+from vmach.compensation.uncorrected import uncorrected
 from vmach.job import Job
 from vmach.machine import Variant
 from vmach.nominal.points import SurfacePoints
@@ -181,11 +181,12 @@ def finish(
         check_part(preparation, part_aim, rounded.part, residual_limit_mm, expansion)
     arcs, kept = _arcs(preparation, found)
     modes = iteration.rewriter.modes
+    before, tilt_rad = _before(preparation, iteration.model)
     return Compensation(
         text=with_doubts(written.text, preparation.doubts, preparation.program.dialect),
-        before=_before(preparation, iteration.model).told_in(expansion),
+        before=before.told_in(expansion),
         unrounded=found.residual.told_in(expansion),
-        after=run.residual().told_in(expansion),
+        after=run.residual.told_in(expansion),
         largest_correction_mm=float(np.linalg.norm(found.target.ends_mm, axis=1).max(initial=0.0)),
         growth=1.0 + written.inserted / max(len(modes), 1),
         arcs=arcs,
@@ -195,7 +196,7 @@ def finish(
         expanded_lines=expansion.reasons,
         uncorrected=uncorrected(iteration, found, tolerance_mm),
         steps=int(found.plan.is_step.sum()),
-        tilt_rad=largest_tilt(preparation, iteration.model),
+        tilt_rad=tilt_rad,
         part_aim=part_aim,
         notes=preparation.notes,
     )
@@ -252,7 +253,7 @@ def _arcs(preparation: Preparation, found: Solution) -> tuple[int, int]:
 
 def _unchanged(preparation: Preparation, model: TipModel) -> Compensation:
     """The user's bytes: there is nothing to correct."""
-    before = _before(preparation, model)
+    before, _ = _before(preparation, model)
     arcs = int((preparation.path.nodes.moves.kind == MoveKind.ARC).sum())
     return Compensation(
         text=preparation.program.source.data,
@@ -269,8 +270,10 @@ def _unchanged(preparation: Preparation, model: TipModel) -> Compensation:
     )
 
 
-def _before(preparation: Preparation, model: TipModel) -> Residual:
+def _before(preparation: Preparation, model: TipModel) -> tuple[Residual, float]:
+    """What the user's program leaves, and the largest angle, rad, of the tool while it cuts."""
     nodes = preparation.path.nodes
     rows = np.flatnonzero(nodes.moves.kind[nodes.move] != MoveKind.RAPID)
-    error = model.error_at(preparation, nodes.move[rows], nodes.parameter[rows])
-    return Residual(np.linalg.norm(error, axis=1), nodes.line[rows])
+    error = model.displacement_at(preparation, nodes.move[rows], nodes.parameter[rows])
+    tilt_rad = np.linalg.norm(error.tilt_rad, axis=1).max(initial=0.0)
+    return Residual(np.linalg.norm(error.shift_mm, axis=1), nodes.line[rows]), float(tilt_rad)

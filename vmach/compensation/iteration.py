@@ -221,7 +221,7 @@ class Iteration:
             ends[run.written] -= end
             middles[run.written] -= middle
         assert best is not None
-        return Solution(plan, best[1], best[2], best[2].residual())
+        return Solution(plan, best[1], best[2], best[2].residual)
 
     def _end_miss(self, run: WrittenRun) -> np.ndarray:
         """Tool minus nominal position at the ends of the written pieces, (K, 3) mm.

@@ -67,7 +67,7 @@ def check_result(
         With the lines.
     """
     refused = {
-        "the tool is still up to {:.2f} um off its path": run.residual(),
+        "the tool is still up to {:.2f} um off its path": run.residual,
         "moves without points pass up to {:.2f} um off their path": run.worse_moves(limit_mm),
     }
     for what, residual in refused.items():

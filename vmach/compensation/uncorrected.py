@@ -9,10 +9,8 @@ import numpy as np
 
 from gcode import MoveKind
 from vmach.compensation.iteration import Iteration, Solution
-from vmach.compensation.model import TipModel
-from vmach.path.preparation import Preparation
 
-__all__ = ["largest_tilt", "uncorrected"]
+__all__ = ["uncorrected"]
 
 _UNKNOWN_START = "the program does not state where it begins: only its end is corrected"
 #: places along such a line
@@ -47,11 +45,3 @@ def _of_unknown_start(iteration: Iteration) -> dict[int, tuple[float, str]]:
         line = int(iteration.expansion.user_line(moves.line[move]))
         found[line] = float(np.linalg.norm(error, axis=1).max()), _UNKNOWN_START
     return found
-
-
-def largest_tilt(preparation: Preparation, model: TipModel) -> float:
-    """Largest angle, rad, by which the tool is tilted while it cuts."""
-    nodes = preparation.path.nodes
-    rows = np.flatnonzero(nodes.moves.kind[nodes.move] != MoveKind.RAPID)
-    tilt = model.displacement_at(preparation, nodes.move[rows], nodes.parameter[rows]).tilt_rad
-    return float(np.linalg.norm(tilt, axis=1).max(initial=0.0))

@@ -6,6 +6,7 @@ Source: the equations of `vmach.machine.displacement` and the effects of the job
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -34,6 +35,8 @@ _SLACK_MM = 1e-3
 #: the end of a move belongs to its last piece, and a step has no way
 _INSIDE = 1.0 - 1e-9
 _NO_SPAN = 1e-12
+#: programs of more blocks are not kept read while they wait
+_LONG = 200_000
 #: places that are compared at once
 _AT_ONCE = 1 << 18
 
@@ -44,8 +47,10 @@ class WrittenRun:
 
     Attributes
     ----------
-    original, again : Preparation
-        The nominal program, and the written one as it was read back.
+    original : Preparation
+        The nominal program.
+    read_back : callable
+        Reads the written program.
     model : TipModel
     plan : Plan
         K pieces.
@@ -61,7 +66,7 @@ class WrittenRun:
     """
 
     original: Preparation
-    again: Preparation
+    read_back: Callable[[], Preparation]
     model: TipModel
     plan: Plan
     written: np.ndarray
@@ -85,27 +90,35 @@ class WrittenRun:
         InputError
             It is refused, by the line of the user's program.
         """
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / original.program.path.name
-            path.write_bytes(written.text)
-            try:
-                again = prepare(job_of_control(original), program_path=path)
-            except ValueError as error:
-                line = written.original_line(getattr(error, "line", None))
-                raise InputError(
-                    f"the compensated program is refused: {getattr(error, 'what', error)}",
-                    file=original.program.path,
-                    line=None if line is None else int(expansion.user_line(line)),
-                ) from None
+
+        def read_back() -> Preparation:
+            return _read_back(original, written, expansion)
+
+        again = read_back()
         moves = again.path.nodes.moves
         moving = np.flatnonzero(moves.kind != MoveKind.DWELL)
-        lines = np.array(written.line_of_piece, np.int64)
+        lines = written.line_of_piece
         order = np.argsort(moves.line[moving], kind="stable")
         sorted_lines = moves.line[moving][order]
         place = np.minimum(np.searchsorted(sorted_lines, lines), len(sorted_lines) - 1)
         known = np.flatnonzero(sorted_lines[place] == lines)
-        return cls(original, again, model, plan, known, moving[order[place[known]]],
-                   programmed, unknown_start, shift)  # fmt: skip
+        found = cls(original, read_back, model, plan, known, moving[order[place[known]]],
+                    programmed, unknown_start, shift)  # fmt: skip
+        vars(found)["again"] = again
+        return found
+
+    @cached_property
+    def again(self) -> Preparation:
+        """The written program as it was read back."""
+        return self.read_back()
+
+    def set_aside(self) -> None:
+        """Keep a long program as its text alone until it is asked about again.
+
+        The text of another dialect than LinuxCNC is read too slowly for that.
+        """
+        if len(self.row) > _LONG and self.original.program.dialect == "linuxcnc":
+            vars(self).pop("again", None)
 
     def miss(self, share: float | np.ndarray, rows: np.ndarray | None = None) -> np.ndarray:
         """Tool minus the place where it shall be at shares of the written pieces, (K, 3) mm.
@@ -173,6 +186,7 @@ class WrittenRun:
         kind = self.original.path.nodes.moves.kind[move]
         return np.flatnonzero((kind != MoveKind.RAPID) & ~self.unknown_start[move])
 
+    @cached_property
     def residual(self) -> Residual:
         """Distances at programmed ends of moves that cut, and across the path all along them."""
         distance, rows = self._distances(np.ones((len(self.written), 3), bool))
@@ -254,3 +268,19 @@ class WrittenRun:
             tangent = tangent_at(self.again.path.nodes.moves, self.row[rows[part]], share[part])
             found[part] = across(found[part] * counts[rows[part]], tangent)
         return found
+
+
+def _read_back(original: Preparation, written: Written, expansion: Expanded) -> Preparation:
+    """The written program; refused by the line of the user's program."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / original.program.path.name
+        path.write_bytes(written.text)
+        try:
+            return prepare(job_of_control(original), program_path=path)
+        except ValueError as error:
+            line = written.original_line(getattr(error, "line", None))
+            raise InputError(
+                f"the compensated program is refused: {getattr(error, 'what', error)}",
+                file=original.program.path,
+                line=None if line is None else int(expansion.user_line(line)),
+            ) from None

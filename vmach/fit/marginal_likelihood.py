@@ -89,6 +89,8 @@ class Base:
     y : (n,) float64
     z : (n, q) float64
         Members' columns.
+    gram : (q, q) float64
+        Products of these with each other.
     """
 
     def __init__(self, survey: Survey, noise: FeatureNoise, members: Members) -> None:
@@ -105,7 +107,7 @@ class Base:
         counts = [members.fixed_mm.shape[1], *(c.shape[1] for c in members.columns_mm)]
         self.member_of = np.repeat(np.arange(len(counts)), counts)
         self.degrees = len(survey) - self._free.shape[1]
-        self._gram, self._seen = self.z.T @ self.z, self.z.T @ self.y
+        self.gram, self._seen = self.z.T @ self.z, self.z.T @ self.y
         self._square = float(self.y @ self.y)
 
     def white(self, columns_mm: np.ndarray) -> np.ndarray:
@@ -156,7 +158,7 @@ class Effects:
         self.columns_mm, self.log_prior = columns_mm, log_prior
         self.x = base.white(columns_mm)
         cross = base.z.T @ self.x
-        self.gram = np.block([[base._gram, cross], [cross.T, self.x.T @ self.x]])
+        self.gram = np.block([[base.gram, cross], [cross.T, self.x.T @ self.x]])
         self.seen = np.concatenate([base._seen, self.x.T @ base.y])
         self.member_of = np.concatenate([base.member_of, np.zeros(self.x.shape[1], dtype=int)])
 
@@ -195,7 +197,7 @@ class Posterior:
     def mean(self) -> np.ndarray:
         """Expected coefficients in prior standard deviations, (k,)."""
         aim = self.scale * self.effects.seen / self.sizes.factor
-        return cho_solve((self.root, True), aim, check_finite=False)
+        return _solved(self.root, aim)
 
     @cached_property
     def present(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -206,7 +208,7 @@ class Posterior:
             return here, self.root, self.mean
         root = _root_of_precision(self.effects.gram[np.ix_(here, here)], self.scale[here])
         aim = self.scale[here] * self.effects.seen[here] / self.sizes.factor
-        return here, root, cho_solve((root, True), aim, check_finite=False)
+        return here, root, _solved(root, aim)
 
     @cached_property
     def log_probability(self) -> float:
@@ -263,6 +265,11 @@ class Posterior:
         of_members, of_effects = np.split(amount, [self.base.z.shape[1]])
         taken = self.base.z @ of_members + self.effects.x @ of_effects
         return (self.base.y - taken) / self.sizes.factor
+
+
+def _solved(root: np.ndarray, aim: np.ndarray) -> np.ndarray:
+    """Solution (k,) of root root^T x = aim; with no columns left there is nothing to solve."""
+    return cho_solve((root, True), aim, check_finite=False) if len(aim) else aim
 
 
 def _root_of_precision(gram: np.ndarray, scale: np.ndarray) -> np.ndarray:

@@ -36,7 +36,7 @@ class PlainProgram:
         Axes that every move may correct, see `programmed_axes`.
     unknown_start : (N,) bool
         Moves that begin where the program does not say.
-    code : list of int
+    code : (N,) int64
         G code of every move.
     rewritten : (N,) bool
         Moves whose blocks are written anew though nothing is corrected: their numbers are not
@@ -46,7 +46,7 @@ class PlainProgram:
         Nominal places in program coordinates.
     angle : (N,) float64
         By which the program is turned about Z, rad.
-    moving : list of int
+    moving : (K,) int64
         Moves but for dwells.
     sets_zeros : bool
         Lines set zeros where the tool stands, see `zero_settings`.
@@ -71,9 +71,10 @@ class PlainProgram:
         self.length_mm = move_length_mm(self.moves)
         turning = np.where(self.moves.sweep_rad > 0, 3, 2)
         straight = np.where(kind == MoveKind.RAPID, 0, 1)
-        self.code = np.where(kind == MoveKind.ARC, turning, straight).tolist()
-        self.moving = np.flatnonzero(kind != MoveKind.DWELL).tolist()
-        self.first_move = self.moving[0] if self.moving and program.home_mm is None else -1
+        self.code = np.where(kind == MoveKind.ARC, turning, straight)
+        self.moving = np.flatnonzero(kind != MoveKind.DWELL)
+        starts_anywhere = len(self.moving) > 0 and program.home_mm is None
+        self.first_move = int(self.moving[0]) if starts_anywhere else -1
         settings, lines = zero_settings(program), self.moves.line.tolist()
         self.sets_zeros = bool(settings)
         self._settings = _by_move_behind(settings, self.moving, lines)
@@ -94,12 +95,12 @@ class PlainProgram:
 
 
 def _by_move_behind(
-    settings: list[tuple[Step, float]], moving: list[int], lines: list[int]
+    settings: list[tuple[Step, float]], moving: np.ndarray, lines: list[int]
 ) -> dict[int, list[tuple[Step, float]]]:
     """Sort zero settings by the move that comes next."""
     found: dict[int, list[tuple[Step, float]]] = {}
     waiting = deque(settings)
-    for move in moving:
+    for move in moving.tolist() if waiting else ():
         while waiting and waiting[0][0].line <= lines[move]:
             found.setdefault(move, []).append(waiting.popleft())
     return found

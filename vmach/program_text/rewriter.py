@@ -35,7 +35,7 @@ class Written:
     Attributes
     ----------
     text : bytes
-    line_of_piece : list of int
+    line_of_piece : (K,) int64
         1-based line of the new text; 0 for a piece that rounding has swallowed.
     inserted_after : list of int
         For every new block the line of the original program that it stands behind.
@@ -44,7 +44,7 @@ class Written:
     """
 
     text: bytes
-    line_of_piece: list[int]
+    line_of_piece: np.ndarray
     inserted_after: list[int]
     swallowed: int
 
@@ -77,7 +77,7 @@ class Rewriter(PlainProgram):
         while index < len(self.moving):
             index = writing.plain_moves(index)
             if index < len(self.moving):
-                writing.move(self.moving[index])
+                writing.move(int(self.moving[index]))
                 index += 1
         return writing.written()
 
@@ -95,12 +95,12 @@ class _Writing:
         pieces, move = target.pieces, target.pieces.move
         self.ends_mm = plain.places(move, pieces.end, target.ends_mm)
         self.middles_mm = plain.places(move, 0.5 * (pieces.start + pieces.end), target.middles_mm)
-        moving = np.array(plain.moving, np.int64)
+        moving = plain.moving
         self.first = np.searchsorted(move, np.arange(len(plain.moves) + 1))
         self.moving = moving
         self.run = plain._columns.run(self._only_pieces(), self.ends_mm, self.middles_mm,
                                       resolution_mm)  # fmt: skip
-        arcs = int((np.array(plain.code)[moving] > 1).sum())
+        arcs = int((plain.code[moving] > 1).sum())
         self.run_state = state_for(BlockState(), 3 * len(moving) + 2 * arcs)
         self.state, self.labels = BlockState(), plain.text.free_labels()
         self.changes: dict[tuple[int, int], str] = {}
@@ -110,7 +110,7 @@ class _Writing:
     def _only_pieces(self) -> np.ndarray:
         """The piece of every move that has one alone, an arc where the move is one; else -1."""
         first, count, pieces = self.first[:-1], np.diff(self.first), self.pieces
-        turns = np.array(self.plain.code)[pieces.move] > 1
+        turns = self.plain.code[pieces.move] > 1
         usual = np.append(~(pieces.kept | pieces.is_step) & (pieces.is_arc == turns), False)
         return np.where((count == 1) & usual[first], first, -1)
 
@@ -154,5 +154,5 @@ class _Writing:
         run, count = self.run_state, int(self.run_state.count[0])
         edits = Edits(run.start[:count], run.stop[:count], run.text[:count], run.length[:count])
         data = spliced(self.plain.program.source.data, edits, self.changes)
-        return Written(self.plain.text.finish(data), self.line_of_piece.tolist(),
+        return Written(self.plain.text.finish(data), self.line_of_piece,
                        self.inserted_after, int(run.count[1]))  # fmt: skip

@@ -6,16 +6,17 @@ be used on its own.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stock import Sweeps, VirtualPart, cut_part
+from stock import Collision, CutAside, Sweeps, VirtualPart
 from vmach.base.note import Kind, Level, Note, in_file
 from vmach.base.stage_clock import Progress, StageClock, silent
 from vmach.base.units import um_from_mm
-from vmach.effects import read_effects
+from vmach.effects import EffectInstance, read_effects
 from vmach.errors import InputError
 from vmach.features.circular_test import CircularTest
 from vmach.features.result import FeatureResult
@@ -54,8 +55,8 @@ SOLID_MOVES = 100_000
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Inspected:
-    """What is known of a job's part without a solid.
+class PartInspection:
+    """The surface of a job's part under several error models, without a solid.
 
     Attributes
     ----------
@@ -88,20 +89,7 @@ class _Inspected:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PartInspection(_Inspected):
-    """The surface of a job's part under several error models, without a solid.
-
-    Attributes
-    ----------
-    sweeps : dict of Variant to Sweeps
-        The displaced path of every variant.
-    """
-
-    sweeps: dict[Variant, Sweeps]
-
-
-@dataclass(frozen=True, kw_only=True)
-class MachinedPart(_Inspected):
+class MachinedPart(PartInspection):
     """What the main job found.
 
     Attributes
@@ -168,24 +156,23 @@ def machine_part(
     job = read_job(job_path)
     if solid is not False:
         _check_blank(job)
-    found = inspect_part(
-        job, variants=variants, prefer_measured=prefer_measured, also=model, plan=plan,
-        clock=clock,
-    )  # fmt: skip
-    part = comparison = None
-    moves = len(found.preparation.program.moves)
+    ready = _displaced(job, (*variants, model), clock)
+    preparation = ready.preparation
+    moves = len(preparation.program.moves)
     is_left_out = solid is None and moves > SOLID_MOVES
-    if solid or (solid is None and not is_left_out):
-        with clock.stage("cut") as step:
-            part = cut_part(
-                found.sweeps[model], found.preparation.cutters, job.blank.solid, progress=step
-            )
+    is_cut = solid or (solid is None and not is_left_out)
+    part = comparison = None
+    with ready.cut_aside(model) if is_cut else nullcontext() as cut:
+        found = _inspected(ready, variants, plan, clock, prefer_measured=prefer_measured)
+        with clock.stage("collide") as step:
+            collisions = ready.collisions(model, step)
+        if cut is not None:
+            with clock.stage("cut") as step:
+                part = cut.part(step)
     if part is not None and found.nominal is not None:
         with clock.stage("solids"):
             limit_mm = job.inspection.difference_mm
-            comparison = compare_solids(found.preparation, part, found.nominal, limit_mm)
-    with clock.stage("collide") as step:
-        collisions = job_collisions(found.preparation, found.sweeps[model], progress=step)
+            comparison = compare_solids(preparation, part, found.nominal, limit_mm)
     return MachinedPart(
         job=job,
         preparation=found.preparation,
@@ -214,7 +201,6 @@ def inspect_part(
     *,
     variants: Sequence[Variant] = (Variant.NONE, Variant.ABBE),
     prefer_measured: bool = False,
-    also: Variant | None = None,
     plan: Plan | None = None,
     clock: StageClock | None = None,
 ) -> PartInspection:
@@ -227,8 +213,6 @@ def inspect_part(
         Error models to inspect, side by side.
     prefer_measured : bool
         Inspect the measured points of the job, where it has them, and not the nominal CAD.
-    also : Variant, optional
-        Displace the path by this error model too.
     plan : Plan, optional
         Draws for the values that the drawing asks for; to first order where left out.
     clock : StageClock, optional
@@ -239,23 +223,85 @@ def inspect_part(
     InputError, gcode.ProgramError, stock.StockError
     """
     clock = clock or StageClock(silent)
+    ready = _displaced(job_path, variants, clock)
+    return _inspected(ready, variants, plan, clock, prefer_measured=prefer_measured)
+
+
+@dataclass(frozen=True)
+class _Displaced:
+    """All that cutting needs.
+
+    Attributes
+    ----------
+    job, preparation
+        As of `PartInspection`.
+    effects : tuple of EffectInstance
+    sweeps : dict of Variant to Sweeps
+        Those that are kept: long paths are displaced as they are asked for.
+    """
+
+    job: Job
+    effects: tuple[EffectInstance, ...]
+    preparation: Preparation
+    sweeps: dict[Variant, Sweeps]
+
+    def of(self, variant: Variant) -> Sweeps:
+        """The sweeps of one variant."""
+        if variant in self.sweeps:
+            return self.sweeps[variant]
+        return displaced_sweeps(self.preparation, variant, self.effects)
+
+    def cut_aside(self, model: Variant) -> CutAside:
+        """The solid, in a process of its own."""
+        return CutAside(self.of(model), self.preparation.cutters, self.job.blank.solid)
+
+    def collisions(
+        self, model: Variant, progress: Callable[[int, int], None]
+    ) -> tuple[Collision, ...]:
+        """Nothing can be said of a job without a blank."""
+        if self.job.blank is None:
+            return ()
+        return job_collisions(self.preparation, self.of(model), progress=progress)
+
+
+def _displaced(
+    job_path: Job | str | Path, variants: Sequence[Variant], clock: StageClock
+) -> _Displaced:
+    """Read the job, and displace its path by every variant."""
     with clock.stage("read"):
         job = read_job(job_path)
         effects = read_effects(job.effects, file=job.path, job=job)
         preparation = prepare(job)
+    with clock.stage("displace"):
+        is_long = not effects and len(preparation.program.moves) > SOLID_MOVES
+        kept = () if is_long else dict.fromkeys(variants)
+        sweeps = {v: displaced_sweeps(preparation, v, effects) for v in kept}
+    return _Displaced(job, effects, preparation, sweeps)
+
+
+def _inspected(
+    ready: _Displaced,
+    variants: Sequence[Variant],
+    plan: Plan | None,
+    clock: StageClock,
+    *,
+    prefer_measured: bool,
+) -> PartInspection:
+    """Compare the surface with the nominal one, under every variant."""
+    job, preparation, effects = ready.job, ready.preparation, ready.effects
+    with clock.stage("read"):
         nominal = read_nominal(job.nominal, job.nominal_unit) if job.nominal else None
         points = surface_points(job, nominal, prefer_measured=prefer_measured)
         if points.measured_mm is not None:
             check_file(points, job.measured)
             check_aligned(points, job.measured)
-    with clock.stage("displace"):
-        wanted = {*variants, *([also] if also else [])}
-        sweeps = {v: displaced_sweeps(preparation, v, effects) for v in wanted}
     with clock.stage("compare") as step:
         predictions: list[Prediction] = []
         for variant in variants:
             predictions.append(
-                predict_surface(preparation, points, variant, effects, sweeps=sweeps[variant])
+                predict_surface(
+                    preparation, points, variant, effects, sweeps=ready.sweeps.get(variant)
+                )
             )
             step(len(predictions), len(variants))
         if points.measured_mm is None:
@@ -280,7 +326,6 @@ def inspect_part(
         states=predictions[-1].states,
         budget=budget,
         nominal=nominal,
-        sweeps=sweeps,
         notes=(*preparation.notes, *_assumptions(job), *points.notes, *notes, *doubts),
         features=features,
         circular_tests=job_circular_tests(job, preparation, variants[-1], effects),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from gcode.dialects.fanuc.expressions import MacroReader, Variables, is_null
+from gcode.dialects.fanuc.macro.expressions import MacroReader, Variables, is_null
 from gcode.errors import ProgramError
 from gcode.text.expressions import value_of
 

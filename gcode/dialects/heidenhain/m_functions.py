@@ -16,7 +16,7 @@ _PLAIN = {3: "m3", 4: "m4", 5: "m5", 7: "m7", 8: "m8", 9: "m9", 0: "m0", 1: "m1"
 #: act when the block begins; all others when it ends
 BEFORE_MOTION = frozenset((3, 4, 7, 8, 13, 14))
 #: move nothing here: feeds at corners, look-ahead, rotary axes that stand still
-_NOTED = {90: "corners", 94: "rotary display", 103: "plunging feed", 107: "oversize", 108: "",
+_NOTED = {90: "corners", 94: "rotary display", 107: "oversize", 108: "",
           109: "feed at the edge", 110: "feed at inner arcs", 111: "feed of the centre",
           112: "corners", 113: "corners", 117: "", 118: "handwheel", 120: "look-ahead",
           124: "points left out", 126: "short way of rotary axes", 127: "", 129: "TCPM off",
@@ -29,7 +29,10 @@ _REFUSED = {97: "small steps of a contour", 98: "open corners", 116: "feed of ro
 
 def only_m(reader: KlartextReader, content: str) -> None:
     """A block of M functions alone."""
-    if re.search(r"M\s*140\b", content) or re.search(r"\bF\s*\d", content):
+    content = reader.motion.plunging(content).strip()
+    if not content:
+        return
+    if re.search(r"M\s*140\b", content):
         reader.motion.move("L", content)
         return
     if not re.fullmatch(r"(?:M\s*\d+\s*)+", content):

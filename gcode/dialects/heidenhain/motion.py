@@ -6,12 +6,14 @@ HEIDENHAIN TNC 640, User's Manual for Klartext Programming, "Programming contour
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from gcode.dialects.heidenhain.corners import KlartextCorners, WaitingPiece
 from gcode.dialects.heidenhain.m_functions import BEFORE_MOTION, m_code
+from gcode.dialects.heidenhain.parameters import NUMBER
 from gcode.errors import ProgramError
 from gcode.geometry.corners import Piece
 from gcode.language.translate import number
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["KlartextMotion"]
 
+_PLUNGING = re.compile(rf"\bM\s*103\b\s*(?:F\s*({NUMBER}))?")
 _MACHINE = frozenset((91, 92))
 _ELSEWHERE = frozenset((91, 92, 99, 140))  #: M codes that say how the block moves
 
@@ -40,6 +43,7 @@ class KlartextMotion:
         self.pole: tuple[float, float] | None = None
         self.feed: float | None = None
         self.tool_feed: float | None = None
+        self.plunge_share: float | None = None  #: M103: of the feed, at most along -Z
         self.corners = KlartextCorners(reader)
         self.sides: list[int] | None = None  #: RL and RR of a contour that is only read
         #: end of the last programmed line or arc, and its direction there
@@ -48,6 +52,16 @@ class KlartextMotion:
     def belong_to(self, reader: KlartextReader) -> None:
         """Go on for a program that is called, or for the one that called it."""
         self.reader = self.corners.reader = reader
+
+    def plunging(self, content: str) -> str:
+        """Take M103 and its factor out of a block."""
+        found = _PLUNGING.search(content)
+        if found is None:
+            return content
+        said = None if found[1] is None else self.reader.parameters.number(found[1])
+        self.plunge_share = None if said is None else said / 100.0
+        self.reader.controller.use("M103")
+        return content[: found.start()] + " " + content[found.end() :]
 
     # places
 
@@ -164,7 +178,8 @@ class KlartextMotion:
         if not named:
             return ""
         places = "".join(f"{a}{number(end[k])}" for k, a in enumerate("XYZABC") if a in named)
-        return ("g0" if rapid else "g1") + places + self.feed_word(rapid)
+        out = [e - s for s, e in zip(start[:3], end[:3], strict=True)]
+        return ("g0" if rapid else "g1") + places + self.feed_word(rapid, out)
 
     def _line_of_machine(self, words: Words, codes: list[int], *, rapid: bool) -> str:
         """M91 and M92: places of the machine."""
@@ -199,13 +214,16 @@ class KlartextMotion:
             raise ProgramError("DEP needs a line L or an arc C or CR before it")
         return x / size, y / size
 
-    def feed_word(self, rapid: bool) -> str:
-        """F word of a move; none of a rapid."""
+    def feed_word(self, rapid: bool, out: Sequence[float] = ()) -> str:
+        """F word of a move, less where it plunges under M103 along `out`; none of a rapid."""
         if rapid:
             return ""
         if self.feed is None:
             raise ProgramError("motion without feed", hint="give F or FMAX")
-        return f"f{number(self.feed)}"
+        feed = self.feed
+        if self.plunge_share is not None and out and out[2] < 0.0:
+            feed = min(feed, feed * self.plunge_share * math.hypot(*out) / -out[2])
+        return f"f{number(feed)}"
 
     def _arc(self, head: str, words: Words) -> str:
         end = self._polar_target(words) if head == "CP" else self.target(words)

@@ -22,6 +22,8 @@ from gcode.state.controller import Controller
 
 __all__ = ["KlartextReader"]
 
+_FEED = re.compile(r"f([-+]?[\d.]+)")
+
 
 class KlartextReader(Translated):
     """Runs Klartext; every line becomes blocks of RS274/NGC."""
@@ -129,11 +131,17 @@ class KlartextReader(Translated):
             raise ProgramError(f"'{content}' is not read", accepted="milling with three axes")
         self.noted("FUNCTION", "mode of the control")
 
+    def execute(self, *blocks: str) -> None:
+        """Hand blocks of RS274/NGC to the interpreter; F of an inch program counts 0.1 inch/min."""
+        if self.controller.unit_mm != 1.0:
+            blocks = tuple(_FEED.sub(lambda m: f"f{float(m[1]) / 10.0!r}", text) for text in blocks)
+        super().execute(*blocks)
+
     # words and places
 
     def words(self, content: str) -> tuple[dict[str, float | str | None], list[int]]:
         """Words of a motion line in the control's lengths, and its M codes."""
-        words, codes = motion_words(content, self.parameters.number)
+        words, codes = motion_words(self.motion.plunging(content), self.parameters.number)
         scaling = self.frames.scaling
         if not scaling.is_identity and not {91, 92} & set(codes):
             self.keep("scaling")

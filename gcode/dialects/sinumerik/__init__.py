@@ -50,7 +50,7 @@ class Sinumerik(Dialect):
         rf"|{_START}(?:DEF[ \t]+(?:REAL|INT|BOOL|STRING)|PROC[ \t]|EXTERN[ \t]|ENDFOR|ENDWHILE"
         r"|STOPRE|(?:WORKPIECE|CYCLE\d+|POCKET\d|SLOT\d|HOLES\d|LONGHOLE)[ \t]*\("
         r"|A?TRANS[ \t]|MSG[ \t]*\(\")"
-        r"|^[^(;\n]*\b(?:[XYZFS]|CR|TURN|AP|RP)[ \t]*=[ \t]*[-+.\dA-Z]",
+        r"|^[^(;\n]*\b(?:[XYZFS]|CR|AR|TURN|AP|RP)[ \t]*=[ \t]*[-+.\dA-Z]",
         re.IGNORECASE | re.MULTILINE,
     )
     reader = SinumerikReader
@@ -64,7 +64,7 @@ class Sinumerik(Dialect):
         re.IGNORECASE,
     )
     unwritable = re.compile(
-        r"=\s*(?![-+.\d])|=\s*[-+]?[\d.]+\s*[-+*/]|\b(?:AP|RP)\s*=|\bMCALL\b|CYCLE8|HOLES[12]"
+        r"=\s*(?![-+.\d])|=\s*[-+]?[\d.]+\s*[-+*/]|\b(?:AP|RP|AR)\s*=|\bMCALL\b|CYCLE8|HOLES[12]"
         r"|POCKET|SLOT1|LONGHOLE|\bC(?:IP|T)\b|\bRNDM?\s*=|\bCH[FR]\s*=",
         re.IGNORECASE,
     )

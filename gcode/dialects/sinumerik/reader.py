@@ -95,10 +95,14 @@ class SinumerikReader(Translated):
         head, content = self.content(self.next - 1)
         if "/" in head.group() and self.options.skips(int(head[1] or head[3] or 1)):
             return
-        if not content or content.startswith("%") or content.upper().startswith("PROC "):
+        if not content:
+            return
+        if content.startswith("%") or content.upper().startswith("PROC "):
+            self._says_flow()
             return
         if content.upper().split("(")[0].strip() == "RET":
             self.corners.finish()
+            self._says_flow()
             self.ended = not self.subprograms.returned()
             return
         try:
@@ -159,6 +163,7 @@ class SinumerikReader(Translated):
             self.cycles.modal = (match[2], arguments)
         else:
             rounds = int(self.variables.value(match[4])) if match[4] else 1
+            self._says_flow()
             self.subprograms.call(match[2], arguments, rounds)
         return True
 
@@ -223,6 +228,8 @@ class SinumerikReader(Translated):
             self.cycles.do_modal()
         stop = [v for letter, v in words if letter == "M" and v in STOPS]
         if 17.0 in stop and self.subprograms.returned():
+            if {letter for letter, _ in words} <= {"M", "N"}:
+                self._says_flow()
             return
         if stop:
             self.execute("m30" if stop[0] in (2, 17, 30) else f"m{stop[0]:.0f}")
@@ -233,6 +240,11 @@ class SinumerikReader(Translated):
         self.execute("g61.1")
         self._obey_words(words, arc)
         self.execute(before.lower())
+
+    def _says_flow(self) -> None:
+        """The line that runs says nothing but what comes next."""
+        if self.controller.trace is not None:
+            self.controller.trace.flow()
 
     def _use(self, words: Words, arc: str | None) -> None:
         for letter, value in words:

@@ -25,6 +25,8 @@ _NEAR_MM = 2.0
 _UNSEEN = 0.2
 _NO_LENGTH_MM = 1e-9
 _INSIDE = 1.0 - 1e-9
+#: places that are looked at in one go
+_AT_ONCE = 1 << 18
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,8 @@ class Probes:
 
     def in_order(self) -> Probes:
         """The same along the path."""
+        if (self.key[1:] >= self.key[:-1]).all():
+            return self
         order = np.argsort(self.key, kind="stable")
         return Probes(*(getattr(self, name)[order] for name in self.__dataclass_fields__))
 
@@ -68,9 +72,12 @@ class Probes:
         return Probes(*(getattr(self, name)[rows] for name in self.__dataclass_fields__))
 
     def beside(self, others: Probes) -> Probes:
-        """These and others."""
+        """These and others along the path, these first where they are at one place."""
+        order = np.argsort(np.concatenate([self.key, others.key]), kind="stable")
         names = self.__dataclass_fields__
-        return Probes(*(np.concatenate([getattr(self, n), getattr(others, n)]) for n in names))
+        return Probes(
+            *(np.concatenate([getattr(self, n), getattr(others, n)])[order] for n in names)
+        )
 
 
 def path_probes(run: WrittenRun) -> Probes:
@@ -121,7 +128,11 @@ def near_surface(path: Probes, surface: Probes, length_mm: np.ndarray) -> Probes
     first, last = (np.searchsorted(there, here + way) for way in (-_NEAR_MM, _NEAR_MM))
     pairs = np.einsum("pi,pj->pij", surface.normal, surface.normal)
     total = np.concatenate([np.zeros((1, 3, 3)), np.cumsum(pairs, axis=0)])
-    seen = np.einsum("pij,pi,pj->p", total[last] - total[first], path.normal, path.normal)
+    seen = np.empty(len(first))
+    for begin in range(0, len(seen), _AT_ONCE):
+        part = slice(begin, begin + _AT_ONCE)
+        seen[part] = np.einsum("pij,pi,pj->p", total[last[part]] - total[first[part]],
+                               path.normal[part], path.normal[part])  # fmt: skip
     share = _UNSEEN + (1.0 - _UNSEEN) * seen / np.maximum(last - first, 1)
     return replace(path, path_length_mm=share * path.path_length_mm)
 

@@ -96,7 +96,7 @@ def _left(course, k, one, a, i, two, b, j):
     return cost
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def best_points(course, exact, points, ends, count):
     """Points of some ends that leave least if their neighbours were not rounded, (E, count).
 
@@ -125,7 +125,7 @@ def best_sequence(course, exact, points):
     return traced_back(total, came_from)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def advance(course, exact, points, first, at, total, came_from):
     """Go on along the path with the points of some more ends.
 

@@ -76,10 +76,11 @@ def round_program(
     makers, best = _Makers(found.run, view), None
     for _ in range(_ROUNDS):
         now = program(makers.probes)
-        if best is None or now.part.norm_mm < best.part.norm_mm:
-            best = now
+        is_better = best is None or now.part.norm_mm < best.part.norm_mm
+        best = now if is_better else best
         if not makers.learnt_from(now):
             break
+        now.run.set_aside()
     return best
 
 
@@ -96,6 +97,7 @@ class _Makers:
     def __init__(self, exact: WrittenRun, view: PartView) -> None:
         self.exact, self.normal = exact, view.points.normal
         part, path = view.deviation(exact), path_probes(exact)
+        exact.set_aside()
         self.path_length_mm = 0.5 * path.path_length_mm.sum() / max(len(part.row), 1)
         self.known = made_by(part.row, part.move)
         surface = surface_probes(
@@ -111,6 +113,7 @@ class _Makers:
         self.known = np.concatenate([self.known, made_by(part.row, part.move)])
         place, normal = (part.move, part.parameter), self.normal[part.row]
         moved = now.run.miss_at(*place) - self.exact.miss_at(*place)
+        self.exact.set_aside()
         left = part.error_mm - np.einsum("pi,pi->p", normal, moved)
         self.probes = self.probes.beside(
             surface_probes(

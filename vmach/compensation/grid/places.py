@@ -108,6 +108,7 @@ class Grid:
     def __init__(self, rewriter: Rewriter, plan: Plan, target: Target, step_mm: np.ndarray) -> None:
         self.rewriter, self.plan, self.target, self.step_mm = rewriter, plan, target, step_mm
         self.first, self.last = plan.parameter(0.0), plan.parameter(1.0)
+        self.span = np.maximum(self.last - self.first, _NO_SPAN)
         self.length_mm = (self.last - self.first) * rewriter.length_mm[plan.move]
         self.inserted = _inserted(rewriter, plan)
 
@@ -167,8 +168,25 @@ class Grid:
             off,
         )
 
+    def one_of_programmed(self, ends: np.ndarray, number: np.ndarray) -> GridPlaces:
+        """Of the points of `of_programmed` the ones with these numbers, (K,), as one for each."""
+        following = np.minimum(ends + 1, len(self.last) - 1)
+        behind, number = np.divmod(number, 4 * len(_PROGRAMMED))
+        way_number, corner = np.divmod(number, 4)
+        piece = np.where(behind == 0, ends, following)
+        at = np.where(behind == 0, self.last[ends], self.first[following])
+        place, step = self._wanted(ends, np.zeros((len(ends), 1))), self.step_mm[ends][:, None]
+        axis, per_axis = self._main_axis(piece, at)
+        here = _component(place, axis)
+        way = (np.round(here / step) + _PROGRAMMED[way_number, None]) * step - here
+        along = self._tangent(piece, at) * per_axis[:, None]
+        around = _around(place + way[..., None] * along[:, None], axis, step)
+        chosen = around[np.arange(len(ends)), corner][:, None]
+        return GridPlaces(self.last[ends][:, None], self.target.ends_mm[ends][:, None],
+                          self._off(ends, chosen, place))  # fmt: skip
+
     def _off(self, ends: np.ndarray, points: np.ndarray, places: np.ndarray) -> np.ndarray:
-        """Points (E, 4 C, 3) minus places (E, C, 3), four for each, in machine axes."""
+        """Points (E, n C, 3) minus places (E, C, 3), n for each, in machine axes."""
         off = points - np.repeat(places, points.shape[1] // places.shape[1], axis=1)
         return turned_about_z(off, self.rewriter.angle[self.plan.move[ends]][:, None])
 
@@ -192,8 +210,8 @@ class Grid:
         ends_mm, last = self.target.ends_mm, len(self.last) - 1
         here, following = ends_mm[ends], np.minimum(ends + 1, last)
         before = np.where((ends > 0)[:, None], ends_mm[np.maximum(ends - 1, 0)], 0.0)
-        span = np.maximum(self.last - self.first, _NO_SPAN)[:, None]
-        back, on = (here - before) / span[ends], (ends_mm[following] - here) / span[following]
+        back = (here - before) / self.span[ends, None]
+        on = (ends_mm[following] - here) / self.span[following, None]
         slope = np.where((aside < 0.0)[..., None], back[:, None], on[:, None])
         return here[:, None] + aside[..., None] * slope
 

@@ -7,7 +7,8 @@ interpolation.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from stock.compiled import njit_maker, njit_part
 
 __all__ = [
     "INSIDE",
@@ -30,7 +31,7 @@ _ALONG = 1e-7
 _ROUNDING = 1e-9
 
 
-@njit(cache=True, nogil=True)
+@njit_part()
 def _crossing(start, end, axis, value, period):
     """Whether a segment crosses uv[axis] = value, the other coordinate there, and if upwards.
 
@@ -50,7 +51,7 @@ def _crossing(start, end, axis, value, period):
     return True, other, high_side > low_side
 
 
-@njit(cache=True, nogil=True)
+@njit_maker()
 def line_crossings(segments, axis, value, period):
     """Where segments (S, 2, 2) cross uv[axis] = value: the other coordinate, and if upwards."""
     other, upward = np.empty(len(segments)), np.empty(len(segments), dtype=np.bool_)
@@ -63,7 +64,7 @@ def line_crossings(segments, axis, value, period):
     return other[:count].copy(), upward[:count].copy()
 
 
-@njit(cache=True, nogil=True)
+@njit_maker()
 def intervals_of_rows(segments, levels, u_period, v_period):
     """Intervals of u that the face covers at levels of v, (R,).
 
@@ -100,21 +101,33 @@ def intervals_of_rows(segments, levels, u_period, v_period):
     return row[:total].copy(), ends[:total].copy(), meets
 
 
-@njit(cache=True, nogil=True)
+@njit_maker()
 def interpolated(at, row, x, y):
     """Values y (R, N) of rows at places (P,) between their x (R, N), which increase."""
     found = np.empty(len(at))
     for p in range(len(at)):
         r = row[p]
-        k = min(np.searchsorted(x[r], at[p], side="right"), x.shape[1] - 1)
-        k = max(k, 1)
+        k = max(min(_places_up_to(x[r], at[p]), x.shape[1] - 1), 1)
         width = x[r, k] - x[r, k - 1]
         share = (at[p] - x[r, k - 1]) / width if width > 0.0 else 0.0
         found[p] = y[r, k - 1] + share * (y[r, k] - y[r, k - 1])
     return found
 
 
-@njit(cache=True, nogil=True)
+@njit_part()
+def _places_up_to(increasing, value):
+    """How many of the numbers (N,) are no larger than a value."""
+    begin, end = 0, len(increasing)
+    while begin < end:
+        middle = (begin + end) // 2
+        if increasing[middle] <= value:
+            begin = middle + 1
+        else:
+            end = middle
+    return begin
+
+
+@njit_part()
 def _beside_edges(segments, level, period):
     """A row along an edge, or through ends that differ by rounding, moved off it.
 
@@ -126,25 +139,25 @@ def _beside_edges(segments, level, period):
     return level
 
 
-@njit(cache=True, nogil=True)
+@njit_part()
 def _is_along(one, other, period):
     """Whether a segment with its ends so far above a row lies along it, or ends all but on it."""
     if period > 0.0:
-        one -= period * np.round(one / period)
-        other -= period * np.round(other / period)
+        one -= period * np.rint(one / period)
+        other -= period * np.rint(other / period)
     one, other = abs(one), abs(other)
     return (one < _ALONG and other < _ALONG) or 0.0 < one < _ROUNDING or 0.0 < other < _ROUNDING
 
 
-@njit(cache=True, nogil=True)
+@njit_part()
 def _ends_at(height, period):
     """Whether an end so far above a row lies on it, but for rounding."""
     if period > 0.0:
-        height -= period * np.round(height / period)
+        height -= period * np.rint(height / period)
     return abs(height) < _ROUNDING
 
 
-@njit(cache=True, nogil=True)
+@njit_part()
 def _bands(segments, count, low, height, first, listed):
     """List the segments by the bands of v that they reach into; return how many are listed.
 
@@ -166,14 +179,24 @@ def _bands(segments, count, low, height, first, listed):
     return total
 
 
-@njit(cache=True, nogil=True)
+@njit_part()
+def _bounds_of_v(segments):
+    """Least and largest v of segments (S, 2, 2)."""
+    low, high = np.inf, -np.inf
+    for s in range(len(segments)):
+        for end in range(2):
+            low, high = min(low, segments[s, end, 1]), max(high, segments[s, end, 1])
+    return low, high
+
+
+@njit_part()
 def _band(v, low, height, count):
     if height <= 0.0 or not v >= low:  # also what is not a number
         return 0
     return int(min((v - low) / height, count - 1.0))
 
 
-@njit(cache=True, nogil=True)
+@njit_part()
 def _span_of_bands(segments, low, height):
     """How many bands of a height the segments reach into, each counted for itself."""
     total = 0.0
@@ -182,14 +205,14 @@ def _span_of_bands(segments, low, height):
     return total
 
 
-@njit(cache=True, nogil=True)
+@njit_maker()
 def sides_of_points(segments, uv, u_period, v_period):
     """For each point (N, 2): INSIDE, OUTSIDE, or MEETS_NO_EDGE where no edge crosses its row.
 
     The nearest edge towards +u decides: inside where the face ends there. Segments are looked up
     in bands of v, unless v is periodic.
     """
-    low, high = segments[:, :, 1].min(), segments[:, :, 1].max()
+    low, high = _bounds_of_v(segments)
     count = 1 if v_period > 0.0 or not high > low else len(segments)
     while count > 1 and _span_of_bands(segments, low, (high - low) / count) > _CROWD * len(
         segments
@@ -198,7 +221,8 @@ def sides_of_points(segments, uv, u_period, v_period):
     height = (high - low) / count if count > 1 else 0.0
     first = np.zeros(count + 1, dtype=np.int64)
     total = _bands(segments, count, low, height, first, np.empty(0, dtype=np.int64))
-    first = np.cumsum(first)
+    for band in range(count):
+        first[band + 1] += first[band]
     listed = np.empty(total, dtype=np.int64)
     _bands(segments, count, low, height, first.copy(), listed)
     sides = np.empty(len(uv), dtype=np.int8)
@@ -209,7 +233,7 @@ def sides_of_points(segments, uv, u_period, v_period):
     return sides
 
 
-@njit(cache=True, nogil=True)
+@njit_part()
 def _side(segments, near, point, u_period, v_period):
     """Side of one point from the segments that may cross its row."""
     nearest, side, meets = np.inf, OUTSIDE, False

@@ -87,7 +87,7 @@ class MoveWriter:
         self.step = 10.0**-self.decimals  # in program units
         self.zero = turned_about_z(state.frame.total_mm(self.angle), -self.angle)
         self.edit = plain.program.language.edit(
-            plain.text, line, nominal=plain.code[move], ending=plain.control.ending
+            plain.text, line, nominal=int(plain.code[move]), ending=plain.control.ending
         )
 
     def write(self, goals: Sequence[Goal], labels: Labels | None) -> WrittenMove:
@@ -147,7 +147,7 @@ class MoveWriter:
         return BlockMotion(code, numbers), _Place(reached, aimed), swallowed
 
     def _code(self, piece: Piece) -> int:
-        nominal = self.plain.code[self.move]
+        nominal = int(self.plain.code[self.move])
         return nominal if nominal < 2 or piece.is_arc or piece.kept else 1
 
     def _counts_on(self, word: Word | None) -> bool:

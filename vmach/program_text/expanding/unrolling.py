@@ -61,7 +61,7 @@ def _last(part: Step | PlainLines) -> int:
 
 def _code(program: Program, line: int) -> str:
     """Text of a line without comments."""
-    return _COMMENT.sub("", program.source.lines[line - 1])
+    return _COMMENT.sub("", program.source.line(line))
 
 
 def _has_expression(program: Program, step: Step) -> bool:
@@ -113,6 +113,8 @@ def _running_text(program: Program, step: Step, *, first: bool) -> str | None:
     text = program.source.lines[step.line - 1]
     if not program.language.is_rs274:
         flow = program.language.flow_lines
+        if step.is_flow:
+            return None
         return None if flow is not None and flow.match(text) else text
     code = _code(program, step.line)
     if memory := _MODAL_MEMORY & {int(m) for m in step.m_codes}:

@@ -34,7 +34,7 @@ class RunColumns:
         lines, self.which = np.unique(plain.moves.line, return_inverse=True)
         self.modes = [plain.modes.get(line) for line in lines.tolist()]
         self.unit_mm = self._of_lines([m.unit_mm if m else 1.0 for m in self.modes])
-        self.code = np.array(plain.code, np.int64)
+        self.code = plain.code
         plane = self._of_lines([m.plane if m else 1 for m in self.modes])
         self.side = np.array([(0, 0, 0), *PLANE_AXES.values()], np.int8)[plane][:, :2]
         text = plain.text.absolute_centres

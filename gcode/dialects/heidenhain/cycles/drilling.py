@@ -226,7 +226,8 @@ def _rigid(reader: KlartextReader, data: dict[str, float]) -> dict[str, float]:
     """Cycles 207 and 209 have a pitch in place of a feed."""
     if "239" not in data:
         raise ProgramError("Q239 (pitch) of the cycle is missing")
-    return data | {"206": abs(data["239"]) * reader.controller.speed}
+    tenths = 1.0 if reader.controller.unit_mm == 1.0 else 10.0  # F counts 0.1 inch/min
+    return data | {"206": abs(data["239"]) * reader.controller.speed * tenths}
 
 
 DRILLING: dict[int, Callable[[_Hole], None]] = {

@@ -1,0 +1,1 @@
+"""Custom macro B: expressions, variables, flow and calls."""
