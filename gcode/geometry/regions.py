@@ -93,7 +93,7 @@ class Region:
         region._section = section
         return region
 
-    def rings(self) -> list[list[Point]]:
-        """Its boundaries: outer ones counter-clockwise, holes clockwise."""
-        section = self._section.simplify(_STRAIGHT)
+    def rings(self, leaving: float = _STRAIGHT) -> list[list[Point]]:
+        """Its boundaries, left by `leaving` at most: outer ones ccw, holes clockwise."""
+        section = self._section.simplify(leaving)
         return [[(float(x), float(y)) for x, y in ring] for ring in section.to_polygons()]

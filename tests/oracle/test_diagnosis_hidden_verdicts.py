@@ -53,6 +53,7 @@ def test_verdict_parameters_and_held_out_error(tmp_path, name):
     [
         (["tool_deflection"], 9002, ()),  # one bore that only itself can foretell
         (["head_tilt", "ambient_drift"], 42, ("drift",)),  # all along X in one piece
+        (["springback"], 2510007, ()),  # a bend that four effects of the machine imitate together
         pytest.param(
             ["loose_collet"],
             33013,

@@ -202,3 +202,20 @@ def test_fixed_points_are_machine_zero():
 def test_what_is_worked_out_in_xy_is_refused_in_other_planes(block):
     with pytest.raises(ProgramError, match="in G18 or G19 is not read"):
         read(f"G18 F100\nG0 X1 Y1 Z5\nMCALL CYCLE81(10,0,2,-5)\n{block}")
+
+
+@pytest.mark.parametrize(("sense", "turn"), [(2, -1), (3, 1)])
+@pytest.mark.parametrize(("kind", "radius"), [(0, 15.0), (1, 25.0)])
+def test_cycle90_mills_a_helix(sense, turn, kind, radius):
+    """Thread of 40 by a mill of 10, pitch 2, from 0 to -11: six turns that end at -11."""
+    body = f"T1 D1 M6\nS9 M3\nCYCLE90(20,0,2,-11,,40,36,2,300,{sense},{kind},60,50)\n"
+    text = f"G17 G71 G90 G54\n{body}M30\n"
+    run = read_program(Source(text.encode(), "part"), tools={1: ToolEntry(0.0, 10.0)},
+                       dialect="sinumerik").moves  # fmt: skip
+    rise = run.end_mm[:, 2] - run.start_mm[:, 2]
+    (row,) = np.flatnonzero((np.abs(run.sweep_rad) > 0) & (np.abs(rise) > 0))
+    assert run.centre_mm[row, :2] == pytest.approx([60, 50])
+    assert np.hypot(*(run.start_mm - run.centre_mm)[row, :2]) == pytest.approx(radius)
+    assert run.sweep_rad[row] * run.axis[row, 2] == pytest.approx(turn * 6 * 2 * np.pi)
+    assert (run.start_mm[row, 2], run.end_mm[row, 2]) == pytest.approx((1, -11))
+    assert run.end_mm[-1, 2] == pytest.approx(20)

@@ -21,7 +21,9 @@ def run(body, dialect):
     if dialect == "heidenhain":
         body = f"BEGIN PGM A MM\nTOOL CALL 1 Z S1000 F300\n{body}\nEND PGM A MM\n"
     else:
-        body = ("O1\nG21 F100\n" if dialect in ("fanuc", "haas") else "F100\n") + f"{body}\nM30\n"
+        body = (
+            "O1\nG21 F100\n" if dialect in ("fanuc", "haas", "mazak") else "F100\n"
+        ) + f"{body}\nM30\n"
     return read_program(Source(body.encode(), "part"), tools=TOOLS, work_offsets_mm=OFFSETS,
                         dialect=dialect, home_mm=(0, 0, 500))  # fmt: skip
 
@@ -215,10 +217,12 @@ KLARTEXT = {
         120,
     ),
 }
+MAZAK = {"T1 T2 M6\nG43 H1 G0 Z0\nM6\nG43 H2 Z0": (0, 0, 50), "G61.1 G1 X5.": (15, 0, 500)}
 ENDS = [
     (dialect, body, end)
     for dialect, table in (
-        ("fanuc", FANUC), ("haas", HAAS), ("sinumerik", SINUMERIK), ("heidenhain", KLARTEXT)
+        ("fanuc", FANUC), ("haas", HAAS), ("mazak", MAZAK),
+        ("sinumerik", SINUMERIK), ("heidenhain", KLARTEXT)
     )
     for body, end in table.items()
 ]  # fmt: skip
@@ -236,11 +240,12 @@ REFUSED = {
         "G47 P0 X1. (A)": "the control's own", "G68.2": "G68.2", "G7.1 C5.": "G7.1",
         "G33 Z1. F1.": "G33", "G96 S9": "G96", "U5.": "U word", "M31\nM88": "M31 M88",
         "M98 P77": "O77", "M98 <NO>": "O<NO>", "#3000=1": "alarm 1", "BIN": "unknown word",
+        "T1 T2 M6": "2 T words",
         "G0 X[BIN[10]]": r"BIN\[10\]", "#1=#3011": "#3011", "G0 X5. ,R2.": ",R or ,C between G0",
     },
     "sinumerik": {
         "TRAORI": "TRAORI", "TRANSMIT": "TRANSMIT", "TRACYL(20)": "TRACYL", "ASPLINE": "spline",
-        "G41 KONT X5": "KONT", "OFFN=1": "OFFN", "CYCLE90(10,0,2,-5)": "CYCLE90 is not read",
+        "G41 KONT X5": "KONT", "OFFN=1": "OFFN", "CYCLE90(10,0,2,-5)": "CYCLE90 without",
         'CYCLE72("CON",1)': "CYCLE72 is not read", "SLOT2(1)": "SLOT2 is not read",
         "G33 Z1 K1": "G33",
         "G58 X5": "G58", "SETAL(65000)": "alarm", "ROT X10": "tilts", "MIRROR Z0": "over",

@@ -1,4 +1,4 @@
-"""What no model holds: shape of features, wandering in time, smooth fields, and the device.
+"""What no model holds: shape of features and part, wandering in time, smooth fields, the device.
 
 A discrepancy in the sense of Kennedy and O'Hagan (J. R. Statist. Soc. B 63 (2001) 425): its size
 is estimated together with the effects. The device that measured has scales and squareness of its
@@ -57,6 +57,7 @@ def members_of(survey: Survey) -> Members:
         "form": unit * _forms(survey),
         "time": unit * _in_time(survey),
         "field": unit * _field(survey),
+        "bend": unit * _bend(survey),
     }
     fixed = _condensed(np.hstack([survey.factors, _device(survey)]), survey.u_mm)
     kept = {name: c for name, c in found.items() if c.shape[1]}
@@ -117,6 +118,31 @@ def _field(survey: Survey) -> np.ndarray:
             wave = np.cos(np.pi * share * np.array(degrees)).prod(axis=1)
             parts.append(survey.sensing * wave[:, None] / sum(degrees))
     return _seen(np.hstack(parts))
+
+
+def _bend(survey: Survey) -> np.ndarray:
+    """Bend along X and Y, and twist, of a part that springs back when it is released, (n, 3).
+
+    As a plate: what is at height z turns with the slope of the deflection w, and so moves by
+    (-z dw/dx, -z dw/dy, w). Unit curvature lifts an end of the part by one.
+
+    Source: closed form derived here: a thin plate whose normals stay normal (Kirchhoff).
+    """
+    parts = []
+    for path, m in zip(survey.paths, survey.measurements, strict=True):
+        place = path.on_part_mm
+        low, high = place.min(axis=0), place.max(axis=0)
+        half = max(0.5 * float(np.ptp(place, axis=0)[:2].max()), 25.0)
+        x, y, z = ((place - 0.5 * (low + high)) / half).T
+        none = np.zeros(len(m))
+        lifts = [x * x, y * y, x * y]
+        slopes = [(2.0 * x, none), (none, 2.0 * y), (y, x)]
+        moves = [
+            np.stack([-z * along_x, -z * along_y, lift])
+            for lift, (along_x, along_y) in zip(lifts, slopes, strict=True)
+        ]
+        parts.append(np.einsum("ni,kin->nk", m.sensing, moves) * m.on_part)
+    return _seen(np.vstack(parts))
 
 
 def _device(survey: Survey) -> np.ndarray:

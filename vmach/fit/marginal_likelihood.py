@@ -89,6 +89,8 @@ class Base:
     y : (n,) float64
     z : (n, q) float64
         Members' columns.
+    gram : (q, q) float64
+        Products of these with each other.
     """
 
     def __init__(self, survey: Survey, noise: FeatureNoise, members: Members) -> None:
@@ -105,7 +107,7 @@ class Base:
         counts = [members.fixed_mm.shape[1], *(c.shape[1] for c in members.columns_mm)]
         self.member_of = np.repeat(np.arange(len(counts)), counts)
         self.degrees = len(survey) - self._free.shape[1]
-        self._gram, self._seen = self.z.T @ self.z, self.z.T @ self.y
+        self.gram, self._seen = self.z.T @ self.z, self.z.T @ self.y
         self._square = float(self.y @ self.y)
 
     def white(self, columns_mm: np.ndarray) -> np.ndarray:
@@ -156,7 +158,7 @@ class Effects:
         self.columns_mm, self.log_prior = columns_mm, log_prior
         self.x = base.white(columns_mm)
         cross = base.z.T @ self.x
-        self.gram = np.block([[base._gram, cross], [cross.T, self.x.T @ self.x]])
+        self.gram = np.block([[base.gram, cross], [cross.T, self.x.T @ self.x]])
         self.seen = np.concatenate([base._seen, self.x.T @ base.y])
         self.member_of = np.concatenate([base.member_of, np.zeros(self.x.shape[1], dtype=int)])
 

@@ -25,6 +25,9 @@ from vmach.uncertainty.tables import TableUncertainty
 
 __all__ = ["Survey"]
 
+#: readings of the signatures that are remembered
+_ROOM = 2_000_000
+
 
 @dataclass(frozen=True)
 class Survey:
@@ -142,6 +145,21 @@ class Survey:
         self, effect: Effect, target: str, inner_values: Mapping[str, float]
     ) -> np.ndarray:
         """What one usual size of each coefficient of an effect does to the readings, (n, K) mm."""
+        key = effect, target, tuple(inner_values.items())
+        if key not in self._signatures:
+            self._signatures[key] = self._signature(effect, target, inner_values)
+            while len(self._signatures) > max(_ROOM // len(self), 1):
+                del self._signatures[next(iter(self._signatures))]
+        return self._signatures[key]
+
+    @cached_property
+    def _signatures(self) -> dict[tuple, np.ndarray]:
+        """Those that were worked out last: a search asks for the same ones again and again."""
+        return {}
+
+    def _signature(
+        self, effect: Effect, target: str, inner_values: Mapping[str, float]
+    ) -> np.ndarray:
         sensed = [
             m.sensed(_columns(effect, path, target, inner_values)) if _can_show(m, effect) else None
             for path, m in zip(self.seen_paths, self.measurements, strict=True)

@@ -6,6 +6,7 @@ derived here: 1 + F F^T has the root of its eigenvalues where F has columns, 1 e
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -48,12 +49,21 @@ class Whitening:
         Signatures of the common causes, each of unit variance.
     nuisance : (n, p) float64
         Columns of what is free.
+    products : (q, q) float64, optional
+        Of the factors in standard uncertainties with each other, where they are known.
     """
 
-    def __init__(self, u: np.ndarray, factors: np.ndarray, nuisance: np.ndarray) -> None:
+    def __init__(
+        self,
+        u: np.ndarray,
+        factors: np.ndarray,
+        nuisance: np.ndarray,
+        *,
+        products: np.ndarray | None = None,
+    ) -> None:
         self._u = u[:, None]
         scaled = factors / self._u
-        squared, vectors = np.linalg.eigh(scaled.T @ scaled)
+        squared, vectors = np.linalg.eigh(scaled.T @ scaled if products is None else products)
         notable = squared > _NOTABLE**2
         self._left = scaled @ (vectors[:, notable] / np.sqrt(squared[notable]))
         self._shrink = 1.0 - 1.0 / np.sqrt(1.0 + squared[notable])
@@ -99,12 +109,23 @@ class MemberWhitening:
     """
 
     def __init__(self, base: Base, sizes: Sizes, more_mm: np.ndarray | None = None) -> None:
-        self._base, self._factor = base, sizes.factor
-        members = base.z * np.array([1.0, *sizes.members])[base.member_of]
-        if more_mm is not None:
-            members = np.hstack([members, base.white(more_mm)])
-        none = np.zeros((len(members), 0))
-        self._white = Whitening(np.ones(len(members)), members / sizes.factor, none)
+        self._base, self._sizes, self._more_mm = base, sizes, more_mm
+
+    @cached_property
+    def _white(self) -> Whitening:
+        """Made when it is first asked for: many fits are kept that nobody asks again."""
+        base, factor = self._base, self._sizes.factor
+        scale = np.array([1.0, *self._sizes.members])[base.member_of] / factor
+        members, products = base.z * scale, base.gram * scale * scale[:, None]
+        if self._more_mm is not None:
+            members = np.hstack([members, base.white(self._more_mm) / factor])
+            products = None
+        one, none = np.ones(len(members)), np.zeros((len(members), 0))
+        return Whitening(one, members, none, products=products)
+
+    def fresh(self) -> MemberWhitening:
+        """The same, without what was worked out for it."""
+        return MemberWhitening(self._base, self._sizes, self._more_mm)
 
     @property
     def degrees(self) -> int:
@@ -114,4 +135,4 @@ class MemberWhitening:
     def __call__(self, columns: np.ndarray) -> np.ndarray:
         """Whitened columns without their nuisance part; (n,), (n, k) or more."""
         flat = columns.reshape(len(columns), -1)
-        return self._white(self._base.white(flat) / self._factor).reshape(columns.shape)
+        return self._white(self._base.white(flat) / self._sizes.factor).reshape(columns.shape)

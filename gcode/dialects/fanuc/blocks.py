@@ -156,6 +156,8 @@ class BlockRunner(ProgrammedMotion):
         for code, rs274 in _SAME:
             if code in block.g:
                 block.g[block.g.index(code)] = rs274
+        if self.settings.smooth_g61_1 and block.has(61.1):
+            block.g[block.g.index(61.1)] = 64.0
         if block.take(60) is not None:
             self.controller.note("G60", "single direction: only the end of the rapid is taken")
             block.g += [] if block.has(0) else [0.0]

@@ -24,9 +24,7 @@ def obey_m_codes(runner: BlockRunner, block: MacroBlock) -> list[int]:
     after = [code for code in block.m if code in AT_THE_END]
     before = [code for code in block.m if code not in after]
     block.m = []
-    tool = block.pop("t")
-    if tool:
-        runner.execute(f"t{whole(tool['t'], 'T word')}")
+    following = _choose_tool(runner, block)
     if "s" in block.words:
         runner.execute(f"s{block.words.pop('s'):g}")
     for code in before:
@@ -35,6 +33,8 @@ def obey_m_codes(runner: BlockRunner, block: MacroBlock) -> list[int]:
             if code == 19:
                 block.pop("pr")
             runner.execute(f"m{code}")
+            if code == 6 and following is not None:
+                runner.execute(f"t{following}")
         elif code in _SENSES:
             runner.execute(f"m{_SENSES[code]}m8")
         elif code in runner.settings.z_home_m:
@@ -48,6 +48,18 @@ def obey_m_codes(runner: BlockRunner, block: MacroBlock) -> list[int]:
         else:
             raise _unknown_m(runner)
     return after
+
+
+def _choose_tool(runner: BlockRunner, block: MacroBlock) -> int | None:
+    """T; gives the tool that a second T word chooses for later."""
+    tools = [whole(value, "T word") for letter, value in block.all_words if letter == "t"]
+    if not block.pop("t"):
+        return None
+    if len(tools) > 1 and not (runner.settings.next_tool_in_block and len(tools) == 2):
+        raise ProgramError(f"{len(tools)} T words in a block", accepted="one",
+                           hint="T1 T2 M6 of Mazak is read as --control mazak")  # fmt: skip
+    runner.execute(f"t{tools[0]}")
+    return tools[1] if len(tools) > 1 else None
 
 
 def _unknown_m(runner: BlockRunner) -> ProgramError:

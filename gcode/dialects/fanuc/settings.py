@@ -78,6 +78,10 @@ class FanucSettings:
         M codes that take Z to its reference point.
     peck_clearance_mm : float
         Above the last depth in G73 and G83 (Fanuc parameters 5114, 5115; Haas settings 22, 52).
+    next_tool_in_block : bool
+        Of two T words the first is for M6, the second chooses the next tool (Mazak).
+    smooth_g61_1 : bool
+        G61.1 is a shape correction without stops (Mazak).
     """
 
     columns: OffsetColumns = FANUC_COLUMNS
@@ -92,3 +96,5 @@ class FanucSettings:
     builder_m: Mapping[int, str] = field(default_factory=lambda: dict(_COMMON_M))
     z_home_m: frozenset[int] = frozenset()
     peck_clearance_mm: float = 1.0
+    next_tool_in_block: bool = False
+    smooth_g61_1: bool = False

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from gcode.dialects.sinumerik.cycles import CYCLES, PATTERNS, drill, pattern_points
 from gcode.dialects.sinumerik.milling import MILLING, mill
+from gcode.dialects.sinumerik.thread_milling import mill_thread
 from gcode.errors import ProgramError
 from gcode.language.translate import number
 
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
     from gcode.dialects.sinumerik.reader import SinumerikReader
 
 __all__ = ["CycleCalls"]
+
+_KNOWN = CYCLES | PATTERNS | MILLING | {"CYCLE90"}
 
 
 class CycleCalls:
@@ -32,8 +35,8 @@ class CycleCalls:
         reader = self.reader
         reader.controller.use(name)
         reader.only_in_xy(name)
-        if name not in CYCLES | PATTERNS | MILLING:
-            known = (*sorted(CYCLES), *sorted(MILLING))
+        if name not in _KNOWN or (modal and name == "CYCLE90"):
+            known = (*sorted(CYCLES), "CYCLE90", *sorted(MILLING))
             raise ProgramError(f"{name} is not read", accepted=", ".join(known))
         arguments = reader.arguments(text)
         if name in PATTERNS:
@@ -44,6 +47,8 @@ class CycleCalls:
             for x, y in pattern_points(name, arguments):
                 reader.execute(f"g90g0x{number(x)}y{number(y)}")
                 self.do_modal()
+        elif name == "CYCLE90":
+            mill_thread(reader, arguments)
         elif name in MILLING:
             mill(reader, name, arguments)
         elif modal:

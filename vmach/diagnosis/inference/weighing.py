@@ -91,12 +91,18 @@ class Weighing:
 
     def _take(self, noise: FeatureNoise) -> None:
         self.base = Base(self.survey, noise, self.members)
-        self.bank = Bank(self.base, self.candidates)
+        self._bank: Bank | None = None
         # by identity: a posterior is asked again and again
         self._known: dict[int, tuple[Posterior, Evidence]] = {}
         # likewise: a search, and the odds of what it found, leave the same terms out
         self._fewer: dict[tuple, tuple[Explanation, Explanation]] = {}
         self.alone = self._empty(Sizes(1.0, (0.0,) * len(self.members.names)))
+
+    @property
+    def bank(self) -> Bank:
+        """The candidates' signatures, made ready when first asked for."""
+        self._bank = self._bank or Bank(self.base, self.candidates)
+        return self._bank
 
     def _empty(self, sizes: Sizes) -> Explanation:
         """The empty set beside members of given sizes."""
@@ -129,7 +135,7 @@ class Weighing:
         other._log_priors = {c.label: self.log_prior(c) for c in own} | dict(log_priors)
         other.candidates = list(known)
         other._place = {c.label: k for k, c in enumerate(known)}
-        other.bank, other._known, other._fewer = Bank(self.base, known), {}, {}
+        other._bank, other._known, other._fewer = None, {}, {}
         return other
 
     def prior_of(self, effect: Effect, target: str) -> float:
@@ -180,6 +186,7 @@ class Weighing:
             return self.nothing(sizes) if resize else self._empty(sizes)
         whiten = MemberWhitening(self.base, sizes)
         fit = fit_terms(self.survey, terms, whiten, refine=refine)
+        fit = replace(fit, whiten=whiten.fresh())
         return self._weighed(fit, sizes, resize=resize)
 
     def _weighed(self, fit: JointFit, sizes: Sizes, *, resize: bool) -> Explanation:

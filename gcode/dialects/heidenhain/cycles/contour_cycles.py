@@ -27,6 +27,8 @@ __all__ = ["CONTOUR_CYCLES", "ContourCycles"]
 
 CONTOUR_CYCLES = frozenset((21, 22, 23, 24, 25))
 _MOST = 10_000  #: rings or levels
+#: by which rings that touch no wall may leave their way
+_INNER_MM = 0.01
 
 
 class ContourCycles:
@@ -144,7 +146,8 @@ class _Milling:
         step = min(max(self.q(2, 1.0), 0.1), 1.0) * self.tool_radius
         region, found = self._region(), []
         for k in range(_MOST):
-            rings = region.shrunk(self.tool_radius + self.q(3, 0.0) + k * step, self.chord).rings()
+            shrunk = region.shrunk(self.tool_radius + self.q(3, 0.0) + k * step, self.chord)
+            rings = shrunk.rings(_INNER_MM / self.unit_mm) if k else shrunk.rings()
             if not rings:
                 break
             found.append(rings)

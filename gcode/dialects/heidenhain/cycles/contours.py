@@ -89,7 +89,7 @@ def read_contour(reader: KlartextReader, label: str) -> Contour:
         reader.parameters, reader.budget, reader.contents,
     )  # fmt: skip
     inner.motion.sides = sides = []
-    inner.motion.feed = 1.0
+    inner.motion.feed = inner.motion.tool_feed = 1.0
     inner.execute("g20" if outer.unit_mm != 1.0 else "g21", "g17g90g40g80")
     target = reader.flow.find(label)
     inner.flow.calls.append((target, inner.stop, -1, 0))
