@@ -97,7 +97,7 @@ def _first_page(run: RunRecord, picture: Path, logo: Path | None, number: str) -
             counts[value.verdict] += 1
     for k, (verdict, count) in enumerate(counts.items()):
         figure.text(0.07 + 0.3 * k, below, str(count), size=20, weight="bold",
-                    color=_COLOURS[verdict])  # fmt: skip
+                    color=_COLOURS[verdict] if count else _GREY)  # fmt: skip
         figure.text(0.07 + 0.3 * k, below - 0.018, str(verdict), size=9, color=_GREY)
     notes = [f"· {line}" for line in run.warnings[:8]]
     text = "\n".join(line for note in notes for line in textwrap.wrap(_plain(note), 105))
