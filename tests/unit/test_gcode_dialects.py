@@ -283,3 +283,9 @@ def test_a_numbered_program_that_linuxcnc_refuses_is_asked_about():
     with pytest.raises(ProgramError) as error:
         read_program(Source(b"G0 G91 G28 Z0\nM30\n", "part.nc"))
     assert "FANUC" not in str(error.value)
+
+
+def test_an_m_function_of_klartext_needs_a_number():
+    text = b"BEGIN PGM A MM\nL X+1 R0 FMAX M MAX\nEND PGM A MM\n"
+    with pytest.raises(ProgramError, match="MMAX is no M function"):
+        read_program(Source(text, "part.h"))

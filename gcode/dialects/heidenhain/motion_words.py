@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Mapping
 
@@ -47,7 +48,7 @@ def motion_words(
         position = match.end()
         letter, value, sign = re.sub(r"\s", "", match[1]), match[2], match[3]
         if letter == "M":  # early controls write an M without a number
-            codes += [] if value is None else [int(number(value))]
+            codes += [] if value is None else [_m_code(value, number)]
         elif letter == "DR" and (sign or value is None):
             words["DR"] = sign
         elif letter == "MB":
@@ -66,3 +67,10 @@ def motion_words(
     if content[position:].strip():
         raise ProgramError(f"cannot read '{content[position:].strip()}'", accepted=_ACCEPTED)
     return words, codes
+
+
+def _m_code(value: str, number: Callable[[str], float]) -> int:
+    said = math.nan if value == "MAX" else number(value)
+    if not math.isfinite(said):
+        raise ProgramError(f"M{value} is no M function", accepted="M with a number")
+    return int(said)
