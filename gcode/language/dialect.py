@@ -67,6 +67,8 @@ class Dialect:
         G84 is a feed move with the spindle reversed, so that it can be written out.
     options : mapping of str to tuple of str
         Parameter of the control that a job may set -> what it accepts, its default first.
+    comment : tuple of str
+        What begins and what ends a comment behind the words of a block.
     is_written : bool
         Its programs can be written back with other ends; False where they are read only.
     confirmed : mapping of str to str
@@ -97,6 +99,7 @@ class Dialect:
     ending: frozenset[int] = frozenset((0, 1, 2, 5, 9, 30, 60))
     floating_tap: bool = False
     options: Mapping[str, tuple[str, ...]] = MappingProxyType({})
+    comment: tuple[str, str] = ("(", ")")
     is_written: bool = True
     confirmed: Mapping[str, str] = MappingProxyType({})
     text: type[BlockText] = BlockText

@@ -20,6 +20,8 @@ SAID = "doubtful input: squareness of EC0Y, diameter of tool 2"
     [
         ("%\nO0001 (PART)\n(MSG, START)\nG21 G90\nG0 X1\nM30\n%\n", "rs274", 4),
         ("%\r\nO0001\r\nG21 G90\r\nG0 X1\r\nM30\r\n%\r\n", "fanuc", 3),
+        ("%\nO0001\nG21 G90\nG0 X1\nM30\n%\n", "haas", 3),  # a semicolon would end the block
+        ("G21 G90\nG0 X1\nM30\n", "linuxcnc", 1),
         ("%_N_A_MPF\n;$PATH=/_N_MPF_DIR\nG71 G90\nMSG(\"A\")\nM30\n", "sinumerik", 3),
         ("0 BEGIN PGM A MM\n1 TOOL CALL 1 Z S100\n2 END PGM A MM\n", "heidenhain", 2),
     ],
@@ -28,7 +30,7 @@ def test_the_first_line_of_code_takes_the_comment(text, dialect, line):
     found = with_doubts(text.encode(), DOUBTS, dialect).decode()
     was, now = text.splitlines(), found.splitlines()
     assert [k for k in range(len(was)) if was[k] != now[k]] == [line - 1]
-    mark = f" ({SAID})" if dialect in ("rs274", "fanuc") else f" ; {SAID}"
+    mark = f" ; {SAID}" if dialect in ("sinumerik", "heidenhain") else f" ({SAID})"
     assert now[line - 1] == was[line - 1] + mark
     assert found.count("\r") == text.count("\r")
 

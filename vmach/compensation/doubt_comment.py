@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+from gcode import dialect_called
 from vmach.plausibility import Note
 
 __all__ = ["with_doubts"]
 
 #: what controls show of a comment, and far below the 255 characters of LinuxCNC's lines
 _LONGEST = 120
-_IN_BRACKETS = frozenset(("rs274", "fanuc"))
 #: a line of code that has no comment, message or text of its own, and goes on nowhere
 _CODE_LINE = re.compile(r"(?!\s*(?:[%/:;]|O|BEGIN|\d+\s+BEGIN))\s*[A-Z0-9][^(;\"~]*", re.IGNORECASE)
 
@@ -46,4 +46,5 @@ def _comment(doubts: Sequence[Note], dialect: str) -> str:
     said = re.sub(r"[^A-Za-z0-9 .:,-]", ",", f"doubtful input: {about}")
     if len(said) > _LONGEST:
         said = said[: _LONGEST - 3] + "..."
-    return f" ({said})" if dialect in _IN_BRACKETS else f" ; {said}"
+    begin, end = dialect_called(dialect).comment
+    return f" {begin}{said}{end}"

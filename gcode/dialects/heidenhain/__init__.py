@@ -32,6 +32,7 @@ class Heidenhain(Dialect):
     )
     unwritable = re.compile(r"\bQ[LR]?\d|\d,\d|^\s*(?:\d+\s+)?(?:LP|CP|CT)\b", re.IGNORECASE)
     inch_decimals = 2
+    comment = ("; ", "")
     text = KlartextText
     edit = KlartextEdit
     confirmed = CONFIRMED

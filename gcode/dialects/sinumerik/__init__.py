@@ -57,6 +57,7 @@ class Sinumerik(Dialect):
     confirmed = CONFIRMED
     arcs = ARC_TOLERANCES["sinumerik"]
     inch_decimals = 2
+    comment = ("; ", "")
     text = SinumerikText
     flow_lines = re.compile(
         r"\s*/?\s*(?:N\d+\s*)?(?:\w+:\s*)?(?:IF|ELSE|ENDIF|WHILE|ENDWHILE|FOR|ENDFOR|LOOP|ENDLOOP"
