@@ -30,6 +30,7 @@ from vmach.compensation.aim.probes import surface_probes
 from vmach.compensation.aim.surface import check_surface, read_surface
 from vmach.compensation.compensate import finish, solve
 from vmach.compensation.grid.rounding import Rounding
+from vmach.compensation.grid.stretch import Stretch
 from vmach.compensation.model import TipModel
 from vmach.compensation.pieces.sampling import sample_error
 from vmach.compensation.pieces.tube import fewest_pieces
@@ -107,10 +108,11 @@ class BeforeRounding:
         probes = surface_probes(self.part, points.normal[self.part.row],
                                 left_mm=self.part.error_mm,
                                 path_length_mm=1.0).in_order()  # fmt: skip
-        course, exact = rounding._course(probes), rounding.exact(probes)
         every = np.arange(len(solution.plan.pieces))
-        _, places = rounding._best(course, exact, probes, every)
-        ends = rounding.points(probes, places, every)
+        whole = Stretch(rounding.pieces, probes, 0, len(every))
+        course, exact = whole.course, whole.exact
+        _, places = rounding._best(whole, every)
+        ends = whole.points(places, every)
         step_mm = rounding.step_mm.max()
         largest, total = least_of_pieces(course, exact, ends)
         self.least = f"{1e3 * step_mm * largest:.3f}/{1e3 * step_mm * total / len(probes.move):.3f}"

@@ -197,7 +197,7 @@ class Posterior:
     def mean(self) -> np.ndarray:
         """Expected coefficients in prior standard deviations, (k,)."""
         aim = self.scale * self.effects.seen / self.sizes.factor
-        return _solved(self.root, aim)
+        return cho_solve((self.root, True), aim, check_finite=False)
 
     @cached_property
     def present(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -208,7 +208,7 @@ class Posterior:
             return here, self.root, self.mean
         root = _root_of_precision(self.effects.gram[np.ix_(here, here)], self.scale[here])
         aim = self.scale[here] * self.effects.seen[here] / self.sizes.factor
-        return here, root, _solved(root, aim)
+        return here, root, cho_solve((root, True), aim, check_finite=False)
 
     @cached_property
     def log_probability(self) -> float:
@@ -265,11 +265,6 @@ class Posterior:
         of_members, of_effects = np.split(amount, [self.base.z.shape[1]])
         taken = self.base.z @ of_members + self.effects.x @ of_effects
         return (self.base.y - taken) / self.sizes.factor
-
-
-def _solved(root: np.ndarray, aim: np.ndarray) -> np.ndarray:
-    """Solution (k,) of root root^T x = aim; with no columns left there is nothing to solve."""
-    return cho_solve((root, True), aim, check_finite=False) if len(aim) else aim
 
 
 def _root_of_precision(gram: np.ndarray, scale: np.ndarray) -> np.ndarray:
