@@ -254,6 +254,6 @@ class Record:
 
 def _joined(parts: list[np.ndarray]) -> np.ndarray:
     """The parts as one; memory that nobody writes to, as for axes that stand, takes no room."""
-    if any(part.any() for part in parts):
+    if any(part.any() or np.signbit(part).any() for part in parts):  # -0 is a number of its own
         return np.concatenate(parts)
     return np.zeros((sum(map(len, parts)), *parts[0].shape[1:]), parts[0].dtype)

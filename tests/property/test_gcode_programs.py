@@ -146,6 +146,10 @@ def test_compiled_reader_gives_the_same_bits(lines, ending, unit_mm, preview):
     assert_read_alike(text, machine_unit_mm=unit_mm, preview=preview, work_offsets_mm=offsets)
 
 
+def test_a_negative_zero_keeps_its_sign_behind_a_line_that_falls_back():
+    assert_read_alike(b"F100\nG1 X#1\nG1 Z-0\n")
+
+
 #: what Fanuc and Haas have otherwise
 fanuc = st.one_of(
     sound,
