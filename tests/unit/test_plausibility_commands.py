@@ -169,7 +169,12 @@ def test_tools_in_another_unit_are_told(job, tmp_path, key, factor):
         assert factor > 1.0 or "tool 2" in str(refused)
 
 
-@pytest.mark.parametrize("command", ["path", "predict", "compensate", "tables", "accuracy"])
+ON_PARTS = ("run", "compare", "diagnose")
+
+
+@pytest.mark.parametrize(
+    "command", ["path", "predict", "compensate", "tables", "accuracy", *ON_PARTS]
+)
 def test_a_laser_and_a_ballbar_are_enough(job, tmp_path, command):
     """Positioning tables and squareness only, nobody said where the reflectors stood."""
     machine = job.with_name("machine.toml")
@@ -180,7 +185,23 @@ def test_a_laser_and_a_ballbar_are_enough(job, tmp_path, command):
     machine.write_text(text)
     assert "measured_at_mm" not in "".join(re.findall(r"^[^#].*$", text, re.M))
     assert re.findall(r"errors\.(E..)\]", text) == ["EXX", "EYY", "EZZ"]
-    run(*commands(job, tmp_path)[command])
+    if command in ON_PARTS:  # what looks at a part has one to look at
+        measured_part(job)
+        run(command, job, "--out", tmp_path / "found")
+    else:
+        run(*commands(job, tmp_path)[command])
+
+
+def measured_part(job: Path) -> None:
+    """The slot that the program cuts, measured at its floor and its walls."""
+    rows = ["id,feature,x,y,z,i,j,k,mx,my,mz,u_um"]
+    for k, x in enumerate(np.linspace(-80.0, 80.0, 15)):
+        for name, y, z, j, up in (("floor", 0.0, -5.0, 0, 1), ("wall", 10.0, -3.0, -1, 0)):
+            place = f"{x:.3f},{y},{z}"
+            rows.append(f"{name}{k},{name},{place},0,{j},{up},{place},1")
+    job.with_name("points.csv").write_text("\n".join(rows) + "\n")
+    edit(job, "program = ", 'measured = "points.csv"\nprogram = ')
+    job.write_text(job.read_text().partition("[[features]]")[0])
 
 
 def test_levers_of_a_laser_and_a_ballbar(job):
