@@ -28,6 +28,8 @@ _FIELD_DEGREE = 3
 _UPRIGHT = 0.7
 #: a cause whose largest signature is this share of u is left out
 _BLIND = 1e-3
+#: half the length of the smallest part that bends, mm: points on one place tell no curvature
+_LEAST_HALF_MM = 25.0
 
 
 @dataclass(frozen=True)
@@ -132,7 +134,7 @@ def _bend(survey: Survey) -> np.ndarray:
     for path, m in zip(survey.paths, survey.measurements, strict=True):
         place = path.on_part_mm
         low, high = place.min(axis=0), place.max(axis=0)
-        half = max(0.5 * float(np.ptp(place, axis=0)[:2].max()), 25.0)
+        half = max(0.5 * float(np.ptp(place, axis=0)[:2].max()), _LEAST_HALF_MM)
         x, y, z = ((place - 0.5 * (low + high)) / half).T
         none = np.zeros(len(m))
         lifts = [x * x, y * y, x * y]

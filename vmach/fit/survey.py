@@ -25,7 +25,7 @@ from vmach.uncertainty.tables import TableUncertainty
 
 __all__ = ["Survey"]
 
-#: readings of the signatures that are remembered
+#: readings of the signatures that are remembered: some 50 MB where an effect has three columns
 _ROOM = 2_000_000
 
 
