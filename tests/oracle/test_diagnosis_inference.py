@@ -12,8 +12,10 @@ from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.verdicts import infer
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects import catalogue
+from vmach.fit.base import Base
 from vmach.fit.feature_noise import FeatureNoise
-from vmach.fit.marginal_likelihood import Base, Effects, Sizes
+from vmach.fit.marginal_likelihood import Effects, Posterior
+from vmach.fit.sizes import Sizes
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +62,7 @@ def test_probability_is_that_of_a_normal_distribution(weighing, share, tails):
         dense = multivariate_normal.logpdf(
             free.T @ survey.residual_mm, cov=free.T @ covariance @ free
         )
-        ours = base.posterior(sizes, Effects(base, columns)).log_probability
+        ours = Posterior(base, sizes, Effects(base, columns)).log_probability
         return dense, ours - sizes.log_prior
 
     count = len(members.names)
@@ -73,11 +75,11 @@ def test_its_slope_is_that_of_differences(weighing):
     found = explained(weighing, "scale X")
     at = Sizes(1.3, (0.4, 0.2, 0.7, 1.5)[: len(weighing.members.names)])
     effects, base = found.posterior.effects, weighing.base
-    slope = base.posterior(at, effects).slope
+    slope, _ = Posterior(base, at, effects).slope_and_information()
     for k in range(len(slope)):
         step = 1e-5 * np.eye(len(slope))[k]
         up, down = (
-            base.posterior(Sizes.at(at.logarithms + way * step), effects).log_probability
+            Posterior(base, Sizes.at(at.logarithms + way * step), effects).log_probability
             for way in (1.0, -1.0)
         )
         assert slope[k] == pytest.approx((up - down) / 2e-5, rel=1e-3, abs=1e-3)
@@ -100,7 +102,7 @@ def test_evidence_of_a_candidate_is_what_it_adds(weighing, size, close):
     for width in (0.1, 0.4, 1.5, 6.0):
         columns = np.hstack([here.posterior.effects.columns_mm, width * signature])
         effects = Effects(weighing.base, columns, here.posterior.effects.log_prior)
-        more = weighing.base.posterior(sizes, effects)
+        more = Posterior(weighing.base, sizes, effects)
         gains.append(more.log_probability - here.score)
     mean = np.logaddexp.reduce(gains) - np.log(len(gains))
     assert evidence == pytest.approx(mean, abs=close)
