@@ -8,7 +8,6 @@ Source: closed form derived here: the precision of normal variables of unit vari
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from functools import cached_property
 
 import numpy as np
@@ -18,6 +17,7 @@ from scipy.linalg.lapack import dpotrf, dtrtri, dtrtrs
 
 from vmach.fit.discrepancy import Members
 from vmach.fit.feature_noise import FeatureNoise
+from vmach.fit.remembered import Remembered
 from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
 
@@ -26,7 +26,7 @@ __all__ = ["Base", "SizedMembers", "raised", "root_of_precision", "solved"]
 #: members up to this size, in u, are left out where candidates are weighed
 _GONE = 0.025
 #: numbers that roots of sized members may take up while they are remembered
-_ROOM = 5_000_000
+_ROOM = 10_000_000
 
 
 class Base:
@@ -61,12 +61,16 @@ class Base:
         self.degrees = len(survey) - self._free.shape[1]
         self.gram, self.seen = self.z.T @ self.z, self.z.T @ self.y
         self.square = float(self.y @ self.y)
-        self._sized: OrderedDict[Sizes, SizedMembers] = OrderedDict()
+        # a root, and its inverse or the raised one
+        self._sized = Remembered[SizedMembers](_ROOM / max(2 * self.gram.size, 1))
 
     def white(self, columns_mm: np.ndarray) -> np.ndarray:
         """Columns (n, k) mm in unit noise without what the nuisance can explain."""
         white = self.noise.white(columns_mm)
-        white -= self._free @ (self._free.T @ white)
+        if white.flags.c_contiguous:
+            white -= self._free @ (self._free.T @ white)
+        else:
+            white.T[:] -= (white.T @ self._free) @ self._free.T
         return white
 
     def back(self, white: np.ndarray) -> np.ndarray:
@@ -75,12 +79,8 @@ class Base:
 
     def sized(self, sizes: Sizes) -> SizedMembers:
         """The members at given sizes; the last ones are remembered."""
-        if sizes not in self._sized:
-            self._sized[sizes] = SizedMembers(self, sizes, np.arange(len(self.member_of)))
-            while len(self._sized) > max(_ROOM // max(self.gram.size, 1), 2):
-                self._sized.popitem(last=False)
-        self._sized.move_to_end(sizes)
-        return self._sized[sizes]
+        every = np.arange(len(self.member_of))
+        return self._sized.get(sizes, lambda: SizedMembers(self, sizes, every))
 
 
 class SizedMembers:

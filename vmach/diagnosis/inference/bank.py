@@ -7,7 +7,7 @@ low rank.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +21,7 @@ from vmach.fit.sizes import Sizes
 __all__ = ["Bank"]
 
 #: numbers that white signatures may take up
-_ROOM = 10_000_000
+_ROOM = 2_000_000
 
 
 class Bank:
@@ -58,11 +58,10 @@ class _Group:
     def __init__(self, base: Base, candidates: Sequence[Candidate], terms: int) -> None:
         self._log_priors = [c.log_prior for c in candidates]
         self._terms = terms
-        self._columns = [c.signatures_mm.reshape(len(base.y), -1) for c in candidates]
-        at_once = max(_ROOM // max(sum(c.size for c in self._columns) // len(candidates), 1), 1)
+        self._rows = [candidate.rows_mm for candidate in candidates]
         parts = []
-        for k in range(0, len(candidates), at_once):
-            rows = base.white(np.hstack(self._columns[k : k + at_once])).T
+        for some in _at_once(self._rows, terms):
+            rows = base.white(some.T).T
             parts.append((rows @ base.z, rows @ base.y, _products(self._by_place(rows))))
         self._with_members, self._seen, self._gram = map(np.concatenate, zip(*parts, strict=True))
         self._beside: tuple[Sizes, _Beside] | None = None
@@ -70,7 +69,7 @@ class _Group:
     def evidence(self, members: SizedMembers, root: Bordered, back: np.ndarray) -> Evidence:
         """Evidence of each; `back` (n, k) gives the products with the posterior's effects."""
         k, beside = members.sizes.factor, self._beside_members(members)
-        with_effects = np.concatenate([columns.T @ back for columns in self._columns])
+        with_effects = np.concatenate([rows @ back for rows in self._rows])
         taken = solved(root.own, with_effects.T / k - root.border.T @ beside.taken)
         inner = beside.inner - taken.T @ root.seen_effects / k
         gram = beside.gram - _products(self._by_place(taken.T)) / k**2
@@ -106,6 +105,19 @@ class _Beside:
     taken: np.ndarray
     gram: np.ndarray
     inner: np.ndarray
+
+
+def _at_once(rows: Sequence[np.ndarray], terms: int) -> Iterator[np.ndarray]:
+    """Rows (P K, n) of several candidates, as many places at once as there is room for."""
+    many = terms * max(_ROOM // (terms * rows[0].shape[1]), 1)
+    few: list[np.ndarray] = []
+    for own in rows:
+        for k in range(0, len(own), many):
+            if sum(map(len, few)) + len(own[k : k + many]) > many:
+                yield np.concatenate(few)
+                few = []
+            few.append(own[k : k + many])
+    yield np.concatenate(few)
 
 
 def _products(rows: np.ndarray) -> np.ndarray:
