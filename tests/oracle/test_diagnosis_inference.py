@@ -43,6 +43,15 @@ def dense_noise(noise):
     return covariance * np.outer(noise.u_mm, noise.u_mm)
 
 
+def dense_covariance(noise, members, sizes, columns):
+    """Covariance of readings with members of given sizes and effects' columns, mm²."""
+    covariance = sizes.factor**2 * dense_noise(noise) + columns @ columns.T
+    covariance += members.fixed_mm @ members.fixed_mm.T
+    for size, member in zip(sizes.members, members.columns_mm, strict=True):
+        covariance += size**2 * member @ member.T
+    return covariance
+
+
 @pytest.mark.parametrize(("share", "tails"), [(0.0, False), (0.6, False), (0.6, True)])
 def test_probability_is_that_of_a_normal_distribution(weighing, share, tails):
     """Readings off the nuisance; a difference of two models, as constants are left out."""
@@ -55,10 +64,7 @@ def test_probability_is_that_of_a_normal_distribution(weighing, share, tails):
     free = null_space(survey.nuisance.T)
 
     def both(sizes, columns):
-        covariance = sizes.factor**2 * dense_noise(noise) + columns @ columns.T
-        covariance += members.fixed_mm @ members.fixed_mm.T
-        for size, member in zip(sizes.members, members.columns_mm, strict=True):
-            covariance += size**2 * member @ member.T
+        covariance = dense_covariance(noise, members, sizes, columns)
         dense = multivariate_normal.logpdf(
             free.T @ survey.residual_mm, cov=free.T @ covariance @ free
         )
@@ -69,6 +75,23 @@ def test_probability_is_that_of_a_normal_distribution(weighing, share, tails):
     one = both(Sizes(1.0, (0.3,) * count), np.zeros((len(survey), 0)))
     other = both(Sizes(1.4, tuple(np.linspace(0.0, 2.0, count))), 1.5 * scale)
     assert one[1] - other[1] == pytest.approx(one[0] - other[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.6])
+@pytest.mark.parametrize("beside", [(), ("scale X",)])
+def test_products_of_whitened_columns_are_those_by_the_dense_inverse(weighing, share, beside):
+    survey, members = weighing.survey, weighing.members
+    noise = FeatureNoise(survey.u_mm, survey.group, np.ones(len(survey)), share, 0.8)
+    base = Base(survey, noise, members)
+    sizes = Sizes(1.4, tuple(np.linspace(0.0, 2.0, len(members.names))))
+    signature = {c.label: 1.5 * c.signatures_mm[:, 0] for c in weighing.candidates}
+    columns = np.hstack([np.zeros((len(survey), 0)), *(signature[label] for label in beside)])
+    tested = np.column_stack([*signature.values(), survey.residual_mm])
+    ours = Posterior(base, sizes, Effects(base, columns)).whiten(tested)
+    free = null_space(survey.nuisance.T)
+    dense = free.T @ dense_covariance(noise, members, sizes, columns) @ free
+    expected = tested.T @ free @ np.linalg.solve(dense, free.T @ tested)
+    np.testing.assert_allclose(ours.T @ ours, expected, rtol=1e-6, atol=1e-8 * expected.max())
 
 
 def test_its_slope_is_that_of_differences(weighing):

@@ -1,4 +1,7 @@
-"""Sizes of what stands beside the effects: the factor on u, and each member's, with their prior."""
+"""Sizes of what stands beside the effects: the factor on u, and each member's, with their prior.
+
+Source: closed form derived here: slope and information of the prior by the logarithms.
+"""
 
 from __future__ import annotations
 
