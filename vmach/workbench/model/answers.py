@@ -10,7 +10,7 @@ import numpy as np
 
 from vmach.base.units import um_from_mm
 from vmach.errors import InputError
-from vmach.job import job_name
+from vmach.job import Job, job_name
 from vmach.machine import Variant
 from vmach.report import ReportView
 from vmach.report.page.payload import pack_mesh
@@ -67,7 +67,7 @@ class Answers:
             "quantities": [vars(one) for one in quantities(model)],
             "models": [str(v) for v in (Variant.ABBE, Variant.HTM, Variant.NONE)],
             "notes": [str(note) for note in model.notes],
-            "files": [str(path) for _, path in job.files()],
+            "files": [str(path) for path in (*(p for _, p in job.files()), *_read_by(job))],
         }, b""
 
     def measured(self) -> Answer:
@@ -208,6 +208,12 @@ class Answers:
         onto = self._on_mesh[points.name]
         value = um_from_mm(onto.at_vertices(value_mm))
         return np.where(onto.known, value, np.nan).astype("<f4").tobytes()
+
+
+def _read_by(job: Job) -> list[Path]:
+    """Files of readings that a job names; those that cannot be are refused when they are read."""
+    names = [one.get("file") for one in job.measurements]
+    return [job.folder / name for name in names if isinstance(name, str)]
 
 
 def _variant(name: str) -> Variant:
