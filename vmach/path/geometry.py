@@ -5,6 +5,8 @@ Source: closed form derived here: a helix is a circle and a straight line in one
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from gcode import MoveKind, Moves
@@ -48,7 +50,7 @@ def position_at(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.nda
     nose = start + parameter[:, None] * (end - start)
     arcs = np.flatnonzero(moves.kind[move] == MoveKind.ARC)
     if arcs.size:
-        nose[arcs] = _arc(moves, move[arcs], parameter[arcs])[0]
+        nose[arcs] = _OnArc.at(moves, move[arcs], parameter[arcs]).position()
     ends = parameter == 1.0
     nose[ends] = end[ends]
     return nose
@@ -62,7 +64,7 @@ def tangent_at(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.ndar
     tangent = moves.end_mm[move] - moves.start_mm[move]
     arcs = np.flatnonzero(moves.kind[move] == MoveKind.ARC)
     if arcs.size:
-        tangent[arcs] = _arc(moves, move[arcs], parameter[arcs])[1]
+        tangent[arcs] = _OnArc.at(moves, move[arcs], parameter[arcs]).derivative()
     return tangent
 
 
@@ -110,26 +112,53 @@ def _radii(moves: Moves) -> tuple[np.ndarray, np.ndarray]:
     return radii[0], radii[1]
 
 
-def _arc(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Position and derivative on arcs, helices and spirals, each (P, 3)."""
-    axis, centre = moves.axis[move], moves.centre_mm[move]
-    start, end = moves.start_mm[move], moves.end_mm[move]
-    s, sweep = parameter[:, None], moves.sweep_rad[move][:, None]
+@dataclass(frozen=True)
+class _OnArc:
+    """Places on arcs, helices and spirals in the frames of their axes; columns of P rows."""
 
-    def split(offset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        along = np.einsum("ij,ij->i", offset, axis)[:, None]
-        return offset - along * axis, along
+    centre: np.ndarray
+    axis: np.ndarray
+    parameter: np.ndarray
+    sweep: np.ndarray
+    start_along: np.ndarray
+    climb: np.ndarray
+    growth: np.ndarray
+    radius: np.ndarray
+    outward: np.ndarray
+    onward: np.ndarray
 
-    first, start_along = split(start - centre)
-    last, end_along = split(end - centre)
-    start_radius = np.linalg.norm(first, axis=1, keepdims=True)
-    growth = np.linalg.norm(last, axis=1, keepdims=True) - start_radius
-    radius = start_radius + s * growth
-    outward = first / start_radius
-    onward = np.cross(axis, outward)
-    cos, sin = np.cos(s * sweep), np.sin(s * sweep)
-    radial, tangential = cos * outward + sin * onward, cos * onward - sin * outward
-    climb = end_along - start_along
-    position = centre + radius * radial + (start_along + s * climb) * axis
-    derivative = growth * radial + radius * sweep * tangential + climb * axis
-    return position, derivative
+    @classmethod
+    def at(cls, moves: Moves, move: np.ndarray, parameter: np.ndarray) -> _OnArc:
+        """At parameters (P,) of moves (P,), which are arcs."""
+        axis, centre = moves.axis[move], moves.centre_mm[move]
+
+        def split(point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            offset = point[move] - centre
+            along = np.einsum("ij,ij->i", offset, axis)[:, None]
+            return offset - along * axis, along
+
+        first, start_along = split(moves.start_mm)
+        last, end_along = split(moves.end_mm)
+        start_radius = np.linalg.norm(first, axis=1, keepdims=True)
+        growth = np.linalg.norm(last, axis=1, keepdims=True) - start_radius
+        outward = first / start_radius
+        s, sweep = parameter[:, None], moves.sweep_rad[move][:, None]
+        return cls(centre, axis, s, sweep, start_along, end_along - start_along, growth,
+                   start_radius + s * growth, outward, np.cross(axis, outward))  # fmt: skip
+
+    def position(self) -> np.ndarray:
+        """(P, 3) mm."""
+        turn = self.parameter * self.sweep
+        radial = np.cos(turn) * self.outward + np.sin(turn) * self.onward
+        along = self.start_along + self.parameter * self.climb
+        return self.centre + self.radius * radial + along * self.axis
+
+    def derivative(self) -> np.ndarray:
+        """With respect to the parameter, (P, 3) mm."""
+        turn = self.parameter * self.sweep
+        cos, sin = np.cos(turn), np.sin(turn)
+        radial, tangential = (
+            cos * self.outward + sin * self.onward,
+            cos * self.onward - sin * self.outward,
+        )
+        return self.growth * radial + self.radius * self.sweep * tangential + self.climb * self.axis
