@@ -117,7 +117,9 @@ def _pairs(
 
 
 @njit_kernel()
-def _fill_pairs(values, first, move, pairs, slopes):
+def _fill_pairs(
+    values: np.ndarray, first: np.ndarray, move: np.ndarray, pairs: np.ndarray, slopes: np.ndarray
+) -> None:
     """Write the values and derivatives of `_pairs`; neighbours of one move join at a node."""
     last = len(first) - 1
     for e in range(len(first)):
