@@ -22,7 +22,9 @@ __all__ = ["AsJson", "Control", "Digits", "Draws", "JobPath", "Model", "OutDir",
 
 
 def _tell_control(name: str | None) -> str | None:
-    from vmach.job.control import tell_control  # late: it loads what a job needs
+    if name is None and "vmach.job.control" not in sys.modules:
+        return None  # nothing was told before: what a job needs is not loaded for this
+    from vmach.job.control import tell_control
 
     return tell_control(name)
 

@@ -5,11 +5,10 @@ Source: closed form derived here: a helix is a circle and a straight line in one
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gcode import MoveKind, Moves
+from stock.compiled import njit_kernel, read_only
 
 __all__ = ["across", "last_direction", "move_length_mm", "position_at", "tangent_at"]
 
@@ -23,12 +22,13 @@ _NO_LENGTH_MM = 1e-9
 
 def move_length_mm(moves: Moves) -> np.ndarray:
     """Length of every move's path, (N,) float64; helices and spirals by their mean radius."""
-    straight = np.linalg.norm(moves.end_mm - moves.start_mm, axis=1)
-    along = np.einsum("ij,ij->i", moves.end_mm - moves.start_mm, moves.axis)
-    start_radius, end_radius = _radii(moves)
-    in_plane = np.abs(moves.sweep_rad) * 0.5 * (start_radius + end_radius)
-    in_plane = np.hypot(in_plane, end_radius - start_radius)
-    return np.where(moves.kind == MoveKind.ARC, np.hypot(in_plane, along), straight)
+    length = np.linalg.norm(moves.end_mm - moves.start_mm, axis=1)
+    arcs = np.flatnonzero(moves.kind == MoveKind.ARC)
+    along = np.einsum("ij,ij->i", moves.end_mm[arcs] - moves.start_mm[arcs], moves.axis[arcs])
+    start_radius, end_radius = _radii(moves, arcs)
+    in_plane = np.abs(moves.sweep_rad[arcs]) * 0.5 * (start_radius + end_radius)
+    length[arcs] = np.hypot(np.hypot(in_plane, end_radius - start_radius), along)
+    return length
 
 
 def position_at(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
@@ -46,14 +46,26 @@ def position_at(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.nda
     -------
     (P, 3) float64, mm
     """
-    start, end = moves.start_mm[move], moves.end_mm[move]
-    nose = start + parameter[:, None] * (end - start)
-    arcs = np.flatnonzero(moves.kind[move] == MoveKind.ARC)
+    nose = np.empty((len(move), 3))
+    ends = read_only(moves.start_mm), read_only(moves.end_mm)
+    _fill_positions(ends, read_only(move), read_only(parameter), nose)
+    arcs = np.flatnonzero((moves.kind[move] == MoveKind.ARC) & (parameter != 1.0))
     if arcs.size:
-        nose[arcs] = _OnArc.at(moves, move[arcs], parameter[arcs]).position()
-    ends = parameter == 1.0
-    nose[ends] = end[ends]
+        nose[arcs] = _arc(moves, move[arcs], parameter[arcs])[0]
     return nose
+
+
+@njit_kernel()
+def _fill_positions(ends, move, parameter, nose):
+    """Write places on straight moves, and the ends of all."""
+    start, end = ends
+    for i in range(len(move)):
+        row, s = move[i], parameter[i]
+        for j in range(3):
+            if s == 1.0:
+                nose[i, j] = end[row, j]
+            else:
+                nose[i, j] = start[row, j] + s * (end[row, j] - start[row, j])
 
 
 def tangent_at(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
@@ -64,7 +76,7 @@ def tangent_at(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.ndar
     tangent = moves.end_mm[move] - moves.start_mm[move]
     arcs = np.flatnonzero(moves.kind[move] == MoveKind.ARC)
     if arcs.size:
-        tangent[arcs] = _OnArc.at(moves, move[arcs], parameter[arcs]).derivative()
+        tangent[arcs] = _arc(moves, move[arcs], parameter[arcs])[1]
     return tangent
 
 
@@ -102,63 +114,36 @@ def _sign_of_motion(tangent: np.ndarray) -> np.ndarray:
     return np.where(np.abs(tangent) > _STANDING * speed, np.sign(tangent), 0.0)
 
 
-def _radii(moves: Moves) -> tuple[np.ndarray, np.ndarray]:
-    """In-plane distance of start and end from the arc's axis, each (N,)."""
-    radii = []
+def _radii(moves: Moves, arcs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """In-plane distance of start and end from the axis of some arcs (A,), each (A,)."""
+    radii, axis = [], moves.axis[arcs]
     for point in (moves.start_mm, moves.end_mm):
-        offset = point - moves.centre_mm
-        offset = offset - np.einsum("ij,ij->i", offset, moves.axis)[:, None] * moves.axis
+        offset = point[arcs] - moves.centre_mm[arcs]
+        offset = offset - np.einsum("ij,ij->i", offset, axis)[:, None] * axis
         radii.append(np.linalg.norm(offset, axis=1))
     return radii[0], radii[1]
 
 
-@dataclass(frozen=True)
-class _OnArc:
-    """Places on arcs, helices and spirals in the frames of their axes; columns of P rows."""
+def _arc(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Position and derivative on arcs, helices and spirals, each (P, 3)."""
+    axis, centre = moves.axis[move], moves.centre_mm[move]
+    start, end = moves.start_mm[move], moves.end_mm[move]
+    s, sweep = parameter[:, None], moves.sweep_rad[move][:, None]
 
-    centre: np.ndarray
-    axis: np.ndarray
-    parameter: np.ndarray
-    sweep: np.ndarray
-    start_along: np.ndarray
-    climb: np.ndarray
-    growth: np.ndarray
-    radius: np.ndarray
-    outward: np.ndarray
-    onward: np.ndarray
+    def split(offset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        along = np.einsum("ij,ij->i", offset, axis)[:, None]
+        return offset - along * axis, along
 
-    @classmethod
-    def at(cls, moves: Moves, move: np.ndarray, parameter: np.ndarray) -> _OnArc:
-        """At parameters (P,) of moves (P,), which are arcs."""
-        axis, centre = moves.axis[move], moves.centre_mm[move]
-
-        def split(point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            offset = point[move] - centre
-            along = np.einsum("ij,ij->i", offset, axis)[:, None]
-            return offset - along * axis, along
-
-        first, start_along = split(moves.start_mm)
-        last, end_along = split(moves.end_mm)
-        start_radius = np.linalg.norm(first, axis=1, keepdims=True)
-        growth = np.linalg.norm(last, axis=1, keepdims=True) - start_radius
-        outward = first / start_radius
-        s, sweep = parameter[:, None], moves.sweep_rad[move][:, None]
-        return cls(centre, axis, s, sweep, start_along, end_along - start_along, growth,
-                   start_radius + s * growth, outward, np.cross(axis, outward))  # fmt: skip
-
-    def position(self) -> np.ndarray:
-        """(P, 3) mm."""
-        turn = self.parameter * self.sweep
-        radial = np.cos(turn) * self.outward + np.sin(turn) * self.onward
-        along = self.start_along + self.parameter * self.climb
-        return self.centre + self.radius * radial + along * self.axis
-
-    def derivative(self) -> np.ndarray:
-        """With respect to the parameter, (P, 3) mm."""
-        turn = self.parameter * self.sweep
-        cos, sin = np.cos(turn), np.sin(turn)
-        radial, tangential = (
-            cos * self.outward + sin * self.onward,
-            cos * self.onward - sin * self.outward,
-        )
-        return self.growth * radial + self.radius * self.sweep * tangential + self.climb * self.axis
+    first, start_along = split(start - centre)
+    last, end_along = split(end - centre)
+    start_radius = np.linalg.norm(first, axis=1, keepdims=True)
+    growth = np.linalg.norm(last, axis=1, keepdims=True) - start_radius
+    radius = start_radius + s * growth
+    outward = first / start_radius
+    onward = np.cross(axis, outward)
+    cos, sin = np.cos(s * sweep), np.sin(s * sweep)
+    radial, tangential = cos * outward + sin * onward, cos * onward - sin * outward
+    climb = end_along - start_along
+    position = centre + radius * radial + (start_along + s * climb) * axis
+    derivative = growth * radial + radius * sweep * tangential + climb * axis
+    return position, derivative

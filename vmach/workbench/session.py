@@ -11,11 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from vmach.errors import InputError
-from vmach.job import job_name
+from vmach.files.job_name import job_name
 from vmach.workbench.command_runs import CommandRun, CommandRuns
 from vmach.workbench.events import Events
 from vmach.workbench.file_watch import FileWatch
 from vmach.workbench.job_chain import job_chain
+from vmach.workbench.last_picture import LastPicture
 from vmach.workbench.model.remote import ModelRefused, ModelStopped, RemoteModel
 from vmach.workbench.opened_folder import OpenedFolder
 from vmach.workbench.recent_jobs import remember_job
@@ -58,6 +59,7 @@ class Session:
         self._other_model: RemoteModel | None = None
         self._control = control
         self._model: RemoteModel | None = None
+        self._picture: LastPicture | None = None
         self._started_ns = 0
         self._watch = FileWatch()
 
@@ -168,9 +170,14 @@ class Session:
         """
         may_start = True
         while True:
-            model = self.model
+            model, picture = self.model, self._picture
+            if picture is not None and (known := picture.answer(question, arguments)):
+                return known
             try:
-                return await model.ask(question, **arguments)
+                found = await model.ask(question, **arguments)
+                if picture is not None and model is self._model:
+                    picture.note(question, arguments, found)
+                return found
             except ModelStopped:
                 if model is not self._model:  # another job was opened meanwhile
                     continue
@@ -281,18 +288,27 @@ class Session:
         self.revision += 1
         self._started_ns = time.time_ns()
         self._model = RemoteModel(self.job, self.effect_files, self._control)
+        self._picture = LastPicture(self.job, self.effect_files, self._control)
         self._watch.watch([self.job, *self.effect_files], since_ns=self._started_ns)
         with contextlib.suppress(RuntimeError):  # no loop yet: the first question does it
             asyncio.get_running_loop().create_task(self.watch_files())
 
     async def watch_files(self) -> None:
-        """Watch all files that the open job depends on."""
-        with contextlib.suppress(ModelRefused, ModelStopped, InputError):
-            model = self.model
+        """Watch all files that the open job depends on, and confirm what was shown of it."""
+        model, picture = self._model, self._picture
+        if model is None or picture is None:
+            return
+        is_good = not picture.is_there
+        with contextlib.suppress(ModelRefused, ModelStopped):
             about, _ = await model.ask("about")
             if model is self._model:
                 files = [*map(Path, about["files"]), *self.effect_files]
                 self._watch.watch(files, since_ns=self._started_ns)
+            is_good = await picture.holds(model)
+        if not is_good and model is self._model:
+            self._picture = None
+            self.revision += 1
+            self.events.tell("job", **self.record())
 
     def _tell_steps(self) -> None:
         self.events.tell("steps", **self.steps.record())

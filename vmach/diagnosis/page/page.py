@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from markupsafe import Markup
 
+from vmach.base.colour_ramp import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.base.units import um_from_mm, with_micro_sign
 from vmach.diagnosis.diagnose import Diagnosis
 from vmach.diagnosis.findings import Finding
@@ -30,7 +31,6 @@ from vmach.report.page.kit import (
 )
 from vmach.report.page.payload import encode_payload
 from vmach.report.page.svg_plot import Frame, Plot, number_text
-from vmach.report.pictures.colours import COLOUR_STOPS, UNKNOWN_COLOUR
 
 __all__ = ["write_diagnosis_page"]
 

@@ -13,8 +13,8 @@ import jinja2
 from markupsafe import Markup
 from PIL import Image
 
+from vmach.base.colour_ramp import COLOUR_STOPS
 from vmach.base.units import um_from_mm, with_micro_sign
-from vmach.report.pictures.colours import COLOUR_STOPS
 
 __all__ = [
     "asset",

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from vmach.base.colour_ramp import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.base.units import um_from_mm
 from vmach.features.result import FeatureResult
 from vmach.files.atomic import atomic_file
@@ -40,7 +41,6 @@ from vmach.report.page.kit import (
 )
 from vmach.report.page.payload import MAX_POINTS, encode_payload
 from vmach.report.page.polar_plot import polar_plot
-from vmach.report.pictures.colours import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.report.pictures.histogram import histograms
 from vmach.report.result import Column, DisplayMesh, InspectedPoints, RunRecord
 

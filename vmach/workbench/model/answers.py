@@ -9,15 +9,12 @@ from typing import Any
 import numpy as np
 
 from vmach.base.units import um_from_mm
-from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.errors import InputError
-from vmach.history import rms_um
 from vmach.job import job_name
 from vmach.machine import Variant
 from vmach.report import ReportView
 from vmach.report.page.payload import pack_mesh
 from vmach.workbench.model.effect_cards import effect_cards
-from vmach.workbench.model.instrument_forms import instrument_forms
 from vmach.workbench.model.machine_changes import (
     MachineChange,
     drawn_table_text,
@@ -78,6 +75,8 @@ class Answers:
         survey = self._model.survey
         if survey is None:
             return {"readings": 0}, b""
+        from vmach.history import rms_um
+
         return {
             "readings": len(survey),
             "rms_um": rms_um(survey),
@@ -188,10 +187,14 @@ class Answers:
 
     def instruments(self) -> Answer:
         """Forms for readings."""
+        from vmach.workbench.model.instrument_forms import instrument_forms
+
         return {"forms": instrument_forms()}, b""
 
     def check_job(self, job: str) -> Answer:
         """Read all that was measured for another job; refused where that cannot be."""
+        from vmach.diagnosis.residuals.job_survey import survey_job
+
         return {"readings": len(survey_job(job))}, b""
 
     def playback(self) -> Answer:
