@@ -8,7 +8,7 @@ import traceback
 from pathlib import Path
 
 from vmach.base.broken_pipe import end_by_broken_pipe, end_when_the_reader_leaves
-from vmach.base.memory import give_back_large_arrays
+from vmach.base.memory import keep_small_arrays
 from vmach.base.terminal import protect_terminal
 
 __all__ = ["main"]
@@ -23,7 +23,7 @@ def main() -> None:
     if sys.stdout is sys.__stdout__:  # not called by a program
         end_when_the_reader_leaves()
     protect_terminal()
-    give_back_large_arrays()
+    keep_small_arrays()
     try:
         from vmach.cli import main as command_line  # so that Ctrl-C while it loads counts too
 
