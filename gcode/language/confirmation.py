@@ -21,6 +21,8 @@ TRUTHS: dict[str, tuple[str, tuple[str, ...]]] = {
                      "test_sinumerik_language.py", "test_corners_and_scales.py",
                      "test_haas_cycles.py")),
     "posts": ("36 paths that FreeCAD 0.20 posted", ("test_freecad_posts.py",)),
+    "public posts": ("what posts that their makers published write and mean, computed by hand",
+                     ("test_okuma.py",)),
     "one part": ("one part programmed by hand for three controls",
                  ("test_one_part_three_controls.py",)),
     "fanuc": ("the same reader as FANUC's, whose words are confirmed above", ()),
