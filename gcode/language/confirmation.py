@@ -19,7 +19,7 @@ TRUTHS: dict[str, tuple[str, tuple[str, ...]]] = {
     "closed form": ("walls, floors, places and frames in closed form",
                     ("test_klartext_cycles.py", "test_klartext_contour_cycles.py",
                      "test_sinumerik_language.py", "test_corners_and_scales.py",
-                     "test_haas_cycles.py")),
+                     "test_haas_cycles.py", "test_face_cycles.py")),
     "posts": ("36 paths that FreeCAD 0.20 posted", ("test_freecad_posts.py",)),
     "public posts": ("what posts that their makers published write and mean, computed by hand",
                      ("test_okuma.py",)),
