@@ -29,6 +29,8 @@ pytestmark = pytest.mark.skipif(not BROWSER, reason="no Chromium on this machine
 FLAGS = ["--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader",
          "--enable-unsafe-swiftshader"]  # fmt: skip
 PATIENCE_MS = 300_000
+#: a desk's layout with a small map, as every pixel is drawn by the processor; and a tablet's
+WINDOW, TABLET = {"width": 1180, "height": 640}, {"width": 1024, "height": 600}
 #: answers that the tests ask for: a job that cannot be read, readings that are none
 REFUSED = "Failed to load resource: the server responded with a status of 400"
 
@@ -60,7 +62,7 @@ def context():
         browser = playwright.chromium.launch(
             executable_path=BROWSER, args=FLAGS, timeout=PATIENCE_MS
         )
-        made = browser.new_context(viewport={"width": 1400, "height": 900})
+        made = browser.new_context(viewport=WINDOW)
         made.set_default_timeout(PATIENCE_MS)
         yield made
         browser.close()
@@ -402,10 +404,12 @@ def test_what_to_measure_next_has_a_program_and_a_place_for_its_readings(tab, co
     state["shown"]["diagnosis"] |= {"next_measurement": asked, "program": str(place)}
     hello = f"retry: 600000\nevent: hello\ndata: {json.dumps(state)}\n\n"
     other = context.new_page()
+    other.set_viewport_size(TABLET)  # the message that nobody answers covers no button there
     other.route("**/api/events", lambda route: route.fulfill(
         content_type="text/event-stream", body=hello))  # fmt: skip
     other.goto(tab.url)
     ready(other)
+    says(other, "#notices", "does not answer")
     other.locator("#tab-diagnose").click()
     with other.expect_download() as waiting:
         other.get_by_text("Download its NC program").click()
