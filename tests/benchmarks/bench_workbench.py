@@ -53,11 +53,8 @@ class Bench:
 
     def processes(self) -> dict[str, int]:
         """Server and model, by their numbers."""
-        children = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text()
-        model = [
-            p for p in children.split() if b"spawn_main" in Path(f"/proc/{p}/cmdline").read_bytes()
-        ]
-        return {"server": self.process.pid, "model": int(model[-1])}
+        (loader,) = [p for p in children(self.process.pid) if "forkserver" in command(p)]
+        return {"server": self.process.pid, "loader": loader, "model": children(loader)[-1]}
 
     def memory_mb(self) -> dict[str, float]:
         found = {}
@@ -75,6 +72,15 @@ class Bench:
             fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
             found[name] = (int(fields[11]) + int(fields[12])) / ticks
         return found
+
+
+def children(pid: int) -> list[int]:
+    told = (task / "children" for task in Path(f"/proc/{pid}/task").iterdir())
+    return sorted(int(child) for file in told for child in file.read_text().split())
+
+
+def command(pid: int) -> str:
+    return Path(f"/proc/{pid}/cmdline").read_bytes().decode()
 
 
 def main() -> None:

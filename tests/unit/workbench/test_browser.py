@@ -4,6 +4,7 @@ One server and one page serve all tests, in the order in which somebody would wo
 small. What has to come is waited for as long as it takes.
 """
 
+import contextlib
 import json
 import os
 import re
@@ -146,18 +147,21 @@ def open_job(page, name):
     ready(page)
 
 
-def children_of(process, word):
-    """Processes that the server started whose command has a word in it."""
+def children_of(pid, word):
+    """Processes that a process started whose command has a word in it."""
     found = []
-    for task in Path(f"/proc/{process.pid}/task").iterdir():
-        for pid in (task / "children").read_text().split():
-            try:
-                said = Path(f"/proc/{pid}/cmdline").read_bytes().decode().split("\0")
-            except OSError:
-                continue
-            if word in said:
-                found.append(int(pid))
+    for task in Path(f"/proc/{pid}/task").iterdir():
+        for child in (task / "children").read_text().split():
+            with contextlib.suppress(OSError):
+                if word in Path(f"/proc/{child}/cmdline").read_bytes().decode():
+                    found.append(int(child))
     return found
+
+
+def workers_of(process):
+    """The process that holds the part: what loads for it has started it."""
+    loaders = children_of(process.pid, "forkserver")
+    return [worker for loader in loaders for worker in children_of(loader, "forkserver")]
 
 
 def drop(page, place, name, text):
@@ -452,22 +456,26 @@ def test_a_run_is_stopped_and_leaves_nothing(tab, served):
     while not found:  # held still before it can end; where it was too fast, once more
         until(lambda: not tab.locator("#run").is_visible())
         tab.locator("#machine").click()
-        until(lambda: children_of(process, "run") or tab.get_by_text("its report made").count())
-        for pid in children_of(process, "run"):
+        until(
+            lambda: (
+                children_of(process.pid, "\0run\0") or tab.get_by_text("its report made").count()
+            )
+        )
+        for pid in children_of(process.pid, "\0run\0"):
             os.kill(pid, signal.SIGSTOP)
             found.append(pid)
     tab.locator("#run .stop").click()
     tab.locator("#run").wait_for(state="hidden")
     for pid in found:
         os.kill(pid, signal.SIGCONT)
-    until(lambda: not children_of(process, "run"))
+    until(lambda: not children_of(process.pid, "\0run\0"))
     assert not list((folder / "vmach-results" / "odd").glob("run*"))
 
 
 def test_a_killed_worker_is_replaced_and_nothing_is_lost(tab, served):
-    (worker,) = [p for p in children_of(served[2], "--multiprocessing-fork")]
+    (worker,) = workers_of(served[2])
     os.kill(worker, signal.SIGKILL)
-    until(lambda: children_of(served[2], "--multiprocessing-fork") != [worker])
+    until(lambda: workers_of(served[2]) != [worker])
     tab.locator("#quantity").select_option("measured")
     says(tab, "#figures", "Measured")
     ready(tab)
