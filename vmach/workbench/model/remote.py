@@ -9,6 +9,7 @@ from multiprocessing import get_all_start_methods, get_context
 from pathlib import Path
 from typing import Any
 
+from vmach.base.interrupt import interrupts_are_not_for_children
 from vmach.errors import VmachError
 from vmach.workbench.model.process import serve
 
@@ -43,7 +44,8 @@ class RemoteModel:
         self._process = context.Process(
             target=serve, args=(far_end, str(job), files, control), daemon=True
         )
-        self._process.start()
+        with interrupts_are_not_for_children():  # Ctrl-C is the server's, which ends this too
+            self._process.start()
         far_end.close()
         self._order = ThreadPoolExecutor(1)  # one question at a time, also where a caller gave up
         self.has_answered = False
