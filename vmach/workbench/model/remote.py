@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from multiprocessing import get_context
+from multiprocessing import get_all_start_methods, get_context
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,9 @@ from vmach.workbench.model.process import serve
 __all__ = ["ModelRefused", "ModelStopped", "RemoteModel"]
 
 _ENDED = "the process that holds the part has ended"
+#: a process that has loaded what a model needs, and becomes one in a moment; else each loads it
+_METHOD = "forkserver" if "forkserver" in get_all_start_methods() else "spawn"
+_LOADED = ["vmach.workbench.model.answers"]
 
 
 class ModelRefused(VmachError):
@@ -33,7 +36,9 @@ class RemoteModel:
     """
 
     def __init__(self, job: Path, effect_files: Sequence[Path] = (), control: str | None = None):
-        context = get_context("spawn")
+        context = get_context(_METHOD)
+        if _METHOD == "forkserver":
+            context.set_forkserver_preload(_LOADED)
         self._pipe, far_end = context.Pipe()
         files = [str(file) for file in effect_files]
         self._process = context.Process(
