@@ -28,7 +28,7 @@ class AxisWords(NamedTuple):
     is_plain : (M,) bool
         The line has letters with plain numbers and comments only, each of `LETTERS` once at
         most, and no P.
-    start, stop : (M, 7) int64
+    start, stop : (M, 7) int32, or int64 of texts beyond 2 GB
         Span of every number in the text by its letter; -1 where there is no word.
     value : (M, 3) float64
         Of X Y Z.
