@@ -305,9 +305,9 @@ def test_what_a_rival_makes_needless_goes_before_what_is_small():
     assert needless.order < small.order
 
 
-def test_an_effect_three_times_as_large_as_the_rest_is_as_probably_an_imitation():
-    support = Support(odds=50.0, size_um=3.0, rest_um=1.0)
-    assert support.probability == pytest.approx(0.5, abs=0.01)
+def test_an_effect_five_times_as_large_as_the_rest_is_as_probably_an_imitation():
+    support = Support(odds=50.0, size_um=5.0, rest_um=1.0)
+    assert support.probability == pytest.approx(0.5, abs=0.03)
     assert not replace(support, rest_um=1.1).is_shown and replace(support, rest_um=0.9).is_shown
 
 

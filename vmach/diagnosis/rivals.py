@@ -64,11 +64,12 @@ def credible(gains: np.ndarray) -> np.ndarray:
 
 
 def in_other_sets(weighing: Weighing, label: str) -> list[str]:
-    """Effects in the place of one, in sets that are not clearly less probable than the best."""
+    """Effects in the place of one, in sets that are nearly as probable as the best."""
     tried = weighing.tried
     best = max(tried, key=lambda labels: tried[labels], default=frozenset())
-    near = (s for s in tried if tried[s] > tried[best] - CLEARLY and best - s == {label})
-    return sorted({other for labels in near for other in labels - best})
+    sets = [best, *(labels for labels in tried if best - labels == {label})]
+    near = credible(np.array([tried.get(labels, 0.0) for labels in sets]))
+    return sorted({other for k in near for other in sets[k] - best})
 
 
 def _needs_impossible_size(weighing: Weighing, others: Explanation, i: int) -> bool:

@@ -21,7 +21,7 @@ CLEARLY = 4.6
 #: log prior odds of an effect that every machine has and nobody measured in this one
 UNMEASURED = 4.0
 #: size of an effect, in what remains beside it, where it is as probably an imitation as not
-IMITATION = 3.0
+IMITATION = 5.0
 #: what remains counts as structure from this multiple of the median stated uncertainty on
 STRUCTURE = 1.0
 #: below this multiple of the median stated uncertainty a rest is not looked into
