@@ -20,6 +20,75 @@ Position (mm);Abweichung (µm);Richtung;Lauf
 -200,0;0,4;-;1
 -300,0;-1,1;-;1
 """
+RTL = """\
+HEADER::
+File type: Linear
+Owner: XCAL
+Version no: 1
+TARGET DATA::
+Filetype: Linear
+Target-count: 3
+Flags: 1 0 1
+Targets:
+0.0000 100.0000
+200.0000
+USER-TEXT::
+Machine: DMU 50
+Serial No: 1234
+Date: 10:15 Jan 12 2015
+By: Operator
+Axis: X
+Location: Hall 3
+TITLE: X axis
+RUNS::
+Run-count: 4
+DEVIATIONS::
+Run Target Data:
+1 1 0.1000
+1 2 1.5000
+1 3 3.2000
+2 3 2.2000
+2 2 0.4000
+2 1 -1.1000
+3 1 0.2000
+3 2 1.6000
+3 3 3.3000
+4 3 2.4000
+4 2 0.6000
+4 1 -0.9000
+ENVIRONMENT::
+Air temp: 20.1 20.2 C
+EOF::
+"""
+PCDMIS = """\
+PART NAME  : PLATE
+REV NUMBER : A
+DIM LOC1= LOCATION OF CIRCLE CIR1  UNITS=MM ,$
+GRAPH=OFF  TEXT=OFF  MULT=10.00  OUTPUT=BOTH
+AX    NOMINAL       +TOL       -TOL       MEAS        DEV     OUTTOL
+X      10.000      0.100      0.100     10.011      0.011      0.000 ----#----
+Y      20.000      0.100      0.100     19.995     -0.005      0.000 ---#-----
+Z       0.000      0.100      0.100      0.000      0.000      0.000 ----#----
+D       8.000      0.100      0.100      8.012      0.012      0.000 ----#----
+END OF DIMENSION LOC1
+DIM LOC2= TRUE POSITION OF CIRCLE CIR2  UNITS=MM ,$
+AX       MEAS    NOMINAL       +TOL       -TOL      BONUS        DEV     OUTTOL
+X     -28.623    -28.600                                       0.023
+Y       9.125      9.100                                       0.025
+DF      4.254      4.200      0.200      0.000      0.054      0.054      0.000
+TP      0.068        MMC      0.200                 0.054      0.068      0.000
+END OF DIMENSION LOC2
+DIM FLAT1= FLATNESS OF PLANE PLN1  UNITS=MM ,$
+AX    NOMINAL       +TOL       -TOL       MEAS        DEV     OUTTOL
+M       0.000      0.050      0.000      0.008      0.008      0.000 ----#----
+END OF DIMENSION FLAT1
+DIM LOC3= LOCATION OF POINT PNT1  UNITS=MM ,$
+AX    NOMINAL       +TOL       -TOL       MEAS        DEV     OUTTOL
+X       5.000      0.100      0.100      5.000      0.000      0.000 ----#----
+Y       3.000      0.100      0.100      3.001      0.001      0.000 ----#----
+Z       0.000      0.100      0.100     -0.012     -0.012      0.000 ---#-----
+END OF DIMENSION LOC3
+"""
 BALLBAR = "Run,Feed (mm/min),Angle (deg),Deviation (um)\n" + "".join(
     f"{run},1000,{angle if run == 'CCW' else 360 - angle},{0.1 * angle % 7 - 3:.2f}\n"
     for run in ("CCW", "CW")
@@ -190,6 +259,8 @@ class Sample:
 
 SAMPLES = (
     Sample("laser", "x.csv", LASER, {"error": "EXX"}),
+    Sample("renishaw_rtl", "x.rtl", RTL),
+    Sample("pcdmis", "plate.txt", PCDMIS),
     Sample("ballbar", "ballbar.csv", BALLBAR, _BALLBAR),
     Sample("ballbar_report", "qc20.b5r", BALLBAR_REPORT, {"angle": "more"}),
     Sample("drift", "drift.txt", DRIFT, _DRIFT),

@@ -17,6 +17,8 @@ __all__ = ["to_moves"]
 
 #: An angle below this is a full circle rather than nothing, rad.
 _FULL_CIRCLE = 1e-6
+#: rows between two events from which on it is quicker to add to each stretch by itself
+_LONG_STRETCH = 100
 
 _KIND = {Call.TRAVERSE: MoveKind.RAPID, Call.FEED: MoveKind.LINE, Call.ARC: MoveKind.ARC,
          Call.DWELL: MoveKind.DWELL, Call.CHANGE_TOOL: MoveKind.DWELL, Call.PROBE: MoveKind.LINE,
@@ -41,12 +43,25 @@ class _Modal:
         skip : int
             How many values to leave out before them.
         """
+        values, ends = self._stretches(name, width, skip)
+        return np.repeat(values, np.diff(ends, prepend=0), axis=0)
+
+    def add(self, name: str, rows: np.ndarray, *, skip: int = 0) -> None:
+        """Add to every row (N, width) what `column` gives for it; nothing else is made."""
+        values, ends = self._stretches(name, rows.shape[1], skip)
+        if len(ends) * _LONG_STRETCH > self.count:
+            rows += self.column(name, rows.shape[1], skip=skip)
+            return
+        for value, begin, end in zip(values, (0, *ends), ends, strict=False):
+            rows[begin:end] += value
+
+    def _stretches(self, name: str, width: int, skip: int) -> tuple[np.ndarray, np.ndarray]:
+        """Values (K, width) of the stretches of rows between events, and where they end, (K,)."""
         at, told = self.record.events_of(name)
         values = np.zeros((len(at) + 1, width))
         if len(at):
             values[1:] = told[:, skip : skip + width]
-        rows = np.concatenate(([0], at, [self.count]))
-        return np.repeat(values, np.diff(rows, prepend=0)[1:], axis=0)
+        return values, np.concatenate((at, [self.count])).astype(np.int64)
 
 
 def to_moves(record: Record, *, limits: MachineLimits, home_mm: np.ndarray | None) -> Moves:
@@ -70,19 +85,21 @@ def to_moves(record: Record, *, limits: MachineLimits, home_mm: np.ndarray | Non
     path = record.path()
     count = len(path.call)
     modal = _Modal(record, count)
-    offset = modal.column("tool_offset", 6)
-    end, rotary = _machine_ends(path, modal, offset)
+    offset = modal.column("tool_offset", 3)
+    end, rotary = _machine_ends(path, modal)
     still = (path.call == Call.DWELL) | (path.call == Call.CHANGE_TOOL)
     start_point = _start_point(path, end, home_mm)
-    end = _hold(end, still, start_point)
-    rotary = _hold(rotary, still, np.zeros(3))
+    _hold(end, still, start_point)
+    _hold(rotary, still, np.zeros(3))
     start = np.concatenate((start_point[None], end[:-1])) if count else end
     rotary_start = np.concatenate((np.zeros((1, 3)), rotary[:-1])) if count else rotary
     kind = np.array([_KIND[call] for call in Call], np.int8)[path.call]
     centre, axis, sweep = _arcs(record, modal, start=start, end=end, offset=offset)
     feed = np.where(kind == MoveKind.RAPID, limits.rapid_mm_per_min, path.feed_mm_per_min)
     feed[still] = 0.0
-    turned = np.sqrt(((rotary - rotary_start) ** 2).sum(axis=1))
+    turned = np.zeros(count)
+    if rotary.any():
+        turned = np.sqrt(((rotary - rotary_start) ** 2).sum(axis=1))
     path_control, tolerance = modal.column("path_control", 2).T
     duration = durations(Geometry(start, end, centre, axis, sweep, turned), feed,
                          rapid=kind == MoveKind.RAPID, path_control=path_control,
@@ -108,7 +125,7 @@ def to_moves(record: Record, *, limits: MachineLimits, home_mm: np.ndarray | Non
         feed_mm_per_min=feed,
         spindle_rpm=modal.column("spindle")[:, 0],
         tool=modal.column("change_tool")[:, 0],
-        tool_offset_mm=offset[:, :3],
+        tool_offset_mm=offset,
         work_offset=modal.column("set_g5x_offset")[:, 0],
         exact_stop=path_control == PATH_CONTROL["G61.1"],
         start_s=np.concatenate(([0.0], np.cumsum(duration)[:-1])) if count else duration,
@@ -120,19 +137,21 @@ def _rotations(angle_deg: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
 
 
-def _machine_ends(path: Path, modal: _Modal, offset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _machine_ends(path: Path, modal: _Modal) -> tuple[np.ndarray, np.ndarray]:
     """Ends in machine coordinates: R (program + G92) + G5x + tool offset."""
-    origin = modal.column("set_g5x_offset", 6, skip=1)
-    g92 = modal.column("set_g92_offset", 6)
-    point = _turned(modal, path.point_mm, slice(None)) + g92[:, :3]
+    point, rotary = _turned(modal, path.point_mm.copy(), slice(None)), path.rotary_deg.copy()
+    modal.add("set_g92_offset", point)
     angle = modal.column("set_xy_rotation")[:, 0]
     if angle.any():
         cosine, sine = _rotations(angle)
         x, y = point[:, 0].copy(), point[:, 1].copy()
         point[:, 0] = x * cosine - y * sine
         point[:, 1] = x * sine + y * cosine
-    rotary = path.rotary_deg + g92[:, 3:] + origin[:, 3:] + offset[:, 3:]
-    return point + origin[:, :3] + offset[:, :3], rotary
+    modal.add("set_g5x_offset", point, skip=1)
+    modal.add("tool_offset", point)
+    for name, skip in (("set_g92_offset", 3), ("set_g5x_offset", 4), ("tool_offset", 3)):
+        modal.add(name, rotary, skip=skip)
+    return point, rotary
 
 
 def _turned(modal: _Modal, point: np.ndarray, rows: slice | np.ndarray) -> np.ndarray:
@@ -163,10 +182,12 @@ def _start_point(path: Path, end: np.ndarray, home_mm: np.ndarray | None) -> np.
     return end[moving[0]] if len(moving) else np.zeros(3)
 
 
-def _hold(end: np.ndarray, still: np.ndarray, start: np.ndarray) -> np.ndarray:
+def _hold(end: np.ndarray, still: np.ndarray, start: np.ndarray) -> None:
     """Give rows that stand still the end of the last row that moves."""
-    last = np.maximum.accumulate(np.where(still, -1, np.arange(len(still))))
-    return np.where((last >= 0)[:, None], end[last], start) if len(end) else end
+    rows, moving = np.flatnonzero(still), np.flatnonzero(~still)
+    before = np.searchsorted(moving, rows)
+    end[rows] = start
+    end[rows[before > 0]] = end[moving[before[before > 0] - 1]]
 
 
 def _arcs(
@@ -193,7 +214,7 @@ def _arcs(
     for vector in (middle, along):
         x, y = vector[:, 0].copy(), vector[:, 1].copy()
         vector[:, 0], vector[:, 1] = x * cosine - y * sine, x * sine + y * cosine
-    middle += modal.column("set_g5x_offset", 3, skip=1)[rows] + offset[rows, :3]
+    middle += modal.column("set_g5x_offset", 3, skip=1)[rows] + offset[rows]
     rise = np.einsum("ij,ij->i", start[rows] - middle, along)
     middle += along * rise[:, None]
     centre[rows], axis[rows] = middle, along

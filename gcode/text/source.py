@@ -32,7 +32,8 @@ _TOKEN = re.compile(
 
 
 #: no length has so many digits; from 309 on a number is infinite, from 4,301 on Python refuses it
-_LONG_NUMBER = re.compile(rb"\d{100,}")
+_LONG_DIGITS = 100
+_LONG_NUMBER = re.compile(rb"\d{%d,}" % _LONG_DIGITS)
 
 
 @dataclass(frozen=True)
@@ -89,15 +90,18 @@ class Source:
                 line=line,
                 accepted="a text in ASCII, Latin-1 or UTF-8",
             )
-        long = _LONG_NUMBER.search(data)
+        source = cls(data, path)
+        # most programs have no line that is long enough
+        longest = np.diff(source.line_starts).max(initial=0)
+        long = longest >= _LONG_DIGITS and _LONG_NUMBER.search(data)
         if long:
             raise ProgramError(
                 f"a number of {len(long[0])} digits",
                 file=path,
                 line=data[: long.start()].count(b"\n") + 1,
-                accepted="fewer than 100 digits",
+                accepted=f"fewer than {_LONG_DIGITS} digits",
             )
-        return cls(data, path)
+        return source
 
     @cached_property
     def line_starts(self) -> np.ndarray:

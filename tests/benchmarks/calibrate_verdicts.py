@@ -7,7 +7,7 @@ Experiments of known and foreign causes are drawn with every kind of noise, on s
 else uses. Every effect that a search takes gives a row: whether it is true, its log odds, its size
 and what remains. The most likely `IMITATION` of `vmach/diagnosis/inference/rules.py` is fitted to
 those that leave something; the sizes of the discrepancy give
-its prior in `vmach/fit/marginal_likelihood.py`. Cases whose rows are in the file are not run
+its prior in `vmach/fit/sizes.py`. Cases whose rows are in the file are not run
 again.
 """
 
@@ -40,7 +40,7 @@ from vmach.diagnosis.inference.support import Support, supports_of
 from vmach.diagnosis.inference.verdicts import searched
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.diagnosis.rivals import rivals_of
-from vmach.fit.marginal_likelihood import _POWER, _USUAL_SIZE
+from vmach.fit.sizes import _POWER, _USUAL_SIZE
 
 COLUMNS = (
     "kind", "noise", "seed", "effect", "is_true", "odds", "size_um", "rest_um", "members",

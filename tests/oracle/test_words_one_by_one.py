@@ -259,7 +259,7 @@ REFUSED = {
         "FN 14: ERROR = 1": "stops itself", "FN 17: SYSWRITE ID5": "FN 17", 'QS1="A"': "QS",
         "CYCL DEF 19.1 A+10": "CYCL DEF 19.1", "CYCL DEF 270 X": "CYCL DEF 270",
         "CALL SELECTED PGM": "SEL PGM", "CALL PGM NO": "NO.H", "CALL LBL 9": "LBL 9",
-        "TRANS DATUM TABLE 5": "TRANS DATUM TABLE", "CC X+0 Z+0": "circle centre with Z",
+        "TRANS DATUM TABLE 5": "TRANS DATUM TABLE", "CC Z+0": "CC with Z",
         "L X+1 FMAX M99": "no cycle", "TOOL CALL 1 Y": "TOOL CALL 1 Y", "L X+5 M130": "M130",
     },
 }  # fmt: skip

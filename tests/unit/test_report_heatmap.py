@@ -8,13 +8,14 @@ import trimesh
 from PIL import Image
 
 from tests.report_case import block, points, run
+from vmach.base.colour_ramp import COLOUR_STOPS
 from vmach.report import (
     Colouring,
     DisplayMesh,
     build_display_mesh,
 )
 from vmach.report.pictures.camera import Camera, isometric_camera
-from vmach.report.pictures.colours import COLOUR_STOPS, colour_range, colours_of, nice_ceiling
+from vmach.report.pictures.colours import colour_range, colours_of, nice_ceiling
 from vmach.report.pictures.heatmap import draw_heatmap
 from vmach.report.pictures.rasterise import rasterise
 

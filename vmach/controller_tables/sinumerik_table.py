@@ -6,7 +6,6 @@ Source: SINUMERIK 840D sl / 828D, Function Manual Extended Functions, K3 Compens
 from __future__ import annotations
 
 import re
-from collections import defaultdict
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -31,6 +30,8 @@ _LARGEST = 1e6
 class SinumerikTable:
     """One compensation table as the control holds it."""
 
+    #: where it begins in the file, 1-based
+    line: int = 1
     values: dict[int, float] = field(default_factory=dict)
     settings: dict[str, str] = field(default_factory=dict)
 
@@ -82,7 +83,7 @@ def read_tables(path: Path, pattern: re.Pattern) -> dict[str, SinumerikTable]:
     InputError
         A line of another kind, no number, or entries that MIN, MAX and STEP do not place.
     """
-    tables: dict[str, SinumerikTable] = defaultdict(SinumerikTable)
+    tables: dict[str, SinumerikTable] = {}
     for number, line in enumerate(read_text(path, what="compensation file").splitlines(), 1):
         content = line.split(";")[0].strip()
         if not content or content.startswith(("%", "CHANDATA", "M17")):
@@ -94,7 +95,7 @@ def read_tables(path: Path, pattern: re.Pattern) -> dict[str, SinumerikTable]:
         name, value = found["setting"], found["value"]
         if name in (None, "STEP", "MIN", "MAX") and not abs(decimal_number(value)) < _LARGEST:
             raise InputError(f"value '{value}'", file=path, line=number, accepted="a number in mm")
-        table = tables[found["table"]]
+        table = tables.setdefault(found["table"], SinumerikTable(number))
         if name is None:
             table.values[int(found["place"])] = float(value)
         else:
@@ -108,11 +109,13 @@ def _check(tables: dict[str, SinumerikTable], path: Path) -> None:
     for index, table in tables.items():
         missing = {"STEP", "MIN", "MAX"} - set(table.settings)
         if missing:
-            raise InputError(f"table {index} has no {', '.join(sorted(missing))}", file=path)
+            raise InputError(
+                f"table {index} has no {', '.join(sorted(missing))}", file=path, line=table.line
+            )
         low, high = float(table.settings["MIN"]), float(table.settings["MAX"])
         intervals = (high - low) / float(table.settings["STEP"])
         if abs(intervals - (len(table.values) - 1)) > 1e-6 or len(table.values) < 2:
             raise InputError(
                 f"table {index} has {len(table.values)} entries for {low:g} .. {high:g} mm in "
-                f"steps of {table.settings['STEP']} mm", file=path,
+                f"steps of {table.settings['STEP']} mm", file=path, line=table.line,
             )  # fmt: skip

@@ -135,7 +135,7 @@ def _can_imitate(
 
     No column less than `least` times: a size is not below zero.
     """
-    absorb = weighing.whitening_beside(others)
-    shown, columns = absorb(explained_mm), absorb(span)
+    whiten = others.posterior.whiten
+    shown, columns = whiten(explained_mm), whiten(span)
     left = 2.0 * lsq_linear(columns, shown, bounds=(least, np.inf)).cost
     return left < 2.0 * CLEARLY

@@ -17,8 +17,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from vmach.fit.survey import Survey
-from vmach.fit.terms import FREE, JointFit, Term
-from vmach.fit.whitening import Whitening, orthonormal
+from vmach.fit.terms import FREE, JointFit, Term, Whitener
+from vmach.fit.whitening import orthonormal
 
 __all__ = ["fit_terms"]
 
@@ -31,7 +31,7 @@ _AT_ONCE = 64
 def fit_terms(
     survey: Survey,
     terms: Sequence[Term],
-    whiten: Whitening,
+    whiten: Whitener,
     *,
     refine: bool = True,
 ) -> JointFit:
@@ -42,8 +42,8 @@ def fit_terms(
     survey : Survey
     terms : sequence of Term
         With starting values.
-    whiten : Whitening
-        Of the survey's readings.
+    whiten : callable
+        Turns columns (n, ...) mm into unit noise.
     refine : bool
         Whether inner parameters move from their starting values.
     """
@@ -76,7 +76,7 @@ class _Problem:
     survey : Survey
     terms : tuple of Term
         Their coefficients are K in all.
-    whiten : Whitening
+    whiten : callable
     reading : (n,) float64
         What is to be explained, whitened.
     known : dict
@@ -85,7 +85,7 @@ class _Problem:
 
     survey: Survey
     terms: tuple[Term, ...]
-    whiten: Whitening
+    whiten: Whitener
     reading: np.ndarray
     known: dict[tuple, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 

@@ -30,15 +30,24 @@ def named_error(text: str) -> str | None:
     return found.pop() if len(found) == 1 else None
 
 
-def component_question(source: SourceFile, questions: Questions) -> str:
+def component_question(source: SourceFile, questions: Questions, *, said: str | None = None) -> str:
     """Which error a file holds: as told, as its name or its head says, or asked.
+
+    Parameters
+    ----------
+    source : SourceFile
+    questions : Questions
+    said : str or None
+        What the file itself says, where it has a place for it.
 
     Raises
     ------
     InputError
         No component error.
     """
-    said = named_error(source.path.name.upper()) or named_error("\n".join(source.lines[:40]))
+    said = (
+        said or named_error(source.path.name.upper()) or named_error("\n".join(source.lines[:40]))
+    )
     return questions.choice(
         "error",
         f"which error does {source.path.name} hold? EXX is the positioning of X",

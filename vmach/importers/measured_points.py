@@ -62,7 +62,7 @@ def points_file(points: Points, source: SourceFile, told: Sequence[str] = ()) ->
     lines = ["id,feature,x,y,z,i,j,k,mx,my,mz"]
     columns = np.hstack([points.nominal_mm, points.normal, points.measured_mm])
     for name, feature, row in zip(points.id, points.feature, columns, strict=True):
-        lines.append(f"{_word(name)},{_word(feature)}," + ",".join(f"{v:.9g}" for v in row))
+        lines.append(f"{_word(name)},{_word(feature)}," + ",".join(f"{v + 0.0:.9g}" for v in row))
     file = f"{source.path.stem}_points.csv"
     apart = np.einsum("ij,ij->i", points.measured_mm - points.nominal_mm, points.normal)
     said = (

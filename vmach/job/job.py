@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +18,7 @@ from vmach.job.probing import Probing
 from vmach.job.tool import JobTool
 from vmach.machine import Machine
 
-__all__ = ["Job", "free_job_name", "job_name"]
+__all__ = ["Job"]
 
 
 @dataclass(frozen=True)
@@ -103,18 +101,3 @@ class Job:
         optional = [("nominal", self.nominal), ("measured", self.measured), ("stock", blank),
                     ("logo", self.drawing.logo)]  # fmt: skip
         return files + [(role, path) for role, path in optional if path is not None]
-
-
-def job_name(path: Path) -> str:
-    """What a job is called: its file's name, or its folder's where the file is ``job.toml``."""
-    path = Path(os.path.realpath(path))  # a loop of links is told when the file is read
-    return path.parent.name if path.name == "job.toml" else path.stem
-
-
-def free_job_name(path: Path) -> Path:
-    """A name for a job that goes on from another, beside it: ``job-2.toml``, ``job-3.toml`` ..."""
-    number = 2
-    stem = re.sub(r"-\d+$", "", path.stem)
-    while (candidate := path.with_name(f"{stem}-{number}.toml")).exists():
-        number += 1
-    return candidate

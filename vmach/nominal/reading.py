@@ -5,13 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from vmach.errors import InputError
-from vmach.nominal.mesh.stl_part import read_stl_part
 from vmach.nominal.part import NominalPart
-from vmach.nominal.step.part import read_step_part
 
 __all__ = ["LENGTH_UNITS_MM", "read_nominal"]
 
-_READERS = {".step": read_step_part, ".stp": read_step_part, ".stl": read_stl_part}
 
 #: units of length that a job can name for CAD that does not say its own
 LENGTH_UNITS_MM = {"um": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1e3, "inch": 25.4}
@@ -45,3 +42,18 @@ def read_nominal(path: str | Path, unit: str | None = None) -> NominalPart:
             raise
         # of the geometry, which does not know its file
         raise InputError(error.what, file=path, accepted=error.accepted, hint=error.hint) from None
+
+
+def _read_step(path: Path, unit_mm: float | None) -> NominalPart:
+    from vmach.nominal.step.part import read_step_part  # late: commands without CAD do not wait
+
+    return read_step_part(path, unit_mm)
+
+
+def _read_stl(path: Path, unit_mm: float | None) -> NominalPart:
+    from vmach.nominal.mesh.stl_part import read_stl_part  # late, too
+
+    return read_stl_part(path, unit_mm)
+
+
+_READERS = {".step": _read_step, ".stp": _read_step, ".stl": _read_stl}

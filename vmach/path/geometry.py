@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from gcode import MoveKind, Moves
+from stock.compiled import njit_kernel, read_only
 
 __all__ = ["across", "last_direction", "move_length_mm", "position_at", "tangent_at"]
 
@@ -21,12 +22,13 @@ _NO_LENGTH_MM = 1e-9
 
 def move_length_mm(moves: Moves) -> np.ndarray:
     """Length of every move's path, (N,) float64; helices and spirals by their mean radius."""
-    straight = np.linalg.norm(moves.end_mm - moves.start_mm, axis=1)
-    along = np.einsum("ij,ij->i", moves.end_mm - moves.start_mm, moves.axis)
-    start_radius, end_radius = _radii(moves)
-    in_plane = np.abs(moves.sweep_rad) * 0.5 * (start_radius + end_radius)
-    in_plane = np.hypot(in_plane, end_radius - start_radius)
-    return np.where(moves.kind == MoveKind.ARC, np.hypot(in_plane, along), straight)
+    length = np.linalg.norm(moves.end_mm - moves.start_mm, axis=1)
+    arcs = np.flatnonzero(moves.kind == MoveKind.ARC)
+    along = np.einsum("ij,ij->i", moves.end_mm[arcs] - moves.start_mm[arcs], moves.axis[arcs])
+    start_radius, end_radius = _radii(moves, arcs)
+    in_plane = np.abs(moves.sweep_rad[arcs]) * 0.5 * (start_radius + end_radius)
+    length[arcs] = np.hypot(np.hypot(in_plane, end_radius - start_radius), along)
+    return length
 
 
 def position_at(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
@@ -44,14 +46,26 @@ def position_at(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.nda
     -------
     (P, 3) float64, mm
     """
-    start, end = moves.start_mm[move], moves.end_mm[move]
-    nose = start + parameter[:, None] * (end - start)
-    arcs = np.flatnonzero(moves.kind[move] == MoveKind.ARC)
+    nose = np.empty((len(move), 3))
+    ends = read_only(moves.start_mm), read_only(moves.end_mm)
+    _fill_positions(ends, read_only(move), read_only(parameter), nose)
+    arcs = np.flatnonzero((moves.kind[move] == MoveKind.ARC) & (parameter != 1.0))
     if arcs.size:
         nose[arcs] = _arc(moves, move[arcs], parameter[arcs])[0]
-    ends = parameter == 1.0
-    nose[ends] = end[ends]
     return nose
+
+
+@njit_kernel()
+def _fill_positions(ends, move, parameter, nose):
+    """Write places on straight moves, and the ends of all."""
+    start, end = ends
+    for i in range(len(move)):
+        row, s = move[i], parameter[i]
+        for j in range(3):
+            if s == 1.0:
+                nose[i, j] = end[row, j]
+            else:
+                nose[i, j] = start[row, j] + s * (end[row, j] - start[row, j])
 
 
 def tangent_at(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
@@ -100,12 +114,12 @@ def _sign_of_motion(tangent: np.ndarray) -> np.ndarray:
     return np.where(np.abs(tangent) > _STANDING * speed, np.sign(tangent), 0.0)
 
 
-def _radii(moves: Moves) -> tuple[np.ndarray, np.ndarray]:
-    """In-plane distance of start and end from the arc's axis, each (N,)."""
-    radii = []
+def _radii(moves: Moves, arcs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """In-plane distance of start and end from the axis of some arcs (A,), each (A,)."""
+    radii, axis = [], moves.axis[arcs]
     for point in (moves.start_mm, moves.end_mm):
-        offset = point - moves.centre_mm
-        offset = offset - np.einsum("ij,ij->i", offset, moves.axis)[:, None] * moves.axis
+        offset = point[arcs] - moves.centre_mm[arcs]
+        offset = offset - np.einsum("ij,ij->i", offset, axis)[:, None] * axis
         radii.append(np.linalg.norm(offset, axis=1))
     return radii[0], radii[1]
 

@@ -7,6 +7,7 @@ by e_i x arm (`vmach.machine.displacement`).
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -37,13 +38,19 @@ def levers(
     """
     units = {}
     for name in COMPONENT_NAMES:
-        unit = ComponentError(name, _EVERYWHERE_MM, np.ones(2), np.ones(2))
         # read nowhere, or at a place that no angle of the machine asked for: the frame's origin
         known = machine.components.get(name)
         at = None if known is None else known.measured_at_mm
-        units[name] = replace(unit, measured_at_mm=np.zeros(3) if at is None else at)
+        units[name] = _unit(name, (0.0, 0.0, 0.0) if at is None else tuple(at.tolist()))
     changed = replace(machine, components=units)
     return dict(contributions(changed, nose_mm, tool_mm, variant))
+
+
+@lru_cache(maxsize=4 * len(COMPONENT_NAMES))
+def _unit(name: str, measured_at_mm: tuple[float, float, float]) -> ComponentError:
+    """A component error of 1 everywhere; kept, as points are looked at in many batches."""
+    one = np.ones(2)
+    return ComponentError(name, _EVERYWHERE_MM, one, one, measured_at_mm=np.array(measured_at_mm))
 
 
 def tilts_of_axes_rad(machine: Machine, nose_mm: np.ndarray, tool_mm: np.ndarray) -> np.ndarray:

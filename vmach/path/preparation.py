@@ -29,6 +29,8 @@ __all__ = ["Preparation", "job_doubts", "prepare"]
 
 #: rounding of positions beyond the travel that is not worth a complaint
 _TRAVEL_SLACK_MM = 1e-6
+#: nodes whose places are looked at in one go: what the processor keeps near
+_NODES_AT_ONCE = 20_000
 
 
 @dataclass(frozen=True)
@@ -248,15 +250,21 @@ def _offsets_that_differ(job: Job, moves: Moves, source: Path) -> tuple[Note, ..
 
 
 def _check_travel(job: Job, path: Toolpath, source: Path) -> None:
-    # not kept: of a long program it takes much memory
-    nose = position_at(path.nodes.moves, path.nodes.move, path.nodes.parameter)
+    nodes = path.nodes
     low, high = job.machine.travel_mm
-    outside = (nose < low - _TRAVEL_SLACK_MM) | (nose > high + _TRAVEL_SLACK_MM)
-    if not outside.any():
+    for begin in range(0, len(nodes), _NODES_AT_ONCE):
+        block = slice(begin, begin + _NODES_AT_ONCE)
+        nose = position_at(nodes.moves, nodes.move[block], nodes.parameter[block])
+        outside = (nose < low - _TRAVEL_SLACK_MM) | (nose > high + _TRAVEL_SLACK_MM)
+        if outside.any():
+            row, axis = np.argwhere(outside)[0]
+            break
+    else:
         return
-    node, axis = np.argwhere(outside)[0]
-    along = nose[path.nodes.move == path.nodes.move[node], axis]
-    farthest = along.max() if nose[node, axis] > high[axis] else along.min()
+    node, beyond_mm = begin + row, nose[row, axis]
+    same = nodes.move == nodes.move[node]
+    along = position_at(nodes.moves, nodes.move[same], nodes.parameter[same])[:, axis]
+    farthest = along.max() if beyond_mm > high[axis] else along.min()
     raise InputError(
         f"{'XYZ'[axis]} goes to {farthest:.3f} mm in machine coordinates, outside the travel",
         file=source,

@@ -28,7 +28,7 @@ __all__ = [
 ]
 
 #: pieces of the path that are displaced at a time: some MB each
-PIECES_AT_ONCE = 50_000
+PIECES_AT_ONCE = 10_000
 
 
 class ActingEffect(Protocol):

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from stock import Sweeps
+from stock.compiled import njit_kernel, read_only
 from vmach.machine import RigidDisplacement
 from vmach.path.geometry import position_at
 from vmach.path.toolpath import PathStates, Toolpath
@@ -84,6 +85,8 @@ def _columns(
     axis = nodes.moves.axis[move]
     centre = nodes.moves.centre_mm[move] + to_tip
     centre += np.einsum("ij,ij->i", tip[first] - centre, axis)[:, None] * axis
+    shift, shift_slope = _pairs(displacement.shift_mm, first, move)
+    tilt, tilt_slope = _pairs(displacement.tilt_rad, first, move)
     return dict(
         start_mm=tip[first],
         end_mm=tip[first + 1],
@@ -92,31 +95,48 @@ def _columns(
         sweep_rad=nodes.moves.sweep_rad[move] * share,
         tool=tool_index[nodes.tool[first]],
         move=move,
-        shift_mm=_pairs(displacement.shift_mm, first),
-        shift_slope_mm=_pairs_of_slopes(displacement.shift_mm, path),
-        tilt_rad=_pairs(displacement.tilt_rad, first),
-        tilt_slope_rad=_pairs_of_slopes(displacement.tilt_rad, path),
+        shift_mm=shift,
+        shift_slope_mm=shift_slope,
+        tilt_rad=tilt,
+        tilt_slope_rad=tilt_slope,
     )
 
 
-def _pairs(values: np.ndarray, first: np.ndarray) -> np.ndarray:
-    return np.stack([values[first], values[first + 1]], axis=1)
+def _pairs(
+    values: np.ndarray, first: np.ndarray, move: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Values of nodes (K, 3) at both ends of each piece, and derivatives there, each (E, 2, 3).
 
-
-def _pairs_of_slopes(values: np.ndarray, path: Toolpath) -> np.ndarray:
-    """Derivatives per piece at both ends of each piece, (E, 2, 3).
-
-    Inside a move they are central differences of the neighbouring nodes; at its ends those of
-    the parabola through the three nearest nodes. A direction memory that flips from move to move
-    therefore never smears over the corner.
+    Inside a move derivatives are central differences of the neighbouring nodes; at its ends those
+    of the parabola through the three nearest nodes. A direction memory that flips from move to
+    move therefore never smears over the corner.
     """
-    first = path.first_node
-    chord = values[first + 1] - values[first]
-    same_move = path.piece_move[1:] == path.piece_move[:-1]
-    before = np.concatenate([[False], same_move])[:, None]
-    after = np.concatenate([same_move, [False]])[:, None]
-    previous, following = np.roll(chord, 1, axis=0), np.roll(chord, -1, axis=0)
-    central_start, central_end = 0.5 * (previous + chord), 0.5 * (chord + following)
-    start = np.where(before, central_start, np.where(after, 2 * chord - central_end, chord))
-    end = np.where(after, central_end, np.where(before, 2 * chord - central_start, chord))
-    return np.stack([start, end], axis=1)
+    pairs, slopes = np.empty((len(first), 2, 3)), np.empty((len(first), 2, 3))
+    _fill_pairs(read_only(values), read_only(first), read_only(move), pairs, slopes)
+    return pairs, slopes
+
+
+@njit_kernel()
+def _fill_pairs(
+    values: np.ndarray, first: np.ndarray, move: np.ndarray, pairs: np.ndarray, slopes: np.ndarray
+) -> None:
+    """Write the values and derivatives of `_pairs`; neighbours of one move join at a node."""
+    last = len(first) - 1
+    for e in range(len(first)):
+        before = e > 0 and move[e - 1] == move[e]
+        after = e < last and move[e + 1] == move[e]
+        node = first[e]
+        for j in range(3):
+            start, end = values[node, j], values[node + 1, j]
+            pairs[e, 0, j], pairs[e, 1, j] = start, end
+            chord = end - start
+            at_start = at_end = chord
+            if before:
+                at_start = 0.5 * (start - values[first[e - 1], j] + chord)
+            if after:
+                at_end = 0.5 * (chord + (values[first[e + 1] + 1, j] - end))
+            if after and not before:
+                at_start = 2.0 * chord - at_end
+            if before and not after:
+                at_end = 2.0 * chord - at_start
+            slopes[e, 0, j], slopes[e, 1, j] = at_start, at_end

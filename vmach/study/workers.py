@@ -10,6 +10,7 @@ import multiprocessing
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 
@@ -110,7 +111,8 @@ class _Team:
         process.start()
         theirs.close()
         self._process[mine], self.busy[mine] = process, case
-        mine.send(case)
+        with suppress(OSError):  # it may be dead already, which `finished` finds
+            mine.send(case)
 
     def finished(self) -> list[tuple[Case, bool | None]]:
         """Wait for workers: cases and whether they have a result; None where the worker died."""
@@ -136,6 +138,7 @@ class _Team:
             except OSError:  # it was killed while it had nothing to do
                 waiting.appendleft(case)
                 self._process.pop(one).join()
+                one.close()
         while waiting and len(self._process) < self._size:
             self.hire(waiting.popleft())
 

@@ -18,8 +18,8 @@ from vmach.uncertainty.tables import TableUncertainty
 
 __all__ = ["combined_u_mm", "path_u_mm", "prediction_u_mm"]
 
-#: points looked at in one go; a few hundred causes each
-_BATCH = 2000
+#: points looked at in one go; a few hundred causes each, so that it stays in the cache
+_BATCH = 1000
 
 
 def prediction_u_mm(prediction: Prediction) -> np.ndarray:

@@ -168,15 +168,13 @@ class TableUncertainty:
         self, table: ComponentError, nose_mm: np.ndarray, lever: RigidDisplacement
     ) -> Iterator[Cause]:
         _, axis, angular = component_of(table.name)
-        position, knots = nose_mm[:, axis], table.position_mm
-        hats = np.stack([np.interp(position, knots, e) for e in np.eye(len(knots))], axis=1)
+        hats, bump, interval = _hats_and_bumps(nose_mm[:, axis], table.position_mm)
         u = self.reading_rad if angular else self.reading_mm
         yield Cause(f"{table.name} readings", lever, u * hats, self.pools[int(angular)])
         # one cause for all: where the curve bends one way, it does so over intervals
-        bumps = _bumps(position, knots)
-        bends = np.hstack([
-            bumps @ self.bend[table.name][:, None], self.bend_apart[table.name] * bumps
-        ])  # fmt: skip
+        bends = np.zeros_like(hats)
+        bends[:, 0] = bump * self.bend[table.name][interval]
+        bends[np.arange(len(bump)), 1 + interval] = self.bend_apart[table.name] * bump
         yield Cause(f"{table.name} between positions", lever, bends)
 
     def _of_scale(self, machine: Machine, nose_mm: np.ndarray) -> Cause:
@@ -272,8 +270,31 @@ def _root_mean_square(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _bumps(position: np.ndarray, knots: np.ndarray) -> np.ndarray:
-    """A parabola of height one over every interval of the table, (P, K - 1)."""
-    share = (position[:, None] - knots[:-1]) / np.diff(knots)
-    inside = (share > 0.0) & (share < 1.0)
-    return np.where(inside, 4.0 * share * (1.0 - share), 0.0)
+def _hats_and_bumps(
+    position: np.ndarray, knots: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What one point of a table does to the straight lines between them, and where each place is.
+
+    Parameters
+    ----------
+    position : (P,) float64
+    knots : (K,) float64
+        Increasing, K > 1.
+
+    Returns
+    -------
+    hats : (P, K) float64
+        1 at the own point, 0 at all others.
+    bump : (P,) float64
+        Height of a parabola that is 0 at both ends of the interval and 1 in its middle.
+    interval : (P,) int
+        The interval, 0 to K - 2; where a place is beyond the table, its bump is 0.
+    """
+    rows, last = np.arange(len(position)), len(knots) - 1
+    inside = np.clip(position, knots[0], knots[-1])
+    left = np.searchsorted(knots, inside, side="right") - 1
+    # from the last point on there is one more interval, without end
+    share = (inside - knots[left]) / np.append(np.diff(knots), np.inf)[left]
+    hats = np.zeros((len(position), len(knots) + 1))
+    hats[rows, left], hats[rows, left + 1] = 1.0 - share, share
+    return hats[:, :-1], 4.0 * share * (1.0 - share), np.minimum(left, last - 1)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import socket
 from collections.abc import AsyncIterator, Callable
 
+import uvicorn
 from starlette.applications import Starlette
 from starlette.middleware import Middleware
 from starlette.requests import Request
@@ -13,12 +15,42 @@ from starlette.responses import Response
 
 from vmach.errors import VmachError
 from vmach.workbench.access import Access, Guard
+from vmach.workbench.bounded_http import BoundedHttp
 from vmach.workbench.exchange import refused
 from vmach.workbench.model.remote import ModelStopped
 from vmach.workbench.routes import files, pages, part, report, state, work
 from vmach.workbench.session import Session
 
-__all__ = ["build_server"]
+__all__ = ["build_server", "serve"]
+
+#: time that open requests have to end when the server does
+_TO_END_S = 2
+
+
+def serve(session: Session, access: Access, listening: socket.socket, *, backlog: int) -> None:
+    """Answer on a socket that listens already, until Ctrl-C or until the page ends it."""
+    server = _Server(uvicorn.Config(
+        app=build_server(session, access, shut_down=lambda: server.end()),
+        http=BoundedHttp, ws="none", loop="asyncio", log_level="error", access_log=False,
+        server_header=False, date_header=False, timeout_graceful_shutdown=_TO_END_S,
+        backlog=backlog,
+    ))  # fmt: skip
+    server.session = session
+    server.run(sockets=[listening])
+
+
+class _Server(uvicorn.Server):
+    """Ends what tabs and questions wait for before it waits for its connections to end."""
+
+    session: Session
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self.session.close()
+        await super().shutdown(sockets)
+
+    def end(self) -> None:
+        """End it soon, as Ctrl-C does."""
+        self.should_exit = True
 
 
 def build_server(

@@ -48,9 +48,9 @@ class Sinumerik(Dialect):
     marks = re.compile(
         r"^[ \t]*(?:%_N_\w+|;\$PATH=)"
         rf"|{_START}(?:DEF[ \t]+(?:REAL|INT|BOOL|STRING)|PROC[ \t]|EXTERN[ \t]|ENDFOR|ENDWHILE"
-        r"|STOPRE|(?:WORKPIECE|CYCLE\d+|POCKET\d|SLOT\d|HOLES\d|LONGHOLE)[ \t]*\("
+        r"|STOPRE|MCALL\b|SUPA\b|(?:WORKPIECE|CYCLE\d+|POCKET\d|SLOT\d|HOLES\d|LONGHOLE)[ \t]*\("
         r"|A?TRANS[ \t]|MSG[ \t]*\(\")"
-        r"|^[^(;\n]*\b(?:[XYZFS]|CR|AR|TURN|AP|RP)[ \t]*=[ \t]*[-+.\dA-Z]",
+        r"|^[^(;\n]*\b(?:[XYZFS]|CR|AR|TURN|AP|RP|RNDM?|CH[FR])[ \t]*=[ \t]*[-+.\dA-Z]",
         re.IGNORECASE | re.MULTILINE,
     )
     reader = SinumerikReader

@@ -64,9 +64,10 @@ class _Cycle:
         bottom = self.a("DP") if deep is None else surface - abs(deep)
         if self.name == "POCKET3" or self.name == "POCKET4":
             bottom = self.a("DP")
-        feed = self.a("FFP1", self.reader.controller.feed)
+        reader = self.reader
+        feed = self.a("FFP1", reader.units.said(reader.controller.feed))
         kind, sense = int(self.a("VARI", 0.0)) % 10, int(self.a("CDIR", 0.0))
-        counter = self.reader.controller.spindle < 0
+        counter = reader.controller.spindle < 0
         clockwise = {0: counter, 1: not counter, 2: True, 3: False}.get(sense)
         if clockwise is None:
             raise ProgramError(f"CDIR={sense}", accepted="0 to 3")

@@ -21,6 +21,7 @@ from gcode.dialects.sinumerik.motion import SinumerikMotion
 from gcode.dialects.sinumerik.subprograms import Subprograms
 from gcode.dialects.sinumerik.system_variables import system_variable
 from gcode.dialects.sinumerik.tool_words import ToolWords
+from gcode.dialects.sinumerik.units import Units
 from gcode.errors import ProgramError
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated, number
@@ -80,7 +81,7 @@ class SinumerikReader(Translated):
         self.flow, self.frame = Flow(self), ProgrammableFrame(self)
         self.words, self.tools = BlockWords(self), ToolWords(self)
         self.motion, self.corners = SinumerikMotion(self), SinumerikCorners(self)
-        self.cycles = CycleCalls(self)
+        self.cycles, self.units = CycleCalls(self), Units(self)
         controller.start_up, controller.round_corners_from = "A", 0.0
         super().execute("g21g90g17g40")
 
@@ -213,6 +214,7 @@ class SinumerikReader(Translated):
             words = [w for w in words if w != ("G", 9.0)]
             self._stop_exactly(words, arc)
             return
+        self.units.select(words)
         self.tools.change(words)
         self.motion.polar(words, g_codes)
         self.motion.opening_angle(words, g_codes)
@@ -291,7 +293,7 @@ class SinumerikReader(Translated):
 
     def execute(self, *blocks: str) -> None:
         """Hand blocks of RS274/NGC to the interpreter, in the lengths of the frame."""
-        super().execute(*(self.frame.scaled(block) for block in blocks))
+        super().execute(*(self.units.converted(self.frame.scaled(block)) for block in blocks))
 
     def absolutely(self, block: str) -> None:
         """Obey a block in G90, whatever the mode is."""

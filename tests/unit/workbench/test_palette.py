@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import vmach.workbench
-from vmach.report.pictures.colours import COLOUR_STOPS
+from vmach.base.colour_ramp import COLOUR_STOPS
 
 colours = pytest.importorskip("colorspacious")
 

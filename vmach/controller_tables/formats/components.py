@@ -77,12 +77,19 @@ def read_components(folder: Path) -> RigidChain:
         A file that is missing or not of this form.
     """
     head = folder / "chain.json"
+    accepted = '{"order": "XYZ", "squareness_rad": {...}, "tables": [...]}'
     try:
         record = json.loads(read_text(head, what="chain"))
         found = RigidChain(record["order"], squareness_rad=dict(record["squareness_rad"]))
         names = list(record["tables"])
+    except json.JSONDecodeError as error:
+        raise InputError(
+            f"no chain: {error.msg}", file=head, line=error.lineno, accepted=accepted
+        ) from None
     except (ValueError, RecursionError, KeyError, TypeError) as error:
-        raise InputError(f"no chain: {error}", file=head) from None
+        raise InputError(
+            f"no chain: {type(error).__name__} {error}", file=head, line=1, accepted=accepted
+        ) from None
     for name in names:
         found.tables[name] = _table(folder / f"{name}.csv")
     return found

@@ -118,13 +118,13 @@ def read_grid(folder: Path) -> SpatialGrid:
     except (KeyError, TypeError, ValueError, IndexError):
         begins = lines[0] if lines else ""
         raise InputError(
-            f"no grid: it begins with {begins!r}", file=path, accepted=", ".join(_COLUMNS)
+            f"no grid: it begins with {begins!r}", file=path, line=1, accepted=", ".join(_COLUMNS)
         ) from None
     error = np.full((*map(len, axes), 3), np.nan)
     error[places] = mm_from_um(rows[:, 3:])
     if len(rows) != error[..., 0].size or not np.isfinite(error).all():
         raise InputError(
-            f"{len(rows)} rows for {error[..., 0].size} grid points", file=path,
+            f"{len(rows)} rows for {error[..., 0].size} grid points", file=path, line=1,
             accepted="every combination of X, Y and Z once",
         )  # fmt: skip
     return SpatialGrid(axes, error)

@@ -28,7 +28,7 @@ from vmach.controller_tables.projection import AxisTable, Term
 from vmach.controller_tables.table_format import HeldErrors, TableFormat, error_name, projected
 from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
-from vmach.files.text_file import read_text
+from vmach.files.text_file import decimal_number, read_text
 
 __all__ = [
     "FORMATS",
@@ -108,43 +108,60 @@ def read_heidenhain(folder: Path) -> AxisErrorCompensation:
     """
     path = folder / "CONFIG.CMA"
     head, rows = _table(path)
-    active = [row for row in rows if row[head.index("ACTIVE")] == "*"]
+    active = [row for row in rows if row.cells[head.index("ACTIVE")] == "*"]
     if len(active) != 1:
-        raise InputError(f"{len(active)} active lines", file=path, accepted="one line with *")
-    names = {axis: active[0][head.index(axis)] for axis in _AXES if axis in head}
+        line = active[1].line if active else 2
+        raise InputError(
+            f"{len(active)} active lines", file=path, line=line, accepted="one line with *"
+        )
+    names = {axis: active[0].cells[head.index(axis)] for axis in _AXES if axis in head}
     return AxisErrorCompensation(
         {_AXES.index(axis): _com(folder / name) for axis, name in names.items() if name != "-"}
     )
 
 
-def _table(path: Path) -> tuple[list[str], list[list[str]]]:
-    lines = [line.split() for line in read_text(path, what="table").splitlines() if line.strip()]
-    if len(lines) < 3 or lines[0][0] != "BEGIN" or lines[-1] != ["[END]"]:
-        begins, ends = (" ".join(lines[k]) if lines else "" for k in (0, -1))
+@dataclass(frozen=True)
+class _Row:
+    """Words of a line that is not empty, and its number in the file, 1-based."""
+
+    line: int
+    cells: list[str]
+
+
+def _table(path: Path) -> tuple[list[str], list[_Row]]:
+    text = read_text(path, what="table").splitlines()
+    lines = [_Row(k, line.split()) for k, line in enumerate(text, 1) if line.strip()]
+    if len(lines) < 3 or lines[0].cells[0] != "BEGIN" or lines[-1].cells != ["[END]"]:
+        begins, ends = (" ".join(lines[k].cells) if lines else "" for k in (0, -1))
         raise InputError(
             f"no table: it begins with {begins!r} and ends with {ends!r}",
             file=path,
+            line=1,
             accepted="BEGIN ..., column names, rows, [END]",
         )
-    head = lines[1]
-    for number, row in enumerate(lines[2:-1], 3):
-        if len(row) != len(head):
+    head = lines[1].cells
+    for row in lines[2:-1]:
+        if len(row.cells) != len(head):
             raise InputError(
-                f"{len(row)} cells", file=path, line=number, accepted=f"{len(head)} as in the head"
-            )
+                f"{len(row.cells)} cells", file=path, line=row.line,
+                accepted=f"{len(head)} as in the head",
+            )  # fmt: skip
     return head, lines[2:-1]
 
 
 def _com(path: Path) -> dict[str, np.ndarray]:
     head, rows = _table(path)
-    try:
-        values = np.array(rows, dtype=float)
-    except ValueError as error:
-        raise InputError(f"a cell is no number: {error}", file=path) from None
+    values = np.array([[decimal_number(cell) for cell in row.cells] for row in rows])
+    for row, numbers in zip(rows, values, strict=True):
+        if np.isnan(numbers).any():
+            said = f"'{row.cells[int(np.argmax(np.isnan(numbers)))]}' is no number"
+            raise InputError(said, file=path, line=row.line, accepted="decimal numbers")
     columns = {name: values[:, k] for k, name in enumerate(head) if name != "NR"}
-    if len(rows) > MOST_ENTRIES or np.any(np.diff(columns["AXISPOS"]) <= 0):
+    falls = np.diff(columns["AXISPOS"]) <= 0
+    if len(rows) > MOST_ENTRIES or falls.any():
+        line = rows[int(np.argmax(falls)) + 1 if falls.any() else MOST_ENTRIES].line
         raise InputError(
-            f"{len(rows)} entries", file=path,
+            f"{len(rows)} entries", file=path, line=line,
             accepted=f"at most {MOST_ENTRIES}, AXISPOS increasing",
         )  # fmt: skip
     return columns

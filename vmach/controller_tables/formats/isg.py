@@ -98,7 +98,9 @@ def read_isg(folder: Path) -> RigidChain:
     settings = dict(_settings(folder / "volcomp.lis"))
     if settings.get("workpiece_axes", "0") != "0":
         axes = settings["workpiece_axes"]
-        raise InputError(f"workpiece_axes = {axes}", file=folder / "volcomp.lis", accepted="0")
+        raise InputError(
+            f"workpiece_axes = {axes}", file=folder / "volcomp.lis", line=1, accepted="0"
+        )
     found = RigidChain(settings["chain"])
     for key, name in settings.items():
         if not key.startswith("file["):
@@ -152,7 +154,7 @@ def _block(header: list[str], rows: list[list[float]], path: Path, line: int) ->
 def _store(chain: RigidChain, header: list[str], values: np.ndarray, path: Path) -> None:
     if header[0] == "N0X":
         if not np.array_equal(values, [[0.0, 0.0, -1.0]]):
-            raise InputError(f"tool direction {values[0]}", file=path, accepted="0 0 -1")
+            raise InputError(f"tool direction {values[0]}", file=path, line=1, accepted="0 0 -1")
     elif header[0] in "XYZ":
         for name, column in zip(header[1:], values.T[1:], strict=True):
             chain.tables[name] = (values[:, 0], column, column)

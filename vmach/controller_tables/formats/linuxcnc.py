@@ -123,7 +123,7 @@ def _triplets(path: Path, file_type: int) -> np.ndarray:
         trims = (nominal - up, nominal - down) if file_type == 0 else (up, down)
         rows.append((nominal, *trims))
     if not 1 <= len(rows) <= MOST_ENTRIES:
-        raise InputError(f"{len(rows)} entries", file=path, accepted=f"1 .. {MOST_ENTRIES}")
+        raise InputError(f"{len(rows)} entries", file=path, line=1, accepted=f"1 .. {MOST_ENTRIES}")
     return np.array(rows)
 
 

@@ -213,6 +213,7 @@ def errors_of_cec(folder: Path, options: Mapping[str, Any]) -> HeldErrors:
             raise InputError(
                 f"table {index} is multiplied by another one",
                 file=folder / "NC_CEC.INI",
+                line=table.line,
                 accepted="plain tables: products of two positions are no component error",
             )
         pairs[table.axis("OUTPUT_AXIS"), table.axis("INPUT_AXIS")].append(table)

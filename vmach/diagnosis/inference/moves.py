@@ -9,7 +9,7 @@ import numpy as np
 
 from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossible_terms
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
-from vmach.fit.marginal_likelihood import Sizes
+from vmach.fit.sizes import Sizes
 
 __all__ = ["beside_little", "search", "search_beyond", "without_needless"]
 

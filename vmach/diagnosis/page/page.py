@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from markupsafe import Markup
 
+from vmach.base.colour_ramp import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.base.units import um_from_mm, with_micro_sign
 from vmach.diagnosis.diagnose import Diagnosis
 from vmach.diagnosis.findings import Finding
@@ -27,10 +28,10 @@ from vmach.report.page.kit import (
     render_page,
     script_json,
     style_sheet,
+    viewer_scripts,
 )
 from vmach.report.page.payload import encode_payload
 from vmach.report.page.svg_plot import Frame, Plot, number_text
-from vmach.report.pictures.colours import COLOUR_STOPS, UNKNOWN_COLOUR
 
 __all__ = ["write_diagnosis_page"]
 
@@ -98,7 +99,7 @@ def write_diagnosis_page(
         css=style_sheet(asset("page.css", _HERE)),
         page_data=None if part is None else script_json(_page_data(part)),
         payload=None if part is None else encode_payload(part.mesh, part.points, _record(job)),
-        scripts=[asset("scene.js"), asset("gestures.js"), asset("page.js", _HERE)],
+        scripts=[*viewer_scripts(), asset("page.js", _HERE)],
     )
     with atomic_file(path) as temporary:
         temporary.write_text(page, encoding="utf-8")

@@ -16,8 +16,10 @@ from vmach.diagnosis.proposals.form import Form
 from vmach.diagnosis.proposals.form_columns import FormColumns
 from vmach.diagnosis.proposals.held_out import held_out_um
 from vmach.diagnosis.proposals.proposal import Proposal
+from vmach.fit.base import Base
 from vmach.fit.discrepancy import Members
-from vmach.fit.marginal_likelihood import Base, Effects, Posterior, Sizes
+from vmach.fit.marginal_likelihood import Effects, Posterior
+from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
 
 __all__ = ["Forms"]
@@ -210,9 +212,8 @@ class _Screen:
 
     def posterior(self, sizes: Sizes, effects: Effects) -> Posterior:
         """Members at given sizes, and effects, as these readings have them."""
-        return self.base.posterior(
-            sizes, Effects(self.base, effects.columns_mm[self.rows], effects.log_prior)
-        )
+        own = Effects(self.base, effects.columns_mm[self.rows], effects.log_prior)
+        return Posterior(self.base, sizes, own)
 
 
 def _kept(survey: Survey, rows: np.ndarray) -> Survey:

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-
 import numpy as np
 
-from vmach.importers.component_table import component_question, error_section, runs_text
-from vmach.importers.convention import Convention
+from vmach.importers.component_table import component_question
 from vmach.importers.importer import Imported, Importer
+from vmach.importers.laser_runs import LASER_KEYS, Readings, approach_in_order, table_imported
 from vmach.importers.loose_table import LENGTH, SMALL, Column, LooseTable
 from vmach.importers.questions import Questions
-from vmach.importers.self_check import LaserReadings, check_laser
 from vmach.importers.source_file import SourceFile
-from vmach.machine.tables.runs import Runs
 
 __all__ = ["LaserRuns"]
 
@@ -82,16 +77,6 @@ def _side_by_side(unit: str) -> tuple[Column, ...]:
     return tuple(columns)
 
 
-@dataclass(frozen=True)
-class _Readings:
-    """Single readings in the order of the file: positions mm, values um or urad, signs, lines."""
-
-    position: np.ndarray
-    value: np.ndarray
-    approach: np.ndarray
-    line: np.ndarray
-
-
 class LaserRuns(Importer):
     """Positions and deviations, from one or both sides, once or several times.
 
@@ -104,12 +89,9 @@ class LaserRuns(Importer):
     reads = "CSV or text with a heading: target position and deviation, or runs side by side"
     rank = 40
     keys = {
-        "error": "which error it is: EXX, EYX, EBX ...",
-        "counts": "up where the laser's positions grow as the axis moves in +, else down",
-        "zero": "machine position of the axis where the file's position is 0, mm",
+        **LASER_KEYS,
         "deviation": "measured-target, or target-measured",
         "unit": "of deviations whose heading names none",
-        "measured_at": "where the reflector stood, machine coordinates, mm",
     }
 
     def recognises(self, source: SourceFile) -> bool:
@@ -125,34 +107,7 @@ class LaserRuns(Importer):
             )
         name = component_question(source, questions)
         readings = _readings(table, questions)
-        counts = questions.choice(
-            "counts",
-            "when the axis moves in its + direction, do the positions in the file go up or down?",
-            ("up", "down"),
-            default="up",
-        )
-        zero = questions.number(
-            "zero",
-            "machine position of the axis at position 0 of the file",
-            unit="mm",
-            default=0.0,
-        )
-        runs, is_down = _runs(readings, source), counts == "down"
-        convention = Convention.of(questions.machine_file)
-        file = f"errors/{name}.csv"
-        files = {file: runs_text(runs.scaled(convention.factor(name)), name)}
-        sections = error_section(name, file, questions, zero_mm=zero, is_down=is_down)
-        check = check_laser(
-            LaserReadings(name, readings.position, readings.value, readings.approach),
-            files,
-            sections,
-            convention=convention,
-            zero_mm=zero,
-            is_down=is_down,
-        )
-        said = f"{source.path.name}: {len(readings.value)} readings at {len(runs.position_mm)} "
-        said += f"positions, {len(runs.forward)} runs forward, {len(runs.backward)} backward"
-        return Imported(files, sections, (said, check))
+        return table_imported(readings, name, source, questions)
 
 
 def _table(source: SourceFile, questions: Questions) -> LooseTable | None:
@@ -167,7 +122,7 @@ def _table(source: SourceFile, questions: Questions) -> LooseTable | None:
     return found if wide else None
 
 
-def _readings(table: LooseTable, questions: Questions) -> _Readings:
+def _readings(table: LooseTable, questions: Questions) -> Readings:
     """Every reading by itself, deviations as measured minus target."""
     position = table.complete("position")
     wanted = ("measured-target", "target-measured")
@@ -175,10 +130,10 @@ def _readings(table: LooseTable, questions: Questions) -> _Readings:
     sign = 1.0 if sense == wanted[0] else -1.0
     if "actual" in table.numbers:
         value = 1e3 * (table.complete("actual") - position)
-        return _Readings(position, value, _approach(table, position), table.lines)
+        return Readings(position, value, _approach(table, position), table.lines)
     if "deviation" in table.numbers:
         value = sign * table.complete("deviation")
-        return _Readings(position, value, _approach(table, position), table.lines)
+        return Readings(position, value, _approach(table, position), table.lines)
     found = []
     for name, column in table.numbers.items():
         if name != "position":
@@ -186,7 +141,7 @@ def _readings(table: LooseTable, questions: Questions) -> _Readings:
             rows = np.flatnonzero(np.isfinite(column))
             ways = np.full(len(rows), way)
             found.append((position[rows], sign * column[rows], ways, table.lines[rows]))
-    return _Readings(*(np.concatenate(part) for part in zip(*found, strict=True)))
+    return Readings(*(np.concatenate(part) for part in zip(*found, strict=True)))
 
 
 def _approach(table: LooseTable, position: np.ndarray) -> np.ndarray:
@@ -201,36 +156,4 @@ def _approach(table: LooseTable, position: np.ndarray) -> np.ndarray:
                     accepted="+, -, 1, -1, forward, backward, up, down",
                 )
         return np.array([1.0 if word in _FORWARD else -1.0 for word in words])
-    moved = np.sign(np.diff(position))
-    sides = np.empty(len(position))
-    sides[0] = moved[moved != 0][0] if moved.any() else 1.0
-    for k, way in enumerate(moved, 1):
-        # the same position again: the axis went beyond it and came back
-        sides[k] = way if way else -sides[k - 1]
-    return sides
-
-
-def _runs(readings: _Readings, source: SourceFile) -> Runs:
-    """The n-th reading of a position from one side belongs to the n-th run."""
-    target, place = np.unique(np.round(readings.position, 4), return_inverse=True)
-    if len(target) < 2:
-        raise source.error(f"{len(target)} position", accepted="two or more positions")
-    sides: Mapping[float, list[np.ndarray]] = {1.0: [], -1.0: []}
-    for way, own in sides.items():
-        count = np.zeros(len(target), dtype=int)
-        for k in np.flatnonzero(readings.approach == way):
-            if count[place[k]] == len(own):
-                own.append(np.full(len(target), np.nan))
-            own[count[place[k]]][place[k]] = readings.value[k]
-            count[place[k]] += 1
-    forward, backward = sides[1.0] or sides[-1.0], sides[-1.0] or sides[1.0]
-    for name, side in (("forward", forward), ("backward", backward)):
-        for end in (0, -1):
-            if np.isnan([run[end] for run in side]).all():
-                line = int(readings.line[np.argmax(target[place] == target[end])])
-                raise source.error(
-                    f"no {name} reading at {target[end]:g}, an end of the table",
-                    line=line,
-                    accepted="both directions at either end, or one direction only",
-                )
-    return Runs(target, np.array(forward), np.array(backward))
+    return approach_in_order(position)

@@ -145,9 +145,32 @@ class Interpolation:
 LINEAR = Interpolation()
 
 
-def _linear(_: Interpolation, position: np.ndarray, value: np.ndarray) -> PPoly:
-    slope = np.diff(value) / np.diff(position)
-    return scipy.interpolate.PPoly(np.array([slope, value[:-1]]), position)
+@dataclass(frozen=True)
+class _Lines:
+    """What `_with_ends` asks of a curve, of straight lines: SciPy takes a while to load.
+
+    Attributes
+    ----------
+    x : (K,) float64
+    c : (2, K - 1) float64
+        Slope and first value of each.
+    """
+
+    x: np.ndarray
+    c: np.ndarray
+
+    def __call__(self, position: np.ndarray) -> np.ndarray:
+        """Values at positions of the table, (P,)."""
+        piece = np.clip(np.searchsorted(self.x, position, side="right") - 1, 0, len(self.x) - 2)
+        return self.c[1, piece] + self.c[0, piece] * (position - self.x[piece])
+
+    def derivative(self) -> _Lines:
+        """Their slopes, without a slope of their own."""
+        return _Lines(self.x, np.stack([np.zeros_like(self.c[0]), self.c[0]]))
+
+
+def _linear(_: Interpolation, position: np.ndarray, value: np.ndarray) -> _Lines:
+    return _Lines(position, np.array([np.diff(value) / np.diff(position), value[:-1]]))
 
 
 def _pchip(_: Interpolation, position: np.ndarray, value: np.ndarray) -> PPoly:
@@ -207,7 +230,7 @@ def _sampled(curve: Callable, slope: Callable, position: np.ndarray, *, pieces: 
     return scipy.interpolate.CubicHermiteSpline(x, curve(x), slope(x))
 
 
-def _with_ends(curve: PPoly, extrapolation: Extrapolation) -> PiecewiseCubic:
+def _with_ends(curve: PPoly | _Lines, extrapolation: Extrapolation) -> PiecewiseCubic:
     """Lowest power first, and one piece added beyond either end."""
     inner = np.zeros((len(curve.x) - 1, 4))
     inner[:, : len(curve.c)] = curve.c[::-1].T
@@ -220,7 +243,7 @@ def _with_ends(curve: PPoly, extrapolation: Extrapolation) -> PiecewiseCubic:
     return PiecewiseCubic(breaks, np.vstack((ends[:1], inner[keep], ends[1:])))
 
 
-_FITS: dict[Method, Callable[[Interpolation, np.ndarray, np.ndarray], PPoly]] = {
+_FITS: dict[Method, Callable[[Interpolation, np.ndarray, np.ndarray], PPoly | _Lines]] = {
     Method.LINEAR: _linear,
     Method.PCHIP: _pchip,
     Method.CUBIC: _cubic,

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from vmach.base.colour_ramp import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.base.units import um_from_mm
 from vmach.features.result import FeatureResult
 from vmach.files.atomic import atomic_file
@@ -37,10 +38,10 @@ from vmach.report.page.kit import (
     style_sheet,
     um_decimals,
     um_text,
+    viewer_scripts,
 )
 from vmach.report.page.payload import MAX_POINTS, encode_payload
 from vmach.report.page.polar_plot import polar_plot
-from vmach.report.pictures.colours import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.report.pictures.histogram import histograms
 from vmach.report.result import Column, DisplayMesh, InspectedPoints, RunRecord
 
@@ -129,7 +130,7 @@ def write_report_html(
         css=style_sheet(),
         drawing=_drawing(run),
         circles=_circles(run),
-        scripts=[asset(name) for name in ("scene.js", "gestures.js", "page.js")],
+        scripts=[*viewer_scripts(), asset("page.js")],
     )
     with atomic_file(path) as temporary:
         temporary.write_text(page, encoding="utf-8")

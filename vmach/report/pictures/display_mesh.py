@@ -240,13 +240,20 @@ def _refine(
     finest = np.sqrt(_area(vertices, triangles) / max(point_count, 1))
     edge = np.ptp(vertices, axis=0).max(initial=0.0)
     while edge > finest:
+        if _longest_side(vertices, triangles) <= edge:
+            edge *= 0.84  # a little at a time, to come close to the limit
+            continue
         finer = _halve_edges(vertices, triangles, edge)
         if len(finer[1]) > max_triangles:
             break
-        if len(finer[1]) == len(triangles):
-            edge *= 0.84  # a little at a time, to come close to the limit
         vertices, triangles = finer
     return vertices, triangles
+
+
+def _longest_side(vertices: np.ndarray, triangles: np.ndarray) -> float:
+    corners = vertices[triangles]
+    sides = corners - corners[:, [1, 2, 0]]
+    return np.linalg.norm(sides.reshape(-1, 3), axis=1).max(initial=0.0)
 
 
 def _halve_edges(

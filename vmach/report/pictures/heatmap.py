@@ -12,11 +12,12 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 
+from vmach.base.colour_ramp import COLOUR_STOPS
 from vmach.base.units import um_from_mm
 from vmach.files.atomic import atomic_file
 from vmach.report.figures.statistics import Statistics, column_statistics, common_range_mm
 from vmach.report.pictures.camera import Camera, isometric_camera, shading
-from vmach.report.pictures.colours import COLOUR_STOPS, colours_of
+from vmach.report.pictures.colours import colours_of
 from vmach.report.pictures.display_mesh import vertex_normals
 from vmach.report.pictures.flags import draw_flags
 from vmach.report.pictures.rasterise import Visible

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
+from vmach.base.colour_ramp import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.base.units import um_from_mm
 from vmach.errors import InputError
 from vmach.report.figures.deviations_csv import read_deviations_csv
 from vmach.report.figures.statistics import common_range_mm
 from vmach.report.pictures.camera import TOWARDS_VIEWER
-from vmach.report.pictures.colours import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.report.pictures.display_mesh import build_display_mesh
 from vmach.report.result import InspectedPoints
 

@@ -9,15 +9,12 @@ from typing import Any
 import numpy as np
 
 from vmach.base.units import um_from_mm
-from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.errors import InputError
-from vmach.history import rms_um
-from vmach.job import job_name
+from vmach.job import Job, job_name
 from vmach.machine import Variant
 from vmach.report import ReportView
 from vmach.report.page.payload import pack_mesh
 from vmach.workbench.model.effect_cards import effect_cards
-from vmach.workbench.model.instrument_forms import instrument_forms
 from vmach.workbench.model.machine_changes import (
     MachineChange,
     drawn_table_text,
@@ -70,7 +67,7 @@ class Answers:
             "quantities": [vars(one) for one in quantities(model)],
             "models": [str(v) for v in (Variant.ABBE, Variant.HTM, Variant.NONE)],
             "notes": [str(note) for note in model.notes],
-            "files": [str(path) for _, path in job.files()],
+            "files": [str(path) for path in (*(p for _, p in job.files()), *_read_by(job))],
         }, b""
 
     def measured(self) -> Answer:
@@ -78,6 +75,8 @@ class Answers:
         survey = self._model.survey
         if survey is None:
             return {"readings": 0}, b""
+        from vmach.history import rms_um
+
         return {
             "readings": len(survey),
             "rms_um": rms_um(survey),
@@ -188,10 +187,14 @@ class Answers:
 
     def instruments(self) -> Answer:
         """Forms for readings."""
+        from vmach.workbench.model.instrument_forms import instrument_forms
+
         return {"forms": instrument_forms()}, b""
 
     def check_job(self, job: str) -> Answer:
         """Read all that was measured for another job; refused where that cannot be."""
+        from vmach.diagnosis.residuals.job_survey import survey_job
+
         return {"readings": len(survey_job(job))}, b""
 
     def playback(self) -> Answer:
@@ -205,6 +208,12 @@ class Answers:
         onto = self._on_mesh[points.name]
         value = um_from_mm(onto.at_vertices(value_mm))
         return np.where(onto.known, value, np.nan).astype("<f4").tobytes()
+
+
+def _read_by(job: Job) -> list[Path]:
+    """Files of readings that a job names; those that cannot be are refused when they are read."""
+    names = [one.get("file") for one in job.measurements]
+    return [job.folder / name for name in names if isinstance(name, str)]
 
 
 def _variant(name: str) -> Variant:

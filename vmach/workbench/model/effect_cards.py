@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from vmach.diagnosis.words import describe
 from vmach.effects import Effect, EffectInstance, Parameter, catalogue
 from vmach.effects.declaration import unit_of
 from vmach.workbench.model.part_model import PartModel
@@ -22,13 +21,15 @@ _COVERAGE = 1.96
 
 def effect_cards(model: PartModel) -> list[dict[str, Any]]:
     """A card for every effect and target that sliders can move, those of the job first."""
+    from vmach.diagnosis.words import describe  # late: the picture needs no diagnosis
+
     in_job = {(e.effect.name, e.target): e for e in model.effects}
     cards = []
     for effect in catalogue().values():
         for target in effect.possible_targets(model.job):
             acting = in_job.get((effect.name, target))
             if acting is not None or not effect.corrects_table:
-                cards.append(_card(effect, target, acting))
+                cards.append(_card(effect, target, acting) | describe(effect))
     return sorted(cards, key=lambda card: not card["in_job"])
 
 
@@ -39,7 +40,6 @@ def _card(effect: Effect, target: str, acting: EffectInstance | None) -> dict[st
         "target": target,
         "title": effect.title,
         "in_job": acting is not None,
-        **describe(effect),
         "parameters": sliders,
     }
 

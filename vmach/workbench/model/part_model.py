@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vmach.base.note import Note
-from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects import EffectInstance, load_effect_file, read_effects
 from vmach.errors import InputError
-from vmach.fit.survey import Survey
 from vmach.job import Job, read_job
 from vmach.machine import Machine, Variant
 from vmach.nominal import read_nominal
@@ -27,6 +26,9 @@ from vmach.report.pictures.display_mesh import shaped_for_display
 from vmach.run.inspection import check_some_cut, surface_points
 from vmach.uncertainty.first_order import prediction_u_mm
 from vmach.workbench.model.point_set import PointSet
+
+if TYPE_CHECKING:
+    from vmach.fit.survey import Survey
 
 __all__ = ["PartModel", "load_part"]
 
@@ -94,7 +96,11 @@ class PartModel:
     @cached_property
     def survey(self) -> Survey | None:
         """All that was measured; None where nothing was."""
-        return survey_job(self.job) if self.is_measured else None
+        if not self.is_measured:
+            return None
+        from vmach.diagnosis.residuals.job_survey import survey_job  # the picture needs none of it
+
+        return survey_job(self.job)
 
     @cached_property
     def measured(self) -> PointSet | None:

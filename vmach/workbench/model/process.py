@@ -29,9 +29,9 @@ def serve(pipe: Connection, job: str, effect_files: Sequence[str], control: str 
     while True:
         try:
             name, arguments = pipe.recv()
-        except (EOFError, OSError):
+            pipe.send(trouble or _answer(answers, name, arguments))
+        except (EOFError, OSError):  # nobody asks any more, or waits for the answer
             return
-        pipe.send(trouble or _answer(answers, name, arguments))
 
 
 def _prepare(control: str | None) -> None:

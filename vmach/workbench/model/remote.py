@@ -62,10 +62,15 @@ class RemoteModel:
     def _exchange(self, question: str, arguments: dict) -> tuple[dict[str, Any], bytes]:
         try:
             self._pipe.send((question, arguments))
-            kind, record, content = self._pipe.recv()
-            self.has_answered = True
+            found = self._pipe.recv()
         except (EOFError, OSError):
-            raise ModelStopped(_ENDED) from None
+            found = None
+        # not in the handler: the exception would hold the one of the pipe, with its buffer, until
+        # the collector comes, and that cannot close a buffer in use
+        if found is None:
+            raise ModelStopped(_ENDED)
+        self.has_answered = True
+        kind, record, content = found
         if kind != "answer":
             raise ModelRefused(record)
         return record, content

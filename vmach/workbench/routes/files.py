@@ -13,7 +13,7 @@ from starlette.routing import Route
 
 from vmach.errors import InputError, VmachError
 from vmach.files.atomic import atomic_file
-from vmach.job import free_job_name
+from vmach.files.job_name import free_job_name
 from vmach.workbench.added_readings import job_with_readings
 from vmach.workbench.exchange import read_content, read_json, session_of
 from vmach.workbench.opened_folder import MOST_UPLOADED, OpenedFolder

@@ -8,15 +8,16 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
-from vmach.report.page.kit import asset
-from vmach.report.pictures.colours import COLOUR_STOPS
+import vmach
+from vmach.base.colour_ramp import COLOUR_STOPS
 from vmach.workbench.exchange import refused
 
 __all__ = ["routes"]
 
 _STATIC = Path(__file__).parents[1] / "static"
-#: scripts of the reports' viewer
-_VIEWER = ("scene.js", "gestures.js")
+#: scripts of the reports' viewer; no module of the reports is loaded for them
+_VIEWER = {name: Path(vmach.__file__).parent / "report" / "page" / name
+           for name in ("detail.js", "scene.js", "gestures.js")}  # fmt: skip
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript",
           ".svg": "image/svg+xml"}  # fmt: skip
 
@@ -35,7 +36,7 @@ async def _viewer(request: Request) -> Response:
     name = request.path_params["name"]
     if name not in _VIEWER:
         return refused("no such script", 404)
-    return Response(str(asset(name)), media_type=_TYPES[".js"])
+    return _file(_VIEWER[name])
 
 
 def _file(path: Path) -> Response:

@@ -11,7 +11,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from PIL import Image
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
@@ -85,6 +84,8 @@ def _is_number(value: Any) -> bool:
 
 def _picture(asked: Any) -> bytes | None:
     """A JPEG of the screen; it is read as a picture before it is put into the page."""
+    from PIL import Image
+
     if asked is None:
         return None
     try:

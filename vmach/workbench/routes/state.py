@@ -11,8 +11,8 @@ from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
 from vmach import __version__
+from vmach.base.colour_ramp import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.errors import InputError
-from vmach.report.pictures.colours import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.workbench.exchange import read_json, refused, session_of
 from vmach.workbench.new_job import SHAPES, new_job_text
 from vmach.workbench.opened_folder import OpenedFolder

@@ -14,7 +14,15 @@ export function lookPanel(panel) {
   bench.on("part", () => { empty(); showNotes(notes); });
   bench.on("shown", () => showNotes(notes));
   bench.on("point", (found) => (found ? showFacts(point, found) : empty()));
-  bench.on("figures", (figures) => { showWorst(worst, figures); showFeatures(features, figures); });
+  let isOld = false; // tables that nobody sees are made when they are looked at
+  const tables = () => {
+    isOld = panel.hidden;
+    if (isOld || !bench.figures) return;
+    showWorst(worst, bench.figures);
+    showFeatures(features, bench.figures);
+  };
+  bench.on("figures", tables);
+  bench.on("chosen", () => { if (isOld) tables(); });
   empty();
 }
 

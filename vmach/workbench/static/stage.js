@@ -186,7 +186,8 @@ function placeMarks() {
     const isThere = dot(mark.point.at, section) <= section[3] && dot(towards, mark.point.normal) > 0.02;
     mark.style.visibility = isThere ? "" : "hidden";
   }
-  byId("triad").innerHTML = triad(scene);
+  const turned = triad(scene);
+  if (turned !== stage.turned) byId("triad").innerHTML = stage.turned = turned;
 }
 
 function hideCovered() {

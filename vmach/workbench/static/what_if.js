@@ -5,9 +5,9 @@ import { framed, get, postFramed, TAB } from "./api.js";
 import { el, fixed, redraw, short, units } from "./dom.js";
 import { runBox, startRun } from "./runs.js";
 import { machineChanges, machineSection, showMachine } from "./machine_data.js";
-import { applyValues } from "./stage.js";
+import { applyValues, stage } from "./stage.js";
 
-const state = { cards: [], machine: [], values: new Map(), gesture: 1, movedBy: 1, isWaiting: false, isDirty: false, panel: null, open: new Set() };
+const state = { cards: [], machine: [], values: new Map(), gesture: 1, movedBy: 1, isWaiting: false, isDirty: false, isHeld: false, panel: null, open: new Set() };
 const STEPS = 200, SETTLED_MS = 700;
 const keyOf = (card) => card.effect + ":" + card.target;
 
@@ -91,6 +91,7 @@ function sliderOf(card, p) {
   show(now, input, text);
   input.onchange = nextGesture;
   input.oninput = ({ target }) => {
+    state.isHeld = true;
     let value = toValue(Number(target.value) / STEPS);
     if (p.is_amplitude && Math.abs(value) < (p.high - p.low) / STEPS / 2) value = 0;
     value = Number(value.toPrecision(4));
@@ -106,6 +107,8 @@ function sliderOf(card, p) {
 // A slider is let go: what is moved next is another step to undo.
 function nextGesture() {
   state.gesture += 1;
+  state.isHeld = false;
+  if (!state.isWaiting) cutAnewSoon();
 }
 
 // ---- to the server: one question at a time, the last position always gets there
@@ -122,6 +125,7 @@ function moved() {
 }
 
 const push = attempt(async () => {
+  stage.scene?.stir();
   if (state.isWaiting) {
     state.isDirty = true;
     return;
@@ -138,12 +142,17 @@ const push = attempt(async () => {
   } finally {
     state.isWaiting = false;
   }
-  clearTimeout(state.settling);
-  if (changesNow().length && bench.look.quantity === "deviation" && bench.look.model === "abbe")
-    state.settling = setTimeout(cutAnew, SETTLED_MS);
+  cutAnewSoon();
 });
 
-// When the sliders rest, the part is cut anew: another move may make a point then.
+// When the sliders are let go and rest, the part is cut anew: another move may make a point then. That takes the
+// model a while, in which it would answer no slider.
+function cutAnewSoon() {
+  clearTimeout(state.settling);
+  if (!state.isHeld && changesNow().length && bench.look.quantity === "deviation" && bench.look.model === "abbe")
+    state.settling = setTimeout(cutAnew, SETTLED_MS);
+}
+
 const cutAnew = attempt(async () => {
   const asked = JSON.stringify(changesNow());
   const [figures, values] = await framed("/api/exact");

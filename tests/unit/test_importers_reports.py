@@ -1,0 +1,106 @@
+"""Files of makers' own programs that have no public specification: what is in them."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.import_samples import PCDMIS, RTL, write_plate_job
+from vmach.errors import InputError
+from vmach.importers import Questions, import_files
+
+
+def imported(folder, name, text, job=None, **given):
+    (folder / name).write_text(text, encoding="utf-8")
+    (one,) = import_files([folder / name], Questions(given, job_file=job))
+    return one
+
+
+def rows(one, file):
+    return [line.split(",") for line in one.files[file].splitlines()]
+
+
+def test_runs_of_an_rtl_stand_side_by_side(tmp_path):
+    """Runs 1 and 3 go up, 2 and 4 come back; the axis is that of the file."""
+    one = imported(tmp_path, "any.rtl", RTL)
+    assert rows(one, "errors/EXX.csv") == [
+        ["position_mm", "forward_1_um", "forward_2_um", "backward_1_um", "backward_2_um"],
+        ["0", "0.1", "0.2", "-1.1", "-0.9"],
+        ["100", "1.5", "1.6", "0.4", "0.6"],
+        ["200", "3.2", "3.3", "2.2", "2.4"],
+    ]
+
+
+def test_an_rtl_numbers_its_targets_from_nought_or_from_one(tmp_path):
+    head, tail = RTL.split("DEVIATIONS::")
+    lines = []
+    for line in tail.splitlines():
+        words = line.split()
+        if len(words) == 3 and words[0].isdigit():
+            words[1] = str(int(words[1]) - 1)
+        lines.append(" ".join(words))
+    other = imported(tmp_path, "b.rtl", head + "DEVIATIONS::" + "\n".join(lines))
+    assert other.files == imported(tmp_path, "a.rtl", RTL).files
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("Target-count: 3", "Target-count: 4", "7: Target-count: 4, and 3 positions"),
+        ("Run-count: 4", "Run-count: 5", "Run-count: 5, and 4 runs"),
+        ("1 3 3.2000", "1 3 inf", "26: '1 3 inf'"),
+        ("1 3 3.2000", "1 5 3.2000", "deviations of the targets 1 to 5, 3 positions"),
+        ("100.0000\n", "100.0000 x\n", "10: '0.0000 100.0000 x'"),
+    ],
+)
+def test_a_bad_rtl_is_refused_with_its_line(old, new, said, tmp_path):
+    with pytest.raises(InputError, match=said):
+        imported(tmp_path, "x.rtl", RTL.replace(old, new))
+
+
+def test_an_rtl_of_an_angle_is_refused(tmp_path):
+    with pytest.raises(InputError, match="EBX is an angle, and the file does not say its unit"):
+        imported(tmp_path, "x.rtl", RTL, error="EBX")
+
+
+def test_locations_of_a_report_are_holes_and_points(tmp_path):
+    """Columns in two orders, rows with empty cells, a form that has no place."""
+    one = imported(tmp_path, "plate.txt", PCDMIS, write_plate_job(tmp_path))
+    assert rows(one, "plate_holes.csv") == [
+        ["id", "x", "y", "mx", "my", "d", "md"],
+        ["CIR1", "10", "20", "10.011", "19.995", "8", "8.012"],
+        ["CIR2", "-28.6", "9.1", "-28.623", "9.125", "4.2", "4.254"],
+    ]
+    assert rows(one, "plate_points.csv")[1] == [
+        "PNT1", "PNT1", "5", "3", "0", "0", "0", "1", "5", "3.001", "-0.012",
+    ]  # fmt: skip
+
+
+def test_a_report_in_inches(tmp_path):
+    text = PCDMIS[: PCDMIS.index("DIM LOC3")].replace("UNITS=MM", "UNITS=IN")
+    one = imported(tmp_path, "plate.txt", text)
+    assert rows(one, "plate_holes.csv")[1] == [
+        "CIR1", "254", "508", "254.2794", "507.873", "203.2", "203.5048",
+    ]  # fmt: skip
+
+
+def test_a_report_that_does_not_say_its_unit_is_asked(tmp_path):
+    text = PCDMIS[: PCDMIS.index("DIM LOC3")].replace("UNITS=MM", "")
+    with pytest.raises(InputError, match="the file does not say: unit of the coordinates"):
+        imported(tmp_path, "plate.txt", text)
+    assert imported(tmp_path, "plate.txt", text, unit="mm").files
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        # the heading of another format above the same numbers
+        ("NOMINAL       +TOL       -TOL       MEAS", "MEAS          +TOL       -TOL    NOMINAL",
+         "MEAS minus NOMINAL is -0.011, DEV is 0.011"),
+        ("10.011      0.011", "10.111      0.011", "6: MEAS minus NOMINAL is 0.111, DEV is 0.011"),
+        ("10.011      0.011", "10.x11      0.011", "6: 'X      10.000"),
+        ("CIR1  UNITS=MM", "CIR1  UNITS=IN", "UNITS=IN, MM"),
+    ],
+)  # fmt: skip
+def test_a_bad_report_is_refused_with_its_line(old, new, said, tmp_path):
+    with pytest.raises(InputError, match=said):
+        imported(tmp_path, "plate.txt", PCDMIS.replace(old, new, 1), write_plate_job(tmp_path))
