@@ -71,7 +71,7 @@ RULES = (
         "sizes of the rest",
         "an effect that is so many times as large as what remains beside it is as probably an "
         "imitation as not; the odds grow with its variance",
-        _CALIBRATION,
+        f"{_CALIBRATION}; kept where an earlier regression had even odds",
         _COUNTS,
     ),
     Rule(
@@ -87,7 +87,7 @@ RULES = (
         WORTH_A_FORM,
         "stated u",
         "a rest below this is not looked into; what is beyond it is weighed against effects",
-        "below the noise that points of a feature share on a part of 0.8 um, 0.48 um",
+        "what points of a feature share of readings of u: 0.48 um of 0.8, as the generator has it",
         _COUNTS,
     ),
     Rule(
