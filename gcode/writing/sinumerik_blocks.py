@@ -15,7 +15,7 @@ __all__ = ["FEED_UNITS_MM", "SinumerikBlocks"]
 _COMMENT = re.compile(r";.*")
 _NUMBER = re.compile(r"\s*(?:/\d?\s*)?(?:N\d+\s*)?", re.IGNORECASE)
 _CALL = re.compile(
-    r"(?:MCALL\b|(?:CYCLE\d+|HOLES[12]|POCKET[34]|SLOT1|LONGHOLE)\s*\()", re.IGNORECASE
+    r"(?:MCALL\b|(?:CYCLE\d+|HOLES[12]|POCKET[34]|SLOT[12]|LONGHOLE)\s*\()", re.IGNORECASE
 )
 _MODAL_CALL = re.compile(r"MCALL\b", re.IGNORECASE)
 _CORNER = re.compile(r"\b(?:RND|CH[FR])\s*=", re.IGNORECASE)

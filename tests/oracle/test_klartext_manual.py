@@ -264,3 +264,24 @@ def test_feeds_of_inch_programs_count_tenths():
     run = read_program(Source(text.encode(), "part.h"), tools={1: ToolEntry(0.0, 10.0)}).moves
     inch_per_min = run.feed_mm_per_min[run.at_feed] / 25.4
     assert inch_per_min == pytest.approx([10, 5, 3, 50, 50])
+
+
+def test_the_worked_example_of_g221():
+    """HEIDENHAIN TNC 410/426/430, User's Manual ISO Programming, cycle 221, its block N54."""
+    text = (
+        "%A G71 *\nN10 T1 G17 S1000 *\nN20 G00 G40 G90 Z+100 M03 *\n"
+        "N30 G200 Q200=2 Q201=-15 Q206=250 Q202=5 Q210=0 Q203=+30 Q204=50 Q211=0 *\n"
+        "N54 G221 Q225=+15 Q226=+15 Q237=+10 Q238=+8 Q242=6 Q243=4 Q224=+15 "
+        "Q200=2 Q203=+30 Q204=50 Q301=1 *\nN60 G00 Z+100 M02 *\nN99999999 %A G71 *\n"
+    )
+    program = read_program(Source(text.encode(), "part.i"), tools=TOOLS, dialect="tnciso")
+    ends = program.moves.end_mm - [0, 0, 100]
+    holes = {tuple(place) for place in ends[np.abs(ends[:, 2] - 15.0) < 1e-9][:, :2].round(6)}
+    turn = np.radians(15.0)
+    column, line = np.meshgrid(10.0 * np.arange(6), 8.0 * np.arange(4))
+    wanted = {
+        tuple(np.round([15 + u * np.cos(turn) - v * np.sin(turn),
+                        15 + u * np.sin(turn) + v * np.cos(turn)], 6))
+        for u, v in zip(column.ravel(), line.ravel(), strict=True)
+    }  # fmt: skip
+    assert holes == wanted

@@ -6,7 +6,7 @@ about its usual size.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,6 +40,11 @@ class Term:
     def label(self) -> str:
         """Name and target."""
         return label_of(self.effect.name, self.target)
+
+    @property
+    def place(self) -> Hashable:
+        """Name, target and inner parameters: all that its signatures depend on."""
+        return self.label, *self.inner.values()
 
     @property
     def prior_width(self) -> float:

@@ -54,6 +54,7 @@ class BlockRunner(ProgrammedMotion):
         self.ended = False
         self.offsets = OffsetWords(self)
         self.cycle: DrillingCycle | None = None
+        self.return_level: float | None = None  #: of G98, where the program says it (Okuma)
         controller = self.controller
         controller.retract_to_initial = True  # G98 after power-on
         controller.start_up = control.options.get("start_up", "A")
@@ -217,5 +218,6 @@ class BlockRunner(ProgrammedMotion):
             block.g.remove(code)
             previous = self.cycle
             level = previous.initial if previous else self.here()[self.axial]
+            level = level if self.return_level is None else self.return_level
             self.cycle = DrillingCycle(code, level, previous)
         return self.cycle.obey(self, block)

@@ -193,7 +193,7 @@ class Weighing:
 
     def _fitted(self, terms: Sequence[Term], sizes: Sizes, *, refine: bool) -> JointFit:
         """The fit of terms beside members of given sizes; the last ones are remembered."""
-        key = tuple((t.label, t.width, *t.inner.values()) for t in terms), sizes, refine
+        key = tuple((t.place, t.width) for t in terms), sizes, refine
         whiten = Posterior(self.base, sizes, self._none).whiten
         return self._fits.get(key, lambda: fit_terms(self.survey, terms, whiten, refine=refine))
 
