@@ -116,3 +116,39 @@ def test_the_command_prints_all_and_fails_where_something_is_to_mend(folder):
 def test_no_job_file_is_too_broken_for_it(folder, text):
     (folder / "job.toml").write_text(text)
     assert words(folder)
+
+
+def drawn(folder, old="", new=""):
+    """The contouring test piece, with one change of its drawing; what is to be mended."""
+    shutil.copytree(SAMPLES / "iso10791_7", folder, dirs_exist_ok=True)
+    job = folder / "job.toml"
+    text = job.read_text()
+    assert old in text
+    job.write_text(text.replace(old, new, 1))
+    return words(folder)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('"square +X" = "parallelism', '"square +X" = "perpendicularity',
+         "91: tolerance 'perpendicularity 0.01 B': the CAD has an angle of 0 deg"),
+        ('"square +X" =', '"square +Q" =', "91: no face and no point is called 'square +Q'"),
+        ("angularity 0.01 B", "angularity 0.01 K", "datum K is not defined"),
+        ('B = "square -X"', 'B = "square -W"', "83: datum B: no face and no point"),
+        ('circle = ["roundness', 'circle = ["35 H7", "roundness', "which is 100 mm in the CAD"),
+    ],
+)  # fmt: skip
+def test_a_drawing_without_sense_is_found_before_the_run(old, new, said, tmp_path):
+    assert any(said in word for word in drawn(tmp_path, old, new))
+
+
+def test_all_faults_of_a_drawing_are_told_at_once(tmp_path):
+    """Two requirements of one feature, and one of a face that no tool makes."""
+    both = '"centre hole" = ["35 H7", "parallelism 0.01 K", '
+    found = drawn(tmp_path, '"centre hole" = [', '"face 5 plane" = "parallelism 0.01 C"\n' + both)
+    assert len(found) == 3
+
+
+def test_the_drawing_of_the_sample_has_sense(tmp_path):
+    assert drawn(tmp_path) == []

@@ -15,12 +15,14 @@ from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import complaints, line_of_key
 from vmach.instruments import read_instruments
-from vmach.job import read_job
+from vmach.job import Job, read_job
 from vmach.job.schema import JobSchema
 from vmach.machine.files.machine_schema import MachineSchema
 from vmach.nominal import read_nominal
 from vmach.path.preparation import prepare
 from vmach.plausibility import admitted_machine
+from vmach.run.drawing_check import drawing_faults
+from vmach.run.inspection import surface_points
 
 __all__ = ["OPEN_MARK", "check_job"]
 
@@ -131,12 +133,25 @@ def _whole_job(path: Path) -> Iterator[Finding]:
         yield Finding.of_error(error)
         return
     yield from map(Finding.of_note, preparation.notes)
+    yield from _drawing(job)
     try:
         effects = read_effects(job.effects, file=path, job=job)
         read_instruments(job, effects=effects)
     except (InputError, ProgramError) as error:
         yield Finding.of_error(error)
     yield from _assumed(path, job)
+
+
+def _drawing(job: Job) -> Iterator[Finding]:
+    """What is asked of the part, against its CAD."""
+    if not (job.drawing.tolerances or job.drawing.datums):
+        return
+    try:
+        nominal = None if job.nominal is None else read_nominal(job.nominal, job.nominal_unit)
+        points = surface_points(job, nominal)
+        yield from map(Finding.of_error, drawing_faults(job, nominal, points))
+    except InputError as error:
+        yield Finding.of_error(error)
 
 
 def _assumed(path: Path, job: Any) -> Iterator[Finding]:

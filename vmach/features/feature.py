@@ -35,6 +35,12 @@ class Points:
     deviation_mm: np.ndarray
     is_known: np.ndarray
 
+    @classmethod
+    def nominal(cls, nominal_mm: np.ndarray, normal: np.ndarray) -> Points:
+        """The part without a deviation."""
+        count = len(nominal_mm)
+        return cls(nominal_mm, normal, np.zeros(count), np.ones(count, dtype=bool))
+
     @property
     def actual_mm(self) -> np.ndarray:
         """Where the points of the part lie, (P, 3)."""

@@ -259,6 +259,11 @@ def _section_in(annotation: object) -> type[FileSection] | None:
     return None
 
 
+#: one part of a dotted key, which may stand in quotes; and a line that sets a key
+_KEY_PART = re.compile(r"\"[^\"]*\"|'[^']*'|[^.\s\"']+")
+_ASSIGNMENT = re.compile(rf"\s*((?:{_KEY_PART.pattern})(?:\s*\.\s*(?:{_KEY_PART.pattern}))*)\s*=")
+
+
 def line_of_key(text: str, keys: list[str]) -> int | None:
     """1-based line where a dotted key, or the table closest to it, is written.
 
@@ -269,7 +274,7 @@ def line_of_key(text: str, keys: list[str]) -> int | None:
     seen: Counter[str] = Counter()
     for number, line in enumerate(text.splitlines(), 1):
         header = re.match(r"\s*(\[+)\s*([^\]]+?)\s*\]+", line)
-        assignment = re.match(r"\s*([A-Za-z0-9_.\"'-]+)\s*=", line)
+        assignment = _ASSIGNMENT.match(line)
         if header:
             table = _split_key(header.group(2))
             if header.group(1) == "[[":
@@ -288,4 +293,4 @@ def line_of_key(text: str, keys: list[str]) -> int | None:
 
 
 def _split_key(dotted: str) -> list[str]:
-    return [part.strip().strip("\"'") for part in dotted.split(".")]
+    return [part.strip("\"'") for part in _KEY_PART.findall(dotted)]

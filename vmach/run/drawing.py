@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
 import numpy as np
@@ -10,13 +11,15 @@ import numpy as np
 from vmach.errors import InputError
 from vmach.features.evaluation import Drawing, Requirement
 from vmach.features.feature import Feature, as_members, make_feature
+from vmach.files.text_file import read_text
+from vmach.files.toml_file import line_of_key
 from vmach.job import Job
 from vmach.nominal import NominalPart
 from vmach.nominal.feature_surface import surface_of_face, surface_of_points
 from vmach.nominal.points import SurfacePoints
 from vmach.run.pmi_drawing import PmiDrawing, pmi_drawing
 
-__all__ = ["job_drawing"]
+__all__ = ["FeatureFinder", "drawing_error", "job_drawing"]
 
 #: a point of a file lies on a face of the CAD that is this near, with normals this much alike
 _ON_FACE_MM, _ALONG = 5e-3, 0.99
@@ -36,10 +39,16 @@ def job_drawing(job: Job, nominal: NominalPart | None, points: SurfacePoints) ->
     told = pmi_drawing(nominal, asked.features) if asked.reads_pmi else PmiDrawing()
     if not (asked.tolerances or told.requirements):
         return None
-    finder = _Finder(job, nominal, points)
-    wanted = [name for name, _ in asked.tolerances] + list(asked.datums.values())
-    wanted += [callout.to for _, callout in asked.tolerances if callout.to]
-    features = {name: finder.feature(name) for name in dict.fromkeys(wanted)}
+    finder = FeatureFinder(job, nominal, points)
+    wanted = [("tolerances", name, name) for name, _ in asked.tolerances]
+    wanted += [("datums", letter, name) for letter, name in asked.datums.items()]
+    wanted += [("tolerances", name, callout.to) for name, callout in asked.tolerances if callout.to]
+    features: dict[str, Feature] = {}
+    for section, key, name in wanted:
+        try:
+            features.setdefault(name, finder.feature(name))
+        except InputError as error:
+            raise drawing_error(job, error, section, key, f"{section}.{key}") from None
     for name, faces in told.features.items():
         features.setdefault(name, finder.of_faces(name, faces))
     return Drawing(
@@ -50,7 +59,17 @@ def job_drawing(job: Job, nominal: NominalPart | None, points: SurfacePoints) ->
     )
 
 
-class _Finder:
+def drawing_error(job: Job, error: InputError, section: str, key: str, said: str) -> InputError:
+    """An error of the drawing with its place: `section` and `key` of the job file.
+
+    `said` stands before a message that does not name the key itself.
+    """
+    what = error.what if key in error.what else f"{said}: {error.what}"
+    line = line_of_key(read_text(job.path, what="job file"), [section, key])
+    return InputError(what, file=job.path, line=line, accepted=error.accepted, hint=error.hint)
+
+
+class FeatureFinder:
     """Finds faces and points by the names of a job."""
 
     def __init__(self, job: Job, nominal: NominalPart | None, points: SurfacePoints) -> None:
@@ -63,6 +82,13 @@ class _Finder:
         self._point_names = set(np.unique(points.feature).tolist())
 
     def feature(self, name: str) -> Feature:
+        """The feature of a name of the job, of a face or of a point.
+
+        Raises
+        ------
+        InputError
+            Nothing has this name, or no point lies on it.
+        """
         entry = self._named.get(name)
         patterns = entry.faces if entry else (name,)
         kind = entry.kind if entry else ""
@@ -90,9 +116,10 @@ class _Finder:
                 some = ", ".join(repr(k) for k in known[:_LISTED])
                 more = f" and {len(known) - _LISTED} more" if len(known) > _LISTED else ""
                 what = f"no face and no point is called {pattern!r}"
-                raise self._error(
-                    name, what, some + more, "'vmach features JOB --faces' lists them"
-                )
+                hint = "'vmach features JOB --faces' lists them"
+                if near := get_close_matches(pattern, [*self._named, *known], 1):
+                    hint = f"is it {near[0]!r}? {hint}"
+                raise self._error(name, what, some + more, hint)
             found += [self._own_names.get(k, k) for k in hits]
         return list(dict.fromkeys(found))
 

@@ -22,7 +22,7 @@ from vmach.nominal.points import SurfacePoints
 from vmach.prediction import Prediction
 from vmach.prediction.error_budget import ErrorBudget
 from vmach.report import InspectedPoints
-from vmach.run.drawing import job_drawing
+from vmach.run.drawing import drawing_error, job_drawing
 from vmach.uncertainty.first_order import combined_u_mm
 
 if TYPE_CHECKING:
@@ -79,12 +79,8 @@ def feature_results(
             if requirement.source:
                 found.append(judge.refused(requirement, error.what))
                 continue
-            what = error.what
-            if requirement.feature not in what:
-                what = f"tolerance {requirement.callout.text!r} of {requirement.feature!r}: {what}"
-            raise InputError(
-                what, file=job.path, accepted=error.accepted, hint=error.hint
-            ) from None
+            said = f"tolerance {requirement.callout.text!r} of {requirement.feature!r}"
+            raise drawing_error(job, error, "tolerances", requirement.feature, said) from None
     known = judge.with_uncertainty(found)
     return (tuple(known), ()) if plan is None else judge.with_draws(known, plan, progress)
 
@@ -110,6 +106,7 @@ class _Judge:
             )
             for column in inspected.columns
         }
+        self._nominal = Points.nominal(inspected.point_mm, inspected.normal)
         self._primary = inspected.primary.name
         # of every result: its weights, and which value of which requirement it is
         self._weights: list[np.ndarray] = []
@@ -123,6 +120,8 @@ class _Judge:
         known = self._parts[self._primary].is_known
         rows = np.concatenate([member.rows for member in feature.members])
         if not known[rows].any():
+            # a callout that contradicts the CAD is told although there is nothing to evaluate
+            evaluate(self._drawing, requirement, self._nominal)
             return [self.refused(requirement, "no tool of the program makes it")]
         by_column = {
             name: evaluate(self._drawing, requirement, part) for name, part in self._parts.items()

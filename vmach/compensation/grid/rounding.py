@@ -26,7 +26,7 @@ __all__ = ["Rounding"]
 #: grid points of every end that the best sequence is taken from
 _POINTS = 24
 #: ends whose points are compared at once
-_AT_ONCE = 4096
+_AT_ONCE = 128
 
 
 class Rounding:
