@@ -7,11 +7,14 @@ nobody to go to: Python reports it and goes on, and the work that somebody wante
 from __future__ import annotations
 
 import _thread
+import contextlib
+import signal
 import sys
 import threading
+from collections.abc import Iterator
 from typing import Any
 
-__all__ = ["repeat_lost_interrupts"]
+__all__ = ["interrupts_are_not_for_children", "repeat_lost_interrupts"]
 
 #: an interrupt that was passed over is repeated so much later, when the call has returned
 _AGAIN_S = 0.02
@@ -30,3 +33,23 @@ def repeat_lost_interrupts() -> None:
         timer.start()
 
     sys.unraisablehook = again
+
+
+@contextlib.contextmanager
+def interrupts_are_not_for_children() -> Iterator[None]:
+    """A process that is started meanwhile never hears Ctrl-C: who started it ends it.
+
+    A terminal sends Ctrl-C to all processes of a command, also to one that has not begun to catch
+    it. Here it waits until the block is left.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    from multiprocessing import resource_tracker  # late: only who starts processes needs it
+
+    resource_tracker.ensure_running()  # multiprocessing's own process: its start ends the blocking
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

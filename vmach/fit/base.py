@@ -134,6 +134,8 @@ class SizedMembers:
         """L^-1 S of products (q,) or (q, k) with all of the base's columns, (p,) or (p, k)."""
         own = products if len(self.here) == len(products) else products[self.here]
         scaled = (own.T * self.scale).T
+        if not len(self.here):
+            return scaled
         if own.ndim == 1 or own.shape[1] < len(self.here):
             return solved(self.root, scaled)
         # many at once: BLAS multiplies by an inverse twice as fast as it solves

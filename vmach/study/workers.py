@@ -15,6 +15,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 
 from vmach.base.broken_pipe import live_on_when_the_reader_leaves
+from vmach.base.interrupt import interrupts_are_not_for_children
 from vmach.errors import VmachError
 from vmach.study.case import Case
 from vmach.study.results import ResultFolder
@@ -108,7 +109,8 @@ class _Team:
         """A new worker, with its first case."""
         mine, theirs = self._context.Pipe()
         process = self._context.Process(target=_live, args=(theirs, *self._told), daemon=True)
-        process.start()
+        with interrupts_are_not_for_children():
+            process.start()
         theirs.close()
         self._process[mine], self.busy[mine] = process, case
         with suppress(OSError):  # it may be dead already, which `finished` finds
@@ -157,5 +159,5 @@ def _live(door: Connection, task: Task, folder: ResultFolder) -> None:
     try:
         while True:
             door.send(work_one(task, door.recv(), folder))
-    except (EOFError, OSError, KeyboardInterrupt):
+    except (EOFError, OSError):
         return

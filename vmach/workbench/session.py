@@ -192,9 +192,9 @@ class Session:
                     picture.note(question, arguments, found)
                 return found
             except ModelStopped:
-                if model is not self._model:  # another job was opened meanwhile
+                if model is not self._model and self._model is not None:  # another job is open now
                     continue
-                if not (may_start and model.has_answered):
+                if not (may_start and model.has_answered) or self._model is None:
                     raise
                 may_start = False
                 self.reload()

@@ -95,6 +95,8 @@ class Weighing:
         self.base = Base(self.survey, noise, self.members)
         self._none = Effects(self.base, np.zeros((len(self.survey), 0)))
         self._forget()
+        #: log probability of every set that a search weighed, by the labels of its effects
+        self.tried: dict[frozenset[str], float] = {}
         self.alone = self._empty(Sizes(1.0, (0.0,) * len(self.members.names)))
 
     def _forget(self) -> None:
@@ -225,6 +227,12 @@ class Weighing:
         """The explanation with candidate k added and everything refitted."""
         terms = [*explanation.terms, self.term(k, explanation)]
         return self.explain(terms, explanation.posterior.sizes, resize=resize)
+
+    def remembered(self, explanation: Explanation) -> Explanation:
+        """An explanation, noted among those that were tried."""
+        before = self.tried.get(explanation.labels, -np.inf)
+        self.tried[explanation.labels] = max(before, explanation.score)
+        return explanation
 
     def careful(self, explanation: Explanation) -> JointFit | None:
         """The fit with what its laws leave open counted as uncertainty of the readings."""

@@ -26,8 +26,6 @@ __all__ = ["Forms"]
 
 #: forms that are fitted at each step, by their evidence beside the discrepancy and nearly without
 _FITTED = 6
-#: the same for the place of an effect
-_IN_PLACE = 3
 #: forms that are added one after the other
 _MOST = 4
 #: proposals that are told
@@ -59,19 +57,9 @@ class Forms:
         self._screen = _Screen(weighing)
         self._chosen: dict[str, Form] = {}
 
-    @property
-    def labels(self) -> frozenset[str]:
-        """Labels of the forms that were added."""
-        return frozenset(self._chosen)
-
-    @property
-    def weighing(self) -> Weighing:
-        """Of the effects that were found and the forms that were added."""
-        return self._with(())
-
     def grown(self, found: Explanation) -> Explanation:
         """An explanation with forms added while that is clearly more probable."""
-        here = self.weighing.explain(found.terms, found.posterior.sizes, refine=False)
+        here = self._with(()).explain(found.terms, found.posterior.sizes, refine=False)
         for _ in range(_MOST):
             if remains_um(self._weighing, here) < WORTH_A_FORM * usual_u_um(self._weighing):
                 break
@@ -81,17 +69,6 @@ class Forms:
                 break
             here = better
         return here
-
-    def in_place_of(self, here: Explanation, k: int) -> Explanation:
-        """An explanation with the best form in the place of term k, or with none.
-
-        Forms are looked for beside members as they are: grown into the gap, they would hide some.
-        """
-        rest = self.weighing.without(here, [k])
-        gap = self.weighing.without(here, [k], resize=False)
-        self._columns.add_waves(self._left_mm(gap))
-        better = self._extended(gap, self._leading([gap], _IN_PLACE))
-        return max(rest, better, key=lambda e: e.score)
 
     def _extended(self, here: Explanation, leading: Sequence[Form]) -> Explanation:
         """An explanation with the best of some forms, without what it makes needless."""

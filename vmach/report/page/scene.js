@@ -288,7 +288,6 @@ class Scene {
     this.stir();
     this.pending ??= requestAnimationFrame(() => {
       this.pending = null;
-      if (!this.width || !this.height) return; // it is not on the page now
       if (this.smooth.isSlow) this.drawQuickly(); else this.draw();
     });
   }
@@ -300,13 +299,16 @@ class Scene {
     if (this.isRough) requestAnimationFrame(() => this.draw());
     this.onSettle();
   }
+  get isSeen() { return this.width > 0 && this.height > 0; }
   draw() {
+    if (!this.isSeen) return;
     this.isRough = false;
     this.smooth.draw(...this.pixels(), () => this.paint("triangles", this.model.triangles.length));
     this.onDraw();
   }
   drawQuickly() {
     const gl = this.gl;
+    if (!this.isSeen) return;
     this.isRough = true;
     if (!this.fewer) {
       this.fewer = fewerTriangles(this.model);

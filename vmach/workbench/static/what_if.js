@@ -13,7 +13,7 @@ const keyOf = (card) => card.effect + ":" + card.target;
 
 export function whatIfPanel(panel) {
   state.panel = panel;
-  const filter = el("input", { type: "search", placeholder: "Find an effect: backlash, thermal, Y …", "aria-label": "Find an effect" });
+  const filter = el("input", { type: "search", placeholder: "Find an effect", "aria-label": "Find an effect" });
   const reset = el("button", { type: "button", class: "reset" }, "Reset");
   reset.onclick = () => { nextGesture(); showMachine(state.machine, []); change(new Map()); nextGesture(); };
   const keep = el("button", { type: "button", id: "keep", title: "Write a job beside this one that has these values" }, "Keep as a job");
@@ -28,6 +28,7 @@ export function whatIfPanel(panel) {
   filter.oninput = () => showCards(list, filter.value.toLowerCase());
   bench.on("part", attempt(async () => {
     ({ cards: state.cards, machine: state.machine } = await get("/api/effects"));
+    bench.cards = state.cards;
     readChanges(bench.state.changes);
     showCards(list, filter.value.toLowerCase());
     showResidual(null);
