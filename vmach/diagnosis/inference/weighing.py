@@ -30,7 +30,7 @@ __all__ = ["Explanation", "Weighing"]
 #: sizes in u that a search starts from
 _START = 0.3
 #: readings of the explanations that are remembered
-_ROOM = 200_000
+_ROOM = 100_000
 #: times that what the laws leave open is set by the fit before, so that it is a share of the last
 _PASSES = 3
 
