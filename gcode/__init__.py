@@ -16,7 +16,7 @@ from gcode.text.items import block_items
 from gcode.text.source import Source, Word
 from gcode.writing.block_text import BlockText, Labels
 from gcode.writing.line_edit import AS_PROGRAMMED, SAME, UNKNOWN, BlockMotion, LineEdit
-from gcode.writing.plain_blocks import PlainBlocks
+from gcode.writing.plain_blocks import PlainArc, PlainBlocks
 
 __all__ = [
            "ARC_TOLERANCES",
@@ -38,7 +38,7 @@ __all__ = [
            "Moves",
            "Note",
            "OffsetEntry",
-           "PlainBlocks",
+           "PlainArc", "PlainBlocks",
            "PlainLines",
            "Program",
            "ProgramError",

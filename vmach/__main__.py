@@ -7,10 +7,6 @@ import sys
 import traceback
 from pathlib import Path
 
-from vmach.base.broken_pipe import end_by_broken_pipe, end_when_the_reader_leaves
-from vmach.base.memory import keep_small_arrays
-from vmach.base.terminal import protect_terminal
-
 __all__ = ["main"]
 
 
@@ -20,14 +16,8 @@ def main() -> None:
     Exit status 130 after Ctrl-C, 70 after a fault of the program itself; with
     ``VMACH_TRACEBACK=1`` in the environment such a fault shows where it comes from.
     """
-    if sys.stdout is sys.__stdout__:  # not called by a program
-        end_when_the_reader_leaves()
-    protect_terminal()
-    keep_small_arrays()
     try:
-        from vmach.cli import main as command_line  # so that Ctrl-C while it loads counts too
-
-        command_line()
+        _run()
     except KeyboardInterrupt:
         _interrupted()
     except SystemExit as stop:
@@ -35,6 +25,8 @@ def main() -> None:
             _interrupted()
         raise
     except BrokenPipeError:
+        from vmach.base.broken_pipe import end_by_broken_pipe
+
         end_by_broken_pipe()
     except MemoryError as error:
         _end(1, f"not enough memory: {error}")
@@ -50,6 +42,23 @@ def main() -> None:
             f"a fault of the program itself: {what} "
             f"({Path(place.filename).name}:{place.lineno}; VMACH_TRACEBACK=1 shows more)",
         )
+
+
+def _run() -> None:
+    # loaded here, so that Ctrl-C meanwhile is caught too
+    from vmach.base.broken_pipe import end_when_the_reader_leaves
+    from vmach.base.interrupt import repeat_lost_interrupts
+    from vmach.base.memory import keep_small_arrays
+    from vmach.base.terminal import protect_terminal
+
+    if sys.stdout is sys.__stdout__:  # not called by a program
+        end_when_the_reader_leaves()
+        repeat_lost_interrupts()
+    protect_terminal()
+    keep_small_arrays()
+    from vmach.cli import main as command_line
+
+    command_line()
 
 
 def _interrupted() -> None:

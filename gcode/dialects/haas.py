@@ -21,6 +21,7 @@ class HaasReader(FanucReader):
         haas_cycles=True,
         reference_all_axes=True,
         counters=range(5401, 6000),
+        common_again=range(10000, 11000),  # #10100 is #100
         builder_m=HAAS_M,
         peck_clearance_mm=1.27,
     )

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from gcode.writing.plain_blocks import PlainBlocks
+from gcode.writing.plain_blocks import PlainArc, PlainBlocks
 
 __all__ = ["KlartextBlocks"]
 
@@ -86,17 +86,20 @@ class KlartextBlocks(PlainBlocks):
         axes = [axis + _signed(end["XYZ".index(axis)]) for axis in named]
         return [" ".join(["L", *axes, "R0", _feed(feed)])]
 
-    def arc(
-        self, start: np.ndarray, end: np.ndarray, centre: np.ndarray, feed: float, *,
-        counter_clockwise: bool,
-    ) -> list[str] | None:  # fmt: skip
-        """An arc in the plane XY about a centre; None for a helix."""
-        if abs(end[2] - start[2]) > _STILL_MM:
+    def arc(self, arc: PlainArc, feed: float) -> list[str] | None:
+        """An arc about a centre CC; None for a helix that the control does not read so."""
+        rises, turn = abs(arc.rise) > _STILL_MM, 2.0 * np.pi
+        if rises and (self.options.get("helix") != "C" or abs(arc.sweep_rad) > turn + 1e-9):
             return None
-        place = [axis + _signed(v) for axis, v in zip("XY", end[:2], strict=True)]
-        pole = [axis + _signed(v) for axis, v in zip("XY", centre[:2], strict=True)]
-        sense = "DR+" if counter_clockwise else "DR-"
+        axes = "XYZ" if rises else "XY"
+        place = [axis + _signed(v) for axis, v in zip(axes, arc.end, strict=False)]
+        pole = [axis + _signed(v) for axis, v in zip("XY", arc.centre[:2], strict=True)]
+        sense = "DR+" if arc.sweep_rad > 0 else "DR-"
         return [" ".join(["CC", *pole]), " ".join(["C", *place, sense, _feed(feed)])]
+
+    def feed_unit_mm(self, line: int, unit_mm: float) -> float:
+        """F counts mm/min, or 0.1 inch/min."""
+        return unit_mm if unit_mm == 1.0 else unit_mm / 10.0
 
     def pause(self, seconds: float) -> list[str]:
         """A dwell."""

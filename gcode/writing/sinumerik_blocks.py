@@ -1,19 +1,21 @@
-"""Sinumerik blocks written out as plain ones: G0 to G3 with absolute ends, and G4."""
+"""Sinumerik blocks written out as plain ones: G0 to G3 and G4."""
 
 from __future__ import annotations
 
 import re
+from bisect import bisect_right
+from functools import cached_property
 
 import numpy as np
 
-from gcode.writing.plain_blocks import PlainBlocks
+from gcode.writing.plain_blocks import PlainArc, PlainBlocks
 
-__all__ = ["SinumerikBlocks"]
+__all__ = ["FEED_UNITS_MM", "SinumerikBlocks"]
 
 _COMMENT = re.compile(r";.*")
 _NUMBER = re.compile(r"\s*(?:/\d?\s*)?(?:N\d+\s*)?", re.IGNORECASE)
 _CALL = re.compile(
-    r"(?:MCALL\b|(?:CYCLE\d+|HOLES[12]|POCKET[34]|SLOT1|LONGHOLE)\s*\()", re.IGNORECASE
+    r"(?:MCALL\b|(?:CYCLE\d+|HOLES[12]|POCKET[34]|SLOT[12]|LONGHOLE)\s*\()", re.IGNORECASE
 )
 _MODAL_CALL = re.compile(r"MCALL\b", re.IGNORECASE)
 _CORNER = re.compile(r"\b(?:RND|CH[FR])\s*=", re.IGNORECASE)
@@ -22,10 +24,13 @@ _FEED = re.compile(r"\bF\s*(?:=|[\d.])", re.IGNORECASE)
 _MACHINE = re.compile(r"\b(?:SUPA|G(?:53|153|74|75))\b", re.IGNORECASE)
 #: words that go with the motion
 _GONE = re.compile(
-    r"\b(?:G0*[0-3]|G4[0-2]|G9[01]|CIP|CT)(?!\d)"
+    r"\b(?:G0*[0-3]|G4[0-2]|CIP|CT)(?!\d)"
     r"|(?:\b|(?<=\d))(?:CR|TURN|AP|AR|RP|RND|CHF|CHR|[IJK]1|[XYZIJKF])\s*(?:=\s*\S+|[-+]?\d*\.?\d+)",
     re.IGNORECASE,
 )
+_UNITS = re.compile(r"\bG(7[01]0?)(?!\d)", re.IGNORECASE)
+#: code -> unit of F, mm
+FEED_UNITS_MM = {70.0: 1.0, 71.0: 1.0, 700.0: 25.4, 710.0: 1.0}
 _DECIMALS = 12
 
 
@@ -69,20 +74,35 @@ class SinumerikBlocks(PlainBlocks):
         return [head, *blocks[1:]]
 
     def straight(self, end: np.ndarray, named: list[str], feed: float | None) -> list[str]:
-        """G0 or G1 in G90."""
+        """G0 or G1."""
         axes = [axis + _length(end["XYZ".index(axis)]) for axis in named]
         return [" ".join(["G0" if feed is None else "G1", *axes, *_feed(feed)])]
 
-    def arc(
-        self, start: np.ndarray, end: np.ndarray, centre: np.ndarray, feed: float, *,
-        counter_clockwise: bool,
-    ) -> list[str] | None:  # fmt: skip
-        """G2 or G3, a helix with Z."""
-        words = [axis + _length(v) for axis, v in zip("XY", end[:2], strict=True)]
-        if abs(end[2] - start[2]) > 1e-9:
-            words.append("Z" + _length(end[2]))
-        words += [axis + _length(v) for axis, v in zip("IJ", (centre - start)[:2], strict=True)]
-        return [" ".join(["G3" if counter_clockwise else "G2", *words, *_feed(feed)])]
+    def arc(self, arc: PlainArc, feed: float) -> list[str] | None:
+        """G2 or G3, a helix with Z, and TURN for its further turns."""
+        words = [axis + _length(v) for axis, v in zip("XY", arc.said[:2], strict=True)]
+        if abs(arc.rise) > 1e-9:
+            words.append("Z" + _length(arc.said[2]))
+        out = (arc.centre - arc.start)[:2]
+        words += [axis + _length(v) for axis, v in zip("IJ", out, strict=True)]
+        further = int(np.ceil(abs(arc.sweep_rad) / (2.0 * np.pi) - 1e-9)) - 1
+        words += [f"TURN={further}"] if further > 0 else []
+        return [" ".join(["G3" if arc.sweep_rad > 0 else "G2", *words, *_feed(feed)])]
+
+    def feed_unit_mm(self, line: int, unit_mm: float) -> float:
+        """The unit of F, as the last of G70, G71, G700 and G710 up to the line has it."""
+        at = bisect_right(self._feed_units, (line, np.inf)) - 1
+        return self._feed_units[at][1] if at >= 0 else 1.0
+
+    @cached_property
+    def _feed_units(self) -> list[tuple[int, float]]:
+        """Lines that change the unit of F, and to what, mm."""
+        found = []
+        for line in range(1, len(self.source.lines) + 1):
+            codes = _UNITS.findall(self.content(line))
+            if codes:
+                found.append((line, FEED_UNITS_MM[float(codes[-1])]))
+        return found
 
     def pause(self, seconds: float) -> list[str]:
         """G4 F."""

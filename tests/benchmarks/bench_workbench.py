@@ -23,8 +23,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 #: what a page asks for until it shows the part
-FIRST = ["/", "/viewer/scene.js", "/viewer/gestures.js", "/api/state", "/api/about", "/api/mesh",
-         "/api/values", "/api/program", "/api/effects", "/api/measured", "/api/start"]  # fmt: skip
+FIRST = ["/", "/viewer/detail.js", "/viewer/scene.js", "/viewer/gestures.js", "/api/state",
+         "/api/about", "/api/mesh", "/api/values", "/api/program", "/api/effects", "/api/measured",
+         "/api/start"]  # fmt: skip
 
 
 class Bench:
@@ -52,11 +53,8 @@ class Bench:
 
     def processes(self) -> dict[str, int]:
         """Server and model, by their numbers."""
-        children = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text()
-        model = [
-            p for p in children.split() if b"spawn_main" in Path(f"/proc/{p}/cmdline").read_bytes()
-        ]
-        return {"server": self.process.pid, "model": int(model[-1])}
+        (loader,) = [p for p in children(self.process.pid) if "forkserver" in command(p)]
+        return {"server": self.process.pid, "loader": loader, "model": children(loader)[-1]}
 
     def memory_mb(self) -> dict[str, float]:
         found = {}
@@ -76,6 +74,15 @@ class Bench:
         return found
 
 
+def children(pid: int) -> list[int]:
+    told = (task / "children" for task in Path(f"/proc/{pid}/task").iterdir())
+    return sorted(int(child) for file in told for child in file.read_text().split())
+
+
+def command(pid: int) -> str:
+    return Path(f"/proc/{pid}/cmdline").read_bytes().decode()
+
+
 def main() -> None:
     given = argparse.ArgumentParser()
     given.add_argument("--diagnoses", type=int, default=10)
@@ -89,6 +96,8 @@ def main() -> None:
         job = Path(folder) / "missing_effect" / "job.toml"
         if options.spacing:
             job.write_text(job.read_text() + f"\n[inspection]\nspacing_mm = {options.spacing}\n")
+        if options.browser:
+            first_frames(job)
         bench = Bench(job)
         try:
             measure(bench, options.diagnoses, options.browser)
@@ -151,8 +160,9 @@ def hostile(bench: Bench, times: int = 1000) -> None:
     print(f"hostile requests: {refused} of {times} refused, still serving; {took:.1f} s")
 
 
-def seen(bench: Bench, times: int = 20) -> None:
-    """What somebody in front of the page waits for: the first picture, a slider, a pick."""
+@contextlib.contextmanager
+def in_browser():
+    """A page of Chromium, drawn by the processor."""
     from playwright.sync_api import sync_playwright
 
     flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
@@ -162,6 +172,44 @@ def seen(bench: Bench, times: int = 20) -> None:
         browser = playwright.chromium.launch(executable_path=program, args=flags)
         page = browser.new_page(viewport={"width": 1400, "height": 900}, bypass_csp=True)
         page.set_default_timeout(600_000)
+        yield page
+        browser.close()
+
+
+def first_frames(job: Path) -> None:
+    """From the command to the first frame with the part; a browser is open, as it usually is."""
+    for time_of_it in ("the first time", "again", "again"):
+        with in_browser() as page:
+            page.add_init_script(_FIRST_FRAME)
+            page.goto("about:blank")
+            began, bench = time.time(), Bench(job)
+            page.goto(f"http://127.0.0.1:{bench.port}/?token={bench.token}", wait_until="commit")
+            page.wait_for_function("window.firstFrame", polling=20)
+            took, cpu = page.evaluate("window.firstFrame") / 1e3 - began, bench.processor_s()
+            page.wait_for_selector("body[data-ready=part]")
+            bench.process.terminate()
+            bench.process.wait()
+        print(f"first frame, {time_of_it}: {took:.1f} s by the clock; processor: {told(cpu)} s; "
+              f"load {os.getloadavg()[0]:.1f}", flush=True)  # fmt: skip
+
+
+#: the time of the first frame in which triangles were drawn, when its pixels are there
+_FIRST_FRAME = """(() => {
+  const kind = WebGL2RenderingContext.prototype, draw = kind.drawElements;
+  kind.drawElements = function (...what) {
+    draw.apply(this, what);
+    kind.drawElements = draw;
+    Promise.resolve().then(() => {
+      this.readPixels(0, 0, 1, 1, this.RGBA, this.UNSIGNED_BYTE, new Uint8Array(4));
+      requestAnimationFrame(() => setTimeout(() => { window.firstFrame = Date.now(); }, 0));
+    });
+  };
+})();"""
+
+
+def seen(bench: Bench, times: int = 20) -> None:
+    """What somebody in front of the page waits for: the page, a slider, a pick."""
+    with in_browser() as page:
         began = time.perf_counter()
         page.goto(f"http://127.0.0.1:{bench.port}/?token={bench.token}")
         page.wait_for_selector("body[data-ready=part]")
@@ -174,7 +222,6 @@ def seen(bench: Bench, times: int = 20) -> None:
         tell_seen("a slider", page, _SLIDER, times)
         page.locator("#tab-look").click()
         tell_seen("a pick", page, _PICK, times)
-        browser.close()
 
 
 def tell_seen(name: str, page, act: str, times: int) -> None:
@@ -187,14 +234,17 @@ def tell_seen(name: str, page, act: str, times: int) -> None:
 
 #: adds up what drawing takes until its pixels are there
 _CLOCK = """() => {
-  const draw = Scene.prototype.draw, pixel = new Uint8Array(4);
+  const pixel = new Uint8Array(4);
   window.drawn_ms = 0;
-  Scene.prototype.draw = function () {
-    const began = performance.now(), { gl } = this;
-    draw.call(this);
-    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
-    window.drawn_ms += performance.now() - began;
-  };
+  for (const name of ["draw", "drawQuickly"]) {
+    const draw = Scene.prototype[name];
+    Scene.prototype[name] = function () {
+      const began = performance.now(), { gl } = this;
+      draw.call(this);
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+      window.drawn_ms += performance.now() - began;
+    };
+  }
 }"""
 #: from the input to the first frame after the figures, or the point, have changed
 _FRAME = """() => new Promise((done) => {

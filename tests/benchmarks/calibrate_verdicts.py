@@ -4,10 +4,10 @@
     python tests/benchmarks/calibrate_verdicts.py --rows calibration.csv --fit
 
 Experiments of known and foreign causes are drawn with every kind of noise, on seeds that nothing
-else uses. Every effect that a search takes gives a row: whether it is true, its log odds where
-forms over states compete for its place, its size and what remains. A logistic regression on the
-rows gives the numbers in `vmach/diagnosis/inference/rules.py`; the sizes of the discrepancy give
-its prior in `vmach/fit/marginal_likelihood.py`. Cases whose rows are in the file are not run
+else uses. Every effect that a search takes gives a row: whether it is true, its log odds, its size
+and what remains. The most likely `IMITATION` of `vmach/diagnosis/inference/rules.py` is fitted to
+those that leave something; the sizes of the discrepancy give
+its prior in `vmach/fit/sizes.py`. Cases whose rows are in the file are not run
 again.
 """
 
@@ -35,16 +35,15 @@ from tests.hidden_effects.part import PartDesign
 from tests.hidden_effects.verdict import is_answer
 from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.prepare import prepare_weighing
-from vmach.diagnosis.inference.rules import CLEARLY, OFFSET, WEIGHT_OF_FORM, WEIGHT_OF_SIZE
-from vmach.diagnosis.inference.support import Support
-from vmach.diagnosis.inference.verdicts import supports_before_verdict
+from vmach.diagnosis.inference.rules import CLEARLY, IMITATION
+from vmach.diagnosis.inference.support import Support, supports_of
+from vmach.diagnosis.inference.verdicts import searched
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.diagnosis.rivals import rivals_of
-from vmach.fit.marginal_likelihood import _POWER, _USUAL_SIZE
+from vmach.fit.sizes import _POWER, _USUAL_SIZE
 
 COLUMNS = (
-    "kind", "noise", "seed", "effect", "is_true", "odds", "size_um", "rest_um", "against_form",
-    "members",
+    "kind", "noise", "seed", "effect", "is_true", "odds", "size_um", "rest_um", "members",
 )  # fmt: skip
 #: first seed, and kinds with how often each is drawn
 FIRST_SEED = 940_000
@@ -76,45 +75,43 @@ def rows_of(kind: str, noise: str, seed: int) -> Iterator[dict]:
             return
         truth = json.loads((folder / "truth.json").read_text())
         weighing = prepare_weighing(survey_job(folder / "job.toml"))
-        weighing, found, supports = supports_before_verdict(weighing)
+        weighing, found = searched(weighing)
     yield case | {"members": json.dumps(found.posterior.sizes.members)}
     fit = weighing.careful(found)
     impossible = impossible_terms(fit) if fit else []
-    for k, term in enumerate(found.terms):
-        if term.label not in supports or k in impossible:
+    for k, (term, support) in enumerate(
+        zip(found.terms, supports_of(weighing, found), strict=True)
+    ):
+        if k in impossible:
             continue
         names = rivals_of(weighing, found, k).names
         entry = {"effect": term.effect.name, "target": term.target, "class": names}
-        support = supports[term.label]
         yield case | {
             "effect": term.label,
             "is_true": int(is_answer(entry, truth)),
             "odds": round(support.odds, 3),
             "size_um": round(support.size_um, 4),
             "rest_um": round(support.rest_um, 4),
-            "against_form": round(support.against_form, 3),
         }
 
 
 def print_fit(rows: list[dict]) -> None:
-    """Print the logistic regression and what it says of the rows that it was made from."""
+    """Print the most likely `IMITATION`, and what others would say of the rows."""
     rows = [row for row in rows if row["effect"] and float(row["odds"]) >= CLEARLY]
-    supports = [Support(*(float(row[c]) for c in COLUMNS[-5:-1])) for row in rows]
-    columns = np.array([[1.0, s.relative_size, s.against_form] for s in supports])
-    sign = np.where([row["is_true"] == "1" for row in rows], 1.0, -1.0)
-
-    def cost(weights: np.ndarray) -> float:
-        return float(np.logaddexp(0.0, -sign * (columns @ weights)).sum())
-
-    best = minimize(cost, np.array([OFFSET, WEIGHT_OF_SIZE, WEIGHT_OF_FORM])).x
-    print(f"{len(rows)} effects of clear evidence, {int((sign > 0).sum())} of them true")
-    print("OFFSET, WEIGHT_OF_SIZE, WEIGHT_OF_FORM = {:.2f}, {:.2f}, {:.3f}".format(*best))
-    said = 1.0 / (1.0 + np.exp(-columns @ best))
-    print("shown from this probability on: so many, of which so many false; true ones lost")
-    for least in (0.3, 0.4, 0.5, 0.6, 0.7, 0.8):
-        shown = said >= least
-        false, lost = (shown & (sign < 0)).sum(), (~shown & (sign > 0)).sum()
-        print(f"{least:.2f}: {shown.sum():4d} {false:4d} {lost:4d}")
+    supports = [Support(*(float(row[c]) for c in ("odds", "size_um", "rest_um"))) for row in rows]
+    is_true = np.array([row["is_true"] == "1" for row in rows])
+    leaves = np.array([s.rest_um > 0.0 for s in supports])
+    ratio = np.array([s.size_um / max(s.rest_um, 1e-9) for s in supports])
+    print(f"{len(rows)} effects of clear evidence, {is_true.sum()} true; {leaves.sum()} leave rest")
+    sign = np.where(is_true, 1.0, -1.0)[leaves]
+    trials = np.exp(np.linspace(0.0, 3.0, 61))
+    cost = [np.logaddexp(0, -2 * sign * np.log(ratio[leaves] / t)).sum() for t in trials]
+    print(f"IMITATION = {trials[int(np.argmin(cost))]:.2f}, in use {IMITATION}")
+    print("shown from this ratio on: so many, of which so many false; true ones lost")
+    for least in (1.0, 2.0, 3.0, 4.0, 5.0, 7.0):
+        shown = ratio >= least
+        false, lost = (shown & ~is_true).sum(), (~shown & is_true).sum()
+        print(f"{least:.1f}: {shown.sum():4d} {false:4d} {lost:4d}")
 
 
 def print_prior(rows: list[dict]) -> None:

@@ -21,7 +21,14 @@ from gcode import ProgramError, Source, ToolEntry, canon_lines, read_program
 GOLDEN = Path(__file__).parents[1] / "golden" / "gcode"
 CONTROLS = GOLDEN.with_name("controls")
 #: control -> whose programs it is given
-LIKE = {"haas": "fanuc", "mach": "fanuc", "centroid": "fanuc", "grbl": "fanuc"}
+LIKE = {
+    "haas": "fanuc",
+    "mach": "fanuc",
+    "centroid": "fanuc",
+    "grbl": "fanuc",
+    "mazak": "fanuc",
+    "okuma": "fanuc",
+}
 TOOLS = {n: ToolEntry(10.0 * n, 2.0 * n) for n in range(2, 6)} | {
     1: ToolEntry(100, 10, name="MILL_10")
 }

@@ -8,6 +8,7 @@ import pytest
 from tests.small_job import write_job, write_nominal_stl
 from vmach import cli
 from vmach.__main__ import main
+from vmach.errors import InputError
 from vmach.job import read_job
 
 
@@ -307,3 +308,14 @@ def test_a_job_has_the_same_names_of_dialects(job, monkeypatch, capsys):
     status, _, message = run_vmach(monkeypatch, capsys, "predict", job, "--points", job)
     assert status == 1
     assert "accepted: auto, centroid, fanuc, " in message
+
+
+@pytest.mark.parametrize("text", ["%\nO1\n", "G21 G90\n", "(part)\nG0 X1\n", "0 BEGIN PGM A MM\n"])
+def test_a_program_in_place_of_the_job_is_told(tmp_path, text):
+    program = tmp_path / "part.nc"
+    program.write_text(text)
+    with pytest.raises(InputError, match=r"NC program.*accepted: a job file.*'vmach init' writes"):
+        read_job(program)
+    (tmp_path / "job.toml").write_text("")
+    with pytest.raises(InputError, match=r"is it .*job\.toml\?"):
+        read_job(program)

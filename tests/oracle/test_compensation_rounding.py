@@ -163,3 +163,12 @@ def test_a_small_full_circle_stays_two_arcs_wherever_its_inserted_end_goes(tmp_p
     found = compensate(job, round_points=surface.aim)
     assert found.arcs == found.arcs_kept == 1
     assert found.after.largest_mm < 2e-3
+
+
+def test_the_grid_points_do_not_depend_on_how_many_ends_are_compared_at_once(tmp_path, monkeypatch):
+    body = "G1 Z-1. F200\nX10. Y0.\nX90. Y8.\nX0. Y0.\nM30\n"
+    job, effects = job_with(tmp_path, body, WAVE)
+    together = compensate(job, effects).text
+    # stretches whose ends are all inserted, and some without such
+    monkeypatch.setattr("vmach.compensation.grid.rounding._AT_ONCE", 3)
+    assert compensate(job, effects).text == together

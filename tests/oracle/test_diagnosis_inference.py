@@ -12,8 +12,10 @@ from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.verdicts import infer
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects import catalogue
+from vmach.fit.base import Base
 from vmach.fit.feature_noise import FeatureNoise
-from vmach.fit.marginal_likelihood import Base, Effects, Sizes
+from vmach.fit.marginal_likelihood import Effects, Posterior
+from vmach.fit.sizes import Sizes
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +43,15 @@ def dense_noise(noise):
     return covariance * np.outer(noise.u_mm, noise.u_mm)
 
 
+def dense_covariance(noise, members, sizes, columns):
+    """Covariance of readings with members of given sizes and effects' columns, mm²."""
+    covariance = sizes.factor**2 * dense_noise(noise) + columns @ columns.T
+    covariance += members.fixed_mm @ members.fixed_mm.T
+    for size, member in zip(sizes.members, members.columns_mm, strict=True):
+        covariance += size**2 * member @ member.T
+    return covariance
+
+
 @pytest.mark.parametrize(("share", "tails"), [(0.0, False), (0.6, False), (0.6, True)])
 def test_probability_is_that_of_a_normal_distribution(weighing, share, tails):
     """Readings off the nuisance; a difference of two models, as constants are left out."""
@@ -53,14 +64,11 @@ def test_probability_is_that_of_a_normal_distribution(weighing, share, tails):
     free = null_space(survey.nuisance.T)
 
     def both(sizes, columns):
-        covariance = sizes.factor**2 * dense_noise(noise) + columns @ columns.T
-        covariance += members.fixed_mm @ members.fixed_mm.T
-        for size, member in zip(sizes.members, members.columns_mm, strict=True):
-            covariance += size**2 * member @ member.T
+        covariance = dense_covariance(noise, members, sizes, columns)
         dense = multivariate_normal.logpdf(
             free.T @ survey.residual_mm, cov=free.T @ covariance @ free
         )
-        ours = base.posterior(sizes, Effects(base, columns)).log_probability
+        ours = Posterior(base, sizes, Effects(base, columns)).log_probability
         return dense, ours - sizes.log_prior
 
     count = len(members.names)
@@ -69,15 +77,32 @@ def test_probability_is_that_of_a_normal_distribution(weighing, share, tails):
     assert one[1] - other[1] == pytest.approx(one[0] - other[0], rel=1e-6)
 
 
+@pytest.mark.parametrize("share", [0.0, 0.6])
+@pytest.mark.parametrize("beside", [(), ("scale X",)])
+def test_products_of_whitened_columns_are_those_by_the_dense_inverse(weighing, share, beside):
+    survey, members = weighing.survey, weighing.members
+    noise = FeatureNoise(survey.u_mm, survey.group, np.ones(len(survey)), share, 0.8)
+    base = Base(survey, noise, members)
+    sizes = Sizes(1.4, tuple(np.linspace(0.0, 2.0, len(members.names))))
+    signature = {c.label: 1.5 * c.signatures_mm[:, 0] for c in weighing.candidates}
+    columns = np.hstack([np.zeros((len(survey), 0)), *(signature[label] for label in beside)])
+    tested = np.column_stack([*signature.values(), survey.residual_mm])
+    ours = Posterior(base, sizes, Effects(base, columns)).whiten(tested)
+    free = null_space(survey.nuisance.T)
+    dense = free.T @ dense_covariance(noise, members, sizes, columns) @ free
+    expected = tested.T @ free @ np.linalg.solve(dense, free.T @ tested)
+    np.testing.assert_allclose(ours.T @ ours, expected, rtol=1e-6, atol=1e-8 * expected.max())
+
+
 def test_its_slope_is_that_of_differences(weighing):
     found = explained(weighing, "scale X")
     at = Sizes(1.3, (0.4, 0.2, 0.7, 1.5)[: len(weighing.members.names)])
     effects, base = found.posterior.effects, weighing.base
-    slope = base.posterior(at, effects).slope
+    slope, _ = Posterior(base, at, effects).slope_and_information()
     for k in range(len(slope)):
         step = 1e-5 * np.eye(len(slope))[k]
         up, down = (
-            base.posterior(Sizes.at(at.logarithms + way * step), effects).log_probability
+            Posterior(base, Sizes.at(at.logarithms + way * step), effects).log_probability
             for way in (1.0, -1.0)
         )
         assert slope[k] == pytest.approx((up - down) / 2e-5, rel=1e-3, abs=1e-3)
@@ -100,7 +125,7 @@ def test_evidence_of_a_candidate_is_what_it_adds(weighing, size, close):
     for width in (0.1, 0.4, 1.5, 6.0):
         columns = np.hstack([here.posterior.effects.columns_mm, width * signature])
         effects = Effects(weighing.base, columns, here.posterior.effects.log_prior)
-        more = weighing.base.posterior(sizes, effects)
+        more = Posterior(weighing.base, sizes, effects)
         gains.append(more.log_probability - here.score)
     mean = np.logaddexp.reduce(gains) - np.log(len(gains))
     assert evidence == pytest.approx(mean, abs=close)

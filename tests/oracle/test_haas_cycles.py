@@ -87,3 +87,9 @@ def test_programs_are_found_in_files_beside_the_calling_one(tmp_path):
     (tmp_path / "2000").write_text("O2000\nG0 X#1\nG200\nM99\n")
     with pytest.raises(ProgramError, match="2000:3: "):
         read_program(main, tools=TOOLS, dialect="fanuc", home_mm=(0, 0, 0))
+
+
+def test_variables_of_the_next_generation_control_are_the_common_ones():
+    """96-8210, "System variables": #10100 is #100, #10550 is #550; #10200 has no older name."""
+    said = "#100=3.\n#10550=#10100+4.\n#10200=1.\nG0 X#550 Y[#10100+#10200]\n"
+    assert list(read(said).moves.end_mm[-1, :2]) == [7, 4]

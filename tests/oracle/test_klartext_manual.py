@@ -60,6 +60,25 @@ def test_polar_coordinates_helix_and_tangent():
     assert tangent.centre_mm[-2, :2] == pytest.approx([10, 10])
 
 
+def test_circles_in_the_planes_of_z():
+    """DR+ turns from Z to X and from Y to Z; polar angles count from +Z and +Y."""
+    body = "L X+20 Z+0 F100\nCC X+0 Z+0\nC X+0 Z+20 DR-\n"  # a quarter from +X to +Z
+    moves = read(body).moves
+    assert moves.end_mm[-1] == pytest.approx([0, 0, 120], abs=1e-9)
+    assert abs(moves.sweep_rad[-1]) == pytest.approx(np.pi / 2)
+    polar = read(body + "LP PR+10 PA+90\nCP IPA+180 IY+3 DR+\nL Y+5 Z+0\nCC Y+0 Z+0\n"
+                 "LP PR+5 PA+0\nCP PA+90 DR+").moves.end_mm  # fmt: skip
+    wanted = [[10, 0, 0], [-10, 3, 0], [-10, 5, 0], [-10, 5, 0], [-10, 0, 5]]
+    assert polar[-5:] - [0, 0, 100] == pytest.approx(np.array(wanted, float), abs=1e-9)
+
+
+def test_a_slash_before_the_number_of_the_block():
+    said = "L X+1 F100\n/7 L X+2\n8 / L X+3\nL Y+4"
+    assert places(said)[-1][:2] == [3, 4]
+    skipping = places(said, control=ControlSettings(block_delete=True))
+    assert skipping[-1][:2] == [1, 4]
+
+
 def test_rounding_and_chamfer():
     body = "L X+0 Y+0 R0 FMAX\nL X+20 F100\nRND R5\nL Y+20\nCHF 2\nL X+0"
     assert [p[:2] for p in places(body)] == [[15, 0], [20, 5], [20, 18], [18, 20], [0, 20]]
@@ -198,7 +217,7 @@ def test_fn18_knows_the_tools_and_nothing_of_the_machine():
         read("FN 18: SYSREAD Q10 = ID270 NR1 IDX1\nL X+Q10 FMAX")
 
 
-@pytest.mark.parametrize("line", ["CC X+0 Z+0", "L X+1 FMAX M128", "L X+1 FMAX M97"])
+@pytest.mark.parametrize("line", ["CC X+0 Y+0 Z+0", "CC Z+0", "L X+1 FMAX M128", "L X+1 FMAX M97"])
 def test_what_would_be_read_wrongly_is_refused(line):
     with pytest.raises(ProgramError) as error:
         read(line, control=ControlSettings(ignore_m=frozenset((97, 128))))
@@ -245,3 +264,24 @@ def test_feeds_of_inch_programs_count_tenths():
     run = read_program(Source(text.encode(), "part.h"), tools={1: ToolEntry(0.0, 10.0)}).moves
     inch_per_min = run.feed_mm_per_min[run.at_feed] / 25.4
     assert inch_per_min == pytest.approx([10, 5, 3, 50, 50])
+
+
+def test_the_worked_example_of_g221():
+    """HEIDENHAIN TNC 410/426/430, User's Manual ISO Programming, cycle 221, its block N54."""
+    text = (
+        "%A G71 *\nN10 T1 G17 S1000 *\nN20 G00 G40 G90 Z+100 M03 *\n"
+        "N30 G200 Q200=2 Q201=-15 Q206=250 Q202=5 Q210=0 Q203=+30 Q204=50 Q211=0 *\n"
+        "N54 G221 Q225=+15 Q226=+15 Q237=+10 Q238=+8 Q242=6 Q243=4 Q224=+15 "
+        "Q200=2 Q203=+30 Q204=50 Q301=1 *\nN60 G00 Z+100 M02 *\nN99999999 %A G71 *\n"
+    )
+    program = read_program(Source(text.encode(), "part.i"), tools=TOOLS, dialect="tnciso")
+    ends = program.moves.end_mm - [0, 0, 100]
+    holes = {tuple(place) for place in ends[np.abs(ends[:, 2] - 15.0) < 1e-9][:, :2].round(6)}
+    turn = np.radians(15.0)
+    column, line = np.meshgrid(10.0 * np.arange(6), 8.0 * np.arange(4))
+    wanted = {
+        tuple(np.round([15 + u * np.cos(turn) - v * np.sin(turn),
+                        15 + u * np.sin(turn) + v * np.cos(turn)], 6))
+        for u, v in zip(column.ravel(), line.ravel(), strict=True)
+    }  # fmt: skip
+    assert holes == wanted

@@ -154,6 +154,45 @@ def test_milling_cycles():
     assert (each < -4.999).any(axis=1).all()
 
 
+def test_spigots_keep_their_walls():
+    """Nothing cuts nearer to the middle than the wall and the mill's radius of 5 allow."""
+    body = "T1 D1 M6\nS1000 M3 F300\n"
+    # a spigot of 50 from a blank of 55, to -20 by infeeds of 10; 0.5 is left at the wall
+    read_ = read(body + "CYCLE77(10,0,3,-20,,50,60,70,10,0.5,0,900,800,1,1,55)")
+    round_ = tip(read_)
+    low = round_[round_[:, 2] < -1e-9]
+    out = np.hypot(*(low[:, :2] - [60, 70]).T)
+    assert out.min() == pytest.approx(25.5 + 5)
+    assert out.max() > 27.5 + 5, "it comes from outside the blank"
+    ends = (read_.moves.end_mm[:, 2] - 100.0).round(9).tolist()
+    assert {level for level in ends if -99.0 < level < 0.0} == {-20, -10}
+    turns = read_.moves.sweep_rad * read_.moves.axis[:, 2]
+    assert (turns[read_.moves.sweep_rad > 1e-9] > 0).all(), "up-cut round a spigot: to the left"
+    square = read(body + "CYCLE76(10,0,2,-6,,60,40,8,20,10,30,3,0,0,300,100,2,2,66,46)")
+    low = tip(square)
+    low = low[low[:, 2] < -5.999]
+    turn = np.radians(30.0)
+    across = (low[:, :2] - [20, 10]) @ np.array([[np.cos(turn), -np.sin(turn)],
+                                                 [np.sin(turn), np.cos(turn)]])  # fmt: skip
+    beyond = np.maximum(np.abs(across) - [30 - 8, 20 - 8], 0.0)
+    assert (np.hypot(*beyond.T) - 8).min() == pytest.approx(5, abs=1e-6)
+    sweep = square.moves.sweep_rad * square.moves.axis[:, 2]
+    assert (sweep[square.moves.sweep_rad > 1e-9] < 0).all(), "CDIR 2 is G2"
+
+
+def test_slots_along_a_circle():
+    """Three slots of 15 over 70 degrees on a radius of 42: walls at 34.5 and 49.5."""
+    body = "T1 D1 M6\nS1000 M3 F300\nSLOT2(2,0,2,-23,,3,70,15,60,60,42,0,120,100,300,6,2,0,0)"
+    moves = tip(read(body))
+    low = moves[moves[:, 2] < -22.999][:, :2] - [60, 60]
+    out, angle = np.hypot(*low.T), np.degrees(np.arctan2(*low.T[::-1])) % 360.0
+    assert (out.min(), out.max()) == pytest.approx((42 - 2.5, 42 + 2.5))
+    end = np.degrees(np.arcsin(2.5 / 42.0)) + 1e-6  # round the middles of the ends
+    from_start = (angle + end) % 120.0
+    assert from_start.max() <= 70 + 2.0 * end
+    assert sorted({int(a // 120) for a in (angle + end) % 360.0}) == [0, 1, 2]
+
+
 def test_boring_cycle_leaves_the_wall():
     moves = read("G0 X10 Y20\nF100\nCYCLE86(10,0,2,-8,,1,3,-1,-1,1,0)").moves
     aside = moves.end_mm[np.abs(moves.end_mm[:, 2] + 7) < 1e-9]

@@ -9,7 +9,7 @@ from gcode.language.confirmation import TRUTHS, confirmation_table, unconfirmed_
 from gcode.language.registry import dialect_called
 
 ROOT = Path(__file__).parents[2]
-NAMES = ("fanuc", "haas", "mach", "centroid", "heidenhain", "sinumerik")
+NAMES = ("fanuc", "haas", "mach", "centroid", "mazak", "okuma", "heidenhain", "sinumerik")
 
 
 def notes(text, dialect):

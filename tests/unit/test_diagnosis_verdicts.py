@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
+from itertools import combinations
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,11 +16,11 @@ from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossible_size_notes
 from vmach.diagnosis.inference.prepare import prepare_weighing
-from vmach.diagnosis.inference.support import Support
+from vmach.diagnosis.inference.support import Support, in_its_place
 from vmach.diagnosis.next_test.planned_program import write_program
 from vmach.diagnosis.report import as_json, as_text
 from vmach.diagnosis.residuals.job_survey import survey_job
-from vmach.diagnosis.rivals import Rivals
+from vmach.diagnosis.rivals import Rivals, credible, in_other_sets
 from vmach.diagnosis.words import with_unit
 from vmach.effects import catalogue
 from vmach.errors import InputError
@@ -302,3 +303,46 @@ def test_what_a_rival_makes_needless_goes_before_what_is_small():
     small = Support(odds=45.0, size_um=3.0, rest_um=2.0)
     assert needless.probability > 0.5 > small.probability
     assert needless.order < small.order
+
+
+def test_an_effect_five_times_as_large_as_the_rest_is_as_probably_an_imitation():
+    support = Support(odds=50.0, size_um=5.0, rest_um=1.0)
+    assert support.probability == pytest.approx(0.5, abs=0.03)
+    assert not replace(support, rest_um=1.1).is_shown and replace(support, rest_um=0.9).is_shown
+
+
+def test_a_class_is_the_fewest_effects_that_hold_99_per_cent():
+    gains = np.random.default_rng(3).uniform(0.0, 6.0, 7)
+    share = np.exp(gains) / np.exp(gains).sum()
+    enough = [
+        chosen
+        for count in range(1, 8)
+        for chosen in combinations(range(7), count)
+        if share[list(chosen)].sum() >= 1.0 - np.exp(-4.6)
+    ]
+    assert 2 < len(enough[0]) < 7
+    assert sorted(credible(gains)) == sorted(
+        max((c for c in enough if len(c) == len(enough[0])), key=lambda c: share[list(c)].sum())
+    )
+
+
+def test_effects_of_a_set_that_explains_as_much_belong_to_the_class():
+    scores = {"ab": -10.0, "acd": -13.0, "ae": -16.0, "fg": -11.0}
+    weighing = SimpleNamespace(tried={frozenset(labels): s for labels, s in scores.items()})
+    assert in_other_sets(weighing, "b") == ["c", "d"]
+    assert in_other_sets(weighing, "a") == []
+
+
+def test_effects_that_come_near_each_other_are_counted_together():
+    gains = np.array([3.0, 3.0, 2.0, 9.0])
+    candidates = [SimpleNamespace(label=label) for label in "abcd"]
+    weighing = SimpleNamespace(
+        candidates=candidates,
+        index_of="abcd".index,
+        gains=lambda _: gains,
+        without=lambda *_, **__: None,
+    )
+    found = SimpleNamespace(
+        terms=[SimpleNamespace(label="a"), SimpleNamespace(label="d")], labels={"a", "d"}
+    )
+    assert in_its_place(weighing, found, 0) == pytest.approx(np.log(2.0 + np.exp(-1.0)))

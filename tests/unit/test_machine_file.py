@@ -224,6 +224,18 @@ def test_an_error_in_both_files_is_refused(write, tmp_path):
         read_machine(path)
 
 
+def test_an_error_of_the_volumetric_file_is_left_out(write, tmp_path):
+    without = VOLUMETRIC + 'without = ["EXX"]\n[errors.EXX]'
+    path = write("[errors.EXX]", without)
+    (tmp_path / "vc.csv").write_text("X EXX EBX\n-500 0.001 2e-6\n0 0.003 4e-6\n")
+    machine = read_machine(path)
+    assert machine.components["EBX"].mean.tolist() == [2e-6, 4e-6]
+    assert machine.components["EXX"].source.endswith("EXX.csv")
+    path = write("[errors.EXX]", without.replace('["EXX"]', '["EYZ"]'))
+    with pytest.raises(InputError, match=r"machine.toml:\d+: without EYZ.*accepted: EXX, EBX"):
+        read_machine(path)
+
+
 def test_interpolation_left_to_cross_validation_keeps_its_evidence(write):
     rows = "".join(f"{x},{x * x / 1e4},{x * x / 1e4}\n" for x in range(-500, 1, 25))
     path = write('"EXX.csv"', '"EXX.csv"\ninterpolation = "cross-validation"',

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import re
 import shutil
@@ -95,6 +96,28 @@ def test_what_cannot_be_is_refused_by_every_command(job, tmp_path, old, new, acc
         said.add(str(refused.value))
     assert len(said) == 1
     assert not any(tmp_path.glob("*tables")) and not (tmp_path / "new.nc").exists()
+
+
+@pytest.mark.parametrize("call", [["compensate", "-o", "new.nc"], ["run"], ["diagnose"]])
+def test_a_doubt_is_told_before_the_long_work(job, monkeypatch, call):
+    edit(job.with_name("machine.toml"), "EC0Y = 11.8", "EC0Y = 299.72")
+    command, *options = call
+    monkeypatch.chdir(job.parent)
+    work = {
+        "compensate": ("vmach.compensation.compensate", "compensate"),
+        "run": ("vmach.run.pipeline", "machine_part"),
+        "diagnose": ("vmach.diagnosis.residuals.job_survey", "survey_job"),
+    }
+
+    def stop(*_, **__):
+        raise InputError("the work has begun")
+
+    module, name = work[command]
+    monkeypatch.setattr(importlib.import_module(module), name, stop)
+    result = CliRunner().invoke(app, [command, str(job), *options])
+    assert str(result.exception) == "the work has begun"
+    assert "before the work begins, a doubt" in result.stderr
+    assert "doubt: EC0Y: a squareness of 299.7 urad" in result.stderr
 
 
 def test_a_doubt_is_told_by_every_command_in_the_same_words(job, tmp_path):

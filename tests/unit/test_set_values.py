@@ -95,6 +95,57 @@ def test_a_table_and_a_place_are_in_a_machine_file_of_their_own(job):
     )
 
 
+VOLUMETRIC = """[volumetric]
+file = "vc.csv"
+format = "isg-csv"
+measured_at_mm = [7, 8, 9]
+"""
+
+
+def of_volumetric_machine(job):
+    """The same job with all errors of its machine in one volumetric file, in mm and rad."""
+    machine = job.with_name("machine.toml")
+    text = machine.read_text()
+    errors = text[text.index("[errors") :]
+    machine.write_text(text.replace(errors, VOLUMETRIC))
+    job.with_name("vc.csv").write_text("X EXX ECX\n-500 0.001 2e-6\n0 0.003 4e-6\n")
+    return job
+
+
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_a_table_takes_the_place_of_that_in_a_volumetric_file(job, tmp_path, elsewhere):
+    of_volumetric_machine(job)
+    table, turned = job.with_name("drawn.csv"), job.with_name("turned.csv")
+    for path, unit in ((table, "um"), (turned, "urad")):
+        path.write_text(f"position_mm,forward_{unit},backward_{unit}\n-400,0,0\n0,8,8\n")
+    (tmp_path / "other").mkdir()
+    out = tmp_path / "other" / "new.toml" if elsewhere else None
+    words = [f"EXX={table}", f"ECX={turned}", "EXX.measured_at_mm=1,2,3"]
+    made, _ = set_values(job, words, out=out)
+    new, again = read_job(made).machine, made.with_name("again.toml")
+    where, way = np.array([-200.0]), np.ones(1)
+    assert new.components["EXX"].evaluate(where, way) == pytest.approx(4e-3)
+    assert new.components["EXX"].measured_at_mm.tolist() == [1, 2, 3]
+    assert new.components["ECX"].evaluate(where, way) == pytest.approx(4e-6)
+    set_values(made, [f"EXX={table}"], out=again)  # once more: it is left out once
+    assert read_job(again).machine.components["EXX"].measured_at_mm.tolist() == [1, 2, 3]
+
+
+def test_the_rest_of_a_volumetric_file_stays(job):
+    of_volumetric_machine(job)
+    old = read_job(job).machine
+    made, _ = set_values(job, ["EXX.measured_at_mm=1,2,3"])
+    new = read_job(made).machine
+    assert new.components["EXX"].measured_at_mm.tolist() == [1, 2, 3]
+    assert new.components["EXX"].mean.tolist() == old.components["EXX"].mean.tolist()
+    table = job.with_name("drawn.csv")
+    table.write_text("position_mm,forward_um,backward_um\n-400,0,0\n0,8,8\n")
+    made, _ = set_values(job, [f"EXX={table}"])
+    new = read_job(made).machine
+    assert new.components["EXX"].measured_at_mm.tolist() == [7, 8, 9]  # where the file has it
+    assert new.components["ECX"].mean.tolist() == [2e-6, 4e-6]
+
+
 def test_a_job_in_another_folder_finds_its_files(job, tmp_path):
     folder = tmp_path / "elsewhere" / "deep"
     folder.mkdir(parents=True)

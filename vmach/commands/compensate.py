@@ -13,7 +13,7 @@ from vmach.base.progress import progress_bar
 from vmach.base.stage_clock import StageClock
 from vmach.base.units import mm_from_um
 from vmach.base.variant import Variant
-from vmach.commands.options import Control, JobPath, Model, command_line, input_files
+from vmach.commands.options import Control, JobPath, Model, command_line, input_files, tell_doubts
 from vmach.errors import InputError
 from vmach.files.atomic import atomic_file, check_outputs
 from vmach.files.together import together
@@ -74,6 +74,7 @@ def compensate(
     read = read_job(job)
     target_control(dialect_of(read.program, read.dialect), dialect, file=read.program)
     check_outputs([out, report], inputs=input_files(read))
+    tell_doubts(read)
     effects = read_effects(read.effects, file=read.path, job=read)
     with progress_bar() as progress:
         clock = StageClock(progress)

@@ -23,6 +23,7 @@ from vmach.commands.options import (
     OwnEffects,
     command_line,
     input_files,
+    tell_doubts,
 )
 from vmach.files.atomic import atomic_file, check_folder, check_outputs
 from vmach.files.together import together
@@ -81,6 +82,7 @@ def diagnose(
         )
 
         check_folder(out, FOLDER_FILES, inputs=inputs)
+    tell_doubts(read)
     with progress_bar() as progress:
         progress("read", 0, 1)
         survey = survey_job(read)

@@ -25,6 +25,7 @@ from vmach.commands.options import (
     command_line,
     draw_plan,
     input_files,
+    tell_doubts,
 )
 from vmach.errors import InputError
 from vmach.files.atomic import check_folder, check_outputs
@@ -133,6 +134,7 @@ def _machine(
     check_folder(out, ALL_FILES, inputs=inputs)
     results = [out / name for name in ALL_FILES] if out.is_dir() else []
     check_outputs([part_file, *results], inputs=inputs)
+    tell_doubts(read)
     with progress_bar() as progress:
         made = machine_part(
             read, model=model, variants=variants, prefer_measured=prefer_measured, solid=solid,

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from vmach.uncertainty.monte_carlo import Plan
 
 __all__ = ["AsJson", "Control", "Digits", "Draws", "JobPath", "Model", "OutDir", "OwnEffects",
-           "Seed", "Uncertainty", "command_line", "draw_plan", "input_files"]  # fmt: skip
+           "Seed", "Uncertainty", "command_line", "draw_plan", "input_files",
+           "tell_doubts"]  # fmt: skip
 
 
 def _tell_control(name: str | None) -> str | None:
@@ -70,3 +71,16 @@ def command_line() -> str:
 def input_files(job: Job) -> list[Path]:
     """The files of a job, which no result may replace."""
     return [path for _, path in job.files()]
+
+
+def tell_doubts(job: Job) -> None:
+    """Say on standard error what is doubtful in machine and tools, before long work begins.
+
+    One line: the results tell every doubt in full.
+    """
+    from vmach.path.preparation import job_doubts  # late: it loads the engine
+
+    found = job_doubts(job)
+    if found:
+        count = "a doubt" if len(found) == 1 else f"{len(found)} doubts, the first"
+        print(f"before the work begins, {count}: {found[0]}", file=sys.stderr, flush=True)

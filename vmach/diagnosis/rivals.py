@@ -7,13 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import lsq_linear
+from scipy.special import logsumexp
 
 from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes
 from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.effects import catalogue
 
-__all__ = ["Rivals", "rivals_of"]
+__all__ = ["Rivals", "credible", "in_other_sets", "rivals_of"]
 
 
 @dataclass(frozen=True)
@@ -37,11 +38,14 @@ def rivals_of(weighing: Weighing, explanation: Explanation, k: int) -> Rivals:
     assert explanation.fit is not None
     own = explanation.fit.terms[k]
     others = weighing.without(explanation, [k], resize=False)
-    gains = weighing.gains(others)
-    best = max(gains)
-    near = [i for i in np.argsort(gains)[::-1] if gains[i] > best - CLEARLY]
-    near = [i for i in near if not _needs_impossible_size(weighing, others, i)]
+    near = [
+        i
+        for i in credible(weighing.gains(others))
+        if weighing.candidates[i].label not in others.labels
+        and not _needs_impossible_size(weighing, others, i)
+    ]
     labels = [weighing.candidates[i].label for i in near]
+    labels += [label for label in in_other_sets(weighing, own.label) if label not in labels]
     if own.label not in labels:
         labels.insert(0, own.label)
     names = list(dict.fromkeys(label.split()[0] for label in labels))
@@ -49,6 +53,23 @@ def rivals_of(weighing: Weighing, explanation: Explanation, k: int) -> Rivals:
     names += [n for n in dict.fromkeys(alike) if n not in names]
     names.sort(key=lambda name: name != own.effect.name)
     return Rivals(tuple(names), tuple(labels))
+
+
+def credible(gains: np.ndarray) -> np.ndarray:
+    """The fewest candidates that hold all probability but a share of exp(-CLEARLY)."""
+    order = np.argsort(-gains)
+    probability = np.exp(gains[order] - logsumexp(gains))
+    before = np.cumsum(probability) - probability
+    return order[before < 1.0 - np.exp(-CLEARLY)]
+
+
+def in_other_sets(weighing: Weighing, label: str) -> list[str]:
+    """Effects in the place of one, in sets that are nearly as probable as the best."""
+    tried = weighing.tried
+    best = max(tried, key=lambda labels: tried[labels], default=frozenset())
+    sets = [best, *(labels for labels in tried if best - labels == {label})]
+    near = credible(np.array([tried.get(labels, 0.0) for labels in sets]))
+    return sorted({other for k in near for other in sets[k] - best})
 
 
 def _needs_impossible_size(weighing: Weighing, others: Explanation, i: int) -> bool:
@@ -114,7 +135,7 @@ def _can_imitate(
 
     No column less than `least` times: a size is not below zero.
     """
-    absorb = weighing.whitening_beside(others)
-    shown, columns = absorb(explained_mm), absorb(span)
+    whiten = others.posterior.whiten
+    shown, columns = whiten(explained_mm), whiten(span)
     left = 2.0 * lsq_linear(columns, shown, bounds=(least, np.inf)).cost
     return left < 2.0 * CLEARLY

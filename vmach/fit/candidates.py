@@ -43,6 +43,11 @@ class Candidate:
     signatures_mm: np.ndarray
 
     @property
+    def rows_mm(self) -> np.ndarray:
+        """The signatures of one place after the other, (G K, n)."""
+        return self.signatures_mm.transpose(1, 2, 0).reshape(-1, len(self.signatures_mm))
+
+    @property
     def label(self) -> str:
         """Name and target."""
         return label_of(self.effect.name, self.target)
@@ -75,16 +80,27 @@ def gather_candidates(
 
 def _candidate(survey: Survey, effect: Effect, target: str) -> Candidate | None:
     grid = survey.inner_grid(effect, target)
-    columns = [survey.signature(effect, target, inner) for inner in grid]
-    if not columns:
+    if not grid:
         return None
-    signatures = np.stack(columns, axis=1)
-    # what a zero or an alignment can take up does not show
-    flat = signatures.reshape(len(survey), -1)
-    if np.abs(flat - survey.aligned(flat)).max(initial=0.0) < _BLIND * survey.u_mm.min():
+    first = survey.signature(effect, target, grid[0])
+    # place by place in memory, and each once: all signatures together are the largest of all
+    rows = np.empty((len(grid), first.shape[1], len(survey)))
+    is_blind = True
+    for row, inner in zip(rows, grid, strict=True):
+        columns = survey.signature(effect, target, inner)
+        row[:] = columns.T
+        is_blind = is_blind and _is_blind(survey, columns)
+    if is_blind:
         return None
     log_prior = np.array([_log_prior(effect, inner) for inner in grid])
+    signatures = rows.transpose(2, 0, 1)
     return Candidate(effect, target, grid, log_prior - logsumexp(log_prior), signatures)
+
+
+def _is_blind(survey: Survey, columns: np.ndarray) -> bool:
+    """Whether columns (n, K) mm hardly show: what a zero or an alignment can take up does not."""
+    shown = np.abs(columns - survey.aligned(columns)).max(initial=0.0)
+    return bool(shown < _BLIND * survey.u_mm.min())
 
 
 def _log_prior(effect: Effect, inner: Mapping[str, float]) -> float:

@@ -47,6 +47,11 @@ class FeatureNoise:
     share: float = 0.0
     correlation: float = 0.0
 
+    def is_as(self, other: FeatureNoise) -> bool:
+        """Whether it is that of the same readings with the same weights and correlation."""
+        same = np.array_equal(self.weight, other.weight) and self.share == other.share
+        return same and self.correlation == other.correlation and self.u_mm is other.u_mm
+
     def white(self, columns: np.ndarray) -> np.ndarray:
         """Columns (n, k) mm in unit noise."""
         scaled = columns / self.u_mm[:, None]

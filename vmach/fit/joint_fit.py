@@ -10,15 +10,14 @@ Source: G. Golub and V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413 (variable pr
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from vmach.fit.survey import Survey
-from vmach.fit.terms import FREE, JointFit, Term
-from vmach.fit.whitening import Whitening, orthonormal
+from vmach.fit.terms import FREE, JointFit, Term, Whitener
 
 __all__ = ["fit_terms"]
 
@@ -31,7 +30,7 @@ _AT_ONCE = 64
 def fit_terms(
     survey: Survey,
     terms: Sequence[Term],
-    whiten: Whitening,
+    whiten: Whitener,
     *,
     refine: bool = True,
 ) -> JointFit:
@@ -42,8 +41,8 @@ def fit_terms(
     survey : Survey
     terms : sequence of Term
         With starting values.
-    whiten : Whitening
-        Of the survey's readings.
+    whiten : callable
+        Turns columns (n, ...) mm into unit noise.
     refine : bool
         Whether inner parameters move from their starting values.
     """
@@ -76,18 +75,20 @@ class _Problem:
     survey : Survey
     terms : tuple of Term
         Their coefficients are K in all.
-    whiten : Whitening
+    whiten : callable
     reading : (n,) float64
         What is to be explained, whitened.
-    known : dict
-        Signatures that were worked out, for all problems that are made of this one.
+    known, products : dict
+        Signatures that were worked out, and their products with each other, for all problems
+        that are made of this one.
     """
 
     survey: Survey
     terms: tuple[Term, ...]
-    whiten: Whitening
+    whiten: Whitener
     reading: np.ndarray
-    known: dict[tuple, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+    known: dict[Hashable, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+    products: dict[tuple[Hashable, Hashable], np.ndarray] = field(default_factory=dict)
 
     def logarithms(self) -> np.ndarray:
         """Where the free inner parameters are, (I,)."""
@@ -128,63 +129,77 @@ class _Problem:
 
     def gains_of(self, term: Term, places: Sequence[Mapping[str, float]]) -> np.ndarray:
         """Half of what a further term at each of some places (G,) takes off the sum of squares."""
-        rows, reading = self._system()
-        basis = orthonormal(rows)
-        left = reading - basis @ (basis.T @ reading)
-        batches = (places[k : k + _AT_ONCE] for k in range(0, len(places), _AT_ONCE))
-        return np.concatenate([self._gains_at(term, some, basis, left) for some in batches])
-
-    def _gains_at(
-        self, term: Term, places: Sequence[Mapping[str, float]], basis: np.ndarray, left: np.ndarray
-    ) -> np.ndarray:
-        """The gains (g,) at a few places, beside a basis of what the other terms explain."""
-        raw = [self.survey.signature(term.effect, term.target, inner) for inner in places]
-        columns = self.whiten(np.hstack(raw))
-        columns = _with_zeros_below(columns, len(basis))
-        columns = columns - basis @ (basis.T @ columns)
-        each = columns.T.reshape(len(places), -1, len(basis))
-        precision = each @ each.transpose(0, 2, 1) + np.eye(each.shape[1]) / FREE**2
-        seen = each @ left
-        solved = np.linalg.solve(precision, seen[:, :, None])[:, :, 0]
-        return 0.5 * np.einsum("gk,gk->g", seen, solved)
+        rows, aim = self._rows(), self.reading
+        precision = self._precision()
+        left = aim - rows @ np.linalg.solve(precision, rows.T @ aim)
+        gains = []
+        for k in range(0, len(places), _AT_ONCE):
+            some = places[k : k + _AT_ONCE]
+            raw = [self.survey.signature(term.effect, term.target, inner) for inner in some]
+            columns = self.whiten(np.hstack(raw))
+            each = columns.T.reshape(len(some), -1, len(left))
+            shared = (columns.T @ rows).reshape(*each.shape[:2], rows.shape[1])
+            taken = shared @ np.linalg.solve(precision, shared.transpose(0, 2, 1))
+            own = each @ each.transpose(0, 2, 1) - taken + np.eye(each.shape[1]) / FREE**2
+            seen = each @ left
+            solved = np.linalg.solve(own, seen[:, :, None])[:, :, 0]
+            gains.append(0.5 * np.einsum("gk,gk->g", seen, solved))
+        return np.concatenate(gains)
 
     def columns(self, term: Term) -> tuple[np.ndarray, np.ndarray]:
         """Signatures of a term in mm and whitened, (n, own K) each."""
-        key = (term.label, *term.inner.values())
-        if key not in self.known:
+        if term.place not in self.known:
             raw = self.survey.signature(term.effect, term.target, term.inner)
-            self.known[key] = raw, self.whiten(raw)
-        return self.known[key]
+            self.known[term.place] = raw, self.whiten(raw)
+        return self.known[term.place]
 
-    def _system(self) -> tuple[np.ndarray, np.ndarray]:
-        """Rows of the least squares for the coefficients, (n + K, K), and their aim, (n + K,).
-
-        Below the whitened readings each coefficient has a row that holds it to its prior.
-        """
+    def _rows(self) -> np.ndarray:
+        """Whitened signatures of all terms, (n, K)."""
         none = np.zeros((len(self.reading), 0))
-        white = [self.columns(term)[1] for term in self.terms]
-        widths = [
-            np.full(columns.shape[1], term.prior_width)
-            for term, columns in zip(self.terms, white, strict=True)
-        ]
-        prior = np.diag(1.0 / np.concatenate([[], *widths]))
-        rows = np.vstack([np.hstack([none, *white]), prior])
-        return rows, np.concatenate([self.reading, np.zeros(len(prior))])
+        return np.hstack([none, *(self.columns(term)[1] for term in self.terms)])
+
+    def _widths(self) -> np.ndarray:
+        """Prior standard deviation of every coefficient, (K,)."""
+        each = [np.full(self.columns(t)[1].shape[1], t.prior_width) for t in self.terms]
+        return np.concatenate([np.zeros(0), *each])
+
+    def _precision(self) -> np.ndarray:
+        """Of all coefficients, from readings and priors, (K, K); products are worked out once."""
+        blocks = [[self._products(one, other) for other in self.terms] for one in self.terms]
+        gram = np.block(blocks) if blocks else np.zeros((0, 0))
+        return gram + np.diag(self._widths() ** -2.0)
+
+    def _products(self, one: Term, other: Term) -> np.ndarray:
+        """Of the whitened signatures of two terms."""
+        key = one.place, other.place
+        if key not in self.products:
+            found = self.columns(one)[1].T @ self.columns(other)[1]
+            self.products[key], self.products[key[::-1]] = found, found.T
+        return self.products[key]
+
+    def _solution(self) -> np.ndarray:
+        """The most probable coefficients, (K,)."""
+        seen = [self.columns(term)[1].T @ self.reading for term in self.terms]
+        return np.linalg.solve(self._precision(), np.concatenate([np.zeros(0), *seen]))
 
     def residual(self, logarithms: np.ndarray) -> np.ndarray:
         """What is left, (n + K,), at logarithms (q,) with the best coefficients and priors."""
         here = self.at(logarithms)
-        rows, aim = here._system()
-        solution = np.linalg.lstsq(rows, aim, rcond=None)[0]
+        solution = here._solution()
         unusual = np.concatenate([term.unusual for term in here.terms])
-        return np.concatenate([aim - rows @ solution, unusual])
+        left = self.reading.copy()
+        for term, own in zip(here.terms, here._stretches(), strict=True):
+            left -= here.columns(term)[1] @ solution[own]
+        return np.concatenate([left, -solution / here._widths(), unusual])
+
+    def _stretches(self) -> list[slice]:
+        """Where among the K the coefficients of each term stand."""
+        return _stretches([self.columns(term)[1].shape[1] for term in self.terms])
 
     def solve(self) -> JointFit:
         """The best coefficients where the inner parameters are, with their covariance."""
-        rows, aim = self._system()
-        solution = np.linalg.lstsq(rows, aim, rcond=None)[0]
+        solution, places = self._solution(), self._stretches()
         signatures = [self.columns(term)[0] for term in self.terms]
-        places = _stretches([s.shape[1] for s in signatures])
         coefficients = tuple(solution[own] for own in places)
         tangents = [
             self._tangents(term, own) for term, own in zip(self.terms, coefficients, strict=True)
@@ -192,7 +207,7 @@ class _Problem:
         return JointFit(
             terms=self.terms,
             coefficients=coefficients,
-            covariance=self._covariance(rows, places, tangents),
+            covariance=self._covariance(places, tangents),
             signatures_mm=tuple(signatures),
             tangents_mm=tuple(tangents),
             whiten=self.whiten,
@@ -208,24 +223,22 @@ class _Problem:
         return np.hstack(slopes)
 
     def _covariance(
-        self, rows: np.ndarray, places: Sequence[slice], tangents: Sequence[np.ndarray]
+        self, places: Sequence[slice], tangents: Sequence[np.ndarray]
     ) -> tuple[np.ndarray, ...]:
         """Covariance of every term's own coefficients and inner parameters, all free at once.
 
         Parameters
         ----------
-        rows : (n + K, K) float64
-            Of the least squares.
         places : sequence of slice
             Where among the K the coefficients of each term stand.
         tangents : sequence of (n, own I) float64
         """
-        slope = np.hstack([self.whiten(t) for t in tangents])
+        slope = self.whiten(np.hstack(tangents))
         spreads = np.concatenate([term.spread_of_inner for term in self.terms])
-        held = np.hstack([np.zeros((len(spreads), rows.shape[1])), np.diag(1.0 / spreads)])
-        full = np.vstack([np.hstack([rows, _with_zeros_below(slope, len(rows))]), held])
-        covariance = np.linalg.pinv(full.T @ full)
-        inner = _stretches([t.shape[1] for t in tangents], start=rows.shape[1])
+        shared, held = self._rows().T @ slope, np.diag(spreads**-2.0)
+        precision = np.block([[self._precision(), shared], [shared.T, slope.T @ slope + held]])
+        covariance = np.linalg.pinv(precision, hermitian=True)
+        inner = _stretches([t.shape[1] for t in tangents], start=len(shared))
         number = np.arange(len(covariance))
         own = [np.concatenate([number[c], number[i]]) for c, i in zip(places, inner, strict=True)]
         return tuple(covariance[np.ix_(k, k)] for k in own)
@@ -235,8 +248,3 @@ def _stretches(counts: Sequence[int], *, start: int = 0) -> list[slice]:
     """Stretches of so many each, one behind the other."""
     ends = np.cumsum([start, *counts]).tolist()
     return [slice(*both) for both in itertools.pairwise(ends)]
-
-
-def _with_zeros_below(columns: np.ndarray, count: int) -> np.ndarray:
-    """Columns made `count` rows long, as those of a least squares with priors are."""
-    return np.vstack([columns, np.zeros((count - len(columns), columns.shape[1]))])

@@ -16,6 +16,7 @@ from scipy.linalg import block_diag
 
 from vmach.base.note import Note
 from vmach.effects import Circumstances, Effect, EffectInstance
+from vmach.fit.remembered import Remembered
 from vmach.fit.whitening import Whitening, orthonormal
 from vmach.job import Job
 from vmach.measurements import Measurement
@@ -25,8 +26,8 @@ from vmach.uncertainty.tables import TableUncertainty
 
 __all__ = ["Survey"]
 
-#: readings of the signatures that are remembered: some 50 MB where an effect has three columns
-_ROOM = 2_000_000
+#: numbers that remembered signatures may take up
+_ROOM = 6_000_000
 
 
 @dataclass(frozen=True)
@@ -146,16 +147,12 @@ class Survey:
     ) -> np.ndarray:
         """What one usual size of each coefficient of an effect does to the readings, (n, K) mm."""
         key = effect, target, tuple(inner_values.items())
-        if key not in self._signatures:
-            self._signatures[key] = self._signature(effect, target, inner_values)
-            while len(self._signatures) > max(_ROOM // len(self), 1):
-                del self._signatures[next(iter(self._signatures))]
-        return self._signatures[key]
+        return self._signatures.get(key, lambda: self._signature(effect, target, inner_values))
 
     @cached_property
-    def _signatures(self) -> dict[tuple, np.ndarray]:
+    def _signatures(self) -> Remembered[np.ndarray]:
         """Those that were worked out last: a search asks for the same ones again and again."""
-        return {}
+        return Remembered(_ROOM, np.size)
 
     def _signature(
         self, effect: Effect, target: str, inner_values: Mapping[str, float]

@@ -6,15 +6,17 @@ about its usual size.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from vmach.effects import Effect, Parameter, label_of
-from vmach.fit.whitening import Whitening
 
-__all__ = ["FREE", "JointFit", "Term"]
+__all__ = ["FREE", "JointFit", "Term", "Whitener"]
+
+#: turns columns (n, ...) mm into plain unit noise
+Whitener = Callable[[np.ndarray], np.ndarray]
 
 #: prior standard deviation of amplitudes, in usual sizes; keeps twins apart
 FREE = 30.0
@@ -38,6 +40,11 @@ class Term:
     def label(self) -> str:
         """Name and target."""
         return label_of(self.effect.name, self.target)
+
+    @property
+    def place(self) -> Hashable:
+        """Name, target and inner parameters: all that its signatures depend on."""
+        return self.label, *self.inner.values()
 
     @property
     def prior_width(self) -> float:
@@ -89,7 +96,7 @@ class JointFit:
     signatures_mm : tuple of (n, K) float64
     tangents_mm : tuple of (n, I) float64
         Change of the fitted effect with the logarithm of each free inner parameter.
-    whiten : Whitening
+    whiten : callable
         With which the fit was made.
     slack_mm : (n, Q) float64 or None
         Signatures of what the laws leave open, where the fit counted it as uncertainty.
@@ -100,7 +107,7 @@ class JointFit:
     covariance: tuple[np.ndarray, ...]
     signatures_mm: tuple[np.ndarray, ...]
     tangents_mm: tuple[np.ndarray, ...]
-    whiten: Whitening
+    whiten: Whitener
     slack_mm: np.ndarray | None = None
 
     def parameters(self, k: int) -> dict[str, float]:

@@ -19,7 +19,7 @@ from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
 from vmach.fit.survey import Survey
-from vmach.fit.terms import FREE, JointFit, Term
+from vmach.fit.terms import FREE, JointFit, Term, Whitener
 from vmach.fit.whitening import Whitening
 
 __all__ = ["Spread", "parameter_uncertainty"]
@@ -150,7 +150,7 @@ class _Posterior:
 
     survey: Survey
     term: Term
-    whiten: Callable[[np.ndarray], np.ndarray]
+    whiten: Whitener
     reading: np.ndarray
 
     @classmethod

@@ -13,6 +13,7 @@ from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.history.following_job import moved_path
 from vmach.machine.component_errors import component_of
+from vmach.machine.files.volumetric_file import read_volumetric_file
 
 __all__ = ["MachineValue", "other_machine_text"]
 
@@ -53,24 +54,40 @@ def other_machine_text(machine: Path, values: Sequence[MachineValue], folder: Pa
     Raises
     ------
     InputError
-        The machine's errors are all in one volumetric file; a reflector without a table.
+        A reflector without a table; a volumetric file that cannot be read.
     """
     document: Any = tomlkit.parse(read_text(machine, what="machine file"))
-    volumetric = document.get("volumetric")
-    if volumetric is not None:
-        raise InputError(
-            "the machine's errors are in one volumetric file",
-            file=machine,
-            accepted="a machine with a table for every error",
-            hint="change the values in that file",
-        )
     entries = document.setdefault("errors", tomlkit.table(is_super_table=True))
     for entry in entries.values():
         if "table" in entry:
             entry["table"] = moved_path(str(entry["table"]), machine.parent, folder)
+    if "volumetric" in document:
+        _make_room(document["volumetric"], entries, values, machine)
+        document["volumetric"]["file"] = moved_path(
+            str(document["volumetric"]["file"]), machine.parent, folder
+        )
     for value in values:
         _set(entries, value, machine, folder)
     return tomlkit.dumps(document)
+
+
+def _make_room(
+    volumetric: Any, entries: Any, values: Sequence[MachineValue], machine: Path
+) -> None:
+    """Leave errors out of a volumetric file that get a table, and keep where they were read."""
+    found = read_volumetric_file(machine.parent / volumetric["file"], volumetric["format"])
+    without = list(volumetric.get("without", ()))
+    for value in values:
+        name = value.component
+        if name not in found.tables or name in without:
+            continue
+        entry = entries.setdefault(name, tomlkit.table())
+        keys = ("measured_at_mm", "nose_at_mm", "stick_out_mm")
+        if not component_of(name)[2] and not any(key in entry for key in keys):
+            entry["measured_at_mm"] = volumetric["measured_at_mm"].unwrap()
+        if value.table is not None:
+            without.append(name)
+            volumetric["without"] = without
 
 
 def _set(entries: Any, value: MachineValue, machine: Path, folder: Path) -> None:

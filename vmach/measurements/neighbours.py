@@ -38,6 +38,7 @@ def apart_from_neighbours(value: np.ndarray, group: np.ndarray) -> np.ndarray:
 def _from_those_before(value: np.ndarray) -> np.ndarray:
     """Distance of each value from the median of the few before it; infinite for the first two."""
     apart = np.full(len(value), np.inf)
-    for k in range(2, len(value)):
-        apart[k] = abs(value[k] - np.median(value[max(k - _NEIGHBOURS, 0) : k]))
+    apart[2] = abs(value[2] - np.mean(value[:2]))
+    few = np.lib.stride_tricks.sliding_window_view(value[:-1], _NEIGHBOURS)
+    apart[_NEIGHBOURS:] = np.abs(value[_NEIGHBOURS:] - np.median(few, axis=1))
     return apart

@@ -138,7 +138,8 @@ class _Writing:
         if not pieces:
             self.state = plain._after_user_line(line, self.state)
             return
-        goals = [Goal(self.pieces[k], self.ends_mm[k], self.middles_mm[k]) for k in pieces]
+        own = slice(pieces.start, pieces.stop)
+        goals = [*map(Goal, self.pieces.taken(own), self.ends_mm[own], self.middles_mm[own])]
         writer = MoveWriter(plain, move, self.state, self.resolution_mm)
         found = writer.write(goals, self.labels)
         for index, extra in zip(pieces, found.extra_blocks, strict=True):

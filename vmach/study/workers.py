@@ -10,10 +10,12 @@ import multiprocessing
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 
 from vmach.base.broken_pipe import live_on_when_the_reader_leaves
+from vmach.base.interrupt import interrupts_are_not_for_children
 from vmach.errors import VmachError
 from vmach.study.case import Case
 from vmach.study.results import ResultFolder
@@ -107,10 +109,12 @@ class _Team:
         """A new worker, with its first case."""
         mine, theirs = self._context.Pipe()
         process = self._context.Process(target=_live, args=(theirs, *self._told), daemon=True)
-        process.start()
+        with interrupts_are_not_for_children():
+            process.start()
         theirs.close()
         self._process[mine], self.busy[mine] = process, case
-        mine.send(case)
+        with suppress(OSError):  # it may be dead already, which `finished` finds
+            mine.send(case)
 
     def finished(self) -> list[tuple[Case, bool | None]]:
         """Wait for workers: cases and whether they have a result; None where the worker died."""
@@ -136,6 +140,7 @@ class _Team:
             except OSError:  # it was killed while it had nothing to do
                 waiting.appendleft(case)
                 self._process.pop(one).join()
+                one.close()
         while waiting and len(self._process) < self._size:
             self.hire(waiting.popleft())
 
@@ -154,5 +159,5 @@ def _live(door: Connection, task: Task, folder: ResultFolder) -> None:
     try:
         while True:
             door.send(work_one(task, door.recv(), folder))
-    except (EOFError, OSError, KeyboardInterrupt):
+    except (EOFError, OSError):
         return

@@ -39,6 +39,11 @@ class FileWatch:
             watched[path] = None if is_newer else stamp
         self._seen, self._moving = watched, {}
 
+    @property
+    def files(self) -> list[Path]:
+        """Those that are watched and there."""
+        return [path for path, stamp in self._seen.items() if stamp is not None]
+
     def changed(self) -> list[Path]:
         """Those that have changed and rest since the last look; they count as seen."""
         now = {path: _stamp(path) for path in self._seen}

@@ -57,6 +57,11 @@ class LastPicture:
         """Whether there are answers that the model has not confirmed yet."""
         return bool(self._kept)
 
+    @property
+    def files(self) -> list[Path]:
+        """The files of the job that it was made of."""
+        return [Path(name) for name in self._kept["about"][0]["files"]] if self._kept else []
+
     def answer(self, question: str, arguments: Mapping[str, Any]) -> Answer | None:
         """The answer of the last time; None where there is none, or the question is another."""
         return self._kept[question] if self._kept and self._is_usual(question, arguments) else None

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from vmach.workbench.session import Session
+from vmach.workbench.session import RESULTS, Session
 
 __all__ = ["result_place"]
-
-#: beside the job, as on the command line
-_RESULTS = "vmach-results"
 
 
 def result_place(session: Session, name: str, *, is_folder: bool = True) -> Path:
@@ -21,7 +18,7 @@ def result_place(session: Session, name: str, *, is_folder: bool = True) -> Path
         No job is open.
     """
     folder, job, _ = session.need_job()
-    place = Path(_RESULTS) / job.stem / name
+    place = Path(RESULTS) / job.stem / name
     made = folder.inside(str(place if is_folder else place.parent))
     (made.parent if is_folder else made).mkdir(parents=True, exist_ok=True)
     return place

@@ -16,14 +16,17 @@ from vmach.workbench.command_runs import CommandRun, CommandRuns
 from vmach.workbench.events import Events
 from vmach.workbench.file_watch import FileWatch
 from vmach.workbench.job_chain import job_chain
+from vmach.workbench.kept_results import KeptResults
 from vmach.workbench.last_picture import LastPicture
 from vmach.workbench.model.remote import ModelRefused, ModelStopped, RemoteModel
 from vmach.workbench.opened_folder import OpenedFolder
 from vmach.workbench.recent_jobs import remember_job
 from vmach.workbench.steps_back import Step, StepsBack
 
-__all__ = ["Session"]
+__all__ = ["RESULTS", "Session"]
 
+#: where results lie beside the jobs, as on the command line
+RESULTS = "vmach-results"
 #: how often files are looked at
 _WATCH_S = 0.5
 
@@ -53,8 +56,8 @@ class Session:
         self.own_effects: list[Path] = []
         self.revision = 0
         self.steps = StepsBack(self._tell_steps)
-        self._of_job: dict[Path, dict[str, Any]] = {}
-        self._of_folder: dict[str, Any] = {}
+        self._shown: dict[Path | None, dict[str, Any]] = {}
+        self._kept: KeptResults | None = None
         self.other: Path | None = None
         self._other_model: RemoteModel | None = None
         self._control = control
@@ -107,13 +110,13 @@ class Session:
             self.runs.close()
         self.folder, self.own_effects = folder, []
         self.steps.forget()
-        self._of_job, self._of_folder = {}, {}
+        self._shown, self._kept = {}, KeptResults(folder.root, folder.root / RESULTS)
         self.runs = CommandRuns(folder.root, self._tell_run)
 
     @property
     def shown(self) -> dict[str, Any]:
         """What was found about the open job, by its kind."""
-        return self._of_folder | self._of_job.get(self.job or Path(), {})
+        return self._found(None) | self._found(self.job)
 
     def show(
         self, kind: str, found: dict[str, Any], job: Path | None = None, *, step: str = ""
@@ -131,12 +134,22 @@ class Session:
             self.steps.did(Step(step, back, again))
 
     def _found(self, job: Path | None) -> dict[str, Any]:
-        return self._of_folder if job is None else self._of_job.setdefault(job, {})
+        """What was found about a job, or about the chain; at first what its files say."""
+        if job not in self._shown and self._kept is not None:
+            self._shown[job] = self._kept.read("" if job is None else self._name_of(job))
+        return self._shown.setdefault(job, {})
 
     def _show(self, kind: str, found: dict[str, Any] | None, job: Path | None) -> None:
         self._found(job)[kind] = found
         if job in (None, self.job):
             self.events.tell("shown", **{kind: found})
+        if self._kept is not None and self.job is not None:
+            chain = [] if job else [step.job for step in job_chain(self.job)]
+            files = [*(self._watch.files if job in (None, self.job) else [job]), *chain]
+            self._kept.keep("" if job is None else self._name_of(job), kind, found, files)
+
+    def _name_of(self, job: Path) -> str:
+        return self.folder.name_of(job) if self.folder else str(job)
 
     @property
     def effect_files(self) -> list[Path]:
@@ -179,9 +192,9 @@ class Session:
                     picture.note(question, arguments, found)
                 return found
             except ModelStopped:
-                if model is not self._model:  # another job was opened meanwhile
+                if model is not self._model and self._model is not None:  # another job is open now
                     continue
-                if not (may_start and model.has_answered):
+                if not (may_start and model.has_answered) or self._model is None:
                     raise
                 may_start = False
                 self.reload()
@@ -267,7 +280,7 @@ class Session:
             changed = self._watch.changed()
             if changed and self.job is not None:
                 names = [path.name for path in changed]
-                self._of_job.pop(self.job, None)  # it was about other files
+                self._shown.pop(self.job, None)  # it was about other files
                 self.events.tell("files", names=names)
                 self.reload()
 
@@ -289,7 +302,8 @@ class Session:
         self._started_ns = time.time_ns()
         self._model = RemoteModel(self.job, self.effect_files, self._control)
         self._picture = LastPicture(self.job, self.effect_files, self._control)
-        self._watch.watch([self.job, *self.effect_files], since_ns=self._started_ns)
+        files = [self.job, *self._picture.files, *self.effect_files]
+        self._watch.watch(files, since_ns=self._started_ns)
         with contextlib.suppress(RuntimeError):  # no loop yet: the first question does it
             asyncio.get_running_loop().create_task(self.watch_files())
 

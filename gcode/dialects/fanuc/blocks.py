@@ -33,6 +33,7 @@ __all__ = ["BlockRunner", "FanucSettings"]
 #: G code -> the one that does the same here; 84.2 and 84.3 are those of the Series 15 format
 _SAME = ((61.0, 61.1), (62.0, 64.0), (63.0, 64.0), (84.2, 84.0), (84.3, 74.0))
 _ENDS = (2, 30)
+_NO_STOPS = (5, 9)  #: of the M codes at the end of a block
 
 
 class BlockRunner(ProgrammedMotion):
@@ -53,6 +54,7 @@ class BlockRunner(ProgrammedMotion):
         self.ended = False
         self.offsets = OffsetWords(self)
         self.cycle: DrillingCycle | None = None
+        self.return_level: float | None = None  #: of G98, where the program says it (Okuma)
         controller = self.controller
         controller.retract_to_initial = True  # G98 after power-on
         controller.start_up = control.options.get("start_up", "A")
@@ -109,8 +111,9 @@ class BlockRunner(ProgrammedMotion):
         obey_frames(self, block)
         moved = self._motion(block)
         for code in after:
-            self.finish_corner()
-            self.execute(f"m{30 if code in _ENDS else code}")
+            if code not in _NO_STOPS:
+                self.finish_corner()
+            self.in_order(f"m{30 if code in _ENDS else code}")
         return moved
 
     def _count_increments(self, block: MacroBlock) -> None:
@@ -215,5 +218,6 @@ class BlockRunner(ProgrammedMotion):
             block.g.remove(code)
             previous = self.cycle
             level = previous.initial if previous else self.here()[self.axial]
+            level = level if self.return_level is None else self.return_level
             self.cycle = DrillingCycle(code, level, previous)
         return self.cycle.obey(self, block)

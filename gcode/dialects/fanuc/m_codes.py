@@ -26,17 +26,18 @@ def obey_m_codes(runner: BlockRunner, block: MacroBlock) -> list[int]:
     block.m = []
     following = _choose_tool(runner, block)
     if "s" in block.words:
-        runner.execute(f"s{block.words.pop('s'):g}")
+        runner.in_order(f"s{block.words.pop('s'):g}")
     for code in before:
         if code in (3, 4, 6, 7, 8, 19):
-            runner.finish_corner()
+            if code in (6, 19):
+                runner.finish_corner()
             if code == 19:
                 block.pop("pr")
-            runner.execute(f"m{code}")
+            runner.in_order(f"m{code}")
             if code == 6 and following is not None:
                 runner.execute(f"t{following}")
         elif code in _SENSES:
-            runner.execute(f"m{_SENSES[code]}m8")
+            runner.in_order(f"m{_SENSES[code]}m8")
         elif code in runner.settings.z_home_m:
             runner.finish_corner()
             to_reference(runner, {"z": runner.here()[2]}, 28.0)

@@ -29,6 +29,7 @@ class ProgrammedMotion:
         self.transform = Transform()
         self.polar: list[float] | None = None  #: its centre X Y Z
         self.corner: HeldPiece | None = None
+        self._behind: list[str] = []  #: what comes after the piece that waits
         self._known: list[float] | None = None  #: while it differs from the control's position
 
     def execute(self, text: str) -> None:
@@ -90,6 +91,7 @@ class ProgrammedMotion:
         axes = bool(block.words.keys() & set("xyzabcijkr"))
         if code is None and not axes:
             if block.g or block.words:
+                self.finish_corner()
                 self.execute(block.text())
             return False
         if code is None and self.controller.motion in (None, "G80"):
@@ -116,11 +118,21 @@ class ProgrammedMotion:
         held, self.corner = self.corner, None
         if held is not None:
             held.round_towards(piece)
+            behind, self._behind = self._behind, []
+            for text in behind:
+                self.execute(text)
         if block.corner is None:
             piece.go(piece.end)
         else:
             self.corner, self.controller.motion = piece, motion
         return True
+
+    def in_order(self, text: str) -> None:
+        """Hand over a block without motion, behind the piece that waits for its corner."""
+        if self.corner is None:
+            self.execute(text)
+        else:
+            self._behind.append(text)
 
     def finish_corner(self) -> None:
         """Obey a line that waits for the one behind it."""

@@ -40,7 +40,8 @@ class FanucReader(Translated):
         self.texts: list[str | None] = [None] * len(lines)
         self.variables = MacroVariables(controller, self.settings.columns,
                                         radius_in_d=self.settings.radius_in_d,
-                                        counters=self.settings.counters)  # fmt: skip
+                                        counters=self.settings.counters,
+                                        common_again=self.settings.common_again)  # fmt: skip
         self.blocks = BlockRunner(self, self.settings)
         self.calls, self.flow = Calls(self), MacroFlow(self)
         self.fast = self.starts = None

@@ -72,6 +72,8 @@ class FanucSettings:
         G28 without axes moves all of them (Haas); otherwise it is refused.
     counters : range
         System variables that count times and tool life; they are taken as zero.
+    common_again : range
+        Further numbers of the common variables #0, #1 and so on.
     builder_m : mapping of int to str
         M codes that are known to move nothing.
     z_home_m : frozenset of int
@@ -93,6 +95,7 @@ class FanucSettings:
     haas_cycles: bool = False
     reference_all_axes: bool = False
     counters: range = range(0)
+    common_again: range = range(0)
     builder_m: Mapping[int, str] = field(default_factory=lambda: dict(_COMMON_M))
     z_home_m: frozenset[int] = frozenset()
     peck_clearance_mm: float = 1.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from types import MappingProxyType
 
 from gcode.dialects.heidenhain.confirmed import CONFIRMED
 from gcode.dialects.heidenhain.reader import KlartextReader
@@ -36,3 +37,5 @@ class Heidenhain(Dialect):
     text = KlartextText
     edit = KlartextEdit
     confirmed = CONFIRMED
+    #: how the control reads a helix, beside CP with IPA
+    options = MappingProxyType({"helix": ("CP", "C")})

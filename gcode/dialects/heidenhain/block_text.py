@@ -21,7 +21,8 @@ _LISTS = re.compile(r"\s*\d*\s*/?\s*(?:CYCLE?\s+DEF|PATTERN\s+DEF|TCH\s+PROBE)",
 def bare(line: str) -> str:
     """A line without number and comment; decimal commas become points."""
     text = re.sub(r";.*", "", line).replace("~", " ").strip().upper()
-    text = _COMMA.sub(".", _NUMBER.sub("", text))
+    slash = "/" if text.startswith("/") else ""  # before the number of the block, or behind it
+    text = slash + _COMMA.sub(".", _NUMBER.sub("", text.removeprefix("/").lstrip()))
     return "CYCL" + text[5:] if text.startswith("CYCLE ") else text
 
 

@@ -31,6 +31,7 @@ class WaitingPiece:
     start: tuple[float, ...]  #: X Y Z A B C
     end: tuple[float, ...]
     feed: str  #: F word
+    after: tuple[str, ...] = ()  #: M functions at its end
 
     def block(self, end: tuple[float, float]) -> str:
         """The move to a place before its end."""
@@ -89,9 +90,9 @@ class KlartextCorners:
         kind, size, feed = corner
         broken = broken_corner(held.piece, following, size, chamfer=kind == "CHF")
         if broken is None:
-            self.reader.execute(held.block(held.end[:2]))
+            self.reader.execute(held.block(held.end[:2]), *held.after)
             return True
-        self.reader.execute(held.block(broken.begin))
+        self.reader.execute(held.block(broken.begin), *held.after)
         end = f"x{number(broken.end[0])}y{number(broken.end[1])}"
         if kind == "RND":
             self.reader.execute(f"g{3 if broken.sense > 0 else 2}{end}r{number(size)}{feed}")

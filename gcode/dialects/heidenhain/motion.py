@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from gcode.dialects.heidenhain.corners import KlartextCorners, WaitingPiece
 from gcode.dialects.heidenhain.m_functions import BEFORE_MOTION, m_code
 from gcode.dialects.heidenhain.parameters import NUMBER
+from gcode.dialects.heidenhain.side_planes import XY, axes_of_pole, side_arc
 from gcode.errors import ProgramError
 from gcode.geometry.corners import Piece
 from gcode.language.translate import number
@@ -41,6 +42,7 @@ class KlartextMotion:
     def __init__(self, reader: KlartextReader) -> None:
         self.reader = reader
         self.pole: tuple[float, float] | None = None
+        self.pole_axes = XY  #: of the plane of the pole: 0, 1, 2 for X, Y, Z
         self.feed: float | None = None
         self.tool_feed: float | None = None
         self.plunge_share: float | None = None  #: M103: of the feed, at most along -Z
@@ -89,23 +91,27 @@ class KlartextMotion:
         if self.pole is None:
             raise ProgramError("polar coordinates without a pole", hint="give CC first")
         here = self.here()
-        out = here[0] - self.pole[0], here[1] - self.pole[1]
+        first, second = self.pole_axes
+        out = here[first] - self.pole[0], here[second] - self.pole[1]
         radius = words.get("PR", math.hypot(*out) + words.get("IPR", 0.0))
         before = math.degrees(math.atan2(out[1], out[0]))
         angle = math.radians(words.get("PA", before + words.get("IPA", 0.0)))
-        end = list(self.target({k: v for k, v in words.items() if k[-1] in "ZABC"}))
-        end[0] = self.pole[0] + radius * math.cos(angle)
-        end[1] = self.pole[1] + radius * math.sin(angle)
+        others = set("XYZABC") - {"XYZ"[first], "XYZ"[second]}
+        end = list(self.target({k: v for k, v in words.items() if k[-1] in others}))
+        end[first] = self.pole[0] + radius * math.cos(angle)
+        end[second] = self.pole[1] + radius * math.sin(angle)
         return tuple(end)
 
     def define_pole(self, content: str) -> None:
         """CC: pole and centre of the arcs C."""
         words, _ = self.reader.words(content.removeprefix("CC"))
-        if words.keys() & {"Z", "IZ"}:
-            raise ProgramError("a circle centre with Z: circles in planes of Z are not read",
-                               accepted="CC X Y")  # fmt: skip
         polar = words.keys() & {"PR", "PA", "IPA"}
-        self.pole = (self._polar_target(words) if polar else self.target(words))[:2]
+        if polar:
+            place = self._polar_target(words)
+        else:
+            place, self.pole_axes = self.target(words), axes_of_pole(words)
+        first, second = self.pole_axes
+        self.pole = place[first], place[second]
 
     # blocks
 
@@ -123,9 +129,13 @@ class KlartextMotion:
             reader.controller.use(f"M{code}")
         if 140 in codes:
             self._retract(words)
-        reader.execute(*before, self._side(words))
+        reader.execute(self._side(words))
         blocks = self._line(head, words, codes) if head in ("L", "LP") else self._arc(head, words)
-        reader.execute(blocks, *after)
+        reader.execute(*before, blocks)
+        if blocks or self.corners.waiting is None:
+            reader.execute(*after)
+        else:  # its motion is still to come
+            self.corners.waiting = replace(self.corners.waiting, after=tuple(after))
         cycles = reader.cycles
         if 99 in codes or (cycles.modal and {"X", "Y"} & words.keys()):
             cycles.modal = cycles.modal and 99 not in codes
@@ -167,7 +177,7 @@ class KlartextMotion:
             return self._line_of_machine(words, codes, rapid=rapid)
         end = self._polar_target(words) if head == "LP" else self.target(words)
         named = {name[-1] for name in words if name.lstrip("I") in ("X", "Y", "Z", *"ABC")}
-        named |= {"X", "Y"} if head == "LP" else set()
+        named |= {"XYZ"[k] for k in self.pole_axes} if head == "LP" else set()
         start = tuple(self.here())
         piece = Piece(start[:2], end[:2])
         self.corners.go_towards(None if rapid else piece)
@@ -232,6 +242,9 @@ class KlartextMotion:
             return self._tangent_arc(start, end)
         if words.get("DR") not in ("+", "-"):
             raise ProgramError(f"{head} without DR+ or DR-")
+        if head in ("C", "CP") and self.pole_axes != XY:
+            side_arc(self, words, end)
+            return ""
         sense = 1 if words["DR"] == "+" else -1
         centre = self._centre(head, words, start, end, sense)
         piece = Piece(tuple(start[:2]), end[:2], centre, sense)

@@ -48,9 +48,9 @@ class Sinumerik(Dialect):
     marks = re.compile(
         r"^[ \t]*(?:%_N_\w+|;\$PATH=)"
         rf"|{_START}(?:DEF[ \t]+(?:REAL|INT|BOOL|STRING)|PROC[ \t]|EXTERN[ \t]|ENDFOR|ENDWHILE"
-        r"|STOPRE|(?:WORKPIECE|CYCLE\d+|POCKET\d|SLOT\d|HOLES\d|LONGHOLE)[ \t]*\("
+        r"|STOPRE|MCALL\b|SUPA\b|(?:WORKPIECE|CYCLE\d+|POCKET\d|SLOT\d|HOLES\d|LONGHOLE)[ \t]*\("
         r"|A?TRANS[ \t]|MSG[ \t]*\(\")"
-        r"|^[^(;\n]*\b(?:[XYZFS]|CR|AR|TURN|AP|RP)[ \t]*=[ \t]*[-+.\dA-Z]",
+        r"|^[^(;\n]*\b(?:[XYZFS]|CR|AR|TURN|AP|RP|RNDM?|CH[FR])[ \t]*=[ \t]*[-+.\dA-Z]",
         re.IGNORECASE | re.MULTILINE,
     )
     reader = SinumerikReader
@@ -65,7 +65,7 @@ class Sinumerik(Dialect):
         re.IGNORECASE,
     )
     unwritable = re.compile(
-        r"=\s*(?![-+.\d])|=\s*[-+]?[\d.]+\s*[-+*/]|\b(?:AP|RP|AR)\s*=|\bMCALL\b|CYCLE8|HOLES[12]"
-        r"|POCKET|SLOT1|LONGHOLE|\bC(?:IP|T)\b|\bRNDM?\s*=|\bCH[FR]\s*=",
+        r"=\s*(?![-+.\d])|=\s*[-+]?[\d.]+\s*[-+*/]|\b(?:AP|RP|AR)\s*=|\bMCALL\b|CYCLE[78]|HOLES[12]"
+        r"|POCKET|SLOT[12]|LONGHOLE|\bC(?:IP|T)\b|\bRNDM?\s*=|\bCH[FR]\s*=",
         re.IGNORECASE,
     )

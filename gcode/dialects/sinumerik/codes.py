@@ -5,7 +5,7 @@ from __future__ import annotations
 __all__ = ["ACCEPTED_G", "CODES", "NO_MOTION", "REFUSED", "SAME", "STOPS"]
 
 #: codes of this control -> RS274/NGC; nothing for those that move nothing here
-CODES = {70: "g20", 700: "g20", 71: "g21", 710: "g21", 60: "g61.1", 64: "g64", 153: "g53"}
+CODES = {60: "g61.1", 64: "g64", 153: "g53"}
 CODES |= dict.fromkeys((641, 642, 643, 644, 645), "g64")
 CODES |= dict.fromkeys((601, 602, 603, 450, 451, 97, 460, 461, 462, 290, 500), "")
 #: codes that keep their meaning

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from gcode.dialects.sinumerik.block_words import Words
+from gcode.dialects.sinumerik.codes import STOPS
 from gcode.errors import ProgramError
 from gcode.geometry.arcs import Point, centre_from_offsets, centre_from_radius
 from gcode.geometry.corners import Piece, broken_corner
@@ -101,6 +102,7 @@ class SinumerikCorners:
         self.reader = reader
         self.waiting: WaitingPiece | None = None
         self.rounding = 0.0  #: RNDM
+        self.behind: list[str] = []  #: blocks without motion behind the piece that waits
         self._is_modal = False
 
     def hold(self, words: Words, g_codes: list[float], *, is_special: bool) -> bool:
@@ -119,7 +121,7 @@ class SinumerikCorners:
         size = [(k, values[k]) for k in _CORNERS if k in values]
         words[:] = [w for w in words if w[0] not in _OF_CORNERS]
         if not any(letter in "XYZ" for letter, _ in words):
-            return False
+            return self._put_off(words)
         corner = size[0] if size else ("RND", self.rounding) if self.rounding else None
         if corner is not None:
             reader.only_in_xy(corner[0] if size else "RNDM")
@@ -143,6 +145,16 @@ class SinumerikCorners:
             return True
         self._go_on(words, g_codes, end, piece)
         return False
+
+    def _put_off(self, words: Words) -> bool:
+        """M, S and F of a block without motion wait until the corner before it is done."""
+        others = [w for w in words if w[0] != "N"]
+        if self.waiting is None or not others or not all(
+            letter in "SFH" or (letter == "M" and value not in STOPS) for letter, value in others
+        ):  # fmt: skip
+            return False
+        self.behind.append(self.reader.words.text(others))
+        return True
 
     def _motion(self, g_codes: list[float]) -> str:
         motion = next((v for v in g_codes if v in (0.0, 1.0, 2.0, 3.0)), None)
@@ -198,5 +210,6 @@ class SinumerikCorners:
             blocks = held.blocks(following)
         controller = self.reader.controller
         absolute, motion = controller.absolute, controller.motion
-        self.reader.execute(*blocks)
+        behind, self.behind = self.behind, []
+        self.reader.execute(*blocks, *behind)
         controller.absolute, controller.motion = absolute, motion

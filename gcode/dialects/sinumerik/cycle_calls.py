@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from gcode.dialects.sinumerik.cycles import CYCLES, PATTERNS, drill, pattern_points
+from gcode.dialects.sinumerik.face_milling import mill_face_cycle
 from gcode.dialects.sinumerik.milling import MILLING, mill
 from gcode.dialects.sinumerik.thread_milling import mill_thread
 from gcode.errors import ProgramError
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["CycleCalls"]
 
-_KNOWN = CYCLES | PATTERNS | MILLING | {"CYCLE90"}
+_KNOWN = CYCLES | PATTERNS | MILLING | {"CYCLE71", "CYCLE90"}
 
 
 class CycleCalls:
@@ -35,8 +36,8 @@ class CycleCalls:
         reader = self.reader
         reader.controller.use(name)
         reader.only_in_xy(name)
-        if name not in _KNOWN or (modal and name == "CYCLE90"):
-            known = (*sorted(CYCLES), "CYCLE90", *sorted(MILLING))
+        if name not in _KNOWN or (modal and name in ("CYCLE71", "CYCLE90")):
+            known = (*sorted(CYCLES), "CYCLE71", "CYCLE90", *sorted(MILLING))
             raise ProgramError(f"{name} is not read", accepted=", ".join(known))
         arguments = reader.arguments(text)
         if name in PATTERNS:
@@ -49,6 +50,8 @@ class CycleCalls:
                 self.do_modal()
         elif name == "CYCLE90":
             mill_thread(reader, arguments)
+        elif name == "CYCLE71":
+            mill_face_cycle(reader, arguments)
         elif name in MILLING:
             mill(reader, name, arguments)
         elif modal:

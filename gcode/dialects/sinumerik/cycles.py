@@ -75,7 +75,7 @@ def _feed_in(reader: SinumerikReader, cycle: int, arguments: Arguments) -> float
         return None  # CYCLE840 with the feed of the program
     if not pitch:
         raise ProgramError("CYCLE84 without a pitch PIT")
-    return abs(pitch) * speed
+    return reader.units.said(abs(pitch) * speed)
 
 
 def _off_the_wall(

@@ -144,7 +144,8 @@ def settable_frame(reader: SinumerikReader, match: re.Match) -> None:
     code = 10 if number_ < 1 else number_
     variables = reader.variables
     if axis is not None:
-        reader.execute(f"g10l2p{code}{axis.lower()}{number(variables.value(value))}")
+        length = reader.units.read(variables.value(value))
+        reader.execute(f"g10l2p{code}{axis.lower()}{number(length)}")
         return
     chained = re.fullmatch(r"CTRANS\s*\((.*)\)", value, re.IGNORECASE)
     if chained is None or not 1 <= number_ <= 4:
@@ -153,6 +154,8 @@ def settable_frame(reader: SinumerikReader, match: re.Match) -> None:
             accepted="$P_UIFR[1]=CTRANS(X,10,Y,5,Z,0), 1 to 4 for G54 to G57",
         )
     pieces = [piece.strip() for piece in split_arguments(chained[1])]
+    if reader.units.read(1.0) != 1.0:
+        raise ProgramError("CTRANS in G70", accepted="G71, G700, G710")
     said = dict(zip(pieces[::2], pieces[1::2], strict=False))
     words = "".join(
         f"{a}{number(variables.value(said.get(a, said.get(a.lower(), '0'))))}" for a in "XYZ"

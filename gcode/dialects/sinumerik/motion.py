@@ -159,7 +159,7 @@ class SinumerikMotion:
         pitch = next((abs(v) for letter, v in words if letter in ("I", "J", "K")), 0.0)
         if "S" in values:
             reader.execute(f"s{number(values['S'])}")
-        feed = pitch * reader.controller.speed
+        feed = reader.units.said(pitch * reader.controller.speed)
         if not feed > 0.0:
             raise ProgramError("G331 and G332 need a pitch I, J or K, and S")
         reader.keep("tapping by G331 and G332")

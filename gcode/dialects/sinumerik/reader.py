@@ -1,26 +1,23 @@
-"""SINUMERIK, block by block: which statement a block is, and who obeys it."""
+"""SINUMERIK, block by block: words of motion, and who obeys them."""
 
 from __future__ import annotations
 
 import re
 from functools import lru_cache
 
-from gcode.dialects.sinumerik.block_words import (
-    ADDRESSES,
-    BlockWords,
-    Words,
-    split_arguments,
-)
-from gcode.dialects.sinumerik.codes import NO_MOTION, REFUSED, STOPS
+from gcode.dialects.sinumerik.block_words import ADDRESSES, BlockWords, Words, split_arguments
+from gcode.dialects.sinumerik.codes import STOPS
 from gcode.dialects.sinumerik.corners import SinumerikCorners
 from gcode.dialects.sinumerik.cycle_calls import CycleCalls
 from gcode.dialects.sinumerik.expressions import Variables
 from gcode.dialects.sinumerik.flow import Flow
-from gcode.dialects.sinumerik.frames import SETTABLE, ProgrammableFrame, settable_frame
+from gcode.dialects.sinumerik.frames import ProgrammableFrame
 from gcode.dialects.sinumerik.motion import SinumerikMotion
+from gcode.dialects.sinumerik.statements import ARC_WORD, NO_MOTION_WORDS, Statements
 from gcode.dialects.sinumerik.subprograms import Subprograms
 from gcode.dialects.sinumerik.system_variables import system_variable
 from gcode.dialects.sinumerik.tool_words import ToolWords
+from gcode.dialects.sinumerik.units import Units
 from gcode.errors import ProgramError
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated, number
@@ -31,32 +28,8 @@ __all__ = ["SinumerikReader"]
 _HEAD = re.compile(
     r"(?:/\s*(\d?)\s*)?(?:[N:](\d+)\s*)?(?:/\s*(\d?)\s*)?(?:([A-Z_]\w+):(?!=)\s*)?", re.IGNORECASE
 )
-_ASSIGNED = re.compile(
-    r"(R\d+|R\[.*?\]|[A-Z_][A-Z_]\w*(?:\[[^\]]*\])?)\s*=(?!=)\s*(.*)", re.IGNORECASE
-)
 _NAMED_TOOL = re.compile(r"\bT\s*=\s*\"([^\"]*)\"", re.IGNORECASE)
-_ARC_WORD = re.compile(r"\b(CIP|CT)\b", re.IGNORECASE)
-_WORDS_ALONE = re.compile(r"(?:[A-Z]\d+(?:\.\d*)?)+", re.IGNORECASE)  #: G0X0Y0
-_SUBPROGRAM = re.compile(
-    r"(?:(MCALL|CALL)\s+)?\"?([A-Z_]\w+)\"?\s*(\(.*\))?(?:(?:\s+|(?<=\)))P\s*=?\s*(\w+))?\s*",
-    re.IGNORECASE,
-)
-_DEFINED = re.compile(r"DEF\s+(?:NCK\s+|CHAN\s+)?(REAL|INT|BOOL)\s+(.*)", re.IGNORECASE)
-_CALLED = re.compile(
-    r"(MCALL\s+)?(CYCLE\d+|HOLES[12]|POCKET[1-4]|SLOT[12]|LONGHOLE)\s*\((.*)\)", re.IGNORECASE
-)
-_FRAME = re.compile(r"(A?TRANS|A?ROT|A?SCALE|A?MIRROR)\b\s*(.*)", re.IGNORECASE)
-#: for the screen, or how the control follows the path
-_NO_MOTION = re.compile(
-    r"\b(?:(WORKPIECE|MSG|CYCLE832|CYCLE800|GROUP_BEGIN|GROUP_END|SETMS|EXTCALL_END)\s*"
-    r"\((?:\"[^\"]*\"|[^)\"])*\)"
-    r"|((?:SPOSA?|FGREF\s*\[\w+\]|LIMS)\s*=\s*[\w.+-]+|FGROUP\s*\([^)]*\))"
-    rf"|({'|'.join(NO_MOTION)})\b)",
-    re.IGNORECASE,
-)
-_REFUSED = re.compile(rf"\b({'|'.join(REFUSED)})\b", re.IGNORECASE)
 _FIRST_SPINDLE = re.compile(r"\b([SM])1\s*=", re.IGNORECASE)  #: S1=1000 M1=3
-_ELSEWHERE = re.compile(r"(?:EXTCALL\s*\(\s*(\".*\")\s*\)|PCALL\s+(\S+))", re.IGNORECASE)
 _KEY_WORD = re.compile(r"\w+")
 _MACHINE_AXIS = re.compile(r"\b([XYZ])1\s*=", re.IGNORECASE)  #: G74 X1=0
 _TILTED = re.compile(r"CYCLE800\s*\((.*)\)", re.IGNORECASE)
@@ -80,7 +53,8 @@ class SinumerikReader(Translated):
         self.flow, self.frame = Flow(self), ProgrammableFrame(self)
         self.words, self.tools = BlockWords(self), ToolWords(self)
         self.motion, self.corners = SinumerikMotion(self), SinumerikCorners(self)
-        self.cycles = CycleCalls(self)
+        self.cycles, self.units = CycleCalls(self), Units(self)
+        self.statements = Statements(self)
         controller.start_up, controller.round_corners_from = "A", 0.0
         super().execute("g21g90g17g40")
 
@@ -98,11 +72,11 @@ class SinumerikReader(Translated):
         if not content:
             return
         if content.startswith("%") or content.upper().startswith("PROC "):
-            self._says_flow()
+            self.says_flow()
             return
         if content.upper().split("(")[0].strip() == "RET":
             self.corners.finish()
-            self._says_flow()
+            self.says_flow()
             self.ended = not self.subprograms.returned()
             return
         try:
@@ -116,86 +90,20 @@ class SinumerikReader(Translated):
         if self.flow.obey(content):
             self.controller.use(_KEY_WORD.match(content)[0].upper())
             return
-        self._refuse(content)
-        declared, frame = _DEFINED.fullmatch(content), _FRAME.fullmatch(content)
-        called, settable = _CALLED.fullmatch(content), SETTABLE.fullmatch(content)
-        if declared is not None:
-            self._declare(declared[2])
-        elif frame is not None:
-            self.corners.finish()
-            self.controller.use(frame[1].upper())
-            self.frame.obey(frame[1].upper(), dict(self.words.read(frame[2])) if frame[2] else {})
-        elif called is not None and called[2].upper() not in ("CYCLE832", "CYCLE800"):
-            self.corners.finish()
-            self.cycles.call(called[2].upper(), called[3], modal=bool(called[1]))
-        elif settable is not None:
-            settable_frame(self, settable)
-        elif content.upper() == "MCALL":
-            self.cycles.modal = None
-        elif re.match(r"(?:EXTERN|DEF|ENDLABEL)\b", content, re.IGNORECASE):
-            self.controller.note(content.split()[0].upper(), "declaration")
-        elif not self._subprogram(content) and not self._assignments(content):
-            self._block(content)
-
-    def _refuse(self, content: str) -> None:
-        found = None if '"' in content else _REFUSED.search(content)
-        if found is not None:
-            raise ProgramError(f"{found[1].upper()} ({REFUSED[found[1].upper()]}) is not read",
-                               accepted="milling with three axes")  # fmt: skip
-        if content.upper().startswith("SETAL"):
-            raise ProgramError(f"the program raises an alarm: {content}")
-
-    def _subprogram(self, content: str) -> bool:
-        """Go to a subprogram that stands alone in its block; tells whether one does."""
-        elsewhere = _ELSEWHERE.fullmatch(content)
-        if elsewhere:  # only the name of a path counts: programs lie beside this one
-            name = re.split(r"[\\/:]", (elsewhere[1] or elsewhere[2]).strip('" '))[-1]
-            content = f'CALL "{re.sub(r"(?i)^_N_|[._][SM]PF$", "", name)}"'
-        match = _SUBPROGRAM.fullmatch(content)
-        is_word = match is None or _NO_MOTION.fullmatch(content) or _ARC_WORD.fullmatch(content)
-        if is_word or (_WORDS_ALONE.fullmatch(content) and not re.fullmatch(r"[Ll]\d+", content)):
-            return False
-        if match[2].upper() in ("RET", "M17"):
-            return False
-        arguments = self.arguments(match[3][1:-1]) if match[3] and match[3] != "()" else []
-        self.corners.finish()
-        if (match[1] or "").upper() == "MCALL":
-            self.cycles.modal = (match[2], arguments)
-        else:
-            rounds = int(self.variables.value(match[4])) if match[4] else 1
-            self._says_flow()
-            self.subprograms.call(match[2], arguments, rounds)
-        return True
-
-    def _declare(self, text: str) -> None:
-        for piece in split_arguments(text):
-            name, _, value = piece.partition("=")
-            self.variables.declare(name.strip().upper(), value.strip())
-
-    def _assignments(self, content: str) -> bool:
-        """Obey ``R1=5 R2=R1*2``; tells whether the block holds nothing else."""
-        found = _ASSIGNED.match(content)
-        if found is None or found[1].upper() in ADDRESSES or _NO_MOTION.match(content):
-            return False
-        while found is not None and found[1].upper() not in ADDRESSES:
-            value, stop = self.variables.read(content, found.start(2))
-            self.variables.assign(found[1].upper(), value)
-            content = content[stop:].strip()
-            found = _ASSIGNED.match(content)
-        if content:
-            self._block(content)
-        return True
+        rest = self.statements.obey(content)
+        if rest:
+            self._block(rest)
 
     def _block(self, content: str) -> None:
         tilted = _TILTED.search(content)
         if tilted and any(self.arguments(re.sub(r"\"[^\"]*\"", "", tilted[1]))[4:13]):
             raise ProgramError("CYCLE800 tilts the plane", accepted="CYCLE800()")
-        content = _SUPPRESSED.sub("G53", _NO_MOTION.sub(self._noted, content)).strip()
+        content = _SUPPRESSED.sub("G53", NO_MOTION_WORDS.sub(self._noted, content)).strip()
         content = _FIRST_SPINDLE.sub(r"\1=", content)
         content = _NAMED_TOOL.sub(lambda m: f"T{self.controller.tool_named(m[1])}", content)
-        arc = _ARC_WORD.search(content)
+        arc = ARC_WORD.search(content)
         kind = None if arc is None else arc[1].upper()
-        words = self.words.read(_ARC_WORD.sub("", _MACHINE_AXIS.sub(r"\1=", content)))
+        words = self.words.read(ARC_WORD.sub("", _MACHINE_AXIS.sub(r"\1=", content)))
         self._use(words, kind)
         self._obey_words(words, kind)
 
@@ -213,6 +121,7 @@ class SinumerikReader(Translated):
             words = [w for w in words if w != ("G", 9.0)]
             self._stop_exactly(words, arc)
             return
+        self.units.select(words)
         self.tools.change(words)
         self.motion.polar(words, g_codes)
         self.motion.opening_angle(words, g_codes)
@@ -229,7 +138,7 @@ class SinumerikReader(Translated):
         stop = [v for letter, v in words if letter == "M" and v in STOPS]
         if 17.0 in stop and self.subprograms.returned():
             if {letter for letter, _ in words} <= {"M", "N"}:
-                self._says_flow()
+                self.says_flow()
             return
         if stop:
             self.execute("m30" if stop[0] in (2, 17, 30) else f"m{stop[0]:.0f}")
@@ -241,7 +150,7 @@ class SinumerikReader(Translated):
         self._obey_words(words, arc)
         self.execute(before.lower())
 
-    def _says_flow(self) -> None:
+    def says_flow(self) -> None:
         """The line that runs says nothing but what comes next."""
         if self.controller.trace is not None:
             self.controller.trace.flow()
@@ -291,7 +200,7 @@ class SinumerikReader(Translated):
 
     def execute(self, *blocks: str) -> None:
         """Hand blocks of RS274/NGC to the interpreter, in the lengths of the frame."""
-        super().execute(*(self.frame.scaled(block) for block in blocks))
+        super().execute(*(self.units.converted(self.frame.scaled(block)) for block in blocks))
 
     def absolutely(self, block: str) -> None:
         """Obey a block in G90, whatever the mode is."""

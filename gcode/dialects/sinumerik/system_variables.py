@@ -18,14 +18,17 @@ _AXES = "XYZABC"
 
 
 def system_variable(reader: SinumerikReader, name: str, index: str) -> float | None:
-    """Value of a system variable in program units; None for one that only the machine knows."""
+    """Value of a system variable in the units of F; None for one that only the machine knows."""
     c = reader.controller
     tool = c.offsets.get(c.tool, ToolEntry())
     plain = {"$P_TOOLNO": float(c.tool), "$P_TOOL": float(reader.tools.edge),
-             "$P_TOOLR": tool.offset_diameter_mm / 2.0 / c.unit_mm, "$P_F": c.feed,
-             "$P_S": c.speed}  # fmt: skip
+             "$P_TOOLR": tool.offset_diameter_mm / 2.0 / reader.units.feed_mm,
+             "$P_F": reader.units.said(c.feed), "$P_S": c.speed}  # fmt: skip
     if not index:
         return plain.get(name)
     axis = _AXES.find(index.strip())
     places = {"$P_EP": reader.here, "$AA_IW": reader.here, "$AA_IM": c.machine_position}
-    return places[name]()[axis] if axis >= 0 and name in places else None
+    if axis < 0 or name not in places:
+        return None
+    value = places[name]()[axis]
+    return reader.units.said(value) if axis < 3 else value

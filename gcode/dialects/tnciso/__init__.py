@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from types import MappingProxyType
 
 from gcode.dialects.heidenhain import Heidenhain
 from gcode.dialects.heidenhain.confirmed import CONFIRMED
@@ -24,5 +25,6 @@ class TncIso(Heidenhain):
     )
     reader = TncIsoReader
     is_written = False
+    options = MappingProxyType({})
     #: words are counted as those of Klartext that they become
     confirmed = CONFIRMED

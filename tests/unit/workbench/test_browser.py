@@ -4,6 +4,7 @@ One server and one page serve all tests, in the order in which somebody would wo
 small. What has to come is waited for as long as it takes.
 """
 
+import contextlib
 import json
 import os
 import re
@@ -29,6 +30,8 @@ pytestmark = pytest.mark.skipif(not BROWSER, reason="no Chromium on this machine
 FLAGS = ["--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader",
          "--enable-unsafe-swiftshader"]  # fmt: skip
 PATIENCE_MS = 300_000
+#: a desk's layout with a small map, as every pixel is drawn by the processor; and a tablet's
+WINDOW, TABLET = {"width": 1180, "height": 640}, {"width": 1024, "height": 600}
 #: answers that the tests ask for: a job that cannot be read, readings that are none
 REFUSED = "Failed to load resource: the server responded with a status of 400"
 
@@ -60,7 +63,7 @@ def context():
         browser = playwright.chromium.launch(
             executable_path=BROWSER, args=FLAGS, timeout=PATIENCE_MS
         )
-        made = browser.new_context(viewport={"width": 1400, "height": 900})
+        made = browser.new_context(viewport=WINDOW)
         made.set_default_timeout(PATIENCE_MS)
         yield made
         browser.close()
@@ -144,18 +147,21 @@ def open_job(page, name):
     ready(page)
 
 
-def children_of(process, word):
-    """Processes that the server started whose command has a word in it."""
+def children_of(pid, word):
+    """Processes that a process started whose command has a word in it."""
     found = []
-    for task in Path(f"/proc/{process.pid}/task").iterdir():
-        for pid in (task / "children").read_text().split():
-            try:
-                said = Path(f"/proc/{pid}/cmdline").read_bytes().decode().split("\0")
-            except OSError:
-                continue
-            if word in said:
-                found.append(int(pid))
+    for task in Path(f"/proc/{pid}/task").iterdir():
+        for child in (task / "children").read_text().split():
+            with contextlib.suppress(OSError):
+                if word in Path(f"/proc/{child}/cmdline").read_bytes().decode():
+                    found.append(int(child))
     return found
+
+
+def workers_of(process):
+    """The process that holds the part: what loads for it has started it."""
+    loaders = children_of(process.pid, "forkserver")
+    return [worker for loader in loaders for worker in children_of(loader, "forkserver")]
 
 
 def drop(page, place, name, text):
@@ -402,10 +408,12 @@ def test_what_to_measure_next_has_a_program_and_a_place_for_its_readings(tab, co
     state["shown"]["diagnosis"] |= {"next_measurement": asked, "program": str(place)}
     hello = f"retry: 600000\nevent: hello\ndata: {json.dumps(state)}\n\n"
     other = context.new_page()
+    other.set_viewport_size(TABLET)  # the message that nobody answers covers no button there
     other.route("**/api/events", lambda route: route.fulfill(
         content_type="text/event-stream", body=hello))  # fmt: skip
     other.goto(tab.url)
     ready(other)
+    says(other, "#notices", "does not answer")
     other.locator("#tab-diagnose").click()
     with other.expect_download() as waiting:
         other.get_by_text("Download its NC program").click()
@@ -448,22 +456,26 @@ def test_a_run_is_stopped_and_leaves_nothing(tab, served):
     while not found:  # held still before it can end; where it was too fast, once more
         until(lambda: not tab.locator("#run").is_visible())
         tab.locator("#machine").click()
-        until(lambda: children_of(process, "run") or tab.get_by_text("its report made").count())
-        for pid in children_of(process, "run"):
+        until(
+            lambda: (
+                children_of(process.pid, "\0run\0") or tab.get_by_text("its report made").count()
+            )
+        )
+        for pid in children_of(process.pid, "\0run\0"):
             os.kill(pid, signal.SIGSTOP)
             found.append(pid)
     tab.locator("#run .stop").click()
     tab.locator("#run").wait_for(state="hidden")
     for pid in found:
         os.kill(pid, signal.SIGCONT)
-    until(lambda: not children_of(process, "run"))
+    until(lambda: not children_of(process.pid, "\0run\0"))
     assert not list((folder / "vmach-results" / "odd").glob("run*"))
 
 
 def test_a_killed_worker_is_replaced_and_nothing_is_lost(tab, served):
-    (worker,) = [p for p in children_of(served[2], "--multiprocessing-fork")]
+    (worker,) = workers_of(served[2])
     os.kill(worker, signal.SIGKILL)
-    until(lambda: children_of(served[2], "--multiprocessing-fork") != [worker])
+    until(lambda: workers_of(served[2]) != [worker])
     tab.locator("#quantity").select_option("measured")
     says(tab, "#figures", "Measured")
     ready(tab)

@@ -12,6 +12,7 @@ from vmach.api.comparison import compare
 from vmach.api.points import predict, surface_points
 from vmach.effects import catalogue
 from vmach.machine import Variant
+from vmach.workbench.model.answers import Answers
 from vmach.workbench.model.effect_cards import effect_cards
 from vmach.workbench.model.part_model import load_part
 from vmach.workbench.model.quantities import figures_of
@@ -67,6 +68,28 @@ def test_cut_anew_is_what_the_job_file_would_do(part, measured_folder):
     changes = read_changes(asked, part.job, part.effects)
     found = 1e3 * part.cut_anew([change.now for change in changes])
     assert found[wanted.is_cut] == pytest.approx(wanted.deviation_um[wanted.is_cut], abs=1e-6)
+
+
+def test_a_difference_of_two_jobs_is_taken_at_the_points_of_both(part, measured_folder):
+    first = measured_folder / "job.toml"
+    second = with_effect(measured_folder, "\n[effects.scale.X]\nscale_ppm = 30.0\n")
+    points = surface_points(part.surface.point_mm, part.surface.normal)
+    mine, theirs = (predict(job, points).deviation_um for job in (first, second))
+    other = Answers(str(second))
+    second.unlink()
+    named, values = other.point_values("deviation", "abbe")
+    for step in (1, 2):  # all points, and every other one
+        some = {"name": "other", "ids": named["ids"][::step]}
+        less = some, np.frombuffer(values)[::step].tobytes()
+        found, on_mesh = Answers(str(first)).difference(less, tolerance_um=2.0)
+        wanted = (mine - theirs)[np.isin(part.surface.id, some["ids"])]
+        assert found["count"] == len(wanted)
+        assert found["rms_um"] == pytest.approx(np.sqrt(np.mean(wanted**2)), abs=1e-6)
+        assert found["outside"] == pytest.approx(np.mean(np.abs(wanted) > 2.0))
+        known = np.frombuffer(on_mesh, "<f4")
+        known = known[np.isfinite(known)]
+        assert len(known) and known.min() > wanted.min() - 1e-3
+        assert known.max() < wanted.max() + 1e-3
 
 
 def test_figures_are_those_of_each_feature_alone(part):

@@ -246,4 +246,4 @@ def _around(place: np.ndarray, axis: np.ndarray, step: np.ndarray) -> np.ndarray
     first = np.arange(3) == ((axis + 1) % 3)[:, None]
     up = np.stack([first * one + ~first * two for one, two in _UP_OR_DOWN], axis=1)[:, None]
     points = np.where(is_axis, np.round(in_steps), np.floor(in_steps) + up)
-    return points.reshape(len(place), -1, 3) * step[..., None]
+    return points.reshape(len(place), 4 * place.shape[1], 3) * step[..., None]

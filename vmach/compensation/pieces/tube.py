@@ -13,6 +13,8 @@ __all__ = ["fewest_pieces"]
 
 #: corners of a set of lines that are kept; with half of them it is a smaller set of lines
 _CORNERS = 64
+#: of a cut before it is made smaller
+_ROOM = 2 * _CORNERS + 2
 #: slack of comparisons in half widths of the tube
 _SLACK = 1e-9
 
@@ -58,11 +60,13 @@ def _pieces(x, y, begin, last):
     """`fewest_pieces` with half widths of 1, for a curve that begins at 0."""
     count, parts = y.shape
     vertex, low, high = [0], [begin[0].copy()], [begin[1].copy()]
-    lines = np.empty((parts, _CORNERS, 2))
-    corners = np.zeros(parts, np.int64)
-    here, index = 0, 1
+    # the sets of lines so far and with one sample more, in turn; nothing is allocated for a sample
+    both, between = np.empty((2, parts, _ROOM, 2)), np.empty((_ROOM, 2))
+    both_corners = np.zeros((2, parts), np.int64)
+    now, here, index = 0, 0, 1
     while index < count:
-        trial, trial_corners = lines.copy(), corners.copy()
+        lines, corners = both[now], both_corners[now]
+        trial, trial_corners = both[1 - now], both_corners[1 - now]
         fits = True
         for part in range(parts):
             bottom, top = y[index, part] - 1.0, y[index, part] + 1.0
@@ -74,11 +78,12 @@ def _pieces(x, y, begin, last):
                     trial[part], low[-1][part], high[-1][part], way, bottom, top
                 )
             else:
-                kept = _cut(trial[part], trial_corners[part], way, top, 1.0)
-                trial_corners[part] = _cut(trial[part], kept, way, bottom, -1.0)
+                kept = _cut(lines[part], corners[part], between, way, top, 1.0)
+                trial_corners[part] = _cut(between, kept, trial[part], way, bottom, -1.0)
             fits = fits and trial_corners[part] > 0
         if fits:
-            lines, corners, index = trial, trial_corners, index + 1
+            now, index = 1 - now, index + 1
+            lines, corners = trial, trial_corners
         if not fits or index == count:
             here = index - 1
             bottom_reached, top_reached = np.empty(parts), np.empty(parts)
@@ -103,23 +108,26 @@ def _first_lines(lines, low, high, way, bottom, top):
 
 
 @njit(cache=True)
-def _cut(lines, corners, way, bound, sign):
-    """Keep the lines with ``sign * (value + way * slope) <= sign * bound``; corners left."""
-    kept = np.empty((2 * corners + 2, 2))
+def _cut(lines, corners, kept, way, bound, sign):
+    """Put the lines with ``sign * (value + way * slope) <= sign * bound`` in `kept`; how many."""
     count = 0
+    over_two = sign * (lines[0, 0] + way * lines[0, 1] - bound)
     for k in range(corners):
-        one, two = lines[k], lines[(k + 1) % corners]
-        over_one = sign * (one[0] + way * one[1] - bound)
-        over_two = sign * (two[0] + way * two[1] - bound)
+        after = k + 1 if k + 1 < corners else 0
+        over_one, over_two = over_two, sign * (lines[after, 0] + way * lines[after, 1] - bound)
         if over_one <= _SLACK:
-            kept[count] = one
+            kept[count, 0], kept[count, 1] = lines[k, 0], lines[k, 1]
             count += 1
         if (over_one <= _SLACK) != (over_two <= _SLACK):
-            kept[count] = one + (two - one) * (over_one / (over_one - over_two))
+            share = over_one / (over_one - over_two)
+            kept[count, 0] = lines[k, 0] + (lines[after, 0] - lines[k, 0]) * share
+            kept[count, 1] = lines[k, 1] + (lines[after, 1] - lines[k, 1]) * share
             count += 1
     stride = 1 + count // (_CORNERS - 1)
-    lines[: (count + stride - 1) // stride] = kept[:count:stride]
-    return (count + stride - 1) // stride
+    left = (count + stride - 1) // stride
+    for k in range(1, left):
+        kept[k, 0], kept[k, 1] = kept[k * stride, 0], kept[k * stride, 1]
+    return left
 
 
 @njit(cache=True)

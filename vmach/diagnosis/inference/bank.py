@@ -7,19 +7,21 @@ low rank.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
+from vmach.fit.base import Base, SizedMembers, solved
 from vmach.fit.candidates import Candidate
 from vmach.fit.evidence import Evidence, evidence_at_places
-from vmach.fit.marginal_likelihood import Base, Posterior
+from vmach.fit.marginal_likelihood import Bordered, Posterior
+from vmach.fit.sizes import Sizes
 
 __all__ = ["Bank"]
 
 #: numbers that white signatures may take up
-_ROOM = 10_000_000
+_ROOM = 2_000_000
 
 
 class Bank:
@@ -43,8 +45,11 @@ class Bank:
 
     def evidence(self, posterior: Posterior) -> Evidence:
         """Evidence of every candidate beside members and effects of a posterior."""
-        back = self._base.back(posterior.effects.x)
-        return Evidence.joined([g.evidence(posterior, back) for g in self._groups], self._place)
+        members = posterior.members.present
+        root = Bordered(members, posterior.effects)
+        back = self._base.back(posterior.effects.white)
+        parts = [g.evidence(members, root, back) for g in self._groups]
+        return Evidence.joined(parts, self._place)
 
 
 class _Group:
@@ -53,29 +58,66 @@ class _Group:
     def __init__(self, base: Base, candidates: Sequence[Candidate], terms: int) -> None:
         self._log_priors = [c.log_prior for c in candidates]
         self._terms = terms
-        self._columns = [c.signatures_mm.reshape(len(base.y), -1) for c in candidates]
-        at_once = max(_ROOM // max(sum(c.size for c in self._columns) // len(candidates), 1), 1)
+        self._rows = [candidate.rows_mm for candidate in candidates]
         parts = []
-        for k in range(0, len(candidates), at_once):
-            rows = base.white(np.hstack(self._columns[k : k + at_once])).T
+        for some in _at_once(self._rows, terms):
+            rows = base.white(some.T).T
             parts.append((rows @ base.z, rows @ base.y, _products(self._by_place(rows))))
         self._with_members, self._seen, self._gram = map(np.concatenate, zip(*parts, strict=True))
+        self._beside: tuple[Sizes, _Beside] | None = None
 
-    def evidence(self, posterior: Posterior, back: np.ndarray) -> Evidence:
+    def evidence(self, members: SizedMembers, root: Bordered, back: np.ndarray) -> Evidence:
         """Evidence of each; `back` (n, k) gives the products with the posterior's effects."""
-        k, (here, root, mean) = posterior.sizes.factor, posterior.present
-        of_members = here[: np.searchsorted(here, self._with_members.shape[1])]
-        with_effects = np.concatenate([columns.T @ back for columns in self._columns])
-        shared = np.hstack([self._with_members[:, of_members], with_effects])
-        shared *= posterior.scale[here]
-        inner = (self._seen - k * (shared @ mean)) / k**2
-        taken = solve_triangular(root, shared.T, lower=True, check_finite=False, overwrite_b=True)
-        gram = (self._gram - _products(self._by_place(taken.T))) / k**2
+        k, beside = members.sizes.factor, self._beside_members(members)
+        with_effects = np.concatenate([rows @ back for rows in self._rows])
+        taken = solved(root.own, with_effects.T / k - root.border.T @ beside.taken)
+        inner = beside.inner - taken.T @ root.seen_effects / k
+        gram = beside.gram - _products(self._by_place(taken.T)) / k**2
         return evidence_at_places(gram, self._by_place(inner[:, None]), self._log_priors)
+
+    def _beside_members(self, members: SizedMembers) -> _Beside:
+        """What is left beside members alone; the last is remembered."""
+        if self._beside is None or self._beside[0] != members.sizes:
+            k, taken = members.sizes.factor, members.taken(self._with_members.T)
+            gram = (self._gram - _products(self._by_place(taken.T))) / k**2
+            inner = self._seen / k**2 - taken.T @ members.seen / k
+            self._beside = members.sizes, _Beside(taken, gram, inner)
+        return self._beside[1]
 
     def _by_place(self, rows: np.ndarray) -> np.ndarray:
         """Rows (P K, n) as (P, K, n)."""
         return rows.reshape(len(rows) // self._terms, self._terms, rows.shape[1])
+
+
+@dataclass(frozen=True)
+class _Beside:
+    """Products of candidates beside members of given sizes.
+
+    Attributes
+    ----------
+    taken : (p, P K) float64
+        What the members take, by their root.
+    gram : (P, K, K) float64
+    inner : (P K,) float64
+        With the readings.
+    """
+
+    taken: np.ndarray
+    gram: np.ndarray
+    inner: np.ndarray
+
+
+def _at_once(rows: Sequence[np.ndarray], terms: int) -> Iterator[np.ndarray]:
+    """Rows (P K, n) of several candidates, as many places at once as there is room for."""
+    many = terms * max(_ROOM // (terms * rows[0].shape[1]), 1)
+    few: list[np.ndarray] = []
+    for own in rows:
+        for k in range(0, len(own), many):
+            if sum(map(len, few)) + len(own[k : k + many]) > many:
+                yield np.concatenate(few)
+                few = []
+            few.append(own[k : k + many])
+    yield np.concatenate(few)
 
 
 def _products(rows: np.ndarray) -> np.ndarray:

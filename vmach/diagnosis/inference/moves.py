@@ -9,7 +9,7 @@ import numpy as np
 
 from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossible_terms
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
-from vmach.fit.marginal_likelihood import Sizes
+from vmach.fit.sizes import Sizes
 
 __all__ = ["beside_little", "search", "search_beyond", "without_needless"]
 
@@ -28,7 +28,8 @@ def search(weighing: Weighing, start: Explanation | None = None) -> Explanation:
     """The most probable set that single moves lead to."""
     here = start or weighing.nothing()
     for _ in range(_MOVES):
-        better = _best(_added(weighing, here), here) or _best(_exchanged(weighing, here), here)
+        added, exchanged = _added(weighing, here), _exchanged(weighing, here)
+        better = _best(weighing, added, here) or _best(weighing, exchanged, here)
         if better is None:
             break
         here = without_needless(weighing, better)
@@ -37,22 +38,26 @@ def search(weighing: Weighing, start: Explanation | None = None) -> Explanation:
 
 def search_beyond(weighing: Weighing, here: Explanation) -> Explanation:
     """A more probable set beyond what single moves lead to, by two effects in place of one."""
-    while better := _best(_split(weighing, here), here):
+    while better := _best(weighing, _split(weighing, here), here):
         here = search(weighing, without_needless(weighing, better))
     return here
 
 
-def _best(found: Iterator[Explanation], than: Explanation) -> Explanation | None:
-    best = max(found, key=lambda e: e.score, default=None)
+def _best(
+    weighing: Weighing, found: Iterator[Explanation], than: Explanation
+) -> Explanation | None:
+    """The most probable of some explanations where it is better; all of them are remembered."""
+    best = max(map(weighing.remembered, found), key=lambda e: e.score, default=None)
     return best if best is not None and best.score > than.score + _STEP else None
 
 
 def _added(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
+    little = beside_little(here)
     for k in _leading(weighing, here, here.labels):
         child = weighing.extend(here, k)
-        if not weighing.candidates[k].effect.amplitudes:
-            # a curve that a large discrepancy left narrow: once more where it may be wide
-            child = max(child, weighing.extend(beside_little(here), k), key=lambda e: e.score)
+        if little.posterior.sizes != here.posterior.sizes:
+            # what a large discrepancy hides in part: once more where it may be large
+            child = max(child, weighing.extend(little, k), key=lambda e: e.score)
         wrong = impossible_terms(child.fit)
         if not wrong:
             yield child

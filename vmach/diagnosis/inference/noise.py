@@ -8,8 +8,9 @@ import numpy as np
 from scipy.special import gammaln, stdtrit
 
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
+from vmach.fit.base import Base
 from vmach.fit.feature_noise import FeatureNoise
-from vmach.fit.marginal_likelihood import Base
+from vmach.fit.marginal_likelihood import best_sizes
 from vmach.measurements import apart_from_neighbours
 
 __all__ = ["noise_after", "noise_before"]
@@ -82,7 +83,7 @@ def _correlated(weighing: Weighing, explanation: Explanation, noise: FeatureNois
     def log_probability(trial: FeatureNoise) -> float:
         base = Base(weighing.survey, trial, weighing.members)
         effects = explanation.posterior.effects.on(base)
-        return base.best_sizes(explanation.posterior.sizes, effects).log_probability
+        return best_sizes(base, explanation.posterior.sizes, effects).log_probability
 
     start = replace(noise, share=share, correlation=correlation)
     plain = log_probability(replace(noise, share=0.0))

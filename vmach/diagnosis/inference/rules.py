@@ -6,13 +6,11 @@ from dataclasses import dataclass
 
 __all__ = [
     "CLEARLY",
-    "OFFSET",
+    "IMITATION",
     "RULES",
     "STRUCTURE",
     "TRUST",
     "UNMEASURED",
-    "WEIGHT_OF_FORM",
-    "WEIGHT_OF_SIZE",
     "WORTH_A_FORM",
     "Rule",
     "rules_text",
@@ -22,13 +20,12 @@ __all__ = [
 CLEARLY = 4.6
 #: log prior odds of an effect that every machine has and nobody measured in this one
 UNMEASURED = 4.0
-#: logit that an effect is no imitation: for one as large as the rest; for a power of e in its
-#: variance; for a log evidence that a form does better in its place
-OFFSET, WEIGHT_OF_SIZE, WEIGHT_OF_FORM = -3.2, 1.0, 0.19
+#: size of an effect, in what remains beside it, where it is as probably an imitation as not
+IMITATION = 5.0
 #: what remains counts as structure from this multiple of the median stated uncertainty on
 STRUCTURE = 1.0
 #: below this multiple of the median stated uncertainty a rest is not looked into
-WORTH_A_FORM = 0.4
+WORTH_A_FORM = 0.6
 #: scatter up to this multiple of the stated uncertainty is noise, whatever the file says
 TRUST = 2.0
 
@@ -69,28 +66,12 @@ RULES = (
         "tests/unit/test_instruments_holes.py, a plate of holes",
     ),
     Rule(
-        "offset",
-        OFFSET,
-        "logit",
-        "that an effect is no imitation, where it is as large as what remains beside it; it is "
-        "shown where this is more probable than not",
-        _CALIBRATION,
-        _COUNTS,
-    ),
-    Rule(
-        "weight_of_size",
-        WEIGHT_OF_SIZE,
-        "logit",
-        "what a power of e adds in the variance of an effect, in that of what remains",
-        _CALIBRATION,
-        _COUNTS,
-    ),
-    Rule(
-        "weight_of_form",
-        WEIGHT_OF_FORM,
-        "logit",
-        "what each unit of log evidence takes off by which a form does better in its place",
-        _CALIBRATION,
+        "imitation",
+        IMITATION,
+        "sizes of the rest",
+        "an effect that is so many times as large as what remains beside it is as probably an "
+        "imitation as not; the odds grow with its variance",
+        f"{_CALIBRATION}; kept where an earlier regression had even odds",
         _COUNTS,
     ),
     Rule(
@@ -106,7 +87,7 @@ RULES = (
         WORTH_A_FORM,
         "stated u",
         "a rest below this is not looked into; what is beyond it is weighed against effects",
-        "below the noise that points of a feature share on a part of 0.8 um, 0.48 um",
+        "what points of a feature share of readings of u: 0.48 um of 0.8, as the generator has it",
         _COUNTS,
     ),
     Rule(

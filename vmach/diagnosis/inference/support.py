@@ -1,11 +1,8 @@
 """What speaks for an effect beside everything else, and whether it is there.
 
 The readings may be clearly more probable with an effect of the catalogue, and it may yet be an
-imitation of a cause that the catalogue does not hold. Two numbers tell: how its size compares with
-what nothing explains, and how much better a form over states does in its place.
-
-Source: logistic regression of how often effects were true on these two numbers; made by
-`tests/benchmarks/calibrate_verdicts.py`.
+imitation of a cause that the catalogue does not hold. An imitation follows its cause in part only:
+what it leaves tells it.
 """
 
 from __future__ import annotations
@@ -14,19 +11,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import expit
+from scipy.special import expit, logsumexp
 
 from vmach.diagnosis.inference.remains import remains_um, sizes_um, usual_u_um
-from vmach.diagnosis.inference.rules import (
-    CLEARLY,
-    OFFSET,
-    WEIGHT_OF_FORM,
-    WEIGHT_OF_SIZE,
-    WORTH_A_FORM,
-)
+from vmach.diagnosis.inference.rules import CLEARLY, IMITATION, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 
-__all__ = ["Support", "supports_of"]
+__all__ = ["Support", "in_its_place", "supports_of"]
 
 #: share of an effect below which what remains beside it does not matter
 _LEAST = 0.05
@@ -39,13 +30,11 @@ class Support:
     Attributes
     ----------
     odds : float
-        Log odds for it, given everything else.
+        Log odds that it, or another in its place, is there, given everything else.
     size_um : float
         Root mean square of what it does to the readings.
     rest_um : float
         What remains unexplained, beyond what would not be looked into.
-    against_form : float
-        Log evidence for it against the best form in its place, where that is negative.
     prior : float
         Log odds beforehand that the machine has it, where they are more than even.
     """
@@ -53,20 +42,14 @@ class Support:
     odds: float
     size_um: float
     rest_um: float
-    against_form: float = 0.0
     prior: float = 0.0
-
-    @property
-    def relative_size(self) -> float:
-        """Logarithm of its variance in that of what remains, up to 400 times as much."""
-        size = max(self.size_um, 1e-9)
-        return 2.0 * float(np.log(size / np.hypot(self.rest_um, _LEAST * size)))
 
     @property
     def probability(self) -> float:
         """That it is no imitation of something else."""
-        score = OFFSET + WEIGHT_OF_SIZE * self.relative_size + WEIGHT_OF_FORM * self.against_form
-        return float(expit(score + self.prior))
+        size = max(self.size_um, 1e-9)
+        rest = float(np.hypot(self.rest_um, _LEAST * size))
+        return float(expit(2.0 * np.log(size / (IMITATION * rest)) + self.prior))
 
     @property
     def is_shown(self) -> bool:
@@ -84,20 +67,26 @@ class Support:
             self, odds=min(self.odds, before.odds), rest_um=min(self.rest_um, before.rest_um)
         )
 
-    def beside(self, form: float) -> Support:
-        """The same where a form in its place leaves it this log evidence."""
-        return replace(self, against_form=min(form, 0.0))
-
 
 def supports_of(weighing: Weighing, found: Explanation) -> Sequence[Support]:
     """What speaks for each effect of an explanation."""
-    fewer = [weighing.without(found, [k]) for k in range(len(found.terms))]
     u_um = usual_u_um(weighing)
     beyond = max(remains_um(weighing, found) ** 2 - (WORTH_A_FORM * u_um) ** 2, 0.0)
     rest = float(np.sqrt(beyond))
-    sizes = sizes_um(weighing, found)
-    priors = [max(weighing.prior_of(t.effect, t.target), 0.0) for t in found.terms]
     return [
-        Support(found.score - e.score, s, rest, prior=p)
-        for e, s, p in zip(fewer, sizes, priors, strict=True)
+        Support(
+            found.score - weighing.without(found, [k]).score + in_its_place(weighing, found, k),
+            size,
+            rest,
+            prior=max(weighing.prior_of(term.effect, term.target), 0.0),
+        )
+        for k, (term, size) in enumerate(zip(found.terms, sizes_um(weighing, found), strict=True))
     ]
+
+
+def in_its_place(weighing: Weighing, found: Explanation, k: int) -> float:
+    """Log odds that all effects which could stand in the place of term k add to its own."""
+    own = weighing.index_of(found.terms[k].label)
+    gains = weighing.gains(weighing.without(found, [k], resize=False))
+    rivals = [i for i, c in enumerate(weighing.candidates) if c.label not in found.labels]
+    return float(logsumexp([0.0, *(gains[rivals] - gains[own])]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -15,7 +16,7 @@ from vmach.diagnosis.proposals.forms import Forms
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.fit.terms import Term
 
-__all__ = ["Inference", "Reason", "Weak", "infer", "supports_before_verdict"]
+__all__ = ["Inference", "Reason", "Weak", "infer", "searched"]
 
 #: times that the noise of single readings is estimated anew
 _PASSES = 2
@@ -78,40 +79,27 @@ class Inference:
 def infer(weighing: Weighing) -> Inference:
     """Search, noise of single readings and effects in turn, and weigh what was found.
 
-    Forms over states compete: with what remains, and for the place of every effect. Effects that
-    are not shown and forms count as what remains.
+    Forms over states compete with the effects for what the readings show.
     """
-    weighing, found = _searched(weighing)
+    weighing, found = searched(weighing)
     forms = Forms(weighing, found)
-    everything = forms.grown(found)
-    judged, supports, weak = _judged(forms, everything)
-    shown = [term for term in judged.terms if term.label in supports]
-    alone = weighing.explain(shown, found.posterior.sizes, refine=False)
-    remains = remains_um(weighing, alone, noise=everything.posterior.sizes.factor)
+    grown = forms.grown(found)
+    shown, supports, weak = _judged(weighing, found, grown.labels)
+    alone = weighing.explain(shown.terms, found.posterior.sizes, refine=False)
+    remains = remains_um(weighing, alone, noise=grown.posterior.sizes.factor)
     structure = is_structure(weighing, remains)
     return Inference(
         weighing,
         alone,
-        tuple(supports[term.label] for term in shown),
+        tuple(supports[term.label] for term in shown.terms),
         weak,
         remains,
         structure,
-        proposals=forms.proposals(alone, judged) if structure else (),
+        proposals=forms.proposals(alone, grown) if structure else (),
     )
 
 
-def supports_before_verdict(
-    weighing: Weighing,
-) -> tuple[Weighing, Explanation, dict[str, Support]]:
-    """What speaks for every effect that a search takes, for a calibration to look at."""
-    weighing, found = _searched(weighing)
-    forms = Forms(weighing, found)
-    grown = forms.grown(found)
-    supports = _beside_rivals(forms, grown, _beside_others(forms, grown))[0]
-    return weighing, found, supports
-
-
-def _searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
+def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
     """The most probable set of effects, and the weighing with the noise that it leaves."""
     weighing = weighing.with_noise(noise_before(weighing))
     found = search(weighing)
@@ -125,7 +113,7 @@ def _searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
 
 
 def _judged(
-    forms: Forms, found: Explanation
+    weighing: Weighing, found: Explanation, beside_forms: Collection[str]
 ) -> tuple[Explanation, dict[str, Support], tuple[Weak, ...]]:
     """An explanation without effects that are not shown, what speaks for the others, and those.
 
@@ -135,59 +123,32 @@ def _judged(
     supports: dict[str, Support] = {}
     weak: list[Weak] = []
     while True:
-        here = _beside_others(forms, found)
-        supports = {n: s.after(supports.get(n, s)) for n, s in here.items()}
-        doubted = _doubted(forms.weighing, found, supports)
-        if doubted is None:
-            supports, doubted = _beside_rivals(forms, found, supports)
+        here = zip(found.terms, supports_of(weighing, found), strict=True)
+        supports = {t.label: s.after(supports.get(t.label, s)) for t, s in here}
+        doubted = _doubted(weighing, found, supports, beside_forms)
         if doubted is None:
             return found, supports, tuple(weak)
-        weak.append(doubted[0])
-        found = doubted[1]
-
-
-def _beside_others(forms: Forms, found: Explanation) -> dict[str, Support]:
-    """What speaks for each effect, by its label, everything else given."""
-    both = zip(found.terms, supports_of(forms.weighing, found), strict=True)
-    return {term.label: support for term, support in both if term.label not in forms.labels}
+        k, why = doubted
+        term = found.terms[k]
+        weak.append(Weak(term, supports[term.label], why))
+        found = weighing.without(found, [k])
 
 
 def _doubted(
-    weighing: Weighing, found: Explanation, supports: dict[str, Support]
-) -> tuple[Weak, Explanation] | None:
-    """The effect that is least to be believed, and the explanation without it."""
+    weighing: Weighing,
+    found: Explanation,
+    supports: Mapping[str, Support],
+    beside_forms: Collection[str],
+) -> tuple[int, Reason] | None:
+    """The effect that is least to be believed, and why."""
     fit = weighing.careful(found)
-    wrong = [k for k in impossible_terms(fit) if found.terms[k].label in supports] if fit else []
-    for ks, why in ((_unsure(found, supports), Reason.DOUBTFUL), (wrong, Reason.IMPOSSIBLE)):
-        if ks:
-            k = min(ks, key=lambda k: supports[found.terms[k].label].order)
-            term = found.terms[k]
-            return Weak(term, supports[term.label], why), weighing.without(found, [k])
-    return None
-
-
-def _beside_rivals(
-    forms: Forms, found: Explanation, supports: dict[str, Support]
-) -> tuple[dict[str, Support], tuple[Weak, Explanation] | None]:
-    """What speaks for each effect against forms in its place; the one that gives way to them."""
-    asked = [k for k, term in enumerate(found.terms) if term.label in supports]
-    instead = {k: forms.in_place_of(found, k) for k in asked}
-    supports = {
-        found.terms[k].label: supports[found.terms[k].label].beside(found.score - e.score)
-        for k, e in instead.items()
+    places = {term.label: k for k, term in enumerate(found.terms)}
+    reasons = {
+        Reason.DOUBTFUL: [places[n] for n, s in supports.items() if n in places and not s.is_shown],
+        Reason.REPLACED: [k for n, k in places.items() if n not in beside_forms],
+        Reason.IMPOSSIBLE: impossible_terms(fit) if fit else [],
     }
-    unsure = _unsure(found, supports)
-    if not unsure:
-        return supports, None
-    k = min(unsure, key=lambda k: supports[found.terms[k].label].order)
-    term = found.terms[k]
-    return supports, (Weak(term, supports[term.label], Reason.REPLACED), instead[k])
-
-
-def _unsure(found: Explanation, supports: dict[str, Support]) -> list[int]:
-    """Numbers of the effects that are not shown."""
-    return [
-        k
-        for k, term in enumerate(found.terms)
-        if term.label in supports and not supports[term.label].is_shown
-    ]
+    for why, ks in reasons.items():
+        if ks:
+            return min(ks, key=lambda k: supports[found.terms[k].label].order), why
+    return None

@@ -13,22 +13,24 @@ from vmach.diagnosis.gates.absorbing import slack_of
 from vmach.diagnosis.inference.bank import Bank
 from vmach.diagnosis.inference.rules import UNMEASURED
 from vmach.effects import Effect
+from vmach.fit.base import Base
 from vmach.fit.candidates import Candidate
 from vmach.fit.discrepancy import members_of
 from vmach.fit.evidence import WIDTHS, Evidence, width_of
 from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.joint_fit import fit_terms
-from vmach.fit.marginal_likelihood import Base, Effects, Posterior, Sizes
+from vmach.fit.marginal_likelihood import Effects, Posterior, best_sizes
+from vmach.fit.remembered import Remembered
+from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
 from vmach.fit.terms import JointFit, Term
-from vmach.fit.whitening import MemberWhitening
 
 __all__ = ["Explanation", "Weighing"]
 
 #: sizes in u that a search starts from
 _START = 0.3
 #: readings of the explanations that are remembered
-_ROOM = 100_000
+_ROOM = 200_000
 #: times that what the laws leave open is set by the fit before, so that it is a share of the last
 _PASSES = 3
 
@@ -91,12 +93,21 @@ class Weighing:
 
     def _take(self, noise: FeatureNoise) -> None:
         self.base = Base(self.survey, noise, self.members)
-        self._bank: Bank | None = None
-        # by identity: a posterior is asked again and again
-        self._known: dict[int, tuple[Posterior, Evidence]] = {}
-        # likewise: a search, and the odds of what it found, leave the same terms out
-        self._fewer: dict[tuple, tuple[Explanation, Explanation]] = {}
+        self._none = Effects(self.base, np.zeros((len(self.survey), 0)))
+        self._forget()
+        #: log probability of every set that a search weighed, by the labels of its effects
+        self.tried: dict[frozenset[str], float] = {}
         self.alone = self._empty(Sizes(1.0, (0.0,) * len(self.members.names)))
+
+    def _forget(self) -> None:
+        """What was worked out is of other candidates, or beside another noise."""
+        self._bank: Bank | None = None
+        room = _ROOM / len(self.survey)
+        # by identity of the effects: a posterior is asked again and again
+        self._known = Remembered[tuple[Effects, Evidence]](room)
+        self._fits = Remembered[JointFit](room)
+        # a search, and the odds of what it found, leave the same terms out
+        self._fewer = Remembered[tuple[Explanation, Explanation]](room)
 
     @property
     def bank(self) -> Bank:
@@ -106,14 +117,7 @@ class Weighing:
 
     def _empty(self, sizes: Sizes) -> Explanation:
         """The empty set beside members of given sizes."""
-        none = Effects(self.base, np.zeros((len(self.survey), 0)))
-        return Explanation(None, self.base.posterior(sizes, none))
-
-    def _keep(self, known: dict, key: object, value: object) -> None:
-        """Remember something, and forget what is oldest where there is no room for it."""
-        known[key] = value
-        while len(known) > max(_ROOM // len(self.survey), 4):
-            del known[next(iter(known))]
+        return Explanation(None, Posterior(self.base, sizes, self._none))
 
     def on(self, survey: Survey) -> Self:
         """The same over other readings of the same design."""
@@ -124,6 +128,8 @@ class Weighing:
 
     def with_noise(self, noise: FeatureNoise) -> Self:
         """The same with another covariance of single readings."""
+        if noise.is_as(self.base.noise):
+            return self
         other = copy.copy(self)
         other._take(noise)
         return other
@@ -135,7 +141,7 @@ class Weighing:
         other._log_priors = {c.label: self.log_prior(c) for c in own} | dict(log_priors)
         other.candidates = list(known)
         other._place = {c.label: k for k, c in enumerate(known)}
-        other._bank, other._known, other._fewer = None, {}, {}
+        other._forget()
         return other
 
     def prior_of(self, effect: Effect, target: str) -> float:
@@ -160,8 +166,7 @@ class Weighing:
     def nothing(self, start: Sizes | None = None) -> Explanation:
         """The empty set."""
         start = start or Sizes(1.0, (_START,) * len(self.members.names))
-        none = Effects(self.base, np.zeros((len(self.survey), 0)))
-        return Explanation(None, self.base.best_sizes(start, none))
+        return Explanation(None, best_sizes(self.base, start, self._none))
 
     def small(self) -> Explanation:
         """The empty set beside a discrepancy that leaves effects to show."""
@@ -184,16 +189,19 @@ class Weighing:
         """
         if not terms:
             return self.nothing(sizes) if resize else self._empty(sizes)
-        whiten = MemberWhitening(self.base, sizes)
-        fit = fit_terms(self.survey, terms, whiten, refine=refine)
-        fit = replace(fit, whiten=whiten.fresh())
-        return self._weighed(fit, sizes, resize=resize)
+        return self._weighed(self._fitted(terms, sizes, refine=refine), sizes, resize=resize)
+
+    def _fitted(self, terms: Sequence[Term], sizes: Sizes, *, refine: bool) -> JointFit:
+        """The fit of terms beside members of given sizes; the last ones are remembered."""
+        key = tuple((t.place, t.width) for t in terms), sizes, refine
+        whiten = Posterior(self.base, sizes, self._none).whiten
+        return self._fits.get(key, lambda: fit_terms(self.survey, terms, whiten, refine=refine))
 
     def _weighed(self, fit: JointFit, sizes: Sizes, *, resize: bool) -> Explanation:
         effects = Effects(self.base, self._columns(fit), self._log_prior_of(fit))
         if resize:
-            return Explanation(fit, self.base.best_sizes(sizes, effects))
-        return Explanation(fit, self.base.posterior(sizes, effects))
+            return Explanation(fit, best_sizes(self.base, sizes, effects))
+        return Explanation(fit, Posterior(self.base, sizes, effects))
 
     def _columns(self, fit: JointFit) -> np.ndarray:
         """Signatures of unit prior variance of all that is open about a fit, (n, K) mm."""
@@ -219,12 +227,19 @@ class Weighing:
         terms = [*explanation.terms, self.term(k, explanation)]
         return self.explain(terms, explanation.posterior.sizes, resize=resize)
 
+    def remembered(self, explanation: Explanation) -> Explanation:
+        """An explanation, noted among those that were tried."""
+        before = self.tried.get(explanation.labels, -np.inf)
+        self.tried[explanation.labels] = max(before, explanation.score)
+        return explanation
+
     def careful(self, explanation: Explanation) -> JointFit | None:
         """The fit with what its laws leave open counted as uncertainty of the readings."""
         fit = explanation.fit
         for _ in range(_PASSES if fit else 0):
             slack = slack_of(self.survey, replace(fit, slack_mm=None))
-            whiten = MemberWhitening(self.base, explanation.posterior.sizes, slack)
+            beside = Effects(self.base, slack)
+            whiten = Posterior(self.base, explanation.posterior.sizes, beside).whiten
             fit = fit_terms(self.survey, fit.terms, whiten)
             if slack.shape[1] == 0:
                 return fit
@@ -235,12 +250,13 @@ class Weighing:
         self, explanation: Explanation, ks: Sequence[int], *, resize: bool = True
     ) -> Explanation:
         """The explanation without some of its terms; the others keep their inner parameters."""
-        key = id(explanation), tuple(ks), resize
-        if key not in self._fewer:
+
+        def fewer() -> tuple[Explanation, Explanation]:
             left = [term for k, term in enumerate(explanation.terms) if k not in ks]
-            fewer = self.explain(left, explanation.posterior.sizes, refine=False, resize=resize)
-            self._keep(self._fewer, key, (explanation, fewer))
-        return self._fewer[key][1]
+            sizes = explanation.posterior.sizes
+            return explanation, self.explain(left, sizes, refine=False, resize=resize)
+
+        return self._fewer.get((id(explanation), tuple(ks), resize), fewer)[1]
 
     def term(self, k: int, explanation: Explanation) -> Term:
         """Candidate k with its best inner parameters on what an explanation leaves."""
@@ -250,19 +266,13 @@ class Weighing:
             width = WIDTHS[evidence.best_width[k, 0]]
         return Term(candidate.effect, candidate.target, candidate.grid[evidence.best[k, 0]], width)
 
-    def whitening_beside(self, explanation: Explanation) -> MemberWhitening:
-        """Turns readings into unit noise, the terms of an explanation open as before the fit."""
-        columns = explanation.posterior.effects.columns_mm
-        return MemberWhitening(self.base, explanation.posterior.sizes, columns)
-
     # candidates, weighed ----------------------------------------------------------------------
 
     def evidence(self, explanation: Explanation) -> Evidence:
         """Of every candidate beside an explanation, at its sizes."""
         posterior = explanation.posterior
-        if id(posterior) not in self._known:
-            self._keep(self._known, id(posterior), (posterior, self.bank.evidence(posterior)))
-        return self._known[id(posterior)][1]
+        effects, key = posterior.effects, (id(posterior.effects), posterior.sizes)
+        return self._known.get(key, lambda: (effects, self.bank.evidence(posterior)))[1]
 
     def gains(self, explanation: Explanation) -> np.ndarray:
         """Log odds of every candidate beside an explanation, at its sizes."""

@@ -28,6 +28,7 @@ from vmach.report.page.kit import (
     render_page,
     script_json,
     style_sheet,
+    viewer_scripts,
 )
 from vmach.report.page.payload import encode_payload
 from vmach.report.page.svg_plot import Frame, Plot, number_text
@@ -98,7 +99,7 @@ def write_diagnosis_page(
         css=style_sheet(asset("page.css", _HERE)),
         page_data=None if part is None else script_json(_page_data(part)),
         payload=None if part is None else encode_payload(part.mesh, part.points, _record(job)),
-        scripts=[asset("scene.js"), asset("gestures.js"), asset("page.js", _HERE)],
+        scripts=[*viewer_scripts(), asset("page.js", _HERE)],
     )
     with atomic_file(path) as temporary:
         temporary.write_text(page, encoding="utf-8")

@@ -16,16 +16,16 @@ from vmach.diagnosis.proposals.form import Form
 from vmach.diagnosis.proposals.form_columns import FormColumns
 from vmach.diagnosis.proposals.held_out import held_out_um
 from vmach.diagnosis.proposals.proposal import Proposal
+from vmach.fit.base import Base
 from vmach.fit.discrepancy import Members
-from vmach.fit.marginal_likelihood import Base, Effects, Posterior, Sizes
+from vmach.fit.marginal_likelihood import Effects, Posterior
+from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
 
 __all__ = ["Forms"]
 
 #: forms that are fitted at each step, by their evidence beside the discrepancy and nearly without
 _FITTED = 6
-#: the same for the place of an effect
-_IN_PLACE = 3
 #: forms that are added one after the other
 _MOST = 4
 #: proposals that are told
@@ -57,19 +57,9 @@ class Forms:
         self._screen = _Screen(weighing)
         self._chosen: dict[str, Form] = {}
 
-    @property
-    def labels(self) -> frozenset[str]:
-        """Labels of the forms that were added."""
-        return frozenset(self._chosen)
-
-    @property
-    def weighing(self) -> Weighing:
-        """Of the effects that were found and the forms that were added."""
-        return self._with(())
-
     def grown(self, found: Explanation) -> Explanation:
         """An explanation with forms added while that is clearly more probable."""
-        here = self.weighing.explain(found.terms, found.posterior.sizes, refine=False)
+        here = self._with(()).explain(found.terms, found.posterior.sizes, refine=False)
         for _ in range(_MOST):
             if remains_um(self._weighing, here) < WORTH_A_FORM * usual_u_um(self._weighing):
                 break
@@ -79,17 +69,6 @@ class Forms:
                 break
             here = better
         return here
-
-    def in_place_of(self, here: Explanation, k: int) -> Explanation:
-        """An explanation with the best form in the place of term k, or with none.
-
-        Forms are looked for beside members as they are: grown into the gap, they would hide some.
-        """
-        rest = self.weighing.without(here, [k])
-        gap = self.weighing.without(here, [k], resize=False)
-        self._columns.add_waves(self._left_mm(gap))
-        better = self._extended(gap, self._leading([gap], _IN_PLACE))
-        return max(rest, better, key=lambda e: e.score)
 
     def _extended(self, here: Explanation, leading: Sequence[Form]) -> Explanation:
         """An explanation with the best of some forms, without what it makes needless."""
@@ -233,9 +212,8 @@ class _Screen:
 
     def posterior(self, sizes: Sizes, effects: Effects) -> Posterior:
         """Members at given sizes, and effects, as these readings have them."""
-        return self.base.posterior(
-            sizes, Effects(self.base, effects.columns_mm[self.rows], effects.log_prior)
-        )
+        own = Effects(self.base, effects.columns_mm[self.rows], effects.log_prior)
+        return Posterior(self.base, sizes, own)
 
 
 def _kept(survey: Survey, rows: np.ndarray) -> Survey:

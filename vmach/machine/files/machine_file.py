@@ -43,9 +43,7 @@ def read_machine(path: str | Path) -> Machine:
     volumetric = VolumetricFile()
     files = [entry.table for entry in data.errors.values() if entry.table]
     if data.volumetric is not None:
-        volumetric = read_volumetric_file(
-            path.parent / data.volumetric.file, data.volumetric.format
-        )
+        volumetric = source.volumetric()
         files.append(data.volumetric.file)
     linear = [name for name in data.errors if not is_rotary_error(name)]
     names = dict.fromkeys((*linear, *volumetric.tables))
@@ -119,6 +117,17 @@ class _Source:
                     ["axes", axis, "travel_mm"], f"travel {low} .. {high} mm", "[low, high]"
                 )
 
+    def volumetric(self) -> VolumetricFile:
+        """The volumetric file, without the errors that have a table of their own."""
+        stated = self.data.volumetric
+        found = read_volumetric_file(self.path.parent / stated.file, stated.format)
+        for name in stated.without:
+            if name not in found.tables:
+                raise self.fail(["volumetric", "without"], f"without {name}, which is not in it",
+                                ", ".join(found.tables))  # fmt: skip
+        kept = {name: table for name, table in found.tables.items() if name not in stated.without}
+        return VolumetricFile(kept, found.squareness_rad)
+
     def table(self, name: str, volumetric: VolumetricFile) -> ErrorTable:
         """One component error over the positions of its axis."""
         written = self._written_table(name, volumetric)
@@ -151,6 +160,7 @@ class _Source:
                 ["errors", name, "table"],
                 f"{name} is in '{entry.table}' and in '{self.data.volumetric.file}'",
                 "one of them",
+                f'without = ["{name}"] under [volumetric] leaves that of the file out',
             )
         if entry.table:
             unit = entry.unit or self._unit(name)

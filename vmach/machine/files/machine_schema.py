@@ -101,6 +101,7 @@ class _Volumetric(FileSection):
     file: str
     format: Literal["isg-csv", "etalon"]
     measured_at_mm: Point
+    without: list[str] = Field(default_factory=list)
 
 
 class SquarenessEntry(FileSection):

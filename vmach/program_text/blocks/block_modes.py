@@ -18,6 +18,20 @@ PLANE_AXES = {1: (0, 1, 2), 2: (1, 2, 0), 3: (2, 0, 1)}
 #: machine coordinates, reference points, and tapping that turns back by itself: they stay
 _LEFT = {"G28", "G30", "G53", "G33.1"}
 _RIGID_TAP = "G33.1"
+#: part of a reason -> what to do about it; the first that fits
+_HINTS = (
+    ("tapping", "tap in a program of its own, which is not corrected"),
+    ("boring", "bore with a stopped spindle in a program of its own, which is not corrected"),
+    ("rotation", "post the program with the transformation worked out"),
+    ("scaling", "post the program at the size of the part"),
+    ("fixed point", "say the machine's place by G53 or SUPA, which stays as it is"),
+    ("cutter compensation", "post the path of the tool's centre"),
+    ("polar", "post X Y Z"),
+)
+_KLARTEXT_HELIX = (
+    'post X Y Z; for a helix CP, options = { helix = "C" } in [control] where the control reads '
+    "C with Z"
+)
 
 
 @dataclass(frozen=True)
@@ -126,4 +140,15 @@ def _refuse(program: Program, refused: dict[int, str]) -> None:
         file=program.path,
         line=first,
         accepted="G0, G1, G2, G3",
+        hint=_hint(refused[first], program.dialect),
     )
+
+
+def _hint(reason: str, dialect: str) -> str:
+    """What may be done about a motion that cannot be compensated."""
+    for word, hint in _HINTS:
+        if word in reason:
+            if dialect == "heidenhain" and word == "polar":
+                return _KLARTEXT_HELIX
+            return hint
+    return "post the program with plain lines and arcs in X Y Z"

@@ -83,7 +83,7 @@ class Pieces:
         return Piece(*(getattr(self, f.name)[index].item() for f in fields(self)))
 
     def __iter__(self) -> Iterator[Piece]:
-        return map(self.__getitem__, range(len(self)))
+        return map(Piece, *(getattr(self, f.name).tolist() for f in fields(self)))
 
     def taken(self, rows: np.ndarray) -> Pieces:
         """Some of them."""

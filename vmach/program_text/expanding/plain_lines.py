@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcode import MoveKind, PlainBlocks, Program, Step
+from gcode import MoveKind, PlainArc, PlainBlocks, Program, Step
 from vmach.program_text.expanding.expanded_text import Expanded, LineBuilder
 from vmach.program_text.frame_shift import rotation_of_moves, turned_about_z
 
@@ -18,7 +18,7 @@ def plain_lines(program: Program) -> Expanded | None:
     """Write out the lines that make several motions or whose words cannot be written anew.
 
     None where there are none, or where the dialect has no plain lines for them; a line that plain
-    ones cannot replace (a helix, an inch program, machine coordinates) stays as it is.
+    ones cannot replace (a helix of Klartext, machine coordinates) stays as it is.
 
     Parameters
     ----------
@@ -29,7 +29,9 @@ def plain_lines(program: Program) -> Expanded | None:
     moving = program.moves.line[program.moves.kind != MoveKind.DWELL]
     if program.language.is_rs274 or text.plain is None or (np.diff(moving) < 0).any():
         return None
-    writer = _Writer(program, text.plain(program.source))
+    control = program.options.get("control")
+    blocks = text.plain(program.source, control.options if control else {})
+    writer = _Writer(program, blocks)
     writer.write()
     return writer.lines.result() if writer.lines.reasons else None
 
@@ -113,22 +115,22 @@ class _Writer:
     def _block(self, row: int, step: Step) -> list[str] | None:
         moves, kind = self.moves, self.moves.kind[row]
         modes = step.modes
-        if modes.unit_mm != 1.0 or modes.plane != 1 or not modes.absolute:
-            return None
-        if modes.feed_mode != "minute":
+        if modes.plane != 1 or modes.feed_mode != "minute":
             return None
         if kind == MoveKind.DWELL:
             seconds = self.seconds.get(row, 0.0)
             return self.blocks.pause(seconds) if seconds else []
         end = self.point_mm[row]
         motion = turned_about_z(moves.end_mm[row] - moves.start_mm[row], -self.angle[row])
-        feed = None if kind == MoveKind.RAPID else float(moves.feed_mm_per_min[row])
+        unit = modes.unit_mm
+        feed_unit = self.blocks.feed_unit_mm(step.line, unit)
+        feed = None if kind == MoveKind.RAPID else float(moves.feed_mm_per_min[row]) / feed_unit
         if kind == MoveKind.ARC:
-            if abs(moves.sweep_rad[row]) > 2.0 * np.pi + 1e-9:
-                return None
             out = turned_about_z(moves.centre_mm[row] - moves.end_mm[row], -self.angle[row])
-            turns = moves.sweep_rad[row] * moves.axis[row, 2]
-            return self.blocks.arc(end - motion, end, end + out, feed, counter_clockwise=turns > 0)
+            turns = float(moves.sweep_rad[row] * moves.axis[row, 2])
+            places = [place / unit for place in (end - motion, end, end + out)]
+            return self.blocks.arc(PlainArc(*places, turns, absolute=modes.absolute), feed)
         named = [a for a, m in zip("XYZ", motion, strict=True)
                  if abs(m) > _STILL_MM or a in step.words]  # fmt: skip
-        return self.blocks.straight(end, named, feed) if named else []
+        said = end if modes.absolute else motion
+        return self.blocks.straight(said / unit, named, feed) if named else []

@@ -24,6 +24,7 @@ __all__ = [
     "style_sheet",
     "um_decimals",
     "um_text",
+    "viewer_scripts",
 ]
 
 _HERE = Path(__file__).parent
@@ -78,6 +79,11 @@ def style_sheet(*more: Markup) -> Markup:
 def asset(name: str, folder: Path = _HERE) -> Markup:
     """A style sheet or a script, to be put into a page as it is."""
     return Markup((folder / name).read_text(encoding="utf-8"))
+
+
+def viewer_scripts() -> list[Markup]:
+    """The scripts of the map that turns, for a page that has one."""
+    return [asset(name) for name in ("detail.js", "scene.js", "gestures.js")]
 
 
 @cache

@@ -38,6 +38,7 @@ from vmach.report.page.kit import (
     style_sheet,
     um_decimals,
     um_text,
+    viewer_scripts,
 )
 from vmach.report.page.payload import MAX_POINTS, encode_payload
 from vmach.report.page.polar_plot import polar_plot
@@ -129,7 +130,7 @@ def write_report_html(
         css=style_sheet(),
         drawing=_drawing(run),
         circles=_circles(run),
-        scripts=[asset(name) for name in ("scene.js", "gestures.js", "page.js")],
+        scripts=[*viewer_scripts(), asset("page.js")],
     )
     with atomic_file(path) as temporary:
         temporary.write_text(page, encoding="utf-8")

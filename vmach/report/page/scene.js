@@ -157,13 +157,15 @@ void main() {
 class Scene {
   constructor(canvas, model, colourStops, unknownColour) {
     this.canvas = canvas; this.model = model;
-    const gl = this.gl = canvas.getContext("webgl2", { antialias: true, alpha: true });
+    const gl = this.gl = canvas.getContext("webgl2", { antialias: false, alpha: true });
     if (!gl) throw new Error("WebGL 2 is not available");
     this.onDraw = () => {}; this.onSettle = () => {};
     this.look = { range: 1, tolerance: 1, greyWithin: false, section: [0, 0, 0, 0] };
     this.overlays = []; // each draws itself over the part
     this.program = this.link(VERTEX_SHADER, FRAGMENT_SHADER);
     this.buffers = {};
+    this.measure();
+    this.smooth = new SmoothPicture(gl);
     this.fill(model);
     this.loadRamp(colourStops);
     gl.enable(gl.DEPTH_TEST);
@@ -171,8 +173,10 @@ class Scene {
     gl.uniform3fv(this.uniform("unknownColour"), rgbOf(unknownColour));
     gl.uniform3fv(this.uniform("lineColour"), [0.16, 0.18, 0.2]);
     this.home();
-    new ResizeObserver(() => this.redraw()).observe(canvas);
+    new ResizeObserver(() => { this.measure(); this.redraw(); }).observe(canvas);
   }
+  // Asked for once a size and not at every turn: the browser lays the page out anew whenever it is asked.
+  measure() { Object.assign(this, { width: this.canvas.clientWidth, height: this.canvas.clientHeight }); }
   uniform(name) { return this.gl.getUniformLocation(this.program, name); }
   link(...sources) {
     const gl = this.gl, program = gl.createProgram();
@@ -201,6 +205,8 @@ class Scene {
     const gl = this.gl, kinds = { triangles: gl.ELEMENT_ARRAY_BUFFER, outline: gl.ELEMENT_ARRAY_BUFFER };
     const columns = { position: [model.vertices, 3], normal: [model.normals, 3],
       value: [new Float32Array(model.vertices.length / 3 * 2), 2], triangles: [model.triangles], outline: [model.outline] };
+    gl.deleteBuffer(this.buffers.fewer ?? null);
+    Object.assign(this, { fewer: null });
     for (const [name, [data, size]] of Object.entries(columns)) {
       gl.deleteBuffer(this.buffers[name] ?? null);
       this.buffers[name] = this.buffer(kinds[name] ?? gl.ARRAY_BUFFER, data, size && name, size);
@@ -243,12 +249,11 @@ class Scene {
   mmPerPixel() { // as large as possible with every corner of the box inside at zoom 1
     const [right, up] = this.axes(), half = this.model.high.map((high, k) => (high - this.model.low[k]) / 2);
     const extent = (axis) => axis.reduce((sum, x, k) => sum + Math.abs(x) * half[k], 0);
-    const { clientWidth, clientHeight } = this.canvas;
-    return 1.08 * Math.max(extent(right) / (clientWidth / 2), extent(up) / (clientHeight / 2)) / this.zoom;
+    return 1.08 * Math.max(extent(right) / (this.width / 2), extent(up) / (this.height / 2)) / this.zoom;
   }
   toScreen(place) { // CSS pixels from the top left, depth in mm towards the viewer
     const p = place.map((x, k) => x - this.target[k]), [right, up, towards] = this.axes(), mm = this.mmPerPixel();
-    return [this.canvas.clientWidth / 2 + dot(p, right) / mm, this.canvas.clientHeight / 2 - dot(p, up) / mm, dot(p, towards)];
+    return [this.width / 2 + dot(p, right) / mm, this.height / 2 - dot(p, up) / mm, dot(p, towards)];
   }
   // Turn until nothing hides a point of the surface: from its own side, steeper while covered.
   face({ at, normal }) {
@@ -274,42 +279,72 @@ class Scene {
     this.redraw();
   }
   zoomAt(factor, x, y) { // what is under (x, y) stays there
-    const dx = x - this.canvas.clientWidth / 2, dy = y - this.canvas.clientHeight / 2;
+    const dx = x - this.width / 2, dy = y - this.height / 2;
     this.pan(-dx, -dy);
     this.zoom = Math.max(0.3, Math.min(200, this.zoom * factor));
     this.pan(dx, dy);
   }
   redraw() {
-    if (this.pending) return;
-    this.pending = requestAnimationFrame(() => { this.pending = null; this.draw(); });
-    clearTimeout(this.settling);
-    this.settling = setTimeout(() => this.onSettle(), 160);
+    this.stir();
+    this.pending ??= requestAnimationFrame(() => {
+      this.pending = null;
+      if (this.smooth.isSlow) this.drawQuickly(); else this.draw();
+    });
   }
+  stir() { // something moves: it does not rest yet
+    clearTimeout(this.settling);
+    this.settling = setTimeout(() => this.settle(), this.smooth.isSlow ? 350 : 160);
+  }
+  settle() {
+    if (this.isRough) requestAnimationFrame(() => this.draw());
+    this.onSettle();
+  }
+  get isSeen() { return this.width > 0 && this.height > 0; }
   draw() {
-    const { gl, canvas, look } = this, ratio = Math.min(window.devicePixelRatio || 1, 2);
-    const width = Math.round(canvas.clientWidth * ratio), height = Math.round(canvas.clientHeight * ratio);
+    if (!this.isSeen) return;
+    this.isRough = false;
+    this.smooth.draw(...this.pixels(), () => this.paint("triangles", this.model.triangles.length));
+    this.onDraw();
+  }
+  drawQuickly() {
+    const gl = this.gl;
+    if (!this.isSeen) return;
+    this.isRough = true;
+    if (!this.fewer) {
+      this.fewer = fewerTriangles(this.model);
+      this.buffers.fewer = this.buffer(gl.ELEMENT_ARRAY_BUFFER, this.fewer);
+    }
+    this.pixels();
+    this.paint("fewer", this.fewer.length);
+    this.onDraw();
+  }
+  pixels() { // of the canvas, which takes its size on the page
+    const { canvas } = this, ratio = Math.min(window.devicePixelRatio || 1, 2);
+    const width = Math.round(this.width * ratio), height = Math.round(this.height * ratio);
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
-    const mm = this.mmPerPixel(), [right, up, towards] = this.axes();
-    gl.viewport(0, 0, width, height);
+    return [width, height];
+  }
+  paint(triangles, count) {
+    const { gl, canvas, look } = this, mm = this.mmPerPixel(), [right, up, towards] = this.axes();
+    gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     const depth = this.model.radius + Math.hypot(...this.target.map((x, k) => x - this.model.centre[k]));
     const camera = {
       axes: [0, 1, 2].flatMap((k) => [right[k], up[k], towards[k]]), centre: this.target,
-      scale: [2 / (canvas.clientWidth * mm), 2 / (canvas.clientHeight * mm), -1 / depth],
+      scale: [2 / (this.width * mm), 2 / (this.height * mm), -1 / depth],
     };
     this.aim(this.program, camera);
     gl.uniform1f(this.uniform("range"), look.range);
     gl.uniform1f(this.uniform("tolerance"), look.tolerance);
     gl.uniform1i(this.uniform("greyWithin"), look.greyWithin);
     gl.uniform4fv(this.uniform("section"), look.section);
-    for (const [name, mode, isOutline] of [["triangles", gl.TRIANGLES, 0], ["outline", gl.LINES, 1]]) {
+    for (const [name, mode, isOutline, length] of [[triangles, gl.TRIANGLES, 0, count], ["outline", gl.LINES, 1, this.model.outline.length]]) {
       gl.uniform1i(this.uniform("outline"), isOutline);
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.buffers[name]);
-      gl.drawElements(mode, this.model[name].length, gl.UNSIGNED_INT, 0);
+      gl.drawElements(mode, length, gl.UNSIGNED_INT, 0);
     }
     for (const overlay of this.overlays) overlay.draw(this, camera);
-    this.onDraw();
   }
   aim(program, { axes, centre, scale }) {
     const gl = this.gl, at = (name) => gl.getUniformLocation(program, name);
@@ -349,8 +384,8 @@ class Scene {
   // What is seen at a pixel: place (mm), normal and depth, or null beside the part.
   pick(x, y) {
     const { triangles } = this.model, [right, up, towards] = this.axes(), mm = this.mmPerPixel();
-    const px = dot(this.target, right) + (x - this.canvas.clientWidth / 2) * mm;
-    const py = dot(this.target, up) - (y - this.canvas.clientHeight / 2) * mm;
+    const px = dot(this.target, right) + (x - this.width / 2) * mm;
+    const py = dot(this.target, up) - (y - this.height / 2) * mm;
     const { flat, first, under, low, high, cell } = this.turned();
     if (px < low[0] || px > high[0] || py < low[1] || py > high[1]) return null;
     let hit = null;

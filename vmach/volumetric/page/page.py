@@ -15,7 +15,13 @@ import numpy as np
 from markupsafe import Markup
 
 from vmach.base.units import um_from_mm
-from vmach.report.page.kit import asset, render_page, script_json, style_sheet
+from vmach.report.page.kit import (
+    asset,
+    render_page,
+    script_json,
+    style_sheet,
+    viewer_scripts,
+)
 from vmach.report.page.payload import encode_mesh
 from vmach.report.result import Colouring, DisplayMesh
 from vmach.volumetric.cones import SIDES, cone_mesh
@@ -72,7 +78,7 @@ def accuracy_page(
         page_data=script_json(data),
         payload=encode_mesh(mesh),
         css=style_sheet(asset("page.css", _HERE)).replace("ACCURACY_RAMP", ", ".join(_STOPS)),
-        scripts=[*(asset(name) for name in ("scene.js", "gestures.js")), asset("page.js", _HERE)],
+        scripts=[*viewer_scripts(), asset("page.js", _HERE)],
     )
 
 

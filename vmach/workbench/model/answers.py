@@ -10,7 +10,7 @@ import numpy as np
 
 from vmach.base.units import um_from_mm
 from vmach.errors import InputError
-from vmach.job import job_name
+from vmach.job import Job, job_name
 from vmach.machine import Variant
 from vmach.report import ReportView
 from vmach.report.page.payload import pack_mesh
@@ -33,6 +33,9 @@ from vmach.workbench.model.screen_report import (
 from vmach.workbench.model.what_if import read_changes
 
 __all__ = ["QUESTIONS", "Answer", "Answers"]
+
+#: share of a vertex's points without a value at which it has none
+_SOME = 0.01
 
 #: a record that becomes JSON, and bytes that go beside it
 Answer = tuple[dict[str, Any], bytes]
@@ -67,7 +70,7 @@ class Answers:
             "quantities": [vars(one) for one in quantities(model)],
             "models": [str(v) for v in (Variant.ABBE, Variant.HTM, Variant.NONE)],
             "notes": [str(note) for note in model.notes],
-            "files": [str(path) for _, path in job.files()],
+            "files": [str(path) for path in (*(p for _, p in job.files()), *_read_by(job))],
         }, b""
 
     def measured(self) -> Answer:
@@ -102,6 +105,22 @@ class Answers:
             tolerance_mm = 1e-3 * tolerance_um
         figures = figures_of(points, value_mm, tolerance_mm)
         return figures | {"quantity": quantity, "model": model}, self._at_vertices(points, value_mm)
+
+    def difference(
+        self, minus: tuple[Mapping[str, Any], bytes], quantity: str = "deviation",
+        model: str = "abbe", changes: Sequence[Mapping] = (), tolerance_um: float | None = None,
+    ) -> Answer:  # fmt: skip
+        """As `values`, less what another job answered, at the points that both have."""
+        part = self._model
+        wanted = read_changes(changes, part.job, part.effects)
+        points, value_mm = values_mm(part, quantity, _variant(model), wanted)
+        left_mm = less_of_other(points, value_mm, *minus)
+        of_both = np.isfinite(left_mm)
+        tolerance_mm = part.job.inspection.tolerance_mm
+        if tolerance_um is not None:
+            tolerance_mm = 1e-3 * tolerance_um
+        figures = figures_of(points.only(of_both), left_mm[of_both], tolerance_mm)
+        return figures | {"quantity": quantity, "model": model}, self._at_vertices(points, left_mm)
 
     def exact(self, changes: Sequence[Mapping] = ()) -> Answer:
         """The deviation with changes, cut anew: another move may make a point then.
@@ -207,7 +226,14 @@ class Answers:
             self._on_mesh[points.name] = points.on_mesh(self._model.mesh)
         onto = self._on_mesh[points.name]
         value = um_from_mm(onto.at_vertices(value_mm))
-        return np.where(onto.known, value, np.nan).astype("<f4").tobytes()
+        is_known = onto.known & (onto.matrix @ np.isnan(value_mm) < _SOME)
+        return np.where(is_known, value, np.nan).astype("<f4").tobytes()
+
+
+def _read_by(job: Job) -> list[Path]:
+    """Files of readings that a job names; those that cannot be are refused when they are read."""
+    names = [one.get("file") for one in job.measurements]
+    return [job.folder / name for name in names if isinstance(name, str)]
 
 
 def _variant(name: str) -> Variant:
@@ -220,7 +246,7 @@ def _variant(name: str) -> Variant:
 #: what may be asked
 QUESTIONS: dict[str, Callable[..., Answer]] = {
     name: getattr(Answers, name)
-    for name in ("about", "measured", "mesh", "values", "exact", "residual", "point", "line",
-                 "program", "effects", "drawn_table", "point_values", "instruments", "check_job",
-                 "playback", "screen_report")
+    for name in ("about", "measured", "mesh", "values", "difference", "exact", "residual", "point",
+                 "line", "program", "effects", "drawn_table", "point_values", "instruments",
+                 "check_job", "playback", "screen_report")
 }  # fmt: skip

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -70,6 +70,16 @@ class PointSet:
 
     def __len__(self) -> int:
         return len(self.id)
+
+    def only(self, rows: np.ndarray) -> PointSet:
+        """Some of the points, `rows` (C,) bool; what was aligned over all of them stays so."""
+        some = {name: getattr(self, name) for name in ("measured_mm", "u_mm")}
+        return replace(
+            self, id=self.id[rows], feature=self.feature[rows], point_mm=self.point_mm[rows],
+            normal=self.normal[rows], states=self.states[rows],
+            predicted_mm=self.predicted_mm[rows], kept={},
+            **{name: None if value is None else value[rows] for name, value in some.items()},
+        )  # fmt: skip
 
     @cached_property
     def path(self) -> Circumstances:

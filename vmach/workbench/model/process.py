@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 import traceback
 from collections.abc import Sequence
 from multiprocessing.connection import Connection
@@ -17,7 +16,6 @@ def serve(pipe: Connection, job: str, effect_files: Sequence[str], control: str 
     What goes wrong is answered with ``("refused", message, {})`` where the user's files are to
     blame, in the words of the command line, and with ``("fault", message, {})`` otherwise.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the server's, which ends this too
     answers, trouble = None, None
     try:
         _prepare(control)
@@ -29,9 +27,9 @@ def serve(pipe: Connection, job: str, effect_files: Sequence[str], control: str 
     while True:
         try:
             name, arguments = pipe.recv()
-        except (EOFError, OSError):
+            pipe.send(trouble or _answer(answers, name, arguments))
+        except (EOFError, OSError):  # nobody asks any more, or waits for the answer
             return
-        pipe.send(trouble or _answer(answers, name, arguments))
 
 
 def _prepare(control: str | None) -> None:

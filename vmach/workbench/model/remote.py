@@ -5,16 +5,20 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from multiprocessing import get_context
+from multiprocessing import get_all_start_methods, get_context
 from pathlib import Path
 from typing import Any
 
+from vmach.base.interrupt import interrupts_are_not_for_children
 from vmach.errors import VmachError
 from vmach.workbench.model.process import serve
 
 __all__ = ["ModelRefused", "ModelStopped", "RemoteModel"]
 
 _ENDED = "the process that holds the part has ended"
+#: a process that has loaded what a model needs, and becomes one in a moment; else each loads it
+_METHOD = "forkserver" if "forkserver" in get_all_start_methods() else "spawn"
+_LOADED = ["vmach.workbench.model.answers"]
 
 
 class ModelRefused(VmachError):
@@ -32,13 +36,16 @@ class RemoteModel:
     """
 
     def __init__(self, job: Path, effect_files: Sequence[Path] = (), control: str | None = None):
-        context = get_context("spawn")
+        context = get_context(_METHOD)
+        if _METHOD == "forkserver":
+            context.set_forkserver_preload(_LOADED)
         self._pipe, far_end = context.Pipe()
         files = [str(file) for file in effect_files]
         self._process = context.Process(
             target=serve, args=(far_end, str(job), files, control), daemon=True
         )
-        self._process.start()
+        with interrupts_are_not_for_children():  # Ctrl-C is the server's, which ends this too
+            self._process.start()
         far_end.close()
         self._order = ThreadPoolExecutor(1)  # one question at a time, also where a caller gave up
         self.has_answered = False
@@ -62,10 +69,15 @@ class RemoteModel:
     def _exchange(self, question: str, arguments: dict) -> tuple[dict[str, Any], bytes]:
         try:
             self._pipe.send((question, arguments))
-            kind, record, content = self._pipe.recv()
-            self.has_answered = True
+            found = self._pipe.recv()
         except (EOFError, OSError):
-            raise ModelStopped(_ENDED) from None
+            found = None
+        # not in the handler: the exception would hold the one of the pipe, with its buffer, until
+        # the collector comes, and that cannot close a buffer in use
+        if found is None:
+            raise ModelStopped(_ENDED)
+        self.has_answered = True
+        kind, record, content = found
         if kind != "answer":
             raise ModelRefused(record)
         return record, content

@@ -17,7 +17,7 @@ __all__ = ["routes"]
 _STATIC = Path(__file__).parents[1] / "static"
 #: scripts of the reports' viewer; no module of the reports is loaded for them
 _VIEWER = {name: Path(vmach.__file__).parent / "report" / "page" / name
-           for name in ("scene.js", "gestures.js")}  # fmt: skip
+           for name in ("detail.js", "scene.js", "gestures.js")}  # fmt: skip
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript",
           ".svg": "image/svg+xml"}  # fmt: skip
 

@@ -85,6 +85,18 @@ async def _other_values(request: Request) -> Response:
         return framed({}, b"")
 
 
+async def _difference(request: Request) -> Response:
+    """The open job less the one beside it, at the points of both."""
+    session, query = session_of(request), request.query_params
+    look = {name: query.get(name, usual) for name, usual in
+            (("quantity", "deviation"), ("model", "abbe"))}  # fmt: skip
+    minus = await session.ask_other("point_values", **look)
+    tolerance_um = _positive(query.get("tolerance_um"))
+    return framed(*await session.ask(
+        "difference", minus=minus, changes=session.changes, tolerance_um=tolerance_um, **look
+    ))  # fmt: skip
+
+
 async def _exact(request: Request) -> Response:
     """The part cut anew with the sliders as they are."""
     session = session_of(request)
@@ -155,6 +167,7 @@ routes = [
     Route("/api/other/about", _other_about),
     Route("/api/other/mesh", _other_mesh),
     Route("/api/other/values", _other_values),
+    Route("/api/other/difference", _difference),
     Route("/api/exact", _exact),
     Route("/api/point", _point),
     Route("/api/line", _line),

@@ -46,6 +46,7 @@ export function choose(name) {
     byId("tab-" + one).tabIndex = one === name ? 0 : -1;
     byId("panel-" + one).hidden = one !== name;
   }
+  bench.tell("chosen", name);
 }
 
 // ---- the job that is open, the same in all tabs

@@ -8,6 +8,7 @@ export const bench = {
   look: { quantity: "deviation", model: "abbe" },
   figures: null, // of what is shown
   point: null, // that was clicked
+  cards: [], // of all effects, with the meaning of their parameters
   listeners: new Map(),
   on(kind, listener) {
     if (!this.listeners.has(kind)) this.listeners.set(kind, []);

@@ -5,7 +5,7 @@ import { bytes, framed, get, post, query } from "./api.js";
 import { byId, el, fixed, redraw, signed } from "./dom.js";
 import { applyValues, loadValues, pairsOf, stage } from "./stage.js";
 
-const other = { scene: null, about: null, figures: null, values: null, mine: null, isAlike: false, isDifference: false, jobs: null };
+const other = { scene: null, about: null, figures: null, mine: null, isAlike: false, isDifference: false, jobs: null };
 
 export function comparePanel(panel) {
   const draw = () => redraw(panel, parts());
@@ -38,7 +38,7 @@ function parts() {
     box.onchange = attempt(async ({ target }) => {
       other.isDifference = target.checked;
       showViews();
-      if (other.isDifference) showDifference();
+      if (other.isDifference) await showDifference();
       else await loadValues();
     });
     rows.push(el("label", { class: "check" }, box, " show the difference: this part minus the other"));
@@ -50,7 +50,7 @@ function parts() {
 
 function table() {
   const { mine, figures: its } = other;
-  const rows = [["RMS", "rms_um"], ["Mean", "mean_um"], ["Most left", "high_um"], ["Most gone", "low_um"]].map(([word, key]) =>
+  const rows = [["RMS", "rms_um"], ["Mean", "mean_um"], ["Highest", "high_um"], ["Lowest", "low_um"]].map(([word, key]) =>
     el("tr", {}, el("th", { scope: "row" }, word), ...[mine, its].map((f) => el("td", { class: "value" }, key === "rms_um" ? fixed(f[key]) : signed(f[key]))),
       el("td", { class: "value" }, signed(mine[key] - its[key]))));
   const head = ["µm", "this", "the other", "difference"].map((word) => el("th", { scope: "col" }, word));
@@ -60,7 +60,7 @@ function table() {
 async function load(job) {
   if (!job) {
     stage.scenes = [stage.scene];
-    Object.assign(other, { about: null, figures: null, values: null, isDifference: false });
+    Object.assign(other, { about: null, figures: null, isDifference: false });
     showViews();
     return loadValues();
   }
@@ -94,22 +94,17 @@ async function loadOther() {
   const quantity = names.includes(bench.look.quantity) ? bench.look.quantity : "deviation";
   const found = await framed("/api/other/values?" + query({ ...bench.look, quantity }));
   if (job !== bench.state.other || !found[1].length) return; // it was put away meanwhile
-  [other.figures, other.values] = found;
-  other.scene.setValues(pairsOf(other.values));
+  other.figures = found[0];
+  other.scene.setValues(pairsOf(found[1]));
   other.scene.setLook({ range: stage.rangeUm });
-  if (other.isDifference && other.isAlike) showDifference();
+  if (other.isDifference && other.isAlike) await showDifference();
 }
 
-// This part minus the other, at the vertices; the figures are over the vertices too.
-function showDifference() {
-  const values = stage.values.map((value, i) => value - other.values[i]), known = values.filter((v) => v === v);
-  const squares = known.reduce((sum, v) => sum + v * v, 0), size = [...known].map(Math.abs).sort((a, b) => a - b);
-  let low = Infinity, high = -Infinity, sum = 0;
-  for (const v of known) { low = Math.min(low, v); high = Math.max(high, v); sum += v; }
-  const end = Math.max(size[Math.floor(0.99 * (size.length - 1))] ?? 1, 1e-3);
-  other.difference = { ...bench.figures, rms_um: Math.sqrt(squares / known.length), mean_um: sum / known.length, low_um: low, high_um: high,
-    count: known.length, range_um: Number(end.toPrecision(2)), worst: [], features: [], isOfTwo: true, outside: size.filter((v) => v > stage.toleranceUm).length / size.length };
-  const kept = stage.values;
+// This part minus the other, at the points of both.
+async function showDifference() {
+  const job = bench.state.other;
+  const [figures, values] = await framed("/api/other/difference?" + query({ ...bench.look, tolerance_um: stage.toleranceUm || null }));
+  if (job !== bench.state.other || !other.isDifference) return; // it was put away meanwhile
+  other.difference = { ...figures, isOfTwo: true };
   applyValues(other.difference, values);
-  stage.values = kept; // what the next difference is taken from
 }

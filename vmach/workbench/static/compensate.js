@@ -48,7 +48,7 @@ function parts() {
     el("a", { class: "button primary", href: "/download/" + program, download: "" }, "Download the program"),
     el("a", { href: "/show/" + page, target: "_blank", rel: "noopener" }, "its report")),
     ...figures.notes.map((note) => el("p", { class: "remark" }, micro(note))),
-    figures.uncorrected.length ? el("p", { class: "remark" }, "Stays: " + figures.uncorrected.map((u) => micro(u.what)).join("; ")) : null,
+    figures.uncorrected.length ? el("p", { class: "remark" }, "Not corrected: " + figures.uncorrected.map((u) => micro(u.what)).join("; ")) : null,
     differenceView(), box];
 }
 

@@ -51,8 +51,8 @@ function plot(steps) {
     svg("text", { class: "tick" + (step.is_open ? " open" : ""), x: x(i), y: HEIGHT - 7, "text-anchor": "middle" }),
     { textContent: i === 0 ? "as given" : "+ " + step.added.join(", ").slice(0, 22) })));
   return el("figure", {}, made, el("figcaption", {},
-    el("span", { class: "key fitted" }), "RMS of the readings that were fitted, µm ",
-    ...(steps.some((step) => typeof step.heldOut === "number") ? [el("span", { class: "key held" }), "of features that were not"] : [])));
+    el("span", { class: "key fitted" }), "fitted readings, RMS in µm ",
+    ...(steps.some((step) => typeof step.heldOut === "number") ? [el("span", { class: "key held" }), "features left out of the fit"] : [])));
 }
 
 function buttons(steps) {

@@ -78,7 +78,7 @@ function verdict(found) {
 }
 
 function rmsBars(found) {
-  const words = { before: "as the job is", after: "with what is shown", expected_noise: "expected noise" };
+  const words = { before: "the model as it is", after: "with what was found", expected_noise: "expected noise" };
   const largest = Math.max(...Object.values(found.rms_um), 1e-9);
   return el("table", { class: "bars" }, el("tbody", {}, Object.entries(words).filter(([key]) => key in found.rms_um).map(([key, word]) => {
     const bar = el("i", { class: key });
@@ -96,7 +96,7 @@ function card(one, found) {
   const numbers = Object.entries(one.interval_95).map(([name, [low, high]]) => {
     const unit = units(unitOf(name));
     return el("p", { class: "size" }, el("b", {}, short(one.parameters[name])), ` ${unit} `,
-      el("small", { class: "soft" }, one.weakly_identified.includes(name) ? `${wordsOf(name)}: the readings hardly show it` : `${wordsOf(name)}: ${short(low)} to ${short(high)} (95 %)`));
+      el("small", { class: "soft" }, one.weakly_identified.includes(name) ? `${meaning(one, name)}: the readings hardly show it` : `${meaning(one, name)}: ${short(low)} to ${short(high)} (95 %)`));
   });
   const rivals = (one.rivals ?? []).filter((label) => label !== [one.effect, one.target].filter(Boolean).join(" "));
   return el("article", { class: "card" },
@@ -113,6 +113,11 @@ function addAll(found) {
   const button = el("button", { type: "button" }, `Add all ${words.length}`);
   button.onclick = () => startRun("/api/add", { effects: words });
   return words.length > 1 ? button : null;
+}
+
+function meaning({ effect }, name) {
+  const known = bench.cards.find((one) => one.effect === effect)?.parameters.find((one) => one.name === name);
+  return known ? micro(known.meaning) : wordsOf(name);
 }
 
 const unitOf = (name) => (name.match(/_((?:um|mm|urad|rad|ppm|s|ms|ms2|deg|degc|n)(?:_per_\w+)?)$/i) ?? ["", ""])[1];
@@ -132,7 +137,7 @@ function next(found) {
 }
 
 function whole(found) {
-  const toggle = el("button", { type: "button", "aria-expanded": String(state.isWhole) }, "Panels against everything");
+  const toggle = el("button", { type: "button", "aria-expanded": String(state.isWhole) }, "All plots");
   toggle.onclick = () => { state.isWhole = !state.isWhole; state.draw(); };
   const address = `/show/${found.page}?run=${found.run}`; // another diagnosis is another page
   const frame = state.isWhole ? el("iframe", { title: "The whole diagnosis", class: "whole", id: "whole-" + found.run, sandbox: "allow-scripts", src: address }) : null;

@@ -1,8 +1,9 @@
 // Look: the point that was clicked with the share of every error, the worst places, the features.
 
 import { bench } from "./bench.js";
+import { componentWords } from "./components.js";
 import { clock, el, fixed, micro, redraw, signed } from "./dom.js";
-import { faceWorst } from "./stage.js";
+import { faceWorst, MODEL_WORDS } from "./stage.js";
 
 const MOST_SHARES = 12;
 
@@ -14,7 +15,15 @@ export function lookPanel(panel) {
   bench.on("part", () => { empty(); showNotes(notes); });
   bench.on("shown", () => showNotes(notes));
   bench.on("point", (found) => (found ? showFacts(point, found) : empty()));
-  bench.on("figures", (figures) => { showWorst(worst, figures); showFeatures(features, figures); });
+  let isOld = false; // tables that nobody sees are made when they are looked at
+  const tables = () => {
+    isOld = panel.hidden;
+    if (isOld || !bench.figures) return;
+    showWorst(worst, bench.figures);
+    showFeatures(features, bench.figures);
+  };
+  bench.on("figures", tables);
+  bench.on("chosen", () => { if (isOld) tables(); });
   empty();
 }
 
@@ -24,7 +33,7 @@ function showFacts(section, p) {
     ["Made by", p.line > 0 ? `line ${p.line}, tool ${p.tool}, at ${clock(p.time_s)}` : "no move"],
     ["Feed, speed", `${Math.round(p.feed_mm_per_min)} mm/min, ${Math.round(p.spindle_rpm)} 1/min`],
     ["Axes", p.nose_mm.map((x, k) => "XYZ"[k] + fixed(x)).join(" ")],
-    ["Models", Object.entries(p.predicted_um).map(([name, um]) => `${name} ${signed(um)}`).join(" · ") + " µm"],
+    ["Models", Object.entries(p.predicted_um).map(([name, um]) => `${MODEL_WORDS[name]} ${signed(um)}`).join(" · ") + " µm"],
   ];
   if (p.residual_um !== undefined) facts.push(["Measured − predicted", `${signed(p.residual_um)} µm (u = ${fixed(p.u_um, 1)})`]);
   redraw(section, [
@@ -41,7 +50,7 @@ function shareBars(shares) {
     const bar = el("i", { class: s.um < 0 ? "gone" : "left" });
     bar.style.width = (50 * Math.abs(s.um)) / largest + "%";
     bar.style[s.um < 0 ? "right" : "left"] = "50%";
-    return el("tr", {}, el("th", { scope: "row" }, s.source), el("td", { class: "bar" }, el("span", {}, bar)), el("td", { class: "value" }, signed(s.um)));
+    return el("tr", {}, el("th", { scope: "row" }, s.source, " ", el("small", {}, componentWords(s.source))), el("td", { class: "bar" }, el("span", {}, bar)), el("td", { class: "value" }, signed(s.um)));
   });
   const sum = rest.reduce((total, s) => total + s.um, 0);
   if (rest.length) rows.push(el("tr", { class: "soft" }, el("th", { scope: "row" }, `${rest.length} smaller`), el("td"), el("td", { class: "value" }, signed(sum))));

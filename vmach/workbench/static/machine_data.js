@@ -1,5 +1,6 @@
 // Machine data in What if: a table drawn by hand, and sliders for the place of its reflector.
 
+import { componentWords } from "./components.js";
 import { el, fixed, redraw, short, signed, svg, units } from "./dom.js";
 
 const WIDTH = 380, HEIGHT = 170, LEFT = 36, RIGHT = 8, TOP = 8, BOTTOM = 20;
@@ -45,7 +46,7 @@ function draw() {
   select.onchange = ({ target }) => { state.name = target.value; fitScale(); draw(); };
   const back = el("button", { type: "button", disabled: !state.changes.has(state.name) }, "As it was");
   back.onclick = () => { state.onEnd(); state.changes.delete(state.name); fitScale(); draw(); state.onChange(); state.onEnd(); };
-  redraw(state.panel, [el("div", { class: "row" }, select, el("span", { class: "soft" }, `${units(card().unit)} over ${card().axis}, mm`), el("span", { class: "spring" }), back),
+  redraw(state.panel, [el("div", { class: "row" }, select, el("span", { class: "soft" }, `${componentWords(card().name)}, ${units(card().unit)}`), el("span", { class: "spring" }), back),
     plot(), el("p", { class: "soft" }, "Draw over the curve, or take a point and press arrow up or down. The thin line is the machine's table."), ...places()]);
 }
 

@@ -70,7 +70,7 @@ function makeForm() {
 }
 
 function fieldOf(field) {
-  const words = field.name.replace(/_mm$/, ", mm").replace(/_um$/, ", µm").replaceAll("_", " ");
+  const words = field.name === "u_um" ? "standard uncertainty, µm" : field.name.replace(/_mm$/, ", mm").replace(/_um$/, ", µm").replaceAll("_", " ");
   const input = field.is === "choice"
     ? el("select", { name: field.name }, field.choices.map((one) => el("option", { value: one, selected: one === field.value }, one)))
     : el("input", { name: field.name, class: "name", value: field.value ?? "", placeholder: field.is === "three" ? "X, Y, Z" : "", required: field.is_required });

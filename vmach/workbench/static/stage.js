@@ -3,9 +3,10 @@
 import { attempt, bench } from "./bench.js";
 import { bytes, framed, get, query } from "./api.js";
 import { byId, el, fixed, short, signed } from "./dom.js";
+import { componentWords } from "./components.js";
 import { Overlay } from "./overlay.js";
 
-const MODEL_WORDS = { abbe: "Abbe", htm: "HTM", none: "Program alone" };
+export const MODEL_WORDS = { abbe: "Abbe", htm: "HTM", none: "Program alone" };
 const VIEW_WORDS = { overview: "Overview", top: "Top", front: "Front", right: "Right", back: "Back", below: "Below" };
 
 export const stage = { scene: null, scenes: [], overlay: null, toleranceUm: 10, rangeUm: 1, followers: [] };
@@ -55,7 +56,6 @@ export function pairsOf(values) {
 export function applyValues(figures, values) {
   const pairs = pairsOf(values), isNew = bench.figures?.quantity !== figures.quantity;
   bench.figures = figures;
-  stage.values = values;
   stage.scene.setValues(pairs);
   if (isNew) byId("range").value = 50;
   showScale();
@@ -69,8 +69,7 @@ export function applyValues(figures, values) {
 export function showChoices() {
   const groups = { "": [], "Share of one error": [] };
   for (const one of bench.about.quantities)
-    groups[one.name.startsWith("share:") ? "Share of one error" : ""].push(
-      el("option", { value: one.name }, one.name.startsWith("share:") ? one.label.replace("Share of ", "") : one.label));
+    groups[one.name.startsWith("share:") ? "Share of one error" : ""].push(el("option", { value: one.name }, choiceWord(one)));
   byId("quantity").replaceChildren(...groups[""], el("optgroup", { label: "Share of one error" }, groups["Share of one error"]));
   if (!bench.about.quantities.some((one) => one.name === bench.look.quantity)) bench.look.quantity = "deviation";
   byId("quantity").value = bench.look.quantity;
@@ -80,6 +79,12 @@ export function showChoices() {
     return el("label", {}, input, el("span", {}, MODEL_WORDS[name]));
   }));
   showModels();
+}
+
+function choiceWord({ name, label }) {
+  if (!name.startsWith("share:")) return label;
+  const source = label.replace("Share of ", "");
+  return [source, componentWords(source)].filter(Boolean).join(" – ");
 }
 
 function showModels() {
@@ -154,10 +159,10 @@ function showScale() {
 
 function showFigures() {
   const f = bench.figures, entry = (word, value, unit = "µm", kind = "") =>
-    el("div", { class: kind }, el("dt", {}, word), el("dd", {}, value, " ", el("small", {}, unit)));
+    el("div", { class: kind, title: "+ material is left on, − too much is cut off" }, el("dt", {}, word), el("dd", {}, value, " ", el("small", {}, unit)));
   const rows = [
     entry("RMS", fixed(f.rms_um)), entry("Mean", signed(f.mean_um)),
-    entry("Most left", signed(f.high_um)), entry("Most gone", signed(f.low_um)),
+    entry("Highest", signed(f.high_um)), entry("Lowest", signed(f.low_um)),
     entry(`Beyond ± ${short(stage.toleranceUm)} µm`, fixed(100 * f.outside, 1), "%"),
     entry(f.points === "measured" ? "Measured" : "Points", f.count.toLocaleString("en").replaceAll(",", " "), ""),
   ];
@@ -186,7 +191,8 @@ function placeMarks() {
     const isThere = dot(mark.point.at, section) <= section[3] && dot(towards, mark.point.normal) > 0.02;
     mark.style.visibility = isThere ? "" : "hidden";
   }
-  byId("triad").innerHTML = triad(scene);
+  const turned = triad(scene);
+  if (turned !== stage.turned) byId("triad").innerHTML = stage.turned = turned;
 }
 
 function hideCovered() {

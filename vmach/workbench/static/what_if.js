@@ -5,15 +5,15 @@ import { framed, get, postFramed, TAB } from "./api.js";
 import { el, fixed, redraw, short, units } from "./dom.js";
 import { runBox, startRun } from "./runs.js";
 import { machineChanges, machineSection, showMachine } from "./machine_data.js";
-import { applyValues } from "./stage.js";
+import { applyValues, stage } from "./stage.js";
 
-const state = { cards: [], machine: [], values: new Map(), gesture: 1, movedBy: 1, isWaiting: false, isDirty: false, panel: null, open: new Set() };
+const state = { cards: [], machine: [], values: new Map(), gesture: 1, movedBy: 1, isWaiting: false, isDirty: false, isHeld: false, panel: null, open: new Set() };
 const STEPS = 200, SETTLED_MS = 700;
 const keyOf = (card) => card.effect + ":" + card.target;
 
 export function whatIfPanel(panel) {
   state.panel = panel;
-  const filter = el("input", { type: "search", placeholder: "Find an effect: backlash, thermal, Y …", "aria-label": "Find an effect" });
+  const filter = el("input", { type: "search", placeholder: "Find an effect", "aria-label": "Find an effect" });
   const reset = el("button", { type: "button", class: "reset" }, "Reset");
   reset.onclick = () => { nextGesture(); showMachine(state.machine, []); change(new Map()); nextGesture(); };
   const keep = el("button", { type: "button", id: "keep", title: "Write a job beside this one that has these values" }, "Keep as a job");
@@ -28,6 +28,7 @@ export function whatIfPanel(panel) {
   filter.oninput = () => showCards(list, filter.value.toLowerCase());
   bench.on("part", attempt(async () => {
     ({ cards: state.cards, machine: state.machine } = await get("/api/effects"));
+    bench.cards = state.cards;
     readChanges(bench.state.changes);
     showCards(list, filter.value.toLowerCase());
     showResidual(null);
@@ -91,6 +92,7 @@ function sliderOf(card, p) {
   show(now, input, text);
   input.onchange = nextGesture;
   input.oninput = ({ target }) => {
+    state.isHeld = true;
     let value = toValue(Number(target.value) / STEPS);
     if (p.is_amplitude && Math.abs(value) < (p.high - p.low) / STEPS / 2) value = 0;
     value = Number(value.toPrecision(4));
@@ -106,6 +108,8 @@ function sliderOf(card, p) {
 // A slider is let go: what is moved next is another step to undo.
 function nextGesture() {
   state.gesture += 1;
+  state.isHeld = false;
+  if (!state.isWaiting) cutAnewSoon();
 }
 
 // ---- to the server: one question at a time, the last position always gets there
@@ -122,6 +126,7 @@ function moved() {
 }
 
 const push = attempt(async () => {
+  stage.scene?.stir();
   if (state.isWaiting) {
     state.isDirty = true;
     return;
@@ -138,12 +143,17 @@ const push = attempt(async () => {
   } finally {
     state.isWaiting = false;
   }
-  clearTimeout(state.settling);
-  if (changesNow().length && bench.look.quantity === "deviation" && bench.look.model === "abbe")
-    state.settling = setTimeout(cutAnew, SETTLED_MS);
+  cutAnewSoon();
 });
 
-// When the sliders rest, the part is cut anew: another move may make a point then.
+// When the sliders are let go and rest, the part is cut anew: another move may make a point then. That takes the
+// model a while, in which it would answer no slider.
+function cutAnewSoon() {
+  clearTimeout(state.settling);
+  if (!state.isHeld && changesNow().length && bench.look.quantity === "deviation" && bench.look.model === "abbe")
+    state.settling = setTimeout(cutAnew, SETTLED_MS);
+}
+
 const cutAnew = attempt(async () => {
   const asked = JSON.stringify(changesNow());
   const [figures, values] = await framed("/api/exact");

@@ -54,14 +54,16 @@ class MacroVariables:
         D holds radii.
     counters : range
         Variables of times and tool life, which read as zero.
+    common_again : range
+        Further numbers of the common variables: its first one is that of #0.
     """
 
     def __init__(
         self, controller: Controller, columns: OffsetColumns, *, radius_in_d: bool,
-        counters: range = range(0),
+        counters: range = range(0), common_again: range = range(0),
     ) -> None:  # fmt: skip
         self.controller, self.columns, self.radius_in_d = controller, columns, radius_in_d
-        self.counters = counters
+        self.counters, self._again = counters, common_again
         self.locals: dict[int, float] = {}
         self.common: dict[int, float] = {}
         self.external_mm = [0.0] * 6
@@ -77,6 +79,8 @@ class MacroVariables:
             return self.locals.get(key, math.nan)
         if any(key in some for some in _COMMON):
             return self.common.get(key, math.nan)
+        if key in self._again:
+            return self.common.get(key - self._again.start, math.nan)
         return self._system(int(key))
 
     def set(self, key: int, value: float) -> None:
@@ -85,6 +89,8 @@ class MacroVariables:
             self._put(self.locals, key, value)
         elif any(key in some for some in _COMMON):
             self._put(self.common, key, value)
+        elif key in self._again:
+            self._put(self.common, key - self._again.start, value)
         elif key == 3000:
             raise ProgramError(f"the program raises alarm {value:g} (#3000)")
         elif 3001 <= key <= 3902:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from gcode.dialects.heidenhain.cycles import face
 from gcode.dialects.heidenhain.cycles.contour_cycles import CONTOUR_CYCLES, ContourCycles
 from gcode.dialects.heidenhain.cycles.drilling import DRILLING, drill
 from gcode.dialects.heidenhain.cycles.first_controls import OLD_CYCLES, old_data, renewed
@@ -36,7 +37,7 @@ _NOTED = {
 }
 _FRAMES = frozenset((7, 8, 10, 11, 26))
 #: cycles that a call runs
-_CALLED = frozenset((*DRILLING, *MILLING, *THREADS, *CONTOUR_CYCLES))
+_CALLED = frozenset((*DRILLING, *MILLING, *THREADS, *CONTOUR_CYCLES, *face.FACES))
 
 
 class CycleCalls:
@@ -162,6 +163,7 @@ class CycleCalls:
             self.contour.run(self.reader, cycle, data)
             return
         how = mill if cycle in MILLING else mill_thread if cycle in THREADS else drill
+        how = face.mill if cycle in face.FACES else how
         how(self.reader, cycle, data)
 
     def define_pattern(self, content: str) -> None:

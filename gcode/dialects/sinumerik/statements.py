@@ -1,0 +1,132 @@
+"""Statements of SINUMERIK beside motion: declarations, frames, cycles, calls, ``R1=5``."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from gcode.dialects.sinumerik.block_words import ADDRESSES, split_arguments
+from gcode.dialects.sinumerik.codes import NO_MOTION, REFUSED
+from gcode.dialects.sinumerik.frames import SETTABLE, settable_frame
+from gcode.errors import ProgramError
+
+if TYPE_CHECKING:
+    from gcode.dialects.sinumerik.reader import SinumerikReader
+
+__all__ = ["ARC_WORD", "NO_MOTION_WORDS", "Statements"]
+
+ARC_WORD = re.compile(r"\b(CIP|CT)\b", re.IGNORECASE)
+#: for the screen, or how the control follows the path
+NO_MOTION_WORDS = re.compile(
+    r"\b(?:(WORKPIECE|MSG|CYCLE832|CYCLE800|GROUP_BEGIN|GROUP_END|SETMS|EXTCALL_END)\s*"
+    r"\((?:\"[^\"]*\"|[^)\"])*\)"
+    r"|((?:SPOSA?|FGREF\s*\[\w+\]|LIMS)\s*=\s*[\w.+-]+|FGROUP\s*\([^)]*\))"
+    rf"|({'|'.join(NO_MOTION)})\b)",
+    re.IGNORECASE,
+)
+_WORDS_ALONE = re.compile(r"(?:[A-Z]\d+(?:\.\d*)?)+", re.IGNORECASE)  #: G0X0Y0
+_ASSIGNED = re.compile(
+    r"(R\d+|R\[.*?\]|[A-Z_][A-Z_]\w*(?:\[[^\]]*\])?)\s*=(?!=)\s*(.*)", re.IGNORECASE
+)
+_SUBPROGRAM = re.compile(
+    r"(?:(MCALL|CALL)\s+)?\"?([A-Z_]\w+)\"?\s*(\(.*\))?(?:(?:\s+|(?<=\)))P\s*=?\s*(\w+))?\s*",
+    re.IGNORECASE,
+)
+_DEFINED = re.compile(r"DEF\s+(?:NCK\s+|CHAN\s+)?(REAL|INT|BOOL)\s+(.*)", re.IGNORECASE)
+_CALLED = re.compile(
+    r"(MCALL\s+)?(CYCLE\d+|HOLES[12]|POCKET[1-4]|SLOT[12]|LONGHOLE)\s*\((.*)\)", re.IGNORECASE
+)
+_FRAME = re.compile(r"(A?TRANS|A?ROT|A?SCALE|A?MIRROR)\b\s*(.*)", re.IGNORECASE)
+_ELSEWHERE = re.compile(r"(?:EXTCALL\s*\(\s*(\".*\")\s*\)|PCALL\s+(\S+))", re.IGNORECASE)
+_REFUSED = re.compile(rf"\b({'|'.join(REFUSED)})\b", re.IGNORECASE)
+
+
+class Statements:
+    """Obeys what is no motion.
+
+    Parameters
+    ----------
+    reader : SinumerikReader
+    """
+
+    def __init__(self, reader: SinumerikReader) -> None:
+        self.reader = reader
+
+    def obey(self, content: str) -> str:
+        """Obey a block; gives the words of motion that are left of it.
+
+        Raises
+        ------
+        ProgramError
+            It has a word that is refused, or raises an alarm.
+        """
+        self._refuse(content)
+        declared, frame = _DEFINED.fullmatch(content), _FRAME.fullmatch(content)
+        called, settable = _CALLED.fullmatch(content), SETTABLE.fullmatch(content)
+        if declared is not None:
+            self._declare(declared[2])
+        elif frame is not None:
+            self.reader.corners.finish()
+            self.reader.controller.use(frame[1].upper())
+            self.reader.frame.obey(
+                frame[1].upper(), dict(self.reader.words.read(frame[2])) if frame[2] else {}
+            )
+        elif called is not None and called[2].upper() not in ("CYCLE832", "CYCLE800"):
+            self.reader.corners.finish()
+            self.reader.cycles.call(called[2].upper(), called[3], modal=bool(called[1]))
+        elif settable is not None:
+            settable_frame(self.reader, settable)
+        elif content.upper() == "MCALL":
+            self.reader.cycles.modal = None
+        elif re.match(r"(?:EXTERN|DEF|ENDLABEL)\b", content, re.IGNORECASE):
+            self.reader.controller.note(content.split()[0].upper(), "declaration")
+        elif not self._subprogram(content):
+            return self._assignments(content)
+        return ""
+
+    def _refuse(self, content: str) -> None:
+        found = None if '"' in content else _REFUSED.search(content)
+        if found is not None:
+            raise ProgramError(f"{found[1].upper()} ({REFUSED[found[1].upper()]}) is not read",
+                               accepted="milling with three axes")  # fmt: skip
+        if content.upper().startswith("SETAL"):
+            raise ProgramError(f"the program raises an alarm: {content}")
+
+    def _subprogram(self, content: str) -> bool:
+        """Go to a subprogram that stands alone in its block; tells whether one does."""
+        elsewhere = _ELSEWHERE.fullmatch(content)
+        if elsewhere:  # only the name of a path counts: programs lie beside this one
+            name = re.split(r"[\\/:]", (elsewhere[1] or elsewhere[2]).strip('" '))[-1]
+            content = f'CALL "{re.sub(r"(?i)^_N_|[._][SM]PF$", "", name)}"'
+        match = _SUBPROGRAM.fullmatch(content)
+        is_word = match is None or NO_MOTION_WORDS.fullmatch(content) or ARC_WORD.fullmatch(content)
+        if is_word or (_WORDS_ALONE.fullmatch(content) and not re.fullmatch(r"[Ll]\d+", content)):
+            return False
+        if match[2].upper() in ("RET", "M17"):
+            return False
+        arguments = self.reader.arguments(match[3][1:-1]) if match[3] and match[3] != "()" else []
+        self.reader.corners.finish()
+        if (match[1] or "").upper() == "MCALL":
+            self.reader.cycles.modal = (match[2], arguments)
+        else:
+            rounds = int(self.reader.variables.value(match[4])) if match[4] else 1
+            self.reader.says_flow()
+            self.reader.subprograms.call(match[2], arguments, rounds)
+        return True
+
+    def _declare(self, text: str) -> None:
+        for piece in split_arguments(text):
+            name, _, value = piece.partition("=")
+            self.reader.variables.declare(name.strip().upper(), value.strip())
+
+    def _assignments(self, content: str) -> str:
+        """Obey ``R1=5 R2=R1*2``; gives what else the block holds."""
+        found = _ASSIGNED.match(content)
+        if found is None or found[1].upper() in ADDRESSES or NO_MOTION_WORDS.match(content):
+            return content
+        while found is not None and found[1].upper() not in ADDRESSES:
+            value, stop = self.reader.variables.read(content, found.start(2))
+            self.reader.variables.assign(found[1].upper(), value)
+            content = content[stop:].strip()
+            found = _ASSIGNED.match(content)
+        return content

@@ -1,0 +1,177 @@
+"""Readings of a survey and the members beside them, as inner products.
+
+Readings y in units of their feature noise, nuisance projected out, with members' columns Z: what
+effects are weighed beside needs only products of these with each other, whatever the sizes.
+
+Source: closed form derived here: the precision of normal variables of unit variance, 1 + S G S.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import LinAlgError
+from scipy.linalg.blas import dtrmm
+from scipy.linalg.lapack import dpotrf, dtrtri, dtrtrs
+
+from vmach.fit.discrepancy import Members
+from vmach.fit.feature_noise import FeatureNoise
+from vmach.fit.remembered import Remembered
+from vmach.fit.sizes import Sizes
+from vmach.fit.survey import Survey
+
+__all__ = ["Base", "SizedMembers", "raised", "root_of_precision", "solved"]
+
+#: members up to this size, in u, are left out where candidates are weighed
+_GONE = 0.025
+#: numbers that roots of sized members may take up while they are remembered
+_ROOM = 10_000_000
+
+
+class Base:
+    """Readings of a survey in the units of one feature noise, nuisance projected out.
+
+    Attributes
+    ----------
+    y : (n,) float64
+    z : (n, q) float64
+        Members' columns.
+    gram : (q, q) float64
+        Products of these with each other.
+    seen : (q,) float64
+        With the readings.
+    square : float
+        Of the readings with themselves.
+    """
+
+    def __init__(self, survey: Survey, noise: FeatureNoise, members: Members) -> None:
+        self.survey, self.noise, self.members = survey, noise, members
+        nuisance = noise.white(survey.nuisance)
+        norms = np.linalg.norm(nuisance, axis=0)
+        left, size, _ = np.linalg.svd(nuisance / np.where(norms > 0, norms, 1.0), False)
+        seen = size > 1e-9 * max(size.max(initial=0.0), 1e-300)
+        self._free = left[:, seen]
+        self.constant = -0.5 * noise.log_determinant - float(np.log(size[seen]).sum())
+        self.constant -= float(np.log(norms[norms > 0]).sum())
+        self.y = self.white(survey.residual_mm[:, None])[:, 0]
+        self.z = self.white(np.hstack([members.fixed_mm, *members.columns_mm]))
+        counts = [members.fixed_mm.shape[1], *(c.shape[1] for c in members.columns_mm)]
+        self.member_of = np.repeat(np.arange(len(counts)), counts)
+        self.degrees = len(survey) - self._free.shape[1]
+        self.gram, self.seen = self.z.T @ self.z, self.z.T @ self.y
+        self.square = float(self.y @ self.y)
+        # a root, and its inverse or the raised one
+        self._sized = Remembered[SizedMembers](_ROOM / max(2 * self.gram.size, 1))
+
+    def white(self, columns_mm: np.ndarray) -> np.ndarray:
+        """Columns (n, k) mm in unit noise without what the nuisance can explain."""
+        white = self.noise.white(columns_mm)
+        if white.flags.c_contiguous:
+            white -= self._free @ (self._free.T @ white)
+        else:
+            white.T[:] -= (white.T @ self._free) @ self._free.T
+        return white
+
+    def back(self, white: np.ndarray) -> np.ndarray:
+        """Columns (n, k) whose product with raw ones is that of white ones with white ones."""
+        return self.noise.back(white)
+
+    def sized(self, sizes: Sizes) -> SizedMembers:
+        """The members at given sizes; the last ones are remembered."""
+        every = np.arange(len(self.member_of))
+        return self._sized.get(sizes, lambda: SizedMembers(self, sizes, every))
+
+
+class SizedMembers:
+    """Members of a base at given sizes: what all effects beside them share.
+
+    Parameters
+    ----------
+    base : Base
+    sizes : Sizes
+    here : (p,) int
+        Which of the base's columns; the first of all effects' ones come behind them.
+
+    Attributes
+    ----------
+    scale : (p,) float64
+        Prior standard deviation of every column's coefficient in units of the factor.
+    """
+
+    def __init__(self, base: Base, sizes: Sizes, here: np.ndarray) -> None:
+        self._base, self.sizes, self.here = base, sizes, here
+        self.scale = sizes.each[base.member_of[here]] / sizes.factor
+
+    @cached_property
+    def root(self) -> np.ndarray:
+        """Lower Cholesky factor of 1 + S G S, the precision in prior deviations, (p, p)."""
+        return root_of_precision(self._of_here(self._base.gram), self.scale)
+
+    @cached_property
+    def seen(self) -> np.ndarray:
+        """What the readings say, by the root: L^-1 S Z^T y, (p,)."""
+        return self.taken(self._base.seen) / self.sizes.factor
+
+    @cached_property
+    def raised_root(self) -> np.ndarray:
+        """The root with one more on its diagonal."""
+        return raised(self.root)
+
+    @cached_property
+    def half_log_determinant(self) -> float:
+        """Of the precision."""
+        return float(np.log(np.diag(self.root)).sum())
+
+    @cached_property
+    def present(self) -> SizedMembers:
+        """The same without members that are absent."""
+        is_here = self.sizes.each[self._base.member_of] > _GONE
+        here = np.flatnonzero(is_here)
+        return self if len(here) == len(self.here) else SizedMembers(self._base, self.sizes, here)
+
+    def taken(self, products: np.ndarray) -> np.ndarray:
+        """L^-1 S of products (q,) or (q, k) with all of the base's columns, (p,) or (p, k)."""
+        own = products if len(self.here) == len(products) else products[self.here]
+        scaled = (own.T * self.scale).T
+        if not len(self.here):
+            return scaled
+        if own.ndim == 1 or own.shape[1] < len(self.here):
+            return solved(self.root, scaled)
+        # many at once: BLAS multiplies by an inverse twice as fast as it solves
+        inverse, failed = dtrtri(self.root, lower=True)
+        assert not failed
+        return dtrmm(1.0, inverse, scaled, lower=True, overwrite_b=True)
+
+    def _of_here(self, gram: np.ndarray) -> np.ndarray:
+        return gram if len(self.here) == len(gram) else gram[np.ix_(self.here, self.here)]
+
+
+def root_of_precision(gram: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """Lower Cholesky factor of 1 + S G S, (k, k), from products G and prior deviations S (k,)."""
+    precision = gram * scale
+    precision *= scale[:, None]
+    precision[np.diag_indices(len(precision))] += 1.0
+    # symmetric: its transpose lies in memory as LAPACK wants it
+    root, failed = dpotrf(precision.T, lower=True, overwrite_a=True)
+    if failed:
+        raise LinAlgError("the posterior precision has to be positive definite")
+    return root
+
+
+def solved(root: np.ndarray, right: np.ndarray, *, transposed: bool = False) -> np.ndarray:
+    """Root^-1 or root^-T times the right side (k,) or (k, m), which may be overwritten."""
+    if right.size == 0:
+        return right
+    # called directly: most right sides are single columns, and a wrapper costs more than they do
+    found, failed = dtrtrs(root, right, lower=True, trans=int(transposed), overwrite_b=True)
+    if failed:
+        raise LinAlgError("the root of a precision has to be regular")
+    return found
+
+
+def raised(root: np.ndarray) -> np.ndarray:
+    """A root (k, k) with one more on its diagonal."""
+    more = root.copy(order="F")
+    more[np.diag_indices(len(more))] += 1.0
+    return more

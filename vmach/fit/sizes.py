@@ -1,0 +1,65 @@
+"""Sizes of what stands beside the effects: the factor on u, and each member's, with their prior.
+
+Source: closed form derived here: slope and information of the prior by the logarithms.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+__all__ = ["ABSENT", "Sizes"]
+
+#: prior of the logarithm of the factor on u: stated uncertainties are right within a factor of 2
+_LOG_FACTOR = float(np.log(2.0))
+#: prior of a member's size, in u: falls off as the fifth power beyond this. What nobody models is
+#: of the order of u; a lighter tail would leave it what slow effects do to a few floors. Imitations
+#: of something larger are told by their size and by forms, not by this
+_USUAL_SIZE, _POWER = 0.6, 2.5
+#: a member of this size, in u, counts as absent
+ABSENT = 0.02
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Factor on u, and the size of each member of unknown size, in median u."""
+
+    factor: float
+    members: tuple[float, ...]
+
+    @property
+    def each(self) -> np.ndarray:
+        """Of the members of known size, which is one, and of each other member, (q,)."""
+        return np.array([1.0, *self.members])
+
+    @property
+    def logarithms(self) -> np.ndarray:
+        """Of the factor and of each member, (q,); a member that is absent has a finite one."""
+        return np.log(np.maximum([self.factor, *self.members], 1.01 * ABSENT))
+
+    @classmethod
+    def at(cls, logarithms: np.ndarray) -> Sizes:
+        """Sizes of given logarithms, (q,)."""
+        factor, *members = np.exp(logarithms).tolist()
+        return cls(factor, tuple(members))
+
+    @property
+    def log_prior(self) -> float:
+        """Logarithm of how likely they are beforehand, up to a constant."""
+        usual = -0.5 * (np.log(self.factor) / _LOG_FACTOR) ** 2
+        return float(usual - _POWER * np.log1p((np.array(self.members) / _USUAL_SIZE) ** 2).sum())
+
+    @property
+    def slope_of_prior(self) -> np.ndarray:
+        """Derivative of `log_prior` by the logarithms, (q,)."""
+        ratio = (np.array(self.members) / _USUAL_SIZE) ** 2
+        return np.array(
+            [-np.log(self.factor) / _LOG_FACTOR**2, *(-2 * _POWER * ratio / (1 + ratio))]
+        )
+
+    @property
+    def information_of_prior(self) -> np.ndarray:
+        """Second derivative of minus `log_prior` by the logarithms, (q,)."""
+        ratio = (np.array(self.members) / _USUAL_SIZE) ** 2
+        return np.array([1.0 / _LOG_FACTOR**2, *(4 * _POWER * ratio / (1 + ratio) ** 2)])
