@@ -64,11 +64,13 @@ class Contacts(NamedTuple):
         return Contacts(*(column[kept] for column in self))
 
     @classmethod
-    def joined(cls, parts: Sequence[Contacts]) -> Contacts:
-        """Several of them as one."""
+    def joined(cls, parts: list[Contacts]) -> Contacts:
+        """Several of them as one; `parts` is emptied, as they take much memory together."""
         if not parts:
             return cls(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, np.int64))
-        return cls(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+        columns = [list(column) for column in zip(*parts, strict=True)]
+        parts.clear()
+        return cls(*(np.concatenate(columns.pop(0)) for _ in cls._fields))
 
 
 def envelope_contacts(
@@ -94,7 +96,8 @@ def envelope_contacts(
     box_mm : pair of (3,) float64
         Corners of the box that the points are looked for in.
     """
-    along, ends = [], []
+    along: list[Contacts] = []
+    ends: list[Contacts] = []
     for number, tool in enumerate(tools):
         rows = np.flatnonzero(is_cutting & (sweeps.tool == number))
         if not len(rows):
@@ -103,10 +106,12 @@ def envelope_contacts(
         for turn, phase in enumerate(_PHASES):
             outline = outline_places(tool, spacing_mm, phase)
             of_turn = tuple(column[turn :: len(_PHASES)] for column in place)
-            along.append(_grazing(sweeps, of_turn, (outline, spacing_mm, box_mm)))
+            along += _grazing(sweeps, of_turn, (outline, spacing_mm, box_mm))
         outline = outline_places(tool, spacing_mm)
-        ends.append(_ending(sweeps, rows, is_cutting, (outline, spacing_mm, box_mm)))
-    return Contacts.joined([*along, *ends])
+        ends += _ending(sweeps, rows, is_cutting, (outline, spacing_mm, box_mm))
+    along += ends
+    ends.clear()
+    return Contacts.joined(along)
 
 
 def _places(sweeps: Sweeps, rows: np.ndarray, step_mm: float) -> tuple[np.ndarray, np.ndarray]:
@@ -153,7 +158,7 @@ def _way(sweeps: Sweeps, sweep: np.ndarray, parameter: np.ndarray) -> np.ndarray
 
 def _grazing(
     sweeps: Sweeps, place: tuple[np.ndarray, np.ndarray], tool: tuple[np.ndarray, float, tuple]
-) -> Contacts:
+) -> list[Contacts]:
     """Points of the tool whose normal is square to its way."""
     outline, spacing_mm, box_mm = tool
     sweep = place[0]
@@ -184,12 +189,12 @@ def _grazing(
             rows = np.repeat(rows, count)
             found = _contacts(tip[rows], azimuth, (r, z, u_r, u_z), sweep[rows])
             parts.append(found.inside(box_mm))
-    return Contacts.joined(parts)
+    return parts
 
 
 def _ending(
     sweeps: Sweeps, rows: np.ndarray, is_cutting: np.ndarray, tool: tuple[np.ndarray, float, tuple]
-) -> Contacts:
+) -> list[Contacts]:
     """Points of the tool that look ahead where the way ends or turns, and not behind."""
     outline, spacing_mm, box_mm = tool
     here = np.concatenate([rows, rows])
@@ -215,7 +220,7 @@ def _ending(
         ahead = -np.einsum("ij,ij->i", found.normal, coming[k]) >= -_LOOKS
         behind = -np.einsum("ij,ij->i", found.normal, going[k]) <= _LOOKS
         parts.append(Contacts(*(column[ahead & behind] for column in found)).inside(box_mm))
-    return Contacts.joined(parts)
+    return parts
 
 
 def _way_of(sweeps: Sweeps, sweep: np.ndarray, parameter: float) -> np.ndarray:

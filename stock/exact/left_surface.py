@@ -33,6 +33,8 @@ _SMOOTH = 0.05
 _STEEP = 3.0
 #: how far from its tangent plane a smooth surface may be, as a share of the margin
 _IN_PLANE = 0.5
+#: points whose cells are found in one go
+_POINTS_AT_ONCE = 1 << 18
 #: nearer to the blank's faces no tool has cut, mm
 _BLANK_MM = 1e-6
 
@@ -92,14 +94,15 @@ def find_left_surface(
     starts = envelope_contacts(sweeps, tools, is_cutting, spacing_mm=spacing_mm, box_mm=box_mm)
     cell = _cells(starts.point_mm, starts.normal, spacing_mm)
     order = np.lexsort((starts.sweep, cell))
-    starts = Contacts(*(column[order] for column in starts))
-    first, count = np.unique(cell[order], return_index=True, return_counts=True)[1:]
+    cell = cell[order]
+    first = np.flatnonzero(np.diff(cell, prepend=-1))
+    count = np.diff(first, append=len(cell))
     found, is_open = [], np.ones(len(first), bool)
     for turn in range(_TRIES):
         # the last sweeps of a cell first: what finishes comes after what roughs
         share = (count - 1) * (_TRIES - turn) // _TRIES if turn else count - 1
         asked = np.flatnonzero(is_open)
-        rows = first[asked] + share[asked]
+        rows = order[first[asked] + share[asked]]
         there = _surface_at(material, starts, rows, (spacing_mm, margin_mm))
         found.append(there[0])
         is_open[asked[there[1]]] = False
@@ -108,12 +111,18 @@ def find_left_surface(
 
 def _cells(point_mm: np.ndarray, normal: np.ndarray, spacing_mm: float) -> np.ndarray:
     """One number for every cube of space and main direction of the normal."""
-    place = np.floor(point_mm / spacing_mm).astype(np.int64)
-    place -= place.min(axis=0, initial=0)
-    axis = np.argmax(np.abs(normal), axis=1)
-    side = 2 * axis + (normal[np.arange(len(normal)), axis] > 0.0)
-    wide = place.max(axis=0, initial=0) + 1
-    return ((place[:, 0] * wide[1] + place[:, 1]) * wide[2] + place[:, 2]) * 6 + side
+    if not len(point_mm):
+        return np.zeros(0, np.int64)
+    low, high = (np.floor(at(axis=0) / spacing_mm) for at in (point_mm.min, point_mm.max))
+    wide = (high - low).astype(np.int64) + 1
+    cell = np.empty(len(point_mm), np.int64)
+    for begin in range(0, len(cell), _POINTS_AT_ONCE):
+        part = slice(begin, begin + _POINTS_AT_ONCE)
+        place = (np.floor(point_mm[part] / spacing_mm) - low).astype(np.int64)
+        axis = np.argmax(np.abs(normal[part]), axis=1)
+        side = 2 * axis + (normal[part][np.arange(len(axis)), axis] > 0.0)
+        cell[part] = ((place[:, 0] * wide[1] + place[:, 1]) * wide[2] + place[:, 2]) * 6 + side
+    return cell
 
 
 def _surface_at(

@@ -265,6 +265,7 @@ def main() -> None:
     parser.add_argument("--samples", action="store_true", help="the commands on samples too")
     parser.add_argument("--limit-s", type=float, default=600.0)
     options = parser.parse_args()
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # who types commands has compiled modules
     print(f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}, {options.points} points")
     with tempfile.TemporaryDirectory() as path:
         write_all(Path(path), "cam", COMPILED_LINES, 100)

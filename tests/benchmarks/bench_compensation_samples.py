@@ -26,7 +26,7 @@ from numba import njit
 
 from gcode import MoveKind
 from vmach.compensation.aim.part_view import PartView
-from vmach.compensation.aim.probes import surface_probes
+from vmach.compensation.aim.probes import ProbeSets, surface_probes
 from vmach.compensation.aim.surface import check_surface, read_surface
 from vmach.compensation.compensate import finish, solve
 from vmach.compensation.grid.rounding import Rounding
@@ -107,9 +107,9 @@ class BeforeRounding:
         rounding = Rounding(iteration.rewriter, solution.plan, solution.target, resolution_mm)
         probes = surface_probes(self.part, points.normal[self.part.row],
                                 left_mm=self.part.error_mm,
-                                path_length_mm=1.0).in_order()  # fmt: skip
+                                path_length_mm=1.0)  # fmt: skip
         every = np.arange(len(solution.plan.pieces))
-        whole = Stretch(rounding.pieces, probes, 0, len(every))
+        whole = Stretch(rounding.pieces, ProbeSets.of(probes), 0, len(every))
         course, exact = whole.course, whole.exact
         _, places = rounding._best(whole, every)
         ends = whole.points(places, every)

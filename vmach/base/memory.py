@@ -9,7 +9,7 @@ __all__ = ["keep_small_arrays"]
 #: M_TRIM_THRESHOLD and M_MMAP_THRESHOLD of <malloc.h>
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
 #: larger arrays have pages of their own, and these go back to the system with them
-_OWN_PAGES_BYTES = 4 * 2**20
+_OWN_PAGES_BYTES = 2**20
 #: what is kept for the next request, though free
 _KEPT_BYTES = 64 * 2**20
 
@@ -18,7 +18,7 @@ def keep_small_arrays() -> None:
     """Keep small arrays' memory for the next, and give large ones' back, where the library can.
 
     glibc keeps blocks of up to 32 MB otherwise: with a program of a million moves more than 200 MB
-    that nobody uses. Work goes through such programs in blocks of some MB; to ask the system for
+    that nobody uses. Work goes through such programs in blocks below a MB; to ask the system for
     each anew took a third of the time.
     """
     try:

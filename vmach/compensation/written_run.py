@@ -247,27 +247,32 @@ class WrittenRun:
         if not unsettled:
             settled = share >= self.plan.ready[self.written[rows]]
             rows, share = rows[settled], share[settled]
-        inside = np.linalg.norm(self._across(share, rows, counts), axis=1)
+        inside, at_once = np.empty(len(rows)), max(_AT_ONCE, len(self.row))
+        for begin in range(0, len(rows), at_once):
+            part = slice(begin, begin + at_once)
+            inside[part] = np.linalg.norm(self._across(share[part], rows[part], counts), axis=1)
         last = np.ones(len(cutting))
         programmed = self._stretch[1][self.written[cutting]] == 1.0
-        ends = np.linalg.norm(
-            np.where(
-                programmed[:, None],
-                self.miss(last, cutting) * counts[cutting],
-                self._across(last, cutting, counts),
-            ),
-            axis=1,
-        )
+        miss = self.miss(last, cutting)
+        whole = miss[programmed] * counts[cutting[programmed]]
+        miss = self._sideways(miss, last, cutting, counts)
+        miss[programmed] = whole
+        ends = np.linalg.norm(miss, axis=1)
         return np.concatenate([inside, ends]), np.concatenate([rows, cutting])
 
     def _across(self, share: np.ndarray, rows: np.ndarray, counts: np.ndarray) -> np.ndarray:
         """Tool minus nominal position across the path, (K, 3) mm."""
-        found = self.miss(share, rows)
+        return self._sideways(self.miss(share, rows), share, rows, counts)
+
+    def _sideways(
+        self, miss: np.ndarray, share: np.ndarray, rows: np.ndarray, counts: np.ndarray
+    ) -> np.ndarray:
+        """What of a `miss`, (K, 3) mm, is across the path; written over it."""
         for first in range(0, len(rows), _AT_ONCE):
             part = slice(first, first + _AT_ONCE)
             tangent = tangent_at(self.again.path.nodes.moves, self.row[rows[part]], share[part])
-            found[part] = across(found[part] * counts[rows[part]], tangent)
-        return found
+            miss[part] = across(miss[part] * counts[rows[part]], tangent)
+        return miss
 
 
 def _read_back(original: Preparation, written: Written, expansion: Expanded) -> Preparation:

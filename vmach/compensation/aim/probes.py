@@ -7,7 +7,7 @@ Source: closed form derived here: to first order a shift s of the tool changes t
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from vmach.compensation.aim.part_view import PartDeviation
 from vmach.compensation.written_run import WrittenRun
 from vmach.path.geometry import tangent_at
 
-__all__ = ["Probes", "near_surface", "path_probes", "surface_probes"]
+__all__ = ["ProbeSets", "Probes", "near_surface", "path_probes", "surface_probes"]
 
 #: distance of the places on the path, and how many a piece has
 _SPACING_MM = 2.0
@@ -27,6 +27,8 @@ _NO_LENGTH_MM = 1e-9
 _INSIDE = 1.0 - 1e-9
 #: places that are looked at in one go
 _AT_ONCE = 1 << 18
+#: pieces whose places are found in one go, or a share of all: directions take a look at all moves
+_PIECES_AT_ONCE, _SHARE_AT_ONCE = 1 << 16, 4
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,7 @@ class Probes:
 
     Attributes
     ----------
-    move : (P,) int64
+    move : (P,) int
         Nominal moves.
     parameter : (P,) float64
     normal : (P, 3) float64
@@ -58,13 +60,14 @@ class Probes:
     @cached_property
     def key(self) -> np.ndarray:
         """Number of the move plus parameter, (P,), the latter below 1: in order of the path."""
-        return self.move + np.minimum(self.parameter, _INSIDE)
+        return _key(self.move, self.parameter)
 
     def in_order(self) -> Probes:
         """The same along the path."""
-        if (self.key[1:] >= self.key[:-1]).all():
+        key = _key(self.move, self.parameter)  # not kept: of a long path it takes much memory
+        if (key[1:] >= key[:-1]).all():
             return self
-        order = np.argsort(self.key, kind="stable")
+        order = np.argsort(key, kind="stable")
         return Probes(*(getattr(self, name)[order] for name in self.__dataclass_fields__))
 
     def part(self, rows: slice) -> Probes:
@@ -80,6 +83,48 @@ class Probes:
         )
 
 
+@dataclass(frozen=True)
+class ProbeSets:
+    """Sets of probes that go along one path; they are brought together a stretch at a time.
+
+    Those of the path of a million moves take hundreds of MB, which are never copied so.
+
+    Attributes
+    ----------
+    sets : tuple of Probes
+        Each along the path.
+    """
+
+    sets: tuple[Probes, ...]
+
+    @classmethod
+    def of(cls, *sets: Probes) -> ProbeSets:
+        """Sets in any order of their places."""
+        return cls(tuple(one.in_order() for one in sets))
+
+    def beside(self, others: Probes) -> ProbeSets:
+        """These and others."""
+        return ProbeSets((*self.sets, others.in_order()))
+
+    def between(self, first: float, stop: float) -> Probes:
+        """Those from one `Probes.key` on, before another; of one place the earlier set's first."""
+        own = [one.part(slice(_place(one, first), _place(one, stop))) for one in self.sets]
+        return reduce(Probes.beside, own)
+
+
+def _key(move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
+    return move + np.minimum(parameter, _INSIDE)
+
+
+def _place(probes: Probes, key: float) -> int:
+    """How many of the probes, which are in order, come before a key."""
+    if key == np.inf:
+        return len(probes.move)
+    of_move = [np.searchsorted(probes.move, np.floor(key), side) for side in ("left", "right")]
+    same = slice(*of_move)
+    return int(of_move[0] + np.searchsorted(_key(probes.move[same], probes.parameter[same]), key))
+
+
 def path_probes(run: WrittenRun) -> Probes:
     """Two directions across the path at places of every piece that cuts.
 
@@ -93,21 +138,33 @@ def path_probes(run: WrittenRun) -> Probes:
     length = np.linalg.norm(tangent_at(moves, run.row[cuts], np.zeros(len(cuts))), axis=1)
     cuts, length = cuts[length > _NO_LENGTH_MM], length[length > _NO_LENGTH_MM]
     count = np.clip(np.ceil(length / _SPACING_MM).astype(np.int64), _FEWEST, _MOST)
+    total = 2 * int(count.sum())
+    found = Probes(
+        move=np.empty(total, np.int32), parameter=np.empty(total), normal=np.empty((total, 3)),
+        left_mm=np.empty(total), path_length_mm=np.repeat(length / count, 2 * count),
+        only_below=np.zeros(total, bool),
+    )  # fmt: skip
+    done, at_once = 0, max(_PIECES_AT_ONCE, len(cuts) // _SHARE_AT_ONCE + 1)
+    for begin in range(0, len(cuts), at_once):
+        part = slice(begin, begin + at_once)
+        block = slice(done, done + 2 * int(count[part].sum()))
+        _fill_across(run, cuts[part], count[part], found.part(block))
+        done = block.stop
+    return found
+
+
+def _fill_across(run: WrittenRun, cuts: np.ndarray, count: np.ndarray, probes: Probes) -> None:
+    """Write the places of some pieces and both directions across; (C,) cuts, places of each."""
     rows = np.repeat(cuts, count)
     number = np.arange(len(rows)) - np.repeat(np.cumsum(count) - count, count)
     at = (number + 0.5) / np.repeat(count, count)
-    sides = _across(tangent_at(moves, run.row[rows], at))
-    left = np.einsum("psi,pi->ps", sides, run.miss(at, rows))
+    sides = _across(tangent_at(run.again.path.nodes.moves, run.row[rows], at))
     piece = run.written[rows]
-    first, last = plan.parameter(0.0)[piece], plan.parameter(1.0)[piece]
-    return Probes(
-        move=np.repeat(plan.move[piece], 2),
-        parameter=np.repeat(first + at * (last - first), 2),
-        normal=sides.reshape(-1, 3),
-        left_mm=left.ravel(),
-        path_length_mm=np.repeat(length / count, count).repeat(2),
-        only_below=np.zeros(2 * len(rows), bool),
-    )
+    first, last = run.plan.parameter(0.0)[piece], run.plan.parameter(1.0)[piece]
+    probes.left_mm[:] = np.einsum("psi,pi->ps", sides, run.miss(at, rows)).ravel()
+    probes.move[:] = np.repeat(run.plan.move[piece], 2)
+    probes.parameter[:] = np.repeat(first + at * (last - first), 2)
+    probes.normal[:] = sides.reshape(-1, 3)
 
 
 def near_surface(path: Probes, surface: Probes, length_mm: np.ndarray) -> Probes:
@@ -124,17 +181,18 @@ def near_surface(path: Probes, surface: Probes, length_mm: np.ndarray) -> Probes
     """
     before_mm = np.cumsum(length_mm) - length_mm
     surface = surface.in_order()
-    here, there = (before_mm[p.move] + p.parameter * length_mm[p.move] for p in (path, surface))
-    first, last = (np.searchsorted(there, here + way) for way in (-_NEAR_MM, _NEAR_MM))
+    there = before_mm[surface.move] + surface.parameter * length_mm[surface.move]
     pairs = np.einsum("pi,pj->pij", surface.normal, surface.normal)
     total = np.concatenate([np.zeros((1, 3, 3)), np.cumsum(pairs, axis=0)])
-    seen = np.empty(len(first))
-    for begin in range(0, len(seen), _AT_ONCE):
-        part = slice(begin, begin + _AT_ONCE)
-        seen[part] = np.einsum("pij,pi,pj->p", total[last[part]] - total[first[part]],
-                               path.normal[part], path.normal[part])  # fmt: skip
-    share = _UNSEEN + (1.0 - _UNSEEN) * seen / np.maximum(last - first, 1)
-    return replace(path, path_length_mm=share * path.path_length_mm)
+    weight = np.empty(len(path.move))
+    for begin in range(0, len(weight), _AT_ONCE):
+        own = path.part(slice(begin, begin + _AT_ONCE))
+        here = before_mm[own.move] + own.parameter * length_mm[own.move]
+        first, last = (np.searchsorted(there, here + way) for way in (-_NEAR_MM, _NEAR_MM))
+        seen = np.einsum("pij,pi,pj->p", total[last] - total[first], own.normal, own.normal)
+        share = _UNSEEN + (1.0 - _UNSEEN) * seen / np.maximum(last - first, 1)
+        weight[begin : begin + len(share)] = share * own.path_length_mm
+    return replace(path, path_length_mm=weight)
 
 
 def surface_probes(

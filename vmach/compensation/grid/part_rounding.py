@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vmach.compensation.aim.part_view import PartDeviation, PartView
-from vmach.compensation.aim.probes import Probes, near_surface, path_probes, surface_probes
+from vmach.compensation.aim.probes import ProbeSets, near_surface, path_probes, surface_probes
 from vmach.compensation.aim.surface_demand import made_by
 from vmach.compensation.grid.rounding import Rounding
 from vmach.compensation.iteration import Iteration, Solution
@@ -64,7 +64,7 @@ def round_program(
     """
     rounding = Rounding(iteration.rewriter, found.plan, found.target, resolution_mm)
 
-    def program(probes: Probes) -> RoundedProgram:
+    def program(probes: ProbeSets) -> RoundedProgram:
         plan, target = rounding.rounded(probes)
         written = iteration.write(target, resolution_mm)
         run = iteration.run(plan, written)
@@ -72,7 +72,7 @@ def round_program(
         return RoundedProgram(target, written, run, part)
 
     if view is None:
-        return program(path_probes(found.run))
+        return program(ProbeSets.of(path_probes(found.run)))
     makers, best = _Makers(found.run, view), None
     for _ in range(_ROUNDS):
         now = program(makers.probes)
@@ -104,7 +104,7 @@ class _Makers:
             part, self.normal[part.row], left_mm=part.error_mm, path_length_mm=self.path_length_mm
         )
         length_mm = move_length_mm(exact.original.path.nodes.moves)
-        self.probes = surface.beside(near_surface(path, surface, length_mm))
+        self.probes = ProbeSets.of(surface, near_surface(path, surface, length_mm))
 
     def learnt_from(self, now: RoundedProgram) -> bool:
         """Whether moves have come to make points; they are held from here on."""

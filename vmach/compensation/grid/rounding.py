@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from stock.threads import cores_to_use
-from vmach.compensation.aim.probes import Probes
+from vmach.compensation.aim.probes import ProbeSets
 from vmach.compensation.grid.choice import advance, best_points, traced_back
 from vmach.compensation.grid.places import Grid, GridPlaces
 from vmach.compensation.grid.stretch import Pieces, Stretch
@@ -60,14 +60,14 @@ class Rounding:
         self.pieces = Pieces(rewriter, plan, target, step_mm=self.step_mm,
                              length_mm=self.grid.length_mm)  # fmt: skip
 
-    def rounded(self, probes: Probes) -> tuple[Plan, Target]:
+    def rounded(self, probes: ProbeSets) -> tuple[Plan, Target]:
         """Plan and target with ends on the grid, that leave least at some probes.
 
         Parameters
         ----------
-        probes : Probes
+        probes : ProbeSets
         """
-        probes, count = probes.in_order(), len(self.pieces)
+        count = len(self.pieces)
         came_from = np.zeros((count, _POINTS), np.int8)
         kept = np.zeros((count, _POINTS), np.int16)
         total, last = np.zeros(_POINTS), None
@@ -85,7 +85,7 @@ class Rounding:
         choice = traced_back(total, came_from)
         return self._taken(kept[np.arange(count), choice].astype(np.int64))
 
-    def _candidates(self, probes: Probes) -> Iterator[tuple[Stretch, np.ndarray, GridPlaces]]:
+    def _candidates(self, probes: ProbeSets) -> Iterator[tuple[Stretch, np.ndarray, GridPlaces]]:
         """Stretch after stretch with the points that its ends keep, found on all cores.
 
         The points of all ends would fill the memory.

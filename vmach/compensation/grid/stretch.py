@@ -11,7 +11,7 @@ import numpy as np
 
 from gcode import MoveKind
 from vmach.compensation.aim.path_shift import arc_frames
-from vmach.compensation.aim.probes import Probes
+from vmach.compensation.aim.probes import Probes, ProbeSets
 from vmach.compensation.grid.choice import Course, Points
 from vmach.compensation.grid.places import GridPlaces
 from vmach.compensation.pieces.plan import Plan
@@ -68,10 +68,12 @@ class Stretch:
     Attributes
     ----------
     pieces : Pieces
-    probes : Probes
-        Of all pieces, along the path.
+    along : ProbeSets
+        Of all pieces.
     begin, end : int
         The points of ends before `end` can be compared.
+    probes : Probes
+        Of these pieces, along the path.
     course : Course
         Probes in steps: what is left there by the corrections at both ends of their piece. On
         arcs only what the ends are off counts, in the frame of the place.
@@ -80,20 +82,18 @@ class Stretch:
     """
 
     pieces: Pieces
-    probes: Probes
+    along: ProbeSets
     begin: int
     end: int
+    probes: Probes = field(init=False)
     course: Course = field(init=False)
     exact: Points = field(init=False)
 
     def __post_init__(self) -> None:
         pieces, last = self.pieces, self.end - 1
-        key = self.probes.key
-        start = np.searchsorted(key, pieces.key[self.begin])
-        stop = np.searchsorted(key, pieces.move[last] + pieces.last[last])
-        if self.end == len(pieces):
-            stop = len(key)
-        self.probes = self.probes.part(slice(start, stop))
+        is_last = self.end == len(pieces)
+        stop = np.inf if is_last else pieces.move[last] + pieces.last[last]
+        self.probes = self.along.between(pieces.key[self.begin], stop)
         self.course, self.exact = self._course(), self._exact()
 
     def _course(self) -> Course:

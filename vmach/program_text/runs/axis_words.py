@@ -28,7 +28,7 @@ class AxisWords(NamedTuple):
     is_plain : (M,) bool
         The line has letters with plain numbers and comments only, each of `LETTERS` once at
         most, and no P.
-    start, stop : (M, 7) int64
+    start, stop : (M, 7) int32, or int64 of texts beyond 2 GB
         Span of every number in the text by its letter; -1 where there is no word.
     value : (M, 3) float64
         Of X Y Z.
@@ -69,7 +69,8 @@ def axis_words(data: bytes, line_starts: np.ndarray, line: np.ndarray) -> AxisWo
     """
     count, shape = len(line), (len(line), len(LETTERS))
     flags = [np.zeros(shape, bool) for _ in range(4)]
-    found = AxisWords(np.zeros(count, bool), np.full(shape, -1), np.full(shape, -1),
+    place = np.int32 if len(data) < 2**31 else np.int64
+    found = AxisWords(np.zeros(count, bool), np.full(shape, -1, place), np.full(shape, -1, place),
                       np.zeros((count, 3)), np.zeros(shape, np.int8), *flags,
                       np.full(count, -1), np.zeros(count, np.int64))  # fmt: skip
     text = np.frombuffer(data + b"\n", np.uint8)
