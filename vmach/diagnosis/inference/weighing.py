@@ -106,6 +106,7 @@ class Weighing:
         # by identity of the effects: a posterior is asked again and again
         self._known = Remembered[tuple[Effects, Evidence]](room)
         self._fits = Remembered[JointFit](room)
+        self._careful_fits = Remembered[tuple[Explanation, JointFit | None]](room)
         # a search, and the odds of what it found, leave the same terms out
         self._fewer = Remembered[tuple[Explanation, Explanation]](room)
 
@@ -235,6 +236,13 @@ class Weighing:
 
     def careful(self, explanation: Explanation) -> JointFit | None:
         """The fit with what its laws leave open counted as uncertainty of the readings."""
+
+        def made() -> tuple[Explanation, JointFit | None]:
+            return explanation, self._careful(explanation)
+
+        return self._careful_fits.get(id(explanation), made)[1]
+
+    def _careful(self, explanation: Explanation) -> JointFit | None:
         fit = explanation.fit
         for _ in range(_PASSES if fit else 0):
             slack = slack_of(self.survey, replace(fit, slack_mm=None))

@@ -62,15 +62,19 @@ def next_measurement(
     For something unknown it is the test that tells the candidates apart that came nearest to an
     explanation, whichever of them is true.
     """
+    tests: Sequence[_Test] = ()
     for k, finding in enumerate(findings):
         if finding.effect is None:
             return _for_unknown(weighing)
         assert explanation.fit is not None
         rivals = _labels(weighing, finding)
+        if not rivals:
+            continue
+        tests = tests or _tests(weighing.survey.job)
         one = _Shown(explanation.fit.terms[k], explanation.fit.coefficients[k])
         # as if the effect found were true; where no test shows it, as if the rival were
         for is_true in (True, False):
-            best = _best_test(weighing, one, rivals, is_true=is_true)
+            best = _best_test(weighing, tests, one, rivals, is_true=is_true)
             if best is not None:
                 return best
     return None
@@ -94,17 +98,31 @@ class _Shown:
     coefficients: np.ndarray
 
 
+#: a test, and what displacements in it depend on
+_Test = tuple[PlannedTest, Circumstances]
+
+
+def _tests(job: Job) -> list[_Test]:
+    """All that the machine can run."""
+    return [(test, Circumstances(test.states, job)) for test in planned_tests(job)]
+
+
 def _best_test(
-    weighing: Weighing, one: _Shown, rivals: Sequence[str], *, is_true: bool
+    weighing: Weighing,
+    tests: Sequence[_Test],
+    one: _Shown,
+    rivals: Sequence[str],
+    *,
+    is_true: bool,
 ) -> NextMeasurement | None:
     """The test that tells an effect from most of its rivals; of equals, the more powerful one.
 
     Its power is that against the weakest of the rivals that it tells apart.
     """
-    job, best = weighing.survey.job, None
+    best = None
     others = [_Shown(*weighing.fitted_alone(weighing.index_of(label))) for label in rivals]
-    for test in planned_tests(job):
-        powers = [_power(job, test, *((one, r) if is_true else (r, one))) for r in others]
+    for test, path in tests:
+        powers = [_power(test, path, *((one, r) if is_true else (r, one))) for r in others]
         told = {label: p for label, p in zip(rivals, powers, strict=True) if p > _USEFUL}
         worth = len(told), min(told.values(), default=0.0)
         if told and (best is None or worth > best[0]):
@@ -117,7 +135,7 @@ def _best_test(
         f"{power:.0f} standard uncertainties{' or more' if len(labels) > 1 else ''}"
     )
     separates = (one.term.label, *labels)
-    return NextMeasurement(separates, text, write_program(test, job), power)
+    return NextMeasurement(separates, text, write_program(test, weighing.survey.job), power)
 
 
 def _for_unknown(weighing: Weighing) -> NextMeasurement:
@@ -126,9 +144,9 @@ def _for_unknown(weighing: Weighing) -> NextMeasurement:
     leading = [k for k in np.argsort(gains)[::-1] if gains[k] > CLEARLY][:_LEADING]
     shown = [_Shown(*weighing.fitted_alone(k)) for k in leading]
     pairs = list(itertools.permutations(shown, 2))
-    tests = list(planned_tests(job))
-    powers = [min((_power(job, test, a, b) for a, b in pairs), default=0.0) for test in tests]
-    power, test = max(zip(powers, tests, strict=True), key=lambda both: both[0])
+    tests = _tests(job)
+    powers = [min((_power(*test, a, b) for a, b in pairs), default=0.0) for test in tests]
+    power, (test, _) = max(zip(powers, tests, strict=True), key=lambda both: both[0])
     if power <= _USEFUL:
         return _map_without_cutting(job)
     labels = tuple(one.term.label for one in shown)
@@ -149,9 +167,8 @@ def _map_without_cutting(job: Job) -> NextMeasurement:
     return NextMeasurement(("machine", "cut"), text, write_program(test, job), 0.0)
 
 
-def _power(job: Job, test: PlannedTest, one: _Shown, rival: _Shown) -> float:
+def _power(test: PlannedTest, path: Circumstances, one: _Shown, rival: _Shown) -> float:
     """What the rival, fitted anew, cannot imitate of an effect's signature, in uncertainties."""
-    path = Circumstances(test.states, job)
     shown = _on_test(test, path, one.term, one.term.inner) @ one.coefficients
     places = _few(list(rival.term.effect.inner_grid(path, rival.term.target)))
     least = np.inf
