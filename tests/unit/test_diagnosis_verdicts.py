@@ -15,6 +15,7 @@ from tests.small_job import measurement, write_job
 from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossible_size_notes
+from vmach.diagnosis.inference import verdicts
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.support import Support, in_its_place
 from vmach.diagnosis.next_test.planned_program import write_program
@@ -346,3 +347,22 @@ def test_effects_that_come_near_each_other_are_counted_together():
         terms=[SimpleNamespace(label="a"), SimpleNamespace(label="d")], labels={"a", "d"}
     )
     assert in_its_place(weighing, found, 0) == pytest.approx(np.log(2.0 + np.exp(-1.0)))
+
+
+def test_what_is_not_certain_stays_beside_the_others_while_they_are_judged(monkeypatch):
+    """Without the first effect, of odds 4.1, the second would lose what speaks for it."""
+
+    def found(labels):
+        return SimpleNamespace(terms=[SimpleNamespace(label=n) for n in labels], labels=labels)
+
+    def supports(_, here):
+        odds = {"a": 4.1, "b": 7.0 if "a" in here.labels else 1.2}
+        return [Support(odds[n], size_um=2.0, rest_um=0.0) for n in here.labels]
+
+    weighing = SimpleNamespace(
+        careful=lambda _: None,
+        without=lambda here, ks: found([n for k, n in enumerate(here.labels) if k not in ks]),
+    )
+    monkeypatch.setattr(verdicts, "supports_of", supports)
+    shown, _, weak = verdicts.judged(weighing, found(["a", "b"]), {"a", "b"})
+    assert shown.labels == ["b"] and [w.term.label for w in weak] == ["a"]

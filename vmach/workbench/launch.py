@@ -39,27 +39,27 @@ def launch(
         There is no such job, or the port is taken.
     """
     live_on_when_the_reader_leaves()
-    listening = _listen(port)
-    session = Session(control)
-    if job is None:
-        session.open_folder(OpenedFolder(Path.cwd().resolve()))
-    else:
-        session.open(job)
-    # the process that holds the part is at work by now, and the server is loaded beside it
-    from vmach.workbench.access import Access
-    from vmach.workbench.server import serve
+    with _listen(port) as listening:  # closed whatever becomes of the job
+        session = Session(control)
+        if job is None:
+            session.open_folder(OpenedFolder(Path.cwd().resolve()))
+        else:
+            session.open(job)
+        # the process that holds the part is at work by now, and the server is loaded beside it
+        from vmach.workbench.access import Access
+        from vmach.workbench.server import serve
 
-    access = Access.new(listening.getsockname()[1])
-    print(f"vmach is open at {access.address}", flush=True)
-    print("Ctrl-C ends it", flush=True)
-    if with_browser:
-        webbrowser.open(access.address)
-    try:
-        serve(session, access, listening, backlog=_BACKLOG)
-    except KeyboardInterrupt:
-        print("closed")
-    finally:
-        session.close()
+        access = Access.new(listening.getsockname()[1])
+        print(f"vmach is open at {access.address}", flush=True)
+        print("Ctrl-C ends it", flush=True)
+        if with_browser:
+            webbrowser.open(access.address)
+        try:
+            serve(session, access, listening, backlog=_BACKLOG)
+        except KeyboardInterrupt:
+            print("closed")
+        finally:
+            session.close()
 
 
 def _listen(port: int) -> socket.socket:
@@ -69,6 +69,7 @@ def _listen(port: int) -> socket.socket:
         found.bind(("127.0.0.1", port))
         found.listen(_BACKLOG)  # so that who has the address waits until the server is there
     except OSError as error:
+        found.close()
         raise InputError(
             f"--port {port}: {error.strerror}", accepted="a port that is free, or none at all"
         ) from None

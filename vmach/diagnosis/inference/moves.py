@@ -93,9 +93,15 @@ def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
 
 
 def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
-    """Two effects in place of one that stands for both, found beside members as they are."""
-    for k in range(len(here.terms)):
-        others = weighing.without(here, [k], resize=False)
+    """Two effects in place of one, or of a large discrepancy, that stands for both.
+
+    They are found beside members as they are, or small.
+    """
+    views = [weighing.without(here, [k], resize=False) for k in range(len(here.terms))]
+    little = beside_little(here)
+    if little.posterior.sizes != here.posterior.sizes:
+        views.append(little)
+    for others in views:
         for i in _ranked(weighing, weighing.gains(others), here.labels)[: 2 * _TRIED]:
             one = weighing.extend(others, i, resize=False)
             gains = weighing.gains(one)

@@ -16,7 +16,7 @@ from vmach.diagnosis.proposals.forms import Forms
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.fit.terms import Term
 
-__all__ = ["Inference", "Reason", "Weak", "infer", "searched"]
+__all__ = ["Inference", "Reason", "Weak", "infer", "judged", "searched"]
 
 #: times that the noise of single readings is estimated anew
 _PASSES = 2
@@ -84,7 +84,7 @@ def infer(weighing: Weighing) -> Inference:
     weighing, found = searched(weighing)
     forms = Forms(weighing, found)
     grown = forms.grown(found)
-    shown, supports, weak = _judged(weighing, found, grown.labels)
+    shown, supports, weak = judged(weighing, found, grown.labels)
     alone = weighing.explain(shown.terms, found.posterior.sizes, refine=False)
     remains = remains_um(weighing, alone, noise=grown.posterior.sizes.factor)
     structure = is_structure(weighing, remains)
@@ -112,13 +112,13 @@ def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
     return weighing, search_beyond(weighing, found)
 
 
-def _judged(
+def judged(
     weighing: Weighing, found: Explanation, beside_forms: Collection[str]
 ) -> tuple[Explanation, dict[str, Support], tuple[Weak, ...]]:
     """An explanation without effects that are not shown, what speaks for the others, and those.
 
-    The least probable goes first. The others stay judged as beside it: their smallest odds count,
-    and the smallest rest.
+    Imitations go, the least probable first. The others stay judged as beside them: their smallest
+    odds count, and the smallest rest. What is not certain stays beside what is judged.
     """
     supports: dict[str, Support] = {}
     weak: list[Weak] = []
@@ -127,11 +127,15 @@ def _judged(
         supports = {t.label: s.after(supports.get(t.label, s)) for t, s in here}
         doubted = _doubted(weighing, found, supports, beside_forms)
         if doubted is None:
-            return found, supports, tuple(weak)
+            break
         k, why = doubted
         term = found.terms[k]
         weak.append(Weak(term, supports[term.label], why))
         found = weighing.without(found, [k])
+    unsure = [k for k, term in enumerate(found.terms) if not supports[term.label].is_shown]
+    named = [(found.terms[k], supports[found.terms[k].label]) for k in unsure]
+    weak += [Weak(term, support, Reason.DOUBTFUL) for term, support in named]
+    return weighing.without(found, unsure), supports, tuple(weak)
 
 
 def _doubted(
@@ -140,11 +144,11 @@ def _doubted(
     supports: Mapping[str, Support],
     beside_forms: Collection[str],
 ) -> tuple[int, Reason] | None:
-    """The effect that is least to be believed, and why."""
+    """The effect that is most probably an imitation, and why."""
     fit = weighing.careful(found)
     places = {term.label: k for k, term in enumerate(found.terms)}
     reasons = {
-        Reason.DOUBTFUL: [places[n] for n, s in supports.items() if n in places and not s.is_shown],
+        Reason.DOUBTFUL: [k for n, k in places.items() if supports[n].probability < 0.5],
         Reason.REPLACED: [k for n, k in places.items() if n not in beside_forms],
         Reason.IMPOSSIBLE: impossible_terms(fit) if fit else [],
     }
