@@ -74,7 +74,7 @@ def test_names_cannot_break_out_of_the_page(job, tmp_path, monkeypatch, capsys):
     diagnosed(job, tmp_path / "out", monkeypatch, capsys)
     page = Page((tmp_path / "out" / "diagnosis.html").read_text(encoding="utf-8"))
     assert not any("onerror" in attributes for _, attributes in page.elements)
-    assert [tag for tag, _ in page.elements].count("script") == 5
+    assert [tag for tag, _ in page.elements].count("script") == 6
     assert HOSTILE in page.text
 
 

@@ -62,7 +62,7 @@ def test_names_cannot_break_out_of_the_page(tmp_path):
     case = replace(case, columns=relabelled, id=[HOSTILE] * len(case))
     page = Page(written(tmp_path / "r.html", case, record))
     assert not any("onerror" in attributes for _, attributes in page.elements)
-    assert [tag for tag, _ in page.elements].count("script") == 5
+    assert [tag for tag, _ in page.elements].count("script") == 6
     assert page.text.count(HOSTILE) > 30
     assert "49" not in page.text.split("What was run")[1].split("Duration")[0]
     data = json.loads(page.scripts[0])

@@ -115,7 +115,7 @@ function seek(seconds) {
   player.at = Math.max(0, Math.min(facts.duration_s, seconds));
   player.slider.value = (1000 * player.at) / (facts.duration_s || 1);
   const i = nodeAt(player.at), j = Math.min(i + 1, count() - 1), from = data[row(i)], span = data[row(j)] - from;
-  const share = span > 0 ? Math.min(1, (player.at - from) / span) : 0;
+  const share = span > 0 ? Math.max(0, Math.min(1, (player.at - from) / span)) : 0; // before the first node: as there
   const mix = (k) => data[row(i) + k] + share * (data[row(j) + k] - data[row(i) + k]);
   const tip = [0, 1, 2].map((k) => mix(C.x + k)), error = [0, 1, 2].map((k) => mix(C.dx + k));
   const first = Math.max(0, i - TRAIL);
