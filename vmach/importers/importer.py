@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
@@ -52,6 +52,16 @@ class Imported:
     files: Mapping[str, str] = field(default_factory=dict)
     sections: tuple[Section, ...] = ()
     told: tuple[str, ...] = ()
+
+    @classmethod
+    def joined(cls, parts: Iterable[Imported], told: tuple[str, ...] = ()) -> Imported:
+        """What came of one file in parts, and more lines for the user."""
+        found = list(parts)
+        return cls(
+            {name: text for one in found for name, text in one.files.items()},
+            tuple(section for one in found for section in one.sections),
+            (*(note for one in found for note in one.told), *told),
+        )
 
 
 class Importer:

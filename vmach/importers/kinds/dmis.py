@@ -114,11 +114,7 @@ def features_imported(
         found.append(holes_file(own, source, questions))
     if not found:
         raise source.error("no point and no upright hole", line=1, accepted="points or holes")
-    return Imported(
-        {name: text for one in found for name, text in one.files.items()},
-        tuple(section for one in found for section in one.sections),
-        (*(note for one in found for note in one.told), *told),
-    )
+    return Imported.joined(found, told)
 
 
 def _features(source: SourceFile) -> tuple[dict[str, _Feature], dict[str, _Feature]]:

@@ -88,11 +88,7 @@ class PcdmisReport(Importer):
             found.append(_holes_imported(holes, factor, source, questions))
         lost = len(features) - len(holes) - len(points)
         told = (f"{lost} locations without enough coordinates are left out",) if lost else ()
-        return Imported(
-            {name: text for one in found for name, text in one.files.items()},
-            tuple(section for one in found for section in one.sections),
-            (*(note for one in found for note in one.told), *told),
-        )
+        return Imported.joined(found, told)
 
 
 def _columns(features: Mapping[str, _Feature], axes: str, factor: float) -> tuple[np.ndarray, ...]:
