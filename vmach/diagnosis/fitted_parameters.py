@@ -34,7 +34,8 @@ class FittedParameters:
 def fitted_parameters(fit: JointFit, k: int) -> FittedParameters:
     """The parameters of term k of a fit."""
     if fit.terms[k].effect.corrects_table:
-        return FittedParameters(*component_parameters(fit, k, survey.paths[0]))
+        path = fit.posterior.base.survey.paths[0]
+        return FittedParameters(*component_parameters(fit, k, path))
     spreads = parameter_uncertainty(fit, k)
     return FittedParameters(
         values=fit.parameters(k),
