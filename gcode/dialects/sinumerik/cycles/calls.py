@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from gcode.dialects.sinumerik.cycles import CYCLES, PATTERNS, drill, pattern_points
-from gcode.dialects.sinumerik.face_milling import mill_face_cycle
-from gcode.dialects.sinumerik.milling import MILLING, mill
-from gcode.dialects.sinumerik.thread_milling import mill_thread
+from gcode.dialects.sinumerik.cycles.drilling import CYCLES, PATTERNS, drill, pattern_points
+from gcode.dialects.sinumerik.cycles.face import mill_face_cycle
+from gcode.dialects.sinumerik.cycles.milling import MILLING, mill
+from gcode.dialects.sinumerik.cycles.thread_milling import mill_thread
 from gcode.errors import ProgramError
 from gcode.language.translate import number
 
