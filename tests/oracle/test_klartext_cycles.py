@@ -4,6 +4,8 @@ TNC 640 User's Manual Cycle Programming: what the cycles leave (walls, floor), w
 what mirror image and rotation make of a point.
 """
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -290,7 +292,7 @@ def test_cycle_258_leaves_a_polygon(circumscribed, corner):
     angles = np.radians(15 + 60 * np.arange(7))
     sharp = np.stack([np.cos(angles), np.sin(angles)], axis=1) * (flat - corner) / np.cos(np.pi / 6)
     share = np.linspace(0, 1, 400)[:, None]
-    edge = np.concatenate([a + (b - a) * share for a, b in zip(sharp, sharp[1:], strict=False)])
+    edge = np.concatenate([a + (b - a) * share for a, b in itertools.pairwise(sharp)])
     apart = np.hypot(*(deep[:, None] - edge[None]).transpose(2, 0, 1)) - corner
     assert apart.min() == pytest.approx(RADIUS, abs=1e-3)
     assert np.abs(apart - RADIUS).min(axis=0).max() < 0.3, "every place of the wall is touched"
