@@ -9,7 +9,6 @@ from gcode.dialects.sinumerik.block_words import ADDRESSES, BlockWords, Words, s
 from gcode.dialects.sinumerik.codes import STOPS
 from gcode.dialects.sinumerik.corners import SinumerikCorners
 from gcode.dialects.sinumerik.cycles.calls import CycleCalls
-from gcode.dialects.sinumerik.expressions import Variables
 from gcode.dialects.sinumerik.flow import Flow
 from gcode.dialects.sinumerik.frames import ProgrammableFrame
 from gcode.dialects.sinumerik.motion import SinumerikMotion
@@ -19,6 +18,7 @@ from gcode.dialects.sinumerik.subprograms import Subprograms
 from gcode.dialects.sinumerik.system_variables import system_variable
 from gcode.dialects.sinumerik.tool_words import ToolWords
 from gcode.dialects.sinumerik.units import Units
+from gcode.dialects.sinumerik.variables import Variables
 from gcode.errors import ProgramError
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated, number
