@@ -302,3 +302,16 @@ def test_cycle90_mills_a_helix(sense, turn, kind, radius):
     assert run.sweep_rad[row] * run.axis[row, 2] == pytest.approx(turn * 6 * 2 * np.pi)
     assert (run.start_mm[row, 2], run.end_mm[row, 2]) == pytest.approx((1, -11))
     assert run.end_mm[-1, 2] == pytest.approx(20)
+
+
+@pytest.mark.parametrize(("more", "said"), [("", False), (",100,300,6,2,0,0", True)])
+def test_arguments_whose_order_no_second_source_has_are_named(more, said):
+    call = f"SLOT2(2,0,2,-23,,3,70,15,60,60,42,0,120{more})"
+    notes = read(f"T1 M6\nS1000 M3 F300\n{call}").notes
+    told = [n.meaning for n in notes if "order of the arguments of SLOT2" in n.meaning]
+    assert len(told) == said
+
+
+def test_the_length_of_the_tool_in_another_plane_is_told():
+    assert any("stays along Z" in note.meaning for note in read("G18\nG0 X1").notes)
+    assert not any("stays along Z" in note.meaning for note in read("G17\nG0 X1").notes)

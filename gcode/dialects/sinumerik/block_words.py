@@ -147,6 +147,9 @@ class BlockWords:
             return CODES[value]
         if value not in SAME:
             raise ProgramError(f"Sinumerik G{value:g} is not read", accepted=ACCEPTED_G)
+        if value in (18.0, 19.0):
+            controller.note("G18, G19", "the tool's length stays along Z, as with setting data "
+                            "$SC_TOOL_LENGTH_CONST = 17")  # fmt: skip
         return f"g{value:.0f}"
 
 
