@@ -25,8 +25,7 @@ def usual_u_um(weighing: Weighing) -> float:
 
 def remains_mm(weighing: Weighing, found: Explanation) -> np.ndarray:
     """What the discrepancy takes of the readings, alignment and zeros taken off, (n,)."""
-    posterior, members = found.posterior, weighing.members
-    amount = posterior.scale * posterior.mean * posterior.sizes.factor
+    members, amount = weighing.members, found.posterior.amounts
     columns = np.hstack([np.zeros((len(weighing.survey), 0)), *members.columns_mm])
     first = members.fixed_mm.shape[1]
     taken = columns @ amount[first : first + columns.shape[1]]
