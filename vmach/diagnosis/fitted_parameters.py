@@ -9,7 +9,7 @@ from vmach.fit.survey import Survey
 from vmach.fit.terms import JointFit
 from vmach.fit.uncertainty import parameter_uncertainty
 
-__all__ = ["FittedParameters", "fitted_parameters"]
+__all__ = ["FittedParameters", "fitted_parameters", "fitted_values"]
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,13 @@ class FittedParameters:
     u: dict
     interval_95: dict = field(default_factory=dict)
     weakly_identified: tuple[str, ...] = ()
+
+
+def fitted_values(survey: Survey, fit: JointFit, k: int) -> dict:
+    """The parameters of term k of a fit alone."""
+    if fit.terms[k].effect.corrects_table:
+        return component_parameters(fit, k, survey.paths[0])[0]
+    return fit.parameters(k)
 
 
 def fitted_parameters(survey: Survey, fit: JointFit, k: int) -> FittedParameters:
