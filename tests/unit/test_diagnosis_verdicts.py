@@ -350,13 +350,13 @@ def test_effects_that_come_near_each_other_are_counted_together():
 
 
 def test_what_is_not_certain_stays_beside_the_others_while_they_are_judged(monkeypatch):
-    """Without the first effect, of odds 4.1, the second would lose what speaks for it."""
+    """Without the first effect, of odds 2.1, the second would lose what speaks for it."""
 
     def found(labels):
         return SimpleNamespace(terms=[SimpleNamespace(label=n) for n in labels], labels=labels)
 
     def supports(_, here):
-        odds = {"a": 4.1, "b": 7.0 if "a" in here.labels else 1.2}
+        odds = {"a": 2.1, "b": 7.0 if "a" in here.labels else 1.2}
         return [Support(odds[n], size_um=2.0, rest_um=0.0) for n in here.labels]
 
     weighing = SimpleNamespace(
