@@ -88,9 +88,10 @@ def test_options_of_a_control_reach_its_reader(tmp_path):
 @pytest.mark.parametrize(
     "lines, says, level",
     [
-        ("M30\n%\n", None, None),
-        ("G0 X-4", "is the file cut short?", Level.QUESTION),
-        ("G22\nM30\n%\n", "confirmed by no second source", Level.NOTE),
+        ("G21 M30\n%\n", None, None),
+        ("M30\n%\n", "neither G20 nor G21", Level.NOTE),
+        ("G21 G0 X-4.", "is the file cut short?", Level.QUESTION),
+        ("G21\nG154 P1\nM30\n%\n", "confirmed by no second source", Level.NOTE),
     ],
 )
 def test_what_the_reader_doubts_reaches_the_commands(tmp_path, lines, says, level):

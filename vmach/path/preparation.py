@@ -69,6 +69,7 @@ class Preparation:
 _OF_READING = {
     "increment": "increment in [control]: " + ", ".join(INCREMENT_SYSTEMS),
     "%": "the whole program, with its end",
+    "units": None,
     "not confirmed": None,
 }
 
