@@ -95,7 +95,7 @@ def test_options_of_a_control_reach_its_reader(tmp_path):
     ],
 )
 def test_what_the_reader_doubts_reaches_the_commands(tmp_path, lines, says, level):
-    job = write_job(tmp_path, more='[control]\nname = "haas"\n')
+    job = write_job(tmp_path, more='[control]\nname = "fanuc"\n')
     head = "%\nO1\nT1 M6\nG54 G43 H1 G0 X0. Y0. Z5.\nG1 X1. F100.\n"
     (tmp_path / "part.nc").write_text(head + lines)
     rest = [note for note in prepare(read_job(job)).notes[1:] if note.kind is Kind.CONTROL]
