@@ -202,9 +202,7 @@ class Grid:
         tangent = np.where(length > _NO_LENGTH_MM, tangent, np.eye(3)[0])
         return turned_about_z(tangent, -self.rewriter.angle[move])
 
-    def _along_main_axis(
-        self, piece: np.ndarray, at: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def _along_main_axis(self, piece: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Axis that the path goes along most, (E,), and the path's way for way along it, (E, 3)."""
         axis, per_axis, tangent = self._main_axis(piece, at)
         return axis, tangent * per_axis
