@@ -122,7 +122,7 @@ def _starts(places: Sequence[Places], spacing_mm: float, box_mm: tuple) -> list[
 
 
 def _slabs(places: Sequence[Places], spacing_mm: float, box_mm: tuple) -> list[int]:
-    """Numbers of the cells along X between which slabs lie, no narrower than half the tools are wide."""
+    """Numbers of the cells along X between which slabs lie, no narrower than a radius."""
     first, last = (int(np.floor(corner[0] / spacing_mm)) for corner in box_mm)
     most = sum(one.most_contacts(spacing_mm, box_mm) for one in places)
     reach_mm = max((one.reach_mm for one in places), default=0.0)
