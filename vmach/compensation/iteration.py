@@ -177,7 +177,9 @@ class Iteration:
         error = self.model.error_at(self.preparation, move, parameter)
         if self.shift is not None:
             error = error - self.shift.at(move, parameter)
-        return np.where(self.stuck[move], 0.0, error)
+        if self.stuck.any():
+            error[self.stuck[move]] = 0.0
+        return error
 
     def write(self, target: Target, resolution_mm: float) -> Written:
         """The text of a target."""

@@ -126,7 +126,8 @@ def _sampled(
     used: np.ndarray, length: np.ndarray, count: np.ndarray, error_at: ErrorAt
 ) -> ErrorAlongMoves:
     first = np.concatenate([[0], np.cumsum(count + 1)])
-    within = np.arange(first[-1]) - np.repeat(first[:-1], count + 1)
-    parameter = within / np.repeat(count, count + 1)
+    parameter = np.arange(first[-1], dtype=np.float64)  # in place: there are many samples
+    parameter -= np.repeat(first[:-1], count + 1)
+    parameter /= np.repeat(count, count + 1)
     error = error_at(np.repeat(used, count + 1), parameter)
     return ErrorAlongMoves(used, length, first, parameter, error)
