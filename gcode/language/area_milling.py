@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from gcode.errors import ProgramError
 from gcode.geometry.curved_slot import CurvedSlot
 from gcode.geometry.outlines import Outline
+from gcode.geometry.polygons import Polygon
 from gcode.language.translate import number
 
 __all__ = ["Area", "mill_bore", "mill_pocket", "mill_stud"]
@@ -27,7 +28,7 @@ class Area:
 
     Attributes
     ----------
-    outline : Outline or CurvedSlot
+    outline : Outline, CurvedSlot or Polygon
         The finished wall.
     tool_radius : float
     surface, bottom, clear : float
@@ -45,7 +46,7 @@ class Area:
         Of a stud: what stands before.
     """
 
-    outline: Outline | CurvedSlot
+    outline: Outline | CurvedSlot | Polygon
     tool_radius: float
     surface: float
     bottom: float
@@ -100,7 +101,7 @@ def _level(kind: str, level: float, feed: float | None = None) -> str:
     return f"{kind}z{number(level)}" + ("" if feed is None else f"f{number(feed)}")
 
 
-def _round(ring: Outline, feed: float, *, clockwise: bool) -> Iterator[str]:
+def _round(ring: Outline | CurvedSlot | Polygon, feed: float, *, clockwise: bool) -> Iterator[str]:
     """To a ring's start, and round it."""
     here = ring.start
     yield _line("g1", here, feed)

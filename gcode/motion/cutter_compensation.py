@@ -90,7 +90,7 @@ def flush(controller: Controller) -> None:
 
 def _cancel(controller: Controller) -> None:
     if controller.side and controller.radius > 0.0 and not controller.entering:
-        if controller.start_up == "B":
+        if controller.start_up in ("B", "in front"):
             controller.leaving = controller.side, list(controller.position)
         else:
             flush(controller)
@@ -111,6 +111,15 @@ def _end_leaving(controller: Controller) -> None:
     controller.position = programmed
 
 
+def _refuse_behind(before: float, ahead: float, what: str) -> None:
+    """Refuse an approach or a retraction on the far side of the contour's end, "in front"."""
+    if math.cos(before - ahead) < -1e-9:
+        raise ProgramError(
+            f"{what} behind the contour: how the control goes round its end is not read",
+            accepted="a place in front of the contour, where KONT and NORM are the same; or NORM",
+        )
+
+
 def leave(controller: Controller, motion: str, end: list[float]) -> None:
     """The straight move behind G40, type B: an outer corner is gone round as in compensation.
 
@@ -124,7 +133,9 @@ def leave(controller: Controller, motion: str, end: list[float]) -> None:
         heading = direction(path.programmed, path.end)
         theta = direction(path.programmed, path.current)
         turn = math.remainder((theta - heading) * path.side - QUARTER, 2.0 * math.pi)
-        if turn > _TANGENT and path.goes_straight(turn):
+        if controller.start_up == "in front":
+            _refuse_behind(theta - path.side * QUARTER, heading, "the tool leaves to a place")
+        elif turn > _TANGENT and path.goes_straight(turn):
             _extended_corner(path, theta, heading)
             controller.leaving = None
             controller.queue.release()
@@ -191,6 +202,8 @@ def _end_start_up(path: CompensatedPath, heading: float) -> None:
     path.controller.starting = False
     start = path.controller.start_heading
     turn = math.remainder((start - heading) * path.side, 2.0 * math.pi)
+    if path.controller.start_up == "in front":
+        _refuse_behind(start, heading, "the tool starts")
     if path.controller.start_up == "B" and turn > _TANGENT:
         path.current = beside(path.programmed, path.radius, start + path.side * QUARTER)
         return

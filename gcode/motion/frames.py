@@ -210,9 +210,16 @@ def _write_system(controller: Controller, block: Values, system: int, form: int)
     else:
         for axis, value in words.items():
             offset[axis] = value
+    store_system(controller, system, offset)
+
+
+def store_system(controller: Controller, system: int, offset: list[float]) -> None:
+    """Write the offset of a work system, program units, effective at once if it is active."""
+    parameters, base = controller.parameters, system_base(system)
     parameters.set_vector(base, controller.to_machine_units(offset))
-    if active:
-        apply_system(controller, offset, angle)
+    if system == controller.system:
+        controller.require_no_compensation("change the active work system")
+        apply_system(controller, offset, parameters.numbered.get(base + 9, 0.0))
 
 
 def apply_system(controller: Controller, offset: list[float], angle: float) -> None:

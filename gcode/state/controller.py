@@ -111,7 +111,9 @@ class Controller:
     leaving: tuple[int, list[float]] | None = None
     #: with a start-up: outer corners that turn more get an arc, others go on straight, rad
     round_corners_from: float = math.inf
-    start_up: str = ""  #: cutter compensation: type A or B of Fanuc, empty for LinuxCNC's
+    #: cutter compensation: type A or B of Fanuc, A from in front of the contour alone, or
+    #: LinuxCNC's, which is empty
+    start_up: str = ""
     programmed: list[float] = field(default_factory=lambda: [0.0] * 3)
     straight_only: bool = False
     queue: CompensationQueue = field(default_factory=CompensationQueue)

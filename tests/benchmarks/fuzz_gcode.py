@@ -1,9 +1,11 @@
 """Random and mutilated programs: each must give a result or one clear error, and end.
 
-    python tests/benchmarks/fuzz_gcode.py [INPUTS] [SEED] [CONTROL]
+    python tests/benchmarks/fuzz_gcode.py [INPUTS] [SEED] [CONTROL] [FOLDER]
 
 Inputs are the golden programs with bytes changed, lines shuffled, words exchanged, and random
-words of the language in random order, in all dialects; or those that hold every word of a control.
+words of the language in random order, in all dialects; or those that hold every word of a control;
+or all files of a folder, for programs from elsewhere. The compiled lane is compiled first: what it
+takes is no program's.
 """
 
 from __future__ import annotations
@@ -43,6 +45,8 @@ PIECES = [
     "LBL 1", "CALL LBL 1 REP 2", "TOOL CALL 1 Z S1", "CR=5", "TURN=2", "X=1", "\xff", "\x00",
 ]  # fmt: skip
 SLOW_S = 5.0
+MOST_BYTES = 20_000  #: of a program from elsewhere
+WARMING = b"G21 G90 G54\nG0 X1\nG1 Y2 F100\nG2 X3 I1 J0\nG81 Z-1 R1\nG80\nM2\n"
 
 
 def mutilated(texts: list[bytes], rng: random.Random) -> bytes:
@@ -92,7 +96,11 @@ def main() -> int:
     rng = random.Random(int(sys.argv[2]) if len(sys.argv) > 2 else 1)
     control = sys.argv[3] if len(sys.argv) > 3 else ""
     found = CONTROLS.glob(f"*.{LIKE.get(control, control)}.*") if control else GOLDEN.glob("*.ngc")
-    texts = [path.read_bytes() for path in sorted(found)]
+    if len(sys.argv) > 4:
+        found = (path for path in Path(sys.argv[4]).rglob("*") if path.is_file())
+    texts = [path.read_bytes()[:MOST_BYTES] for path in sorted(found)]
+    for dialect in ("linuxcnc", "fanuc"):
+        read_program(Source(WARMING), tools=TOOLS, dialect=dialect, fast=True)
     counts: Counter[str] = Counter()
     slowest = 0.0
     for _ in range(count):

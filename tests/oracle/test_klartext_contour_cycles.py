@@ -140,6 +140,17 @@ def test_a_contour_train_runs_beside_its_contour(side, wall):
     assert at_level(places, -5).shape == deep.shape
 
 
+def test_contour_train_takes_its_side_from_cycle_270():
+    train = definition("25 TRAIN", "Q1=-9 Q3=+0 Q5=+0 Q7=+20 Q10=-9 Q11=100 Q12=200 Q15=+1")
+    contour = "CYCL CALL\nM2\nLBL 1\nL X+0 Y+0 {side}\nL X+40\nL Y+60\nLBL 0\n"
+    labels = LABELS.replace(" /2", "")
+    for side, word in ((1, "RL"), (2, "RR"), (0, "R0")):
+        data = definition("270 DATA", f"Q390=+1 Q391=+{side} Q392=+5 Q393=+90 Q394=+0")
+        here = cuts(read(labels + data + train + contour.format(side="")))
+        there = cuts(read(labels + train + contour.format(side=word)))
+        assert here == pytest.approx(there)
+
+
 @pytest.mark.parametrize(
     ("body", "message"),
     [

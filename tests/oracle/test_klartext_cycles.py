@@ -4,6 +4,8 @@ TNC 640 User's Manual Cycle Programming: what the cycles leave (walls, floor), w
 what mirror image and rotation make of a point.
 """
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -273,3 +275,25 @@ def test_a_called_program_shares_q_parameters_and_has_its_own_labels(tmp_path):
     (tmp_path / "HOLE.H").write_text("CALL PGM HOLE.H\n")
     with pytest.raises(ProgramError, match="nested deeper"):
         read_program(main, tools=TOOLS)
+
+
+@pytest.mark.parametrize(("circumscribed", "corner"), [(0, 0.0), (1, 0.0), (0, 3.0)])
+def test_cycle_258_leaves_a_polygon(circumscribed, corner):
+    """The mill touches every flat of a hexagon, and no place within it."""
+    body = (
+        f"L X+30 Y+20 R0 FMAX\nCYCL DEF 258 POLYGON STUD ~\n Q573={circumscribed} ~\n Q571=40 ~\n"
+        f" Q222=50 ~\n Q572=6 ~\n Q224=+15 ~\n Q220={corner:g} ~\n Q368=0 ~\n Q207=500 ~\n"
+        " Q351=1 ~\n Q201=-6 ~\n Q202=3 ~\n Q206=100 ~\n Q200=2 ~\n Q203=0 ~\n Q204=20 ~\n"
+        " Q370=1 ~\n Q215=0\nCYCL CALL"
+    )
+    places = tip(read(body))
+    flat = 20 * np.cos(np.pi / 6) if circumscribed else 20.0
+    deep = places[np.abs(places[:, 2] + 6) < 1e-9, :2] - [30, 20]
+    angles = np.radians(15 + 60 * np.arange(7))
+    sharp = np.stack([np.cos(angles), np.sin(angles)], axis=1) * (flat - corner) / np.cos(np.pi / 6)
+    share = np.linspace(0, 1, 400)[:, None]
+    edge = np.concatenate([a + (b - a) * share for a, b in itertools.pairwise(sharp)])
+    apart = np.hypot(*(deep[:, None] - edge[None]).transpose(2, 0, 1)) - corner
+    assert apart.min() == pytest.approx(RADIUS, abs=1e-3)
+    assert np.abs(apart - RADIUS).min(axis=0).max() < 0.3, "every place of the wall is touched"
+    assert places[:, 2].min() == pytest.approx(-6)

@@ -53,6 +53,50 @@ def test_frames_that_turn_the_part_over_are_refused(word):
         read(word)
 
 
+def test_polar_angles_in_g91_count_from_the_last_one_and_radii_from_the_pole():
+    """NC Programming 6FC5398-2EP40, page 175: AP=IC(..) from the last angle, RP always absolute."""
+    found = places(
+        "G111 X10 Y10\nG0 AP=0 RP=5\nG91 AP=90\nAP=90 RP=8\nG90 AP=IC(90)\nG91 AP=AC(0)\n"
+        "G90 X0 Y0\nAP=180"
+    )[:, :2]
+    assert found == pytest.approx(
+        np.array([[15, 10], [10, 15], [2, 10], [10, 2], [18, 10], [0, 0], [2, 10]])
+    )
+
+
+def test_polar_places_lie_in_the_plane_that_is_chosen():
+    found = places("G18 G111 Z5 X10\nG0 AP=90 RP=5\nG19 G111 Y1 Z2\nG0 AP=0 RP=3 X7")
+    assert found == pytest.approx(np.array([[15, 0, 5], [7, 4, 2]]))
+    with pytest.raises(ProgramError, match="IC with RP"):
+        read("G0 AP=0 RP=IC(5)")
+
+
+def test_settable_frames_are_written_and_read_by_their_number():
+    """G54 is frame 1, G505 is frame 5."""
+    found = places(
+        "$P_UIFR[5,X,TR]=10\n$P_UIFR[(1),Y,TR]=$P_UIFR[5,X,TR]*2\nG505\nG0 X1\nG54\nX0 Y1\n"
+        "$P_UIFR[2]=CTRANS(Z,-5)\nG55 Z0\nG500 X3"
+    )
+    assert found == pytest.approx(np.array([[11, 0, 0], [0, 21, 0], [0, 21, -5], [3, 21, -5]]))
+
+
+CONTOUR = "G41 G1 X10 Y0 F100\nY30\nX40\nG40 X60 Y{y}"
+
+
+def test_kont_is_norm_in_front_of_the_contour():
+    """Function Manual 6FC5397-0BP40-2BA0, section 18.5.3."""
+    body = "T1 M6\nG0 X0 Y-20\n{}\n" + CONTOUR.format(y=10)
+    assert places(body.format("KONT")) == pytest.approx(places(body.format("NORM")))
+
+
+@pytest.mark.parametrize("before", ["G0 X0 Y20", "G0 X0 Y-20\n"])
+def test_kont_behind_the_contour_is_refused(before):
+    contour = CONTOUR.format(y=10) if "-" not in before else CONTOUR.replace("X60", "X30")
+    with pytest.raises(ProgramError, match="behind the contour"):
+        read(f"T1 M6\n{before}\nKONT\n" + contour.format(y=10))
+    read(f"T1 M6\n{before}\nKONT NORM\n" + contour.format(y=10))
+
+
 def test_corners():
     moves = read("G0 X0 Y0\nG1 X20 RND=5 F100\nY20 CHR=3\nX0 CHF=4\nY0").moves
     ends = np.round(moves.end_mm[1:, :2], 6).tolist()
@@ -258,3 +302,16 @@ def test_cycle90_mills_a_helix(sense, turn, kind, radius):
     assert run.sweep_rad[row] * run.axis[row, 2] == pytest.approx(turn * 6 * 2 * np.pi)
     assert (run.start_mm[row, 2], run.end_mm[row, 2]) == pytest.approx((1, -11))
     assert run.end_mm[-1, 2] == pytest.approx(20)
+
+
+@pytest.mark.parametrize(("more", "said"), [("", False), (",100,300,6,2,0,0", True)])
+def test_arguments_whose_order_no_second_source_has_are_named(more, said):
+    call = f"SLOT2(2,0,2,-23,,3,70,15,60,60,42,0,120{more})"
+    notes = read(f"T1 M6\nS1000 M3 F300\n{call}").notes
+    told = [n.meaning for n in notes if "order of the arguments of SLOT2" in n.meaning]
+    assert len(told) == said
+
+
+def test_the_length_of_the_tool_in_another_plane_is_told():
+    assert any("stays along Z" in note.meaning for note in read("G18\nG0 X1").notes)
+    assert not any("stays along Z" in note.meaning for note in read("G17\nG0 X1").notes)

@@ -245,7 +245,7 @@ REFUSED = {
     },
     "sinumerik": {
         "TRAORI": "TRAORI", "TRANSMIT": "TRANSMIT", "TRACYL(20)": "TRACYL", "ASPLINE": "spline",
-        "G41 KONT X5": "KONT", "OFFN=1": "OFFN", "CYCLE90(10,0,2,-5)": "CYCLE90 without",
+        "G41 KONTC X5": "KONTC", "OFFN=1": "OFFN", "CYCLE90(10,0,2,-5)": "CYCLE90 without",
         'CYCLE72("CON",1)': "CYCLE72 is not read", "SLOT2(1)": "SLOT2 without",
         "G33 Z1 K1": "G33",
         "G58 X5": "G58", "SETAL(65000)": "alarm", "ROT X10": "tilts", "MIRROR Z0": "over",
@@ -257,7 +257,7 @@ REFUSED = {
         "PLANE SPATIAL SPA+10 SPB+0 SPC+0": "tilts", "FUNCTION TCPM": "TCPM", "FL X+5": "FL",
         "TCH PROBE 0.0": "TCH", "SPL X1": "SPL", "LN X+1 NX+0": "LN", "CTP PR+5": "CTP",
         "FN 14: ERROR = 1": "stops itself", "FN 17: SYSWRITE ID5": "FN 17", 'QS1="A"': "QS",
-        "CYCL DEF 19.1 A+10": "CYCL DEF 19.1", "CYCL DEF 270 X": "CYCL DEF 270",
+        "CYCL DEF 19.1 A+10": "CYCL DEF 19.1", "CYCL DEF 275 X": "CYCL DEF 275",
         "CALL SELECTED PGM": "SEL PGM", "CALL PGM NO": "NO.H", "CALL LBL 9": "LBL 9",
         "TRANS DATUM TABLE 5": "TRANS DATUM TABLE", "CC Z+0": "CC with Z",
         "L X+1 FMAX M99": "no cycle", "TOOL CALL 1 Y": "TOOL CALL 1 Y", "L X+5 M130": "M130",

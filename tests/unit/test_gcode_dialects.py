@@ -154,7 +154,7 @@ def test_klartext():
     [
         ("L X+Q1 F100", "Q1 was never set"),
         ("FN 17: SYSWRITE ID50 NR1 = 2", "FN 17"),
-        ("CYCL DEF 270 CONTOUR TRAIN DATA", "CYCL"),
+        ("CYCL DEF 275 TROCHOIDAL SLOT", "CYCL"),
         ("CYCL DEF 8.1 Z", "CYCL"),
         ("PLANE SPATIAL SPA+0 SPB+30 SPC+0 STAY", "tilts"),
         ("M128", "M128"),

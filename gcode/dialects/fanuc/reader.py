@@ -7,7 +7,7 @@ import re
 from gcode.dialects.fanuc.block import MacroBlock, read_words
 from gcode.dialects.fanuc.blocks import BlockRunner, FanucSettings
 from gcode.dialects.fanuc.macro.calls import Calls
-from gcode.dialects.fanuc.macro.expressions import MacroReader, is_null
+from gcode.dialects.fanuc.macro.expressions import is_null, whole_expression
 from gcode.dialects.fanuc.macro.flow import MacroFlow
 from gcode.dialects.fanuc.macro.line_text import BLANKS, COMMENT, HEAD, PROGRAM
 from gcode.dialects.fanuc.macro.variables import MacroVariables
@@ -180,11 +180,7 @@ class FanucReader(Translated):
 
     def value(self, text: str) -> float:
         """Value of an expression; NaN for <null>."""
-        reader = MacroReader(f"[{text}]")
-        value = value_of(reader.bracket(), self.variables)
-        if reader.position != len(reader.text):
-            raise ProgramError(f"cannot read '{reader.text[reader.position :]}' in an expression")
-        return value
+        return value_of(whole_expression(text), self.variables)
 
     def number(self, text: str, what: str) -> int:
         """Whole value of an expression, zero for <null>; `what` names it in a message."""

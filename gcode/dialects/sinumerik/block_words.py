@@ -89,10 +89,13 @@ class BlockWords:
         here = self.reader.here()
         if letter in ("I", "J", "K"):
             return value - here["IJK".index(letter)] if kind == "AC" else value
+        absolute = self.reader.is_absolute([v for name, v in words if name == "G"])
+        if letter in ("AP", "RP"):
+            return self.reader.poles.in_mode(letter, value, kind, absolute=absolute)
         if letter not in ("X", "Y", "Z", "A", "B", "C"):
-            raise ProgramError(f"{kind} with {letter}", accepted="X Y Z A B C I J K")
+            raise ProgramError(f"{kind} with {letter}", accepted="X Y Z A B C I J K AP")
         place = here["XYZABC".index(letter)]
-        if self.reader.is_absolute([v for name, v in words if name == "G"]):
+        if absolute:
             return value if kind == "AC" else value + place
         return value - place if kind == "AC" else value
 
@@ -144,6 +147,9 @@ class BlockWords:
             return CODES[value]
         if value not in SAME:
             raise ProgramError(f"Sinumerik G{value:g} is not read", accepted=ACCEPTED_G)
+        if value in (18.0, 19.0):
+            controller.note("G18, G19", "the tool's length stays along Z, as with setting data "
+                            "$SC_TOOL_LENGTH_CONST = 17")  # fmt: skip
         return f"g{value:.0f}"
 
 

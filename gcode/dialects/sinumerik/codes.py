@@ -21,15 +21,15 @@ REFUSED = {
     "TRAORI": "five-axis transformation", "TRANSMIT": "milling on the face of a turned part",
     "TRACYL": "milling on a cylinder", "TRAANG": "inclined axis", "ASPLINE": "spline",
     "BSPLINE": "spline", "CSPLINE": "spline", "POLY": "polynomials", "INVCW": "involute",
-    "INVCCW": "involute", "KONT": "approach round the contour's first point",
-    "KONTC": "approach with continuous curvature", "KONTT": "tangential approach",
-    "OFFN": "offset of the contour", "TOROT": "tilted plane", "CUT3DC": "3D radius compensation",
+    "INVCCW": "involute", "KONTC": "approach with continuous curvature",
+    "KONTT": "tangential approach", "OFFN": "offset of the contour", "TOROT": "tilted plane",
+    "CUT3DC": "3D radius compensation",
 }  # fmt: skip
 #: words on how the path is followed, of the preprocessing, and for the screen; the G groups are
 #: those of the Programming Manual Fundamentals, "G commands"
 NO_MOTION = (
     "STOPRE", "FFWON", "FFWOF", "SOFTA", "SOFT", "BRISKA", "BRISK", "DRIVEA", "DRIVE",
-    "COMPOF", "COMPON", "COMPCURV", "COMPCAD", "COMPSURF", "CFTCP", "CFC", "CFIN", "NORM",
+    "COMPOF", "COMPON", "COMPCURV", "COMPCAD", "COMPSURF", "CFTCP", "CFC", "CFIN", "NORM", "KONT",
     "CUT2DF", "CUT2D", "TRAFOOF", "DIAMOF", "CDOF", "CDON", "ORIWKS", "ORIMKS",
     "FIFOCTRL", "STARTFIFO", "STOPFIFO", "SPOS", "FNORM", "FLIN", "FCUB", "SBLOF", "SBLON",
     "DYNNORM", "DYNPOS", "DYNROUGH", "DYNSEMIFIN", "DYNFINISH", "DYNPREC",

@@ -15,16 +15,19 @@ from gcode.dialects.sinumerik.block_words import split_arguments
 from gcode.errors import ProgramError
 from gcode.geometry.frame_turn import FrameTurn
 from gcode.language.translate import number
-from gcode.motion.frames import turn_frame
+from gcode.motion.frames import store_system, turn_frame
+from gcode.state.controller import WORK_OFFSETS
+from gcode.text.parameters import system_base
 
 if TYPE_CHECKING:
     from gcode.dialects.sinumerik.reader import SinumerikReader
 
-__all__ = ["SETTABLE", "ProgrammableFrame", "settable_frame"]
+__all__ = ["SETTABLE", "ProgrammableFrame", "settable_frame", "work_system"]
 
 #: ``$P_UIFR[1,X,TR]=10`` and ``$P_UIFR[1]=CTRANS(X,10,Y,5)``
 SETTABLE = re.compile(
-    r"\$P_UIFR\[\s*(\d+)\s*(?:,\s*([XYZ])\s*,\s*TR\s*)?\]\s*=\s*(.*)", re.IGNORECASE
+    r"\$P_UIFR\[\s*\(?\s*(\d+)\s*\)?\s*(?:,\s*([XYZ])\s*,\s*TR\s*)?\]\s*=(?!=)\s*(.*)",
+    re.IGNORECASE,
 )
 _LENGTH = re.compile(r"(?<![a-z])([xyzijkr])(-?\d+\.?\d*|-?\.\d+)")
 _ARC = re.compile(r"g0?[23](?![\d.])")
@@ -138,26 +141,29 @@ class ProgrammableFrame:
         return _LENGTH.sub(lambda m: f"{m[1]}{number(float(m[2]) * sizes[m[1]])}", block)
 
 
+def work_system(frame: int) -> int:
+    """Work system that holds a settable frame: G500 is 0, G54 to G57 are 1 to 4, G505 is 5."""
+    if not 0 <= frame <= 99:
+        raise ProgramError(f"$P_UIFR[{frame}]", accepted="0 to 99")
+    return frame if 1 <= frame <= 4 else WORK_OFFSETS.index(f"G54.1 P{max(frame, 1)}") + 1
+
+
 def settable_frame(reader: SinumerikReader, match: re.Match) -> None:
     """Set a work offset as `SETTABLE` says it."""
-    number_, axis, value = int(match[1]), match[2], match[3].strip()
-    code = 10 if number_ < 1 else number_
-    variables = reader.variables
+    frame, axis, value = int(match[1]), match[2], match[3].strip()
+    system, c = work_system(frame), reader.controller
+    offset = c.to_program(c.parameters.vector(system_base(system)))
     if axis is not None:
-        length = reader.units.read(variables.value(value))
-        reader.execute(f"g10l2p{code}{axis.lower()}{number(length)}")
-        return
-    chained = re.fullmatch(r"CTRANS\s*\((.*)\)", value, re.IGNORECASE)
-    if chained is None or not 1 <= number_ <= 4:
-        raise ProgramError(
-            f"cannot read '$P_UIFR[{number_}]={value}'",
-            accepted="$P_UIFR[1]=CTRANS(X,10,Y,5,Z,0), 1 to 4 for G54 to G57",
-        )
-    pieces = [piece.strip() for piece in split_arguments(chained[1])]
-    if reader.units.read(1.0) != 1.0:
-        raise ProgramError("CTRANS in G70", accepted="G71, G700, G710")
-    said = dict(zip(pieces[::2], pieces[1::2], strict=False))
-    words = "".join(
-        f"{a}{number(variables.value(said.get(a, said.get(a.lower(), '0'))))}" for a in "XYZ"
-    )
-    reader.execute(f"g10l2p{number_}{words.lower()}")
+        said = {axis.upper(): value}
+    else:
+        chained = re.fullmatch(r"CTRANS\s*\((.*)\)", value, re.IGNORECASE)
+        if chained is None:
+            raise ProgramError(f"cannot read '$P_UIFR[{frame}]={value}'",
+                               accepted="$P_UIFR[1]=CTRANS(X,10,Y,5,Z,0)")  # fmt: skip
+        pieces = [piece.strip() for piece in split_arguments(chained[1])]
+        said = {a.upper(): v for a, v in zip(pieces[::2], pieces[1::2], strict=False)}
+        offset[:3] = [0.0] * 3
+    for k, name in enumerate("XYZ"):
+        if name in said:
+            offset[k] = reader.units.read(reader.variables.value(said[name]))
+    store_system(c, system, offset)

@@ -1,4 +1,4 @@
-"""Motion of SINUMERIK that RS274/NGC has no word for: poles, CIP, CT, fixed points, tapping.
+"""Motion of SINUMERIK that RS274/NGC has no word for: CIP, CT, AR, fixed points, tapping.
 
 Source: SINUMERIK 840D sl/828D, Programming Manual Fundamentals, "Motion commands".
 """
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["SinumerikMotion"]
 
-_POLES = (110.0, 111.0, 112.0)
-
 
 class SinumerikMotion:
     """Motion of a program.
@@ -32,7 +30,6 @@ class SinumerikMotion:
 
     def __init__(self, reader: SinumerikReader) -> None:
         self.reader = reader
-        self.pole = [0.0, 0.0]
 
     def end(self, words: Words, g_codes: list[float]) -> tuple[float, float, float]:
         """Programmed end X Y Z of a block."""
@@ -42,34 +39,6 @@ class SinumerikMotion:
             values.get(a, h if absolute else 0.0) + (0.0 if absolute else h)
             for a, h in zip("XYZ", here, strict=False)
         )
-
-    def polar(self, words: Words, g_codes: list[float]) -> None:
-        """G110 to G112 set the pole; AP and RP say a place about it."""
-        values, reader = dict(words), self.reader
-        pole = next((code for code in _POLES if code in g_codes), None)
-        if pole is not None:
-            base = {110.0: reader.here()[:2], 111.0: [0.0, 0.0], 112.0: self.pole}[pole]
-            self.pole = [base[0] + values.get("X", 0.0), base[1] + values.get("Y", 0.0)]
-            if {"AP", "RP"} & values.keys():
-                angle, size = math.radians(values.get("AP", 0.0)), values.get("RP", 0.0)
-                self.pole[0] += size * math.cos(angle)
-                self.pole[1] += size * math.sin(angle)
-            words[:] = [w for w in words if w != ("G", pole) and w[0] not in ("X", "Y", "AP", "RP")]
-            return
-        if not {"AP", "RP"} & values.keys():
-            return
-        reader.only_in_xy("AP and RP")
-        here = reader.here()
-        out = here[0] - self.pole[0], here[1] - self.pole[1]
-        radius, angle = values.get("RP", math.hypot(*out)), values.get("AP")
-        angle = math.radians(angle) if angle is not None else math.atan2(out[1], out[0])
-        if not reader.is_absolute(g_codes):
-            raise ProgramError("AP and RP in G91 are not read", accepted="G90")
-        words[:] = [w for w in words if w[0] not in ("AP", "RP")]
-        words += [
-            ("X", self.pole[0] + radius * math.cos(angle)),
-            ("Y", self.pole[1] + radius * math.sin(angle)),
-        ]
 
     def special_arc(self, kind: str, words: Words) -> None:
         """CIP over a point I1 J1, CT as a continuation."""

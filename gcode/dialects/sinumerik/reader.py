@@ -8,16 +8,17 @@ from functools import lru_cache
 from gcode.dialects.sinumerik.block_words import ADDRESSES, BlockWords, Words, split_arguments
 from gcode.dialects.sinumerik.codes import STOPS
 from gcode.dialects.sinumerik.corners import SinumerikCorners
-from gcode.dialects.sinumerik.cycle_calls import CycleCalls
-from gcode.dialects.sinumerik.expressions import Variables
+from gcode.dialects.sinumerik.cycles.calls import CycleCalls
 from gcode.dialects.sinumerik.flow import Flow
 from gcode.dialects.sinumerik.frames import ProgrammableFrame
 from gcode.dialects.sinumerik.motion import SinumerikMotion
+from gcode.dialects.sinumerik.poles import Poles
 from gcode.dialects.sinumerik.statements import ARC_WORD, NO_MOTION_WORDS, Statements
 from gcode.dialects.sinumerik.subprograms import Subprograms
 from gcode.dialects.sinumerik.system_variables import system_variable
 from gcode.dialects.sinumerik.tool_words import ToolWords
 from gcode.dialects.sinumerik.units import Units
+from gcode.dialects.sinumerik.variables import Variables
 from gcode.errors import ProgramError
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated, number
@@ -53,6 +54,7 @@ class SinumerikReader(Translated):
         self.flow, self.frame = Flow(self), ProgrammableFrame(self)
         self.words, self.tools = BlockWords(self), ToolWords(self)
         self.motion, self.corners = SinumerikMotion(self), SinumerikCorners(self)
+        self.poles = Poles(self)
         self.cycles, self.units = CycleCalls(self), Units(self)
         self.statements = Statements(self)
         controller.start_up, controller.round_corners_from = "A", 0.0
@@ -123,7 +125,7 @@ class SinumerikReader(Translated):
             return
         self.units.select(words)
         self.tools.change(words)
-        self.motion.polar(words, g_codes)
+        self.poles.obey(words, g_codes)
         self.motion.opening_angle(words, g_codes)
         if self.corners.hold(words, g_codes, is_special=arc is not None):
             return
@@ -165,9 +167,11 @@ class SinumerikReader(Translated):
             self.controller.use(arc)
 
     def _noted(self, found: re.Match) -> str:
-        self.controller.note(
-            (found[1] or found[2] or found[3]).upper(), "screen, or following of the path"
-        )
+        word = (found[1] or found[2] or found[3]).upper()
+        if word in ("NORM", "KONT"):
+            self.tools.approach(word)
+        else:
+            self.controller.note(word, "screen, or following of the path")
         return ""
 
     # for those who obey a block

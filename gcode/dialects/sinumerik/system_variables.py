@@ -5,9 +5,12 @@ SINUMERIK 840D sl/828D, List Manual System Variables.
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
+from gcode.dialects.sinumerik.frames import work_system
 from gcode.state.tools import ToolEntry
+from gcode.text.parameters import system_base
 
 if TYPE_CHECKING:
     from gcode.dialects.sinumerik.reader import SinumerikReader
@@ -15,6 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["system_variable"]
 
 _AXES = "XYZABC"
+_SHIFT = re.compile(r"(.*?)\s*,\s*([XYZ])\s*,\s*TR\s*")  #: [1,X,TR] of a settable frame
 
 
 def system_variable(reader: SinumerikReader, name: str, index: str) -> float | None:
@@ -26,6 +30,11 @@ def system_variable(reader: SinumerikReader, name: str, index: str) -> float | N
              "$P_F": reader.units.said(c.feed), "$P_S": c.speed}  # fmt: skip
     if not index:
         return plain.get(name)
+    shift = _SHIFT.fullmatch(index)
+    if name == "$P_UIFR" and shift is not None:
+        system = work_system(int(reader.variables.value(shift[1])))
+        offset = c.to_program(c.parameters.vector(system_base(system)))
+        return reader.units.said(offset[_AXES.index(shift[2])])
     axis = _AXES.find(index.strip())
     places = {"$P_EP": reader.here, "$AA_IW": reader.here, "$AA_IM": c.machine_position}
     if axis < 0 or name not in places:

@@ -47,6 +47,14 @@ class ToolWords:
             tool = reader.controller.tool
             reader.execute(f"g43h{tool}" if edge and tool else "g49")
 
+    def approach(self, word: str) -> None:
+        """NORM and KONT, which differ only where the tool starts or ends behind the contour.
+
+        Function Manual Basic Functions 6FC5397-0BP40-2BA0, section 18.5.3.
+        """
+        self.reader.controller.use(word)
+        self.reader.controller.start_up = "in front" if word == "KONT" else "A"
+
     def side(self, words: Words, g_codes: list[float]) -> None:
         """G40, G41, G42 with the radius of the tool in the spindle."""
         c = self.reader.controller

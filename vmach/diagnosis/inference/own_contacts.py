@@ -32,7 +32,7 @@ def over_own_contacts(weighing: Weighing, found: Explanation) -> tuple[Weighing,
         return weighing, found
     survey, fit = weighing.survey, found.fit
     acting = [
-        EffectInstance(term.effect, term.target, fitted_values(survey, fit, k), survey.job)
+        EffectInstance(term.effect, term.target, fitted_values(fit, k), survey.job)
         for k, term in enumerate(fit.terms)
     ]
     moved = survey.made_beside(acting)

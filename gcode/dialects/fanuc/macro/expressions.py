@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Protocol
 
 from gcode.errors import ProgramError
 from gcode.text.expressions import Expression, Reader
 
-__all__ = ["MacroReader", "Variables", "is_null"]
+__all__ = ["MacroReader", "Variables", "is_null", "whole_expression"]
 
 #: numbers that differ by less are equal: what is left of the digits of the control
 _EQUAL = 1e-8
@@ -172,6 +173,16 @@ class MacroReader(Reader):
             elif name == "ATAN":
                 return lambda v: math.degrees(math.atan(_filled(_value(first, v))))
         return lambda v: function(_filled(_value(first, v)), _filled(_value(second, v)))
+
+
+@lru_cache(maxsize=4096)
+def whole_expression(text: str) -> Expression:
+    """An expression that is all of a text, to be worked out as often as its block runs."""
+    reader = MacroReader(f"[{text}]")
+    found = reader.bracket()
+    if reader.position != len(reader.text):
+        raise ProgramError(f"cannot read '{reader.text[reader.position :]}' in an expression")
+    return found
 
 
 def _index(value: float) -> int:

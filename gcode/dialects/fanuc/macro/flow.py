@@ -27,6 +27,7 @@ class MacroFlow:
     def __init__(self, reader: FanucReader) -> None:
         self.reader = reader
         self._guard = LoopGuard(reader.controller)
+        self._bounds: dict[tuple[int, int], tuple[int, int]] = {}
         self._forms = (
             ("IF", re.compile(r"if(\[.*\])go(?:to)?(.+)"), self._if_goto),
             ("IF THEN", re.compile(r"if(\[.*\])th(?:en)?(.+)"), self._if_then),
@@ -89,6 +90,12 @@ class MacroFlow:
     def program_lines(self) -> tuple[int, int]:
         """First line of the running program, and the line at which the next begins."""
         start = self.reader.calls.stack[-1].program if self.reader.calls.stack else 0
+        key = start, len(self.reader.lines)  # lines of other files are added behind
+        if key not in self._bounds:
+            self._bounds[key] = self._find_program(start)
+        return self._bounds[key]
+
+    def _find_program(self, start: int) -> tuple[int, int]:
         while start > 0 and not PROGRAM.match(self.reader.content(start)):  # within a local part
             start -= 1
         begun = False

@@ -73,6 +73,9 @@ class CycleCalls:
             self.contour.name_labels(text)
         elif cycle == 20:
             self.contour.data = data
+        elif cycle == 270:
+            self.contour.train = data
+            self.reader.controller.note("CYCL DEF 270", "the way to the contour is the control's")
         elif cycle in OLD_CYCLES and code[2] is not None:
             self._old_line(text)
         elif cycle in PATTERNS:
@@ -86,7 +89,7 @@ class CycleCalls:
         elif cycle == 19 and _changes_nothing(text):
             self.reader.controller.note(f"CYCL DEF {cycle}", "changes nothing")
         else:
-            known = sorted({*_CALLED, *PATTERNS, *OLD_CYCLES, *_FRAMES, *_NOTED, 9, 14, 20})
+            known = sorted({*_CALLED, *PATTERNS, *OLD_CYCLES, *_FRAMES, *_NOTED, 9, 14, 20, 270})
             raise ProgramError(
                 f"Klartext cycle '{content}' is not read",
                 accepted="CYCL DEF " + ", ".join(map(str, known)),

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from gcode.dialects.heidenhain.cycles.contours import Contour, read_contour
@@ -42,6 +43,7 @@ class ContourCycles:
     def __init__(self) -> None:
         self.labels: list[str] = []
         self.data: dict[str, float] = {}
+        self.train: dict[str, float] = {}  #: of cycle 270
 
     def name_labels(self, text: str) -> None:
         """``14.1 CONTOUR LABEL 1 /2 /3``."""
@@ -58,6 +60,11 @@ class ContourCycles:
         if cycle != 25 and not self.data:
             raise ProgramError(f"cycle {cycle} without CYCL DEF 20 CONTOUR DATA before it")
         contours = [read_contour(reader, label) for label in self.labels]
+        if cycle == 25 and "391" in self.train:
+            side = {0: 0, 1: 1, 2: -1}.get(int(self.train["391"]))
+            if side is None:
+                raise ProgramError(f"Q391={self.train['391']:g} of cycle 270", accepted="0 to 2")
+            contours = [replace(contour, side=side) for contour in contours]
         reader.controller.note(
             f"CYCL DEF {cycle}",
             "the way through the material is the control's own; rings are taken here, walls and "

@@ -1,4 +1,4 @@
-"""Klartext cycles 208, 251 to 254, 256 and 257: pockets, slots, studs and bores.
+"""Klartext cycles 208, 251 to 254 and 256 to 258: pockets, slots, studs and bores.
 
 HEIDENHAIN TNC 640, User's Manual Cycle Programming, "Fixed cycles: pocket milling / stud milling /
 slot milling" and "Bore milling".
@@ -15,6 +15,7 @@ from gcode.errors import ProgramError
 from gcode.geometry.arcs import Point
 from gcode.geometry.curved_slot import CurvedSlot
 from gcode.geometry.outlines import Outline
+from gcode.geometry.polygons import Polygon
 from gcode.language.area_milling import Area, mill_bore, mill_pocket, mill_stud
 
 if TYPE_CHECKING:
@@ -22,7 +23,8 @@ if TYPE_CHECKING:
 
 __all__ = ["MILLING", "mill"]
 
-MILLING = frozenset((208, 251, 252, 253, 254, 256, 257))
+MILLING = frozenset((208, 251, 252, 253, 254, 256, 257, 258))
+_STUDS = frozenset((256, 257, 258))
 #: Q370 where it is not said: TNC 640, cycle 251
 _OVERLAP = 1.0
 #: Q367 -> where the tool stands, in half lengths and half widths from the centre
@@ -76,8 +78,20 @@ class _Data:
             first, length = first + length, -length
         return CurvedSlot(centre, radius, first + self.turned_deg, length, self.q(219) / 2.0)
 
-    def outline(self) -> Outline | CurvedSlot:
+    def polygon(self) -> Polygon:
+        """Cycle 258: Q571 is the inscribed circle, with Q573 = 1 the circumscribed one."""
+        count, corner = int(self.q(572)), self.q(220, 0.0)
+        if not 3 <= count <= 30 or corner < 0.0:
+            raise ProgramError(f"Q572={count} with Q220={corner:g}",
+                               accepted="3 to 30 corners that are sharp or round")  # fmt: skip
+        circle = self.q(571) / 2.0
+        inner = circle * math.cos(math.pi / count) if self.q(573, 0.0) else circle
+        return Polygon(self.here, inner, count, corner, self.q(224, 0.0))
+
+    def outline(self) -> Outline | CurvedSlot | Polygon:
         """The finished wall."""
+        if self.number == 258:
+            return self.polygon()
         if self.number == 254:
             return self.curved_slot()
         if self.number == 252:
@@ -96,9 +110,9 @@ class _Data:
             corner = max(corner, self.tool_radius)
         return Outline(centre, length, width, corner, angle)
 
-    def blank(self, outline: Outline) -> Outline | None:
+    def blank(self, outline: Outline | CurvedSlot | Polygon) -> Outline | None:
         """What stands round a stud."""
-        if self.number == 257:
+        if self.number in (257, 258):
             return Outline.circle(self.here, self.q(222) / 2.0)
         if self.number == 256:
             return Outline(
@@ -111,7 +125,7 @@ class _Data:
         outline, surface = self.outline(), self.q(203, 0.0)
         operation, feed = int(self.q(215, 0.0)), self._feed(207)
         climb = self.q(351, 1.0) >= 0.0
-        stands = self.number in (256, 257)
+        stands = self.number in _STUDS
         return Area(
             outline=outline,
             tool_radius=self.tool_radius,
@@ -144,7 +158,7 @@ class _Data:
         if self.number == 208:
             self.data = {"202": 0.0, "207": self.q(206), **self.data}
             return mill_bore(self.area(), self.q(334))
-        if self.number in (256, 257):
+        if self.number in _STUDS:
             return mill_stud(self.area())
         return mill_pocket(self.area())
 

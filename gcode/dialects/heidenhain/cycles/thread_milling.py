@@ -1,9 +1,11 @@
-"""Klartext cycles 262 to 264: internal threads by a mill on a helix.
+"""Klartext cycles 262 to 265 and 267: threads by a mill on a helix.
 
 Source: HEIDENHAIN TNC 426/430 User's Manual, "Cycles for drilling, tapping and thread milling":
-262 mills a thread into a hole, 263 countersinks it first, 264 drills it first. A right-hand thread
-is milled upwards by climb milling and downwards by up-cut milling, a left-hand one the other way.
-How the tool comes to the wall is the control's own; a semicircle is taken here.
+262 mills a thread into a hole, 263 countersinks it first, 264 drills it first, 265 goes down on one
+helix, 267 mills round a stud. In a hole a right-hand thread is milled upwards by climb milling and
+downwards by up-cut milling, a left-hand one and one round a stud the other way. Q207 is the feed
+of the edge, so the axis is slower in a hole and faster round a stud. How the tool comes to the wall
+is the control's own: a semicircle in a hole, a line round a stud.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["THREADS", "mill_thread"]
 
-THREADS = frozenset((262, 263, 264))
+THREADS = frozenset((262, 263, 264, 265, 267))
 _MOST_TURNS = 10_000
 #: above the last depth where rapid ends in cycle 264, mm
 _ADVANCED_STOP_MM = 0.2
@@ -39,14 +41,17 @@ class _Thread:
         self.bottom, self.pitch = self.surface + self.q(201), self.q(239)
         unit = reader.controller.unit_mm
         self.tool_radius = tool_of_spindle(reader).offset_diameter_mm / 2.0 / unit
-        self.radius = self.q(335) / 2.0 - self.tool_radius
+        self.is_outside = cycle == 267
+        wall = self.q(335) / 2.0
+        self.radius = wall + (self.tool_radius if self.is_outside else -self.tool_radius)
         self.approach = self.q(253)
         if self.q(201) >= 0.0 or self.pitch == 0.0:
             raise ProgramError(f"thread with Q201={self.q(201):g} and Q239={self.pitch:g}",
                                accepted="a negative depth and a pitch")  # fmt: skip
-        if self.radius <= 0.0:
+        if self.radius <= 0.0 or not wall > 0.0:
             raise ProgramError(f"a tool of radius {self.tool_radius:g} does not mill a thread of "
                                f"{self.q(335):g}")  # fmt: skip
+        self.feed = self.q(207) * self.radius / wall
 
     def q(self, name: int, default: float | None = None) -> float:
         """A parameter."""
@@ -59,7 +64,8 @@ class _Thread:
 
     def turns(self) -> list[tuple[float, float]]:
         """Where helices begin and end along Z, each with an approach of its own."""
-        step, lead = int(self.q(355, 1.0 if self.cycle != 262 else 0.0)), abs(self.pitch)
+        step = 1 if self.cycle == 265 else int(self.q(355, float(self.cycle in (263, 264))))
+        lead = abs(self.pitch)
         depth = -self.q(201)
         if step == 0:
             found = [(self.bottom, self.bottom + lead)]
@@ -80,22 +86,39 @@ class _Thread:
 
     @property
     def goes_up(self) -> bool:
-        return (self.pitch > 0.0) == self.climbs
+        """Cycle 265 always goes down."""
+        return self.cycle != 265 and ((self.pitch > 0.0) == self.climbs) != self.is_outside
+
+    @property
+    def code(self) -> str:
+        """G code of the helix."""
+        if self.cycle == 265:
+            return "g2" if self.pitch > 0.0 else "g3"
+        return "g3" if self.climbs != self.is_outside else "g2"
 
     def helices(self) -> Iterator[str]:
-        """Blocks of the thread, from the middle of the hole and back to it."""
-        code, feed = "g3" if self.climbs else "g2", f"f{number(self.q(207))}"
-        wall = self.x + self.radius
-        middle = f"x{number(self.x)}y{number(self.y)}"
+        """Blocks of the thread, from the middle of the hole, or from beside the stud, and back."""
+        code, feed = self.code, f"f{number(self.feed)}"
+        wall = f"x{number(self.x + self.radius)}y{number(self.y)}"
         for first, last in self.turns():
             count = round(abs(last - first) / abs(self.pitch))
             if count > _MOST_TURNS:
                 raise ProgramError(f"thread of {count} turns")
-            yield f"g1{middle}z{number(first)}f{number(self.approach)}"
-            yield f"{code}x{number(wall)}y{number(self.y)}r{number(self.radius / 2.0)}{feed}"
-            yield (f"{code}x{number(wall)}y{number(self.y)}z{number(last)}"
-                   f"i{number(-self.radius)}j0p{count}")  # fmt: skip
-            yield f"{code}{middle}r{number(self.radius / 2.0)}"
+            yield f"g1{self.beside}z{number(first)}f{number(self.approach)}"
+            yield self._across(wall) + feed
+            yield f"{code}{wall}z{number(last)}i{number(-self.radius)}j0p{count}"
+            yield self._across(self.beside)
+
+    @property
+    def beside(self) -> str:
+        """Where the tool touches nothing: the middle of a hole, two radii off a stud's thread."""
+        away = self.radius + 2.0 * self.tool_radius if self.is_outside else 0.0
+        return f"x{number(self.x + away)}y{number(self.y)}"
+
+    def _across(self, place: str) -> str:
+        if self.is_outside:
+            return f"g1{place}"
+        return f"{self.code}{place}r{number(self.radius / 2.0)}"
 
     # before the thread
 
@@ -131,25 +154,32 @@ class _Thread:
         if depth == 0.0:
             return
         feed = f"f{number(self.q(254, self.data.get('206')))}"
-        middle = f"x{number(self.x)}y{number(self.y)}"
-        yield f"g1{middle}z{number(self.surface + depth)}f{number(self.approach)}"
+        yield f"g1{self.beside}z{number(self.surface + depth)}f{number(self.approach)}"
         if aside > 0.0:
             wall = f"x{number(self.x + aside)}y{number(self.y)}"
-            yield f"g3{wall}r{number(aside / 2.0)}{feed}"
+            lead = "g1{}" if self.is_outside else f"g3{{}}r{number(aside / 2.0)}"
+            yield lead.format(wall) + feed
             yield f"g3{wall}i{number(-aside)}j0"
-            yield f"g3{middle}r{number(aside / 2.0)}"
+            yield lead.format(self.beside)
 
     def blocks(self) -> Iterator[str]:
         """The cycle as blocks of RS274/NGC."""
+        if self.is_outside:
+            yield f"g0{self.beside}"
         yield f"g0z{number(self.clear)}"
         if self.cycle == 264:
             yield from self.drill()
         elif self.cycle == 263:
             yield from self.countersink()
-        if self.cycle != 262:
+        sinks_last = self.cycle == 265 and self.q(360, 0.0) == 1.0
+        if self.cycle != 262 and not sinks_last:
             yield from self.sink_front()
         yield from self.helices()
+        if sinks_last:
+            yield from self.sink_front()
         yield f"g0z{number(self.out)}"
+        if self.is_outside:
+            yield f"g0x{number(self.x)}y{number(self.y)}"
 
 
 def mill_thread(reader: KlartextReader, cycle: int, data: Mapping[str, float]) -> None:

@@ -1,8 +1,8 @@
 """CYCLE71: a face in lines.
 
-Source: SINUMERIK 840D sl/828D, Programming Manual Cycles, "Face milling" (from memory): VARI says
-roughing or finishing, and whether lines lie along the first or the second axis, in one sense or
-both.
+Source: SINUMERIK 808D, Programming and Operating Manual (Milling) 07/2018, 6FC5398-4DP10-0BA7,
+page 189: the order of the arguments, and that VARI says roughing or finishing, and whether lines
+lie along the first or the second axis, in one sense or both.
 """
 
 from __future__ import annotations

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from gcode.dialects.sinumerik.cycles import CYCLES, PATTERNS, drill, pattern_points
-from gcode.dialects.sinumerik.face_milling import mill_face_cycle
-from gcode.dialects.sinumerik.milling import MILLING, mill
-from gcode.dialects.sinumerik.thread_milling import mill_thread
+from gcode.dialects.sinumerik.cycles.drilling import CYCLES, PATTERNS, drill, pattern_points
+from gcode.dialects.sinumerik.cycles.face import mill_face_cycle
+from gcode.dialects.sinumerik.cycles.milling import MILLING, mill
+from gcode.dialects.sinumerik.cycles.thread_milling import mill_thread
 from gcode.errors import ProgramError
 from gcode.language.translate import number
 
@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
 __all__ = ["CycleCalls"]
 
+#: cycle -> how many of its arguments a second public source has in the same order; the others of
+#: these cycles rest on memory. d-creations/ncplot7py on GitHub, siemens_mill_cnc/cycles_handler.py
+_ORDER_CONFIRMED = {"CYCLE76": 11, "CYCLE77": 8, "SLOT2": 13}
 _KNOWN = CYCLES | PATTERNS | MILLING | {"CYCLE71", "CYCLE90"}
 
 
@@ -40,6 +43,9 @@ class CycleCalls:
             known = (*sorted(CYCLES), "CYCLE71", "CYCLE90", *sorted(MILLING))
             raise ProgramError(f"{name} is not read", accepted=", ".join(known))
         arguments = reader.arguments(text)
+        sure = _ORDER_CONFIRMED.get(name, len(arguments))
+        if any(value is not None for value in arguments[sure:]):
+            reader.controller.use(f"order of the arguments of {name} behind number {sure}")
         if name in PATTERNS:
             if self.modal is None:
                 raise ProgramError(

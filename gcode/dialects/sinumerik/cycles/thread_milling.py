@@ -1,7 +1,8 @@
 """CYCLE90 of SINUMERIK: a thread by a mill on a helix.
 
 Source: SINUMERIK 840D/810D Programming Guide Cycles, "Thread milling - CYCLE90": RTP, RFP, SDIS,
-DP, DPR, DIATH, KDIAM, PIT, FFR, CDIR, TYPTH, CPA, CPO. The helix goes down by PIT a turn, CDIR 2 or
+DP, DPR, DIATH, KDIAM, PIT, FFR, CDIR, TYPTH, CPA, CPO; d-creations/ncplot7py on GitHub has the same
+order (siemens_mill_cnc/cycles_handler.py). The helix goes down by PIT a turn, CDIR 2 or
 3 is its G code, TYPTH 1 an external thread. How the tool comes to the wall is the control's own.
 """
 

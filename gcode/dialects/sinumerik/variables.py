@@ -1,0 +1,115 @@
+"""R parameters, user variables and variables of the system: their values in a program.
+
+SINUMERIK 840D sl/828D, Programming Manual Job Planning, "Flexible NC programming".
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from collections.abc import Callable
+
+from gcode.dialects.sinumerik.expressions import expression_at, whole_expression
+from gcode.errors import ProgramError
+
+__all__ = ["Variables"]
+
+_MOST_ELEMENTS = 100_000  #: of a field
+
+
+class Variables:
+    """Values of R parameters and of variables that DEF declares.
+
+    Parameters
+    ----------
+    system : callable
+        Name and index of a system variable -> its value, None for one that is not read.
+    """
+
+    def __init__(self, system: Callable[[str, str], float | None] = lambda *_: None) -> None:
+        self.r: dict[int, float] = {}
+        self.named: dict[str, float] = {}  #: fields by name and indices, as ``A[0,2]``
+        self.system = system
+
+    def declare(self, name: str, value: str) -> None:
+        """DEF: a variable, or a field with one or two indices; zero where nothing is said."""
+        sizes = re.fullmatch(r"(\w+)\s*\[([^\]]*)\]", name)
+        if sizes is None:
+            self.named[name] = self.value(value) if value else 0.0
+            return
+        counts = [self._index(self.value(size)) for size in sizes[2].split(",")]
+        if len(counts) > 2 or math.prod(counts) > _MOST_ELEMENTS:
+            raise ProgramError(f"field {name}", accepted=f"up to {_MOST_ELEMENTS} elements")
+        places = [f"{sizes[1]}[{','.join(map(str, place))}]"
+                  for place in itertools.product(*map(range, counts))]  # fmt: skip
+        listed = re.fullmatch(r"SET\s*\((.*)\)", value, re.IGNORECASE)
+        first = [] if listed is None else [self.value(v) for v in listed[1].split(",")]
+        each = self.value(value) if value and listed is None else 0.0
+        self.named |= dict(itertools.zip_longest(places, first[: len(places)], fillvalue=each))
+
+    def value(self, text: str) -> float:
+        """Value of an expression.
+
+        Raises
+        ------
+        ProgramError
+            It cannot be read, or has no value.
+        """
+        return self._finite(whole_expression(text)(self), text)
+
+    def read(self, text: str, position: int) -> tuple[float, int]:
+        """Value of the expression that begins at a position, and where it ends."""
+        worked, end = expression_at(text, position)
+        return self._finite(worked(self), text), end
+
+    @staticmethod
+    def _finite(value: float, text: str) -> float:
+        if not math.isfinite(value):
+            raise ProgramError(f"'{text}' has no finite value")
+        return value
+
+    def parameter(self, index: float) -> float:
+        """An R parameter, zero where nothing has been said."""
+        return self.r.get(self._index(index), 0.0)
+
+    def variable(self, name: str, indices: tuple[float, ...], text: str) -> float:
+        """A variable of DEF, an element of its fields, or a variable of the system."""
+        if indices:
+            name = f"{name}[{','.join(str(self._index(i)) for i in indices)}]"
+        if name in self.named:
+            return self.named[name]
+        told = self.system(name, text)
+        if told is not None:
+            return told
+        why = "a variable of the system" if name.startswith("$") else "not declared"
+        raise ProgramError(
+            f"'{name.partition('[')[0]}' is {why} and has no value here",
+            accepted="R parameters, variables of DEF",
+        )
+
+    def assign(self, name: str, value: float) -> None:
+        """Give a parameter or a declared variable a value."""
+        index = re.fullmatch(r"R(?:(\d+)|\[(.*)\])", name)
+        if index:
+            number = int(index[1]) if index[1] else self._index(self.value(index[2]))
+            self.r[number] = value
+        elif self._element(name) in self.named:
+            self.named[self._element(name)] = value
+        else:
+            raise ProgramError(f"variable '{name}' is not declared", accepted="DEF REAL NAME, R1")
+
+    def _element(self, name: str) -> str:
+        """Name of an element, its indices worked out."""
+        field = re.fullmatch(r"(\w+)\s*\[(.*)\]", name)
+        if field is None:
+            return name
+        return (
+            f"{field[1]}[{','.join(str(self._index(self.value(v))) for v in field[2].split(','))}]"
+        )
+
+    @staticmethod
+    def _index(value: float) -> int:
+        if value != round(value) or value < 0:
+            raise ProgramError(f"index {value:g}", accepted="a whole number")
+        return int(value)
