@@ -14,11 +14,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from gcode.dialects.heidenhain.cycles.contours import Contour, read_contour
+from gcode.dialects.heidenhain.cycles.contours import read_contour
 from gcode.dialects.heidenhain.tool_call import tool_of_spindle
 from gcode.errors import ProgramError
 from gcode.geometry.arcs import Point
 from gcode.geometry.regions import CHORD_MM, Region, polyline
+from gcode.language.contours import Contour
 from gcode.language.translate import number
 
 if TYPE_CHECKING:
@@ -199,9 +200,7 @@ class _Milling:
         if len(self.contours) != 1:
             raise ProgramError("cycle 25 with several contours", accepted="one label in cycle 14")
         contour = self.contours[0]
-        x, y = contour.first_direction
-        away = contour.side * (self.tool_radius + self.q(3, 0.0))
-        begin = contour.start[0] - y * away, contour.start[1] + x * away
+        begin, end = contour.ends_beside(self.tool_radius)
         if self.q(3, 0.0):
             raise ProgramError("cycle 25 with an allowance Q3", accepted="Q3=0, or DR of TOOL CALL")
         tool = self.reader.controller.tool
@@ -214,4 +213,5 @@ class _Milling:
             yield f"g1{start}f{number(self.feed(12))}"
             yield from contour.blocks()
             yield "g40"
+            yield f"g1x{number(end[0])}y{number(end[1])}"  # up from beside the contour
             yield f"g0z{number(self.clear)}"
