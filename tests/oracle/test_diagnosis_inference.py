@@ -68,7 +68,7 @@ def test_probability_is_that_of_a_normal_distribution(weighing, share, tails):
         dense = multivariate_normal.logpdf(
             free.T @ survey.residual_mm, cov=free.T @ covariance @ free
         )
-        ours = Posterior(base, sizes, Effects(base, columns)).log_probability
+        ours = Posterior(base, sizes, Effects(base.columns(columns))).log_probability
         return dense, ours - sizes.log_prior
 
     count = len(members.names)
@@ -87,11 +87,15 @@ def test_products_of_whitened_columns_are_those_by_the_dense_inverse(weighing, s
     signature = {c.label: 1.5 * c.signatures_mm[:, 0] for c in weighing.candidates}
     columns = np.hstack([np.zeros((len(survey), 0)), *(signature[label] for label in beside)])
     tested = np.column_stack([*signature.values(), survey.residual_mm])
-    ours = Posterior(base, sizes, Effects(base, columns)).whiten(tested)
+    posterior = Posterior(base, sizes, Effects(base.columns(columns)))
+    ours = posterior.whiten(tested)
     free = null_space(survey.nuisance.T)
     dense = free.T @ dense_covariance(noise, members, sizes, columns) @ free
     expected = tested.T @ free @ np.linalg.solve(dense, free.T @ tested)
     np.testing.assert_allclose(ours.T @ ours, expected, rtol=1e-6, atol=1e-8 * expected.max())
+    gram, seen = posterior.products(base.columns(tested))
+    np.testing.assert_allclose(gram, expected, rtol=1e-6, atol=1e-8 * expected.max())
+    np.testing.assert_allclose(seen, expected[:, -1], rtol=1e-6, atol=1e-8 * expected.max())
 
 
 def test_its_slope_is_that_of_differences(weighing):
@@ -123,8 +127,8 @@ def test_evidence_of_a_candidate_is_what_it_adds(weighing, size, close):
     signature = weighing.candidates[k].signatures_mm[:, 0]
     gains = []
     for width in (0.1, 0.4, 1.5, 6.0):
-        columns = np.hstack([here.posterior.effects.columns_mm, width * signature])
-        effects = Effects(weighing.base, columns, here.posterior.effects.log_prior)
+        columns = np.hstack([here.posterior.effects.columns.mm, width * signature])
+        effects = Effects(weighing.base.columns(columns), here.posterior.effects.log_prior)
         more = Posterior(weighing.base, sizes, effects)
         gains.append(more.log_probability - here.score)
     mean = np.logaddexp.reduce(gains) - np.log(len(gains))

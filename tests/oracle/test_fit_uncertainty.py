@@ -6,10 +6,14 @@ import numpy as np
 import pytest
 
 from vmach.effects import Effect, along, inner, linear
+from vmach.fit.base import Base
+from vmach.fit.discrepancy import Members
+from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.joint_fit import fit_terms
+from vmach.fit.marginal_likelihood import Effects, Posterior
+from vmach.fit.sizes import Sizes
 from vmach.fit.terms import Term
 from vmach.fit.uncertainty import parameter_uncertainty
-from vmach.fit.whitening import Whitening
 
 TIME_S = np.linspace(0.0, 1000.0, 40)
 NOISE = 0.5
@@ -33,8 +37,9 @@ class Warming(Effect):
 class OneSeries:
     """The part of a survey that a fit asks for: one series of readings, nothing left free."""
 
-    def __init__(self, readings):
+    def __init__(self, readings, free=0):
         self.residual_mm = readings
+        self.nuisance = np.ones((len(readings), free))
 
     def __len__(self):
         return len(self.residual_mm)
@@ -46,13 +51,19 @@ class OneSeries:
         return [], np.zeros(0)
 
 
+def beside_noise(survey):
+    """Nothing but white noise and what is left free."""
+    count = len(survey)
+    noise = FeatureNoise(np.full(count, NOISE), np.full(count, "one"), np.ones(count))
+    base = Base(survey, noise, Members(np.zeros((count, 0)), (), ()))
+    return Posterior(base, Sizes(1.0, ()), Effects(base.no_columns))
+
+
 def fitted(growth, tau, random):
     clean = growth * (1.0 - np.exp(-TIME_S / tau))
     survey = OneSeries(clean + NOISE * random.standard_normal(len(TIME_S)))
-    count = len(TIME_S)
-    whiten = Whitening(np.full(count, NOISE), np.zeros((count, 0)), np.zeros((count, 0)))
-    fit = fit_terms(survey, [Term(Warming(), "", {"tau_s": 600.0})], whiten)
-    return survey, fit, parameter_uncertainty(survey, fit, 0)
+    fit = fit_terms(beside_noise(survey), [Term(Warming(), "", {"tau_s": 600.0})])
+    return survey, fit, parameter_uncertainty(fit, 0)
 
 
 def dense_moments(survey, stated):
@@ -99,9 +110,8 @@ def test_what_the_readings_do_not_show_is_said():
     count = len(TIME_S)
     short = OneSeries(0.3 * random.standard_normal(count))
     short.signature = lambda effect, target, inner_values: np.full((count, 1), 1e-3)
-    whiten = Whitening(np.full(count, NOISE), np.zeros((count, 0)), np.zeros((count, 0)))
-    fit = fit_terms(short, [Term(Warming(), "", {"tau_s": 600.0})], whiten)
-    spread = parameter_uncertainty(short, fit, 0)
+    fit = fit_terms(beside_noise(short), [Term(Warming(), "", {"tau_s": 600.0})])
+    spread = parameter_uncertainty(fit, 0)
     assert not spread["growth_um"].is_shown and not spread["tau_s"].is_shown
 
 
@@ -124,7 +134,7 @@ class OneSeriesWithPauses(OneSeries):
     """Readings with pauses between them, in any of which a step may have happened."""
 
     def __init__(self, readings, time_s):
-        super().__init__(readings)
+        super().__init__(readings, free=1)
         self.time_s = time_s
 
     def signature(self, effect, target, inner_values):
@@ -140,14 +150,13 @@ def test_the_height_of_a_step_carries_that_its_moment_is_not_known():
     """300 series with steps at any time; with the moment taken as known 91 % would be held."""
     random = np.random.default_rng(8)
     count, inside = 30, []
-    whiten = Whitening(np.full(count, NOISE), np.zeros((count, 0)), np.ones((count, 1)))
     for _ in range(300):
         time = np.cumsum(random.exponential(40.0, count))
         when = random.uniform(time[0], time[-1])
         height = 0.8 * random.choice([-1, 1])
         readings = height * (time > when) + NOISE * random.standard_normal(count)
         survey = OneSeriesWithPauses(readings, time)
-        fit = fit_terms(survey, [Term(Step(), "", {"time_s": 0.5 * time[-1]})], whiten)
-        spread = parameter_uncertainty(survey, fit, 0)["height_um"]
+        fit = fit_terms(beside_noise(survey), [Term(Step(), "", {"time_s": 0.5 * time[-1]})])
+        spread = parameter_uncertainty(fit, 0)["height_um"]
         inside.append(spread.low <= height <= spread.high)
     assert 0.93 < np.mean(inside) < 0.97

@@ -66,7 +66,7 @@ def test_a_shoulder_cut_to_the_wrong_depth_is_listed_with_its_line(tmp_path, cut
     assert (place.line, place.tool) == (6, 1)
     assert place.volume_mm3 == pytest.approx(40 * 5 * 0.3, rel=0.02)
     assert place.area_mm2 == pytest.approx(40 * 5 + 40 * 0.2, rel=0.15)
-    assert any("in 1 places" in str(note) for note in made.notes)
+    assert any("in 1 place " in str(note) for note in made.notes)
 
 
 def test_a_part_as_drawn_has_no_difference(tmp_path):

@@ -96,7 +96,7 @@ def findings_of(found: Inference) -> tuple[Finding, ...]:
 
 def _finding(found: Inference, fit: JointFit, k: int) -> Finding:
     effect, target = fit.terms[k].effect, fit.terms[k].target
-    fitted = fitted_parameters(found.weighing.survey, fit, k)
+    fitted = fitted_parameters(fit, k)
     is_component = effect.corrects_table
     return Finding(
         effect=effect,

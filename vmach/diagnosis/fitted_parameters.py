@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from vmach.diagnosis.component_curve import component_parameters
-from vmach.fit.survey import Survey
 from vmach.fit.terms import JointFit
 from vmach.fit.uncertainty import parameter_uncertainty
 
@@ -32,11 +31,12 @@ class FittedParameters:
     weakly_identified: tuple[str, ...] = ()
 
 
-def fitted_parameters(survey: Survey, fit: JointFit, k: int) -> FittedParameters:
-    """The parameters of term k of a fit to a survey."""
+def fitted_parameters(fit: JointFit, k: int) -> FittedParameters:
+    """The parameters of term k of a fit."""
     if fit.terms[k].effect.corrects_table:
-        return FittedParameters(*component_parameters(fit, k, survey.paths[0]))
-    spreads = parameter_uncertainty(survey, fit, k)
+        path = fit.posterior.base.survey.paths[0]
+        return FittedParameters(*component_parameters(fit, k, path))
+    spreads = parameter_uncertainty(fit, k)
     return FittedParameters(
         values=fit.parameters(k),
         u={name: spread.u for name, spread in spreads.items()},

@@ -106,7 +106,7 @@ def _extended(
 
 def _named_effect(survey: Survey, fit: JointFit, k: int, *, is_called_for: bool) -> NamedEffect:
     """Term k of a fit, with the uncertainty that goes into a job."""
-    term, fitted = fit.terms[k], fitted_parameters(survey, fit, k)
+    term, fitted = fit.terms[k], fitted_parameters(fit, k)
     if term.effect.corrects_table:
         one_sigma = component_directions(fit, k, survey.paths[0])
     else:

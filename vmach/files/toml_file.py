@@ -14,6 +14,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationError
 
 from vmach.errors import InputError
+from vmach.files.mistaken_file import mistaken_for
 from vmach.files.text_file import read_text
 
 __all__ = [
@@ -100,11 +101,15 @@ def read_toml_and_text(path: Path, schema: type[Section], *, what: str) -> tuple
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise _not_toml(path, what, text, error) from None
+        raise mistaken_for(path, text, None, what=what) or _not_toml(
+            path, what, text, error
+        ) from None
     except ValueError:  # Python refuses to convert more than 4,300 digits
         raise InputError(f"{what} has a number of too many digits", file=path) from None
     except RecursionError:
         raise InputError(f"{what} has lists or tables nested too deeply", file=path) from None
+    if mistaken := mistaken_for(path, text, data, what=what):
+        raise mistaken
     return check_section(data, schema, file=path, text=text), text
 
 
@@ -161,9 +166,12 @@ def complaints(path: Path, schema: type[Section], *, what: str) -> list[InputErr
     """All that a TOML file has wrong, 100 at most, where `read_toml` raises the first."""
     try:
         text = read_text(path, what=what, largest_bytes=_LARGEST_TOML_BYTES)
-        schema.model_validate(tomllib.loads(text))
+        data = tomllib.loads(text)
+        if mistaken := mistaken_for(path, text, data, what=what):
+            return [mistaken]
+        schema.model_validate(data)
     except ValidationError as error:
-        found = _complaints(error, tomllib.loads(text), schema, file=path, text=text)
+        found = _complaints(error, data, schema, file=path, text=text)
         return list(islice(found, _MOST_COMPLAINTS))
     except InputError as error:
         return [error]

@@ -8,6 +8,7 @@ Source: closed form derived here: the precision of normal variables of unit vari
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
@@ -15,11 +16,14 @@ from scipy.linalg import LinAlgError
 from scipy.linalg.blas import dtrmm
 from scipy.linalg.lapack import dpotrf, dtrtri, dtrtrs
 
+from vmach.effects import Effect
+from vmach.fit.columns import Columns
 from vmach.fit.discrepancy import Members
 from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.remembered import Remembered
 from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
+from vmach.fit.whitening import thin_product
 
 __all__ = ["Base", "SizedMembers", "raised", "root_of_precision", "solved"]
 
@@ -27,6 +31,8 @@ __all__ = ["Base", "SizedMembers", "raised", "root_of_precision", "solved"]
 _GONE = 0.025
 #: numbers that roots of sized members may take up while they are remembered
 _ROOM = 10_000_000
+#: numbers that signatures with their products may take up while they are remembered
+_ROOM_OF_COLUMNS = 16_000_000
 
 
 class Base:
@@ -63,6 +69,7 @@ class Base:
         self.square = float(self.y @ self.y)
         # a root, and its inverse or the raised one
         self._sized = Remembered[SizedMembers](_ROOM / max(2 * self.gram.size, 1))
+        self._columns = Remembered[Columns](_ROOM_OF_COLUMNS, lambda columns: columns.size)
 
     def white(self, columns_mm: np.ndarray) -> np.ndarray:
         """Columns (n, k) mm in unit noise without what the nuisance can explain."""
@@ -72,6 +79,24 @@ class Base:
         else:
             white.T[:] -= (white.T @ self._free) @ self._free.T
         return white
+
+    def columns(self, columns_mm: np.ndarray) -> Columns:
+        """Columns (n, K) mm with their products."""
+        white = self.white(columns_mm)
+        return Columns(columns_mm, white, thin_product(self.z.T, white), white.T @ self.y)
+
+    @cached_property
+    def no_columns(self) -> Columns:
+        """None at all."""
+        return self.columns(np.zeros((len(self.survey), 0)))
+
+    def signature(self, effect: Effect, target: str, inner: Mapping[str, float]) -> Columns:
+        """What one usual size of each coefficient of an effect does; the last are remembered."""
+
+        def made() -> Columns:
+            return self.columns(self.survey.signature(effect, target, inner))
+
+        return self._columns.get((effect, target, tuple(inner.items())), made)
 
     def back(self, white: np.ndarray) -> np.ndarray:
         """Columns (n, k) whose product with raw ones is that of white ones with white ones."""

@@ -17,6 +17,7 @@ from scipy.linalg import block_diag
 
 from vmach.effects.wandering import wandering
 from vmach.fit.survey import Survey
+from vmach.fit.whitening import condensed
 
 __all__ = ["Members", "members_of"]
 
@@ -28,6 +29,8 @@ _FIELD_DEGREE = 3
 _UPRIGHT = 0.7
 #: a cause whose largest signature is this share of u is left out
 _BLIND = 1e-3
+#: share of u² that a direction of the causes of known size has at least
+_LEAST_VARIANCE = 1e-2
 #: half the length of the smallest part that bends, mm: points on one place tell no curvature
 _LEAST_HALF_MM = 25.0
 
@@ -61,16 +64,11 @@ def members_of(survey: Survey) -> Members:
         "field": unit * _field(survey),
         "bend": unit * _bend(survey),
     }
-    fixed = _condensed(np.hstack([survey.factors, _device(survey)]), survey.u_mm)
+    fixed = condensed(
+        np.hstack([survey.factors, _device(survey)]), survey.u_mm, least=_LEAST_VARIANCE
+    )
     kept = {name: c for name, c in found.items() if c.shape[1]}
     return Members(fixed, tuple(kept), tuple(kept.values()))
-
-
-def _condensed(columns: np.ndarray, u_mm: np.ndarray) -> np.ndarray:
-    """The same covariance by fewer columns: what adds less than one per cent of u² is left out."""
-    scaled = columns / u_mm[:, None]
-    squared, vectors = np.linalg.eigh(scaled.T @ scaled)
-    return columns @ vectors[:, squared > 1e-2]
 
 
 def _offsets(survey: Survey) -> dict[str, np.ndarray]:

@@ -24,6 +24,7 @@ from scipy.linalg import LinAlgError
 from scipy.linalg.lapack import dpotri
 
 from vmach.fit.base import Base, SizedMembers, raised, root_of_precision, solved
+from vmach.fit.columns import Columns
 from vmach.fit.sizes import ABSENT, Sizes
 from vmach.fit.whitening import thin_product
 
@@ -63,30 +64,26 @@ def best_sizes(base: Base, start: Sizes, effects: Effects) -> Posterior:
     return here
 
 
+@dataclass(frozen=True, eq=False)
 class Effects:
-    """Columns of effects, of unit prior variance, and their products with a base.
+    """Effects beside the members.
 
     Attributes
     ----------
-    columns_mm, white : (n, e) float64
-        In mm, and in unit noise without what the nuisance can explain.
-    cross : (q, e) float64
-        Products with the members' columns.
-    gram : (e, e) float64
-        With each other.
-    seen : (e,) float64
-        With the readings.
+    columns : Columns
+        Of unit prior variance.
+    log_prior : float
     """
 
-    def __init__(self, base: Base, columns_mm: np.ndarray, log_prior: float = 0.0) -> None:
-        self.columns_mm, self.log_prior = columns_mm, log_prior
-        self.white = base.white(columns_mm)
-        self.cross, self.gram = base.z.T @ self.white, self.white.T @ self.white
-        self.seen = self.white.T @ base.y
+    columns: Columns
+    log_prior: float = 0.0
+
+    def __len__(self) -> int:
+        return len(self.columns)
 
     def on(self, base: Base) -> Effects:
         """The same over another base of the survey."""
-        return Effects(base, self.columns_mm, self.log_prior)
+        return Effects(base.columns(self.columns.mm), self.log_prior)
 
 
 class Bordered:
@@ -109,11 +106,13 @@ class Bordered:
 
     def __init__(self, members: SizedMembers, effects: Effects) -> None:
         k = members.sizes.factor
-        self.border = members.taken(effects.cross) / k
-        scale = np.full(len(effects.seen), 1.0 / k)
-        self.own = root_of_precision(effects.gram - k**2 * self.border.T @ self.border, scale)
+        self.border = members.taken(effects.columns.cross) / k
+        scale = np.full(len(effects), 1.0 / k)
+        self.own = root_of_precision(
+            effects.columns.gram - k**2 * self.border.T @ self.border, scale
+        )
         self.seen_members = members.seen
-        aim = effects.seen / k**2 - self.border.T @ self.seen_members
+        aim = effects.columns.seen / k**2 - self.border.T @ self.seen_members
         self.seen_effects = solved(self.own, aim)
 
 
@@ -145,7 +144,7 @@ class Posterior:
     @property
     def scale(self) -> np.ndarray:
         """Prior standard deviation of every column's coefficient in units of the factor, (k,)."""
-        of_effects = np.full(len(self.effects.seen), 1.0 / self.sizes.factor)
+        of_effects = np.full(len(self.effects), 1.0 / self.sizes.factor)
         return np.concatenate([self.members.scale, of_effects])
 
     @property
@@ -185,12 +184,12 @@ class Posterior:
         if failed:
             raise LinAlgError("the posterior precision has to be regular")
         count, mean = len(self.sizes.members) + 1, self.mean
-        none = np.zeros(len(self.effects.seen), dtype=int)
+        none = np.zeros(len(self.effects), dtype=int)
         member = np.concatenate([self.base.member_of, none])
         diagonal = np.diag(inverse).copy()
         slope = np.bincount(member, mean**2 + diagonal - 1.0, count)
         k = self.sizes.factor
-        seen = np.concatenate([self.base.seen, self.effects.seen])
+        seen = np.concatenate([self.base.seen, self.effects.columns.seen])
         explained = mean @ (self.scale * seen) / k
         rest = self.base.square / k**2 - explained - mean @ mean
         slope[0] = rest + len(diagonal) - diagonal.sum() - self.base.degrees
@@ -208,13 +207,34 @@ class Posterior:
         information = 2.0 * found + np.diag(prior.information_of_prior)
         return slope + prior.slope_of_prior, information
 
+    def taken(self, columns: Columns) -> np.ndarray:
+        """What members and effects take of K columns, by the root, (k, K)."""
+        factor, root = self.sizes.factor, self.bordered
+        of_members = self.members.taken(columns.cross) / factor
+        own = self.effects.columns.white.T @ columns.white / factor**2
+        return np.concatenate([of_members, solved(root.own, own - root.border.T @ of_members)])
+
+    def products(self, columns: Columns) -> tuple[np.ndarray, np.ndarray]:
+        """Of K columns with each other and with the readings, (K, K) and (K,), in unit noise.
+
+        Members and effects count as noise; what the nuisance can explain is taken out.
+        """
+        taken, factor = self.taken(columns), self.sizes.factor
+        gram = columns.gram / factor**2 - taken.T @ taken
+        return gram, columns.seen / factor**2 - taken.T @ self.seen
+
+    @property
+    def seen(self) -> np.ndarray:
+        """What the readings say, by the root, (k,)."""
+        return np.concatenate([self.bordered.seen_members, self.bordered.seen_effects])
+
     def whiten(self, columns_mm: np.ndarray) -> np.ndarray:
         """Columns in plain unit noise, members and effects counted as noise; (n,), (n, k) or more.
 
         What the nuisance can explain is taken out. Only products of such columns have a meaning.
         """
         white = self.base.white(columns_mm.reshape(len(columns_mm), -1))
-        members, root, own = self.members, self.bordered, self.effects.white
+        members, root, own = self.members, self.bordered, self.effects.columns.white
         taken = members.taken(thin_product(self.base.z.T, white))
         of_effects = own.T @ white / self.sizes.factor - root.border.T @ taken
         of_effects = solved(root.own, of_effects)
@@ -231,5 +251,5 @@ class Posterior:
         """What members and effects leave of the white readings, (n,), in units of the factor."""
         amount = self.scale * self.mean
         of_members, of_effects = np.split(amount, [len(self.base.member_of)])
-        taken = self.base.z @ of_members + self.effects.white @ of_effects
+        taken = self.base.z @ of_members + self.effects.columns.white @ of_effects
         return self.base.y / self.sizes.factor - taken

@@ -17,7 +17,7 @@ from scipy.linalg import block_diag
 from vmach.base.note import Note
 from vmach.effects import Circumstances, Effect, EffectInstance
 from vmach.fit.remembered import Remembered
-from vmach.fit.whitening import Whitening, orthonormal
+from vmach.fit.whitening import Whitening, condensed, orthonormal
 from vmach.job import Job
 from vmach.measurements import Measurement
 from vmach.path.preparation import job_doubts
@@ -28,6 +28,8 @@ __all__ = ["Survey"]
 
 #: numbers that remembered signatures may take up
 _ROOM = 6_000_000
+#: share of u² that a direction of what a law leaves open has at least
+_LEAST = 1e-3
 
 
 @dataclass(frozen=True)
@@ -173,7 +175,7 @@ class Survey:
         if effect.slack_share == 0.0:
             return np.zeros((len(self), 0))
         blocks = [
-            m.sensed(effect.slack(path, target, parameters))
+            condensed(m.sensed(effect.slack(path, target, parameters)), m.u_mm, least=_LEAST)
             if _can_show(m, effect)
             else np.zeros((len(m), 0))
             for path, m in zip(self.seen_paths, self.measurements, strict=True)

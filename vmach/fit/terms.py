@@ -6,17 +6,16 @@ about its usual size.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from vmach.effects import Effect, Parameter, label_of
+from vmach.fit.columns import Columns
+from vmach.fit.marginal_likelihood import Posterior
 
-__all__ = ["FREE", "JointFit", "Term", "Whitener"]
-
-#: turns columns (n, ...) mm into plain unit noise
-Whitener = Callable[[np.ndarray], np.ndarray]
+__all__ = ["FREE", "JointFit", "Term"]
 
 #: prior standard deviation of amplitudes, in usual sizes; keeps twins apart
 FREE = 30.0
@@ -93,11 +92,11 @@ class JointFit:
         Of each term, in usual sizes.
     covariance : tuple of (K + I, K + I) float64
         Of each term's coefficients and the logarithms of its free inner parameters.
-    signatures_mm : tuple of (n, K) float64
-    tangents_mm : tuple of (n, I) float64
+    signatures : tuple of Columns
+    tangents : tuple of Columns
         Change of the fitted effect with the logarithm of each free inner parameter.
-    whiten : callable
-        With which the fit was made.
+    posterior : Posterior
+        Of what counted as noise.
     slack_mm : (n, Q) float64 or None
         Signatures of what the laws leave open, where the fit counted it as uncertainty.
     """
@@ -105,9 +104,9 @@ class JointFit:
     terms: tuple[Term, ...]
     coefficients: tuple[np.ndarray, ...]
     covariance: tuple[np.ndarray, ...]
-    signatures_mm: tuple[np.ndarray, ...]
-    tangents_mm: tuple[np.ndarray, ...]
-    whiten: Whitener
+    signatures: tuple[Columns, ...]
+    tangents: tuple[Columns, ...]
+    posterior: Posterior
     slack_mm: np.ndarray | None = None
 
     def parameters(self, k: int) -> dict[str, float]:
@@ -152,4 +151,4 @@ class JointFit:
 
     def explained_mm(self, k: int) -> np.ndarray:
         """What term k does to the readings, (n,)."""
-        return self.signatures_mm[k] @ self.coefficients[k]
+        return self.signatures[k].mm @ self.coefficients[k]

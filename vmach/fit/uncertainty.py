@@ -18,9 +18,9 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
-from vmach.fit.survey import Survey
-from vmach.fit.terms import FREE, JointFit, Term, Whitener
-from vmach.fit.whitening import Whitening
+from vmach.fit.columns import Columns
+from vmach.fit.marginal_likelihood import Effects, Posterior
+from vmach.fit.terms import FREE, JointFit, Term
 
 __all__ = ["Spread", "parameter_uncertainty"]
 
@@ -62,24 +62,23 @@ class Spread:
     is_shown: bool = True
 
 
-def parameter_uncertainty(survey: Survey, fit: JointFit, k: int) -> dict[str, Spread]:
+def parameter_uncertainty(fit: JointFit, k: int) -> dict[str, Spread]:
     """Uncertainty of every parameter of term k.
 
     Parameters
     ----------
-    survey : Survey
     fit : JointFit
     k : int
     """
-    term = fit.terms[k]
+    term, survey = fit.terms[k], fit.posterior.base.survey
     places, log_prior = survey.places(term.effect, term.target, term.inner)
     if places:
-        return _spreads(fit, k, _Posterior.of(survey, fit, k).at(places, log_prior))
+        return _spreads(fit, k, _OneTerm.of(fit, k).at(places, log_prior))
     if len(term.free_parameters) not in _NODES:
         return _straight(fit, k)
     amplitudes, spread = len(fit.coefficients[k]), term.spread_of_inner
     guess = np.minimum(fit.covariance[k][amplitudes:, amplitudes:], np.outer(spread, spread))
-    distribution, deviation = _Posterior.of(survey, fit, k).on_its_own_grid(guess)
+    distribution, deviation = _OneTerm.of(fit, k).on_its_own_grid(guess)
     found = _spreads(fit, k, distribution)
     for name, share in zip(term.free_inner, deviation / spread, strict=True):
         found[name] = replace(found[name], is_shown=bool(share < _HARDLY))
@@ -135,44 +134,28 @@ class _Distribution:
 
 
 @dataclass(frozen=True)
-class _Posterior:
+class _OneTerm:
     """Probability of the D inner parameters of one term, as steps of their logarithms.
 
     Attributes
     ----------
-    survey : Survey
     term : Term
-    whiten : callable
-        Turns readings (n, ...) mm into unit noise without what the other terms can explain.
-    reading : (n,) float64
-        What is to be explained, whitened so.
+    beside : Posterior
+        Of what counts as noise, the other terms with it, their inner parameters along tangents.
     """
 
-    survey: Survey
     term: Term
-    whiten: Whitener
-    reading: np.ndarray
+    beside: Posterior
 
     @classmethod
-    def of(cls, survey: Survey, fit: JointFit, k: int) -> _Posterior:
-        """Of term k, the other terms eliminated, their inner parameters along tangents."""
-        empty = np.zeros((len(survey), 0))
-        free, random = [empty], [empty]
+    def of(cls, fit: JointFit, k: int) -> _OneTerm:
+        """Of term k, the other terms eliminated."""
+        parts = [fit.posterior.effects.columns]
         for i, term in enumerate(fit.terms):
-            if i == k:
-                continue
-            if term.width is None:
-                free += [fit.signatures_mm[i], fit.tangents_mm[i]]
-            else:
-                random.append(term.width * fit.signatures_mm[i])
-        others = Whitening(
-            np.ones(len(survey)), fit.whiten(np.hstack(random)), fit.whiten(np.hstack(free))
-        )
-
-        def absorb(columns: np.ndarray) -> np.ndarray:
-            return others(fit.whiten(columns))
-
-        return cls(survey, fit.terms[k], absorb, absorb(survey.residual_mm))
+            if i != k:
+                parts.append(fit.signatures[i].scaled(term.prior_width))
+                parts.append(fit.tangents[i].scaled(term.spread_of_inner))
+        return cls(fit.terms[k], replace(fit.posterior, effects=Effects(Columns.joined(parts))))
 
     def on_its_own_grid(self, covariance: np.ndarray) -> tuple[_Distribution, np.ndarray]:
         """The distribution on a grid that is as wide as itself, and its deviations (D,).
@@ -218,14 +201,10 @@ class _Posterior:
 
     def at(self, inner: Sequence[Mapping[str, float]], log_prior: np.ndarray) -> _Distribution:
         """The distribution over G places whose log prior is (G,)."""
-        effect, target = self.term.effect, self.term.target
-        raw = [self.survey.signature(effect, target, values) for values in inner]
-        white = self.whiten(np.stack(raw, axis=1))
-        rows = white.transpose(1, 2, 0)
-        precision = rows @ rows.transpose(0, 2, 1)
-        precision = precision + np.eye(precision.shape[1]) / FREE**2
-        covariance = np.linalg.inv(precision)
-        seen = rows @ self.reading
+        effect, target, base = self.term.effect, self.term.target, self.beside.base
+        found = [self.beside.products(base.signature(effect, target, i)) for i in inner]
+        precision, seen = map(np.stack, zip(*found, strict=True))
+        covariance = np.linalg.inv(precision + np.eye(precision.shape[1]) / FREE**2)
         mean = np.einsum("gkl,gl->gk", covariance, seen)
         log = log_prior + 0.5 * np.einsum("gk,gk->g", seen, mean)
         weight = np.exp(log - log.max())

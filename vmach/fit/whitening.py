@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["Whitening", "orthonormal", "thin_product"]
+__all__ = ["Whitening", "condensed", "orthonormal", "thin_product"]
 
 #: share of the largest norm below which a direction counts as zero
 _RANK = 1e-9
@@ -27,6 +27,22 @@ def orthonormal(columns: np.ndarray, *, tolerance: float = _RANK) -> np.ndarray:
     scaled = columns / np.where(norm > 0, norm, 1.0)
     left, size, _ = np.linalg.svd(scaled, full_matrices=False)
     return left[:, size > tolerance * max(size[0], 1e-300)]
+
+
+def condensed(columns: np.ndarray, u: np.ndarray, *, least: float) -> np.ndarray:
+    """The same covariance by fewer columns.
+
+    Parameters
+    ----------
+    columns : (n, k) float64
+    u : (n,) float64
+        Standard uncertainty of each reading.
+    least : float
+        What adds less than this share of u² to any direction is left out.
+    """
+    scaled = columns / u[:, None]
+    squared, vectors = np.linalg.eigh(scaled.T @ scaled)
+    return columns @ vectors[:, squared > least]
 
 
 class Whitening:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,6 @@ import numpy as np
 
 from gcode import ControlSettings, OffsetEntry
 from vmach.errors import InputError
-from vmach.files.text_file import read_text
 from vmach.files.toml_file import line_of_key, read_toml_and_text
 from vmach.job.blank import read_blank
 from vmach.job.control import control_told
@@ -23,9 +21,6 @@ from vmach.job.tool import read_tool
 from vmach.plausibility import admitted_machine, check_tools
 
 __all__ = ["read_job"]
-
-#: how programs begin and job files do not: a percent sign, a comment, a word with a number
-_BEGINS_AS_A_PROGRAM = re.compile(r"\s*(?:[%(;]|\d+ BEGIN PGM|/?[A-Z]{1,3} ?-?\d)", re.IGNORECASE)
 
 
 def read_job(path: Job | str | Path) -> Job:
@@ -53,7 +48,6 @@ def read_job(path: Job | str | Path) -> Job:
         return path
     path = Path(path)
     path = path / "job.toml" if path.is_dir() else path
-    _refuse_program(path)
     data, text = read_toml_and_text(path, JobSchema, what="job file")
 
     def at(*keys: str) -> dict[str, Any]:
@@ -125,17 +119,3 @@ def _control_settings(data: JobSchema) -> ControlSettings:
         ignore_m=frozenset(control.ignore_m),
         options=dict(control.options),
     )
-
-
-def _refuse_program(path: Path) -> None:
-    """An NC program in place of the job is told apart from a job with a mistake."""
-    if path.suffix.lower() == ".toml" or not path.is_file():
-        return
-    if _BEGINS_AS_A_PROGRAM.match(read_text(path, what="job file")):
-        beside = path.parent / "job.toml"
-        raise InputError(
-            "begins as an NC program does",
-            file=path,
-            accepted="a job file, which names program, machine and tools",
-            hint=f"is it {beside}?" if beside.is_file() else "'vmach init' writes one",
-        )

@@ -310,6 +310,11 @@ class SolidComparison:
     count: int
     places: tuple[SolidDifference, ...]
 
+    @property
+    def said(self) -> str:
+        """How many, in words."""
+        return f"{self.count} place" + "s" * (self.count != 1)
+
 
 @dataclass(frozen=True)
 class RunRecord:

@@ -69,7 +69,7 @@ def comparison_notes(comparison: SolidComparison | None) -> list[Note]:
     kind = "is left" if worst.depth_mm > 0.0 else "is missing"
     said = (
         f"the virtual part differs from the nominal CAD by more than "
-        f"{comparison.threshold_mm:g} mm in {comparison.count} places ({excess} excess, "
+        f"{comparison.threshold_mm:g} mm in {comparison.said} ({excess} excess, "
         f"{len(comparison.places) - excess} gouge, of the {len(comparison.places)} deepest): "
         f"up to {abs(worst.depth_mm):.3f} mm {kind} on {worst.feature}"
     )

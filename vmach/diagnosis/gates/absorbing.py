@@ -25,10 +25,10 @@ def absorbing(survey: Survey, whiten: Whitening, fit: JointFit) -> Whitening:
     free, random = [none], [slack_of(survey, fit)]
     for k, term in enumerate(fit.terms):
         if term.width is None:
-            free.append(fit.signatures_mm[k])
-            random.append(fit.tangents_mm[k] * term.spread_of_inner)
+            free.append(fit.signatures[k].mm)
+            random.append(fit.tangents[k].mm * term.spread_of_inner)
         else:
-            random.append(term.width * fit.signatures_mm[k])
+            random.append(term.width * fit.signatures[k].mm)
     return Whitening(np.ones(len(survey)), whiten(np.hstack(random)), whiten(np.hstack(free)))
 
 

@@ -47,7 +47,7 @@ class Bank:
         """Evidence of every candidate beside members and effects of a posterior."""
         members = posterior.members.present
         root = Bordered(members, posterior.effects)
-        back = self._base.back(posterior.effects.white)
+        back = self._base.back(posterior.effects.columns.white)
         parts = [g.evidence(members, root, back) for g in self._groups]
         return Evidence.joined(parts, self._place)
 

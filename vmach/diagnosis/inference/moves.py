@@ -57,7 +57,9 @@ def _added(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
         child = weighing.extend(here, k)
         if little.posterior.sizes != here.posterior.sizes:
             # what a large discrepancy hides in part: once more where it may be large
-            child = max(child, weighing.extend(little, k), key=lambda e: e.score)
+            sizes = little.posterior.sizes
+            tried = (child, weighing.resized(child, sizes), weighing.extend(little, k))
+            child = max(tried, key=lambda e: e.score)
         wrong = impossible_terms(child.fit)
         if not wrong:
             yield child

@@ -15,6 +15,7 @@ from vmach.diagnosis.inference.rules import UNMEASURED
 from vmach.effects import Effect
 from vmach.fit.base import Base
 from vmach.fit.candidates import Candidate
+from vmach.fit.columns import Columns
 from vmach.fit.discrepancy import members_of
 from vmach.fit.evidence import WIDTHS, Evidence, width_of
 from vmach.fit.feature_noise import FeatureNoise
@@ -93,7 +94,7 @@ class Weighing:
 
     def _take(self, noise: FeatureNoise) -> None:
         self.base = Base(self.survey, noise, self.members)
-        self._none = Effects(self.base, np.zeros((len(self.survey), 0)))
+        self._none = Effects(self.base.no_columns)
         self._forget()
         #: log probability of every set that a search weighed, by the labels of its effects
         self.tried: dict[frozenset[str], float] = {}
@@ -195,24 +196,25 @@ class Weighing:
     def _fitted(self, terms: Sequence[Term], sizes: Sizes, *, refine: bool) -> JointFit:
         """The fit of terms beside members of given sizes; the last ones are remembered."""
         key = tuple((t.place, t.width) for t in terms), sizes, refine
-        whiten = Posterior(self.base, sizes, self._none).whiten
-        return self._fits.get(key, lambda: fit_terms(self.survey, terms, whiten, refine=refine))
+        beside = Posterior(self.base, sizes, self._none)
+        return self._fits.get(key, lambda: fit_terms(beside, terms, refine=refine))
 
     def _weighed(self, fit: JointFit, sizes: Sizes, *, resize: bool) -> Explanation:
-        effects = Effects(self.base, self._columns(fit), self._log_prior_of(fit))
+        effects = Effects(self._open(fit), self._log_prior_of(fit))
         if resize:
             return Explanation(fit, best_sizes(self.base, sizes, effects))
         return Explanation(fit, Posterior(self.base, sizes, effects))
 
-    def _columns(self, fit: JointFit) -> np.ndarray:
-        """Signatures of unit prior variance of all that is open about a fit, (n, K) mm."""
-        columns = []
+    def _open(self, fit: JointFit) -> Columns:
+        """Columns of unit prior variance of all that is open about a fit."""
+        parts = []
         for k, term in enumerate(fit.terms):
-            width = term.width or width_of(fit.coefficients[k])
-            columns += [width * fit.signatures_mm[k], fit.tangents_mm[k] * term.spread_of_inner]
+            parts.append(fit.signatures[k].scaled(term.width or width_of(fit.coefficients[k])))
+            parts.append(fit.tangents[k].scaled(term.spread_of_inner))
             if term.effect.slack_share > 0.0:
-                columns.append(self.survey.slack(term.effect, term.target, fit.parameters(k)))
-        return np.hstack(columns)
+                slack = self.survey.slack(term.effect, term.target, fit.parameters(k))
+                parts.append(self.base.columns(slack))
+        return Columns.joined(parts)
 
     def _log_prior_of(self, fit: JointFit) -> float:
         total = 0.0
@@ -227,6 +229,11 @@ class Weighing:
         """The explanation with candidate k added and everything refitted."""
         terms = [*explanation.terms, self.term(k, explanation)]
         return self.explain(terms, explanation.posterior.sizes, resize=resize)
+
+    def resized(self, explanation: Explanation, start: Sizes) -> Explanation:
+        """The same effects beside the most probable sizes near other ones."""
+        posterior = best_sizes(self.base, start, explanation.posterior.effects)
+        return replace(explanation, posterior=posterior)
 
     def remembered(self, explanation: Explanation) -> Explanation:
         """An explanation, noted among those that were tried."""
@@ -246,9 +253,9 @@ class Weighing:
         fit = explanation.fit
         for _ in range(_PASSES if fit else 0):
             slack = slack_of(self.survey, replace(fit, slack_mm=None))
-            beside = Effects(self.base, slack)
-            whiten = Posterior(self.base, explanation.posterior.sizes, beside).whiten
-            fit = fit_terms(self.survey, fit.terms, whiten)
+            beside = Effects(self.base.columns(slack))
+            noise = Posterior(self.base, explanation.posterior.sizes, beside)
+            fit = fit_terms(noise, fit.terms)
             if slack.shape[1] == 0:
                 return fit
             fit = replace(fit, slack_mm=slack)

@@ -212,7 +212,7 @@ class _Screen:
 
     def posterior(self, sizes: Sizes, effects: Effects) -> Posterior:
         """Members at given sizes, and effects, as these readings have them."""
-        own = Effects(self.base, effects.columns_mm[self.rows], effects.log_prior)
+        own = Effects(self.base.columns(effects.columns.mm[self.rows]), effects.log_prior)
         return Posterior(self.base, sizes, own)
 
 

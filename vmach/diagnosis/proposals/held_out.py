@@ -23,7 +23,7 @@ def held_out_um(survey: Survey, fit: JointFit, last: int) -> tuple[float, float]
     others = [fit.explained_mm(k) for k in range(len(fit.terms)) if k != last]
     target = survey.residual_mm - sum(others, np.zeros(len(survey)))
     target = target - survey.aligned(target[:, None])[:, 0]
-    column = fit.signatures_mm[last]
+    column = fit.signatures[last].mm
     column = column - survey.aligned(column)
     left = target.copy()
     for k in range(_FOLDS):

@@ -47,7 +47,7 @@ def differences_text(run: RunRecord) -> list[str]:
     head = f"virtual part against nominal CAD, beyond {comparison.threshold_mm:g} mm:"
     if not comparison.count:
         return [f"{head} no difference"]
-    lines = [f"{head} {comparison.count} places"]
+    lines = [f"{head} {comparison.said}"]
     lines += [f"  {_line(one, run)}" for one in comparison.places[:_MOST_LINES]]
     if comparison.count > _MOST_LINES:
         lines.append(f"  ... {comparison.count - _MOST_LINES} more in summary.json")
