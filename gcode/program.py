@@ -33,6 +33,8 @@ from gcode.text.source import Source
 _FAST_FROM = 50_000
 #: begins as programs of FANUC and its relatives do
 _NUMBERED = re.compile(rb"\s*%?\s*[O:]\d", re.IGNORECASE)
+_PERCENT_LINE = re.compile(rb"\s*%[ \t\r]*\n")
+_PROGRAM_END = re.compile(rb"(?<![A-Z])M *(?:0?2|30|99|17)(?![\d.])", re.IGNORECASE)
 
 __all__ = ["Note", "Program", "read_program"]
 
@@ -221,6 +223,7 @@ def read_program(
     if controller.trace is not None:
         controller.trace.end()
     _note_unconfirmed(controller, spoken.dialect)
+    _note_open_end(controller, source)
     notes = tuple(Note(line, word, text) for (line, word), text in controller.notes.items())
     home = None if home_mm is None else np.array(home_mm, np.float64)
     record = controller.record
@@ -251,6 +254,18 @@ def _note_unconfirmed(controller: Controller, dialect: type[Dialect]) -> None:
     if words:
         controller.notes[(controller.used[words[0]], "not confirmed")] = (
             f"{', '.join(words)}: read after the maker's manual, confirmed by no second source"
+        )
+
+
+def _note_open_end(controller: Controller, source: Source) -> None:
+    """One note on a text that a percent sign opens and nothing ends: half of a file, perhaps."""
+    opening = _PERCENT_LINE.match(source.data, source.mark)
+    if not opening or source.data.find(b"\n%", opening.end() - 1) >= 0:
+        return
+    if not _PROGRAM_END.search(source.data):
+        line = source.data.rstrip().count(b"\n") + 1
+        controller.notes[(line, "%")] = (
+            "the program begins with % and has no end (%, M2, M30, M99): is the file cut short?"
         )
 
 

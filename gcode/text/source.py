@@ -130,6 +130,14 @@ class Source:
         text = self.data[self.line_starts[line - 1] : self.line_starts[line]]
         return text.decode("latin-1").removesuffix("\n").removesuffix("\r")
 
+    @cached_property
+    def _first_cr_lf(self) -> int:
+        return self.data.find(b"\r\n")
+
+    def has_cr_lf(self, before: int) -> bool:
+        """Whether a line ends with CR LF before this byte."""
+        return 0 <= self._first_cr_lf <= before - 2
+
     def words(self, line: int) -> tuple[Word, ...]:
         """Words of a line in the order in which they stand, comments left out.
 

@@ -100,7 +100,7 @@ class LineEdit:
         for word in last:
             changes |= self._removal(word)
         blocks[-1] += [word.text for word in last]
-        at = self._start + len(self.text.source.lines[self.line - 1])
+        at = self._start + len(self.text.source.line(self.line))
         ending = self._line_end(at + 2)
         added = "".join(ending + self._inserted(words, labels) for words in blocks)
         return changes | {(at, at): changes.get((at, at), "") + added}
@@ -110,7 +110,7 @@ class LineEdit:
         return int(self.text.source.line_starts[self.line - 1])
 
     def _line_end(self, before: int) -> str:
-        return "\r\n" if b"\r\n" in self.text.source.data[:before] else "\n"
+        return "\r\n" if self.text.source.has_cr_lf(before) else "\n"
 
     def _own_changes(self, motion: BlockMotion, in_force: int) -> dict[tuple[int, int], str]:
         """Replace, remove and add words of the line's own block."""

@@ -10,14 +10,18 @@ the normal is the cross product of two differences of the edge.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from stock.exact.edge import Edges, EdgeStatus, Material
-from stock.exact.envelope import Contacts, envelope_contacts
+from stock.exact.envelope import Contacts, Places, envelope_contacts, envelope_places
 from stock.sweeps import Sweeps
+from stock.threads import cores_to_use
 from stock.tools import Tool
 
 __all__ = ["LeftSurface", "find_left_surface"]
@@ -33,6 +37,8 @@ _SMOOTH = 0.05
 _STEEP = 3.0
 #: how far from its tangent plane a smooth surface may be, as a share of the margin
 _IN_PLANE = 0.5
+#: contacts that are held at once, about
+_CONTACTS_AT_ONCE = 2_000_000
 #: points whose cells are found in one go
 _POINTS_AT_ONCE = 1 << 18
 #: nearer to the blank's faces no tool has cut, mm
@@ -91,22 +97,58 @@ def find_left_surface(
     """
     material = Material(sweeps, tools, blank_mm)
     box_mm = np.asarray(blank_mm[0]) + _BLANK_MM, np.asarray(blank_mm[1]) - _BLANK_MM
-    starts = envelope_contacts(sweeps, tools, is_cutting, spacing_mm=spacing_mm, box_mm=box_mm)
-    cell = _cells(starts.point_mm, starts.normal, spacing_mm)
-    order = np.lexsort((starts.sweep, cell))
-    cell = cell[order]
-    first = np.flatnonzero(np.diff(cell, prepend=-1))
-    count = np.diff(first, append=len(cell))
-    found, is_open = [], np.ones(len(first), bool)
-    for turn in range(_TRIES):
-        # the last sweeps of a cell first: what finishes comes after what roughs
-        share = (count - 1) * (_TRIES - turn) // _TRIES if turn else count - 1
+    places = envelope_places(sweeps, tools, is_cutting, spacing_mm=spacing_mm)
+    starts = _starts(places, spacing_mm, box_mm)
+    del places
+    found, is_open = [], np.ones(len(starts[0].sweep), bool)
+    for start in starts:
         asked = np.flatnonzero(is_open)
-        rows = order[first[asked] + share[asked]]
-        there = _surface_at(material, starts, rows, (spacing_mm, margin_mm))
+        there = _surface_at(material, start, asked, (spacing_mm, margin_mm))
         found.append(there[0])
         is_open[asked[there[1]]] = False
     return _thinned(found, box_mm, spacing_mm)
+
+
+def _starts(places: Sequence[Places], spacing_mm: float, box_mm: tuple) -> list[Contacts]:
+    """For every try a contact of every cell of space and direction, (C,) each.
+
+    Slab after slab of the box, so that only the contacts of a few slabs are there at once.
+    """
+    edges = _slabs(places, spacing_mm, box_mm)
+    with ThreadPoolExecutor(cores_to_use()) as pool:
+        parts = list(pool.map(lambda slab: _starts_of_slab(places, spacing_mm, box_mm, slab),
+                              pairwise(edges)))  # fmt: skip
+    return [Contacts.joined([part[turn] for part in parts]) for turn in range(_TRIES)]
+
+
+def _slabs(places: Sequence[Places], spacing_mm: float, box_mm: tuple) -> list[int]:
+    """Numbers of the cells along X between which slabs lie, no narrower than a radius."""
+    first, last = (int(np.floor(corner[0] / spacing_mm)) for corner in box_mm)
+    most = sum(one.most_contacts(spacing_mm, box_mm) for one in places)
+    reach_mm = max((one.reach_mm for one in places), default=0.0)
+    narrowest = max(math.ceil(reach_mm / spacing_mm), 1)
+    count = max(min(math.ceil(most / _CONTACTS_AT_ONCE), (last + 1 - first) // narrowest), 1)
+    return [first + (last + 1 - first) * k // count for k in range(count + 1)]
+
+
+def _starts_of_slab(
+    places: Sequence[Places], spacing_mm: float, box_mm: tuple, slab: tuple[int, int]
+) -> list[Contacts]:
+    """For every try a contact of every cell from one number along X to before another."""
+    near = [corner.copy() for corner in box_mm]
+    near[0][0] = max(near[0][0], (slab[0] - 1) * spacing_mm)
+    near[1][0] = min(near[1][0], (slab[1] + 1) * spacing_mm)
+    contacts = envelope_contacts(places, spacing_mm, (near[0], near[1]))
+    number = np.floor(contacts.point_mm[:, 0] / spacing_mm)
+    contacts = contacts.taken((number >= slab[0]) & (number < slab[1]))
+    cell = _cells(contacts.point_mm, contacts.normal, spacing_mm)
+    order = np.lexsort((contacts.sweep, cell))
+    cell = cell[order]
+    first = np.flatnonzero(np.diff(cell, prepend=-1))
+    count = np.diff(first, append=len(cell))
+    # the last sweeps of a cell first: what finishes comes after what roughs
+    shares = [(count - 1) * (_TRIES - turn) // _TRIES for turn in range(_TRIES)]
+    return [contacts.taken(order[first + share]) for share in shares]
 
 
 def _cells(point_mm: np.ndarray, normal: np.ndarray, spacing_mm: float) -> np.ndarray:

@@ -52,6 +52,10 @@ CASES = {
     "flatness does not see a tilt": ("top", "flatness 0.1", {"top": lambda p: 1e-3 * p[:, 0]}, [0]),
     "straightness of lines":
         ("top", "straightness 0.1 along X", {"top": lambda p: 4e-6 * (p[:, 0] - 50) ** 2}, [0.01]),
+    "straightness of the worst line, which is not the most tilted":
+        ("top", "straightness 0.1 along X",
+         {"top": lambda p: np.where(p[:, 1] > 30, 4e-6 * (p[:, 0] - 50) ** 2, 4e-4 * p[:, 0])},
+         [0.01]),
     "straightness the other way":
         ("top", "straightness 0.1 along Y", {"top": lambda p: 4e-6 * (p[:, 0] - 50) ** 2}, [0.0]),
     # a bow of the axis: the middle of a zone passes half its height

@@ -279,12 +279,12 @@ def test_fixed_points_are_machine_zero():
 
 @pytest.mark.parametrize(
     "block",
-    ["CYCLE81(10,0,2,-5)", "G0 AP=30 RP=10", "HOLES1(0,0,0,5,10,3)", "G1 X9 RND=2 F100",
+    ["CYCLE81(10,0,2,-5)", "CIP X5 Y5 I1=2 J1=3", "HOLES1(0,0,0,5,10,3)", "G1 X9 RND=2 F100",
      "POCKET4(5,0,2,-5,20,0,0,2,0,0,100,50,0,0)"],
 )  # fmt: skip
 def test_what_is_worked_out_in_xy_is_refused_in_other_planes(block):
     with pytest.raises(ProgramError, match="in G18 or G19 is not read"):
-        read(f"G18 F100\nG0 X1 Y1 Z5\nMCALL CYCLE81(10,0,2,-5)\n{block}")
+        read(f"G18 F100\nG0 X1 Y1 Z5\n{block}")
 
 
 @pytest.mark.parametrize(("sense", "turn"), [(2, -1), (3, 1)])

@@ -147,3 +147,16 @@ def test_points_keep_off_edges_by_the_margin():
 def test_nothing_cut_is_nothing_found():
     tool = make_tool("flat", diameter_mm=4, length_mm=20)
     assert len(surface(polyline([(0.0, 0, 3), (20, 0, 3)]), tool, ([0, 0, -8], [9, 9, 0]))) == 0
+
+
+def test_slabs_of_few_contacts_find_the_same_points(monkeypatch):
+    """What is looked at together is a matter of memory alone."""
+    tool = make_tool("flat", diameter_mm=4, length_mm=20)
+    way = [(x, y, -3.0) for y in range(0, 12, 2) for x in ((0, 40) if y % 4 else (40, 0))]
+    blank = ([-10, -10, -8], [50, 20, 0])
+    whole = surface(polyline(way), tool, blank)
+    monkeypatch.setattr("stock.exact.left_surface._CONTACTS_AT_ONCE", 100)
+    in_slabs = surface(polyline(way), tool, blank)
+    for name in ("point_mm", "normal", "sweep"):
+        np.testing.assert_array_equal(getattr(in_slabs, name), getattr(whole, name))
+    assert len(whole) > 500

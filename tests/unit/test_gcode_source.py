@@ -73,3 +73,22 @@ def test_what_is_no_text_is_refused(tmp_path):
     path.write_bytes(b"G0 X1\nG1 \0\0")
     with pytest.raises(ProgramError, match=r"part\.nc:2: .* no text"):
         Source.read(path)
+
+
+@pytest.mark.parametrize(
+    "text, is_whole",
+    [
+        (b"%\nG21\nG0 X1\n%\n", True),
+        (b"%\nG21\nG0 X1\n%", True),
+        (b"%\nO1\nG21\nG0 X1\nM30\n", True),
+        (b"\n%\nG21\nG0 X1\nN9M02\n", True),
+        (b"G21\nG0 X1\n", True),  # nothing says that an end has to come
+        (b"%\nG21\nG0 X1\nG0 X-4", False),
+        (b"%\r\nG21\r\nG0 X1\r\nG1 X2 F300", False),
+        (b"%\n", False),
+    ],
+)
+def test_a_program_cut_short_is_noted(text, is_whole):
+    notes = [n for n in read_program(Source(text, "part.nc")).notes if "cut short" in n.meaning]
+    assert len(notes) == (not is_whole)
+    assert all(n.line == len(text.splitlines()) for n in notes)

@@ -5,6 +5,7 @@ import pytest
 from gcode import ProgramError
 from tests.golden.test_bad_input import run_vmach
 from tests.small_job import write_job
+from vmach.base.note import Kind, Level
 from vmach.checkup import Weight, check_job
 from vmach.errors import InputError
 from vmach.job import read_job
@@ -82,3 +83,21 @@ def test_options_of_a_control_reach_its_reader(tmp_path):
     wrong = read_job(write_job(tmp_path, more=options.replace('"B"', '"C"')))
     with pytest.raises(ProgramError, match="options: start_up = 'C'; accepted: A, B"):
         prepare(wrong)
+
+
+@pytest.mark.parametrize(
+    "lines, says, level",
+    [
+        ("G21 M30\n%\n", None, None),
+        ("M30\n%\n", "neither G20 nor G21", Level.NOTE),
+        ("G21 G0 X-4.", "is the file cut short?", Level.QUESTION),
+        ("G21\nG154 P1\nM30\n%\n", "confirmed by no second source", Level.NOTE),
+    ],
+)
+def test_what_the_reader_doubts_reaches_the_commands(tmp_path, lines, says, level):
+    job = write_job(tmp_path, more='[control]\nname = "fanuc"\n')
+    head = "%\nO1\nT1 M6\nG54 G43 H1 G0 X0. Y0. Z5.\nG1 X1. F100.\n"
+    (tmp_path / "part.nc").write_text(head + lines)
+    rest = [note for note in prepare(read_job(job)).notes[1:] if note.kind is Kind.CONTROL]
+    assert [note.level for note in rest] == ([level] if says else [])
+    assert all(says in str(note) for note in rest)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 
-__all__ = ["keep_small_arrays"]
+__all__ = ["give_back_free_memory", "keep_small_arrays"]
 
 #: M_TRIM_THRESHOLD and M_MMAP_THRESHOLD of <malloc.h>
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
@@ -27,3 +27,14 @@ def keep_small_arrays() -> None:
         return
     option(_MMAP_THRESHOLD, _OWN_PAGES_BYTES)
     option(_TRIM_THRESHOLD, _KEPT_BYTES)
+
+
+def give_back_free_memory() -> None:
+    """Give the system what the C library keeps, as between two stages that need much each.
+
+    Every thread has a store of its own, which the library does not empty when the thread ends.
+    """
+    try:
+        ctypes.CDLL(None).malloc_trim(0)
+    except (OSError, AttributeError):  # another C library
+        return

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from gcode import MoveKind
+from vmach.base.memory import give_back_free_memory
 from vmach.base.note import Note
 from vmach.compensation.aim.part_aim import PartAim, aim_at_part
 from vmach.compensation.aim.part_view import PartView
@@ -210,6 +211,7 @@ def solve(
 ) -> Solved | None:  # fmt: skip
     """The first part of `compensate`, with its parameters; None where there is nothing to do."""
     model = TipModel(variant, tuple(effects))
+    give_back_free_memory()  # what the search for a surface took
     preparation = prepare(job)
     control = target_control(preparation.program.dialect, dialect, file=preparation.program.path)
     check_meaning(preparation.program, control)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcode import MoveKind
+from vmach.base.memory import give_back_free_memory
 from vmach.compensation.aim.path_shift import PathShift
 from vmach.compensation.model import TipModel
 from vmach.compensation.pieces.arcs import LARGEST_SWEEP_RAD
@@ -161,6 +162,7 @@ class Iteration:
             plan = plan_pieces(moves, along, self._nominal_error, tolerance_mm=room[used],
                                rewritten=rewriter.rewritten[used],
                                unknown_start=rewriter.unknown_start[used])  # fmt: skip
+            give_back_free_memory()
             found = self._rounds(plan, *self._first_guess(plan))
             left = np.zeros(len(moves))
             np.maximum.at(left, plan.move, found.run.residual_of_pieces(self.stuck)[0])
@@ -175,7 +177,9 @@ class Iteration:
         error = self.model.error_at(self.preparation, move, parameter)
         if self.shift is not None:
             error = error - self.shift.at(move, parameter)
-        return np.where(self.stuck[move], 0.0, error)
+        if self.stuck.any():
+            error[self.stuck[move]] = 0.0
+        return error
 
     def write(self, target: Target, resolution_mm: float) -> Written:
         """The text of a target."""

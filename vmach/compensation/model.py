@@ -5,6 +5,7 @@ Source: the equations of `vmach.machine.displacement` and the effects of the job
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,24 +34,34 @@ class TipModel:
         self, preparation: Preparation, move: np.ndarray, parameter: np.ndarray
     ) -> np.ndarray:
         """Shift of the tool tip, (P, 3) mm; zero where no tool of the job is in the spindle."""
-        return self.displacement_at(preparation, move, parameter).shift_mm
+        shift = np.zeros((len(move), 3))
+        for rows, moved in self._displaced(preparation, move, parameter):
+            shift[rows] = moved.shift_mm
+        return shift
 
     def displacement_at(
         self, preparation: Preparation, move: np.ndarray, parameter: np.ndarray
     ) -> RigidDisplacement:
         """Shift of the tip and tilt of the tool at places of moves, both (P,)."""
-        nodes = preparation.path.nodes
         shift, tilt = np.zeros((len(move), 3)), np.zeros((len(move), 3))
-        tool = np.minimum(nodes.moves.tool[move], len(nodes.tool_lengths_mm) - 1)
-        every = np.flatnonzero((tool > 0) & np.isfinite(nodes.tool_lengths_mm[tool]))
-        at_once = len(every) if self.effects else max(_AT_ONCE, len(nodes.moves))
-        for first in range(0, len(every), max(at_once, 1)):
-            held = every[first : first + at_once]
-            states = PathStates(nodes.moves, nodes.tool_lengths_mm, move[held], parameter[held],
-                                np.zeros((len(held), 3)))  # fmt: skip
-            found = displacement_of(preparation, states, self.variant, self.effects)
-            shift[held], tilt[held] = found.shift_mm, found.tilt_rad
+        for rows, moved in self._displaced(preparation, move, parameter):
+            shift[rows], tilt[rows] = moved.shift_mm, moved.tilt_rad
         return RigidDisplacement(shift, tilt)
+
+    def _displaced(
+        self, preparation: Preparation, move: np.ndarray, parameter: np.ndarray
+    ) -> Iterator[tuple[np.ndarray, RigidDisplacement]]:
+        """Places with a tool of the job, some at a time, and how it is displaced there."""
+        nodes = preparation.path.nodes
+        has_length = np.isfinite(nodes.tool_lengths_mm)
+        has_length[0] = False
+        at_once = len(move) if self.effects else max(_AT_ONCE, len(nodes.moves))
+        for first in range(0, len(move), max(at_once, 1)):
+            tool = nodes.moves.tool[move[first : first + at_once]]
+            rows = first + np.flatnonzero(has_length[np.clip(tool, 0, len(has_length) - 1)])
+            states = PathStates(nodes.moves, nodes.tool_lengths_mm, move[rows], parameter[rows],
+                                np.zeros((len(rows), 3)))  # fmt: skip
+            yield rows, displacement_of(preparation, states, self.variant, self.effects)
 
     def is_none(self, preparation: Preparation) -> bool:
         """Whether the tool is where it should be all along the program."""

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from gcode import MoveKind
+from vmach.base.memory import give_back_free_memory
 from vmach.compensation.aim.path_shift import PathShift
 from vmach.compensation.model import TipModel
 from vmach.compensation.pieces.plan import Plan
@@ -119,6 +120,7 @@ class WrittenRun:
         """
         if len(self.row) > _LONG and self.original.program.dialect == "linuxcnc":
             vars(self).pop("again", None)
+            give_back_free_memory()
 
     def miss(self, share: float | np.ndarray, rows: np.ndarray | None = None) -> np.ndarray:
         """Tool minus the place where it shall be at shares of the written pieces, (K, 3) mm.

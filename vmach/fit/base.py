@@ -56,7 +56,7 @@ class Base:
         nuisance = noise.white(survey.nuisance)
         norms = np.linalg.norm(nuisance, axis=0)
         left, size, _ = np.linalg.svd(nuisance / np.where(norms > 0, norms, 1.0), False)
-        seen = size > 1e-9 * max(size.max(initial=0.0), 1e-300)
+        seen = size > 1e-9 * max(np.max(size, initial=0.0), 1e-300)
         self._free = left[:, seen]
         self.constant = -0.5 * noise.log_determinant - float(np.log(size[seen]).sum())
         self.constant -= float(np.log(norms[norms > 0]).sum())

@@ -7,8 +7,8 @@ offsets are projected out.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -60,6 +60,11 @@ class Survey:
             path if m.contacts is None else Circumstances(m.seen_states, self.job)
             for path, m in zip(self.paths, self.measurements, strict=True)
         )
+
+    def made_beside(self, others: Sequence[EffectInstance]) -> Survey:
+        """The same readings, of the surface that is left while further effects act."""
+        measurements = tuple(m.made_beside(others) for m in self.measurements)
+        return replace(self, measurements=measurements)
 
     @property
     def notes(self) -> tuple[Note, ...]:

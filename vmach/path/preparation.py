@@ -17,6 +17,7 @@ from gcode import (
     ToolEntry,
     read_program,
 )
+from gcode import Note as ProgramNote
 from stock import Tool, compile_ahead
 from vmach.base.note import Kind, Note, in_file
 from vmach.errors import InputError
@@ -64,8 +65,13 @@ class Preparation:
     doubts: tuple[Note, ...] = ()
 
 
-#: what a number without a decimal point may count
-_INCREMENTS = "increment in [control]: " + ", ".join(INCREMENT_SYSTEMS)
+#: notes of the reader that say how it read, by their word; what would settle one that asks
+_OF_READING = {
+    "increment": "increment in [control]: " + ", ".join(INCREMENT_SYSTEMS),
+    "%": "the whole program, with its end",
+    "units": None,
+    "not confirmed": None,
+}
 
 
 def prepare(
@@ -129,10 +135,14 @@ def prepare(
 def _assumptions(program: Program) -> tuple[Note, ...]:
     """Which control the program was read for, and what that leaves open."""
     read = Note.plain(Kind.CONTROL, f"{program.path.name} is {program.assumed}")
-    open_ones = (Note.question(Kind.CONTROL, f"line {note.line}: {note.meaning}",
-                               accepted=_INCREMENTS)
-                 for note in program.notes if note.word == "increment")  # fmt: skip
-    return (read, *open_ones)
+    return (read, *(_about_reading(note) for note in program.notes if note.word in _OF_READING))
+
+
+def _about_reading(note: ProgramNote) -> Note:
+    said, accepted = f"line {note.line}: {note.meaning}", _OF_READING[note.word]
+    if accepted is None:
+        return Note.plain(Kind.CONTROL, said)
+    return Note.question(Kind.CONTROL, said, accepted=accepted)
 
 
 def job_doubts(job: Job) -> tuple[Note, ...]:

@@ -60,6 +60,14 @@ class SinumerikReader(Translated):
         controller.start_up, controller.round_corners_from = "A", 0.0
         super().execute("g21g90g17g40")
 
+    def apart(self, controller: Controller) -> SinumerikReader:
+        """The same program and variables for another controller."""
+        inner = SinumerikReader(controller, list(self.lines), self.options)
+        inner.variables, inner.budget = self.variables, self.budget
+        inner.subprograms.routine = self.subprograms.routine
+        inner.stop = self.subprograms.routine.stop
+        return inner
+
     # blocks
 
     def content(self, index: int) -> tuple[re.Match, str]:

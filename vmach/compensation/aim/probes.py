@@ -120,7 +120,8 @@ def _place(probes: Probes, key: float) -> int:
     """How many of the probes, which are in order, come before a key."""
     if key == np.inf:
         return len(probes.move)
-    of_move = [np.searchsorted(probes.move, np.floor(key), side) for side in ("left", "right")]
+    move = probes.move.dtype.type(np.floor(key))  # of another kind, all would be converted
+    of_move = [probes.move.searchsorted(move, side) for side in ("left", "right")]
     same = slice(*of_move)
     return int(of_move[0] + np.searchsorted(_key(probes.move[same], probes.parameter[same]), key))
 

@@ -57,6 +57,11 @@ class GridPlaces:
         """Room for so many."""
         return cls(np.zeros((ends, count)), np.zeros((ends, count, 3)), np.zeros((ends, count, 3)))
 
+    @property
+    def count(self) -> int:
+        """C."""
+        return self.parameter.shape[1]
+
     def taken(self, choice: np.ndarray) -> GridPlaces:
         """Some of the points of every end, (E, D) int64."""
         row = np.arange(len(choice))[:, None]
@@ -114,8 +119,8 @@ class Grid:
 
     def of_inserted(self, ends: np.ndarray) -> GridPlaces:
         """Points beside the path of their move, for ends (K,) that may stand for other places."""
-        axis, per_axis = self._main_axis(ends, self.last[ends])
-        step, per_axis = self.step_mm[ends][:, None], per_axis[:, None]
+        axis, per_axis, _ = self._main_axis(ends, self.last[ends])
+        step = self.step_mm[ends][:, None]
         length = self.rewriter.length_mm[self.plan.move[ends]][:, None]
         aside = self._ways(ends, step * per_axis) / length
         for _ in range(_CROSSING):
@@ -155,10 +160,9 @@ class Grid:
         place, step = self._wanted(ends, np.zeros((len(ends), 1))), self.step_mm[ends][:, None]
         around = []
         for piece, at in (ends, self.last[ends]), (following, self.first[following]):
-            axis, per_axis = self._main_axis(piece, at)
+            axis, along = self._along_main_axis(piece, at)
             here = _component(place, axis)
             way = (np.round(here / step) + _PROGRAMMED) * step - here
-            along = self._tangent(piece, at) * per_axis[:, None]
             around.append(_around(place + way[..., None] * along[:, None], axis, step))
         off = self._off(ends, np.concatenate(around, axis=1), place)
         count = off.shape[1]
@@ -176,10 +180,9 @@ class Grid:
         piece = np.where(behind == 0, ends, following)
         at = np.where(behind == 0, self.last[ends], self.first[following])
         place, step = self._wanted(ends, np.zeros((len(ends), 1))), self.step_mm[ends][:, None]
-        axis, per_axis = self._main_axis(piece, at)
+        axis, along = self._along_main_axis(piece, at)
         here = _component(place, axis)
         way = (np.round(here / step) + _PROGRAMMED[way_number, None]) * step - here
-        along = self._tangent(piece, at) * per_axis[:, None]
         around = _around(place + way[..., None] * along[:, None], axis, step)
         chosen = around[np.arange(len(ends)), corner][:, None]
         return GridPlaces(self.last[ends][:, None], self.target.ends_mm[ends][:, None],
@@ -199,11 +202,18 @@ class Grid:
         tangent = np.where(length > _NO_LENGTH_MM, tangent, np.eye(3)[0])
         return turned_about_z(tangent, -self.rewriter.angle[move])
 
-    def _main_axis(self, piece: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Axis that the path goes along most, (E,), and way of the path for way along it."""
+    def _along_main_axis(self, piece: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Axis that the path goes along most, (E,), and the path's way for way along it, (E, 3)."""
+        axis, per_axis, tangent = self._main_axis(piece, at)
+        return axis, tangent * per_axis
+
+    def _main_axis(
+        self, piece: np.ndarray, at: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Axis that the path goes along most, (E,), its way for way along it, (E, 1); tangent."""
         tangent = self._tangent(piece, at)
         axis = np.abs(tangent).argmax(axis=1)
-        return axis, 1.0 / np.take_along_axis(tangent, axis[:, None], axis=1)[:, 0]
+        return axis, 1.0 / np.take_along_axis(tangent, axis[:, None], axis=1), tangent
 
     def _correction(self, ends: np.ndarray, aside: np.ndarray) -> np.ndarray:
         """Wanted corrections at parameters (E, C) beside the ends: straight from end to end."""

@@ -26,7 +26,7 @@ __all__ = ["Rounding"]
 #: grid points of every end that the best sequence is taken from
 _POINTS = 24
 #: ends whose points are compared at once
-_AT_ONCE = 128
+_AT_ONCE = 512
 
 
 class Rounding:
@@ -114,11 +114,16 @@ class Rounding:
                 yield np.flatnonzero(mask), near(ends[mask])
 
     def _best(self, stretch: Stretch, ends: np.ndarray) -> tuple[np.ndarray, GridPlaces]:
-        """The points that leave least between exact neighbours: numbers, (E, points), and they."""
-        best, near = np.zeros((len(ends), _POINTS), np.int64), [*self._near(ends)]
+        """The points that leave least between exact neighbours: numbers, (E, points), and they.
+
+        A programmed end has no more points than are kept.
+        """
+        best, near = np.empty((len(ends), _POINTS), np.int64), [*self._near(ends)]
+        best[:] = np.arange(_POINTS)
         for rows, places in near:
-            points, own = stretch.points(places, ends[rows]), ends[rows] - stretch.begin
-            best[rows] = best_points(stretch.course, stretch.exact, points, own, _POINTS)
+            if places.count > _POINTS:
+                points, own = stretch.points(places, ends[rows]), ends[rows] - stretch.begin
+                best[rows] = best_points(stretch.course, stretch.exact, points, own, _POINTS)
         return best, self._places(ends, near, best)
 
     def _places(
@@ -127,7 +132,8 @@ class Rounding:
         """Of all points about some ends those with these numbers, (E, C)."""
         found = GridPlaces.empty(len(ends), number.shape[1])
         for rows, places in near:
-            found.put(rows, places.taken(number[rows]))
+            kept = places if places.count == number.shape[1] else places.taken(number[rows])
+            found.put(rows, kept)
         found.off_mm[self.plan.is_kept[ends]] = 0.0
         return found
 

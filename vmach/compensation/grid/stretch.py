@@ -5,6 +5,7 @@ Source: closed form derived here: what is left at a probe is linear between the 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -164,10 +165,12 @@ class Stretch:
         following = np.minimum(ends + 1, len(pieces) - 1)
         same = pieces.move[following] == pieces.move[ends]
         there = np.where(same[:, None], places.parameter, pieces.first[following][:, None])
-        place = pieces.move[ends][:, None] + places.parameter
+        bound = np.empty(places.parameter.shape, np.int64)
+        for rows, own in _by_places(places.parameter):
+            bound[rows] = np.searchsorted(self.probes.key, pieces.move[ends[rows]][:, None] + own)
         return Points(
             parameter=places.parameter,
-            bound=np.searchsorted(self.probes.key, place),
+            bound=bound,
             at_end=self._in_frames(places, ends, places.parameter),
             at_start=self._in_frames(places, following, there),
             off=places.off_mm,
@@ -179,9 +182,22 @@ class Stretch:
     ) -> np.ndarray:
         """Corrections of lines; what is off on arcs, along radius, tangent and axis."""
         value, pieces = places.wanted_mm + places.off_mm, self.pieces
-        arc = np.flatnonzero(pieces.is_arc[piece])
-        move = np.repeat(pieces.move[piece[arc]], parameter.shape[1])
-        frames = arc_frames(pieces.rewriter.moves, move, parameter[arc].ravel())
-        off = places.off_mm[arc]
-        value[arc] = np.einsum("pvi,pi->pv", frames, off.reshape(-1, 3)).reshape(off.shape)
+        arcs = np.flatnonzero(pieces.is_arc[piece])
+        for rows, own in _by_places(parameter[arcs]):
+            arc = arcs[rows]
+            move = np.repeat(pieces.move[piece[arc]], own.shape[1])
+            frames = arc_frames(pieces.rewriter.moves, move, own.ravel())
+            frames = frames.reshape(*own.shape, 3, 3)
+            value[arc] = (frames * places.off_mm[arc][:, :, None]).sum(axis=3)
         return value
+
+
+def _by_places(parameter: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Ends whose points, (E, C), are at one place, and that place, (K, 1); then the others, (L, C).
+
+    What follows from the place alone need not be found for every point.
+    """
+    several = (parameter != parameter[:, :1]).any(axis=1)
+    for rows, width in (np.flatnonzero(~several), 1), (np.flatnonzero(several), None):
+        if len(rows):
+            yield rows, parameter[rows, :width]

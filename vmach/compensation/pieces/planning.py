@@ -34,6 +34,8 @@ _AT_CORNERS = np.sqrt(0.5)
 #: sides of the rectangular tubes that are tried inside the round one, over its radius
 _RECTANGLES = (0.7, 0.95, 0.3, 0.99, 0.1)
 _BOTH_WAYS = np.array([[-1.0], [1.0]])
+#: arcs whose samples are looked at in one go
+_ARCS_AT_ONCE = 4096
 #: sine of a turn that counts as a corner
 _CORNER = 1e-3
 
@@ -189,20 +191,25 @@ class _Planner:
 
     def _is_one_arc(self, arcs: np.ndarray) -> np.ndarray:
         """Arcs that no jump divides and that one arc does for, (A,) bool."""
-        found, moves = self.found, self.moves
-        sweep = np.abs(moves.sweep_rad[found.move[arcs]])
+        sweep = np.abs(self.moves.sweep_rad[self.found.move[arcs]])
         fits = ~np.isin(arcs, self.turns.owner) & (sweep <= LARGEST_SWEEP_RAD)
         rows = np.flatnonzero(fits)
-        count = np.diff(found.first)[arcs[rows]]
+        for begin in range(0, len(rows), _ARCS_AT_ONCE):
+            part = rows[begin : begin + _ARCS_AT_ONCE]
+            fits[part] = self._circle_misses(arcs[part]) <= self.tolerance_mm[arcs[part]]
+        return fits
+
+    def _circle_misses(self, arcs: np.ndarray) -> np.ndarray:
+        """How far corrected arcs (A,) are from arcs, mm."""
+        found, moves = self.found, self.moves
+        count = np.diff(found.first)[arcs]
         begin = np.cumsum(count) - count
-        sample = np.arange(count.sum()) + np.repeat(found.first[arcs[rows]] - begin, count)
-        move = np.repeat(found.move[arcs[rows]], count)
+        sample = np.arange(count.sum()) + np.repeat(found.first[arcs] - begin, count)
+        move = np.repeat(found.move[arcs], count)
         parameter = found.parameter[sample]
         points = position_at(moves, move, parameter) - found.error_mm[sample]
-        miss = circle_misses(points, parameter, np.append(begin, len(sample)),
-                             moves.axis[found.move[arcs[rows]]])  # fmt: skip
-        fits[rows] = miss <= self.tolerance_mm[arcs[rows]]
-        return fits
+        return circle_misses(points, parameter, np.append(begin, len(sample)),
+                             moves.axis[found.move[arcs]])  # fmt: skip
 
     def _put(self, index: int, piece: Piece, aim_mm: np.ndarray | None = None) -> None:
         pieces, aims = self.own[index]

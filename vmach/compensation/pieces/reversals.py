@@ -17,6 +17,8 @@ __all__ = ["reversals_of_arcs", "settled", "turned_at_start"]
 _TAKE_UP_MM = 0.03
 #: one looks no farther from a reversal
 _FARTHEST_MM = 2.5
+#: places whose ladders are looked at in one go
+_PLACES_AT_ONCE = 4096
 #: parameters, from a reversal on, at which one looks whether it is taken up
 _LADDER = np.geomspace(1e-5, 0.5, 41)
 
@@ -83,12 +85,21 @@ def settled(
     """
     found = np.minimum(place + _LADDER[0], 1.0)
     rows = np.flatnonzero(turned.any(axis=1))
-    later = np.minimum(place[rows, None] + _LADDER, 0.5 * (1.0 + place[rows, None]))
-    owner = np.repeat(move[rows], len(_LADDER))
-    there = position_at(moves, owner, later.ravel()).reshape(len(rows), len(_LADDER), 3)
-    way = np.abs(there - position_at(moves, move[rows], place[rows])[:, None])
-    ready = ((way >= _TAKE_UP_MM) | ~turned[rows, None]).all(axis=2)
-    ready |= _LADDER * length_mm[rows, None] > _FARTHEST_MM
-    first = np.where(ready.any(axis=1), np.argmax(ready, axis=1), len(_LADDER) - 1)
-    found[rows] = later[np.arange(len(rows)), first]
+    for begin in range(0, len(rows), _PLACES_AT_ONCE):
+        part = rows[begin : begin + _PLACES_AT_ONCE]
+        found[part] = _taken_up(moves, move[part], place[part], turned[part], length_mm[part])
     return found
+
+
+def _taken_up(
+    moves: Moves, move: np.ndarray, place: np.ndarray, turned: np.ndarray, length_mm: np.ndarray
+) -> np.ndarray:
+    """`settled` for places where an axis turned back."""
+    later = np.minimum(place[:, None] + _LADDER, 0.5 * (1.0 + place[:, None]))
+    owner = np.repeat(move, len(_LADDER))
+    there = position_at(moves, owner, later.ravel()).reshape(len(move), len(_LADDER), 3)
+    way = np.abs(there - position_at(moves, move, place)[:, None])
+    ready = ((way >= _TAKE_UP_MM) | ~turned[:, None]).all(axis=2)
+    ready |= _LADDER * length_mm[:, None] > _FARTHEST_MM
+    first = np.where(ready.any(axis=1), np.argmax(ready, axis=1), len(_LADDER) - 1)
+    return later[np.arange(len(move)), first]

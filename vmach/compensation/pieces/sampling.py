@@ -5,12 +5,14 @@ Source: closed form derived here: sagitta between samples from second difference
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from gcode import MoveKind, Moves
+from stock.compiled import njit_kernel
 from vmach.path.geometry import move_length_mm
 
 __all__ = ["ErrorAlongMoves", "sample_error"]
@@ -52,23 +54,54 @@ class ErrorAlongMoves:
         part = slice(self.first[index], self.first[index + 1])
         return self.parameter[part], self.error_mm[part]
 
-    @property
-    def owner(self) -> np.ndarray:
-        """Index of the move of every sample, (P,)."""
-        return np.repeat(np.arange(len(self.move)), np.diff(self.first))
-
     def off_chord_mm(self) -> np.ndarray:
         """Largest distance of every move's error from the straight line between its ends, (M,)."""
-        owner, start, stop = self.owner, self.first[:-1], self.first[1:] - 1
-        begin, end = self.error_mm[start][owner], self.error_mm[stop][owner]
-        chord = begin + self.parameter[:, None] * (end - begin)
-        off = np.linalg.norm(self.error_mm - chord, axis=1)
-        return np.maximum.reduceat(off, start) if len(start) else np.zeros(0)
+        found = np.zeros(len(self.move))
+        _fill_off_chord(self.first, self.parameter, self.error_mm, found)
+        return found
 
     def largest_mm(self) -> np.ndarray:
         """Largest component of every move's error, (M,)."""
-        size = np.abs(self.error_mm).max(axis=1, initial=0.0)
-        return np.maximum.reduceat(size, self.first[:-1]) if len(self.move) else np.zeros(0)
+        found = np.zeros(len(self.move))
+        _fill_largest(self.first, self.error_mm, found)
+        return found
+
+    def bend_mm(self) -> np.ndarray:
+        """Largest sagitta between neighbouring samples of every move, (M,)."""
+        found = np.zeros(len(self.move))
+        _fill_bend(self.first, self.error_mm, found)
+        return found
+
+
+@njit_kernel()
+def _fill_off_chord(first, parameter, error, found):
+    for k in range(len(found)):
+        start, last = first[k], first[k + 1] - 1
+        for i in range(start, last + 1):
+            square = 0.0
+            for j in range(3):
+                chord = error[start, j] + parameter[i] * (error[last, j] - error[start, j])
+                square += (error[i, j] - chord) ** 2
+            found[k] = max(found[k], math.sqrt(square))
+
+
+@njit_kernel()
+def _fill_largest(first, error, found):
+    for k in range(len(found)):
+        for i in range(first[k], first[k + 1]):
+            for j in range(3):
+                found[k] = max(found[k], abs(error[i, j]))
+
+
+@njit_kernel()
+def _fill_bend(first, error, found):
+    for k in range(len(found)):
+        for i in range(first[k] + 1, first[k + 1] - 1):
+            square = 0.0
+            for j in range(3):
+                on, back = error[i + 1, j] - error[i, j], error[i, j] - error[i - 1, j]
+                square += (on - back) ** 2
+            found[k] = max(found[k], math.sqrt(square) / 8.0)
 
 
 def sample_error(
@@ -81,7 +114,7 @@ def sample_error(
     count[(moves.kind[used] == MoveKind.RAPID) | (length == 0)] = 1
     found = _sampled(used, length, count, error_at)
     for _ in range(_TIMES):
-        bent = _bend_between_samples(found) > tolerance_mm / 30.0
+        bent = found.bend_mm() > tolerance_mm / 30.0
         if not bent.any():
             break
         count = np.where(bent, count * _CLOSER, count)
@@ -93,15 +126,8 @@ def _sampled(
     used: np.ndarray, length: np.ndarray, count: np.ndarray, error_at: ErrorAt
 ) -> ErrorAlongMoves:
     first = np.concatenate([[0], np.cumsum(count + 1)])
-    within = np.arange(first[-1]) - np.repeat(first[:-1], count + 1)
-    parameter = within / np.repeat(count, count + 1)
+    parameter = np.arange(first[-1], dtype=np.float64)  # in place: there are many samples
+    parameter -= np.repeat(first[:-1], count + 1)
+    parameter /= np.repeat(count, count + 1)
     error = error_at(np.repeat(used, count + 1), parameter)
     return ErrorAlongMoves(used, length, first, parameter, error)
-
-
-def _bend_between_samples(found: ErrorAlongMoves) -> np.ndarray:
-    """Largest sagitta between neighbouring samples of every move, (M,) mm."""
-    bend = np.zeros(len(found.parameter))
-    bend[1:-1] = np.linalg.norm(np.diff(found.error_mm, n=2, axis=0), axis=1) / 8.0
-    bend[found.first[:-1]] = bend[found.first[1:] - 1] = 0.0
-    return np.maximum.reduceat(bend, found.first[:-1]) if len(found.move) else np.zeros(0)

@@ -21,6 +21,8 @@ __all__ = ["cylindricity", "flatness", "roundness", "straightness"]
 
 #: lines of a plane are taken from points whose places across differ by less than this, mm
 _LINE_MM = 1e-3
+#: of a width, relative
+_ROUNDING = 1e-9
 
 
 def flatness(feature: Feature, points: Points, callout: Callout) -> Measure:
@@ -121,19 +123,35 @@ def _of_axis(member: Member, points: Points, feature: Feature) -> Measure:
 
 
 def _plane_lines(member: Member, points: Points, callout: Callout) -> list[Measure]:
+    """Lines of a plane, but for those that are straighter than another for sure."""
     nominal = points.nominal_mm[member.rows]
     direction = _line_direction(member, nominal, callout)
     across = np.cross(member.surface.axis, direction)
     place, height = nominal @ across, member.surface.distance_mm(points.actual_mm[member.rows])
     order = np.argsort(place, kind="stable")
     lines = np.split(order, np.flatnonzero(np.diff(place[order]) > _LINE_MM) + 1)
-    found = []
-    for rows in lines:
-        if len(rows) >= 3:
-            length = (nominal[rows] @ direction)[:, None]
-            _, width, weight = least_width(height[rows], length - length.mean())
-            found.append(Measure(width, member.rows[rows], weight))
-    return found
+    lines = [rows for rows in lines if len(rows) >= 3]
+    along = nominal @ direction
+    most = np.array([_width_about_line(along[rows], height[rows]) for rows in lines])
+    found: dict[int, Measure] = {}
+    widest_mm = 0.0
+    for k in np.argsort(-most, kind="stable").tolist():
+        if most[k] < widest_mm:
+            break
+        rows = lines[k]
+        length = along[rows, None]
+        _, width, weight = least_width(height[rows], length - length.mean())
+        found[k] = Measure(width, member.rows[rows], weight)
+        widest_mm = max(widest_mm, width)
+    return [found[k] for k in sorted(found)]
+
+
+def _width_about_line(length: np.ndarray, height: np.ndarray) -> float:
+    """Width about the least squares line, (N,) mm each: no zone between parallels needs more."""
+    length = length - length.mean()
+    square = float(length @ length)
+    slope = float(length @ height) / square if square > 0.0 else 0.0
+    return float(np.ptp(height - slope * length)) * (1.0 + _ROUNDING)
 
 
 def _line_direction(member: Member, nominal: np.ndarray, callout: Callout) -> np.ndarray:

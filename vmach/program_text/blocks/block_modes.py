@@ -113,7 +113,7 @@ def _not_written(program: Program, step: Step) -> dict[int, str]:
         return {}
     if step.modes.side or step.before.side:
         return {step.line: "cutter compensation"}
-    text = program.source.lines[step.line - 1]
+    text = program.source.line(step.line)
     if language.unwritable is not None and language.unwritable.search(text):
         return {step.line: "a parameter, polar coordinates or a tangential arc"}
     return {}

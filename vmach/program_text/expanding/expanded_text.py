@@ -107,7 +107,8 @@ class LineBuilder:
 
     def _line_ending(self, line: int) -> bytes:
         starts = self.program.source.line_starts
-        return b"\r\n" if self.program.source.data[: starts[line]].endswith(b"\r\n") else b"\n"
+        is_cr_lf = self.program.source.data.endswith(b"\r\n", 0, int(starts[line]))
+        return b"\r\n" if is_cr_lf else b"\n"
 
     def result(self) -> Expanded:
         """The new text."""

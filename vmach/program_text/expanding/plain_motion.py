@@ -222,7 +222,7 @@ class _Writer:
         """The line with its motion words replaced by a block."""
         source, start = self.program.source, int(self.program.source.line_starts[line - 1])
         words = [w for w in source.words(line) if self._goes(w, step)]
-        text = source.lines[line - 1]
+        text = source.line(line)
         if step.modes.feed_mode == "inverse":
             words += [w for w in source.words(line) if w.letter == "F"]
             words.sort(key=lambda w: w.span)

@@ -96,7 +96,7 @@ def _write_in_running_order(program: Program, steps: list[Step], lines: LineBuil
             number = float(label[2])
             text = text if number not in seen else label[1] + text[label.end() :]
             seen.add(number)
-        if text == program.source.lines[step.line - 1]:
+        if text == program.source.line(step.line):
             lines.keep(step.line)
         else:
             lines.write(step.line, text, _FLOW)
@@ -110,7 +110,7 @@ def _write_in_running_order(program: Program, steps: list[Step], lines: LineBuil
 
 def _running_text(program: Program, step: Step, *, first: bool) -> str | None:
     """What a line becomes where it runs; None where nothing of it is left."""
-    text = program.source.lines[step.line - 1]
+    text = program.source.line(step.line)
     if not program.language.is_rs274:
         flow = program.language.flow_lines
         if step.is_flow:
@@ -144,7 +144,7 @@ def _shown(comment: str, step: Step) -> str:
 
 def _with_values(program: Program, step: Step, *, settings: bool) -> str | None:
     """The line with numbers; parameter settings stay only where asked for."""
-    text = program.source.lines[step.line - 1]
+    text = program.source.line(step.line)
     try:
         items = list(_items(text, step, settings=settings))
     except (ProgramError, StopIteration):
