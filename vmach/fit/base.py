@@ -20,6 +20,7 @@ from vmach.effects import Effect
 from vmach.fit.columns import Columns
 from vmach.fit.discrepancy import Members
 from vmach.fit.feature_noise import FeatureNoise
+from vmach.fit.means import Means
 from vmach.fit.remembered import Remembered
 from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
@@ -38,6 +39,8 @@ _ROOM_OF_COLUMNS = 24_000_000
 class Base:
     """Readings of a survey in the units of one feature noise, nuisance projected out.
 
+    Beside means of readings there are as many rows as means.
+
     Attributes
     ----------
     y : (n,) float64
@@ -51,7 +54,7 @@ class Base:
         Of the readings with themselves.
     """
 
-    def __init__(self, survey: Survey, noise: FeatureNoise, members: Members) -> None:
+    def __init__(self, survey: Survey, noise: FeatureNoise | Means, members: Members) -> None:
         self.survey, self.noise, self.members = survey, noise, members
         nuisance = noise.white(survey.nuisance)
         norms = np.linalg.norm(nuisance, axis=0)
@@ -64,7 +67,7 @@ class Base:
         self.z = self.white(np.hstack([members.fixed_mm, *members.columns_mm]))
         counts = [members.fixed_mm.shape[1], *(c.shape[1] for c in members.columns_mm)]
         self.member_of = np.repeat(np.arange(len(counts)), counts)
-        self.degrees = len(survey) - self._free.shape[1]
+        self.degrees = len(self.y) - self._free.shape[1]
         self.gram, self.seen = self.z.T @ self.z, self.z.T @ self.y
         self.square = float(self.y @ self.y)
         # a root, and the raised one
@@ -106,10 +109,6 @@ class Base:
             return self.columns(self.survey.signature(effect, target, inner))
 
         return self._columns.get(self._alike[asked], made)
-
-    def back(self, white: np.ndarray) -> np.ndarray:
-        """Columns (n, k) whose product with raw ones is that of white ones with white ones."""
-        return self.noise.back(white)
 
     def sized(self, sizes: Sizes) -> SizedMembers:
         """The members at given sizes; the last ones are remembered."""
