@@ -8,7 +8,7 @@ Source: closed form derived here: the precision of normal variables of unit vari
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -33,7 +33,7 @@ _GONE = 0.025
 #: numbers that roots of sized members may take up while they are remembered
 _ROOM = 10_000_000
 #: numbers that signatures with their products may take up while they are remembered
-_ROOM_OF_COLUMNS = 24_000_000
+_ROOM_OF_COLUMNS = 34_000_000
 
 
 class Base:
@@ -95,20 +95,42 @@ class Base:
         return self.columns(np.zeros((len(self.survey), 0)))
 
     def signature(self, effect: Effect, target: str, inner: Mapping[str, float]) -> Columns:
-        """What one usual size of each coefficient of an effect does; the last are remembered.
+        """What one usual size of each coefficient of an effect does; the last are remembered."""
+        return self.signatures(effect, target, [inner])[0]
+
+    def signatures(
+        self, effect: Effect, target: str, inner: Sequence[Mapping[str, float]]
+    ) -> list[Columns]:
+        """The same at several places; those that are new are worked out together.
 
         Many moments of a sudden effect have the same signature, which is worked out once.
         """
-        asked = effect, target, tuple(inner.items())
-        if asked not in self._alike:
-            columns_mm = self.survey.signature(effect, target, inner)
-            self._alike[asked] = effect, target, hash(columns_mm.tobytes())
-            return self._columns.get(self._alike[asked], lambda: self.columns(columns_mm))
+        known: dict[Hashable, Columns] = {}
+        new: dict[Hashable, np.ndarray] = {}
+        asked = [(effect, target, tuple(values.items())) for values in inner]
+        for one, values in zip(asked, inner, strict=True):
+            columns_mm = None
+            if one not in self._alike:
+                columns_mm = self.survey.signature(effect, target, values)
+                self._alike[one] = effect, target, hash(columns_mm.tobytes())
+            key = self._alike[one]
+            if key in self._columns:
+                known[key] = self._columns[key]
+            elif key not in new:
+                if columns_mm is None:
+                    columns_mm = self.survey.signature(effect, target, values)
+                new[key] = columns_mm
+        if new:
+            together = self.columns(np.hstack(list(new.values())))
+            known |= zip(new, together.split(len(new)), strict=True)
+            for key in new:
+                self._columns[key] = known[key]
+        return [known[self._alike[one]] for one in asked]
 
-        def made() -> Columns:
-            return self.columns(self.survey.signature(effect, target, inner))
-
-        return self._columns.get(self._alike[asked], made)
+    def forget(self) -> None:
+        """Signatures and roots, which take the most room."""
+        self._columns.clear()
+        self._sized.clear()
 
     def sized(self, sizes: Sizes) -> SizedMembers:
         """The members at given sizes; the last ones are remembered."""

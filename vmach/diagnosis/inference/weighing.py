@@ -140,6 +140,9 @@ class Weighing:
             return self
         other = copy.copy(self)
         other._take(noise)
+        # both together would take much memory, and this one is hardly asked again
+        self._forget()
+        self.base.forget()
         return other
 
     def of_candidates(self, known: Sequence[Candidate], log_priors: Mapping[str, float]) -> Self:
