@@ -80,7 +80,6 @@ def round_program(
         best = now if is_better else best
         if not makers.learnt_from(now):
             break
-        now.run.set_aside()
     return best
 
 
@@ -112,7 +111,9 @@ class _Makers:
         part = now.part.taken(new)
         self.known = np.concatenate([self.known, made_by(part.row, part.move)])
         place, normal = (part.move, part.parameter), self.normal[part.row]
-        moved = now.run.miss_at(*place) - self.exact.miss_at(*place)
+        moved = now.run.miss_at(*place)
+        now.run.set_aside()
+        moved -= self.exact.miss_at(*place)
         self.exact.set_aside()
         left = part.error_mm - np.einsum("pi,pi->p", normal, moved)
         self.probes = self.probes.beside(
