@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vmach.base.memory import give_back_free_memory
 from vmach.compensation.aim.part_view import PartDeviation, PartView
 from vmach.compensation.aim.probes import ProbeSets, near_surface, path_probes, surface_probes
 from vmach.compensation.aim.surface_demand import made_by
@@ -66,6 +67,7 @@ def round_program(
 
     def program(probes: ProbeSets) -> RoundedProgram:
         plan, target = rounding.rounded(probes)
+        give_back_free_memory()  # what its threads took
         written = iteration.write(target, resolution_mm)
         run = iteration.run(plan, written)
         part = None if view is None else view.deviation(run)
