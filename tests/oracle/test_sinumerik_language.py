@@ -279,8 +279,7 @@ def test_fixed_points_are_machine_zero():
 
 @pytest.mark.parametrize(
     "block",
-    ["CYCLE81(10,0,2,-5)", "CIP X5 Y5 I1=2 J1=3", "HOLES1(0,0,0,5,10,3)", "G1 X9 RND=2 F100",
-     "POCKET4(5,0,2,-5,20,0,0,2,0,0,100,50,0,0)"],
+    ["CIP X5 Y5 I1=2 J1=3", "G1 X9 RND=2 F100", 'CYCLE72("A",9,0,2,-6,,,,9,9,1,41,1,3)'],
 )  # fmt: skip
 def test_what_is_worked_out_in_xy_is_refused_in_other_planes(block):
     with pytest.raises(ProgramError, match="in G18 or G19 is not read"):
@@ -315,3 +314,27 @@ def test_arguments_whose_order_no_second_source_has_are_named(more, said):
 def test_the_length_of_the_tool_in_another_plane_is_told():
     assert any("stays along Z" in note.meaning for note in read("G18\nG0 X1").notes)
     assert not any("stays along Z" in note.meaning for note in read("G17\nG0 X1").notes)
+
+
+CYCLES_OF_PLANES = (
+    "CYCLE83(10,0,2,-20,,-5,,1,0.5,0,1,1)\nCYCLE86(10,0,2,-5,,0.5,3,1,-1,1,90)\n"
+    "MCALL CYCLE82(10,0,2,-5,,0.5)\nHOLES2(5,6,20,30,0,3)\n{a}7 {b}8\nMCALL\n"
+    "POCKET3(5,0,2,-5,60,40,8,3,4,15,2,0,0,100,50,0,1,5)\nPOCKET4(5,0,2,-5,20,3,4,2,0,0,100,50,0,1)\n"
+    "CYCLE90(20,0,2,-11,,40,36,2,300,2,0,60,50)\nCYCLE71(20,5,2,-4,15,25,60,40,30,3,6,4,0.5,900,31)"
+)
+
+
+@pytest.mark.parametrize(("code", "axes"), [(18, "ZXY"), (19, "YZX")])
+def test_cycles_in_other_planes_are_those_of_g17_turned(code, axes):
+    """First and second axis of the plane and the one across take the places of X, Y and Z."""
+    paths = []
+    for plane, (a, b, c) in ((17, "XYZ"), (code, axes)):
+        start = f"S1000 M3 F300\nG{plane}\nG0 {a}1 {b}2 {c}30\n"
+        moves = read("T1\nM6 D0\n" + start + CYCLES_OF_PLANES.format(a=a, b=b)).moves
+        order = ["XYZ".index(axis) for axis in (a, b, c)]
+        length = moves.end_mm[-1, order]
+        paths.append((moves.end_mm[:, order], moves.centre_mm[:, order], moves.sweep_rad,
+                      (moves.axis * moves.sweep_rad[:, None])[:, order], length))  # fmt: skip
+    skip = 3  # the ways to the start differ
+    for flat, turned in zip(*paths, strict=True):
+        assert turned[skip:] == pytest.approx(flat[skip:], abs=1e-9, nan_ok=True)
