@@ -338,3 +338,19 @@ def test_cycles_in_other_planes_are_those_of_g17_turned(code, axes):
     skip = 3  # the ways to the start differ
     for flat, turned in zip(*paths, strict=True):
         assert turned[skip:] == pytest.approx(flat[skip:], abs=1e-9, nan_ok=True)
+
+
+def test_numbers_are_equal_but_for_rounding_in_every_comparison():
+    """Job Planning 6FC5398-2BP10-1BA0, page 1-23: the manual's own example does not jump."""
+    example = "R1=61.01 R2=61.02 R3=0.01\nIF ABS(R2-R1)>R3 GOTOF WRONG\nG0 X1\nGOTOF DONE\n"
+    assert places(example + "WRONG: G0 X9\nDONE:")[:, 0].tolist() == [1]
+    rounds = "R1=0\nR2=-10\nWHILE(R2>=-20)\nR2=R2-0.1\nR1=R1+1\nENDWHILE\nG0 X=R1"
+    assert places(rounds)[-1, 0] == 101, "down to -20.00000000000004 as well"
+    assert places("R1=0\nFOR R2=1 TO 3\nR1=R1+(R2<2)+10*(R2<=2)\nENDFOR\nG0 X=R1")[-1, 0] == 21
+
+
+def test_comparisons_are_worked_out_last():
+    """NC Programming 6FC5398-2EP40-0BA0, page 444."""
+    inner = "R1=5 R2=0\nIF {} GOTOF DONE\nG0 X9\nDONE: G0 Y1"
+    assert places(inner.format("(R1==5) AND (R2==0)"))[:, 0].tolist() == [0]
+    assert places(inner.format("R1==5 OR 0"))[:, 0].tolist() == [9, 9], "5 OR 0 is 1"
