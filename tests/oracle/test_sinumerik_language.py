@@ -162,6 +162,22 @@ def test_a_subprogram_that_calls_itself_is_refused():
         read("%_N_A_MPF\nL1\nM30\n%_N_L1_SPF\nL1\nM17")
 
 
+def test_a_program_whose_own_name_is_wanted_looks_beside_it(tmp_path):
+    main = tmp_path / "part.mpf"
+    main.write_text("; as delivered\nN1 PROC L_TIME(INT _KIND)\nG0 X0\nL_TIME(7)\nM30\n")
+    with pytest.raises(ProgramError, match="L_TIME is neither in this file nor beside it"):
+        read_program(main, tools=TOOLS, dialect="sinumerik")
+    (tmp_path / "L_TIME.SPF").write_text("PROC L_TIME(INT _KIND)\nG0 X=_KIND\nRET\n")
+    moves = read_program(main, tools=TOOLS, dialect="sinumerik", home_mm=(0, 0, 0)).moves
+    assert moves.end_mm[-1, 0] == 7
+
+
+def test_an_auxiliary_function_with_a_number_is_noted():
+    program = read("G0 X1\nN50 H41=5\nH41=R1+2 X3")
+    assert program.moves.end_mm[:, 0].tolist()[-1] == 3
+    assert any("H41=5" in note for note in map(str, program.notes))
+
+
 def test_case_and_repeats():
     body = "R1=6\nCASE(R1) OF 8 GOTOF AA 6 GOTOF BB DEFAULT GOTOF CC\nAA: X1\nBB: G0 X2\nCC: X3"
     assert places("G0 Y1\n" + body)[1:, 0].tolist() == [2, 3]
