@@ -16,10 +16,12 @@ from gcode.geometry.outlines import Outline
 from gcode.geometry.polygons import Polygon
 from gcode.language.translate import number
 
-__all__ = ["Area", "mill_bore", "mill_pocket", "mill_stud"]
+__all__ = ["Area", "check_rounds", "mill_bore", "mill_pocket", "mill_stud"]
 
 #: more rings or levels than this are a mistake
 _MOST = 10_000
+#: rings on all levels together: more would take seconds, and are a slip of the decimal point
+_MOST_ROUNDS = 20_000
 
 
 @dataclass(frozen=True)
@@ -133,10 +135,19 @@ def _rings(area: Area, allowance: float) -> list[Outline]:
     return rings[::-1]
 
 
+def check_rounds(rings: int, levels: int) -> None:
+    """Refuse what would take the control days, and the reader minutes."""
+    if rings * levels > _MOST_ROUNDS:
+        raise ProgramError(f"{rings} rings or lines on {levels} levels",
+                           accepted=f"up to {_MOST_ROUNDS} together",
+                           hint="look at the infeeds and at the tool's diameter")  # fmt: skip
+
+
 def mill_pocket(area: Area) -> Iterator[str]:
     """Blocks of a pocket or slot; the tool is taken straight down in the middle."""
     for levels, allowance, feed in area.passes:
         rings = _rings(area, allowance)
+        check_rounds(len(rings), len(levels))
         yield _line("g0", rings[0].start)
         yield _level("g0", area.clear)
         for level in levels:
@@ -160,6 +171,7 @@ def mill_stud(area: Area) -> Iterator[str]:
         nearest = area.tool_radius + allowance
         count = max(math.ceil((excess - allowance) / area.step_over - 1e-9), 1)
         distances = [nearest + area.step_over * k for k in range(min(count, _MOST))][::-1]
+        check_rounds(len(distances), len(levels))
         outside = area.outline.grown(area.tool_radius + excess + area.step_over)
         yield _line("g0", outside.start)
         yield _level("g0", area.clear)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from gcode.errors import ProgramError
 from gcode.geometry.arcs import Point
+from gcode.language.area_milling import check_rounds
 from gcode.language.translate import number
 
 __all__ = ["Face", "layers", "mill_face"]
@@ -92,6 +93,7 @@ class Face:
 def mill_face(face: Face) -> Iterator[str]:
     """Blocks of a face, layer after layer."""
     lines = face.lines()
+    check_rounds(len(lines), len(face.levels))
     yield f"g0{lines[0][0]}"
     yield f"g0z{number(face.clear)}"
     for layer, (level, feed) in enumerate(face.levels):

@@ -12,6 +12,10 @@ from gcode.text.lexer import compact, read_block
 __all__ = ["Translated", "number"]
 
 
+#: a line of motion becomes no more blocks of RS274/NGC; a cycle does
+_BLOCKS_OF_A_LINE = 20
+
+
 def number(value: float) -> str:
     """Write a number so that reading gives the same value; RS274 has no exponents."""
     text = repr(float(value))
@@ -35,6 +39,7 @@ class Translated:
         self.budget = BlockBudget(options.max_blocks)
         self.next, self.stop = 0, len(lines)
         self.ended = False
+        self._free = 0  #: further blocks that the line may become before they count
 
     def run(self) -> None:
         """Run to the end of the program."""
@@ -48,6 +53,7 @@ class Translated:
             if controller.trace is not None:
                 controller.trace.begin(controller.line)
             self.budget.executed += 1
+            self._free = _BLOCKS_OF_A_LINE
             self.budget.check()
             self.obey(self.lines[here])
         flush(controller)
@@ -74,7 +80,11 @@ class Translated:
             self.controller.trace.keep(why)
 
     def execute(self, *blocks: str) -> None:
-        """Hand blocks of RS274/NGC to the interpreter."""
+        """Hand blocks of RS274/NGC to the interpreter; those of a cycle count like others."""
+        free = min(len(blocks), self._free)
+        self._free -= free
+        self.budget.executed += len(blocks) - free
+        self.budget.check()
         for block in blocks:
             if block.strip():
                 self.ended = execute(self.controller, read_block(compact(block))) or self.ended

@@ -30,10 +30,15 @@ from scipy.stats import beta
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from tests.hidden_effects import program_runs
-from tests.hidden_effects.experiment import FOREIGN_KINDS, SINGLE_KINDS, make_experiment
+from tests.hidden_effects.experiment import (
+    FOREIGN_KINDS,
+    SINGLE_KINDS,
+    make_experiment,
+)
 from tests.hidden_effects.instruments import INSTRUMENTS
 from tests.hidden_effects.measuring import NOISES
 from tests.hidden_effects.part import PartDesign
+from tests.hidden_effects.true_states import TRUE_STATES, names_true_states
 from tests.hidden_effects.verdict import OUTCOMES, judge
 from vmach.study.case import Case
 
@@ -42,7 +47,7 @@ NOISE_UM = 0.8
 MODULE = "tests.benchmarks.bench_hidden_effects"
 COLUMNS = (
     "kind", "noise", "seed", "outcome", "hidden", "said", "parameters", "ratio", "inside",
-    "foretold", "seconds", "named", "true", "hidden_count",
+    "foretold", "seconds", "named", "true", "hidden_count", "forms", "states", "misfit_left",
 )  # fmt: skip
 #: pairs that act through the same thing: no data of this kind shows both
 _SAME = ({"tool_radius", "runout"}, {"missing_table", "reflector"})
@@ -103,6 +108,13 @@ def one(kind: str, seed: int, args: argparse.Namespace) -> dict:
         row |= {"outcome": found.outcome, "said": found.said, "seconds": round(seconds, 2)}
         row["parameters"] = json.dumps(found.parameters)
         row |= {"named": found.named, "true": found.true, "hidden_count": len(truth["effects"])}
+        row["forms"] = len(report["proposals"])
+        if kind in TRUE_STATES:
+            row["states"] = int(names_true_states(kind, report["proposals"]))
+            row["misfit_left"] = 1.0
+            if report["proposals"]:
+                left = program_runs.left_by_proposal(folder, made.check_deviation_um, made.check)
+                row["misfit_left"] = round(left, 4)
         if args.held_out and not any(h.once for h in made.hidden):
             job = folder / "job.toml"
             if report["verdict"] in ("named", "class", "partly"):

@@ -65,8 +65,23 @@ def print_table(rows: list[dict]) -> None:
     known = [row for row in rows if row["kind"] not in GROUPS["something unknown"][0]]
     _print_share("effects said to be shown that are there", rows, "true", "named")
     _print_share("effects that are there that are said to be shown", known, "true", "hidden_count")
+    _print_forms(rows)
     hits = [low <= true <= high for row in rows for _, _, low, high, true in determined(row)]
     _print_counts("95 % intervals of parameters that hold the truth", sum(hits), len(hits))
+
+
+def _print_forms(rows: list[dict]) -> None:
+    clean = [row for row in rows if row["kind"] == "none"]
+    _print_counts("clean machines with a form", _count(clean, _has_forms), len(clean))
+    foreign = [row for row in rows if row["states"]]
+    named = _count(foreign, lambda row: row["states"] == "1")
+    _print_counts("true states in the first three forms", named, len(foreign))
+    halved = _count(foreign, lambda row: float(row["misfit_left"]) <= 0.5)
+    _print_counts("misfit of the check part halved by the first form", halved, len(foreign))
+
+
+def _has_forms(row: dict) -> bool:
+    return int(row["forms"] or 0) > 0
 
 
 def _print_line(name: str, rows: list[dict]) -> None:

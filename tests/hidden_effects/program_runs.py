@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import subprocess
 import sys
 import time
 from contextlib import redirect_stderr, redirect_stdout
@@ -16,7 +17,15 @@ from vmach.cli import main
 from .part import Part
 from .shares import alignment_columns
 
-__all__ = ["add", "aligned_rms_um", "diagnose", "held_out", "predicted_um", "share_foretold"]
+__all__ = [
+    "add",
+    "aligned_rms_um",
+    "diagnose",
+    "held_out",
+    "left_by_proposal",
+    "predicted_um",
+    "share_foretold",
+]
 
 
 def _vmach(*words: object) -> str:
@@ -50,6 +59,38 @@ def add(folder: Path, report: dict) -> Path:
     ]
     _vmach("add", folder / "job.toml", *effects, "-o", job)
     return job
+
+
+def left_by_proposal(folder: Path, true_um: np.ndarray, part: Part) -> float:
+    """Share of the check part's misfit, free of noise, that the first form proposed leaves.
+
+    In a process of its own: an effect that was loaded would be a candidate of the next diagnosis.
+    """
+    command = [sys.executable, "-c", f"from {__name__} import _propose; _propose()", folder]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    if ended.returncode:
+        raise RuntimeError(ended.stderr)
+    before, after = (
+        np.genfromtxt(folder / name, delimiter=",", names=True, dtype=None, encoding="utf-8")
+        for name in _FORETOLD
+    )
+    misfit = [aligned_rms_um(true_um - told["deviation_um"], part) for told in (before, after)]
+    return misfit[1] / misfit[0]
+
+
+#: what the check part would be without and with a form that is proposed
+_FORETOLD = ("check_without.csv", "check_with.csv")
+
+
+def _propose() -> None:
+    """Add what is proposed for the folder of the command line, and foretell the check part."""
+    folder = Path(sys.argv[-1])
+    job, file = folder / "job_proposed.toml", folder / "proposed_form.py"
+    _vmach("effects", "propose", folder / "job.toml", "-o", file)
+    _vmach("add", folder / "job.toml", file.stem, "--effect-file", file, "-o", job)
+    for one, out in zip((folder / "job.toml", job), _FORETOLD, strict=True):
+        points, program = folder / "check_measured.csv", folder / "check.nc"
+        _vmach("predict", one, "--points", points, "--program", program, "-o", folder / out)
 
 
 def predicted_um(

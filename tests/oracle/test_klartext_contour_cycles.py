@@ -140,6 +140,15 @@ def test_a_contour_train_runs_beside_its_contour(side, wall):
     assert at_level(places, -5).shape == deep.shape
 
 
+def test_a_contour_train_is_left_straight_up():
+    """The rapid out of the depth does not cross the wall."""
+    train = definition("25 TRAIN", "Q1=-9 Q3=+0 Q5=+0 Q7=+20 Q10=-9 Q11=100 Q12=200 Q15=+1")
+    body = "CYCL CALL\nM2\nLBL 1\nL X+0 Y+0 RL\nL X+40\nL Y+60\nLBL 0\n"
+    moves = read(LABELS.replace(" /2", "") + train + body).moves
+    assert moves.end_mm[-1, 2] > moves.start_mm[-1, 2]
+    assert moves.end_mm[-1, :2] == pytest.approx(moves.start_mm[-1, :2])
+
+
 def test_contour_train_takes_its_side_from_cycle_270():
     train = definition("25 TRAIN", "Q1=-9 Q3=+0 Q5=+0 Q7=+20 Q10=-9 Q11=100 Q12=200 Q15=+1")
     contour = "CYCL CALL\nM2\nLBL 1\nL X+0 Y+0 {side}\nL X+40\nL Y+60\nLBL 0\n"

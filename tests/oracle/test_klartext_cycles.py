@@ -297,3 +297,21 @@ def test_cycle_258_leaves_a_polygon(circumscribed, corner):
     assert apart.min() == pytest.approx(RADIUS, abs=1e-3)
     assert np.abs(apart - RADIUS).min(axis=0).max() < 0.3, "every place of the wall is touched"
     assert places[:, 2].min() == pytest.approx(-6)
+
+
+@pytest.mark.parametrize(
+    "q", ["Q218=4000 ~\n Q219=4000 ~\n Q202=0.01", "Q218=9e9 ~\n Q219=9e9 ~\n Q202=5"]
+)
+def test_a_pocket_of_too_many_rings_is_refused_at_once(q):
+    body = (f"CYCL DEF 251 RECTANGULAR POCKET ~\n {q} ~\n Q207=500 ~\n Q201=-12 ~\n Q206=150 ~\n"
+            " Q200=2 ~\n Q203=0 ~\n Q370=1\nCYCL CALL")  # fmt: skip
+    with pytest.raises(ProgramError, match="rings or lines on"):
+        read(body.replace("9e9", "999999"))
+
+
+def test_blocks_of_cycles_count_as_blocks_of_a_loop():
+    body = "LBL 1\nL X+1 Y+1 FMAX M99\nCALL LBL 1 REP 9000"
+    drill = "CYCL DEF 200 DRILLING ~\n Q200=2 ~\n Q201=-9 ~\n Q206=99 ~\n Q202=0.01 ~\n Q203=0\n"
+    text = f"BEGIN PGM A MM\nTOOL CALL 1 Z S1 F300\n{drill}{body}\nEND PGM A MM\n"
+    with pytest.raises(ProgramError, match="more than 20"):
+        read_program(Source(text.encode(), "a.h"), tools=TOOLS, max_blocks=20_000)

@@ -246,7 +246,7 @@ REFUSED = {
     "sinumerik": {
         "TRAORI": "TRAORI", "TRANSMIT": "TRANSMIT", "TRACYL(20)": "TRACYL", "ASPLINE": "spline",
         "G41 KONTC X5": "KONTC", "OFFN=1": "OFFN", "CYCLE90(10,0,2,-5)": "CYCLE90 without",
-        'CYCLE72("CON",1)': "CYCLE72 is not read", "SLOT2(1)": "SLOT2 without",
+        'CYCLE72("CON",1)': "CYCLE72 without", "SLOT2(1)": "SLOT2 without",
         "G33 Z1 K1": "G33",
         "G58 X5": "G58", "SETAL(65000)": "alarm", "ROT X10": "tilts", "MIRROR Z0": "over",
         "D2": "D0 D1", "L100": "L100.SPF", "R1=$AC_TIME": "AC_TIME", "HOLES1(0,0,0,1,1,2)": "MCALL",

@@ -17,11 +17,12 @@ from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossible_size_notes
 from vmach.diagnosis.inference import verdicts
 from vmach.diagnosis.inference.prepare import prepare_weighing
+from vmach.diagnosis.inference.remains import remains_um
 from vmach.diagnosis.inference.support import Support, in_its_place
 from vmach.diagnosis.next_test.planned_program import write_program
 from vmach.diagnosis.report import as_json, as_text
 from vmach.diagnosis.residuals.job_survey import survey_job
-from vmach.diagnosis.rivals import Rivals, credible, in_other_sets
+from vmach.diagnosis.rivals import Rivals, credible, in_other_sets, rivals_of
 from vmach.diagnosis.words import with_unit
 from vmach.effects import catalogue
 from vmach.errors import InputError
@@ -350,13 +351,13 @@ def test_effects_that_come_near_each_other_are_counted_together():
 
 
 def test_what_is_not_certain_stays_beside_the_others_while_they_are_judged(monkeypatch):
-    """Without the first effect, of odds 4.1, the second would lose what speaks for it."""
+    """Without the first effect, of odds 2.1, the second would lose what speaks for it."""
 
     def found(labels):
         return SimpleNamespace(terms=[SimpleNamespace(label=n) for n in labels], labels=labels)
 
     def supports(_, here):
-        odds = {"a": 4.1, "b": 7.0 if "a" in here.labels else 1.2}
+        odds = {"a": 2.1, "b": 7.0 if "a" in here.labels else 1.2}
         return [Support(odds[n], size_um=2.0, rest_um=0.0) for n in here.labels]
 
     weighing = SimpleNamespace(
@@ -366,3 +367,43 @@ def test_what_is_not_certain_stays_beside_the_others_while_they_are_judged(monke
     monkeypatch.setattr(verdicts, "supports_of", supports)
     shown, _, weak = verdicts.judged(weighing, found(["a", "b"]), {"a", "b"})
     assert shown.labels == ["b"] and [w.term.label for w in weak] == ["a"]
+
+
+def test_what_is_less_probable_than_nothing_is_no_rival():
+    """One effect in a hundred: what is left of the probability is that of none at all."""
+    gains = np.append(4.0, np.full(99, -4.6))
+    labels = [f"e{k}" for k in range(100)]
+    effect = SimpleNamespace(
+        name="e0", signature="", parameters=(), is_sudden=False, is_never_exact=False
+    )
+    weighing = SimpleNamespace(
+        candidates=[SimpleNamespace(label=n, effect=effect) for n in labels],
+        gains=lambda _: gains,
+        without=lambda *_, **__: SimpleNamespace(labels=frozenset()),
+        tried={frozenset(["e0"]): 4.0},
+    )
+    term = SimpleNamespace(label="e0", effect=effect)
+    explanation = SimpleNamespace(fit=SimpleNamespace(terms=(term,)))
+    assert len(credible(gains)) > 1
+    assert rivals_of(weighing, explanation, 0).names == ("e0",)
+
+
+@pytest.mark.parametrize(("along_y", "is_told"), [(1.0, False), (2.2, True)])
+def test_scatter_that_knows_the_axes_is_no_noise(tmp_path, along_y, is_told):
+    """Walls along X and Y of one part: a device's noise is the same on both."""
+    job = write_job(tmp_path)
+    points = tmp_path / "points.csv"
+    random, lines = np.random.default_rng(2), points.read_text().splitlines()
+    rows = [lines[0]]
+    for line in lines[1:]:
+        cells = line.split(",")
+        n = np.array(cells[5:8], dtype=float)
+        size = along_y if abs(n[1]) > abs(n[0]) else 1.0
+        for _ in range(4):  # each point measured four times
+            seen = np.array(cells[2:5], dtype=float) + 5e-4 * size * random.standard_normal() * n
+            name = [f"{len(rows)}", *cells[1:8]]
+            rows.append(",".join([*name, *(f"{v:.6f}" for v in seen), "0.5"]))
+    points.write_text("\n".join(rows))
+    weighing = prepare_weighing(survey_job(job), [catalogue()["backlash"]])
+    told = remains_um(weighing, weighing.nothing())
+    assert (told > 0.5) == is_told

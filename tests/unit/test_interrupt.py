@@ -11,7 +11,8 @@ import pytest
 from vmach.base.interrupt import interrupts_are_not_for_children
 
 PROGRAM = """
-import ctypes, sys, time
+import ctypes, signal, sys, time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # as a terminal's, whoever started us
 {repeat}
 
 @ctypes.CFUNCTYPE(None)

@@ -95,6 +95,7 @@ def diagnose(
     tell("search")
     found = infer(weighing)
     weighing, explanation = found.weighing, found.explanation
+    survey = weighing.survey
     findings = findings_of(found)
     verdict = _verdict(found, findings)
     fit = weighing.careful(explanation)

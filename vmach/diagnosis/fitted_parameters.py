@@ -8,7 +8,7 @@ from vmach.diagnosis.component_curve import component_parameters
 from vmach.fit.terms import JointFit
 from vmach.fit.uncertainty import parameter_uncertainty
 
-__all__ = ["FittedParameters", "fitted_parameters"]
+__all__ = ["FittedParameters", "fitted_parameters", "fitted_values"]
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,13 @@ class FittedParameters:
     u: dict
     interval_95: dict = field(default_factory=dict)
     weakly_identified: tuple[str, ...] = ()
+
+
+def fitted_values(fit: JointFit, k: int) -> dict:
+    """The parameters of term k of a fit alone."""
+    if fit.terms[k].effect.corrects_table:
+        return component_parameters(fit, k, fit.posterior.base.survey.paths[0])[0]
+    return fit.parameters(k)
 
 
 def fitted_parameters(fit: JointFit, k: int) -> FittedParameters:

@@ -38,10 +38,13 @@ def rivals_of(weighing: Weighing, explanation: Explanation, k: int) -> Rivals:
     assert explanation.fit is not None
     own = explanation.fit.terms[k]
     others = weighing.without(explanation, [k], resize=False)
+    gains = weighing.gains(others)
     near = [
         i
-        for i in credible(weighing.gains(others))
-        if weighing.candidates[i].label not in others.labels
+        for i in credible(gains)
+        # what is less probable than nothing in its place is no rival
+        if gains[i] > 0.0
+        and weighing.candidates[i].label not in others.labels
         and not _needs_impossible_size(weighing, others, i)
     ]
     labels = [weighing.candidates[i].label for i in near]

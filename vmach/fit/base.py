@@ -8,7 +8,7 @@ Source: closed form derived here: the precision of normal variables of unit vari
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from functools import cached_property
 
 import numpy as np
@@ -27,12 +27,12 @@ from vmach.fit.whitening import thin_product
 
 __all__ = ["Base", "SizedMembers", "raised", "root_of_precision", "solved"]
 
-#: members up to this size, in u, are left out where candidates are weighed
+#: members up to this size, in u, take nothing
 _GONE = 0.025
 #: numbers that roots of sized members may take up while they are remembered
 _ROOM = 10_000_000
 #: numbers that signatures with their products may take up while they are remembered
-_ROOM_OF_COLUMNS = 16_000_000
+_ROOM_OF_COLUMNS = 24_000_000
 
 
 class Base:
@@ -56,7 +56,7 @@ class Base:
         nuisance = noise.white(survey.nuisance)
         norms = np.linalg.norm(nuisance, axis=0)
         left, size, _ = np.linalg.svd(nuisance / np.where(norms > 0, norms, 1.0), False)
-        seen = size > 1e-9 * max(size.max(initial=0.0), 1e-300)
+        seen = size > 1e-9 * max(np.max(size, initial=0.0), 1e-300)
         self._free = left[:, seen]
         self.constant = -0.5 * noise.log_determinant - float(np.log(size[seen]).sum())
         self.constant -= float(np.log(norms[norms > 0]).sum())
@@ -67,8 +67,9 @@ class Base:
         self.degrees = len(survey) - self._free.shape[1]
         self.gram, self.seen = self.z.T @ self.z, self.z.T @ self.y
         self.square = float(self.y @ self.y)
-        # a root, and its inverse or the raised one
+        # a root, and the raised one
         self._sized = Remembered[SizedMembers](_ROOM / max(2 * self.gram.size, 1))
+        self._alike: dict[Hashable, Hashable] = {}
         self._columns = Remembered[Columns](_ROOM_OF_COLUMNS, lambda columns: columns.size)
 
     def white(self, columns_mm: np.ndarray) -> np.ndarray:
@@ -91,12 +92,20 @@ class Base:
         return self.columns(np.zeros((len(self.survey), 0)))
 
     def signature(self, effect: Effect, target: str, inner: Mapping[str, float]) -> Columns:
-        """What one usual size of each coefficient of an effect does; the last are remembered."""
+        """What one usual size of each coefficient of an effect does; the last are remembered.
+
+        Many moments of a sudden effect have the same signature, which is worked out once.
+        """
+        asked = effect, target, tuple(inner.items())
+        if asked not in self._alike:
+            columns_mm = self.survey.signature(effect, target, inner)
+            self._alike[asked] = effect, target, hash(columns_mm.tobytes())
+            return self._columns.get(self._alike[asked], lambda: self.columns(columns_mm))
 
         def made() -> Columns:
             return self.columns(self.survey.signature(effect, target, inner))
 
-        return self._columns.get((effect, target, tuple(inner.items())), made)
+        return self._columns.get(self._alike[asked], made)
 
     def back(self, white: np.ndarray) -> np.ndarray:
         """Columns (n, k) whose product with raw ones is that of white ones with white ones."""
@@ -104,34 +113,35 @@ class Base:
 
     def sized(self, sizes: Sizes) -> SizedMembers:
         """The members at given sizes; the last ones are remembered."""
-        every = np.arange(len(self.member_of))
-        return self._sized.get(sizes, lambda: SizedMembers(self, sizes, every))
+        return self._sized.get(sizes, lambda: SizedMembers(self, sizes))
 
 
 class SizedMembers:
-    """Members of a base at given sizes: what all effects beside them share.
+    """Members of a base at given sizes, those that are there: what all effects beside them share.
 
     Parameters
     ----------
     base : Base
     sizes : Sizes
-    here : (p,) int
-        Which of the base's columns; the first of all effects' ones come behind them.
 
     Attributes
     ----------
+    here, absent : (p,), (a,) int
+        Which of the base's columns are there, and which belong to members that are not.
     scale : (p,) float64
         Prior standard deviation of every column's coefficient in units of the factor.
     """
 
-    def __init__(self, base: Base, sizes: Sizes, here: np.ndarray) -> None:
-        self._base, self.sizes, self.here = base, sizes, here
-        self.scale = sizes.each[base.member_of[here]] / sizes.factor
+    def __init__(self, base: Base, sizes: Sizes) -> None:
+        self._base, self.sizes = base, sizes
+        size = sizes.each[base.member_of]
+        self.here, self.absent = np.flatnonzero(size > _GONE), np.flatnonzero(size <= _GONE)
+        self.scale = size[self.here] / sizes.factor
 
     @cached_property
     def root(self) -> np.ndarray:
         """Lower Cholesky factor of 1 + S G S, the precision in prior deviations, (p, p)."""
-        return root_of_precision(self._of_here(self._base.gram), self.scale)
+        return root_of_precision(self._base.gram[np.ix_(self.here, self.here)], self.scale)
 
     @cached_property
     def seen(self) -> np.ndarray:
@@ -148,28 +158,23 @@ class SizedMembers:
         """Of the precision."""
         return float(np.log(np.diag(self.root)).sum())
 
-    @cached_property
-    def present(self) -> SizedMembers:
-        """The same without members that are absent."""
-        is_here = self.sizes.each[self._base.member_of] > _GONE
-        here = np.flatnonzero(is_here)
-        return self if len(here) == len(self.here) else SizedMembers(self._base, self.sizes, here)
-
     def taken(self, products: np.ndarray) -> np.ndarray:
         """L^-1 S of products (q,) or (q, k) with all of the base's columns, (p,) or (p, k)."""
-        own = products if len(self.here) == len(products) else products[self.here]
+        own = products[self.here]
         scaled = (own.T * self.scale).T
         if not len(self.here):
             return scaled
         if own.ndim == 1 or own.shape[1] < len(self.here):
             return solved(self.root, scaled)
         # many at once: BLAS multiplies by an inverse twice as fast as it solves
+        return dtrmm(1.0, self._inverse, scaled, lower=True, overwrite_b=True)
+
+    @cached_property
+    def _inverse(self) -> np.ndarray:
+        """Of the root."""
         inverse, failed = dtrtri(self.root, lower=True)
         assert not failed
-        return dtrmm(1.0, inverse, scaled, lower=True, overwrite_b=True)
-
-    def _of_here(self, gram: np.ndarray) -> np.ndarray:
-        return gram if len(self.here) == len(gram) else gram[np.ix_(self.here, self.here)]
+        return inverse
 
 
 def root_of_precision(gram: np.ndarray, scale: np.ndarray) -> np.ndarray:

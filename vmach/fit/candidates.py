@@ -32,7 +32,7 @@ class Candidate:
         G combinations of inner parameters.
     log_prior : (G,) float64
         How usual each combination is; the exponentials add up to one.
-    signatures_mm : (n, G, K) float64
+    signatures_mm : (n, G, K) float32 or float64
         What one usual size of each of K coefficients does to the readings.
     """
 
@@ -83,8 +83,9 @@ def _candidate(survey: Survey, effect: Effect, target: str) -> Candidate | None:
     if not grid:
         return None
     first = survey.signature(effect, target, grid[0])
-    # place by place in memory, and each once: all signatures together are the largest of all
-    rows = np.empty((len(grid), first.shape[1], len(survey)))
+    # place by place in memory, and each once: all signatures together are the largest of all.
+    # Rounded they are those of a law that differs in the eighth digit
+    rows = np.empty((len(grid), first.shape[1], len(survey)), dtype=np.float32)
     is_blind = True
     for row, inner in zip(rows, grid, strict=True):
         columns = survey.signature(effect, target, inner)

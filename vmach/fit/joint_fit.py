@@ -29,8 +29,6 @@ _STEP = 1e-5
 _STEPS, _STRIDE, _LENGTHS = 12, 1.5, (1.0, 0.25, 0.06)
 #: half the sum of squares that a further step has to promise
 _GAIN = 1e-4
-#: places that are tried together
-_AT_ONCE = 64
 
 
 def fit_terms(posterior: Posterior, terms: Sequence[Term], *, refine: bool = True) -> JointFit:
@@ -126,17 +124,12 @@ class _Problem:
 
     def gains_of(self, term: Term, places: Sequence[Mapping[str, float]]) -> np.ndarray:
         """Half of what a further term at each of some places (G,) takes off the sum of squares."""
-        beside, gains = self._as_noise, []
-        for k in range(0, len(places), _AT_ONCE):
-            some = [self._signature(replace(term, inner=p)) for p in places[k : k + _AT_ONCE]]
-            every = Columns.joined(some)
-            taken = beside.taken(every)
-            seen = every.seen / beside.sizes.factor**2 - taken.T @ beside.seen
-            seen, taken = (m.T.reshape(len(some), len(some[0]), -1) for m in (seen, taken))
-            gram = np.stack([one.gram for one in some]) / beside.sizes.factor**2
-            gram += np.eye(len(some[0])) / FREE**2 - taken @ taken.transpose(0, 2, 1)
-            gains.append(0.5 * (seen * np.linalg.solve(gram, seen)).sum(axis=(1, 2)))
-        return np.concatenate(gains)
+        beside = self._as_noise
+        tried = [self._signature(replace(term, inner=inner)) for inner in places]
+        found = [beside.products(columns) for columns in tried]
+        gram, seen = map(np.stack, zip(*found, strict=True))
+        gram += np.eye(gram.shape[1]) / FREE**2
+        return 0.5 * (seen * np.linalg.solve(gram, seen[:, :, None])[:, :, 0]).sum(axis=1)
 
     @property
     def _as_noise(self) -> Posterior:

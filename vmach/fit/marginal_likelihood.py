@@ -142,12 +142,6 @@ class Posterior:
         return Bordered(self.members, self.effects)
 
     @property
-    def scale(self) -> np.ndarray:
-        """Prior standard deviation of every column's coefficient in units of the factor, (k,)."""
-        of_effects = np.full(len(self.effects), 1.0 / self.sizes.factor)
-        return np.concatenate([self.members.scale, of_effects])
-
-    @property
     def root(self) -> np.ndarray:
         """Lower Cholesky factor of the posterior precision, (k, k), in prior deviations."""
         root, border = self.members.root, self.bordered.border
@@ -157,11 +151,18 @@ class Posterior:
         return whole
 
     @cached_property
-    def mean(self) -> np.ndarray:
-        """Expected coefficients in prior standard deviations, (k,)."""
+    def mean(self) -> tuple[np.ndarray, np.ndarray]:
+        """Expected coefficients of members that are there, and of effects, in prior deviations."""
         of_effects = solved(self.bordered.own, self.bordered.seen_effects.copy(), transposed=True)
         rest = self.bordered.seen_members - self.bordered.border @ of_effects
-        return np.concatenate([solved(self.members.root, rest, transposed=True), of_effects])
+        return solved(self.members.root, rest, transposed=True), of_effects
+
+    @property
+    def amounts(self) -> np.ndarray:
+        """Expected coefficients of all members' columns, (q,)."""
+        amount = np.zeros(len(self.base.member_of))
+        amount[self.members.here] = self.members.scale * self.mean[0] * self.sizes.factor
+        return amount
 
     @cached_property
     def log_probability(self) -> float:
@@ -183,15 +184,13 @@ class Posterior:
         inverse, failed = dpotri(self.root, lower=True, overwrite_c=True)
         if failed:
             raise LinAlgError("the posterior precision has to be regular")
-        count, mean = len(self.sizes.members) + 1, self.mean
+        count, mean = len(self.sizes.members) + 1, np.concatenate(self.mean)
         none = np.zeros(len(self.effects), dtype=int)
-        member = np.concatenate([self.base.member_of, none])
+        member = np.concatenate([self.base.member_of[self.members.here], none])
         diagonal = np.diag(inverse).copy()
         slope = np.bincount(member, mean**2 + diagonal - 1.0, count)
-        k = self.sizes.factor
-        seen = np.concatenate([self.base.seen, self.effects.columns.seen])
-        explained = mean @ (self.scale * seen) / k
-        rest = self.base.square / k**2 - explained - mean @ mean
+        seen = float(self.seen @ self.seen)
+        rest = self.base.square / self.sizes.factor**2 - seen - mean @ mean
         slope[0] = rest + len(diagonal) - diagonal.sum() - self.base.degrees
         # the lower triangle alone is there
         inverse *= inverse
@@ -203,16 +202,36 @@ class Posterior:
         found = squared + np.diag(np.bincount(member, minlength=count) - 2.0 * variance)
         found[0] = found[:, 0] = variance - squared.sum(axis=0)
         found[0, 0] = self.base.degrees - len(member) + squared.sum()
+        self._add_absent(slope, found)
         prior = self.sizes
         information = 2.0 * found + np.diag(prior.information_of_prior)
         return slope + prior.slope_of_prior, information
 
+    def _add_absent(self, slope: np.ndarray, information: np.ndarray) -> None:
+        """To both, what members that are absent would do if they were a little there."""
+        absent, base = self.members.absent, self.base
+        gram = base.gram[:, absent]
+        taken = self._taken(gram, self.effects.columns.cross[absent].T)
+        factor = self.sizes.factor
+        left = gram[absent] / factor**2 - taken.T @ taken
+        seen = base.seen[absent] / factor**2 - taken.T @ self.seen
+        member = base.member_of[absent]
+        squared = self.sizes.each**2
+        slope += squared * np.bincount(member, seen**2 - np.diag(left), len(slope))
+        left *= left
+        of_member = np.eye(len(slope))[member]
+        information += np.diag(squared**2 * np.diag(of_member.T @ left @ of_member))
+
     def taken(self, columns: Columns) -> np.ndarray:
         """What members and effects take of K columns, by the root, (k, K)."""
+        return self._taken(columns.cross, self.effects.columns.white.T @ columns.white)
+
+    def _taken(self, cross: np.ndarray, with_effects: np.ndarray) -> np.ndarray:
+        """The same from products with the members' and the effects' columns, (q, K), (e, K)."""
         factor, root = self.sizes.factor, self.bordered
-        of_members = self.members.taken(columns.cross) / factor
-        own = self.effects.columns.white.T @ columns.white / factor**2
-        return np.concatenate([of_members, solved(root.own, own - root.border.T @ of_members)])
+        of_members = self.members.taken(cross) / factor
+        own = with_effects / factor**2 - root.border.T @ of_members
+        return np.concatenate([of_members, solved(root.own, own)])
 
     def products(self, columns: Columns) -> tuple[np.ndarray, np.ndarray]:
         """Of K columns with each other and with the readings, (K, K) and (K,), in unit noise.
@@ -240,8 +259,10 @@ class Posterior:
         of_effects = solved(root.own, of_effects)
         of_effects = solved(raised(root.own), of_effects, transposed=True)
         taken -= root.border @ of_effects
+        amount = np.zeros((len(self.base.member_of), white.shape[1]))
         taken = solved(members.raised_root, taken, transposed=True)
-        white -= thin_product(self.base.z, members.scale[:, None] * taken)
+        amount[members.here] = members.scale[:, None] * taken
+        white -= thin_product(self.base.z, amount)
         white -= own @ of_effects / self.sizes.factor
         white /= self.sizes.factor
         return white.reshape(columns_mm.shape)
@@ -249,7 +270,5 @@ class Posterior:
     @property
     def left(self) -> np.ndarray:
         """What members and effects leave of the white readings, (n,), in units of the factor."""
-        amount = self.scale * self.mean
-        of_members, of_effects = np.split(amount, [len(self.base.member_of)])
-        taken = self.base.z @ of_members + self.effects.columns.white @ of_effects
-        return self.base.y / self.sizes.factor - taken
+        taken = self.base.z @ self.amounts + self.effects.columns.white @ self.mean[1]
+        return (self.base.y - taken) / self.sizes.factor

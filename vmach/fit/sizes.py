@@ -17,7 +17,7 @@ _LOG_FACTOR = float(np.log(2.0))
 #: of the order of u; a lighter tail would leave it what slow effects do to a few floors. Imitations
 #: of something larger are told by their size and by forms, not by this
 _USUAL_SIZE, _POWER = 0.6, 2.5
-#: a member of this size, in u, counts as absent
+#: smallest size of a member, in u, which counts as absent
 ABSENT = 0.02
 
 

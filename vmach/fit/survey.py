@@ -7,8 +7,8 @@ offsets are projected out.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +16,6 @@ from scipy.linalg import block_diag
 
 from vmach.base.note import Note
 from vmach.effects import Circumstances, Effect, EffectInstance
-from vmach.fit.remembered import Remembered
 from vmach.fit.whitening import Whitening, condensed, orthonormal
 from vmach.job import Job
 from vmach.measurements import Measurement
@@ -26,8 +25,6 @@ from vmach.uncertainty.tables import TableUncertainty
 
 __all__ = ["Survey"]
 
-#: numbers that remembered signatures may take up
-_ROOM = 6_000_000
 #: share of u² that a direction of what a law leaves open has at least
 _LEAST = 1e-3
 
@@ -63,6 +60,11 @@ class Survey:
             path if m.contacts is None else Circumstances(m.seen_states, self.job)
             for path, m in zip(self.paths, self.measurements, strict=True)
         )
+
+    def made_beside(self, others: Sequence[EffectInstance]) -> Survey:
+        """The same readings, of the surface that is left while further effects act."""
+        measurements = tuple(m.made_beside(others) for m in self.measurements)
+        return replace(self, measurements=measurements)
 
     @property
     def notes(self) -> tuple[Note, ...]:
@@ -148,17 +150,6 @@ class Survey:
         self, effect: Effect, target: str, inner_values: Mapping[str, float]
     ) -> np.ndarray:
         """What one usual size of each coefficient of an effect does to the readings, (n, K) mm."""
-        key = effect, target, tuple(inner_values.items())
-        return self._signatures.get(key, lambda: self._signature(effect, target, inner_values))
-
-    @cached_property
-    def _signatures(self) -> Remembered[np.ndarray]:
-        """Those that were worked out last: a search asks for the same ones again and again."""
-        return Remembered(_ROOM, np.size)
-
-    def _signature(
-        self, effect: Effect, target: str, inner_values: Mapping[str, float]
-    ) -> np.ndarray:
         sensed = [
             m.sensed(_columns(effect, path, target, inner_values)) if _can_show(m, effect) else None
             for path, m in zip(self.seen_paths, self.measurements, strict=True)

@@ -5,6 +5,7 @@ Source: closed form derived here: what is left free is taken off by least square
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,6 +15,8 @@ from scipy.sparse import csr_array
 from vmach.base.note import Note
 from vmach.measurements.instrument import Instrument
 from vmach.path.toolpath import PathStates
+from vmach.prediction import ActingEffect
+from vmach.prediction.made_surface import MadeSurface
 
 __all__ = ["Contacts", "Measurement"]
 
@@ -81,6 +84,8 @@ class Measurement:
     contacts : Contacts or None
         Where a reading is taken over several places; else at its state alone. `states` and
         `sensing` are then those that stand for it.
+    surface : MadeSurface or None
+        Of a machined surface: it tells which contacts make it while further effects act.
     """
 
     instrument: type[Instrument]
@@ -95,6 +100,7 @@ class Measurement:
     nuisance: np.ndarray
     notes: tuple[Note, ...] = ()
     contacts: Contacts | None = None
+    surface: MadeSurface | None = None
 
     def __post_init__(self) -> None:
         count = len(self.measured_mm)
@@ -133,6 +139,13 @@ class Measurement:
         squares = np.sum((value_mm - self.nuisance @ free) ** 2)
         return float(np.sqrt(squares / max(self.degrees, 1)))
 
+    def made_beside(self, others: Sequence[ActingEffect]) -> Measurement:
+        """The same where the surface is the one that is left while further effects act."""
+        if self.surface is None:
+            return self
+        states, predicted = self.surface.beside(others, known=self.states)
+        return replace(self, states=states, predicted_mm=predicted)
+
     def noted(self, *notes: Note) -> Measurement:
         """The measurement with further notes."""
         return replace(self, notes=(*self.notes, *notes))
@@ -143,4 +156,6 @@ class Measurement:
         if self.contacts is not None:
             chosen = np.arange(len(self))[rows]
             kept["contacts"] = replace(self.contacts, share=self.contacts.share[chosen])
+        if self.surface is not None:
+            kept["surface"] = self.surface[rows]
         return replace(self, notes=(*self.notes, *notes), **kept)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from gcode.dialects.fanuc.block import MacroBlock
 from gcode.dialects.fanuc.transform import Transform
 from gcode.errors import ProgramError
+from gcode.language.translate import number
 from gcode.motion import frames
 from gcode.state.block_values import whole
 from gcode.state.controller import PLANE_AXES
@@ -27,7 +28,7 @@ def obey_frames(runner: BlockRunner, block: MacroBlock) -> None:
             runner.finish_corner()
             runner.execute(f"g{code:g}")
     if "f" in block.words and not block.has(93) and runner.controller.feed_mode != "inverse":
-        runner.execute(f"f{block.words.pop('f')!r}")
+        runner.execute(f"f{number(block.words.pop('f'))}")
     _polar(runner, block)
     _transformations(runner, block)
     runner.offsets.obey(block)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from gcode.dialects.fanuc.block import MacroBlock
 from gcode.errors import ProgramError
+from gcode.language.translate import number
 from gcode.state.block_values import whole
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def dwell(runner: BlockRunner, block: MacroBlock) -> bool:
         value *= 1.0 if pointed and in_seconds else unit_s
     if value < 0.0:
         raise ProgramError(f"negative dwell {value:g} s")
-    runner.execute(f"g4p{value!r}" if value >= 1e-9 else "g4p0")
+    runner.execute(f"g4p{number(value)}" if value >= 1e-9 else "g4p0")
     return False
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from gcode.dialects.fanuc.block import MacroBlock
 from gcode.errors import ProgramError
+from gcode.language.translate import number
 from gcode.motion import frames
 from gcode.state.block_values import whole
 from gcode.state.controller import WORK_OFFSETS
@@ -71,11 +72,11 @@ class OffsetWords:
                 if letter in block.words:
                     block.words[letter] += before[axis] - controller.position[axis]
 
-    def _negative(self, number: int) -> None:
+    def _negative(self, tool: int) -> None:
         """G44: the offset with its sign changed."""
-        offset = [-v for v in self.controller.tool_offset_of(number, word="H")]
+        offset = [-v for v in self.controller.tool_offset_of(tool, word="H")]
         self.runner.execute("g43.1" + "".join(
-            f"{a}{v!r}" for a, v in zip("xyz", offset[:3], strict=True)))  # fmt: skip
+            f"{a}{number(v)}" for a, v in zip("xyz", offset[:3], strict=True)))  # fmt: skip
 
     def _radius(self, block: MacroBlock) -> None:
         if "d" in block.words:

@@ -17,7 +17,7 @@ from gcode.dialects.heidenhain.plane import is_flat_plane
 from gcode.dialects.heidenhain.tool_call import call_tool, tool_data, tool_of_spindle
 from gcode.errors import ProgramError
 from gcode.language.options import RunOptions
-from gcode.language.translate import Translated
+from gcode.language.translate import Translated, number
 from gcode.state.controller import Controller
 
 __all__ = ["KlartextReader"]
@@ -134,7 +134,9 @@ class KlartextReader(Translated):
     def execute(self, *blocks: str) -> None:
         """Hand blocks of RS274/NGC to the interpreter; F of an inch program counts 0.1 inch/min."""
         if self.controller.unit_mm != 1.0:
-            blocks = tuple(_FEED.sub(lambda m: f"f{float(m[1]) / 10.0!r}", text) for text in blocks)
+            blocks = tuple(
+                _FEED.sub(lambda m: f"f{number(float(m[1]) / 10.0)}", text) for text in blocks
+            )
         super().execute(*blocks)
 
     # words and places

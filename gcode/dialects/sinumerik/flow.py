@@ -117,11 +117,11 @@ class Flow:
             raise ProgramError(f"cannot read {keyword} {rest}", accepted="REPEAT LABEL P=3")
         reader = self.reader
         rounds = int(reader.variables.value(match[3])) if match[3] else 1
-        start = self._label(match[1])
+        start = self.line_of(match[1])
         if keyword == "REPEATB":
             stop = start + 1
         elif match[2]:
-            stop = self._label(match[2]) + 1
+            stop = self.line_of(match[2]) + 1
         else:
             stop = reader.next - 1
             for index in range(start + 1, stop):
@@ -169,7 +169,7 @@ class Flow:
                 depth -= 1
         raise ProgramError(f"{closing} without {opening}")
 
-    def _label(self, name: str) -> int:
+    def line_of(self, name: str) -> int:
         """Line of a label: above this block, or below it."""
         reader, routine = self.reader, self.reader.subprograms.routine
         behind = range(reader.next - 2, routine.start - 1, -1)

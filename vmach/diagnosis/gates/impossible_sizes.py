@@ -20,6 +20,8 @@ __all__ = ["has_impossible_sizes", "impossible_size_notes", "impossible_terms"]
 
 #: beyond a bound by so many standard uncertainties
 _SURELY = 3.0
+#: what makes an effect is missing where zero is in its interval of 95 %
+_MISSING = 2.0
 
 
 def impossible_size_notes(findings: Iterable[Finding | NamedEffect]) -> tuple[Note, ...]:
@@ -60,7 +62,7 @@ def _is_impossible(fit: JointFit, k: int) -> bool:
         return False
     value, u = fit.parameters(k), fit.uncertainty(k)
     makes_it = [p.name for p in effect.parameters if p.is_essential]
-    is_missing = any(abs(value[name]) < _SURELY * u[name] for name in makes_it)
+    is_missing = any(abs(value[name]) < _MISSING * u[name] for name in makes_it)
     return is_missing or any(True for _ in _beyond(effect, value, u))
 
 

@@ -20,6 +20,8 @@ from vmach.fit.sizes import Sizes
 
 __all__ = ["Bank"]
 
+#: numbers that are widened together, so few that they stay near the processor
+_CACHED = 200_000
 #: numbers that white signatures may take up
 _ROOM = 2_000_000
 
@@ -45,10 +47,8 @@ class Bank:
 
     def evidence(self, posterior: Posterior) -> Evidence:
         """Evidence of every candidate beside members and effects of a posterior."""
-        members = posterior.members.present
-        root = Bordered(members, posterior.effects)
         back = self._base.back(posterior.effects.columns.white)
-        parts = [g.evidence(members, root, back) for g in self._groups]
+        parts = [g.evidence(posterior.members, posterior.bordered, back) for g in self._groups]
         return Evidence.joined(parts, self._place)
 
 
@@ -69,7 +69,7 @@ class _Group:
     def evidence(self, members: SizedMembers, root: Bordered, back: np.ndarray) -> Evidence:
         """Evidence of each; `back` (n, k) gives the products with the posterior's effects."""
         k, beside = members.sizes.factor, self._beside_members(members)
-        with_effects = np.concatenate([rows @ back for rows in self._rows])
+        with_effects = np.concatenate([_times(rows, back) for rows in self._rows])
         taken = solved(root.own, with_effects.T / k - root.border.T @ beside.taken)
         inner = beside.inner - taken.T @ root.seen_effects / k
         gram = beside.gram - _products(self._by_place(taken.T)) / k**2
@@ -105,6 +105,15 @@ class _Beside:
     taken: np.ndarray
     gram: np.ndarray
     inner: np.ndarray
+
+
+def _times(rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    """Rows (m, n) times columns (n, k), some at a time where they have to be widened first."""
+    many = max(_CACHED // max(rows.shape[1], 1), 1)
+    found = np.empty((len(rows), columns.shape[1]))
+    for k in range(0, len(rows), many):
+        found[k : k + many] = rows[k : k + many].astype(np.float64, copy=False) @ columns
+    return found
 
 
 def _at_once(rows: Sequence[np.ndarray], terms: int) -> Iterator[np.ndarray]:

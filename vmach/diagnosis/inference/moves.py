@@ -18,6 +18,8 @@ _TRIED = 3
 #: log odds by which one may lie behind the effect whose place it takes; in none of a few hundred
 #: refits did one from further behind catch up
 _NEAR = 6.0
+#: share of what an effect stands for that the first of two in its place takes alone, at least
+_SHARE = 0.25
 #: a move counts where it makes the whole more probable by this much
 _STEP = 0.5
 #: moves at most; a search that goes on has something to report already
@@ -104,11 +106,15 @@ def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     if little.posterior.sizes != here.posterior.sizes:
         views.append(little)
     for others in views:
-        for i in _ranked(weighing, weighing.gains(others), here.labels)[: 2 * _TRIED]:
+        gains = weighing.gains(others)
+        least = _SHARE * (here.score - others.score)
+        for i in _ranked(weighing, gains, here.labels)[: 2 * _TRIED]:
+            if gains[i] < least - _NEAR:
+                break
             one = weighing.extend(others, i, resize=False)
-            gains = weighing.gains(one)
-            for j in _ranked(weighing, gains, here.labels | one.labels)[:_TRIED]:
-                if one.score + gains[j] < here.score - _NEAR:
+            further = weighing.gains(one)
+            for j in _ranked(weighing, further, here.labels | one.labels)[:_TRIED]:
+                if one.score + further[j] < here.score - _NEAR:
                     break
                 child = weighing.extend(one, j)
                 if not has_impossible_sizes(child.fit):

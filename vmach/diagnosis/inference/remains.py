@@ -7,10 +7,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from vmach.base.units import um_from_mm
-from vmach.diagnosis.inference.rules import STRUCTURE, TRUST
+from vmach.diagnosis.inference.rules import CLEARLY, STRUCTURE, TRUST
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 
 __all__ = ["is_structure", "remains_um", "sizes_um", "usual_u_um"]
+
+#: normals that lean less out of the plane than this are those of walls
+_WALL = 0.5
+#: fewer readings say nothing of a variance
+_FEW = 20
+#: sizes are told apart down to this share of the stated uncertainty
+_LEAST = 0.01
 
 
 def is_structure(weighing: Weighing, size_um: float) -> bool:
@@ -25,8 +32,7 @@ def usual_u_um(weighing: Weighing) -> float:
 
 def remains_mm(weighing: Weighing, found: Explanation) -> np.ndarray:
     """What the discrepancy takes of the readings, alignment and zeros taken off, (n,)."""
-    posterior, members = found.posterior, weighing.members
-    amount = posterior.scale * posterior.mean * posterior.sizes.factor
+    members, amount = weighing.members, found.posterior.amounts
     columns = np.hstack([np.zeros((len(weighing.survey), 0)), *members.columns_mm])
     first = members.fixed_mm.shape[1]
     taken = columns @ amount[first : first + columns.shape[1]]
@@ -34,7 +40,7 @@ def remains_mm(weighing: Weighing, found: Explanation) -> np.ndarray:
 
 
 def remains_um(weighing: Weighing, found: Explanation, *, noise: float = TRUST) -> float:
-    """Root mean square of the discrepancy, and of scatter beyond noise.
+    """Root mean square of the discrepancy, and of scatter that is no noise.
 
     Parameters
     ----------
@@ -45,8 +51,31 @@ def remains_um(weighing: Weighing, found: Explanation, *, noise: float = TRUST) 
         explanation. More than `TRUST` is none.
     """
     beyond = max(found.posterior.sizes.factor**2 - min(noise, TRUST) ** 2, 0.0)
-    scatter = beyond * usual_u_um(weighing) ** 2
+    scatter = max(beyond, _uneven(weighing, found)) * usual_u_um(weighing) ** 2
     return float(np.sqrt(_rms_um(remains_mm(weighing, found)) ** 2 + scatter))
+
+
+def _uneven(weighing: Weighing, found: Explanation) -> float:
+    """Mean square, in stated u, of scatter along one axis of the machine that the other has not.
+
+    No device and no surface knows how a wall lies to X and Y; the axes do. It counts where walls
+    along both clearly scatter otherwise: by the logarithm, which few odd readings do not move.
+    """
+    on_wall = np.concatenate(
+        [m.on_part & (np.abs(m.sensing[:, 2]) < _WALL) for m in weighing.survey.measurements]
+    )
+    posterior = found.posterior
+    size = np.abs(posterior.sizes.factor * weighing.base.noise.standardised(posterior.left))
+    along_x, along_y = np.abs(weighing.survey.sensing[:, :2]).T
+    groups = [size[on_wall & here] for here in (along_x > along_y, along_x <= along_y)]
+    if min(map(len, groups)) < _FEW:
+        return 0.0
+    logs = [np.log(np.maximum(group, _LEAST)) for group in groups]
+    apart = logs[0].mean() - logs[1].mean()
+    if 0.5 * apart**2 < CLEARLY * sum(own.var() / len(own) for own in logs):
+        return 0.0
+    means = np.array([np.mean(group**2) for group in groups])
+    return float(np.array(list(map(len, groups))) @ (means - means.min()) / len(size))
 
 
 def _rms_um(values_mm: np.ndarray) -> float:

@@ -8,6 +8,7 @@ __all__ = [
     "CLEARLY",
     "IMITATION",
     "RULES",
+    "SHOWN",
     "STRUCTURE",
     "TRUST",
     "UNMEASURED",
@@ -18,6 +19,8 @@ __all__ = [
 
 #: log evidence by which one explanation is clearly more probable than another
 CLEARLY = 4.6
+#: log odds from which on an effect is shown
+SHOWN = 3.0
 #: log prior odds of an effect that every machine has and nobody measured in this one
 UNMEASURED = 4.0
 #: size of an effect, in what remains beside it, where it is as probably an imitation as not
@@ -50,10 +53,19 @@ RULES = (
         "clearly",
         CLEARLY,
         "log evidence",
-        "an effect is shown, and a form added, where it makes all readings 100 times more "
-        "probable; effects that are closer form a class",
+        "a form is added where it makes all readings 100 times more probable; effects that are "
+        "closer form a class",
         "Jeffreys, Theory of Probability (1961), appendix B: decisive is beyond 100 to 1; noise "
         "alone reaches a factor b at most once in b times",
+        _COUNTS,
+    ),
+    Rule(
+        "shown",
+        SHOWN,
+        "log odds",
+        "an effect is shown where it, or another in its place, is 20 times as probable as none",
+        "chosen: 95 %, as for intervals; on 70 machines, seeds from 3000000 on, three effects had "
+        "odds from here to 100 to 1, all there; on 150 clean ones none had even odds",
         _COUNTS,
     ),
     Rule(

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.special import expit, logsumexp
 
 from vmach.diagnosis.inference.remains import remains_um, sizes_um, usual_u_um
-from vmach.diagnosis.inference.rules import CLEARLY, IMITATION, WORTH_A_FORM
+from vmach.diagnosis.inference.rules import IMITATION, SHOWN, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 
 __all__ = ["Support", "in_its_place", "supports_of"]
@@ -54,12 +54,12 @@ class Support:
     @property
     def is_shown(self) -> bool:
         """Whether readings clearly speak for it, and it is probably no imitation."""
-        return self.odds >= CLEARLY and self.probability >= 0.5
+        return self.odds >= SHOWN and self.probability >= 0.5
 
     @property
     def order(self) -> tuple[bool, float]:
         """Smaller the less it is to be believed; first what a rival beside it makes needless."""
-        return self.odds >= CLEARLY, self.probability * float(expit(self.odds))
+        return self.odds >= SHOWN, self.probability * float(expit(self.odds))
 
     def after(self, before: Support) -> Support:
         """The same as it was judged beside others, which are gone: what they did is no rest."""

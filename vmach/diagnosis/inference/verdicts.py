@@ -9,6 +9,7 @@ from enum import StrEnum
 from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.moves import search, search_beyond
 from vmach.diagnosis.inference.noise import noise_after, noise_before
+from vmach.diagnosis.inference.own_contacts import over_own_contacts
 from vmach.diagnosis.inference.remains import is_structure, remains_um
 from vmach.diagnosis.inference.support import Support, supports_of
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
@@ -18,7 +19,7 @@ from vmach.fit.terms import Term
 
 __all__ = ["Inference", "Reason", "Weak", "infer", "judged", "searched"]
 
-#: times that the noise of single readings is estimated anew
+#: times that contacts and the noise of single readings are estimated anew
 _PASSES = 2
 
 
@@ -104,10 +105,13 @@ def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
     weighing = weighing.with_noise(noise_before(weighing))
     found = search(weighing)
     for _ in range(_PASSES):
+        before = weighing
+        weighing, found = over_own_contacts(weighing, found)
         noise = noise_after(weighing, found)
-        if noise is None:
+        if noise is not None:
+            weighing = weighing.with_noise(noise)
+        if weighing is before:
             break
-        weighing = weighing.with_noise(noise)
         found = search(weighing, weighing.explain(found.terms, found.posterior.sizes))
     return weighing, search_beyond(weighing, found)
 

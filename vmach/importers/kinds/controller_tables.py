@@ -57,7 +57,7 @@ class ControllerTables(Importer):
         sections: list[Section] = []
         for name, (position, forward, backward) in held.tables.items():
             factor = convention.factor(name) * (1e6 if component_of(name)[2] else 1e3)
-            if max(abs(forward).max(), abs(backward).max()) > _LARGEST:
+            if max(np.max(abs(forward)), np.max(abs(backward))) > _LARGEST:
                 raise source.error(f"{name} is above {_LARGEST:g} mm", accepted="tables in mm")
             file = f"errors/{name}.csv"
             files[file] = runs_text(Runs(position, factor * forward, factor * backward), name)

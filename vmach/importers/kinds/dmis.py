@@ -137,7 +137,7 @@ def _features(source: SourceFile) -> tuple[dict[str, _Feature], dict[str, _Featu
             raise source.error(f"{label} is polar", line=number, accepted="CART")
         cells = [word for word in words if not word.isalpha()]
         values = np.array([decimal_number(word) for word in cells[: _COUNT[kind]]])
-        if len(values) < _COUNT[kind] or not np.isfinite(values).all() or abs(values).max() > 1e6:
+        if len(values) < _COUNT[kind] or not np.isfinite(values).all() or np.max(abs(values)) > 1e6:
             raise source.error(
                 f"'{line.strip()[:60]}'", line=number, accepted=f"{_COUNT[kind]} numbers of {kind}"
             )

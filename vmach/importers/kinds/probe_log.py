@@ -6,6 +6,8 @@ controlled point, in the coordinate system in use.
 
 from __future__ import annotations
 
+import numpy as np
+
 from vmach.files.text_file import decimal_number
 from vmach.importers.importer import Imported, Importer
 from vmach.importers.kinds.scan import coordinates
@@ -42,7 +44,7 @@ class ProbeLog(Importer):
     def read(self, source: SourceFile, questions: Questions) -> Imported:
         log = coordinates(source, least=_NUMBERS)
         if log[:, 3:6].any():
-            line = int(log[:, 3:6].any(axis=1).argmax()) + 1
+            line = int(np.argmax(np.any(log[:, 3:6], axis=1))) + 1
             raise source.error("A, B or C is not 0", line=line, accepted="probing with three axes")
         ball = questions.number("ball_mm", "diameter of the probe's ball", unit="mm")
         points, told = laid_on_part(log[:, :3], source, questions, radius_mm=0.5 * ball)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
+
 from vmach.importers.component_table import error_section, runs_text
 from vmach.importers.convention import Convention
 from vmach.importers.importer import Imported, Importer, Section
@@ -41,9 +43,9 @@ class Volumetric(Importer):
         for name, (position, value) in found.tables.items():
             unit = 1e6 if component_of(name)[2] else 1e3
             values = convention.factor(name) * unit * value
-            if not abs(values).max() < 1e4:
+            if not np.max(abs(values)) < 1e4:
                 raise source.error(
-                    f"{name} holds a value of {abs(value).max():g}",
+                    f"{name} holds a value of {np.max(abs(value)):g}",
                     accepted="mm and rad, at most 10 mm and 10 mrad",
                 )
             file = f"errors/{name}.csv"

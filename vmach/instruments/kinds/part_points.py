@@ -34,6 +34,7 @@ from vmach.measurements.plausibility.tool_alternatives import tool_that_would_cu
 from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.path.preparation import Preparation
 from vmach.prediction import ActingEffect, Prediction, predict_surface
+from vmach.prediction.made_surface import MadeSurface
 
 __all__ = ["PartPoints", "measure_part"]
 
@@ -81,7 +82,7 @@ def measure_part(
     cut = np.flatnonzero(prediction.is_cut)
     check_cut(preparation, points, len(cut), path=path)
     check_aligned(points, path)
-    part = _where_cut(points, prediction, path.name)
+    part = _where_cut(points, prediction, path.name).made_beside(())
     check_near(part, path)
     part = _without_repeats(part, points.point_mm[cut])
     if points.u_mm is None:
@@ -119,6 +120,13 @@ def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Meas
         group=points.feature[cut],
         nuisance=np.hstack([normal, np.cross(arm, normal)]),
         notes=notes,
+        surface=MadeSurface(
+            prediction.preparation,
+            points.point_mm[cut],
+            normal,
+            prediction.variant,
+            prediction.effects,
+        ),
     )
 
 

@@ -12,13 +12,16 @@ import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
-from gcode.dialects.heidenhain.cycles.contours import Contour, read_contour
+from gcode.dialects.heidenhain.cycles.contours import read_contour
 from gcode.dialects.heidenhain.tool_call import tool_of_spindle
 from gcode.errors import ProgramError
 from gcode.geometry.arcs import Point
 from gcode.geometry.regions import CHORD_MM, Region, polyline
+from gcode.language.area_milling import check_rounds
+from gcode.language.contours import Contour
 from gcode.language.translate import number
 
 if TYPE_CHECKING:
@@ -119,7 +122,9 @@ class _Milling:
         if self.cycle == 21:
             yield from self._pilot_holes(self.floor + floor_allowance)
         elif self.cycle == 22:
-            for level in self._levels(self.floor + floor_allowance):
+            levels = self._levels(self.floor + floor_allowance)
+            check_rounds(len(self._rings), len(levels))
+            for level in levels:
                 yield from self._area(level, self.feed(12))
         elif self.cycle == 23:
             yield from self._area(self.floor, self.feed(12))
@@ -148,6 +153,7 @@ class _Milling:
             raise ProgramError(f"infeeds Q10={step:g} make {count} levels")
         return [max(self.surface - step * (k + 1), floor) if step else floor for k in range(count)]
 
+    @cached_property
     def _rings(self) -> list[list[Point]]:
         """Ways of the tool's axis over the whole area, from the inside out."""
         step = min(max(self.q(2, 1.0), 0.1), 1.0) * self.tool_radius
@@ -165,7 +171,7 @@ class _Milling:
         return [ring for rings in reversed(found) for ring in rings]
 
     def _area(self, level: float, feed: float) -> Iterator[str]:
-        for ring in self._rings():
+        for ring in self._rings:
             yield from self._ring(ring, level, feed)
 
     def _ring(self, ring: list[Point], level: float, feed: float) -> Iterator[str]:
@@ -186,7 +192,7 @@ class _Milling:
             self.tool_radius = tool.offset_diameter_mm / 2.0 / self.unit_mm
         if self.tool_radius <= 0.0:
             raise ProgramError("cycle 21 needs Q13, the number of the tool that roughs")
-        for x, y in dict.fromkeys(ring[0] for ring in self._rings()):
+        for x, y in dict.fromkeys(ring[0] for ring in self._rings):
             yield f"g0x{number(x)}y{number(y)}"
             yield f"g0z{number(self.near)}"
             for level in self._levels(bottom):
@@ -199,9 +205,7 @@ class _Milling:
         if len(self.contours) != 1:
             raise ProgramError("cycle 25 with several contours", accepted="one label in cycle 14")
         contour = self.contours[0]
-        x, y = contour.first_direction
-        away = contour.side * (self.tool_radius + self.q(3, 0.0))
-        begin = contour.start[0] - y * away, contour.start[1] + x * away
+        begin, end = contour.ends_beside(self.tool_radius)
         if self.q(3, 0.0):
             raise ProgramError("cycle 25 with an allowance Q3", accepted="Q3=0, or DR of TOOL CALL")
         tool = self.reader.controller.tool
@@ -214,4 +218,5 @@ class _Milling:
             yield f"g1{start}f{number(self.feed(12))}"
             yield from contour.blocks()
             yield "g40"
+            yield f"g1x{number(end[0])}y{number(end[1])}"  # up from beside the contour
             yield f"g0z{number(self.clear)}"

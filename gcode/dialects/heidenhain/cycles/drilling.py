@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from gcode.errors import ProgramError
+from gcode.language.translate import number
 
 if TYPE_CHECKING:
     from gcode.dialects.heidenhain.reader import KlartextReader
@@ -56,17 +57,17 @@ class _Hole:
 
     def rapid(self, level: float) -> None:
         """FMAX along the tool axis."""
-        self.reader.execute(f"g0z{level!r}")
+        self.reader.execute(f"g0z{number(level)}")
 
     def feed(self, level: float, feed: float | None = None) -> None:
         """At the plunging feed, or another one."""
         rate = feed or self.feed_in
-        self.reader.execute(f"g1z{level!r}f{rate!r}")
+        self.reader.execute(f"g1z{number(level)}f{number(rate)}")
 
-    def dwell(self, number: int) -> None:
+    def dwell(self, key: int) -> None:
         """A dwell in seconds."""
-        if self.q(number, 0.0) > 0.0:
-            self.reader.execute(f"g4p{self.q(number)!r}")
+        if self.q(key, 0.0) > 0.0:
+            self.reader.execute(f"g4p{number(self.q(key))}")
 
     def pecks(self, start: float | None = None) -> list[float]:
         """Depths of all infeeds but the last: Q202, less Q212 each time, not below Q205."""
@@ -194,7 +195,7 @@ def _back_boring(hole: _Hole) -> None:
 
 def _beside(here: list[float], aside: tuple[int, int], away: float = _OFF_THE_WALL_MM) -> str:
     place = [h + away * a for h, a in zip(here, aside, strict=False)]
-    return f"g0x{place[0]!r}y{place[1]!r}"
+    return f"g0x{number(place[0])}y{number(place[1])}"
 
 
 def _tapping_in_steps(hole: _Hole) -> None:

@@ -59,7 +59,9 @@ def mill(reader: KlartextReader, cycle: int, data: Mapping[str, float]) -> None:
     top = q(227)
     out = top + max(q(204, 0.0), q(200))
     face = _face(reader, q, cycle, radius)
-    reader.execute(f"g0z{max(out, reader.here()[2])!r}", *mill_face(face), f"g0z{out!r}")
+    reader.execute(
+        f"g0z{number(max(out, reader.here()[2]))}", *mill_face(face), f"g0z{number(out)}"
+    )
 
 
 def _levels(q: Parameter, cycle: int, feed: float) -> tuple[tuple[float, float], ...]:

@@ -17,6 +17,7 @@ from gcode.geometry.curved_slot import CurvedSlot
 from gcode.geometry.outlines import Outline
 from gcode.geometry.polygons import Polygon
 from gcode.language.area_milling import Area, mill_bore, mill_pocket, mill_stud
+from gcode.language.translate import number
 
 if TYPE_CHECKING:
     from gcode.dialects.heidenhain.reader import KlartextReader
@@ -163,18 +164,20 @@ class _Data:
         return mill_pocket(self.area())
 
 
-def mill(reader: KlartextReader, number: int, data: Mapping[str, float]) -> None:
+def mill(reader: KlartextReader, kind: int, data: Mapping[str, float]) -> None:
     """Do a cycle at the present place; the tool ends above it."""
-    cycle = _Data(reader, number, data)
+    cycle = _Data(reader, kind, data)
     clear = cycle.q(203, 0.0) + cycle.q(200)
     out = max(clear, cycle.q(203, 0.0) + cycle.q(204, 0.0))
     reader.controller.note(
-        f"CYCL DEF {number}",
+        f"CYCL DEF {kind}",
         "the way through the material is the control's "
         "own; rings are taken here, walls and floor are those of the cycle",
     )
-    rounds = max(int(cycle.q(377, 1.0)), 1) if number == 254 else 1
+    rounds = max(int(cycle.q(377, 1.0)), 1) if kind == 254 else 1
     for turn in range(rounds):
         cycle.turned_deg = turn * cycle.q(378, 0.0)
-        reader.execute(f"g0z{max(out, reader.here()[2])!r}", *cycle.blocks(), f"g0z{out!r}")
-    reader.execute(f"g0x{cycle.here[0]!r}y{cycle.here[1]!r}")
+        reader.execute(
+            f"g0z{number(max(out, reader.here()[2]))}", *cycle.blocks(), f"g0z{number(out)}"
+        )
+    reader.execute(f"g0x{number(cycle.here[0])}y{number(cycle.here[1])}")

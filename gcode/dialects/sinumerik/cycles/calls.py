@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from gcode.dialects.sinumerik.cycles.contour import mill_along
 from gcode.dialects.sinumerik.cycles.drilling import CYCLES, PATTERNS, drill, pattern_points
 from gcode.dialects.sinumerik.cycles.face import mill_face_cycle
 from gcode.dialects.sinumerik.cycles.milling import MILLING, mill
@@ -19,7 +20,7 @@ __all__ = ["CycleCalls"]
 #: cycle -> how many of its arguments a second public source has in the same order; the others of
 #: these cycles rest on memory. d-creations/ncplot7py on GitHub, siemens_mill_cnc/cycles_handler.py
 _ORDER_CONFIRMED = {"CYCLE76": 11, "CYCLE77": 8, "SLOT2": 13}
-_KNOWN = CYCLES | PATTERNS | MILLING | {"CYCLE71", "CYCLE90"}
+_KNOWN = CYCLES | PATTERNS | MILLING | {"CYCLE71", "CYCLE72", "CYCLE90"}
 
 
 class CycleCalls:
@@ -36,12 +37,20 @@ class CycleCalls:
 
     def call(self, name: str, text: str, *, modal: bool) -> None:
         """A cycle or a pattern of holes."""
+        self.reader.controller.use(name)
+        if name == "CYCLE72":
+            self.reader.only_in_xy(name)
+        with self.reader.plane_of_cycles():
+            self._call(name, text, modal=modal)
+
+    def _call(self, name: str, text: str, *, modal: bool) -> None:
         reader = self.reader
-        reader.controller.use(name)
-        reader.only_in_xy(name)
-        if name not in _KNOWN or (modal and name in ("CYCLE71", "CYCLE90")):
-            known = (*sorted(CYCLES), "CYCLE71", "CYCLE90", *sorted(MILLING))
+        if name not in _KNOWN or (modal and name in ("CYCLE71", "CYCLE72", "CYCLE90")):
+            known = (*sorted(CYCLES), "CYCLE71", "CYCLE72", "CYCLE90", *sorted(MILLING))
             raise ProgramError(f"{name} is not read", accepted=", ".join(known))
+        if name == "CYCLE72":
+            mill_along(reader, text)
+            return
         arguments = reader.arguments(text)
         sure = _ORDER_CONFIRMED.get(name, len(arguments))
         if any(value is not None for value in arguments[sure:]):
@@ -69,6 +78,7 @@ class CycleCalls:
         """The cycle or subprogram of MCALL at the present place."""
         name, arguments = self.modal
         if name in CYCLES:
-            drill(self.reader, name, arguments)
+            with self.reader.plane_of_cycles():
+                drill(self.reader, name, arguments)
         else:
             self.reader.subprograms.call(name, arguments)

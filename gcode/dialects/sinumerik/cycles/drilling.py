@@ -9,6 +9,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gcode.errors import ProgramError
+from gcode.language.translate import number
 
 if TYPE_CHECKING:
     from gcode.dialects.sinumerik.reader import SinumerikReader
@@ -51,7 +52,7 @@ def drill(reader: SinumerikReader, name: str, arguments: Arguments) -> None:
         reader.go("g1", z=bottom, feed=_feed_in(reader, cycle, arguments))
     dwell = _value(arguments, 8 if cycle == 83 else 5, 0.0) if cycle not in (81, 87) else 0.0
     if dwell > 0.0:
-        reader.execute(f"g4p{dwell!r}")
+        reader.execute(f"g4p{number(dwell)}")
     if cycle in (84, 840, 85, 89):
         back = _value(arguments, 7) if cycle == 85 else _feed_in(reader, cycle, arguments)
         reader.go("g1", z=clear, feed=back)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from gcode.errors import ProgramError
 from gcode.language.face_milling import Face, layers, mill_face
+from gcode.language.translate import number
 
 if TYPE_CHECKING:
     from gcode.dialects.sinumerik.reader import SinumerikReader
@@ -63,5 +64,5 @@ def mill_face_cycle(reader: SinumerikReader, arguments: list[float | None]) -> N
     )  # fmt: skip
     c.note("CYCLE71", "where its lines lie is the control's own; they are spaced evenly here")
     modal, absolute, c.absolute = c.motion, c.absolute, True
-    reader.execute(f"g0z{said['RTP']!r}", *mill_face(face), f"g0z{said['RTP']!r}")
+    reader.execute(f"g0z{number(said['RTP'])}", *mill_face(face), f"g0z{number(said['RTP'])}")
     c.motion, c.absolute = modal, absolute

@@ -14,6 +14,7 @@ from gcode.errors import ProgramError
 from gcode.geometry.curved_slot import CurvedSlot
 from gcode.geometry.outlines import Outline
 from gcode.language.area_milling import Area, mill_pocket, mill_stud
+from gcode.language.translate import number
 
 if TYPE_CHECKING:
     from gcode.dialects.sinumerik.reader import SinumerikReader
@@ -180,5 +181,5 @@ def mill(reader: SinumerikReader, name: str, values: list[float | None]) -> None
     modal, absolute, c.absolute = c.motion, c.absolute, True
     for outline in cycle.outlines():
         blocks = (mill_stud if name in _SPIGOTS else mill_pocket)(cycle.area(outline))
-        reader.execute(f"g0z{cycle.out!r}", *blocks, f"g0z{cycle.out!r}")
+        reader.execute(f"g0z{number(cycle.out)}", *blocks, f"g0z{number(cycle.out)}")
     c.motion, c.absolute = modal, absolute
