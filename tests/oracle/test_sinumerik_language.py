@@ -162,6 +162,22 @@ def test_a_subprogram_that_calls_itself_is_refused():
         read("%_N_A_MPF\nL1\nM30\n%_N_L1_SPF\nL1\nM17")
 
 
+def test_a_program_whose_own_name_is_wanted_looks_beside_it(tmp_path):
+    main = tmp_path / "part.mpf"
+    main.write_text("; as delivered\nN1 PROC L_TIME(INT _KIND)\nG0 X0\nL_TIME(7)\nM30\n")
+    with pytest.raises(ProgramError, match="L_TIME is neither in this file nor beside it"):
+        read_program(main, tools=TOOLS, dialect="sinumerik")
+    (tmp_path / "L_TIME.SPF").write_text("PROC L_TIME(INT _KIND)\nG0 X=_KIND\nRET\n")
+    moves = read_program(main, tools=TOOLS, dialect="sinumerik", home_mm=(0, 0, 0)).moves
+    assert moves.end_mm[-1, 0] == 7
+
+
+def test_an_auxiliary_function_with_a_number_is_noted():
+    program = read("G0 X1\nN50 H41=5\nH41=R1+2 X3")
+    assert program.moves.end_mm[:, 0].tolist()[-1] == 3
+    assert any("H41=5" in note for note in map(str, program.notes))
+
+
 def test_case_and_repeats():
     body = "R1=6\nCASE(R1) OF 8 GOTOF AA 6 GOTOF BB DEFAULT GOTOF CC\nAA: X1\nBB: G0 X2\nCC: X3"
     assert places("G0 Y1\n" + body)[1:, 0].tolist() == [2, 3]
@@ -279,8 +295,7 @@ def test_fixed_points_are_machine_zero():
 
 @pytest.mark.parametrize(
     "block",
-    ["CYCLE81(10,0,2,-5)", "CIP X5 Y5 I1=2 J1=3", "HOLES1(0,0,0,5,10,3)", "G1 X9 RND=2 F100",
-     "POCKET4(5,0,2,-5,20,0,0,2,0,0,100,50,0,0)"],
+    ["CIP X5 Y5 I1=2 J1=3", "G1 X9 RND=2 F100", 'CYCLE72("A",9,0,2,-6,,,,9,9,1,41,1,3)'],
 )  # fmt: skip
 def test_what_is_worked_out_in_xy_is_refused_in_other_planes(block):
     with pytest.raises(ProgramError, match="in G18 or G19 is not read"):
@@ -315,3 +330,43 @@ def test_arguments_whose_order_no_second_source_has_are_named(more, said):
 def test_the_length_of_the_tool_in_another_plane_is_told():
     assert any("stays along Z" in note.meaning for note in read("G18\nG0 X1").notes)
     assert not any("stays along Z" in note.meaning for note in read("G17\nG0 X1").notes)
+
+
+CYCLES_OF_PLANES = (
+    "CYCLE83(10,0,2,-20,,-5,,1,0.5,0,1,1)\nCYCLE86(10,0,2,-5,,0.5,3,1,-1,1,90)\n"
+    "MCALL CYCLE82(10,0,2,-5,,0.5)\nHOLES2(5,6,20,30,0,3)\n{a}7 {b}8\nMCALL\n"
+    "POCKET3(5,0,2,-5,60,40,8,3,4,15,2,0,0,100,50,0,1,5)\nPOCKET4(5,0,2,-5,20,3,4,2,0,0,100,50,0,1)\n"
+    "CYCLE90(20,0,2,-11,,40,36,2,300,2,0,60,50)\nCYCLE71(20,5,2,-4,15,25,60,40,30,3,6,4,0.5,900,31)"
+)
+
+
+@pytest.mark.parametrize(("code", "axes"), [(18, "ZXY"), (19, "YZX")])
+def test_cycles_in_other_planes_are_those_of_g17_turned(code, axes):
+    """First and second axis of the plane and the one across take the places of X, Y and Z."""
+    paths = []
+    for plane, (a, b, c) in ((17, "XYZ"), (code, axes)):
+        start = f"S1000 M3 F300\nG{plane}\nG0 {a}1 {b}2 {c}30\n"
+        moves = read("T1\nM6 D0\n" + start + CYCLES_OF_PLANES.format(a=a, b=b)).moves
+        order = ["XYZ".index(axis) for axis in (a, b, c)]
+        length = moves.end_mm[-1, order]
+        paths.append((moves.end_mm[:, order], moves.centre_mm[:, order], moves.sweep_rad,
+                      (moves.axis * moves.sweep_rad[:, None])[:, order], length))  # fmt: skip
+    skip = 3  # the ways to the start differ
+    for flat, turned in zip(*paths, strict=True):
+        assert turned[skip:] == pytest.approx(flat[skip:], abs=1e-9, nan_ok=True)
+
+
+def test_numbers_are_equal_but_for_rounding_in_every_comparison():
+    """Job Planning 6FC5398-2BP10-1BA0, page 1-23: the manual's own example does not jump."""
+    example = "R1=61.01 R2=61.02 R3=0.01\nIF ABS(R2-R1)>R3 GOTOF WRONG\nG0 X1\nGOTOF DONE\n"
+    assert places(example + "WRONG: G0 X9\nDONE:")[:, 0].tolist() == [1]
+    rounds = "R1=0\nR2=-10\nWHILE(R2>=-20)\nR2=R2-0.1\nR1=R1+1\nENDWHILE\nG0 X=R1"
+    assert places(rounds)[-1, 0] == 101, "down to -20.00000000000004 as well"
+    assert places("R1=0\nFOR R2=1 TO 3\nR1=R1+(R2<2)+10*(R2<=2)\nENDFOR\nG0 X=R1")[-1, 0] == 21
+
+
+def test_comparisons_are_worked_out_last():
+    """NC Programming 6FC5398-2EP40-0BA0, page 444."""
+    inner = "R1=5 R2=0\nIF {} GOTOF DONE\nG0 X9\nDONE: G0 Y1"
+    assert places(inner.format("(R1==5) AND (R2==0)"))[:, 0].tolist() == [0]
+    assert places(inner.format("R1==5 OR 0"))[:, 0].tolist() == [9, 9], "5 OR 0 is 1"

@@ -24,7 +24,7 @@ ADDRESSES = ("CR", "TURN", "AP", "RP", "RND", "RNDM", "CHF", "CHR", "FRC", "FRCM
              "DISC", "I1", "J1", "K1", "AR")  # fmt: skip
 _NUMBER = re.compile(r"\s*([+-]?\s*(?:\d+\.?\d*|\.\d+))")
 _WORD = re.compile(
-    r"\s*(CR|TURN|AP|AR|RPL|RP|RNDM?|CHF|CHR|FRCM?|ADIS|DISC|[IJK]1(?=\s*=)|[A-Z])\s*(=?)",
+    r"\s*(CR|TURN|AP|AR|RPL|RP|RNDM?|CHF|CHR|FRCM?|ADIS|DISC|[IJK]1(?=\s*=)|H\d+(?=\s*=)|[A-Z])\s*(=?)",
     re.IGNORECASE,
 )
 _OWN = re.compile(r"\s*(AC|IC)\s*\(", re.IGNORECASE)
@@ -118,8 +118,9 @@ class BlockWords:
                 continue
             elif letter in "XYZABCIJKFS":
                 text.append(f"{letter.lower()}{number(value)}")
-            elif letter == "H":
-                controller.note(f"H{value:g}", "auxiliary function")
+            elif letter[0] == "H":  # H5, and H41=5
+                own = f"H{value:g}" if letter == "H" else f"{letter}={value:g}"
+                controller.note(own, "auxiliary function")
             else:
                 raise _unknown(f"{letter}{value:g}")
         block = "".join(text)

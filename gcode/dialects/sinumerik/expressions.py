@@ -31,14 +31,28 @@ Worked = Callable[[Memory], float]
 _TOKEN = re.compile(
     r"\s*(\d+\.?\d*(?:EX[+-]?\d+)?|\.\d+|\$?[A-Z_][A-Z0-9_]*|\*\*|==|<>|>=|<=|<<|[-+*/()\[\],<>])"
 )
+#: numbers that differ by less, relative to them, are equal in every comparison:
+#: Programming Manual Job Planning 03/2006, 6FC5398-2BP10-1BA0, page 1-23 (machine data 10280 as
+#: delivered)
+_EQUAL = 1e-12
+
+
+def _is_equal(a: float, b: float) -> bool:
+    return abs(a - b) <= _EQUAL * max(abs(a), abs(b))
+
+
+#: operator -> rank and function; comparisons come last of all: NC Programming 12/2019,
+#: 6FC5398-2EP40-0BA0, page 444
 _TWO: dict[str, tuple[int, Callable[[float, float], float]]] = {
+    "==": (0, lambda a, b: float(_is_equal(a, b))),
+    "<>": (0, lambda a, b: float(not _is_equal(a, b))),
+    ">=": (0, lambda a, b: float(a > b or _is_equal(a, b))),
+    "<=": (0, lambda a, b: float(a < b or _is_equal(a, b))),
+    ">": (0, lambda a, b: float(a > b and not _is_equal(a, b))),
+    "<": (0, lambda a, b: float(a < b and not _is_equal(a, b))),
     "OR": (1, lambda a, b: float(bool(a) or bool(b))),
     "XOR": (2, lambda a, b: float(bool(a) != bool(b))),
     "AND": (3, lambda a, b: float(bool(a) and bool(b))),
-    "==": (4, lambda a, b: float(abs(a - b) < 1e-12 * max(1.0, abs(a)))),
-    "<>": (4, lambda a, b: float(abs(a - b) >= 1e-12 * max(1.0, abs(a)))),
-    ">=": (4, lambda a, b: float(a >= b)), "<=": (4, lambda a, b: float(a <= b)),
-    ">": (4, lambda a, b: float(a > b)), "<": (4, lambda a, b: float(a < b)),
     "+": (5, lambda a, b: a + b), "-": (5, lambda a, b: a - b),
     "*": (6, lambda a, b: a * b), "/": (6, lambda a, b: a / b),
     "DIV": (6, lambda a, b: float(math.trunc(a / b))), "MOD": (6, math.fmod),

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import lru_cache
 
 from gcode.dialects.sinumerik.block_words import ADDRESSES, BlockWords, Words, split_arguments
@@ -22,7 +24,7 @@ from gcode.dialects.sinumerik.variables import Variables
 from gcode.errors import ProgramError
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated, number
-from gcode.state.controller import Controller
+from gcode.state.controller import PLANE_AXES, XY, XZ, YZ, Controller
 
 __all__ = ["SinumerikReader"]
 
@@ -37,6 +39,10 @@ _TILTED = re.compile(r"CYCLE800\s*\((.*)\)", re.IGNORECASE)
 _SUPPRESSED = re.compile(r"\bSUPA\b", re.IGNORECASE)  #: every frame, for one block
 
 
+#: plane -> letters of a cycle's blocks, which are written for G17, in that plane
+_TURNED = {XY: {}, XZ: str.maketrans("xyzijk", "zxykij"), YZ: str.maketrans("xyzijk", "yzxjki")}
+
+
 @lru_cache(maxsize=4096)
 def _split_head(line: str) -> tuple[re.Match, str]:
     text = re.sub(r";.*", "", line).strip()
@@ -49,6 +55,7 @@ class SinumerikReader(Translated):
 
     def __init__(self, controller: Controller, lines: list[str], options: RunOptions) -> None:
         super().__init__(controller, lines, options)
+        self.cycle_plane = XY  #: of the cycle that runs
         self.variables = Variables(system=lambda name, index: system_variable(self, name, index))
         self.subprograms = Subprograms(self)
         self.flow, self.frame = Flow(self), ProgrammableFrame(self)
@@ -189,6 +196,15 @@ class SinumerikReader(Translated):
         if self.controller.plane != 1:
             raise ProgramError(f"{what} in G18 or G19 is not read", accepted="G17")
 
+    @contextmanager
+    def plane_of_cycles(self) -> Iterator[None]:
+        """Within it X Y Z are the axes of the plane and the one across, whichever they are."""
+        before, self.cycle_plane = self.cycle_plane, self.controller.plane
+        try:
+            yield
+        finally:
+            self.cycle_plane = before
+
     def is_absolute(self, g_codes: list[float]) -> bool:
         """Whether a block with these codes counts from the zero (G90)."""
         return 90.0 in g_codes if {90.0, 91.0} & set(g_codes) else self.controller.absolute
@@ -208,11 +224,16 @@ class SinumerikReader(Translated):
         waiting = self.corners.waiting
         if waiting is not None:
             here[:3] = *waiting.piece.end, waiting.end_level
+        if self.cycle_plane != XY:
+            here[:3] = [here[axis] for axis in PLANE_AXES[self.cycle_plane]]
         return here
 
     def execute(self, *blocks: str) -> None:
         """Hand blocks of RS274/NGC to the interpreter, in the lengths of the frame."""
-        super().execute(*(self.units.converted(self.frame.scaled(block)) for block in blocks))
+        turned = _TURNED[self.cycle_plane]
+        super().execute(
+            *(self.units.converted(self.frame.scaled(block.translate(turned))) for block in blocks)
+        )
 
     def absolutely(self, block: str) -> None:
         """Obey a block in G90, whatever the mode is."""

@@ -148,7 +148,7 @@ class Subprograms:
             for index, line in enumerate(lines):
                 section, procedure = _SECTION.match(line), _PROCEDURE.match(line)
                 found = (section or procedure)[1] if section or procedure else ""
-                if found.upper() == name.upper():
+                if found.upper() == name.upper() and not (procedure and _is_head(lines, index)):
                     return Routine(
                         lines, index + 1 if section else index, self._stop_of(lines, index), file
                     )
@@ -193,3 +193,8 @@ class Subprograms:
                 given = self.reader.variables.value(match[4]) if match[4] else 0.0
             values[match[3].upper()] = given
         return values
+
+
+def _is_head(lines: Sequence[str], index: int) -> bool:
+    """Whether only comments stand before: the PROC line then names the program itself."""
+    return not any(line.split(";")[0].strip() for line in lines[:index])

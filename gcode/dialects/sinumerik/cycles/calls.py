@@ -37,9 +37,14 @@ class CycleCalls:
 
     def call(self, name: str, text: str, *, modal: bool) -> None:
         """A cycle or a pattern of holes."""
+        self.reader.controller.use(name)
+        if name == "CYCLE72":
+            self.reader.only_in_xy(name)
+        with self.reader.plane_of_cycles():
+            self._call(name, text, modal=modal)
+
+    def _call(self, name: str, text: str, *, modal: bool) -> None:
         reader = self.reader
-        reader.controller.use(name)
-        reader.only_in_xy(name)
         if name not in _KNOWN or (modal and name in ("CYCLE71", "CYCLE72", "CYCLE90")):
             known = (*sorted(CYCLES), "CYCLE71", "CYCLE72", "CYCLE90", *sorted(MILLING))
             raise ProgramError(f"{name} is not read", accepted=", ".join(known))
@@ -73,6 +78,7 @@ class CycleCalls:
         """The cycle or subprogram of MCALL at the present place."""
         name, arguments = self.modal
         if name in CYCLES:
-            drill(self.reader, name, arguments)
+            with self.reader.plane_of_cycles():
+                drill(self.reader, name, arguments)
         else:
             self.reader.subprograms.call(name, arguments)

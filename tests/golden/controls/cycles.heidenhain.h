@@ -1,0 +1,124 @@
+0 BEGIN PGM CYCLES MM
+1 TOOL CALL 1 Z S2000 F300
+2 L X+50 Y+50 Z+60 R0 FMAX M3
+3 CYCL DEF 230 MULTIPASS MILLING ~
+    Q225=+10 ~
+    Q226=+12 ~
+    Q227=+2.5 ~
+    Q218=80 ~
+    Q219=60 ~
+    Q240=7 ~
+    Q206=150 ~
+    Q207=500 ~
+    Q209=200 ~
+    Q200=2
+4 CYCL CALL
+5 CYCL DEF 231 RULED SURFACE ~
+    Q225=+0 ~
+    Q226=+5 ~
+    Q227=-2 ~
+    Q228=+100 ~
+    Q229=+15 ~
+    Q230=+5 ~
+    Q231=+15 ~
+    Q232=+125 ~
+    Q233=+25 ~
+    Q234=+15 ~
+    Q235=+125 ~
+    Q236=+25 ~
+    Q240=9 ~
+    Q207=500
+6 CYCL CALL
+7 CYCL DEF 233 FACE MILLING ~
+    Q215=0 ~
+    Q389=+2 ~
+    Q350=2 ~
+    Q218=70 ~
+    Q219=40 ~
+    Q227=+2 ~
+    Q386=-1 ~
+    Q369=0.5 ~
+    Q202=3 ~
+    Q370=1.2 ~
+    Q207=500 ~
+    Q385=800 ~
+    Q253=2000 ~
+    Q357=1 ~
+    Q200=2 ~
+    Q204=50 ~
+    Q367=1
+8 CYCL CALL
+9 CYCL DEF 258 POLYGON STUD ~
+    Q573=1 ~
+    Q571=40 ~
+    Q222=50 ~
+    Q572=6 ~
+    Q224=+15 ~
+    Q220=1 ~
+    Q368=0 ~
+    Q207=500 ~
+    Q351=1 ~
+    Q201=-6 ~
+    Q202=3 ~
+    Q206=100 ~
+    Q200=2 ~
+    Q203=0 ~
+    Q204=20 ~
+    Q370=1 ~
+    Q215=0
+10 L X+80 Y+20 FMAX M99
+11 CYCL DEF 265 HEL.THREAD DRLG/MLG ~
+    Q335=16 ~
+    Q239=+1.5 ~
+    Q201=-16 ~
+    Q253=750 ~
+    Q358=-1 ~
+    Q359=+2 ~
+    Q360=1 ~
+    Q200=2 ~
+    Q203=+0 ~
+    Q204=50 ~
+    Q254=150 ~
+    Q207=500
+12 L X+20 Y+20 FMAX M99
+13 CYCL DEF 267 OUTSIDE THREAD MLLNG ~
+    Q335=16 ~
+    Q239=-1.5 ~
+    Q201=-20 ~
+    Q355=3 ~
+    Q253=750 ~
+    Q351=+1 ~
+    Q200=2 ~
+    Q358=-2 ~
+    Q359=+12 ~
+    Q203=+0 ~
+    Q204=50 ~
+    Q254=150 ~
+    Q207=500
+14 L X+20 Y+80 FMAX M99
+15 CYCL DEF 14.0 CONTOUR
+16 CYCL DEF 14.1 CONTOUR LABEL 7
+17 CYCL DEF 270 CONTOUR TRAIN DATA ~
+    Q390=+1 ~
+    Q391=+1 ~
+    Q392=+5 ~
+    Q393=+90 ~
+    Q394=+0
+18 CYCL DEF 25 CONTOUR TRAIN ~
+    Q1=-9 ~
+    Q3=+0 ~
+    Q5=+0 ~
+    Q7=+20 ~
+    Q10=-5 ~
+    Q11=100 ~
+    Q12=200 ~
+    Q15=+1
+19 CYCL CALL
+20 L Z+60 FMAX M2
+21 LBL 7
+22 L X+0 Y+0
+23 L X+40
+24 RND R8
+25 L Y+60
+26 LBL 0
+27 END PGM CYCLES MM
