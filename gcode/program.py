@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -122,6 +122,19 @@ class Program:
             return to_moves(self.record, limits=self.limits, home_mm=self.home_mm)
         except ProgramError as error:
             raise _placed(error, self.source) from None
+
+    def with_text(self, source: Source) -> Program:
+        """The same, told to be of another text: its moves are not made again."""
+        return self._with(path=source.path, source=source)
+
+    def moves_alone(self) -> Program:
+        """The same for who asks for its moves: without text and canonical calls."""
+        return self._with(source=Source(b"", self.path), record=Record())
+
+    def _with(self, **changes: object) -> Program:
+        other = replace(self, **changes)
+        vars(other)["moves"] = self.moves
+        return other
 
 
 def _placed(error: ProgramError, source: Source) -> ProgramError:

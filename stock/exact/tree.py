@@ -76,7 +76,7 @@ def build_trees(motion: Motion, reach_of_tool_mm: np.ndarray) -> Trees:
     order, done, nodes = [np.zeros(0, dtype=np.int64)], 0, 0
     for t in range(len(reach_of_tool_mm)):
         mine = np.flatnonzero(tool == t)
-        mine = mine[morton_order(0.5 * (box[mine, :3] + box[mine, 3:]))]
+        mine = mine[_order_of_boxes(box, mine)]
         order.append(mine)
         count = 1 << max(0, math.ceil(math.log2(max(1, math.ceil(len(mine) / LEAF)))))
         first_piece.append(done)
@@ -186,6 +186,38 @@ def morton_order(points: np.ndarray) -> np.ndarray:
     codes = np.empty(len(points), dtype=np.uint64)
     _fill_morton_codes(codes, points, low, 0.0 if size == 0.0 else 65535.0 / size)
     return np.argsort(codes, kind="stable")
+
+
+def _order_of_boxes(box: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """`morton_order` of the centres of some boxes, without room for all centres."""
+    if len(rows) == 0:
+        return np.zeros(0, dtype=np.int64)
+    ends = np.empty((2, 3))
+    _fill_ends_of_centres(ends, box, rows)
+    size = float((ends[1] - ends[0]).max())
+    codes = np.empty(len(rows), dtype=np.uint64)
+    _fill_codes_of_boxes(codes, (box, rows), ends[0], 0.0 if size == 0.0 else 65535.0 / size)
+    return np.argsort(codes, kind="stable")
+
+
+@njit_kernel()
+def _fill_ends_of_centres(ends, box, rows):
+    ends[0], ends[1] = np.inf, -np.inf
+    for i in rows:
+        for j in range(3):
+            centre = 0.5 * (box[i, j] + box[i, 3 + j])
+            ends[0, j], ends[1, j] = min(ends[0, j], centre), max(ends[1, j], centre)
+
+
+@njit_kernel()
+def _fill_codes_of_boxes(codes, boxes, low, scale):
+    box, rows = boxes
+    for k in range(len(rows)):
+        code = np.uint64(0)
+        for j in range(3):
+            centre = 0.5 * (box[rows[k], j] + box[rows[k], 3 + j])
+            code |= _spread(np.uint64((centre - low[j]) * scale)) << np.uint64(j)
+        codes[k] = code
 
 
 @njit_kernel()

@@ -6,11 +6,12 @@
 Every command runs in a process of its own, in a folder of its own. ``raster`` is plain motion, a
 ball-nose cutter over a wavy floor; ``cam`` is what a CAM system writes: three tools, roughing by
 arcs, F and S words, comments, drilling cycles, then a raster. Peers get the same program in the
-same run where they are installed: LinuxCNC's ``rs274`` (it reads and says moves, no more), and
-FreeCAD's simulator beside ``run`` (a map of heights). ``growth`` is the exponent of the processor's
-time between two sizes, less that of the same command with a few lines, as imports would hide it. A
-size that passes the limit ends, and larger ones are left out. Kernels are compiled before anything
-is timed.
+same run where they are installed: LinuxCNC's ``rs274`` (it reads and says moves, no more),
+FreeCAD's simulator beside ``run`` (a map of heights), and OpenCAMLib beside ``predict`` of the
+raster (what a ball leaves, at the same points, without any error). ``growth`` is the exponent of
+the processor's time between two sizes, less that of the same command with a few lines, as imports
+would hide it. A size that passes the limit ends, and larger ones are left out. Kernels are compiled
+before anything is timed.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -156,10 +158,11 @@ SAMPLES: dict[str, str] = {
     "accuracy (sample)": f"accuracy {MACHINE} --json",
     "effects list": "effects list",
 }
-#: programs of others that read the same file: name, command and for which of ours
+#: programs of others that read the same file: name and command, by ours
 PEERS = {
     "canon": ("rs274", "rs274 -t {f}/tool.tbl -g {f}/part.nc"),
     "run": ("FreeCAD", f"freecadcmd {Path(__file__).parent}/peer_freecad.py {{f}}/part.nc"),
+    "predict": ("OpenCAMLib", f"{sys.executable} {Path(__file__).parent}/peer_opencamlib.py {{f}}"),
 }
 #: seconds of work, at least, that a growth is told from
 LEAST_S = 0.1
@@ -221,6 +224,13 @@ def write_all(folder: Path, program: str, lines: int, points: int) -> None:
     measured_as_nominal(folder)
 
 
+def has_peer(name: str, program: str) -> bool:
+    """Whether a program of others is there that does the same with such a program."""
+    if name not in PEERS or not shutil.which(PEERS[name][1].split()[0]):
+        return False
+    return name != "predict" or (program == "raster" and find_spec("opencamlib") is not None)
+
+
 def grown(name: str, program: str, options: argparse.Namespace) -> None:
     """Print one command's row for every size."""
     before: tuple[int, Cost] | None = None
@@ -233,7 +243,7 @@ def grown(name: str, program: str, options: argparse.Namespace) -> None:
             write_all(folder, program, lines, options.points)
             cost = vmach(COMMANDS[name], folder, options.limit_s)
             peer = ""
-            if name in PEERS and shutil.which(PEERS[name][1].split()[0]):
+            if has_peer(name, program):
                 other = measured(PEERS[name][1].format(f=folder).split(), folder, options.limit_s)
                 peer = f"  {PEERS[name][0]} {other.processor_s:.1f} s"
         growth = ""

@@ -20,7 +20,7 @@ from vmach.compensation.pieces.plan import Plan
 from vmach.compensation.pieces.planning import plan_pieces
 from vmach.compensation.pieces.sampling import sample_error
 from vmach.compensation.residual import Residual
-from vmach.compensation.written_run import WrittenRun
+from vmach.compensation.written_run import LONG, WrittenRun
 from vmach.errors import InputError
 from vmach.path.geometry import position_at
 from vmach.path.preparation import Preparation
@@ -157,15 +157,19 @@ class Iteration:
         """Planned along the nominal path; moves that turn out a little worse get less room."""
         moves, rewriter = self.preparation.path.nodes.moves, self.rewriter
         room = np.full(len(moves), _ROOM * tolerance_mm)
-        along = sample_error(moves, used, self._nominal_error, tolerance_mm=tolerance_mm)
+        along = None
         for _ in range(_ATTEMPTS):
+            if along is None:
+                along = sample_error(moves, used, self._nominal_error, tolerance_mm=tolerance_mm)
             plan = plan_pieces(moves, along, self._nominal_error, tolerance_mm=room[used],
                                rewritten=rewriter.rewritten[used],
                                unknown_start=rewriter.unknown_start[used])  # fmt: skip
+            if len(moves) > LONG:
+                along = None  # samples of a long program are rather found once more
             give_back_free_memory()
             found = self._rounds(plan, *self._first_guess(plan))
             left = np.zeros(len(moves))
-            np.maximum.at(left, plan.move, found.run.residual_of_pieces(self.stuck)[0])
+            np.maximum.at(left, plan.move, found.run.residual_of_pieces[0])
             over = (left > tolerance_mm) & (left < 2.0 * tolerance_mm)
             if not over.any():
                 break
@@ -195,6 +199,7 @@ class Iteration:
             expansion=self.expansion,
             programmed=self.rewriter.programmed,
             unknown_start=self.rewriter.unknown_start,
+            stuck=self.stuck,
             shift=self.shift,
         )
 
@@ -243,7 +248,7 @@ class Iteration:
     ) -> tuple[Plan, np.ndarray, np.ndarray] | None:
         """The plan with pieces that leave too much cut or stepped into; None for none."""
         plan, run = found.plan, found.run
-        left, at_start = run.residual_of_pieces(self.stuck)
+        left, at_start = run.residual_of_pieces
         moves = self.preparation.path.nodes.moves
         span = plan.parameter(1.0) - plan.parameter(0.0)
         length = span * self.rewriter.length_mm[plan.move]

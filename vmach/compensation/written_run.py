@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -24,7 +24,7 @@ from vmach.path.geometry import across, position_at, tangent_at
 from vmach.path.preparation import Preparation, prepare
 from vmach.program_text import Expanded, Written, job_of_control
 
-__all__ = ["WrittenRun"]
+__all__ = ["LONG", "WrittenRun"]
 
 #: distance of the places at which the tool is compared with the nominal path
 _SPACING_MM = 0.5
@@ -37,7 +37,7 @@ _SLACK_MM = 1e-3
 _INSIDE = 1.0 - 1e-9
 _NO_SPAN = 1e-12
 #: programs of more blocks are not kept read while they wait
-_LONG = 200_000
+LONG = 200_000
 #: places that are compared at once
 _AT_ONCE = 1 << 18
 
@@ -62,6 +62,8 @@ class WrittenRun:
     programmed : (M, 3) bool
     unknown_start : (M,) bool
         Of the nominal moves, as `programmed_axes` finds them.
+    stuck : (M, 3) bool
+        Axes of the nominal moves that have no word and may not get one.
     shift : PathShift, optional
         Where the tool shall be beside its nominal path.
     """
@@ -74,15 +76,16 @@ class WrittenRun:
     row: np.ndarray
     programmed: np.ndarray
     unknown_start: np.ndarray
+    stuck: np.ndarray
     shift: PathShift | None = None
 
     @classmethod
     def of(
         cls, original: Preparation, written: Written, plan: Plan, *, model: TipModel,
         expansion: Expanded, programmed: np.ndarray, unknown_start: np.ndarray,
-        shift: PathShift | None = None,
+        stuck: np.ndarray, shift: PathShift | None = None,
     ) -> WrittenRun:  # fmt: skip
-        """Read a program back; `programmed` (N, 3), `unknown_start` (N,) are of `programmed_axes`.
+        """Read a program back; arrays of the nominal moves as in the attributes.
 
         The tool shall be where `shift` asks for, beside its nominal path.
 
@@ -104,7 +107,7 @@ class WrittenRun:
         place = np.minimum(np.searchsorted(sorted_lines, lines), len(sorted_lines) - 1)
         known = np.flatnonzero(sorted_lines[place] == lines)
         found = cls(original, read_back, model, plan, known, moving[order[place[known]]],
-                    programmed, unknown_start, shift)  # fmt: skip
+                    programmed, unknown_start, stuck, shift)  # fmt: skip
         vars(found)["again"] = again
         return found
 
@@ -118,7 +121,7 @@ class WrittenRun:
 
         The text of another dialect than LinuxCNC is read too slowly for that.
         """
-        if len(self.row) > _LONG and self.original.program.dialect == "linuxcnc":
+        if len(self.row) > LONG and self.original.program.dialect == "linuxcnc":
             vars(self).pop("again", None)
             give_back_free_memory()
 
@@ -212,15 +215,13 @@ class WrittenRun:
         worse = now > np.maximum(limit_mm, before + _SLACK_MM)
         return Residual(now[worse], nominal.line[move[worse]])
 
-    def residual_of_pieces(self, stuck: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    @cached_property
+    def residual_of_pieces(self) -> tuple[np.ndarray, np.ndarray]:
         """What more pieces could mend: largest distance (K,) of every piece, and start, (K, 3).
 
-        Parameters
-        ----------
-        stuck : (N, 3) bool
-            Axes that do not count, for every nominal move.
+        Axes that are stuck do not count.
         """
-        free = ~stuck[self.plan.move[self.written]]
+        free = ~self.stuck[self.plan.move[self.written]]
         distance, rows = self._distances(free, unsettled=False)
         largest = np.zeros(len(self.plan.pieces))
         np.maximum.at(largest, self.written[rows], distance)
@@ -283,7 +284,7 @@ def _read_back(original: Preparation, written: Written, expansion: Expanded) -> 
         path = Path(folder) / original.program.path.name
         path.write_bytes(written.text)
         try:
-            return prepare(job_of_control(original), program_path=path)
+            found = prepare(job_of_control(original), program_path=path)
         except ValueError as error:
             line = written.original_line(getattr(error, "line", None))
             raise InputError(
@@ -291,3 +292,4 @@ def _read_back(original: Preparation, written: Written, expansion: Expanded) -> 
                 file=original.program.path,
                 line=None if line is None else int(expansion.user_line(line)),
             ) from None
+    return replace(found, program=found.program.moves_alone())

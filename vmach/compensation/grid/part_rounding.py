@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vmach.base.memory import give_back_free_memory
 from vmach.compensation.aim.part_view import PartDeviation, PartView
 from vmach.compensation.aim.probes import ProbeSets, near_surface, path_probes, surface_probes
 from vmach.compensation.aim.surface_demand import made_by
@@ -66,6 +67,7 @@ def round_program(
 
     def program(probes: ProbeSets) -> RoundedProgram:
         plan, target = rounding.rounded(probes)
+        give_back_free_memory()  # what its threads took
         written = iteration.write(target, resolution_mm)
         run = iteration.run(plan, written)
         part = None if view is None else view.deviation(run)
@@ -80,7 +82,6 @@ def round_program(
         best = now if is_better else best
         if not makers.learnt_from(now):
             break
-        now.run.set_aside()
     return best
 
 
@@ -112,7 +113,9 @@ class _Makers:
         part = now.part.taken(new)
         self.known = np.concatenate([self.known, made_by(part.row, part.move)])
         place, normal = (part.move, part.parameter), self.normal[part.row]
-        moved = now.run.miss_at(*place) - self.exact.miss_at(*place)
+        moved = now.run.miss_at(*place)
+        now.run.set_aside()
+        moved -= self.exact.miss_at(*place)
         self.exact.set_aside()
         left = part.error_mm - np.einsum("pi,pi->p", normal, moved)
         self.probes = self.probes.beside(

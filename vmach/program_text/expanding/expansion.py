@@ -75,9 +75,7 @@ def prepare_plain(
         path = Path(folder) / program.path.name
         path.write_bytes(program.source.data)
         again = prepare(job_of_control(preparation), program_path=path)
-    named = replace(
-        again.program, path=program.path, source=Source(program.source.data, program.path)
-    )
+    named = again.program.with_text(Source(program.source.data, program.path))
     return replace(again, program=named, notes=preparation.notes), expansion  # the user's lines
 
 

@@ -64,21 +64,38 @@ def spliced(data: bytes, edits: Edits, changes: Mapping[tuple[int, int], str]) -
     ValueError
         Two spans overlap.
     """
-    texts = [text.encode("latin-1") for text in changes.values()]
-    spans = np.array(list(changes), np.int64).reshape(-1, 2)
-    start = np.concatenate([edits.start, spans[:, 0]])
-    stop = np.concatenate([edits.stop, spans[:, 1]])
-    own = edits.text.size
-    sizes = np.array([len(text) for text in texts], np.int64)
-    length = np.concatenate([edits.length, sizes])
-    places = own + np.concatenate([[0], np.cumsum(sizes)])[: len(texts)]
-    first = np.concatenate([np.arange(len(edits.start)) * edits.text.shape[1], places])
-    order = np.lexsort((stop, start))
-    over = np.flatnonzero(start[order][1:] < stop[order][:-1])
-    if len(over):
-        raise ValueError(f"replacements overlap at byte {start[order][over[0] + 1]}")
-    blob = np.concatenate([edits.text.ravel(), np.frombuffer(b"".join(texts), np.uint8)])
+    edits, blob, first = _with_changes(edits, changes)
+    start, stop = edits.start, edits.stop
+    order = np.arange(len(start))
+    if (start[1:] < stop[:-1]).any():
+        order = np.lexsort((stop, start))
+        over = np.flatnonzero(start[order][1:] < stop[order][:-1])
+        if len(over):
+            raise ValueError(f"replacements overlap at byte {start[order][over[0] + 1]}")
     source = np.frombuffer(data, np.uint8)
-    out = np.empty(len(source) + int((length - (stop - start)).sum()), np.uint8)
-    _copied(source, order, start, stop, first.astype(np.int64), length, blob, out)
+    added = int(edits.length.sum()) - int(stop.sum() - start.sum())
+    out = np.empty(len(source) + added, np.uint8)
+    _copied(source, order, start, stop, first, edits.length, blob, out)
     return out.tobytes()
+
+
+def _with_changes(
+    edits: Edits, changes: Mapping[tuple[int, int], str]
+) -> tuple[Edits, np.ndarray, np.ndarray]:
+    """Spans of both, all texts one after the other, and where that of every span begins."""
+    blob = edits.text.reshape(-1)
+    first = np.arange(len(edits.start)) * edits.text.shape[1]
+    if not changes:  # the texts of a long program are not copied
+        return edits, blob, first
+    texts = [text.encode("latin-1") for text in changes.values()]
+    spans = np.array(list(changes), np.int64)
+    sizes = np.array([len(text) for text in texts], np.int64)
+    both = Edits(
+        np.concatenate([edits.start, spans[:, 0]]),
+        np.concatenate([edits.stop, spans[:, 1]]),
+        edits.text,
+        np.concatenate([edits.length, sizes]),
+    )
+    places = len(blob) + np.cumsum(sizes) - sizes
+    blob = np.concatenate([blob, np.frombuffer(b"".join(texts), np.uint8)])
+    return both, blob, np.concatenate([first, places])
