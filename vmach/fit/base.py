@@ -8,7 +8,7 @@ Source: closed form derived here: the precision of normal variables of unit vari
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -20,6 +20,7 @@ from vmach.effects import Effect
 from vmach.fit.columns import Columns
 from vmach.fit.discrepancy import Members
 from vmach.fit.feature_noise import FeatureNoise
+from vmach.fit.means import Means
 from vmach.fit.remembered import Remembered
 from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
@@ -32,11 +33,13 @@ _GONE = 0.025
 #: numbers that roots of sized members may take up while they are remembered
 _ROOM = 10_000_000
 #: numbers that signatures with their products may take up while they are remembered
-_ROOM_OF_COLUMNS = 24_000_000
+_ROOM_OF_COLUMNS = 34_000_000
 
 
 class Base:
     """Readings of a survey in the units of one feature noise, nuisance projected out.
+
+    Beside means of readings there are as many rows as means.
 
     Attributes
     ----------
@@ -51,7 +54,7 @@ class Base:
         Of the readings with themselves.
     """
 
-    def __init__(self, survey: Survey, noise: FeatureNoise, members: Members) -> None:
+    def __init__(self, survey: Survey, noise: FeatureNoise | Means, members: Members) -> None:
         self.survey, self.noise, self.members = survey, noise, members
         nuisance = noise.white(survey.nuisance)
         norms = np.linalg.norm(nuisance, axis=0)
@@ -64,7 +67,7 @@ class Base:
         self.z = self.white(np.hstack([members.fixed_mm, *members.columns_mm]))
         counts = [members.fixed_mm.shape[1], *(c.shape[1] for c in members.columns_mm)]
         self.member_of = np.repeat(np.arange(len(counts)), counts)
-        self.degrees = len(survey) - self._free.shape[1]
+        self.degrees = len(self.y) - self._free.shape[1]
         self.gram, self.seen = self.z.T @ self.z, self.z.T @ self.y
         self.square = float(self.y @ self.y)
         # a root, and the raised one
@@ -92,24 +95,42 @@ class Base:
         return self.columns(np.zeros((len(self.survey), 0)))
 
     def signature(self, effect: Effect, target: str, inner: Mapping[str, float]) -> Columns:
-        """What one usual size of each coefficient of an effect does; the last are remembered.
+        """What one usual size of each coefficient of an effect does; the last are remembered."""
+        return self.signatures(effect, target, [inner])[0]
+
+    def signatures(
+        self, effect: Effect, target: str, inner: Sequence[Mapping[str, float]]
+    ) -> list[Columns]:
+        """The same at several places; those that are new are worked out together.
 
         Many moments of a sudden effect have the same signature, which is worked out once.
         """
-        asked = effect, target, tuple(inner.items())
-        if asked not in self._alike:
-            columns_mm = self.survey.signature(effect, target, inner)
-            self._alike[asked] = effect, target, hash(columns_mm.tobytes())
-            return self._columns.get(self._alike[asked], lambda: self.columns(columns_mm))
+        known: dict[Hashable, Columns] = {}
+        new: dict[Hashable, np.ndarray] = {}
+        asked = [(effect, target, tuple(values.items())) for values in inner]
+        for one, values in zip(asked, inner, strict=True):
+            columns_mm = None
+            if one not in self._alike:
+                columns_mm = self.survey.signature(effect, target, values)
+                self._alike[one] = effect, target, hash(columns_mm.tobytes())
+            key = self._alike[one]
+            if key in self._columns:
+                known[key] = self._columns[key]
+            elif key not in new:
+                if columns_mm is None:
+                    columns_mm = self.survey.signature(effect, target, values)
+                new[key] = columns_mm
+        if new:
+            together = self.columns(np.hstack(list(new.values())))
+            known |= zip(new, together.split(len(new)), strict=True)
+            for key in new:
+                self._columns[key] = known[key]
+        return [known[self._alike[one]] for one in asked]
 
-        def made() -> Columns:
-            return self.columns(self.survey.signature(effect, target, inner))
-
-        return self._columns.get(self._alike[asked], made)
-
-    def back(self, white: np.ndarray) -> np.ndarray:
-        """Columns (n, k) whose product with raw ones is that of white ones with white ones."""
-        return self.noise.back(white)
+    def forget(self) -> None:
+        """Signatures and roots, which take the most room."""
+        self._columns.clear()
+        self._sized.clear()
 
     def sized(self, sizes: Sizes) -> SizedMembers:
         """The members at given sizes; the last ones are remembered."""

@@ -45,8 +45,8 @@ class Columns:
 
     @property
     def size(self) -> int:
-        """Numbers that they take up."""
-        return self.mm.size + self.white.size + self.cross.size
+        """Numbers of eight bytes that they take up."""
+        return (self.mm.nbytes + self.white.nbytes + self.cross.nbytes) // 8
 
     def times(self, matrix: np.ndarray) -> Self:
         """Sums of columns, by a matrix (K, m) of their weights."""
@@ -58,6 +58,20 @@ class Columns:
         """Each column so many times, (K,)."""
         mm, white, cross = self.mm * widths, self.white * widths, self.cross * widths
         return type(self)(mm, white, cross, self.seen * widths)
+
+    def split(self, count: int) -> list[Self]:
+        """So many equal parts, none of which holds the memory of the others.
+
+        What they are in mm, which no product needs, is rounded.
+        """
+        if count == 1:
+            return [self]
+        parts = [np.hsplit(m, count) for m in (self.mm, self.white, self.cross)]
+        seen = np.split(self.seen, count)
+        return [
+            type(self)(mm.astype(np.float32), white.copy(), cross.copy(), own)
+            for mm, white, cross, own in zip(*parts, seen, strict=True)
+        ]
 
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:

@@ -125,9 +125,11 @@ class _Problem:
     def gains_of(self, term: Term, places: Sequence[Mapping[str, float]]) -> np.ndarray:
         """Half of what a further term at each of some places (G,) takes off the sum of squares."""
         beside = self._as_noise
-        tried = [self._signature(replace(term, inner=inner)) for inner in places]
-        found = [beside.products(columns) for columns in tried]
-        gram, seen = map(np.stack, zip(*found, strict=True))
+        tried = beside.base.signatures(term.effect, term.target, places)
+        # many places have the same signature
+        found = {id(columns): columns for columns in tried}
+        known = {key: beside.products(columns) for key, columns in found.items()}
+        gram, seen = (np.stack([known[id(c)][k] for c in tried]) for k in (0, 1))
         gram += np.eye(gram.shape[1]) / FREE**2
         return 0.5 * (seen * np.linalg.solve(gram, seen[:, :, None])[:, :, 0]).sum(axis=1)
 

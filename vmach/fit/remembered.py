@@ -25,14 +25,27 @@ class Remembered(Generic[Value]):
         self._room, self._size, self._taken = room, size, 0.0
         self._known: dict[Hashable, Value] = {}
 
-    def get(self, key: Hashable, make: Callable[[], Value]) -> Value:
-        """The value of a key, made where it is not known."""
-        if key in self._known:
-            value = self._known.pop(key)
-        else:
-            value = make()
-            self._taken += self._size(value)
+    def __contains__(self, key: Hashable) -> bool:
+        return key in self._known
+
+    def __getitem__(self, key: Hashable) -> Value:
+        value = self._known[key] = self._known.pop(key)
+        return value
+
+    def __setitem__(self, key: Hashable, value: Value) -> None:
+        """Remember a value that is not known."""
+        self._taken += self._size(value)
         self._known[key] = value
         while self._taken > self._room and len(self._known) > 1:
             self._taken -= self._size(self._known.pop(next(iter(self._known))))
-        return value
+
+    def get(self, key: Hashable, make: Callable[[], Value]) -> Value:
+        """The value of a key, made where it is not known."""
+        if key not in self._known:
+            self[key] = make()
+        return self[key]
+
+    def clear(self) -> None:
+        """Forget all."""
+        self._known.clear()
+        self._taken = 0.0

@@ -16,6 +16,7 @@ from vmach.fit.base import Base, SizedMembers, solved
 from vmach.fit.candidates import Candidate
 from vmach.fit.evidence import Evidence, evidence_at_places
 from vmach.fit.marginal_likelihood import Bordered, Posterior
+from vmach.fit.means import Means
 from vmach.fit.sizes import Sizes
 
 __all__ = ["Bank"]
@@ -47,7 +48,8 @@ class Bank:
 
     def evidence(self, posterior: Posterior) -> Evidence:
         """Evidence of every candidate beside members and effects of a posterior."""
-        back = self._base.back(posterior.effects.columns.white)
+        white, noise = posterior.effects.columns.white, self._base.noise
+        back = white if isinstance(noise, Means) else noise.back(white)
         parts = [g.evidence(posterior.members, posterior.bordered, back) for g in self._groups]
         return Evidence.joined(parts, self._place)
 
@@ -58,16 +60,20 @@ class _Group:
     def __init__(self, base: Base, candidates: Sequence[Candidate], terms: int) -> None:
         self._log_priors = [c.log_prior for c in candidates]
         self._terms = terms
-        self._rows = [candidate.rows_mm for candidate in candidates]
-        parts = []
-        for some in _at_once(self._rows, terms):
+        raw = [candidate.rows_mm for candidate in candidates]
+        parts, means = [], []
+        for some in _at_once(raw, terms):
             rows = base.white(some.T).T
+            if isinstance(base.noise, Means):
+                means.append(rows.astype(np.float32))
             parts.append((rows @ base.z, rows @ base.y, _products(self._by_place(rows))))
+        # means are few: they are kept white
+        self._rows = means or raw
         self._with_members, self._seen, self._gram = map(np.concatenate, zip(*parts, strict=True))
         self._beside: tuple[Sizes, _Beside] | None = None
 
     def evidence(self, members: SizedMembers, root: Bordered, back: np.ndarray) -> Evidence:
-        """Evidence of each; `back` (n, k) gives the products with the posterior's effects."""
+        """Evidence of each; rows times `back` (n, k) are products with the posterior's effects."""
         k, beside = members.sizes.factor, self._beside_members(members)
         with_effects = np.concatenate([_times(rows, back) for rows in self._rows])
         taken = solved(root.own, with_effects.T / k - root.border.T @ beside.taken)

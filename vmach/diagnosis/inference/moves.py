@@ -87,7 +87,7 @@ def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     """
     for k, term in enumerate(here.terms):
         others = weighing.without(here, [k], resize=False)
-        gains = weighing.gains(others)
+        gains = weighing.gains(others, roughly=True)
         least = gains[weighing.index_of(term.label)] - _NEAR
         ranked = [i for i in _ranked(weighing, gains, here.labels)[:_TRIED] if gains[i] > least]
         for i in ranked:
@@ -106,13 +106,13 @@ def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     if little.posterior.sizes != here.posterior.sizes:
         views.append(little)
     for others in views:
-        gains = weighing.gains(others)
+        gains = weighing.gains(others, roughly=True)
         least = _SHARE * (here.score - others.score)
         for i in _ranked(weighing, gains, here.labels)[: 2 * _TRIED]:
             if gains[i] < least - _NEAR:
                 break
             one = weighing.extend(others, i, resize=False)
-            further = weighing.gains(one)
+            further = weighing.gains(one, roughly=True)
             for j in _ranked(weighing, further, here.labels | one.labels)[:_TRIED]:
                 if one.score + further[j] < here.score - _NEAR:
                     break
@@ -130,7 +130,7 @@ def _leading(weighing: Weighing, here: Explanation, but: Collection[str]) -> lis
     """Candidates worth a fit: the first ones beside the discrepancy, and nearly without it."""
     found: list[int] = []
     for view in (here, beside_little(here)):
-        gains = weighing.gains(view)
+        gains = weighing.gains(view, roughly=True)
         ranked = _ranked(weighing, gains, but)
         found += [k for k in ranked[:_TRIED] if gains[k] > -2.0 and k not in found]
     return found

@@ -21,6 +21,7 @@ from vmach.fit.evidence import WIDTHS, Evidence, width_of
 from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.joint_fit import fit_terms
 from vmach.fit.marginal_likelihood import Effects, Posterior, best_sizes
+from vmach.fit.means import Means
 from vmach.fit.remembered import Remembered
 from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
@@ -30,6 +31,8 @@ __all__ = ["Explanation", "Weighing"]
 
 #: sizes in u that a search starts from
 _START = 0.3
+#: means at most that a search looks candidates over on; what is found is fitted to all readings
+_LOOKED_OVER = 5000
 #: readings of the explanations that are remembered
 _ROOM = 100_000
 #: times that what the laws leave open is set by the fit before, so that it is a share of the last
@@ -95,6 +98,8 @@ class Weighing:
     def _take(self, noise: FeatureNoise) -> None:
         self.base = Base(self.survey, noise, self.members)
         self._none = Effects(self.base.no_columns)
+        many = -(-len(self.survey) // _LOOKED_OVER)
+        self._means = Base(self.survey, Means(noise, many), self.members) if many > 1 else None
         self._forget()
         #: log probability of every set that a search weighed, by the labels of its effects
         self.tried: dict[frozenset[str], float] = {}
@@ -103,6 +108,7 @@ class Weighing:
     def _forget(self) -> None:
         """What was worked out is of other candidates, or beside another noise."""
         self._bank: Bank | None = None
+        self._bank_of_means: Bank | None = None
         room = _ROOM / len(self.survey)
         # by identity of the effects: a posterior is asked again and again
         self._known = Remembered[tuple[Effects, Evidence]](room)
@@ -134,6 +140,9 @@ class Weighing:
             return self
         other = copy.copy(self)
         other._take(noise)
+        # both together would take much memory, and this one is hardly asked again
+        self._forget()
+        self.base.forget()
         return other
 
     def of_candidates(self, known: Sequence[Candidate], log_priors: Mapping[str, float]) -> Self:
@@ -275,7 +284,7 @@ class Weighing:
 
     def term(self, k: int, explanation: Explanation) -> Term:
         """Candidate k with its best inner parameters on what an explanation leaves."""
-        candidate, evidence = self.candidates[k], self.evidence(explanation)
+        candidate, evidence = self.candidates[k], self.looked_over(explanation)
         width = None
         if not candidate.effect.amplitudes:
             width = WIDTHS[evidence.best_width[k, 0]]
@@ -289,10 +298,32 @@ class Weighing:
         effects, key = posterior.effects, (id(posterior.effects), posterior.sizes)
         return self._known.get(key, lambda: (effects, self.bank.evidence(posterior)))[1]
 
-    def gains(self, explanation: Explanation) -> np.ndarray:
-        """Log odds of every candidate beside an explanation, at its sizes."""
-        found = self.evidence(explanation).log_factor[:, 0]
-        return found + [self.log_prior(c) for c in self.candidates]
+    def looked_over(self, explanation: Explanation) -> Evidence:
+        """The same for a search, which fits what is worth it: on means where readings are many."""
+        base = self._means
+        if base is None:
+            return self.evidence(explanation)
+        bank = self._bank_of_means = self._bank_of_means or Bank(base, self.candidates)
+        posterior = explanation.posterior
+        effects, key = posterior.effects, (id(posterior.effects), posterior.sizes, "means")
+
+        def made() -> tuple[Effects, Evidence]:
+            on_means = Posterior(base, posterior.sizes, effects.on(base))
+            return effects, bank.evidence(on_means)
+
+        return self._known.get(key, made)[1]
+
+    def gains(self, explanation: Explanation, *, roughly: bool = False) -> np.ndarray:
+        """Log odds of every candidate beside an explanation, at its sizes.
+
+        Parameters
+        ----------
+        explanation : Explanation
+        roughly : bool
+            Whether they only say what is worth a fit.
+        """
+        evidence = self.looked_over(explanation) if roughly else self.evidence(explanation)
+        return evidence.log_factor[:, 0] + [self.log_prior(c) for c in self.candidates]
 
     def fitted_alone(self, k: int) -> tuple[Term, np.ndarray]:
         """Candidate k fitted alone: the term and its coefficients (K,)."""
