@@ -1,9 +1,9 @@
 """Okuma OSP: Fanuc's letters with work offsets G15 H, tool lengths G56 H, return levels and CALL.
 
 Only what public sources say alike is read: the posts for OSP-E100M and OSP-P300 that Autodesk and
-HSMWorks published (``okuma.cps``), the list of G codes of OSP, and for VC, IF, GOTO, CALL and RTS
-the programs of MachinistFTW/OkumaMacros on GitHub (OPULL.SSB, OROTA.SSB, SET-MASTER-Z.MIN) and
-nc-macro-lab.na.coocan.jp/osp2.html. Every other word is refused.
+HSMWorks published (``okuma.cps``), and the list of G codes of OSP. VC, IF, GOTO, CALL and RTS are
+read as in MachinistFTW/OkumaMacros on GitHub (OPULL.SSB, OROTA.SSB, SET-MASTER-Z.MIN).
+nc-macro-lab.na.coocan.jp/osp2.html says the same. Every other word is refused.
 """
 
 from __future__ import annotations
