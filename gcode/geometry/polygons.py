@@ -1,7 +1,7 @@
 """Regular polygons with rounded corners: the outline of a polygon stud, and its offsets.
 
-Closed form derived here: an offset of a regular polygon is one again, its inscribed circle and its
-corners larger by the distance.
+Source: closed form derived here: an offset of a regular polygon is one again, its inscribed circle
+and its corners larger by the distance.
 """
 
 from __future__ import annotations

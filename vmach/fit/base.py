@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import LinAlgError
 from scipy.linalg.blas import dtrmm
-from scipy.linalg.lapack import dpotrf, dtrtri, dtrtrs
+from scipy.linalg.lapack import dpotrf, dpotri, dtrtri, dtrtrs
 
 from vmach.effects import Effect
 from vmach.fit.columns import Columns
@@ -219,6 +219,16 @@ def solved(root: np.ndarray, right: np.ndarray, *, transposed: bool = False) -> 
     if failed:
         raise LinAlgError("the root of a precision has to be regular")
     return found
+
+
+def inverse_of(root: np.ndarray) -> np.ndarray:
+    """Lower triangle of the inverse of the matrix with this root (k, k), which is overwritten."""
+    if root.size == 0:  # no member and no effect is there; LAPACK refuses such a matrix
+        return root
+    inverse, failed = dpotri(root, lower=True, overwrite_c=True)
+    if failed:
+        raise LinAlgError("the posterior precision has to be regular")
+    return inverse
 
 
 def raised(root: np.ndarray) -> np.ndarray:

@@ -2,6 +2,8 @@
 
 Whitening and the products with the members are worked out once for a signature; sums of columns
 need no further pass over the members.
+
+Source: derived here, from the products of linear least squares.
 """
 
 from __future__ import annotations

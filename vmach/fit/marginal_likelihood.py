@@ -20,10 +20,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import LinAlgError
-from scipy.linalg.lapack import dpotri
 
-from vmach.fit.base import Base, SizedMembers, raised, root_of_precision, solved
+from vmach.fit.base import Base, SizedMembers, inverse_of, raised, root_of_precision, solved
 from vmach.fit.columns import Columns
 from vmach.fit.sizes import ABSENT, Sizes
 from vmach.fit.whitening import thin_product
@@ -181,14 +179,13 @@ class Posterior:
         With P = 1 - V, V the posterior covariance in prior deviations: 2 |P_jl|² of the blocks of
         two members; the factor replaces one P by V.
         """
-        inverse, failed = dpotri(self.root, lower=True, overwrite_c=True)
-        if failed:
-            raise LinAlgError("the posterior precision has to be regular")
+        inverse = inverse_of(self.root)
         count, mean = len(self.sizes.members) + 1, np.concatenate(self.mean)
         none = np.zeros(len(self.effects), dtype=int)
         member = np.concatenate([self.base.member_of[self.members.here], none])
         diagonal = np.diag(inverse).copy()
-        slope = np.bincount(member, mean**2 + diagonal - 1.0, count)
+        slope = np.zeros(count)  # bincount of nothing counts in whole numbers
+        slope += np.bincount(member, mean**2 + diagonal - 1.0, count)
         seen = float(self.seen @ self.seen)
         rest = self.base.square / self.sizes.factor**2 - seen - mean @ mean
         slope[0] = rest + len(diagonal) - diagonal.sum() - self.base.degrees

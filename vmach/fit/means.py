@@ -2,6 +2,8 @@
 
 Readings in unit noise are added within stretches of a feature, so that the sums have unit noise
 again: the probability of these sums is that of a part of what was measured.
+
+Source: derived here; sums of a set of readings are a linear map of them with orthonormal rows.
 """
 
 from __future__ import annotations
