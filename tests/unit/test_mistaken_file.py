@@ -1,5 +1,6 @@
 """A file named by mistake is told by what it is, not by what its parser stumbles over."""
 
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -47,8 +48,6 @@ def test_a_file_of_the_right_kind_is_no_mistake(what, file):
 
 @pytest.mark.parametrize("text", ["name = 'x'\nprogramm = 'a.nc'\n", "schema = 1\n"])
 def test_a_misspelt_key_is_left_to_the_schema(text):
-    import tomllib
-
     assert mistaken_for(Path("job.toml"), text, tomllib.loads(text), what="machine file") is None
 
 

@@ -18,7 +18,8 @@ _TRIED = 3
 #: log odds by which one may lie behind the effect whose place it takes; in none of a few hundred
 #: refits did one from further behind catch up
 _NEAR = 6.0
-#: share of what an effect stands for that the first of two in its place takes alone, at least
+#: share of what an effect stands for that the first of two in its place takes alone, at least;
+#: chosen: half of an even split. It saves fits; whatever passes is weighed by the readings
 _SHARE = 0.25
 #: a move counts where it makes the whole more probable by this much
 _STEP = 0.5

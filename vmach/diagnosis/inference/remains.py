@@ -12,11 +12,12 @@ from vmach.diagnosis.inference.weighing import Explanation, Weighing
 
 __all__ = ["is_structure", "remains_um", "sizes_um", "usual_u_um"]
 
-#: normals that lean less out of the plane than this are those of walls
+#: normals that lean less out of the plane than this are those of walls: steeper than 60 degrees
 _WALL = 0.5
-#: fewer readings say nothing of a variance
+#: fewer readings say nothing of a variance: of 20 it is uncertain by a third (GUM, table E.1)
 _FEW = 20
-#: sizes are told apart down to this share of the stated uncertainty
+#: sizes are told apart down to this share of the stated uncertainty; chosen, so that a reading
+#: that happens to be exact has no endless logarithm
 _LEAST = 0.01
 
 
