@@ -10,7 +10,7 @@ from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.moves import search, search_beyond
 from vmach.diagnosis.inference.noise import noise_after, noise_before
 from vmach.diagnosis.inference.own_contacts import over_own_contacts
-from vmach.diagnosis.inference.remains import is_structure, remains_um
+from vmach.diagnosis.inference.remains import is_structure, remains_um, sizes_um
 from vmach.diagnosis.inference.support import Support, supports_of
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.proposals.forms import Forms
@@ -21,6 +21,8 @@ __all__ = ["Inference", "Reason", "Weak", "infer", "judged", "searched"]
 
 #: times that contacts and the noise of single readings are estimated anew
 _PASSES = 2
+#: share of its size that a form leaves an effect at least; an imitation gives way to its cause
+_MOST_OF = 0.5
 
 
 class Reason(StrEnum):
@@ -85,7 +87,7 @@ def infer(weighing: Weighing) -> Inference:
     weighing, found = searched(weighing)
     forms = Forms(weighing, found)
     grown = forms.grown(found)
-    shown, supports, weak = judged(weighing, found, grown.labels)
+    shown, supports, weak = judged(weighing, found, _kept(weighing, found, grown))
     alone = weighing.explain(shown.terms, found.posterior.sizes, refine=False)
     remains = remains_um(weighing, alone, noise=grown.posterior.sizes.factor)
     structure = is_structure(weighing, remains)
@@ -114,6 +116,15 @@ def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
             break
         found = search(weighing, weighing.explain(found.terms, found.posterior.sizes))
     return weighing, search_beyond(weighing, found)
+
+
+def _kept(weighing: Weighing, found: Explanation, grown: Explanation) -> frozenset[str]:
+    """Effects that forms leave most of their size."""
+    before, beside = (
+        dict(zip((t.label for t in e.terms), sizes_um(weighing, e), strict=True))
+        for e in (found, grown)
+    )
+    return frozenset(n for n in before if beside.get(n, 0.0) > _MOST_OF * before[n])
 
 
 def judged(

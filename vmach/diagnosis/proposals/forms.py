@@ -64,7 +64,9 @@ class Forms:
         """An explanation with forms added while that is clearly more probable."""
         here = self._with(()).explain(found.terms, found.posterior.sizes, refine=False)
         for _ in range(_MOST):
-            if remains_um(self._weighing, here) < WORTH_A_FORM * usual_u_um(self._weighing):
+            # a factor on the stated uncertainty may stand for a form
+            rest = remains_um(self._weighing, here, noise=1.0)
+            if rest < WORTH_A_FORM * usual_u_um(self._weighing):
                 break
             self._columns.add_waves(self._left_mm(here))
             better = self._extended(here, self._leading(_two_views(here)))
