@@ -11,6 +11,7 @@ from vmach.diagnosis.inference.moves import search, search_beyond
 from vmach.diagnosis.inference.noise import noise_after, noise_before
 from vmach.diagnosis.inference.own_contacts import over_own_contacts
 from vmach.diagnosis.inference.remains import is_structure, remains_um, sizes_um
+from vmach.diagnosis.inference.rules import KEPT
 from vmach.diagnosis.inference.support import Support, supports_of
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.proposals.forms import Forms
@@ -21,8 +22,6 @@ __all__ = ["Inference", "Reason", "Weak", "infer", "judged", "searched"]
 
 #: times that contacts and the noise of single readings are estimated anew
 _PASSES = 2
-#: share of its size that a form leaves an effect at least; an imitation gives way to its cause
-_MOST_OF = 0.5
 
 
 class Reason(StrEnum):
@@ -124,7 +123,7 @@ def _kept(weighing: Weighing, found: Explanation, grown: Explanation) -> frozens
         dict(zip((t.label for t in e.terms), sizes_um(weighing, e), strict=True))
         for e in (found, grown)
     )
-    return frozenset(n for n in before if beside.get(n, 0.0) > _MOST_OF * before[n])
+    return frozenset(n for n in before if beside.get(n, 0.0) > KEPT * before[n])
 
 
 def judged(
