@@ -278,4 +278,4 @@ def _before(preparation: Preparation, model: TipModel) -> tuple[Residual, float]
     rows = np.flatnonzero(nodes.moves.kind[nodes.move] != MoveKind.RAPID)
     error = model.displacement_at(preparation, nodes.move[rows], nodes.parameter[rows])
     tilt_rad = np.linalg.norm(error.tilt_rad, axis=1).max(initial=0.0)
-    return Residual(np.linalg.norm(error.shift_mm, axis=1), nodes.line[rows]), float(tilt_rad)
+    return Residual.of(np.linalg.norm(error.shift_mm, axis=1), nodes.line[rows]), float(tilt_rad)

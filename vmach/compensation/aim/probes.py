@@ -161,7 +161,7 @@ def _fill_across(run: WrittenRun, cuts: np.ndarray, count: np.ndarray, probes: P
     at = (number + 0.5) / np.repeat(count, count)
     sides = _across(tangent_at(run.again.path.nodes.moves, run.row[rows], at))
     piece = run.written[rows]
-    first, last = run.plan.parameter(0.0)[piece], run.plan.parameter(1.0)[piece]
+    first, last = run.plan.first[piece], run.plan.last[piece]
     probes.left_mm[:] = np.einsum("psi,pi->ps", sides, run.miss(at, rows)).ravel()
     probes.move[:] = np.repeat(run.plan.move[piece], 2)
     probes.parameter[:] = np.repeat(first + at * (last - first), 2)
