@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -220,9 +220,11 @@ def solve(
     preparation, expansion = prepare_plain(preparation, floating_tap=control.floating_tap)
     check_words(preparation.program, control)
     modes = block_modes(preparation.program)
+    rewriter = Rewriter(preparation.program, modes, expansion.written, control)
+    preparation = replace(preparation, program=rewriter.program)
     iteration = Iteration(
         preparation,
-        Rewriter(preparation.program, modes, expansion.written, control),
+        rewriter,
         model,
         expansion,
         lambda target: check_corrections(preparation, target, limit_mm, expansion),

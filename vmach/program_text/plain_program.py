@@ -81,6 +81,7 @@ class PlainProgram:
         self.rewritten = np.array([line in own for line in lines], bool) | bool(settings)
         if self.text.absolute_centres:
             self.rewritten |= kind == MoveKind.ARC
+        self.program = program.without_record()  # of a long one it is not needed any more
 
     def places(
         self, move: np.ndarray, parameter: np.ndarray, correction_mm: np.ndarray | float = 0.0
