@@ -159,9 +159,8 @@ class Rounding:
 
 def _steps(rewriter: Rewriter, plan: Plan, resolution_mm: float) -> np.ndarray:
     """Step of the words of every piece, (K,) mm."""
-    lines, of_line = np.unique(rewriter.moves.line[plan.move], return_inverse=True)
-    units, which = np.unique([rewriter.modes[line].unit_mm for line in lines.tolist()],
-                             return_inverse=True)  # fmt: skip
+    unit_mm = rewriter.modes.column("unit_mm", rewriter.moves.line[plan.move], other=1.0)
+    units, which = np.unique(unit_mm, return_inverse=True)
     steps = [unit * 10.0 ** -rewriter.control.decimals(resolution_mm, unit)
              for unit in units.tolist()]  # fmt: skip
-    return np.array(steps)[which[of_line]]
+    return np.array(steps)[which]
