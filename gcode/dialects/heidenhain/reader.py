@@ -7,7 +7,7 @@ import re
 from gcode.dialects.heidenhain.approach import approach, depart
 from gcode.dialects.heidenhain.block_text import bare, joined_blocks, key_word
 from gcode.dialects.heidenhain.cycles.calls import CycleCalls
-from gcode.dialects.heidenhain.flow import KlartextFlow
+from gcode.dialects.heidenhain.flow import KlartextFlow, measuring_cycle
 from gcode.dialects.heidenhain.frames import KlartextFrames
 from gcode.dialects.heidenhain.m_functions import only_m
 from gcode.dialects.heidenhain.motion import KlartextMotion
@@ -58,12 +58,13 @@ class KlartextReader(Translated):
     def obey(self, text: str) -> None:
         """Obey one line."""
         content = self.content(self.next - 1)
-        if not content or content.startswith(("*", "~")):
-            return
         if content.startswith("/"):
             if self.options.skips(1):
+                self._skip_parameters()
                 return
             content = content[1:].strip()
+        if not content or content.startswith(("*", "~")):
+            return
         head, corners = re.match(r"[A-Z]+|", content)[0], self.motion.corners
         self.controller.use(key_word(content))
         if head in ("L", "C", "CR", "CT", "LP", "CP"):
@@ -83,7 +84,8 @@ class KlartextReader(Translated):
             ("FN", self._function), ("RND", corners.define), ("CHF", corners.define),
             ("PLANE", self._plane), ("FUNCTION", self._control_function),
             ("TRANS", self.frames.transform), ("SEL PGM", self.flow.select_program),
-            ("STOP", lambda _: self.execute("m0")), ("M", lambda text: only_m(self, text)),
+            ("TCH PROBE", self._measure), ("STOP", lambda _: self.execute("m0")),
+            ("M", lambda text: only_m(self, text)),
         ):  # fmt: skip
             if content.startswith(start):
                 action(content)
@@ -94,6 +96,11 @@ class KlartextReader(Translated):
                 accepted="L C CR CT CC LP CP RND CHF LBL CALL LBL TOOL CALL FN Q CYCL DEF STOP M",
                 hint="post the program with plain lines and arcs",
             )
+
+    def _skip_parameters(self) -> None:
+        """Leave out the further lines of a block that is skipped."""
+        while self.next < self.stop and self.lines[self.next - 1].rstrip().endswith("~"):
+            self.next += 1
 
     def noted(self, word: str, meaning: str) -> None:
         """Note a word that moves nothing here."""
@@ -118,6 +125,12 @@ class KlartextReader(Translated):
     def apart(self, controller: Controller) -> KlartextReader:
         """The same lines for another controller."""
         return KlartextReader(controller, list(self.lines), self.options)
+
+    def _measure(self, content: str) -> None:
+        name = measuring_cycle(content)
+        if name is None or not self.options.control.ignores(name):
+            raise self.flow.unknown_calls(name or content)
+        self.noted(name, "left out by ignore_calls; the zero is that of the job")
 
     def _plane(self, content: str) -> None:
         is_flat = is_flat_plane(content, self.parameters.number)

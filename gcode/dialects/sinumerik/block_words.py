@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, SAME, STOPS
+from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, M_CODES, SAME, STOPS
 from gcode.errors import ProgramError
 from gcode.language.translate import number
 from gcode.motion import frames
@@ -133,6 +133,11 @@ class BlockWords:
             self.reader.controller.note(
                 f"M{value:g}", "machine builder's code, ignored by ignore_m"
             )
+            return ""
+        if value not in M_CODES:
+            raise self.reader.unknown(m_code=int(value))
+        if value >= 40.0:
+            self.reader.controller.note(f"M{value:g}", "gear stage or mode of the spindle")
             return ""
         return f"m{value:g}"
 

@@ -79,10 +79,7 @@ class Subprograms:
         """
         routine = self._find(name)
         if routine is None:
-            raise ProgramError(
-                f"subprogram {name} is neither in this file nor beside it",
-                accepted=f"a file {name.upper()}.SPF in the folder of the program",
-            )
+            raise self.reader.unknown(call=name.upper())
         if rounds < 1:
             return
         reader = self.reader
@@ -102,6 +99,10 @@ class Subprograms:
         )
         self._enter(routine, routine.start, routine.stop)
         reader.variables.named = named
+
+    def is_there(self, name: str) -> bool:
+        """Whether a subprogram can be called."""
+        return self._find(name) is not None
 
     def repeat(self, start: int, stop: int, rounds: int) -> None:
         """Run lines of the present program so many times, then go on behind this block."""
@@ -155,7 +156,7 @@ class Subprograms:
         stem = name.upper()
         names = [f"{stem}.{end}" for end in ("SPF", "MPF")]
         names += [f"_N_{stem}_{end}" for end in ("SPF", "MPF")]
-        return find_beside(self.reader.options.folder, names)
+        return find_beside(self.reader.options.folders, names)
 
     def _places(self) -> list[tuple[Sequence[str], object]]:
         """Texts that may hold the program: the present one, then those that called it."""
