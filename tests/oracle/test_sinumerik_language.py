@@ -157,6 +157,30 @@ def test_a_fault_in_a_file_beside_it_is_named_there(tmp_path):
         read("NOWHERE(1)")
 
 
+PARTED = """DEF REAL _HALF, _N[2]
+R1=0
+PARTS(20, _HALF, _N[1], R1, 7)
+G0 X=_HALF Y=_N[1] Z=R1
+M30
+PROC PARTS(REAL WHOLE, VAR REAL HALF, VAR REAL FOURTH, VAR REAL SUM, VAR REAL NOWHERE) DISPLOF
+HALF=WHOLE/2
+FOURTH=HALF/2
+SUM=SUM+HALF+FOURTH
+WHOLE=0
+NOWHERE=1
+RET
+"""
+
+
+def test_var_parameters_give_their_values_back():
+    assert places(PARTED)[-1].tolist() == [10, 5, 15]
+
+
+def test_var_parameters_count_from_round_to_round():
+    body = "R1=1\nTWICE(R1) P3\nG0 X=R1\nM30\nPROC TWICE(VAR REAL AA)\nAA=AA*2\nRET\n"
+    assert places(body)[-1, 0] == 8
+
+
 def test_a_subprogram_that_calls_itself_is_refused():
     with pytest.raises(ProgramError, match="nested deeper"):
         read("%_N_A_MPF\nL1\nM30\n%_N_L1_SPF\nL1\nM17")

@@ -123,14 +123,14 @@ class Statements:
         match = subprogram_call(content)
         if match is None or match[2].upper() in ("RET", "M17"):
             return False
-        arguments = self.reader.arguments(match[3][1:-1]) if match[3] and match[3] != "()" else []
+        texts = split_arguments(match[3][1:-1]) if match[3] and match[3] != "()" else []
         self.reader.corners.finish()
         if (match[1] or "").upper() == "MCALL":
-            self.reader.cycles.modal = (match[2], arguments)
+            self.reader.cycles.modal = (match[2], self.reader.arguments(",".join(texts)))
         else:
             rounds = int(self.reader.variables.value(match[4])) if match[4] else 1
             self.reader.says_flow()
-            self.reader.subprograms.call(match[2], arguments, rounds)
+            self.reader.subprograms.call(match[2], texts, rounds)
         return True
 
     def _declare(self, text: str) -> None:

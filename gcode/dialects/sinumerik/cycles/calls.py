@@ -81,4 +81,5 @@ class CycleCalls:
             with self.reader.plane_of_cycles():
                 drill(self.reader, name, arguments)
         else:
-            self.reader.subprograms.call(name, arguments)
+            texts = ["" if value is None else number(value) for value in arguments]
+            self.reader.subprograms.call(name, texts)
