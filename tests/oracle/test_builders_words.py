@@ -133,3 +133,34 @@ def test_a_macro_that_the_job_leaves_out_is_noted():
     program = read(text, "fanuc", ignore_calls=frozenset(("O9810", "O0077")))
     assert program.moves.end_mm[-1].tolist() == [2.0, 0.0, 500.0]
     assert {"O9810", "O77"} <= {note.word for note in program.notes}
+
+
+def test_what_the_controls_memory_holds_is_said_by_the_job():
+    text = "BEGIN PGM A MM\nL X+QR20 Y+Q3 FMAX\nFN 16: F-PRINT A.A / SCREEN:\nEND PGM A MM"
+    with pytest.raises(ProgramError, match=r"QR20 was never set.*variables = \{ 'QR20' = "):
+        read(text, "heidenhain")
+    program = read(text, "heidenhain", variables={"qr20": 8.0, "Q3": 4.0})
+    assert program.moves.end_mm[-1, :2].tolist() == [8.0, 4.0]
+    assert "FN 16" in {note.word for note in program.notes}
+
+
+@pytest.mark.parametrize(
+    ("block", "said"),
+    [
+        ("ID=1 WHENEVER $AA_IM[X]>3 DO $AC_OVR=0", "synchronised action"),
+        ("G0 Y=DC(3)", "DC with Y"),
+        ("CYCLE978(1,2)", "ignore_calls = ..CYCLE978.."),
+        ('CYCLE62("AA",1)', "CYCLE72 takes the contour's name itself"),
+        ("CYCLE79(1)", "polygon"),
+    ],
+)
+def test_words_that_are_no_variables_are_told_as_what_they_are(block, said):
+    with pytest.raises(ProgramError, match=said) as error:
+        read(f"G0 X1\n{block}\nM30", "sinumerik")
+    assert "variables" not in str(error.value)
+
+
+def test_a_rotary_axis_goes_to_the_place_that_dc_names():
+    program = read("G91\nG0 C=DC(30)\nC=ACP(20)\nCYCLE800\nM30", "sinumerik")
+    assert program.moves.end_mm.shape[0] == 2
+    assert program.moves.rotary_end_deg[-1, 2] == pytest.approx(20.0)

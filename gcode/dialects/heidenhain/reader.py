@@ -22,6 +22,7 @@ from gcode.state.controller import Controller
 
 __all__ = ["KlartextReader"]
 
+_OUTPUTS = (15, 16, 38)  #: FN that print or send
 _FEED = re.compile(r"f([-+]?[\d.]+)")
 
 
@@ -34,6 +35,7 @@ class KlartextReader(Translated):
         super().__init__(controller, lines, options)
         controller.start_up, controller.round_corners_from = "A", 0.0
         self.parameters = QParameters()
+        self.parameters.remember(options.control.variables)
         self.called_at: int | None = None  #: line of the main program that calls this one
         self.depth = 0
         self.stopped = False  #: M2 or M30, which end the calling programs too
@@ -175,6 +177,9 @@ class KlartextReader(Translated):
             raise ProgramError(f"cannot read '{content}'", accepted="FN 0: Q1 = +5")
         if int(match[1]) == 14:
             raise ProgramError(f"the program stops itself: {content}")
+        if int(match[1]) in _OUTPUTS:
+            self.noted(f"FN {match[1]}", "text for a file, a screen or a printer")
+            return
         label = self.parameters.function(int(match[1]), match[2].strip())
         if label is not None:
             self.next = self.flow.find(label) + 1

@@ -27,7 +27,7 @@ _WORD = re.compile(
     r"\s*(CR|TURN|AP|AR|RPL|RP|RNDM?|CHF|CHR|FRCM?|ADIS|DISC|[IJK]1(?=\s*=)|H\d+(?=\s*=)|[A-Z])\s*(=?)",
     re.IGNORECASE,
 )
-_OWN = re.compile(r"\s*(AC|IC)\s*\(", re.IGNORECASE)
+_OWN = re.compile(r"\s*(AC|IC|DC|ACP|ACN)\s*\(", re.IGNORECASE)
 _CLOSED = re.compile(r"\s*\)")
 
 
@@ -82,7 +82,12 @@ class BlockWords:
         closing = _CLOSED.match(content, stop)
         if closing is None:
             raise ProgramError(f"'{own[1].upper()}(' is not closed")
-        return self._as_mode(letter, value, own[1].upper(), words), closing.end()
+        kind = own[1].upper()
+        if kind not in ("AC", "IC"):  # which way round an axis turns, to an absolute place
+            if letter not in ("A", "B", "C"):
+                raise ProgramError(f"{kind} with {letter}", accepted="rotary axes A B C")
+            kind = "AC"
+        return self._as_mode(letter, value, kind, words), closing.end()
 
     def _as_mode(self, letter: str, value: float, kind: str, words: Words) -> float:
         """AC and IC: the number that says the same in the mode of the block."""

@@ -25,8 +25,8 @@ _VARIABLE = re.compile(
     r"(?<![A-Z0-9_$])(\$?[A-Z_][A-Z_]\w*)\s*(\[[^\]]*\])?\s*(\(|=(?!=))?", re.IGNORECASE
 )
 _M_CODE = re.compile(r"(?<![A-Z0-9_$])M(\d+)(?![\d.]*\s*[=\[(])", re.IGNORECASE)
-#: the control's own, which no job can leave out; cycles 95. to 99. measure
-_CUTS = re.compile(r"RET|M17|(?!CYCLE9[5-9]\d)CYCLE\d+|HOLES\d|POCKET\d|SLOT\d|LONGHOLE|MEAS\w*")
+#: the control's own, which no job can leave out; cycles 960 to 999 measure
+_CUTS = re.compile(r"RET|M17|(?!CYCLE9[6-9]\d)CYCLE\d+|HOLES\d|POCKET\d|SLOT\d|LONGHOLE|MEAS\w*")
 _STRING = re.compile(r"\"[^\"]*\"")
 _LABELS = re.compile(
     r"\b(?:GOTO[FBCS]?|REPEATB?|CALL|PROC|EXTERN|DEF|MSG|WRITE|DELETE|GROUP_\w+)\b.*", re.IGNORECASE

@@ -25,7 +25,7 @@ REFUSED = {
     "BSPLINE": "spline", "CSPLINE": "spline", "POLY": "polynomials", "INVCW": "involute",
     "INVCCW": "involute", "KONTC": "approach with continuous curvature",
     "KONTT": "tangential approach", "OFFN": "offset of the contour", "TOROT": "tilted plane",
-    "CUT3DC": "3D radius compensation",
+    "CUT3DC": "3D radius compensation", "DO": "synchronised action", "QU": "quick output",
 }  # fmt: skip
 #: words on how the path is followed, of the preprocessing, and for the screen; the G groups are
 #: those of the Programming Manual Fundamentals, "G commands"
@@ -36,5 +36,6 @@ NO_MOTION = (
     "FIFOCTRL", "STARTFIFO", "STOPFIFO", "SPOS", "FNORM", "FLIN", "FCUB", "SBLOF", "SBLON",
     "DYNNORM", "DYNPOS", "DYNROUGH", "DYNSEMIFIN", "DYNFINISH", "DYNPREC",
     "RTLION", "RTLIOF", "WALIMON", "WALIMOF", "CUTCONOF", "SPATH", "UPATH", "FENDNORM", "TOWSTD",
-    "PAROTOF", "ORIEULER", "ORIAXES", "ORIVECT", "LFOF", "PTPG0", "CP", "SPIF1", "TOFFOF",
+    "PAROTOF", "ORIEULER", "ORIAXES", "ORIVECT", "LFOF", "PTPG0", "CP", "SPIF1", "TOFFOF", "SPCON",
+    "SPCOF", "CPRECON", "CPRECOF",
 )  # fmt: skip
