@@ -110,6 +110,9 @@ def _walk(work, line, blank, reach, todo):
         if not inside:
             return (CUT if sweep >= 0 else UNCUT), h, sweep, s
         h = 0.0
+        # often the sweep that the line begins in is all that there is to see
+        if exit_below(_meeting(work, todo[2][0], line), h, -reach)[0] <= -reach:
+            return GOUGED, 0.0, -1, 0.0
     before = np.inf
     while -reach < h < before:  # until a pass finds no more air
         before = h

@@ -103,7 +103,7 @@ class PartView:
         piece = np.full(len(run.again.path.nodes.moves), -1)
         piece[run.row] = run.written
         piece = piece[found.states.move]
-        start, end = run.plan.parameter(0.0)[piece], run.plan.parameter(1.0)[piece]
+        start, end = run.plan.first[piece], run.plan.last[piece]
         known = (piece >= 0) & _made_at_feed(found.states)
         beside = self._with_tip_right(run.again, found)
         return PartDeviation(

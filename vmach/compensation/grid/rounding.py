@@ -57,8 +57,7 @@ class Rounding:
         self.rewriter, self.plan, self.target = rewriter, plan, target
         self.step_mm = _steps(rewriter, plan, resolution_mm)
         self.grid = Grid(rewriter, plan, target, self.step_mm)
-        self.pieces = Pieces(rewriter, plan, target, step_mm=self.step_mm,
-                             length_mm=self.grid.length_mm)  # fmt: skip
+        self.pieces = Pieces(self.grid)
 
     def rounded(self, probes: ProbeSets) -> tuple[Plan, Target]:
         """Plan and target with ends on the grid, that leave least at some probes.
@@ -148,19 +147,20 @@ class Rounding:
                 chosen.put(own, self.grid.of_inserted(own).taken(number[own, None]))
             chosen.put(others, self.grid.one_of_programmed(others, number[others]))
         chosen.off_mm[self.plan.is_kept] = 0.0
-        old, inserted = self.plan.pieces, np.flatnonzero(self.grid.inserted)
-        start, end = old.start.copy(), old.end.copy()
-        end[inserted] = start[inserted + 1] = chosen.parameter[inserted, 0]
-        pieces = replace(old, start=start, end=end)
+        plan, inserted = self.plan, np.flatnonzero(self.grid.inserted)
+        if len(inserted):
+            old = plan.pieces
+            start, end = old.start.copy(), old.end.copy()
+            end[inserted] = start[inserted + 1] = chosen.parameter[inserted, 0]
+            plan = Plan(replace(old, start=start, end=end), plan.aim_mm)
         ends_mm = (chosen.wanted_mm + chosen.off_mm)[:, 0]
-        return Plan(pieces, self.plan.aim_mm), Target(pieces, ends_mm, self.target.middles_mm)
+        return plan, Target(plan.pieces, ends_mm, self.target.middles_mm)
 
 
 def _steps(rewriter: Rewriter, plan: Plan, resolution_mm: float) -> np.ndarray:
     """Step of the words of every piece, (K,) mm."""
-    lines, of_line = np.unique(rewriter.moves.line[plan.move], return_inverse=True)
-    units, which = np.unique([rewriter.modes[line].unit_mm for line in lines.tolist()],
-                             return_inverse=True)  # fmt: skip
+    unit_mm = rewriter.modes.column("unit_mm", rewriter.moves.line[plan.move], other=1.0)
+    units, which = np.unique(unit_mm, return_inverse=True)
     steps = [unit * 10.0 ** -rewriter.control.decimals(resolution_mm, unit)
              for unit in units.tolist()]  # fmt: skip
-    return np.array(steps)[which[of_line]]
+    return np.array(steps)[which]
