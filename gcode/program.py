@@ -127,6 +127,10 @@ class Program:
         """The same, told to be of another text: its moves are not made again."""
         return self._with(path=source.path, source=source)
 
+    def without_record(self) -> Program:
+        """The same for who asks for its moves and text: without canonical calls."""
+        return self._with(record=Record())
+
     def moves_alone(self) -> Program:
         """The same for who asks for its moves: without text and canonical calls."""
         return self._with(source=Source(b"", self.path), record=Record())

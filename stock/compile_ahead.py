@@ -67,7 +67,7 @@ def compile_walk() -> None:
     outlines = Outlines(np.zeros((0, 3)), np.zeros((0, 7)), of_tools, of_tools, none)
     sweep, boxes = np.zeros(0, np.int32), np.zeros((0, 6), np.float32)
     span = np.zeros((0, 2))
-    trees = Trees(sweep, span, *[of_tools] * 4, boxes, sweep, boxes, none)
+    trees = Trees(sweep, span, *[of_tools] * 4, boxes, sweep, boxes, none, none, boxes, 0.0)
     nowhere = read_only(np.zeros((0, 3)))
     walk_lines(Work(Cut(motion, outlines), trees), nowhere, nowhere, np.zeros((2, 3)), 1.0)
 

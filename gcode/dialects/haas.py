@@ -40,6 +40,7 @@ class Haas(Fanuc):
     confirmed = {
         "manual": "G0; G1; G10; G12; G13; G28; G40; G41; G70; G71; G72; G80; G83; G91; G99; G114; "
         "G154",
+        "closed form": "G100; G101",
         "fanuc": CONFIRMED["manual"],
         "no motion": CONFIRMED["no motion"],
     }

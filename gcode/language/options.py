@@ -26,6 +26,14 @@ class ControlSettings:
         Skip blocks that begin with a slash; or those of some switches, 1 for a bare slash.
     ignore_m : frozenset of int
         Machine builder's M codes that move nothing.
+    ignore_calls : frozenset of str
+        Machine builder's subprograms and measuring cycles that move nothing that counts, as
+        ``L_TIME``, ``O9810`` or ``TCH PROBE 411``.
+    variables : mapping of str to float
+        Values of the machine builder's variables and of machine data, as ``_GUD[2]`` and
+        ``$MN_USER_DATA_INT[1]``.
+    subprograms : Path or None
+        Folder of further subprograms, behind that of the program.
     options : mapping of str to str
         Parameters of one control, by the names of its `Dialect.options`.
     """
@@ -33,12 +41,19 @@ class ControlSettings:
     increment: str | None = None
     block_delete: bool | frozenset[int] = False
     ignore_m: frozenset[int] = frozenset()
+    ignore_calls: frozenset[str] = frozenset()
+    variables: Mapping[str, float] = field(default_factory=dict)
+    subprograms: Path | None = None
     options: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.increment is not None and self.increment not in INCREMENT_SYSTEMS:
             raise ProgramError(f"increment = '{self.increment}'",
                                accepted=", ".join(INCREMENT_SYSTEMS))  # fmt: skip
+
+    def ignores(self, name: str) -> bool:
+        """Whether a call, by its name in any case of letters, is left out."""
+        return name.upper() in {call.upper() for call in self.ignore_calls}
 
 
 @dataclass(frozen=True)
@@ -65,3 +80,8 @@ class RunOptions:
         """Whether the blocks of a switch of the optional block skip are skipped."""
         wanted = self.control.block_delete
         return wanted if isinstance(wanted, bool) else switch in wanted
+
+    @property
+    def folders(self) -> tuple[Path, ...]:
+        """Where programs that are called are looked for, first come first."""
+        return tuple(f for f in (self.folder, self.control.subprograms) if f is not None)

@@ -91,7 +91,8 @@ def to_moves(record: Record, *, limits: MachineLimits, home_mm: np.ndarray | Non
     start_point = _start_point(path, end, home_mm)
     _hold(end, still, start_point)
     _hold(rotary, still, np.zeros(3))
-    start = np.concatenate((start_point[None], end[:-1])) if count else end
+    points = np.concatenate((start_point[None], end))  # starts and ends share their memory
+    start, end = points[:-1], points[1:]
     rotary_start = np.concatenate((np.zeros((1, 3)), rotary[:-1])) if count else rotary
     kind = np.array([_KIND[call] for call in Call], np.int8)[path.call]
     centre, axis, sweep = _arcs(record, modal, start=start, end=end, offset=offset)

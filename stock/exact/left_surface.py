@@ -18,6 +18,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from stock.compiled import njit_kernel
 from stock.exact.edge import Edges, EdgeStatus, Material
 from stock.exact.envelope import Contacts, Places, envelope_contacts, envelope_places
 from stock.sweeps import Sweeps
@@ -39,8 +40,8 @@ _STEEP = 3.0
 _IN_PLANE = 0.5
 #: contacts that are held at once, about
 _CONTACTS_AT_ONCE = 2_000_000
-#: points whose cells are found in one go
-_POINTS_AT_ONCE = 1 << 18
+#: of a point that is not looked at
+_NO_CELL = -1
 #: nearer to the blank's faces no tool has cut, mm
 _BLANK_MM = 1e-6
 
@@ -73,6 +74,7 @@ def find_left_surface(
     is_cutting: np.ndarray,
     spacing_mm: float,
     margin_mm: float,
+    material: Material | None = None,
 ) -> LeftSurface:
     """Sample the surface that sweeps without displacement leave of a blank.
 
@@ -89,13 +91,15 @@ def find_left_surface(
         About one point in a square of this side, for each of the six main directions.
     margin_mm : float
         Points nearer to an edge of the surface are left out.
+    material : Material, optional
+        That of the same sweeps, tools and blank, where it is there already.
 
     Returns
     -------
     LeftSurface
         In the order in which the surface was made; empty where nothing is cut.
     """
-    material = Material(sweeps, tools, blank_mm)
+    material = material or Material(sweeps, tools, blank_mm)
     box_mm = np.asarray(blank_mm[0]) + _BLANK_MM, np.asarray(blank_mm[1]) - _BLANK_MM
     places = envelope_places(sweeps, tools, is_cutting, spacing_mm=spacing_mm)
     starts = _starts(places, spacing_mm, box_mm)
@@ -139,32 +143,41 @@ def _starts_of_slab(
     near[0][0] = max(near[0][0], (slab[0] - 1) * spacing_mm)
     near[1][0] = min(near[1][0], (slab[1] + 1) * spacing_mm)
     contacts = envelope_contacts(places, spacing_mm, (near[0], near[1]))
-    number = np.floor(contacts.point_mm[:, 0] / spacing_mm)
-    contacts = contacts.taken((number >= slab[0]) & (number < slab[1]))
-    cell = _cells(contacts.point_mm, contacts.normal, spacing_mm)
+    cell = _cells(contacts.point_mm, contacts.normal, spacing_mm, box_mm, slab)
     order = np.lexsort((contacts.sweep, cell))
     cell = cell[order]
-    first = np.flatnonzero(np.diff(cell, prepend=-1))
+    first = np.flatnonzero(np.diff(cell, prepend=_NO_CELL))  # what is in none comes before
     count = np.diff(first, append=len(cell))
     # the last sweeps of a cell first: what finishes comes after what roughs
     shares = [(count - 1) * (_TRIES - turn) // _TRIES for turn in range(_TRIES)]
     return [contacts.taken(order[first + share]) for share in shares]
 
 
-def _cells(point_mm: np.ndarray, normal: np.ndarray, spacing_mm: float) -> np.ndarray:
-    """One number for every cube of space and main direction of the normal."""
-    if not len(point_mm):
-        return np.zeros(0, np.int64)
-    low, high = (np.floor(at(axis=0) / spacing_mm) for at in (point_mm.min, point_mm.max))
-    wide = (high - low).astype(np.int64) + 1
+def _cells(
+    point_mm: np.ndarray, normal: np.ndarray, spacing_mm: float, box_mm: tuple,
+    slab: tuple[int, int],
+) -> np.ndarray:  # fmt: skip
+    """One number for every cube of a box and main direction of the normal; none off the slab."""
+    low, high = (np.floor(np.asarray(corner) / spacing_mm) for corner in box_mm)
     cell = np.empty(len(point_mm), np.int64)
-    for begin in range(0, len(cell), _POINTS_AT_ONCE):
-        part = slice(begin, begin + _POINTS_AT_ONCE)
-        place = (np.floor(point_mm[part] / spacing_mm) - low).astype(np.int64)
-        axis = np.argmax(np.abs(normal[part]), axis=1)
-        side = 2 * axis + (normal[part][np.arange(len(axis)), axis] > 0.0)
-        cell[part] = ((place[:, 0] * wide[1] + place[:, 1]) * wide[2] + place[:, 2]) * 6 + side
+    _fill_cells(cell, point_mm, normal, (spacing_mm, low, high - low + 1.0, slab))
     return cell
+
+
+@njit_kernel()
+def _fill_cells(cell, point, normal, grid):
+    spacing, low, wide, slab = grid
+    for i in range(len(cell)):
+        x = math.floor(point[i, 0] / spacing)
+        if not slab[0] <= x < slab[1]:
+            cell[i] = _NO_CELL
+            continue
+        place, axis = 0, 0
+        for j in range(3):
+            place = place * int(wide[j]) + int(math.floor(point[i, j] / spacing) - low[j])
+            if abs(normal[i, j]) > abs(normal[i, axis]):
+                axis = j
+        cell[i] = 6 * place + 2 * axis + (1 if normal[i, axis] > 0.0 else 0)
 
 
 def _surface_at(
@@ -237,6 +250,8 @@ def _thinned(found: Sequence[LeftSurface], box_mm: tuple, spacing_mm: float) -> 
     sweep = np.concatenate([part.sweep for part in found])
     inside = Contacts(point, normal, np.arange(len(sweep))).inside(box_mm).sweep
     point, normal, sweep = point[inside], normal[inside], sweep[inside]
-    _, first = np.unique(_cells(point, normal, spacing_mm), return_index=True)
+    everywhere = (-(2**62), 2**62)
+    cell = _cells(point, normal, spacing_mm, box_mm, everywhere)
+    _, first = np.unique(cell, return_index=True)
     rows = first[np.argsort(sweep[first], kind="stable")]
     return LeftSurface(point[rows], normal[rows], sweep[rows])

@@ -24,6 +24,7 @@ __all__ = [
     "Motion",
     "arc_of",
     "bend_of",
+    "bend_of_height",
     "build_motion",
     "on_arcs",
     "ripple_of",
@@ -231,6 +232,18 @@ def ripple_of(motion, i):
 def bend_of(motion, i):
     """Bound on the second derivative by s of any tool point's way on sweep `i`, mm."""
     return motion.path[i, _BEND]
+
+
+@njit_inlined()
+def bend_of_height(motion, i, tilt):
+    """Bound on the second derivative by s of a height above sweep `i`'s tool, mm.
+
+    About an upright axis the circle itself changes no height but by the tool's `tilt`, rad.
+    """
+    a, k = motion.arcs, arc_of(motion, i)
+    own = bend_of(motion, i) - ripple_of(motion, i)
+    is_upright = k < 0 or (a[k, 1, 2] == 0.0 and a[k, 2, 2] == 0.0)
+    return ripple_of(motion, i) + (tilt * own if is_upright else own)
 
 
 @njit_inlined()

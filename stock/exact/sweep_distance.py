@@ -90,7 +90,7 @@ def sweep_distance(meeting, h, s, limit):
             if tool_distance(meeting, h, end).mm < best.mm:
                 best = descend(meeting, h, end, limit)
     if not _is_level(meeting.cut.motion, meeting.sweep) or _has_valley(meeting, h, best.s):
-        best = _lowest_of_parts(meeting, h, best)
+        best = _lowest_of_parts(meeting, h, best, limit)
     return best
 
 
@@ -125,14 +125,14 @@ def _has_valley(meeting, h, s):
 
 
 @njit_part()
-def _lowest_of_parts(meeting, h, best):
+def _lowest_of_parts(meeting, h, best, limit):
     """Look for a lower minimum in each part of the piece that can have one."""
     cut, sweep, (low, high), line = meeting
     width = (high - low) / _PARTS
     for k in range(_PARTS):
         part = (low + k * width, low + (k + 1) * width)
         middle = 0.5 * (part[0] + part[1])
-        other = descend(Meeting(cut, sweep, part, line), h, middle, best.mm)
+        other = descend(Meeting(cut, sweep, part, line), h, middle, min(best.mm, limit))
         if other.mm < best.mm:
             best = other
     return best

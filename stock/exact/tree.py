@@ -4,6 +4,10 @@ A node holds the box of the displaced tool tip, not of the swept tool. The outli
 from below the distance of a point from a tool whose tip is anywhere in the box. So a query
 reaches only the sweeps that are really near, however large the tool is.
 
+Thousands of sweeps of a large tool may pass over one place of a floor. The boxes are too coarse to
+tell which of them went deepest there, and tilt makes them coarser. So a node also knows in full
+precision how low its tips come, and how they are tilted: `_below_tips`.
+
 Source: closed form derived here: a distance to a box bounds the distance to all that is in it
 from below.
 """
@@ -16,11 +20,18 @@ from typing import NamedTuple
 import numpy as np
 
 from stock.compiled import njit_inlined, njit_kernel, read_only
-from stock.exact.motion import Motion, bend_of, on_arcs, tip_at, tools_of
+from stock.exact.motion import Motion, bend_of, bend_of_height, on_arcs, tip_at, tools_of
 from stock.exact.outline import lower_bound
 from stock.threads import run_in_parts
 
-__all__ = ["Trees", "bound_of_box", "build_trees", "morton_order", "pieces_of_leaf"]
+__all__ = [
+    "Trees",
+    "bound_of_node",
+    "bound_of_piece",
+    "build_trees",
+    "morton_order",
+    "pieces_of_leaf",
+]
 
 #: pieces in a leaf
 LEAF = 4
@@ -53,6 +64,12 @@ class Trees(NamedTuple):
         Largest sweep number in the node.
     slack_mm : (T,) float64
         How far the tilt can move a point of the tool.
+    low_mm : (N,) float64
+        Least z of the displaced tip.
+    tilt : (N, 4) or (0, 4) float32
+        Least tilt about x and y, largest tilt about x and y, rad.
+    largest_tilt : float
+        Of all sweeps, rad.
     """
 
     sweep: np.ndarray
@@ -65,6 +82,9 @@ class Trees(NamedTuple):
     last: np.ndarray
     piece_box: np.ndarray
     slack_mm: np.ndarray
+    low_mm: np.ndarray
+    tilt: np.ndarray
+    largest_tilt: float
 
 
 def build_trees(motion: Motion, reach_of_tool_mm: np.ndarray) -> Trees:
@@ -93,14 +113,19 @@ def build_trees(motion: Motion, reach_of_tool_mm: np.ndarray) -> Trees:
     node_box = np.empty((nodes, 6), dtype=np.float32)
     node_box[:, :3], node_box[:, 3:] = _NOWHERE_MM, -_NOWHERE_MM
     last = np.full(nodes, -1, dtype=np.int32)
+    low = np.full(nodes, _NOWHERE_MM)
+    tilt = np.empty((nodes if len(motion.tilt) else 0, 4), dtype=np.float32)
+    tilt[:, :2], tilt[:, 2:] = np.inf, -np.inf
     for t in range(len(leaves)):
-        of_tool = slice(first_piece[t], first_piece[t] + piece_count[t])
-        nodes_of_tool = slice(first_node[t], first_node[t] + 2 * leaves[t])
-        _fill_nodes(box[of_tool], sweep[of_tool], node_box[nodes_of_tool], last[nodes_of_tool])
-    tilt = _largest_tilt(motion)
-    slack = tilt * reach_of_tool_mm + (1e-7 if tilt > 0.0 else 0.0)
+        mine = slice(first_piece[t], first_piece[t] + piece_count[t])
+        own = slice(first_node[t], first_node[t] + 2 * leaves[t])
+        _fill_nodes((box[mine], sweep[mine]), node_box[own], last[own])
+        _fill_floors(motion, (sweep[mine], span[mine]), low[own], tilt[own])
+    tilt[~np.isfinite(tilt)] = 0.0
+    largest = _largest_tilt(motion)
+    slack = largest * reach_of_tool_mm + (1e-7 if largest > 0.0 else 0.0)
     heads = [np.array(a, dtype=np.int64) for a in (first_piece, piece_count, first_node, leaves)]
-    return Trees(sweep, span, *heads, node_box, last, box, slack)
+    return Trees(sweep, span, *heads, node_box, last, box, slack, low, tilt, largest)
 
 
 def _pieces(motion: Motion, on_arc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -145,8 +170,9 @@ def _largest_tilt(motion: Motion) -> float:
 
 
 @njit_kernel()
-def _fill_nodes(piece_box, piece_sweep, box, last):
+def _fill_nodes(pieces, box, last):
     """Bound the leaves, then each node from its two children."""
+    piece_box, piece_sweep = pieces
     leaves = len(last) // 2
     for k in range(len(piece_sweep)):
         node = leaves + k // LEAF
@@ -161,12 +187,75 @@ def _fill_nodes(piece_box, piece_sweep, box, last):
             box[node, 3 + j] = max(box[2 * node, 3 + j], box[2 * node + 1, 3 + j])
 
 
+@njit_kernel()
+def _fill_floors(motion, pieces, low, tilt):
+    """How low the tips of the leaves come, and their tilts; then those of each node."""
+    sweep, span = pieces
+    leaves = len(low) // 2
+    for k in range(len(sweep)):
+        i, node = sweep[k], leaves + k // LEAF
+        sagitta = bend_of_height(motion, i, 0.0) * (span[k, 1] - span[k, 0]) ** 2 / 8.0
+        ends = tip_at(motion, i, span[k, 0])[0][2], tip_at(motion, i, span[k, 1])[0][2]
+        low[node] = min(low[node], min(ends) - sagitta)
+        for j in range(2 if len(tilt) else 0):
+            least, most = _range_of_cubic(motion.tilt, i, j)
+            tilt[node, j] = min(tilt[node, j], least - _SINGLE * abs(least))
+            tilt[node, 2 + j] = max(tilt[node, 2 + j], most + _SINGLE * abs(most))
+    for node in range(leaves - 1, 0, -1):
+        low[node] = min(low[2 * node], low[2 * node + 1])
+        for j in range(2 if len(tilt) else 0):
+            tilt[node, j] = min(tilt[2 * node, j], tilt[2 * node + 1, j])
+            tilt[node, 2 + j] = max(tilt[2 * node, 2 + j], tilt[2 * node + 1, 2 + j])
+
+
 @njit_inlined()
-def bound_of_box(outlines, tool, box, k, q):
-    """Least distance of point `q` from the tool with its tip anywhere in box `k`."""
+def _range_of_cubic(a, i, j):
+    """Bounds of component j of cubic i over [0, 1]: its Bezier points hold it between them."""
+    first = a[i, j]
+    second = first + a[i, 3 + j] / 3.0
+    third = first + (2.0 * a[i, 3 + j] + a[i, 6 + j]) / 3.0
+    last = first + a[i, 3 + j] + a[i, 6 + j] + a[i, 9 + j]
+    return min(first, second, third, last), max(first, second, third, last)
+
+
+@njit_inlined()
+def bound_of_node(outlines, trees, tool, k, q):
+    """Least distance of point `q` from the tool at any place of node `k`."""
+    bound = _bound_of_box(outlines, tool, trees.box, k, q) - trees.slack_mm[tool]
+    return max(bound, _below_tips(outlines, trees, tool, k, q))
+
+
+@njit_inlined()
+def bound_of_piece(outlines, trees, tool, k, q):
+    """Least distance of point `q` from the tool at any place of piece `k`."""
+    return _bound_of_box(outlines, tool, trees.piece_box, k, q) - trees.slack_mm[tool]
+
+
+@njit_inlined()
+def _bound_of_box(outlines, tool, box, k, q):
+    """Least distance of point `q` from the upright tool with its tip anywhere in box `k`."""
     dx = max(box[k, 0] - q[0], 0.0, q[0] - box[k, 3])
     dy = max(box[k, 1] - q[1], 0.0, q[1] - box[k, 4])
     return lower_bound(outlines, tool, math.sqrt(dx * dx + dy * dy), q[2] - box[k, 2])
+
+
+@njit_inlined()
+def _below_tips(outlines, trees, tool, k, q):
+    """How far point `q` is at least below the lowest plane of the tool, anywhere in node `k`.
+
+    With y from the tip to q, the height above that plane is y_z - (tilt x y)_z but for the square
+    of the tilt.
+    """
+    below = trees.low_mm[k] - q[2] - outlines.edges[outlines.first_edge[tool], 2]
+    if len(trees.tilt) == 0:
+        return below
+    box, tilt = trees.box, trees.tilt
+    x0, x1 = q[0] - box[k, 3], q[0] - box[k, 0]
+    y0, y1 = q[1] - box[k, 4], q[1] - box[k, 1]
+    a0, b0, a1, b1 = tilt[k, 0], tilt[k, 1], tilt[k, 2], tilt[k, 3]
+    rise = min(a0 * y0, a0 * y1, a1 * y0, a1 * y1) - max(b0 * x0, b0 * x1, b1 * x0, b1 * x1)
+    far = max(-x0, x1, 0.0) + max(-y0, y1, 0.0) + abs(below)
+    return below + rise - 2.0 * trees.largest_tilt**2 * far
 
 
 @njit_inlined()

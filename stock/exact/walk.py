@@ -13,7 +13,15 @@ import numpy as np
 from stock.compiled import njit_inlined, njit_kernel, njit_part
 from stock.exact.crossing import entry, exit_below
 from stock.exact.meeting import TOUCH_MM, Cut, Meeting, point_at
-from stock.exact.tree import Trees, bound_of_box, morton_order, pieces_of_leaf
+from stock.exact.motion import bend_of_height, tool_of
+from stock.exact.tool_frame import seen_from_tool
+from stock.exact.tree import (
+    Trees,
+    bound_of_node,
+    bound_of_piece,
+    morton_order,
+    pieces_of_leaf,
+)
 from stock.threads import run_in_parts
 
 __all__ = ["CUT", "GOUGED", "UNCUT", "Work", "walk_lines", "walk_part"]
@@ -102,6 +110,9 @@ def _walk(work, line, blank, reach, todo):
         if not inside:
             return (CUT if sweep >= 0 else UNCUT), h, sweep, s
         h = 0.0
+        # often the sweep that the line begins in is all that there is to see
+        if exit_below(_meeting(work, todo[2][0], line), h, -reach)[0] <= -reach:
+            return GOUGED, 0.0, -1, 0.0
     before = np.inf
     while -reach < h < before:  # until a pass finds no more air
         before = h
@@ -154,8 +165,10 @@ def _walk_out(work, line, most, todo):
             begin, end = pieces_of_leaf(trees, tool, node)
             for k in range(begin, end):
                 sweep = trees.sweep[k]
-                bound = bound_of_box(cut.outlines, tool, trees.piece_box, k, q)
-                if _useless(bound - trees.slack_mm[tool], sweep, best, best_sweep):
+                bound = bound_of_piece(cut.outlines, trees, tool, k, q)
+                if _useless(bound, sweep, best, best_sweep):
+                    continue
+                if _useless(_below_piece(work, k, line, 0.0), sweep, best, best_sweep):
                     continue
                 h, s = entry(_meeting(work, k, line), best)
                 if h == -np.inf:
@@ -175,6 +188,22 @@ def _meeting(work, k, line):
 
 
 @njit_inlined()
+def _below_piece(work, k, line, h):
+    """How far the line's point at h is at least below the tool's lowest plane, all along piece k.
+
+    Its height above that plane bends by no more than the sweep does.
+    """
+    cut, trees = work
+    meeting = _meeting(work, k, line)
+    low, high = meeting.span
+    at_low = seen_from_tool(meeting, h, low)[0][2]
+    at_high = seen_from_tool(meeting, h, high)[0][2]
+    bend = bend_of_height(cut.motion, meeting.sweep, trees.largest_tilt)
+    edge = cut.outlines.first_edge[tool_of(cut.motion, meeting.sweep)]
+    return -max(at_low, at_high) - cut.outlines.edges[edge, 2] - bend * (high - low) ** 2 / 8.0
+
+
+@njit_inlined()
 def _useless(bound, last, best, best_sweep):
     """Nothing at this distance can be nearer, or equally near and cut later."""
     return bound > best + TOUCH_MM or (bound > best - TOUCH_MM and last <= best_sweep)
@@ -189,14 +218,13 @@ def _begin(todo):
 
 @njit_inlined()
 def _push_children(work, tool, q, node, place):
-    """Put both children on the list, the nearer one on top; to their bounds add a constant."""
+    """Put both children on the list, the nearer or later one on top, a constant added to bounds."""
     (nodes, bounds, _), top, constant = place
     cut, trees = work
     first = trees.first_node[tool] + 2 * node
-    constant -= trees.slack_mm[tool]
-    left = bound_of_box(cut.outlines, tool, trees.box, first, q) + constant
-    right = bound_of_box(cut.outlines, tool, trees.box, first + 1, q) + constant
-    if right < left:
+    left = bound_of_node(cut.outlines, trees, tool, first, q) + constant
+    right = bound_of_node(cut.outlines, trees, tool, first + 1, q) + constant
+    if right < left or (right == left and trees.last[first + 1] > trees.last[first]):
         nodes[top], bounds[top], nodes[top + 1], bounds[top + 1] = (
             2 * node,
             left,
@@ -235,8 +263,9 @@ def _pass_in(work, line, state, reach, todo):
                 continue
             begin, end = pieces_of_leaf(trees, tool, node)
             for k in range(begin, end):
-                bound = bound_of_box(cut.outlines, tool, trees.piece_box, k, point_at(line, h))
-                if bound - trees.slack_mm[tool] > TOUCH_MM:
+                if bound_of_piece(cut.outlines, trees, tool, k, point_at(line, h)) > TOUCH_MM:
+                    continue
+                if _below_piece(work, k, line, h) > TOUCH_MM:
                     continue
                 sweep = trees.sweep[k]
                 lower, s, is_touch = exit_below(_meeting(work, k, line), h, -reach)

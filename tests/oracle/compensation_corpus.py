@@ -199,12 +199,20 @@ def _kept():
     round_program = module.round_program
 
     def keep(iteration, found, resolution_mm, view):
+        targets, own_write = {}, iteration.write
+
+        def write(target, resolution_mm):
+            written = own_write(target, resolution_mm)
+            targets[id(written)] = written, target
+            return written
+
+        iteration.write = write
         rounded = round_program(iteration, found, resolution_mm, view)
         kept.update(
             rewriter=iteration.rewriter,
             plan=rounded.run.plan,
             target=_wanted_at(found.plan, found.target, rounded.run.plan),
-            chosen_mm=rounded.target.ends_mm,
+            chosen_mm=targets[id(rounded.written)][1].ends_mm,
             resolution_mm=resolution_mm,
             written=rounded.written,
         )

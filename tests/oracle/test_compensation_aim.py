@@ -13,11 +13,15 @@ from tests.oracle.test_compensation_programs import BODY, SCALE, job_with, numbe
 from tests.oracle.test_compensation_surface import AROUND, STOCK, job_of_walls
 from vmach.cli import app
 from vmach.compensation import compensate
+from vmach.compensation.aim import part_view
+from vmach.compensation.aim.part_view import PartView
 from vmach.compensation.aim.surface import check_surface, read_surface
+from vmach.compensation.model import TipModel
 from vmach.effects import read_effects
 from vmach.errors import InputError
 from vmach.job import read_job
 from vmach.machine import RigidDisplacement, Variant
+from vmach.path.preparation import prepare
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 
@@ -248,3 +252,15 @@ def test_sample_part_keeps_less_of_the_tilt():
     # largest 0.99 um, mean 0.31 um with the tool on its nominal path
     assert np.abs(checked.after_mm).max() < 0.9e-3
     assert np.abs(checked.after_mm).mean() < 0.28e-3
+
+
+def test_a_surface_of_very_many_points_is_looked_at_in_some(tmp_path, monkeypatch):
+    """A facing mill of half a metre makes 25 times the points of an ordinary one from each move."""
+    job, _ = job_in_stock(tmp_path, AROUND)
+    prepared, aim = prepare(job), read_surface(job, with_aim=True).aim
+    every = PartView(prepared, TipModel(Variant.ABBE, ()), aim)
+    nodes = len(prepared.path.nodes.move)
+    monkeypatch.setattr(part_view, "_POINTS_A_NODE", len(every.made) / nodes / 2.5)
+    some = PartView(prepared, TipModel(Variant.ABBE, ()), aim)
+    np.testing.assert_array_equal(some.made, every.made[::3])
+    np.testing.assert_array_equal(some.perfect_mm, every.perfect_mm[::3])

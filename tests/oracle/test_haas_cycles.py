@@ -93,3 +93,15 @@ def test_variables_of_the_next_generation_control_are_the_common_ones():
     """96-8210, "System variables": #10100 is #100, #10550 is #550; #10200 has no older name."""
     said = "#100=3.\n#10550=#10100+4.\n#10200=1.\nG0 X#550 Y[#10100+#10200]\n"
     assert list(read(said).moves.end_mm[-1, :2]) == [7, 4]
+
+
+def test_mirror_image_about_the_work_zero():
+    """G101 X0. turns X and the sense of arcs, whatever its number; G100 ends it."""
+    body = "G0 X0. Y0.\nG101 X3.\nG1 X10. Y5.\nG2 X14. Y9. I4.\nG100 X0.\nG1 X20."
+    moves = read(body).moves
+    ends = moves.end_mm[moves.at_feed][:, :2]
+    assert ends.round(9).tolist() == [[-10, 5], [-14, 9], [20, 9]]
+    arc = np.flatnonzero(moves.sweep_rad)[-1]
+    assert moves.sweep_rad[arc] * moves.axis[arc, 2] == pytest.approx(np.pi / 2)
+    with pytest.raises(ProgramError, match="G101"):
+        read("G101 X0.", control="fanuc")

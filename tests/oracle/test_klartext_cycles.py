@@ -266,7 +266,10 @@ def test_a_called_program_shares_q_parameters_and_has_its_own_labels(tmp_path):
     assert moves.end_mm[-1].tolist() == [2, 0, 100 - 12]
     assert moves.line[moves.at_feed].tolist() == [7] * 4
     main.write_text(text.replace("HOLE.H", "OTHER.H"))
-    with pytest.raises(ProgramError, match=r"main.h:7: program OTHER.H is not beside this one"):
+    with pytest.raises(
+        ProgramError,
+        match=r"main.h:7: what it calls is neither in this file nor beside it: OTHER.H",
+    ):
         read_program(main, tools=TOOLS)
     (tmp_path / "HOLE.H").write_text("BEGIN PGM HOLE MM\nM128\nEND PGM HOLE MM\n")
     main.write_text(text)
@@ -315,3 +318,73 @@ def test_blocks_of_cycles_count_as_blocks_of_a_loop():
     text = f"BEGIN PGM A MM\nTOOL CALL 1 Z S1 F300\n{drill}{body}\nEND PGM A MM\n"
     with pytest.raises(ProgramError, match="more than 20"):
         read_program(Source(text.encode(), "a.h"), tools=TOOLS, max_blocks=20_000)
+
+
+PRESET = "CYCL DEF 247 DATUM SETTING ~\n Q339=+{row} ;ROW\n"
+
+
+def places(program):
+    return program.moves.end_mm[1:, :2].round(9).tolist()
+
+
+def test_a_preset_takes_shift_mirror_rotation_and_scaling_away():
+    """Two bores at -60 and +60: the second shift counts from the preset, not from the first."""
+    body = PRESET.format(row=1)
+    for shift in ("IX-60", "IX+60"):
+        body += f"CYCL DEF 7.0 DATUM SHIFT\nCYCL DEF 7.1 {shift}\nL X+0 Y+0 R0 FMAX\n"
+        body += (
+            "CYCL DEF 8.0 MIRROR\nCYCL DEF 8.1 X\nCYCL DEF 10.0 ROTATION\nCYCL DEF 10.1 ROT+90\n"
+        )
+        body += "CYCL DEF 11.0 SCALING\nCYCL DEF 11.1 SCL 0.5\n" + PRESET.format(row=1)
+    found = places(read(body + "L X+5 Y+7 R0 FMAX"))
+    assert found[-3:] == [[-60.0, 0.0], [60.0, 0.0], [5.0, 7.0]]
+
+
+def presets(rows, **offsets):
+    body = "".join(PRESET.format(row=row) + "L X+1 Y+2 R0 FMAX\n" for row in rows)
+    text = f"BEGIN PGM A MM\nTOOL CALL 1 Z S1000 F300\n{body}\nEND PGM A MM\n"
+    return read_program(Source(text.encode(), "part.h"), tools=TOOLS, work_offsets_mm=offsets)
+
+
+def test_several_presets_are_work_offsets_of_the_job():
+    """One row is G54 whatever its number; of several, 1 to 6 are G54 to G59 and 7 is G54.1 P1."""
+    program = presets((12, 12), G54=(100, 0, 0), G55=(7, 7, 7))
+    assert program.moves.end_mm[-1, :2].tolist() == [101.0, 2.0]
+    program = presets(
+        (1, 4, 7, 1), **{"G54": (100, 0, 0), "G57": (200, 0, 0), "G54.1 P1": (9, 9, 9)}
+    )
+    found = program.moves.end_mm[-4:, :2].tolist()
+    assert found == [[101.0, 2.0], [201.0, 2.0], [10.0, 11.0], [101.0, 2.0]]
+    assert any("preset 4: G57 of the job" in note.meaning for note in program.notes)
+
+
+def test_a_second_preset_that_the_text_does_not_name_is_refused():
+    with pytest.raises(ProgramError, match="preset 3 behind preset 1"):
+        read("Q7 = 3\n" + PRESET.format(row=1) + "CYCL DEF 247 DATUM ~\n Q339=+Q7\n")
+
+
+SKIPPED = """10 TOOL CALL 1 Z S500 F200
+/ 20 * - deeper
+/ 21 CYCL DEF 200 DRILLING ~
+    Q200=+2    ;CLEARANCE ~
+    Q201=-9    ;DEPTH ~
+    Q206= AUTO ;FEED ~
+    Q202=+9    ;INFEED ~
+    Q203=+0    ;SURFACE ~
+    Q204=+20   ;SECOND CLEARANCE
+/ 22 L X+0 Y+0 R0 FMAX M99
+23 L X+Q204 R0 FMAX"""
+
+
+def test_a_skipped_block_before_its_number_keeps_or_loses_all_its_lines():
+    obeyed = read("22 Q204 = 3\n" + SKIPPED)
+    assert (obeyed.moves.end_mm[:, 2] - 100).min() == -9
+    assert obeyed.moves.end_mm[-1, 0] == 20
+    text = f"0 BEGIN PGM A MM\n1 Q204 = 3\n{SKIPPED}\n99 END PGM A MM\n"
+    left_out = read_program(Source(text.encode(), "part.h"), tools=TOOLS, block_delete=True)
+    assert left_out.moves.end_mm[-1, 0] == 3
+
+
+def test_a_mode_on_every_line_is_noted_once():
+    program = read("L X+1 F500 M90\n" * 5)
+    assert [note.word for note in program.notes].count("M90") == 1

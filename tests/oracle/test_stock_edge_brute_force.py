@@ -1,5 +1,7 @@
 """The engine against brute force over all moves: oblique lines, random sweeps of all tools."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -108,6 +110,32 @@ def test_points_near_a_displaced_raster(shape):
     found = find_edges(points, normals, sweeps=sweeps, tools=tools, blank_mm=None)
     for k in range(len(points)):
         state, h = brute.edge(sweeps, TOOLS, points[k], normals[k], 1.0)
+        assert found.status[k] == state
+        assert found.deviation_mm[k] == pytest.approx(h, abs=1e-9)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 2e-5, 1e-3])
+def test_a_floor_below_a_mill_that_stands_over_all_of_it(tilt):
+    """Every sweep covers every point, and micrometres decide which one went deepest."""
+    rng = np.random.default_rng(3)
+    sweeps = random_sweeps(rng, 40, arcs=True, shift=1e-3, tilt=tilt)
+    smooth = {name: getattr(sweeps, name)[:, :1] + 0.02 * getattr(sweeps, name)
+              for name in ("shift_mm", "tilt_rad")}  # fmt: skip
+    smooth |= {name: 0.02 * getattr(sweeps, name) for name in ("shift_slope_mm", "tilt_slope_rad")}
+    tool = {"shape": "flat", "diameter_mm": 200.0, "length_mm": 150.0}
+    level = {name: getattr(sweeps, name) * [1.0, 1.0, 0.0] for name in ("start_mm", "centre_mm")}
+    upright = np.abs(sweeps.axis[:, 2]) == 1.0
+    end = np.where(upright[:, None], sweeps.end_mm, sweeps.end_mm * [1.0, 1.0, 0.0])
+    end[upright, 2] = 0.001 * (sweeps.end_mm - sweeps.start_mm)[upright, 2]
+    kept = upright | (sweeps.sweep_rad == 0.0)
+    whole = replace(sweeps, **level, **smooth, end_mm=end, tool=np.zeros(40, int))
+    sweeps = Sweeps(**{name: getattr(whole, name)[kept] for name in whole.__dataclass_fields__})
+    points = rng.uniform([-40.0, -40.0, -0.02], [40.0, 40.0, 0.02], (12, 3))
+    normals = rng.normal(size=(12, 3)) * 0.2 + [0.0, 0.0, 1.0]
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    found = find_edges(points, normals, sweeps=sweeps, tools=[make_tool(**tool)], blank_mm=None)
+    for k in range(len(points)):
+        state, h = brute.edge(sweeps, [tool], points[k], normals[k], 1.0)
         assert found.status[k] == state
         assert found.deviation_mm[k] == pytest.approx(h, abs=1e-9)
 

@@ -97,7 +97,7 @@ def test_fanuc_d_word_stays_in_force():
 @pytest.mark.parametrize(
     ("text", "line", "words"),
     [
-        ("O1\nG65 P2\nM30\n", 2, "O2 is neither in this file nor beside it"),
+        ("O1\nG65 P2\nM30\n", 2, "what it calls is neither in this file nor beside it: O2"),
         ("O1\nGOTO 5\nM30\n", 2, "no block N5"),
         ("O1\nWHILE[1 EQ 0]DO1\nG0 X1\nM30\n", 2, "without END1"),
         ("O1\nG65 P1 G1\nM30\n", 2, "another G code"),

@@ -115,6 +115,7 @@ def _machine(
         differences_text,
         features_table,
     )
+    from vmach.run.part_pictures import PartPictures
     from vmach.run.pipeline import machine_part
     from vmach.run.results import (
         ALL_FILES,
@@ -135,15 +136,18 @@ def _machine(
     results = [out / name for name in ALL_FILES] if out.is_dir() else []
     check_outputs([part_file, *results], inputs=inputs)
     tell_doubts(read)
+    pictures = PartPictures()
     with progress_bar() as progress:
         made = machine_part(
             read, model=model, variants=variants, prefer_measured=prefer_measured, solid=solid,
-            plan=plan, progress=progress,
+            plan=plan, meanwhile=pictures.draw, progress=progress,
         )  # fmt: skip
         with together():
             if part_file is not None:
                 write_coloured_part(made, part_file)
-            figures = write_results(made, out, command=command_line(), progress=progress)
+            figures = write_results(
+                made, out, command=command_line(), pictures=pictures, progress=progress
+            )
     if as_json:
         print(json.dumps(figures, indent=1))
         return

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from vmach.nominal.points import SurfacePoints
 from vmach.path.preparation import Preparation, prepare
 from vmach.prediction import ActingEffect
 from vmach.program_text import (
-    BlockModes,
+    LineModes,
     Rewriter,
     block_modes,
     check_meaning,
@@ -192,7 +192,7 @@ def finish(
         growth=1.0 + written.inserted / max(len(modes), 1),
         arcs=arcs,
         arcs_kept=kept,
-        left_lines=tuple(int(expansion.user_line(k)) for k, mode in modes.items() if mode.left),
+        left_lines=tuple(expansion.user_line(modes.left_lines()).tolist()),
         swallowed=written.swallowed,
         expanded_lines=expansion.reasons,
         uncorrected=uncorrected(iteration, found, tolerance_mm),
@@ -220,9 +220,11 @@ def solve(
     preparation, expansion = prepare_plain(preparation, floating_tap=control.floating_tap)
     check_words(preparation.program, control)
     modes = block_modes(preparation.program)
+    rewriter = Rewriter(preparation.program, modes, expansion.written, control)
+    preparation = replace(preparation, program=rewriter.program)
     iteration = Iteration(
         preparation,
-        Rewriter(preparation.program, modes, expansion.written, control),
+        rewriter,
         model,
         expansion,
         lambda target: check_corrections(preparation, target, limit_mm, expansion),
@@ -237,11 +239,11 @@ def solve(
     return Solved(iteration, found, view, part_aim)
 
 
-def _rewritable(preparation: Preparation, modes: Mapping[int, BlockModes]) -> np.ndarray:
+def _rewritable(preparation: Preparation, modes: LineModes) -> np.ndarray:
     """Moves that may be rewritten, (M,) int64."""
     moves = preparation.path.nodes.moves
-    left = np.array([line for line, mode in modes.items() if mode.left], np.int64)
-    return np.flatnonzero((moves.kind != MoveKind.DWELL) & ~np.isin(moves.line, left))
+    left = np.isin(moves.line, modes.left_lines())
+    return np.flatnonzero((moves.kind != MoveKind.DWELL) & ~left)
 
 
 def _arcs(preparation: Preparation, found: Solution) -> tuple[int, int]:
@@ -278,4 +280,4 @@ def _before(preparation: Preparation, model: TipModel) -> tuple[Residual, float]
     rows = np.flatnonzero(nodes.moves.kind[nodes.move] != MoveKind.RAPID)
     error = model.displacement_at(preparation, nodes.move[rows], nodes.parameter[rows])
     tilt_rad = np.linalg.norm(error.tilt_rad, axis=1).max(initial=0.0)
-    return Residual(np.linalg.norm(error.shift_mm, axis=1), nodes.line[rows]), float(tilt_rad)
+    return Residual.of(np.linalg.norm(error.shift_mm, axis=1), nodes.line[rows]), float(tilt_rad)

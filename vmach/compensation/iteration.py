@@ -250,7 +250,7 @@ class Iteration:
         plan, run = found.plan, found.run
         left, at_start = run.residual_of_pieces
         moves = self.preparation.path.nodes.moves
-        span = plan.parameter(1.0) - plan.parameter(0.0)
+        span = plan.last - plan.first
         length = span * self.rewriter.length_mm[plan.move]
         can_step = ~plan.is_step
         can_step[1:] &= ~plan.is_step[:-1]
@@ -274,6 +274,6 @@ class Iteration:
         """Corrections of rapids cut off where the travel ends; those of feed moves stay."""
         moves = self.preparation.path.nodes.moves
         low, high = self.preparation.job.machine.travel_mm
-        nominal = position_at(moves, plan.move, plan.parameter(1.0))
+        nominal = position_at(moves, plan.move, plan.last)
         inside = np.clip(nominal + ends_mm, low, high) - nominal
         return np.where((moves.kind[plan.move] == MoveKind.RAPID)[:, None], inside, ends_mm)

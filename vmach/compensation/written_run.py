@@ -122,7 +122,8 @@ class WrittenRun:
         The text of another dialect than LinuxCNC is read too slowly for that.
         """
         if len(self.row) > LONG and self.original.program.dialect == "linuxcnc":
-            vars(self).pop("again", None)
+            for name in ("again", "_left", "residual_of_pieces"):
+                vars(self).pop(name, None)
             give_back_free_memory()
 
     def miss(self, share: float | np.ndarray, rows: np.ndarray | None = None) -> np.ndarray:
@@ -149,7 +150,7 @@ class WrittenRun:
     def _miss(self, share: np.ndarray, rows: np.ndarray) -> np.ndarray:
         there = position_at(self.again.path.nodes.moves, self.row[rows], share)
         error = self.model.error_at(self.again, self.row[rows], share)
-        start, end = self._stretch
+        start, end = self.plan.first, self.plan.last
         pieces = self.written[rows]
         parameter = start[pieces] + share * (end - start)[pieces]
         move = self.plan.move[pieces]
@@ -163,7 +164,7 @@ class WrittenRun:
 
         Zero where rounding has swallowed the block.
         """
-        start, end = self._stretch
+        start, end = self.plan.first, self.plan.last
         place = move + np.minimum(parameter, _INSIDE)
         piece = np.searchsorted(self.plan.move + start, place, side="right") - 1
         rows = np.searchsorted(self.written, piece)
@@ -181,22 +182,33 @@ class WrittenRun:
         return self._across(np.full(len(rows), 0.5), rows, np.ones((len(rows), 3), bool))
 
     @cached_property
-    def _stretch(self) -> tuple[np.ndarray, np.ndarray]:
-        return self.plan.parameter(0.0), self.plan.parameter(1.0)
-
-    @cached_property
     def cuts(self) -> np.ndarray:
         """Written pieces at feed from a known place, (C,) indices into `written`."""
         move = self.plan.move[self.written]
         kind = self.original.path.nodes.moves.kind[move]
         return np.flatnonzero((kind != MoveKind.RAPID) & ~self.unknown_start[move])
 
-    @cached_property
+    @property
     def residual(self) -> Residual:
         """Distances at programmed ends of moves that cut, and across the path all along them."""
-        distance, rows = self._distances(np.ones((len(self.written), 3), bool))
-        line = self.original.path.nodes.moves.line[self.plan.move[self.written[rows]]]
-        return Residual(distance, line)
+        return self._left[0]
+
+    @cached_property
+    def _left(self) -> tuple[Residual, np.ndarray]:
+        return self._left_in(np.ones((len(self.written), 3), bool))
+
+    def _left_in(self, counts: np.ndarray) -> tuple[Residual, np.ndarray]:
+        """What is left in the axes that count, and the largest of every piece, (K,), once settled.
+
+        In a step the axes take up their play; the piece after it tells what is left, also where
+        the error is not yet there in full: this more pieces could not mend.
+        """
+        distance, rows, settled = self._distances(counts)
+        piece = self.written[rows]
+        largest = np.zeros(len(self.plan.pieces))
+        np.maximum.at(largest, piece[settled], distance[settled])
+        line = self.original.path.nodes.moves.line[self.plan.move[piece]]
+        return Residual.of(distance, line), largest
 
     def worse_moves(self, limit_mm: float) -> Residual:
         """Moves without points that are farther off their path than a limit and than before.
@@ -213,7 +225,7 @@ class WrittenRun:
         before = np.linalg.norm(self.model.error_at(self.original, move, share), axis=1)
         before = np.repeat(before.reshape(-1, _ON_RAPIDS).max(axis=1), _ON_RAPIDS)
         worse = now > np.maximum(limit_mm, before + _SLACK_MM)
-        return Residual(now[worse], nominal.line[move[worse]])
+        return Residual.of(now[worse], nominal.line[move[worse]])
 
     @cached_property
     def residual_of_pieces(self) -> tuple[np.ndarray, np.ndarray]:
@@ -222,24 +234,16 @@ class WrittenRun:
         Axes that are stuck do not count.
         """
         free = ~self.stuck[self.plan.move[self.written]]
-        distance, rows = self._distances(free, unsettled=False)
-        largest = np.zeros(len(self.plan.pieces))
-        np.maximum.at(largest, self.written[rows], distance)
+        largest = (self._left if free.all() else self._left_in(free))[1]
         at_start = np.zeros((len(self.plan.pieces), 3))
         cuts = self.cuts
         at_start[self.written[cuts]] = self._across(np.zeros(len(cuts)), cuts, free)
         return largest, at_start
 
-    def _distances(
-        self, counts: np.ndarray, *, unsettled: bool = True
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Distances in the axes that count, (P,), and the row of `written` of each.
-
-        In a step the axes take up their play; the piece after it tells what is left, also where
-        the error is not yet there in full, unless that is left out.
-        """
+    def _distances(self, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Distances where axes count, row of `written`, and whether it is settled; (P,) each."""
         cuts, moves = self.cuts, self.again.path.nodes.moves
-        span = self._stretch[1] - self._stretch[0]
+        span = self.plan.last - self.plan.first
         cutting = cuts[span[self.written[cuts]] > 0]
         tangent = tangent_at(moves, self.row[cutting], np.zeros(len(cutting)))
         length = np.linalg.norm(tangent, axis=1)
@@ -247,21 +251,20 @@ class WrittenRun:
         rows = np.repeat(cutting, count)
         first = np.cumsum(count) - count
         share = (np.arange(len(rows)) - np.repeat(first, count)) / np.repeat(count, count)
-        if not unsettled:
-            settled = share >= self.plan.ready[self.written[rows]]
-            rows, share = rows[settled], share[settled]
+        settled = share >= self.plan.ready[self.written[rows]]
         inside, at_once = np.empty(len(rows)), max(_AT_ONCE, len(self.row))
         for begin in range(0, len(rows), at_once):
             part = slice(begin, begin + at_once)
             inside[part] = np.linalg.norm(self._across(share[part], rows[part], counts), axis=1)
         last = np.ones(len(cutting))
-        programmed = self._stretch[1][self.written[cutting]] == 1.0
+        programmed = self.plan.last[self.written[cutting]] == 1.0
         miss = self.miss(last, cutting)
         whole = miss[programmed] * counts[cutting[programmed]]
         miss = self._sideways(miss, last, cutting, counts)
         miss[programmed] = whole
         ends = np.linalg.norm(miss, axis=1)
-        return np.concatenate([inside, ends]), np.concatenate([rows, cutting])
+        return (np.concatenate([inside, ends]), np.concatenate([rows, cutting]),
+                np.concatenate([settled, np.ones(len(ends), bool)]))  # fmt: skip
 
     def _across(self, share: np.ndarray, rows: np.ndarray, counts: np.ndarray) -> np.ndarray:
         """Tool minus nominal position across the path, (K, 3) mm."""

@@ -79,7 +79,7 @@ def read_job(path: Job | str | Path) -> Job:
         machine_path=machine_path,
         program=program,
         dialect=_dialect(data, at("dialect")),
-        control=_control_settings(data),
+        control=_control_settings(data, path.parent, at("control", "subprograms")),
         nominal=existing("nominal", data.nominal),
         measured=existing("measured", data.measured),
         nominal_unit=data.nominal_unit,
@@ -110,12 +110,20 @@ def _dialect(data: JobSchema, where: dict[str, Any]) -> str:
     return told or (own if data.dialect is None else data.dialect)
 
 
-def _control_settings(data: JobSchema) -> ControlSettings:
+def _control_settings(data: JobSchema, folder: Path, where: dict[str, Any]) -> ControlSettings:
     control = data.control
     switches = control.block_delete
+    subprograms = None if control.subprograms is None else folder / control.subprograms
+    if subprograms is not None and not subprograms.is_dir():
+        raise InputError(
+            f"[control] subprograms = '{control.subprograms}': no such folder", **where
+        )
     return ControlSettings(
         increment=control.increment,
         block_delete=switches if isinstance(switches, bool) else frozenset(switches),
         ignore_m=frozenset(control.ignore_m),
+        ignore_calls=frozenset(control.ignore_calls),
+        variables=dict(control.variables),
+        subprograms=subprograms,
         options=dict(control.options),
     )

@@ -64,6 +64,9 @@ class ControlEntry(FileSection):
     increment: Annotated[str | None, AfterValidator(_known_increment)] = None
     block_delete: bool | list[Annotated[int, Field(ge=1, le=9)]] = False
     ignore_m: list[Annotated[int, Field(ge=0, le=99_999)]] = []
+    ignore_calls: list[str] = []
+    variables: dict[str, Finite] = {}
+    subprograms: str | None = None
     options: dict[str, str] = {}
 
 

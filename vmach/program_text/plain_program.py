@@ -8,7 +8,7 @@ import numpy as np
 
 from gcode import Dialect, MoveKind, Program, Step
 from vmach.path.geometry import move_length_mm, position_at
-from vmach.program_text.blocks.block_modes import BlockModes
+from vmach.program_text.blocks.line_modes import LineModes
 from vmach.program_text.frame_shift import rotation_of_moves, turned_about_z, zero_settings
 from vmach.program_text.programmed_axes import programmed_axes
 from vmach.program_text.runs.axis_words import axis_words
@@ -23,7 +23,7 @@ class PlainProgram:
     ----------
     program : Program
         In plain blocks.
-    modes : mapping of line to BlockModes
+    modes : LineModes
     own : frozenset of int
         Lines whose numbers are not the user's and get the target's decimals.
     control : type of Dialect
@@ -55,7 +55,7 @@ class PlainProgram:
     """
 
     def __init__(
-        self, program: Program, modes: dict[int, BlockModes], own: frozenset[int] = frozenset(),
+        self, program: Program, modes: LineModes, own: frozenset[int] = frozenset(),
         control: type[Dialect] = Dialect,
     ) -> None:  # fmt: skip
         self.program, self.modes, self.moves, self.own = program, modes, program.moves, own
@@ -78,9 +78,10 @@ class PlainProgram:
         settings, lines = zero_settings(program), self.moves.line.tolist()
         self.sets_zeros = bool(settings)
         self._settings = _by_move_behind(settings, self.moving, lines)
-        self.rewritten = np.array([line in own for line in lines], bool) | bool(settings)
+        self.rewritten = np.isin(self.moves.line, list(own)) | bool(settings)
         if self.text.absolute_centres:
             self.rewritten |= kind == MoveKind.ARC
+        self.program = program.without_record()  # of a long one it is not needed any more
 
     def places(
         self, move: np.ndarray, parameter: np.ndarray, correction_mm: np.ndarray | float = 0.0

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 from numba import njit
 
 from gcode import BlockText, MoveKind, Program
-from vmach.program_text.blocks.block_modes import BlockModes
+from vmach.program_text.blocks.line_modes import LineModes
 from vmach.program_text.runs.axis_words import AxisWords
 
 __all__ = ["programmed_axes"]
@@ -23,7 +21,7 @@ _ANYWAY = {"tool_offset": (False, False, True), "change_tool": (True, True, True
 
 
 def programmed_axes(
-    program: Program, modes: Mapping[int, BlockModes], text: BlockText, words: AxisWords
+    program: Program, modes: LineModes, text: BlockText, words: AxisWords
 ) -> tuple[np.ndarray, np.ndarray]:
     """Axes that have had a word in the frame that a move is made in.
 
@@ -36,7 +34,7 @@ def programmed_axes(
     ----------
     program : Program
         In plain blocks.
-    modes : mapping of line to BlockModes
+    modes : LineModes
     text : BlockText
         The program's words.
     words : AxisWords
@@ -54,21 +52,19 @@ def programmed_axes(
     lost, turned = _lost(program)
     moving = moves.kind != MoveKind.DWELL
     said, left = _said(moves.line, moving, modes, text, words)
-    lines, which = np.unique(moves.line, return_inverse=True)
-    counts_on = np.array([line in modes and modes[line].incremental for line in lines.tolist()])
+    counts_on = modes.column("incremental", moves.line, other=False)
     along = np.abs(moves.end_mm - moves.start_mm) > _MOVES_MM
     along |= (moves.kind == MoveKind.ARC)[:, None] & (np.abs(moves.axis) < _ACROSS)
-    return _known_axes(moving, lost, turned, said, left, counts_on[which], along)
+    return _known_axes(moving, lost, turned, said, left, counts_on, along)
 
 
 def _said(
-    line: np.ndarray, moving: np.ndarray, modes: Mapping[int, BlockModes], text: BlockText,
+    line: np.ndarray, moving: np.ndarray, modes: LineModes, text: BlockText,
     words: AxisWords,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Axes that the line of every move says, and those that it leaves anywhere, (N, 3) bool."""
     said, left = words.start[:, :3] >= 0, np.zeros((len(line), 3), bool)
-    stays = {number for number, mode in modes.items() if mode.left}
-    plain = words.is_plain & (type(text) is BlockText) & ~np.isin(line, list(stays))
+    plain = words.is_plain & (type(text) is BlockText) & ~np.isin(line, modes.left_lines())
     said[~plain] = False
     for move in np.flatnonzero(moving & ~plain).tolist():
         number = int(line[move])

@@ -117,6 +117,7 @@ def machine_part(
     prefer_measured: bool = False,
     solid: bool | None = None,
     plan: Plan | None = None,
+    meanwhile: Callable[[PartInspection], None] | None = None,
     progress: Progress = silent,
 ) -> MachinedPart:
     """Machine the job's part virtually and inspect it.
@@ -136,6 +137,8 @@ def machine_part(
         deviations come from the exact engine, with or without it.
     plan : Plan, optional
         Draws for the values that the drawing asks for; to first order where left out.
+    meanwhile : callable, optional
+        Called with what the inspection found while the solid is being cut.
     progress : Progress
 
     Raises
@@ -166,6 +169,9 @@ def machine_part(
         found = _inspected(ready, variants, plan, clock, prefer_measured=prefer_measured)
         with clock.stage("collide") as step:
             collisions = ready.collisions(model, step)
+        if meanwhile is not None:
+            with clock.stage("draw"):
+                meanwhile(found)
         if cut is not None:
             with clock.stage("cut") as step:
                 part = cut.part(step)

@@ -18,7 +18,6 @@ from vmach.base.units import um_from_mm
 from vmach.files.atomic import atomic_file, atomic_folder
 from vmach.files.csv_table import Cells, fixed, whole, words, write_csv
 from vmach.job import Job, job_name
-from vmach.nominal.patches import patches
 from vmach.nominal.points import SurfacePoints
 from vmach.prediction import Prediction
 from vmach.prediction.error_budget import write_budget_csv
@@ -26,7 +25,6 @@ from vmach.report import (
     STATUSES,
     InputFile,
     RunRecord,
-    build_display_mesh,
     part_colours,
     summary,
     write_deviations_csv,
@@ -35,6 +33,7 @@ from vmach.report import (
     write_summary,
 )
 from vmach.run.inspection import remainder_mm
+from vmach.run.part_pictures import HEATMAP_FILE, REMAINDER_FILE, PartPictures, display_mesh
 from vmach.run.pipeline import MachinedPart
 from vmach.uncertainty.first_order import prediction_u_mm
 
@@ -55,8 +54,6 @@ __all__ = [
     "write_results",
 ]
 
-#: measured minus predicted, beside the others where the part was measured
-REMAINDER_FILE = "remainder.png"
 #: the virtual part, where it was cut
 SOLID_FILE = "part.stl"
 #: values of the drawing's requirements, where the job has any
@@ -64,7 +61,7 @@ FEATURES_FILE = "features.csv"
 #: what a run leaves in its folder
 RESULT_FILES = (
     "report.html",
-    "heatmap.png",
+    HEATMAP_FILE,
     "summary.json",
     "deviations.csv",
     "budget.csv",
@@ -77,9 +74,20 @@ _PACKAGES = ("vmach", "numpy", "scipy", "numba", "manifold3d", "trimesh", "pyvis
 
 
 def write_results(
-    made: MachinedPart, out_dir: Path, *, command: str, progress: Progress = silent
-) -> dict:
+    made: MachinedPart, out_dir: Path, *, command: str, pictures: PartPictures | None = None,
+    progress: Progress = silent,
+) -> dict:  # fmt: skip
     """Write all files of a run into a folder, all of them or none.
+
+    Parameters
+    ----------
+    made : MachinedPart
+    out_dir : Path
+    command : str
+        Command line as typed.
+    pictures : PartPictures, optional
+        What was drawn of the part on the way.
+    progress : Progress
 
     Returns
     -------
@@ -91,26 +99,19 @@ def write_results(
     InputError
         The folder cannot be written to.
     """
-    from vmach.report.pictures.heatmap import draw_heatmap  # late: it loads matplotlib
-
-    clock = StageClock(progress)
+    clock, pictures = StageClock(progress), pictures or PartPictures()
     with atomic_folder(out_dir, replaced=ALL_FILES) as folder, clock.stage("write"):
         if made.part is not None:
             write_part(made.part, folder / SOLID_FILE)
         write_deviations_csv(folder / "deviations.csv", made.points)
         cut = made.points.primary.is_cut
         write_budget_csv(folder / "budget.csv", made.points.id[cut], made.states, made.budget)
-        mesh = _display_mesh(made)
         record = run_record(made, command)
         if made.features:
             write_features_file(folder / FEATURES_FILE, record)
-        draw_heatmap(folder / "heatmap.png", mesh, made.points, record)
-        stills = [folder / "heatmap.png"]
-        if made.points.remainders:
-            stills.append(folder / REMAINDER_FILE)
-            shown, names = made.points.with_remainders(), [v.name for v in made.points.remainders]
-            draw_heatmap(stills[-1], mesh, shown, record, columns=names)
-        write_report_html(folder / "report.html", mesh, made.points, record, stills=stills)
+        pictures.draw(made)
+        stills = pictures.write_stills(folder)
+        write_report_html(folder / "report.html", pictures.mesh, made.points, record, stills=stills)
         write_summary(folder / "summary.json", made.points, record)
     return summary(made.points, record)
 
@@ -120,7 +121,7 @@ def write_picture(path: Path, made: MachinedPart, record: RunRecord) -> None:
     from vmach.report.pictures.heatmap import draw_heatmap  # late: it loads matplotlib
 
     primary = made.points.primary.name
-    draw_heatmap(path, _display_mesh(made), made.points, record, columns=[primary])
+    draw_heatmap(path, display_mesh(made), made.points, record, columns=[primary])
 
 
 def write_coloured_part(made: MachinedPart, path: Path) -> None:
@@ -135,17 +136,6 @@ def write_coloured_part(made: MachinedPart, path: Path) -> None:
     colours = part_colours(part.vertices_mm, part.triangles, made.points)
     with atomic_file(path) as temporary:
         write_part(part, temporary, colours=colours)
-
-
-def _display_mesh(made: MachinedPart):
-    """The nominal CAD with the deviations on it, else the virtual part, else a patch a point."""
-    if made.nominal is not None:
-        mesh = made.nominal.mesh
-    elif made.part is not None:
-        mesh = made.part
-    else:
-        mesh = patches(made.points.point_mm, made.points.normal)
-    return build_display_mesh(mesh.vertices_mm, mesh.triangles, made.points)
 
 
 def run_record(made: MachinedPart, command: str) -> RunRecord:

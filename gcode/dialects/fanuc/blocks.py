@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from gcode.dialects.fanuc.block import INCREMENTS, MacroBlock
 from gcode.dialects.fanuc.codes import NOTED, REFUSED
 from gcode.dialects.fanuc.cycles import CYCLES, DrillingCycle
-from gcode.dialects.fanuc.frame_words import obey_frames
+from gcode.dialects.fanuc.frame_words import HAAS_MIRROR, obey_frames
 from gcode.dialects.fanuc.haas_cycles import HAAS_CYCLES, haas_cycle
 from gcode.dialects.fanuc.m_codes import obey_m_codes
 from gcode.dialects.fanuc.machine_moves import (
@@ -32,6 +32,7 @@ __all__ = ["BlockRunner", "FanucSettings"]
 
 #: G code -> the one that does the same here; 84.2 and 84.3 are those of the Series 15 format
 _SAME = ((61.0, 61.1), (62.0, 64.0), (63.0, 64.0), (84.2, 84.0), (84.3, 74.0))
+_OF_HAAS = frozenset((*HAAS_CYCLES, *HAAS_MIRROR))  #: refused of Fanuc alone
 _ENDS = (2, 30)
 _NO_STOPS = (5, 9)  #: of the M codes at the end of a block
 
@@ -137,7 +138,7 @@ class BlockRunner(ProgrammedMotion):
 
     def _refuse(self, block: MacroBlock) -> None:
         for code in block.g:
-            if code in REFUSED and not (code in HAAS_CYCLES and self.settings.haas_cycles):
+            if code in REFUSED and not (code in _OF_HAAS and self.settings.haas_cycles):
                 raise ProgramError(
                     f"G{code:g} ({REFUSED[code]}) is not read", hint="post the program without it"
                 )

@@ -15,7 +15,10 @@ from gcode.state.controller import PLANE_AXES
 if TYPE_CHECKING:
     from gcode.dialects.fanuc.blocks import BlockRunner
 
-__all__ = ["obey_frames"]
+__all__ = ["HAAS_MIRROR", "obey_frames"]
+
+#: G100 and G101 -> the codes of Fanuc that do the same
+HAAS_MIRROR = {100.0: 50.1, 101.0: 51.1}
 
 
 def obey_frames(runner: BlockRunner, block: MacroBlock) -> None:
@@ -66,6 +69,8 @@ def _polar(runner: BlockRunner, block: MacroBlock) -> None:
 
 def _transformations(runner: BlockRunner, block: MacroBlock) -> None:
     controller = runner.controller
+    if runner.settings.haas_cycles:
+        _mirror_of_haas(block)
     codes = [code for code in (50.1, 51.1, 50.0, 51.0, 68.0, 69.0) if code in block.g]
     if not codes:
         return
@@ -83,6 +88,14 @@ def _transformations(runner: BlockRunner, block: MacroBlock) -> None:
             runner.transform = runner.transform.unrotated()
         else:
             runner.transform = _rotation(runner, block)
+
+
+def _mirror_of_haas(block: MacroBlock) -> None:
+    """G101 X0. mirrors about the work zero, whatever the number; G100 ends it."""
+    for own, common in HAAS_MIRROR.items():
+        if own in block.g:
+            block.g[block.g.index(own)] = common
+            block.words |= dict.fromkeys(block.words.keys() & set("xyz"), 0.0)
 
 
 def _scaling(runner: BlockRunner, block: MacroBlock) -> Transform:

@@ -15,7 +15,7 @@ _KEY_WORD = re.compile(
 _COMMA = re.compile(r"(?<=\d),(?=\d)")
 _NUMBER = re.compile(r"^\d+(?:\s+|$)")
 #: their further lines are Q parameters or places, each with a comment of its own
-_LISTS = re.compile(r"\s*\d*\s*/?\s*(?:CYCLE?\s+DEF|PATTERN\s+DEF|TCH\s+PROBE)", re.IGNORECASE)
+_LISTS = re.compile(r"\s*/?\s*\d*\s*/?\s*(?:CYCLE?\s+DEF|PATTERN\s+DEF|TCH\s+PROBE)", re.IGNORECASE)
 
 
 def bare(line: str) -> str:

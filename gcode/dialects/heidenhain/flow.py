@@ -11,15 +11,27 @@ from typing import TYPE_CHECKING
 
 from gcode.dialects.heidenhain.parameters import NUMBER
 from gcode.errors import ProgramError
-from gcode.language.called_programs import find_beside
+from gcode.language.called_programs import Routine, find_beside, unknown_calls
 
 if TYPE_CHECKING:
     from gcode.dialects.heidenhain.reader import KlartextReader
 
-__all__ = ["KlartextFlow"]
+__all__ = ["KlartextFlow", "measuring_cycle"]
 
 _LABEL = re.compile(r"(?:CALL\s+)?LBL\s+(\d+|\"[^\"]*\")")
 _LEVELS = 19
+_MEASURING = re.compile(r"TCH PROBE\s*(\d+)")
+
+
+def measuring_cycle(content: str) -> str | None:
+    """``TCH PROBE 411`` of a block that measures, None for any other."""
+    found = _MEASURING.match(content)
+    return f"TCH PROBE {found[1]}" if found else None
+
+
+def _program_of(content: str) -> str:
+    """Name of the program that CALL PGM calls, without folders."""
+    return re.split(r"[\\/:]", content.removeprefix("CALL PGM").strip().strip('"'))[-1].upper()
 
 
 class KlartextFlow:
@@ -48,14 +60,13 @@ class KlartextFlow:
             if self.selected is None:
                 raise ProgramError("CALL SELECTED PGM without SEL PGM before it")
             content = self.selected
-        name = re.split(r"[\\/:]", content.removeprefix("CALL PGM").strip().strip('"'))[-1]
-        ending = self.reader.ending.upper()
-        found = find_beside(self.reader.options.folder, [name], endings=("", self.reader.ending))
+        name = _program_of(content)
+        if self.reader.options.control.ignores(name):
+            self.reader.noted(f"CALL PGM {name}", "call left out by ignore_calls")
+            return
+        found = self._found(name)
         if found is None:
-            raise ProgramError(
-                f"program {name} is not beside this one",
-                accepted=f"a file {name.upper().removesuffix(ending)}{ending} in its folder",
-            )
+            raise self.unknown_calls(name)
         if self.reader.depth >= _LEVELS:
             raise ProgramError(f"programs nested deeper than {_LEVELS}")
         reader = self.reader
@@ -72,6 +83,29 @@ class KlartextFlow:
         reader.cycles.reader = reader.frames.reader = reader
         reader.motion.belong_to(reader)
         reader.ended = called.stopped
+
+    def _found(self, name: str) -> Routine | None:
+        endings = ("", self.reader.ending)
+        return find_beside(self.reader.options.folders, [name], endings=endings)
+
+    def unknown_calls(self, first: str) -> ProgramError:
+        """One error for all programs and measuring cycles that these lines call without having."""
+        reader, names, files = self.reader, [first], []
+        for index in range(len(reader.lines)):
+            content = reader.content(index)
+            if content.startswith("/") and reader.options.skips(1):
+                continue
+            content = content.removeprefix("/").strip()
+            name = measuring_cycle(content) or ""
+            if content.startswith("CALL PGM"):
+                name = _program_of(content)
+                if self._found(name) is not None:
+                    continue
+                ending = reader.ending.upper()
+                files.append(f"{name.removesuffix(ending)}{ending}")
+            if name and not reader.options.control.ignores(name):
+                names.append(name)
+        return unknown_calls(names, files)
 
     def _name(self, content: str) -> str:
         match = _LABEL.match(content)

@@ -11,6 +11,7 @@ import re
 from typing import TYPE_CHECKING
 
 from gcode.dialects.heidenhain.parameters import NUMBER
+from gcode.dialects.heidenhain.presets import Presets
 from gcode.dialects.heidenhain.scaling import Scaling
 from gcode.errors import ProgramError
 from gcode.motion.frames import turn_frame
@@ -35,6 +36,7 @@ class KlartextFrames:
         self.mirrored: frozenset[str] = frozenset()
         self.angle_deg = 0.0
         self.scaling = Scaling()
+        self.presets = Presets(self)
 
     @property
     def _turns(self) -> bool:
@@ -101,6 +103,13 @@ class KlartextFrames:
             return
         angle = self.reader.parameters.number(found[2])
         self.angle_deg = angle + (self.angle_deg if found[1] else 0.0)
+
+    def cancel(self) -> None:
+        """Take all of them away."""
+        self.reader.controller.require_no_compensation("activate a preset")
+        self.shift, self.mirrored, self.angle_deg = [0.0] * 6, frozenset(), 0.0
+        self.scaling = Scaling()
+        self._apply()
 
     def _apply(self) -> None:
         signs = [-1.0 if axis in self.mirrored else 1.0 for axis in "XY"]

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 __all__ = ["BEFORE_MOTION", "m_code", "only_m"]
 
 _PLAIN = {3: "m3", 4: "m4", 5: "m5", 7: "m7", 8: "m8", 9: "m9", 0: "m0", 1: "m1", 6: ""}
+_READ = frozenset((*_PLAIN, 2, 13, 14, 30, 89, 91, 92, 99, 103, 140))
+_WORD = re.compile(r"(?<![A-Z0-9])M\s*(\d+)")
 #: act when the block begins; all others when it ends
 BEFORE_MOTION = frozenset((3, 4, 7, 8, 13, 14))
 #: move nothing here: feeds at corners, look-ahead, rotary axes that stand still
@@ -62,15 +64,25 @@ def m_code(reader: KlartextReader, code: int) -> str:
         reader.stopped = True
         return "m30"
     if code in _NOTED or code in reader.options.control.ignore_m:
-        reader.noted(f"M{code}", _NOTED.get(code) or "moves nothing here")
+        if reader.controller.used[f"M{code}"] == reader.controller.line:  # the first of many
+            reader.noted(f"M{code}", _NOTED.get(code) or "moves nothing here")
         return ""
     if code == 89:
         reader.cycles.modal = True
         return ""
     if code not in _PLAIN:
-        raise ProgramError(
-            f"M{code} is not read",
-            accepted="M0 M1 M2 M3-M6 M7-M9 M13 M14 M30 M89 M91 M99; others "
-            f"that move nothing by ignore_m = [{code}] in [control]",
-        )
+        raise _unknown_m(reader, code)
     return _PLAIN[code]
+
+
+def _unknown_m(reader: KlartextReader, code: int) -> ProgramError:
+    """One error for all M functions of the program that nobody knows."""
+    texts = (re.sub(r"\"[^\"]*\"", "", reader.content(k)) for k in range(len(reader.lines)))
+    found = {code} | {int(m) for text in texts for m in _WORD.findall(text)}
+    found -= {*_READ, *_NOTED, *_REFUSED, *reader.options.control.ignore_m}
+    listed = ", ".join(map(str, sorted(found)))
+    return ProgramError(
+        f"M functions of the machine's builder: {' '.join(f'M{m}' for m in sorted(found))}",
+        accepted="M0 M1 M2 M3-M6 M7-M9 M13 M14 M30 M89 M91 M99; others "
+        f"that move nothing by ignore_m = [{listed}] in [control]",
+    )

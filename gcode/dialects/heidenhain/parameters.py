@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from gcode.errors import ProgramError
 
@@ -17,6 +17,7 @@ __all__ = ["NUMBER", "QParameters"]
 NUMBER = r"[+-]?\s*(?:Q[LR]?\d+|\d+\.?\d*|\.\d+)"
 _TOKEN = re.compile(r"\s*(Q[LR]?\d+|\d+\.?\d*|\.\d+|[A-Z]+|[-+*/^%()])")
 _ASSIGNED = re.compile(r"Q([LR]?\d+)\s*=\s*(.*)")
+_NAMED = re.compile(r"Q([LR]?\d+)")
 _TWO: dict[str, Callable[[float, float], float]] = {
     "+": lambda a, b: a + b, "-": lambda a, b: a - b, "*": lambda a, b: a * b,
     "LEN": math.hypot, "ANG": lambda a, b: math.degrees(math.atan2(a, b)),
@@ -67,7 +68,16 @@ class QParameters:
             return self.values[name]
         if name in self.computed:
             return self.computed[name]()
-        raise ProgramError(f"Q{name} was never set", hint="the program must give it a value")
+        raise ProgramError(
+            f"Q{name} was never set",
+            accepted=f"Q{name} = ... in the program, or variables = {{ 'Q{name}' = ... }} in "
+            "[control] where it stands in the control's memory",
+        )
+
+    def remember(self, given: Mapping[str, float]) -> None:
+        """Values that stand in the control's memory before the program, as ``QR20``."""
+        named = ((_NAMED.fullmatch(name.strip().upper()), value) for name, value in given.items())
+        self.values |= {match[1]: float(value) for match, value in named if match is not None}
 
     def number(self, text: str) -> float:
         """A number or a parameter with its sign."""

@@ -7,7 +7,7 @@ import re
 from gcode.dialects.heidenhain.approach import approach, depart
 from gcode.dialects.heidenhain.block_text import bare, joined_blocks, key_word
 from gcode.dialects.heidenhain.cycles.calls import CycleCalls
-from gcode.dialects.heidenhain.flow import KlartextFlow
+from gcode.dialects.heidenhain.flow import KlartextFlow, measuring_cycle
 from gcode.dialects.heidenhain.frames import KlartextFrames
 from gcode.dialects.heidenhain.m_functions import only_m
 from gcode.dialects.heidenhain.motion import KlartextMotion
@@ -22,6 +22,7 @@ from gcode.state.controller import Controller
 
 __all__ = ["KlartextReader"]
 
+_OUTPUTS = (15, 16, 38)  #: FN that print or send
 _FEED = re.compile(r"f([-+]?[\d.]+)")
 
 
@@ -34,6 +35,7 @@ class KlartextReader(Translated):
         super().__init__(controller, lines, options)
         controller.start_up, controller.round_corners_from = "A", 0.0
         self.parameters = QParameters()
+        self.parameters.remember(options.control.variables)
         self.called_at: int | None = None  #: line of the main program that calls this one
         self.depth = 0
         self.stopped = False  #: M2 or M30, which end the calling programs too
@@ -58,12 +60,13 @@ class KlartextReader(Translated):
     def obey(self, text: str) -> None:
         """Obey one line."""
         content = self.content(self.next - 1)
-        if not content or content.startswith(("*", "~")):
-            return
         if content.startswith("/"):
             if self.options.skips(1):
+                self._skip_parameters()
                 return
             content = content[1:].strip()
+        if not content or content.startswith(("*", "~")):
+            return
         head, corners = re.match(r"[A-Z]+|", content)[0], self.motion.corners
         self.controller.use(key_word(content))
         if head in ("L", "C", "CR", "CT", "LP", "CP"):
@@ -83,7 +86,8 @@ class KlartextReader(Translated):
             ("FN", self._function), ("RND", corners.define), ("CHF", corners.define),
             ("PLANE", self._plane), ("FUNCTION", self._control_function),
             ("TRANS", self.frames.transform), ("SEL PGM", self.flow.select_program),
-            ("STOP", lambda _: self.execute("m0")), ("M", lambda text: only_m(self, text)),
+            ("TCH PROBE", self._measure), ("STOP", lambda _: self.execute("m0")),
+            ("M", lambda text: only_m(self, text)),
         ):  # fmt: skip
             if content.startswith(start):
                 action(content)
@@ -94,6 +98,11 @@ class KlartextReader(Translated):
                 accepted="L C CR CT CC LP CP RND CHF LBL CALL LBL TOOL CALL FN Q CYCL DEF STOP M",
                 hint="post the program with plain lines and arcs",
             )
+
+    def _skip_parameters(self) -> None:
+        """Leave out the further lines of a block that is skipped."""
+        while self.next < self.stop and self.lines[self.next - 1].rstrip().endswith("~"):
+            self.next += 1
 
     def noted(self, word: str, meaning: str) -> None:
         """Note a word that moves nothing here."""
@@ -118,6 +127,12 @@ class KlartextReader(Translated):
     def apart(self, controller: Controller) -> KlartextReader:
         """The same lines for another controller."""
         return KlartextReader(controller, list(self.lines), self.options)
+
+    def _measure(self, content: str) -> None:
+        name = measuring_cycle(content)
+        if name is None or not self.options.control.ignores(name):
+            raise self.flow.unknown_calls(name or content)
+        self.noted(name, "left out by ignore_calls; the zero is that of the job")
 
     def _plane(self, content: str) -> None:
         is_flat = is_flat_plane(content, self.parameters.number)
@@ -162,6 +177,9 @@ class KlartextReader(Translated):
             raise ProgramError(f"cannot read '{content}'", accepted="FN 0: Q1 = +5")
         if int(match[1]) == 14:
             raise ProgramError(f"the program stops itself: {content}")
+        if int(match[1]) in _OUTPUTS:
+            self.noted(f"FN {match[1]}", "text for a file, a screen or a printer")
+            return
         label = self.parameters.function(int(match[1]), match[2].strip())
         if label is not None:
             self.next = self.flow.find(label) + 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, SAME, STOPS
+from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, M_CODES, SAME, STOPS
 from gcode.errors import ProgramError
 from gcode.language.translate import number
 from gcode.motion import frames
@@ -27,7 +27,7 @@ _WORD = re.compile(
     r"\s*(CR|TURN|AP|AR|RPL|RP|RNDM?|CHF|CHR|FRCM?|ADIS|DISC|[IJK]1(?=\s*=)|H\d+(?=\s*=)|[A-Z])\s*(=?)",
     re.IGNORECASE,
 )
-_OWN = re.compile(r"\s*(AC|IC)\s*\(", re.IGNORECASE)
+_OWN = re.compile(r"\s*(AC|IC|DC|ACP|ACN)\s*\(", re.IGNORECASE)
 _CLOSED = re.compile(r"\s*\)")
 
 
@@ -82,7 +82,12 @@ class BlockWords:
         closing = _CLOSED.match(content, stop)
         if closing is None:
             raise ProgramError(f"'{own[1].upper()}(' is not closed")
-        return self._as_mode(letter, value, own[1].upper(), words), closing.end()
+        kind = own[1].upper()
+        if kind not in ("AC", "IC"):  # which way round an axis turns, to an absolute place
+            if letter not in ("A", "B", "C"):
+                raise ProgramError(f"{kind} with {letter}", accepted="rotary axes A B C")
+            kind = "AC"
+        return self._as_mode(letter, value, kind, words), closing.end()
 
     def _as_mode(self, letter: str, value: float, kind: str, words: Words) -> float:
         """AC and IC: the number that says the same in the mode of the block."""
@@ -133,6 +138,11 @@ class BlockWords:
             self.reader.controller.note(
                 f"M{value:g}", "machine builder's code, ignored by ignore_m"
             )
+            return ""
+        if value not in M_CODES:
+            raise self.reader.unknown(m_code=int(value))
+        if value >= 40.0:
+            self.reader.controller.note(f"M{value:g}", "gear stage or mode of the spindle")
             return ""
         return f"m{value:g}"
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-__all__ = ["ACCEPTED_G", "CODES", "NO_MOTION", "REFUSED", "SAME", "STOPS"]
+__all__ = ["ACCEPTED_G", "CODES", "M_CODES", "NO_MOTION", "REFUSED", "SAME", "STOPS"]
 
 #: codes of this control -> RS274/NGC; nothing for those that move nothing here
 CODES = {60: "g61.1", 64: "g64", 153: "g53"}
@@ -12,6 +12,8 @@ CODES |= dict.fromkeys((601, 602, 603, 450, 451, 97, 460, 461, 462, 290, 500), "
 SAME = frozenset((0, 1, 2, 3, 17, 18, 19, 53, 54, 55, 56, 57, 90, 91, 93, 94, 95))
 #: M codes that stop or end
 STOPS = frozenset((0, 1, 2, 30, 17))
+#: all that the control itself knows; 40 to 45 are gear stages, 70 makes the spindle an axis
+M_CODES = frozenset((*STOPS, 3, 4, 5, 6, 7, 8, 9, 19, 40, 41, 42, 43, 44, 45, 70))
 ACCEPTED_G = (
     "G0-G4 G9 G17-G19 G40-G42 G53-G57 G60 G64 G70 G71 G74 G75 G90 G91 G93-G95 G110-G112 G331 G332 "
     "G500 G505-G599"
@@ -23,7 +25,7 @@ REFUSED = {
     "BSPLINE": "spline", "CSPLINE": "spline", "POLY": "polynomials", "INVCW": "involute",
     "INVCCW": "involute", "KONTC": "approach with continuous curvature",
     "KONTT": "tangential approach", "OFFN": "offset of the contour", "TOROT": "tilted plane",
-    "CUT3DC": "3D radius compensation",
+    "CUT3DC": "3D radius compensation", "DO": "synchronised action", "QU": "quick output",
 }  # fmt: skip
 #: words on how the path is followed, of the preprocessing, and for the screen; the G groups are
 #: those of the Programming Manual Fundamentals, "G commands"
@@ -34,5 +36,6 @@ NO_MOTION = (
     "FIFOCTRL", "STARTFIFO", "STOPFIFO", "SPOS", "FNORM", "FLIN", "FCUB", "SBLOF", "SBLON",
     "DYNNORM", "DYNPOS", "DYNROUGH", "DYNSEMIFIN", "DYNFINISH", "DYNPREC",
     "RTLION", "RTLIOF", "WALIMON", "WALIMOF", "CUTCONOF", "SPATH", "UPATH", "FENDNORM", "TOWSTD",
-    "PAROTOF", "ORIEULER", "ORIAXES", "ORIVECT", "LFOF", "PTPG0", "CP", "SPIF1", "TOFFOF",
+    "PAROTOF", "ORIEULER", "ORIAXES", "ORIVECT", "LFOF", "PTPG0", "CP", "SPIF1", "TOFFOF", "SPCON",
+    "SPCOF", "CPRECON", "CPRECOF",
 )  # fmt: skip

@@ -23,6 +23,7 @@ CONFIRMED = {
     "one part": ("AROT; CR; ENDFOR; FOR; G0; G1; G2; G17; G40; G41; G54; G71; G90; RND; TRANS"),
     "no motion": (
         "G4; G60; G64; G94; G97; G290; G450; G460; G461; G462; G601; G602; G603; G641; G642; "
-        "G643; G644; G645; M0; M1; M2; M3; M4; M5; M6; M7; M8; M9; M17; M30"
+        "G643; G644; G645; M0; M1; M2; M3; M4; M5; M6; M7; M8; M9; M17; M19; "
+        "M30; M40; M41; M42; M43; M44; M45; M70"
     ),
 }

@@ -13,7 +13,7 @@ from typing import Protocol
 
 from gcode.errors import ProgramError
 
-__all__ = ["Memory", "expression_at", "whole_expression"]
+__all__ = ["WORDS", "Memory", "expression_at", "whole_expression"]
 
 
 class Memory(Protocol):
@@ -70,6 +70,8 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {
     "BOUND": lambda low, high, v: min(max(v, low), high),
 }  # fmt: skip
 _CONSTANTS = {"TRUE": 1.0, "FALSE": 0.0, "$PI": math.pi}
+#: names that are no variables
+WORDS = frozenset((*_TWO, *_FUNCTIONS, *_CONSTANTS, "NOT"))
 
 
 @lru_cache(maxsize=4096)

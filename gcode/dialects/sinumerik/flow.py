@@ -44,6 +44,11 @@ class Flow:
         self.guard = LoopGuard(reader.controller)
         self.counters: dict[tuple[int, int], float] = {}  #: FOR that runs -> its end
 
+    @staticmethod
+    def is_flow(content: str) -> bool:
+        """Whether a block says where the program goes on."""
+        return _KEYWORD.fullmatch(content) is not None
+
     def obey(self, content: str) -> bool:
         """Obey a block of the flow; tells whether it is one."""
         match = _KEYWORD.fullmatch(content)
@@ -205,6 +210,7 @@ class Flow:
                 flow=(
                     reader.variables.r,
                     reader.variables.named,
+                    reader.variables.shared,
                     self.counters,
                     reader.subprograms.memory(),
                 ),

@@ -26,7 +26,7 @@ __all__ = ["SETTABLE", "ProgrammableFrame", "settable_frame", "work_system"]
 
 #: ``$P_UIFR[1,X,TR]=10`` and ``$P_UIFR[1]=CTRANS(X,10,Y,5)``
 SETTABLE = re.compile(
-    r"\$P_UIFR\[\s*\(?\s*(\d+)\s*\)?\s*(?:,\s*([XYZ])\s*,\s*TR\s*)?\]\s*=(?!=)\s*(.*)",
+    r"\$P_UIFR\[\s*\(?\s*(\d+)\s*\)?\s*(?:,\s*([XYZABC])\s*,\s*TR\s*)?\]\s*=(?!=)\s*(.*)",
     re.IGNORECASE,
 )
 _LENGTH = re.compile(r"(?<![a-z])([xyzijkr])(-?\d+\.?\d*|-?\.\d+)")
@@ -162,8 +162,9 @@ def settable_frame(reader: SinumerikReader, match: re.Match) -> None:
                                accepted="$P_UIFR[1]=CTRANS(X,10,Y,5,Z,0)")  # fmt: skip
         pieces = [piece.strip() for piece in split_arguments(chained[1])]
         said = {a.upper(): v for a, v in zip(pieces[::2], pieces[1::2], strict=False)}
-        offset[:3] = [0.0] * 3
-    for k, name in enumerate("XYZ"):
+        offset = [0.0] * len(offset)
+    for k, name in enumerate("XYZABC"):
         if name in said:
-            offset[k] = reader.units.read(reader.variables.value(said[name]))
+            value = reader.variables.value(said[name])
+            offset[k] = reader.units.read(value) if k < 3 else value
     store_system(c, system, offset)

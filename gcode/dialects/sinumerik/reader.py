@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from functools import lru_cache
 
 from gcode.dialects.sinumerik.block_words import ADDRESSES, BlockWords, Words, split_arguments
+from gcode.dialects.sinumerik.builders_words import unknown_words
 from gcode.dialects.sinumerik.codes import STOPS
 from gcode.dialects.sinumerik.corners import SinumerikCorners
 from gcode.dialects.sinumerik.cycles.calls import CycleCalls
@@ -56,7 +57,12 @@ class SinumerikReader(Translated):
     def __init__(self, controller: Controller, lines: list[str], options: RunOptions) -> None:
         super().__init__(controller, lines, options)
         self.cycle_plane = XY  #: of the cycle that runs
-        self.variables = Variables(system=lambda name, index: system_variable(self, name, index))
+        self.variables = Variables(
+            system=lambda name, index: system_variable(self, name, index),
+            given=options.control.variables,
+            unknown=lambda name: unknown_words(self, variable=name),
+            note=controller.note,
+        )
         self.subprograms = Subprograms(self)
         self.flow, self.frame = Flow(self), ProgrammableFrame(self)
         self.words, self.tools = BlockWords(self), ToolWords(self)
@@ -190,6 +196,10 @@ class SinumerikReader(Translated):
         return ""
 
     # for those who obey a block
+
+    def unknown(self, *, call: str = "", m_code: int | None = None) -> ProgramError:
+        """What the machine's builder made and the job does not say, all together."""
+        return unknown_words(self, call=call, m_code=m_code)
 
     def only_in_xy(self, what: str) -> None:
         """Refuse what is worked out in the plane XY alone."""

@@ -13,21 +13,22 @@ from gcode.errors import ProgramError
 if TYPE_CHECKING:
     from gcode.dialects.sinumerik.reader import SinumerikReader
 
-__all__ = ["ARC_WORD", "NO_MOTION_WORDS", "Statements"]
+__all__ = ["ARC_WORD", "NO_MOTION_WORDS", "Statements", "subprogram_call"]
 
 ARC_WORD = re.compile(r"\b(CIP|CT)\b", re.IGNORECASE)
 #: for the screen, or how the control follows the path
 NO_MOTION_WORDS = re.compile(
-    r"\b(?:(WORKPIECE|MSG|CYCLE832|CYCLE800|GROUP_BEGIN|GROUP_END|SETMS|EXTCALL_END)\s*"
+    r"\b(?:(WORKPIECE|MSG|WRITE|DELETE|CYCLE832|CYCLE800|GROUP_BEGIN|GROUP_END|SETMS|EXTCALL_END)\s*"
     r"\((?:\"[^\"]*\"|[^)\"])*\)"
     r"|((?:SPOSA?|FGREF\s*\[\w+\]|LIMS)\s*=\s*[\w.+-]+|FGROUP\s*\([^)]*\))"
-    rf"|({'|'.join(NO_MOTION)})\b)",
+    rf"|({'|'.join(NO_MOTION)}|CYCLE8(?:00|32)(?!\s*\())\b)",
     re.IGNORECASE,
 )
 _WORDS_ALONE = re.compile(r"(?:[A-Z]\d+(?:\.\d*)?)+", re.IGNORECASE)  #: G0X0Y0
 _ASSIGNED = re.compile(
-    r"(R\d+|R\[.*?\]|[A-Z_][A-Z_]\w*(?:\[[^\]]*\])?)\s*=(?!=)\s*(.*)", re.IGNORECASE
+    r"(R\d+|R\[.*?\]|\$?[A-Z_][A-Z_]\w*(?:\[[^\]]*\])?)\s*=(?!=)\s*(.*)", re.IGNORECASE
 )
+_MODES_OF_CYCLES = ("CYCLE800", "CYCLE832")  #: no brackets: everything back
 _SUBPROGRAM = re.compile(
     r"(?:(MCALL|CALL)\s+)?\"?([A-Z_]\w+)\"?\s*(\(.*\))?(?:(?:\s+|(?<=\)))P\s*=?\s*(\w+))?\s*",
     re.IGNORECASE,
@@ -36,9 +37,19 @@ _DEFINED = re.compile(r"DEF\s+(?:NCK\s+|CHAN\s+)?(REAL|INT|BOOL)\s+(.*)", re.IGN
 _CALLED = re.compile(
     r"(MCALL\s+)?(CYCLE\d+|HOLES[12]|POCKET[1-4]|SLOT[12]|LONGHOLE)\s*\((.*)\)", re.IGNORECASE
 )
+_STRING = re.compile(r"\"[^\"]*\"(?:\s*<<\s*(?:\"[^\"]*\"|[\w$]+))*")
 _FRAME = re.compile(r"(A?TRANS|A?ROT|A?SCALE|A?MIRROR)\b\s*(.*)", re.IGNORECASE)
 _ELSEWHERE = re.compile(r"(?:EXTCALL\s*\(\s*(\".*\")\s*\)|PCALL\s+(\S+))", re.IGNORECASE)
 _REFUSED = re.compile(rf"\b({'|'.join(REFUSED)})\b", re.IGNORECASE)
+
+
+def subprogram_call(content: str) -> re.Match[str] | None:
+    """Call of a subprogram that stands alone in its block: MCALL or CALL, name, arguments, P."""
+    match = _SUBPROGRAM.fullmatch(content)
+    is_word = match is None or NO_MOTION_WORDS.fullmatch(content) or ARC_WORD.fullmatch(content)
+    if is_word or (_WORDS_ALONE.fullmatch(content) and not re.fullmatch(r"[Ll]\d+", content)):
+        return None
+    return None if match[2].upper() in _MODES_OF_CYCLES else match
 
 
 class Statements:
@@ -61,6 +72,8 @@ class Statements:
             It has a word that is refused, or raises an alarm.
         """
         self._refuse(content)
+        if self._left_out(content):
+            return ""
         declared, frame = _DEFINED.fullmatch(content), _FRAME.fullmatch(content)
         called, settable = _CALLED.fullmatch(content), SETTABLE.fullmatch(content)
         if declared is not None:
@@ -71,7 +84,7 @@ class Statements:
             self.reader.frame.obey(
                 frame[1].upper(), dict(self.reader.words.read(frame[2])) if frame[2] else {}
             )
-        elif called is not None and called[2].upper() not in ("CYCLE832", "CYCLE800"):
+        elif called is not None and called[2].upper() not in _MODES_OF_CYCLES:
             self.reader.corners.finish()
             self.reader.cycles.call(called[2].upper(), called[3], modal=bool(called[1]))
         elif settable is not None:
@@ -92,26 +105,32 @@ class Statements:
         if content.upper().startswith("SETAL"):
             raise ProgramError(f"the program raises an alarm: {content}")
 
+    def _left_out(self, content: str) -> bool:
+        """Whether a block is nothing but a call that the job leaves out."""
+        ignored = self.reader.options.control.ignore_calls
+        match = subprogram_call(content) if ignored else None
+        if match is None or not self.reader.options.control.ignores(match[2]):
+            return False
+        self.reader.controller.note(match[2].upper(), "call left out by ignore_calls")
+        return True
+
     def _subprogram(self, content: str) -> bool:
         """Go to a subprogram that stands alone in its block; tells whether one does."""
         elsewhere = _ELSEWHERE.fullmatch(content)
         if elsewhere:  # only the name of a path counts: programs lie beside this one
             name = re.split(r"[\\/:]", (elsewhere[1] or elsewhere[2]).strip('" '))[-1]
             content = f'CALL "{re.sub(r"(?i)^_N_|[._][SM]PF$", "", name)}"'
-        match = _SUBPROGRAM.fullmatch(content)
-        is_word = match is None or NO_MOTION_WORDS.fullmatch(content) or ARC_WORD.fullmatch(content)
-        if is_word or (_WORDS_ALONE.fullmatch(content) and not re.fullmatch(r"[Ll]\d+", content)):
+        match = subprogram_call(content)
+        if match is None or match[2].upper() in ("RET", "M17"):
             return False
-        if match[2].upper() in ("RET", "M17"):
-            return False
-        arguments = self.reader.arguments(match[3][1:-1]) if match[3] and match[3] != "()" else []
+        texts = split_arguments(match[3][1:-1]) if match[3] and match[3] != "()" else []
         self.reader.corners.finish()
         if (match[1] or "").upper() == "MCALL":
-            self.reader.cycles.modal = (match[2], arguments)
+            self.reader.cycles.modal = (match[2], self.reader.arguments(",".join(texts)))
         else:
             rounds = int(self.reader.variables.value(match[4])) if match[4] else 1
             self.reader.says_flow()
-            self.reader.subprograms.call(match[2], arguments, rounds)
+            self.reader.subprograms.call(match[2], texts, rounds)
         return True
 
     def _declare(self, text: str) -> None:
@@ -125,8 +144,13 @@ class Statements:
         if found is None or found[1].upper() in ADDRESSES or NO_MOTION_WORDS.match(content):
             return content
         while found is not None and found[1].upper() not in ADDRESSES:
-            value, stop = self.reader.variables.read(content, found.start(2))
-            self.reader.variables.assign(found[1].upper(), value)
+            text = _STRING.match(found[2])
+            if text is not None:
+                self.reader.controller.note(found[1].upper(), "text of the program")
+                stop = found.start(2) + text.end()
+            else:
+                value, stop = self.reader.variables.read(content, found.start(2))
+                self.reader.variables.assign(found[1].upper(), value)
             content = content[stop:].strip()
             found = _ASSIGNED.match(content)
         return content

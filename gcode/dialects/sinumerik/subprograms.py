@@ -25,6 +25,8 @@ _PROCEDURE = re.compile(r"\s*(?:N\d+\s*)?PROC\s+(\w+)\s*(?:\((.*)\))?", re.IGNOR
 _PARAMETER = re.compile(
     r"(VAR\s+)?(REAL|INT|BOOL|CHAR|AXIS|STRING\s*\[\d+\])\s+(\w+)\s*(?:=\s*(.*))?", re.IGNORECASE
 )
+#: what a VAR parameter may be given: it is changed where the subprogram changes it
+_TARGET = re.compile(r"R\d+|\$?[A-Z_][A-Z_]\w*(?:\[[^\]]*\])?|R\[.*\]", re.IGNORECASE)
 
 
 @dataclass
@@ -38,6 +40,7 @@ class _Level:
     start: int  #: of a round
     named: dict[str, float] | None  #: variables of the caller; None for a repeated part
     line: int | None  #: of the program's file that calls
+    given_back: tuple[tuple[str, str], ...] = ()  #: VAR: the caller's variable and the parameter
 
 
 class Subprograms:
@@ -69,8 +72,16 @@ class Subprograms:
         """What tells one round of a loop from another."""
         return [(level.next, level.left, level.start) for level in self.levels]
 
-    def call(self, name: str, arguments: list[float | None], rounds: int = 1) -> None:
+    def call(self, name: str, texts: Sequence[str], rounds: int = 1) -> None:
         """Go to a subprogram.
+
+        Parameters
+        ----------
+        name : str
+        texts : sequence of str
+            Arguments as they stand in the block; blanks for one that is left out.
+        rounds : int
+            P: how often it runs.
 
         Raises
         ------
@@ -79,14 +90,11 @@ class Subprograms:
         """
         routine = self._find(name)
         if routine is None:
-            raise ProgramError(
-                f"subprogram {name} is neither in this file nor beside it",
-                accepted=f"a file {name.upper()}.SPF in the folder of the program",
-            )
+            raise self.reader.unknown(call=name.upper())
         if rounds < 1:
             return
         reader = self.reader
-        named = self._parameters(routine, name, arguments)
+        named, given_back = self._parameters(routine, name, texts)
         is_elsewhere = routine.file is not None and self.routine.file is None
         line = reader.controller.line if is_elsewhere else None
         self._push(
@@ -98,10 +106,15 @@ class Subprograms:
                 routine.start,
                 reader.variables.named,
                 line,
+                given_back,
             )
         )
         self._enter(routine, routine.start, routine.stop)
         reader.variables.named = named
+
+    def is_there(self, name: str) -> bool:
+        """Whether a subprogram can be called."""
+        return self._find(name) is not None
 
     def repeat(self, start: int, stop: int, rounds: int) -> None:
         """Run lines of the present program so many times, then go on behind this block."""
@@ -123,7 +136,9 @@ class Subprograms:
         self.levels.pop()
         self._enter(level.routine, level.next, level.stop)
         if level.named is not None:
-            reader.variables.named = level.named
+            inner, reader.variables.named = reader.variables.named, level.named
+            for target, parameter in level.given_back:
+                reader.variables.assign(target, inner[parameter])
         return True
 
     def returned(self) -> bool:
@@ -155,7 +170,7 @@ class Subprograms:
         stem = name.upper()
         names = [f"{stem}.{end}" for end in ("SPF", "MPF")]
         names += [f"_N_{stem}_{end}" for end in ("SPF", "MPF")]
-        return find_beside(self.reader.options.folder, names)
+        return find_beside(self.reader.options.folders, names)
 
     def _places(self) -> list[tuple[Sequence[str], object]]:
         """Texts that may hold the program: the present one, then those that called it."""
@@ -171,9 +186,13 @@ class Subprograms:
         return len(lines)
 
     def _parameters(
-        self, routine: Routine, name: str, arguments: list[float | None]
-    ) -> dict[str, float]:
-        """Variables of the subprogram from the head ``PROC NAME(REAL A, INT B=3)``."""
+        self, routine: Routine, name: str, texts: Sequence[str]
+    ) -> tuple[dict[str, float], tuple[tuple[str, str], ...]]:
+        """Variables of the subprogram from the head ``PROC NAME(REAL A, VAR INT B)``.
+
+        The second value says which of them go back into variables of the caller.
+        """
+        arguments = [self.reader.variables.value(t) if t.strip() else None for t in texts]
         heads = (_PROCEDURE.match(routine.lines[k]) for k in range(routine.start, routine.stop))
         head = next((h for h in heads if h), None)
         said = head[2] if head is not None and head[2] else ""
@@ -184,6 +203,7 @@ class Subprograms:
                 accepted=f"{len(wanted)} as its PROC line says",
             )
         values: dict[str, float] = {}
+        given_back = []
         for index, piece in enumerate(wanted):
             match = _PARAMETER.fullmatch(piece)
             if match is None:
@@ -192,7 +212,9 @@ class Subprograms:
             if given is None:
                 given = self.reader.variables.value(match[4]) if match[4] else 0.0
             values[match[3].upper()] = given
-        return values
+            if match[1] and index < len(arguments) and _TARGET.fullmatch(texts[index].strip()):
+                given_back.append((texts[index].strip().upper(), match[3].upper()))
+        return values, tuple(given_back)
 
 
 def _is_head(lines: Sequence[str], index: int) -> bool:

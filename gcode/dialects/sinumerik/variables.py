@@ -8,14 +8,19 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
+from gcode.dialects.sinumerik.block_words import split_arguments
 from gcode.dialects.sinumerik.expressions import expression_at, whole_expression
 from gcode.errors import ProgramError
 
 __all__ = ["Variables"]
 
 _MOST_ELEMENTS = 100_000  #: of a field
+#: variables of the channel that the program may write and read again
+_CELLS = ("$AC_MARKER[", "$AC_PARAM[")
+#: what a program tells the machine, which moves nothing
+_OUTPUTS = ("$A_OUT[", "$A_OUTA[", "$A_DBB[", "$A_DBW[", "$A_DBD[", "$A_DBR[", "$AC_TIMER[")
 
 
 class Variables:
@@ -25,12 +30,26 @@ class Variables:
     ----------
     system : callable
         Name and index of a system variable -> its value, None for one that is not read.
+    given : mapping of str to float
+        Variables of the machine that the job says, see `gcode.language.options`.
+    unknown : callable
+        Name of a variable that nobody said -> error.
+    note : callable
+        Word and meaning of what is noted.
     """
 
-    def __init__(self, system: Callable[[str, str], float | None] = lambda *_: None) -> None:
+    def __init__(
+        self,
+        system: Callable[[str, str], float | None],
+        given: Mapping[str, float],
+        unknown: Callable[[str], ProgramError],
+        note: Callable[[str, str], None],
+    ) -> None:
         self.r: dict[int, float] = {}
         self.named: dict[str, float] = {}  #: fields by name and indices, as ``A[0,2]``
-        self.system = system
+        #: of every program of the machine (GUD), machine data, and those of the channel
+        self.shared = {re.sub(r"\s", "", name).upper(): value for name, value in given.items()}
+        self.system, self.unknown, self.note = system, unknown, note
 
     def declare(self, name: str, value: str) -> None:
         """DEF: a variable, or a field with one or two indices; zero where nothing is said."""
@@ -79,14 +98,26 @@ class Variables:
             name = f"{name}[{','.join(str(self._index(i)) for i in indices)}]"
         if name in self.named:
             return self.named[name]
+        whole = self._element(f"{name}[{text}]") if text else name
+        if whole in self.shared:
+            return self.shared[whole]
         told = self.system(name, text)
-        if told is not None:
-            return told
-        why = "a variable of the system" if name.startswith("$") else "not declared"
-        raise ProgramError(
-            f"'{name.partition('[')[0]}' is {why} and has no value here",
-            accepted="R parameters, variables of DEF",
-        )
+        if told is None:
+            raise self.unknown(whole)
+        return told
+
+    def knows(self, name: str) -> bool:
+        """Whether a variable has a value, by its name with indices."""
+        bare, _, index = name.partition("[")
+        try:
+            whole = self._element(name)
+            return (
+                whole in self.named
+                or whole in self.shared
+                or self.system(bare, index.rstrip("]")) is not None
+            )
+        except ProgramError:
+            return False
 
     def assign(self, name: str, value: float) -> None:
         """Give a parameter or a declared variable a value."""
@@ -94,19 +125,35 @@ class Variables:
         if index:
             number = int(index[1]) if index[1] else self._index(self.value(index[2]))
             self.r[number] = value
-        elif self._element(name) in self.named:
-            self.named[self._element(name)] = value
         else:
-            raise ProgramError(f"variable '{name}' is not declared", accepted="DEF REAL NAME, R1")
+            self._assign(self._element(name), value)
+
+    def _assign(self, name: str, value: float) -> None:
+        if name in self.named:
+            self.named[name] = value
+        elif name in self.shared or name.startswith(_CELLS):
+            self.shared[name] = value
+        elif name.startswith(_OUTPUTS):
+            self.note(name.partition("[")[0], "output to the machine")
+        elif name.startswith("_"):
+            self.note(name, "not declared in this file: taken for a real variable of the builder")
+            self.shared[name] = value
+        else:
+            raise self.unknown(name)
 
     def _element(self, name: str) -> str:
         """Name of an element, its indices worked out."""
-        field = re.fullmatch(r"(\w+)\s*\[(.*)\]", name)
+        field = re.fullmatch(r"(\$?\w+)\s*\[(.*)\]", name)
         if field is None:
             return name
-        return (
-            f"{field[1]}[{','.join(str(self._index(self.value(v))) for v in field[2].split(','))}]"
-        )
+        places = (re.sub(r"\s", "", place) for place in split_arguments(field[2]))
+        return f"{field[1]}[{','.join(self._place(p, field[1][0] == '$') for p in places)}]"
+
+    def _place(self, text: str, may_name: bool) -> str:
+        """One index; those of system variables may be names of axes and words."""
+        if may_name and re.fullmatch(r"[A-Z]\w*", text) and not re.fullmatch(r"R\d+", text):
+            return text
+        return str(self._index(self.value(text)))
 
     @staticmethod
     def _index(value: float) -> int:

@@ -15,7 +15,7 @@ from vmach.compensation.aim.part_view import PartDeviation
 from vmach.compensation.written_run import WrittenRun
 from vmach.path.geometry import tangent_at
 
-__all__ = ["ProbeSets", "Probes", "near_surface", "path_probes", "surface_probes"]
+__all__ = ["PathPlaces", "ProbeSets", "Probes", "near_surface", "path_probes", "surface_probes"]
 
 #: distance of the places on the path, and how many a piece has
 _SPACING_MM = 2.0
@@ -26,7 +26,7 @@ _UNSEEN = 0.2
 _NO_LENGTH_MM = 1e-9
 _INSIDE = 1.0 - 1e-9
 #: places that are looked at in one go
-_AT_ONCE = 1 << 18
+_AT_ONCE = 1 << 17
 #: pieces whose places are found in one go, or a share of all: directions take a look at all moves
 _PIECES_AT_ONCE, _SHARE_AT_ONCE = 1 << 16, 4
 
@@ -70,8 +70,9 @@ class Probes:
         order = np.argsort(key, kind="stable")
         return Probes(*(getattr(self, name)[order] for name in self.__dataclass_fields__))
 
-    def part(self, rows: slice) -> Probes:
-        """Some of them."""
+    def between(self, first: float, stop: float) -> Probes:
+        """Those from one `Probes.key` on, before another, of probes in order."""
+        rows = _rows_between(self, first, stop)
         return Probes(*(getattr(self, name)[rows] for name in self.__dataclass_fields__))
 
     def beside(self, others: Probes) -> Probes:
@@ -84,6 +85,43 @@ class Probes:
 
 
 @dataclass(frozen=True)
+class PathPlaces:
+    """Q places along the nominal path, with a probe to either side of two across it.
+
+    What both have in common is kept once, as a long path has millions of them.
+
+    Attributes
+    ----------
+    move : (Q,) int
+    parameter : (Q,) float64
+    tangent : (Q, 3) float64
+        Of the written path.
+    left_mm, path_length_mm : (Q, 2) float64
+        As of `Probes`.
+    """
+
+    move: np.ndarray
+    parameter: np.ndarray
+    tangent: np.ndarray
+    left_mm: np.ndarray
+    path_length_mm: np.ndarray
+
+    def probes(self, rows: slice) -> Probes:
+        """Those of some places."""
+        move, normal = np.repeat(self.move[rows], 2), _across(self.tangent[rows]).reshape(-1, 3)
+        return Probes(move, np.repeat(self.parameter[rows], 2), normal, self.left_mm[rows].ravel(),
+                      self.path_length_mm[rows].ravel(), np.zeros(len(move), bool))  # fmt: skip
+
+    def in_order(self) -> PathPlaces:
+        """The same: places are found along the path."""
+        return self
+
+    def between(self, first: float, stop: float) -> Probes:
+        """Those from one `Probes.key` on, before another."""
+        return self.probes(_rows_between(self, first, stop))
+
+
+@dataclass(frozen=True)
 class ProbeSets:
     """Sets of probes that go along one path; they are brought together a stretch at a time.
 
@@ -91,14 +129,14 @@ class ProbeSets:
 
     Attributes
     ----------
-    sets : tuple of Probes
+    sets : tuple of Probes or PathPlaces
         Each along the path.
     """
 
-    sets: tuple[Probes, ...]
+    sets: tuple[Probes | PathPlaces, ...]
 
     @classmethod
-    def of(cls, *sets: Probes) -> ProbeSets:
+    def of(cls, *sets: Probes | PathPlaces) -> ProbeSets:
         """Sets in any order of their places."""
         return cls(tuple(one.in_order() for one in sets))
 
@@ -108,15 +146,18 @@ class ProbeSets:
 
     def between(self, first: float, stop: float) -> Probes:
         """Those from one `Probes.key` on, before another; of one place the earlier set's first."""
-        own = [one.part(slice(_place(one, first), _place(one, stop))) for one in self.sets]
-        return reduce(Probes.beside, own)
+        return reduce(Probes.beside, [one.between(first, stop) for one in self.sets])
 
 
 def _key(move: np.ndarray, parameter: np.ndarray) -> np.ndarray:
     return move + np.minimum(parameter, _INSIDE)
 
 
-def _place(probes: Probes, key: float) -> int:
+def _rows_between(probes: Probes | PathPlaces, first: float, stop: float) -> slice:
+    return slice(_place(probes, first), _place(probes, stop))
+
+
+def _place(probes: Probes | PathPlaces, key: float) -> int:
     """How many of the probes, which are in order, come before a key."""
     if key == np.inf:
         return len(probes.move)
@@ -126,7 +167,7 @@ def _place(probes: Probes, key: float) -> int:
     return int(of_move[0] + np.searchsorted(_key(probes.move[same], probes.parameter[same]), key))
 
 
-def path_probes(run: WrittenRun) -> Probes:
+def path_probes(run: WrittenRun) -> PathPlaces:
     """Two directions across the path at places of every piece that cuts.
 
     Parameters
@@ -139,36 +180,38 @@ def path_probes(run: WrittenRun) -> Probes:
     length = np.linalg.norm(tangent_at(moves, run.row[cuts], np.zeros(len(cuts))), axis=1)
     cuts, length = cuts[length > _NO_LENGTH_MM], length[length > _NO_LENGTH_MM]
     count = np.clip(np.ceil(length / _SPACING_MM).astype(np.int64), _FEWEST, _MOST)
-    total = 2 * int(count.sum())
-    found = Probes(
-        move=np.empty(total, np.int32), parameter=np.empty(total), normal=np.empty((total, 3)),
-        left_mm=np.empty(total), path_length_mm=np.repeat(length / count, 2 * count),
-        only_below=np.zeros(total, bool),
+    total = int(count.sum())
+    found = PathPlaces(
+        move=np.empty(total, np.int32), parameter=np.empty(total), tangent=np.empty((total, 3)),
+        left_mm=np.empty((total, 2)),
+        path_length_mm=np.repeat(length / count, 2 * count).reshape(-1, 2),
     )  # fmt: skip
     done, at_once = 0, max(_PIECES_AT_ONCE, len(cuts) // _SHARE_AT_ONCE + 1)
     for begin in range(0, len(cuts), at_once):
         part = slice(begin, begin + at_once)
-        block = slice(done, done + 2 * int(count[part].sum()))
-        _fill_across(run, cuts[part], count[part], found.part(block))
+        block = slice(done, done + int(count[part].sum()))
+        _fill_places(run, cuts[part], count[part], found, block)
         done = block.stop
     return found
 
 
-def _fill_across(run: WrittenRun, cuts: np.ndarray, count: np.ndarray, probes: Probes) -> None:
-    """Write the places of some pieces and both directions across; (C,) cuts, places of each."""
+def _fill_places(
+    run: WrittenRun, cuts: np.ndarray, count: np.ndarray, found: PathPlaces, block: slice
+) -> None:
+    """Write the places of some pieces; (C,) cuts, places of each."""
     rows = np.repeat(cuts, count)
     number = np.arange(len(rows)) - np.repeat(np.cumsum(count) - count, count)
     at = (number + 0.5) / np.repeat(count, count)
-    sides = _across(tangent_at(run.again.path.nodes.moves, run.row[rows], at))
+    tangent = tangent_at(run.again.path.nodes.moves, run.row[rows], at)
     piece = run.written[rows]
-    first, last = run.plan.parameter(0.0)[piece], run.plan.parameter(1.0)[piece]
-    probes.left_mm[:] = np.einsum("psi,pi->ps", sides, run.miss(at, rows)).ravel()
-    probes.move[:] = np.repeat(run.plan.move[piece], 2)
-    probes.parameter[:] = np.repeat(first + at * (last - first), 2)
-    probes.normal[:] = sides.reshape(-1, 3)
+    first, last = run.plan.first[piece], run.plan.last[piece]
+    found.tangent[block] = tangent
+    found.left_mm[block] = np.einsum("psi,pi->ps", _across(tangent), run.miss(at, rows))
+    found.move[block] = run.plan.move[piece]
+    found.parameter[block] = first + at * (last - first)
 
 
-def near_surface(path: Probes, surface: Probes, length_mm: np.ndarray) -> Probes:
+def near_surface(path: PathPlaces, surface: Probes, length_mm: np.ndarray) -> PathPlaces:
     """Probes of the path that count as far as the surface does which is made near them.
 
     Points of a surface are a sample: blocks that are shorter than its spacing may have none. What
@@ -176,7 +219,8 @@ def near_surface(path: Probes, surface: Probes, length_mm: np.ndarray) -> Probes
 
     Parameters
     ----------
-    path, surface : Probes
+    path : PathPlaces
+    surface : Probes
     length_mm : (M,) float64
         Of the moves.
     """
@@ -185,14 +229,15 @@ def near_surface(path: Probes, surface: Probes, length_mm: np.ndarray) -> Probes
     there = before_mm[surface.move] + surface.parameter * length_mm[surface.move]
     pairs = np.einsum("pi,pj->pij", surface.normal, surface.normal)
     total = np.concatenate([np.zeros((1, 3, 3)), np.cumsum(pairs, axis=0)])
-    weight = np.empty(len(path.move))
+    weight = np.empty((len(path.move), 2))
     for begin in range(0, len(weight), _AT_ONCE):
-        own = path.part(slice(begin, begin + _AT_ONCE))
+        places = slice(begin, begin + _AT_ONCE)
+        own = path.probes(places)
         here = before_mm[own.move] + own.parameter * length_mm[own.move]
         first, last = (np.searchsorted(there, here + way) for way in (-_NEAR_MM, _NEAR_MM))
         seen = np.einsum("pij,pi,pj->p", total[last] - total[first], own.normal, own.normal)
         share = _UNSEEN + (1.0 - _UNSEEN) * seen / np.maximum(last - first, 1)
-        weight[begin : begin + len(share)] = share * own.path_length_mm
+        weight[places] = (share * own.path_length_mm).reshape(-1, 2)
     return replace(path, path_length_mm=weight)
 
 

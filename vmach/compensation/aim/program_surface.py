@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stock import LeftSurface, find_left_surface
+from stock import LeftSurface, Material, find_left_surface
 from vmach.errors import InputError
 from vmach.job import Job
 from vmach.machine import Variant
@@ -38,6 +38,8 @@ class ProgramSurface:
         self.job = job
         self.preparation: Preparation = prepare(job)
         self.sweeps = displaced_sweeps(self.preparation, Variant.NONE)
+        self.blank_mm = job.blank.min_mm, job.blank.max_mm
+        self.material = Material(self.sweeps, self.preparation.cutters, self.blank_mm)
 
     def sample(self, spacing_mm: float) -> SurfacePoints:
         """About one point in a square of this side, off the edges as the job's inspection asks.
@@ -51,10 +53,11 @@ class ProgramSurface:
         left = find_left_surface(
             self.sweeps,
             self.preparation.cutters,
-            blank_mm=(job.blank.min_mm, job.blank.max_mm),
+            blank_mm=self.blank_mm,
             is_cutting=moves.at_feed[self.sweeps.move],
             spacing_mm=spacing_mm,
             margin_mm=job.inspection.edge_margin_mm,
+            material=self.material,
         )
         left = self._in_blank(left)
         if not len(left):

@@ -18,7 +18,7 @@ from vmach.compensation.grid.rounding import Rounding
 from vmach.compensation.iteration import Iteration, Solution
 from vmach.compensation.written_run import WrittenRun
 from vmach.path.geometry import move_length_mm
-from vmach.program_text import Target, Written
+from vmach.program_text import Written
 
 __all__ = ["RoundedProgram", "round_program"]
 
@@ -32,15 +32,12 @@ class RoundedProgram:
 
     Attributes
     ----------
-    target : Target
-        Ends on the grid.
     written : Written
     run : WrittenRun
     part : PartDeviation, optional
         What it leaves on the surface that it was rounded for.
     """
 
-    target: Target
     written: Written
     run: WrittenRun
     part: PartDeviation | None = None
@@ -71,16 +68,16 @@ def round_program(
         written = iteration.write(target, resolution_mm)
         run = iteration.run(plan, written)
         part = None if view is None else view.deviation(run)
-        return RoundedProgram(target, written, run, part)
+        return RoundedProgram(written, run, part)
 
     if view is None:
         return program(ProbeSets.of(path_probes(found.run)))
     makers, best = _Makers(found.run, view), None
-    for _ in range(_ROUNDS):
+    for number in range(1, _ROUNDS + 1):
         now = program(makers.probes)
         is_better = best is None or now.part.norm_mm < best.part.norm_mm
         best = now if is_better else best
-        if not makers.learnt_from(now):
+        if number == _ROUNDS or not makers.learnt_from(now):
             break
     return best
 
@@ -110,6 +107,8 @@ class _Makers:
     def learnt_from(self, now: RoundedProgram) -> bool:
         """Whether moves have come to make points; they are held from here on."""
         new = ~np.isin(made_by(now.part.row, now.part.move), self.known)
+        if not new.any():
+            return False
         part = now.part.taken(new)
         self.known = np.concatenate([self.known, made_by(part.row, part.move)])
         place, normal = (part.move, part.parameter), self.normal[part.row]
@@ -123,4 +122,4 @@ class _Makers:
                 part, normal, left_mm=left, path_length_mm=self.path_length_mm, only_below=True
             )
         )
-        return bool(new.any())
+        return True

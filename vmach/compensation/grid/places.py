@@ -69,18 +69,6 @@ class GridPlaces:
             self.parameter[row, choice], self.wanted_mm[row, choice], self.off_mm[row, choice]
         )
 
-    def last(self) -> GridPlaces:
-        """Those of the last end alone."""
-        return GridPlaces(self.parameter[-1:], self.wanted_mm[-1:], self.off_mm[-1:])
-
-    def before(self, others: GridPlaces) -> GridPlaces:
-        """These ends, and others behind them."""
-        return GridPlaces(
-            np.concatenate([self.parameter, others.parameter]),
-            np.concatenate([self.wanted_mm, others.wanted_mm]),
-            np.concatenate([self.off_mm, others.off_mm]),
-        )
-
     def put(self, ends: np.ndarray, places: GridPlaces) -> None:
         """Fill in the points of the ends with numbers (K,)."""
         self.parameter[ends] = places.parameter
@@ -104,18 +92,22 @@ class Grid:
 
     Attributes
     ----------
-    length_mm : (K,) float64
-        Of the pieces.
     inserted : (K,) bool
         Ends that may stand for other places of their move: the next piece goes on alike.
     """
 
     def __init__(self, rewriter: Rewriter, plan: Plan, target: Target, step_mm: np.ndarray) -> None:
         self.rewriter, self.plan, self.target, self.step_mm = rewriter, plan, target, step_mm
-        self.first, self.last = plan.parameter(0.0), plan.parameter(1.0)
-        self.span = np.maximum(self.last - self.first, _NO_SPAN)
-        self.length_mm = (self.last - self.first) * rewriter.length_mm[plan.move]
+        self.first, self.last = plan.first, plan.last
         self.inserted = _inserted(rewriter, plan)
+
+    def length_mm(self, pieces: np.ndarray | slice) -> np.ndarray:
+        """Lengths of some pieces, (E,)."""
+        move = self.plan.move[pieces]
+        return (self.last[pieces] - self.first[pieces]) * self.rewriter.length_mm[move]
+
+    def _span(self, pieces: np.ndarray) -> np.ndarray:
+        return np.maximum(self.last[pieces] - self.first[pieces], _NO_SPAN)
 
     def of_inserted(self, ends: np.ndarray) -> GridPlaces:
         """Points beside the path of their move, for ends (K,) that may stand for other places."""
@@ -135,7 +127,7 @@ class Grid:
 
     def _ways(self, ends: np.ndarray, step_mm: np.ndarray) -> np.ndarray:
         """Ways from the ends, (E, C) mm, by steps, and far ones on lines."""
-        before, after = self.length_mm[ends][:, None], self.length_mm[ends + 1][:, None]
+        before, after = self.length_mm(ends)[:, None], self.length_mm(ends + 1)[:, None]
         is_line = self.rewriter.moves.kind[self.plan.move[ends]] == MoveKind.LINE
         far = _FAR * np.minimum(before, after) * is_line[:, None]
         ways = np.concatenate([_INSERTED * step_mm, far], axis=1)
@@ -220,8 +212,8 @@ class Grid:
         ends_mm, last = self.target.ends_mm, len(self.last) - 1
         here, following = ends_mm[ends], np.minimum(ends + 1, last)
         before = np.where((ends > 0)[:, None], ends_mm[np.maximum(ends - 1, 0)], 0.0)
-        back = (here - before) / self.span[ends, None]
-        on = (ends_mm[following] - here) / self.span[following, None]
+        back = (here - before) / self._span(ends)[:, None]
+        on = (ends_mm[following] - here) / self._span(following)[:, None]
         slope = np.where((aside < 0.0)[..., None], back[:, None], on[:, None])
         return here[:, None] + aside[..., None] * slope
 

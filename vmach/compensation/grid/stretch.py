@@ -14,10 +14,8 @@ from gcode import MoveKind
 from vmach.compensation.aim.path_shift import arc_frames
 from vmach.compensation.aim.probes import Probes, ProbeSets
 from vmach.compensation.grid.choice import Course, Points
-from vmach.compensation.grid.places import GridPlaces
-from vmach.compensation.pieces.plan import Plan
+from vmach.compensation.grid.places import Grid, GridPlaces
 from vmach.path.geometry import position_at
-from vmach.program_text import Rewriter, Target
 
 __all__ = ["Pieces", "Stretch"]
 
@@ -37,29 +35,27 @@ class Pieces:
 
     Parameters
     ----------
-    rewriter : Rewriter
-    plan : Plan
-    target : Target
-        With ends anywhere.
-    step_mm : (K,) float64
-        Of the grid.
-    length_mm : (K,) float64
-        Of the pieces.
+    grid : Grid
     """
 
-    def __init__(
-        self, rewriter: Rewriter, plan: Plan, target: Target, *, step_mm: np.ndarray,
-        length_mm: np.ndarray,
-    ) -> None:  # fmt: skip
-        self.rewriter, self.plan, self.target, self.step_mm = rewriter, plan, target, step_mm
+    def __init__(self, grid: Grid) -> None:
+        self.grid, self.rewriter, plan = grid, grid.rewriter, grid.plan
+        self.target, self.step_mm = grid.target, grid.step_mm
         self.is_arc, self.move = plan.pieces.is_arc, plan.move
-        self.first, self.last = plan.parameter(0.0), plan.parameter(1.0)
-        self.key = plan.move + self.first
-        feed = rewriter.moves.kind[plan.move] != MoveKind.RAPID
-        self.path_length_mm = np.maximum(np.where(feed, length_mm, 0.0), _LEAST_LENGTH_MM)
+        self.first, self.last = plan.first, plan.last
 
     def __len__(self) -> int:
         return len(self.first)
+
+    def key(self, own: slice) -> np.ndarray:
+        """`Probes.key` of the starts of some pieces, (E,)."""
+        return self.move[own] + self.first[own]
+
+    def path_length_mm(self, own: slice) -> np.ndarray:
+        """Lengths at feed of some pieces, (E,), at least `_LEAST_LENGTH_MM`."""
+        feed = self.rewriter.moves.kind[self.move[own]] != MoveKind.RAPID
+        length_mm = np.where(feed, self.grid.length_mm(own), 0.0)
+        return np.maximum(length_mm, _LEAST_LENGTH_MM)
 
 
 @dataclass
@@ -94,7 +90,7 @@ class Stretch:
         pieces, last = self.pieces, self.end - 1
         is_last = self.end == len(pieces)
         stop = np.inf if is_last else pieces.move[last] + pieces.last[last]
-        self.probes = self.along.between(pieces.key[self.begin], stop)
+        self.probes = self.along.between(pieces.key(slice(self.begin, self.begin + 1))[0], stop)
         self.course, self.exact = self._course(), self._exact()
 
     def _course(self) -> Course:
@@ -103,14 +99,14 @@ class Stretch:
         inside = np.append(self.begin > 0 and pieces.move[self.begin - 1] == move[0],
                            move[1:] == move[:-1])  # fmt: skip
         normal, base = self._in_steps()
-        step_mm, length_mm = pieces.step_mm[own], pieces.path_length_mm[own]
+        step_mm, length_mm = pieces.step_mm[own], pieces.path_length_mm(own)
         return Course(
             normal=normal,
             base=base,
             weight=self.probes.path_length_mm,
             parameter=self.probes.parameter,
             only_below=self.probes.only_below,
-            begin=np.where(inside, -1, np.searchsorted(self.probes.key, pieces.key[own])),
+            begin=np.where(inside, -1, np.searchsorted(self.probes.key, pieces.key(own))),
             start=pieces.first[own],
             stays=_STAYS * length_mm / step_mm**2,
             still=self._still(),
@@ -121,7 +117,7 @@ class Stretch:
         """Normals (P, 3), and what is left without corrections (P,), in steps: see `Course`."""
         pieces, probes = self.pieces, self.probes
         near = slice(self.begin, self.end)
-        piece = np.searchsorted(pieces.key[near], probes.key, side="right") - 1 + self.begin
+        piece = np.searchsorted(pieces.key(near), probes.key, side="right") - 1 + self.begin
         piece = np.maximum(piece, 0)
         first, end = pieces.first, pieces.target.ends_mm
         span = np.maximum(pieces.last[piece] - first[piece], _NO_SPAN)
@@ -146,7 +142,7 @@ class Stretch:
         end_mm = pieces.target.ends_mm
         before = end_mm[self.begin - 1 : self.begin] if self.begin else np.full((1, 3), np.inf)
         asked = np.abs(np.diff(end_mm[own], axis=0, prepend=before))
-        weight = np.where(asked < 0.5 * step, _A_STEP * pieces.path_length_mm[own, None], 0.0)
+        weight = np.where(asked < 0.5 * step, _A_STEP * pieces.path_length_mm(own)[:, None], 0.0)
         weight = np.where(asked < _AT_REST_MM, _NO_STEP, weight)
         return np.where(stands, weight / step**2, 0.0)
 

@@ -41,9 +41,19 @@ class Plan:
         return pieces.start + share * (pieces.end - pieces.start)
 
     @cached_property
+    def first(self) -> np.ndarray:
+        """Parameters of the nominal moves at which the pieces begin, (K,)."""
+        return self.parameter(0.0)
+
+    @cached_property
+    def last(self) -> np.ndarray:
+        """The same at which they end."""
+        return self.parameter(1.0)
+
+    @cached_property
     def answered(self) -> np.ndarray:
         """Parameters of the nominal moves whose error the ends of the pieces answer, (K,)."""
-        return np.where(self.is_step, self.pieces.settled, self.parameter(1.0))
+        return np.where(self.is_step, self.pieces.settled, self.last)
 
     @property
     def is_kept(self) -> np.ndarray:

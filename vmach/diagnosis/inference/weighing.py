@@ -337,6 +337,15 @@ class Weighing:
         evidence = self.looked_over(explanation) if roughly else self.evidence(explanation)
         return evidence.log_factor[:, 0] + [self.log_prior(c) for c in self.candidates]
 
+    def would_take(self, k: int, explanation: Explanation) -> np.ndarray:
+        """What candidate k, fitted to what an explanation leaves, would take, (n,) of unit size."""
+        evidence = self.looked_over(explanation)
+        white = self.base.white(self.candidates[k].signatures_mm[:, evidence.best[k, 0]])
+        left, width = explanation.posterior.left, WIDTHS[evidence.best_width[k, 0]]
+        prior = np.eye(white.shape[1]) / width**2
+        taken = white @ np.linalg.solve(white.T @ white + prior, white.T @ left)
+        return taken / max(float(np.linalg.norm(taken)), 1e-300)
+
     def fitted_alone(self, k: int) -> tuple[Term, np.ndarray]:
         """Candidate k fitted alone: the term and its coefficients (K,)."""
         term, evidence = self.term(k, self.alone), self.evidence(self.alone)

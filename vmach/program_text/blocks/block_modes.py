@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from gcode import Modes, MoveKind, PlainLines, Program, Step
 from vmach.errors import InputError
+from vmach.program_text.blocks.line_modes import BlockModes, LineModes
 
-__all__ = ["PLANE_AXES", "BlockModes", "block_modes"]
+__all__ = ["PLANE_AXES", "block_modes"]
 
 #: number of the plane, as in `gcode.Modes` -> first and second axis in it, and the one across
 PLANE_AXES = {1: (0, 1, 2), 2: (1, 2, 0), 3: (2, 0, 1)}
@@ -34,36 +33,8 @@ _KLARTEXT_HELIX = (
 )
 
 
-@dataclass(frozen=True)
-class BlockModes:
-    """Modes of one block that moves the axes.
-
-    Attributes
-    ----------
-    unit_mm : float
-    incremental : bool
-        G91.
-    absolute_centre : bool
-        G90.1.
-    left : bool
-        The block stays as it is: its position is none of the part's (G53, G28, G30), or the
-        control taps (G33.1).
-    inverse_time : bool
-        G93.
-    plane : int
-        1 XY, 2 YZ, 3 XZ.
-    """
-
-    unit_mm: float
-    incremental: bool
-    absolute_centre: bool
-    left: bool
-    inverse_time: bool
-    plane: int
-
-
-def block_modes(program: Program) -> dict[int, BlockModes]:
-    """Modes of every line that moves the axes, by 1-based line.
+def block_modes(program: Program) -> LineModes:
+    """Modes of every line that moves the axes.
 
     Parameters
     ----------
@@ -78,13 +49,12 @@ def block_modes(program: Program) -> dict[int, BlockModes]:
     moving = program.moves.line[program.moves.kind != MoveKind.DWELL].astype(np.int64)
     lines, rows = np.unique(moving, return_counts=True)
     several = set(lines[rows > 1].tolist())
-    modes: dict[int, BlockModes] = {}
+    modes = LineModes(lines)
     refused: dict[int, str] = {}
     for step in program.outline:
         if isinstance(step, PlainLines):
-            found = _modes(step.modes, set())
             here = slice(*np.searchsorted(lines, [step.first, step.last + 1]))
-            modes |= dict.fromkeys(lines[here].tolist(), found)
+            modes.put(here, _modes(step.modes, set()))
             continue
         line = step.line
         place = np.searchsorted(lines, line)
@@ -97,7 +67,7 @@ def block_modes(program: Program) -> dict[int, BlockModes]:
             refused.setdefault(line, "tapping by G33.1 in G91")
         if not found.left:
             refused |= _not_written(program, step)
-        modes[line] = found
+        modes.put(place, found)
     for line in moving[1:][np.diff(moving) < 0].tolist():
         refused.setdefault(line, "motion out of the order of the lines")
     _refuse(program, refused)

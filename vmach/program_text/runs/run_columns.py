@@ -31,31 +31,27 @@ class RunColumns:
     def __init__(self, plain: PlainProgram) -> None:
         self.plain = plain
         self.words = plain.axis_words
-        lines, self.which = np.unique(plain.moves.line, return_inverse=True)
-        self.modes = [plain.modes.get(line) for line in lines.tolist()]
-        self.unit_mm = self._of_lines([m.unit_mm if m else 1.0 for m in self.modes])
+        self.unit_mm = self._mode("unit_mm", 1.0)
         self.code = plain.code
-        plane = self._of_lines([m.plane if m else 1 for m in self.modes])
+        plane = self._mode("plane", 1)
         self.side = np.array([(0, 0, 0), *PLANE_AXES.values()], np.int8)[plane][:, :2]
-        text = plain.text.absolute_centres
-        self.absolute_centre = self._of_lines([text or bool(m and m.absolute_centre)
-                                               for m in self.modes])  # fmt: skip
-        self.is_plain = self._plain_moves(lines)
+        self.absolute_centre = self._mode("absolute_centre", other=False)
+        self.absolute_centre |= plain.text.absolute_centres
+        self.is_plain = self._plain_moves()
 
-    def _of_lines(self, values: list) -> np.ndarray:
-        return np.array(values)[self.which]
+    def _mode(self, name: str, other: float | bool) -> np.ndarray:
+        return self.plain.modes.column(name, self.plain.moves.line, other)
 
-    def _plain_moves(self, lines: np.ndarray) -> np.ndarray:
+    def _plain_moves(self) -> np.ndarray:
         plain, language = self.plain, self.plain.program.language
         if type(plain.text) is not BlockText or language.edit is not LineEdit or plain.sets_zeros:
             return np.zeros(len(plain.moves), bool)
-        users = [line not in plain.own for line in lines.tolist()]
-        absolute = [m is not None and not (m.incremental or m.inverse_time or m.left)
-                    for m in self.modes]  # fmt: skip
         said = self.words.motion
         found = self.words.is_plain & self._has_arc_words() & (plain.angle == 0.0)
         found &= (said < 0) | (said == self.code)
-        found &= self._of_lines(users) & self._of_lines(absolute)
+        found &= ~np.isin(plain.moves.line, list(plain.own))
+        for name in ("incremental", "inverse_time", "left"):
+            found &= ~self._mode(name, other=True)
         found &= plain.moves.kind != MoveKind.DWELL
         if plain.first_move >= 0:
             found[plain.first_move] = False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -23,7 +24,7 @@ from vmach.report.pictures.flags import draw_flags
 from vmach.report.pictures.rasterise import Visible
 from vmach.report.result import Colouring, DisplayMesh, InspectedPoints, RunRecord
 
-__all__ = ["draw_heatmap"]
+__all__ = ["draw_heatmap", "heatmap_png"]
 
 _PANEL_WIDTH_INCH, _DPI = 7.2, 140
 _CAPTION_INCH, _HEADING_INCH, _BAR_INCH, _MARGIN_INCH = 0.6, 0.5, 1.3, 0.1
@@ -39,24 +40,36 @@ def draw_heatmap(
     *,
     columns: Sequence[str] | None = None,
 ) -> None:
-    """Draw the mesh coloured by deviation, all panels on one colour scale.
-
-    Parameters
-    ----------
-    path : path
-        PNG to write.
-    mesh : DisplayMesh
-        With a colouring for each of the columns.
-    points, run : InspectedPoints, RunRecord
-        For the figures in the captions.
-    columns : sequence of str, optional
-        Names of the columns to draw; by default all but ``"none"``, a perfect machine, which is
-        drawn only where it is the only one.
+    """Write `heatmap_png` to a file.
 
     Raises
     ------
     InputError
         The folder cannot be written to.
+    """
+    png = heatmap_png(mesh, points, run, columns=columns)
+    with atomic_file(path) as temporary:
+        temporary.write_bytes(png)
+
+
+def heatmap_png(
+    mesh: DisplayMesh,
+    points: InspectedPoints,
+    run: RunRecord,
+    *,
+    columns: Sequence[str] | None = None,
+) -> bytes:
+    """Draw the mesh coloured by deviation, all panels on one colour scale.
+
+    Parameters
+    ----------
+    mesh : DisplayMesh
+        With a colouring for each of the columns.
+    points, run : InspectedPoints, RunRecord
+        For the figures in the captions and flags: title, tolerance and features.
+    columns : sequence of str, optional
+        Names of the columns to draw; by default all but ``"none"``, a perfect machine, which is
+        drawn only where it is the only one.
     """
     names = _telling_columns(points) if columns is None else list(columns)
     range_mm = common_range_mm([points[name] for name in names])
@@ -72,8 +85,9 @@ def draw_heatmap(
     left, top = _MARGIN_INCH / figure.get_figwidth(), 1 - 0.34 / figure.get_figheight()
     figure.text(left, top, _plain(run.title), size=15, weight="bold", color=_INK)
     _add_colour_bar(figure, range_mm)
-    with atomic_file(path) as temporary:
-        figure.savefig(temporary, format="png", facecolor="white")
+    png = io.BytesIO()
+    figure.savefig(png, format="png", facecolor="white")
+    return png.getvalue()
 
 
 def _telling_columns(points: InspectedPoints) -> list[str]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from gcode.dialects.fanuc.block import MacroBlock
 from gcode.dialects.fanuc.macro.line_text import PROGRAM, bare
 from gcode.errors import ProgramError
-from gcode.language.called_programs import Routine, find_beside
+from gcode.language.called_programs import Routine, find_beside, unknown_calls
 from gcode.state.block_values import whole
 
 if TYPE_CHECKING:
@@ -85,11 +85,15 @@ class Calls:
         beside = self._append(wanted)
         if beside is not None:
             return beside
-        raise ProgramError(
-            f"program O{wanted} is neither in this file nor beside it",
-            accepted=f"a file O{wanted:04d}.nc in the folder of the program",
-            hint="put the called program into the same file",
-        )
+        raise unknown_calls([f"O{wanted}"], [f"O{wanted:04d}.nc"])
+
+    def _ignores(self, number: float) -> bool:
+        """Whether the job leaves out the calls of a program, which is noted."""
+        control = self.reader.options.control
+        ignored = control.ignores(f"O{number:.0f}") or control.ignores(f"O{number:04.0f}")
+        if ignored:
+            self.reader.controller.note(f"O{number:.0f}", "call left out by ignore_calls")
+        return ignored
 
     def by_name(self, name: str, repeats: int) -> None:
         """M98 <NAME>: the program O<NAME> of this file."""
@@ -104,7 +108,7 @@ class Calls:
     def _append(self, wanted: int) -> int | None:
         """Put a program from a file beside this one behind its lines; gives its first line."""
         names = [f"O{wanted:05d}", f"O{wanted:04d}", f"O{wanted}", f"{wanted:04d}", f"{wanted}"]
-        found = find_beside(self.reader.options.folder, names, endings=_ENDINGS)
+        found = find_beside(self.reader.options.folders, names, endings=_ENDINGS)
         if found is None:
             return None
         first = len(self.reader.lines)
@@ -151,7 +155,7 @@ class Calls:
         if "p" not in given:
             raise ProgramError("macro call without P word", accepted="G65 P with the program")
         repeats = whole(given.get("l", 1.0), "L word")
-        if repeats < 1:
+        if repeats < 1 or self._ignores(given["p"]):
             return
         program = self._find(given["p"])
         arguments = _arguments([(k, v) for k, v in words if k not in "pl"])
@@ -166,6 +170,8 @@ class Calls:
             raise ProgramError("M98 without P word")
         if "p" not in words:
             program = self.reader.flow.labelled(whole(words["q"], "Q word"), "M98 Q")
+        elif self._ignores(words["p"]):
+            return
         else:
             number = whole(words["p"], "P word")
             try:

@@ -30,7 +30,6 @@ __all__ = ["CycleCalls"]
 #: cycles that change nothing of the path
 _NOTED = {
     32: "tolerance of the control's path",
-    247: "preset: the work offset of the job",
     13: "orientation of the spindle",
     392: "adaption of the control to the load",
     332: "tolerance of the control's path",
@@ -80,6 +79,8 @@ class CycleCalls:
             self._old_line(text)
         elif cycle in PATTERNS:
             self._pattern(cycle, data)
+        elif cycle == 247:
+            self.reader.frames.presets.activate(data.get("339"))
         elif cycle in _NOTED:
             self.reader.controller.note(f"CYCL DEF {cycle}", _NOTED[cycle])
         elif cycle == 9:
@@ -89,7 +90,9 @@ class CycleCalls:
         elif cycle == 19 and _changes_nothing(text):
             self.reader.controller.note(f"CYCL DEF {cycle}", "changes nothing")
         else:
-            known = sorted({*_CALLED, *PATTERNS, *OLD_CYCLES, *_FRAMES, *_NOTED, 9, 14, 20, 270})
+            known = sorted(
+                {*_CALLED, *PATTERNS, *OLD_CYCLES, *_FRAMES, *_NOTED, 9, 14, 20, 247, 270}
+            )
             raise ProgramError(
                 f"Klartext cycle '{content}' is not read",
                 accepted="CYCL DEF " + ", ".join(map(str, known)),

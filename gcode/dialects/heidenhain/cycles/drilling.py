@@ -43,6 +43,11 @@ class _Hole:
         self.surface = self.q(203, 0.0)
         self.clear = self.surface + self.q(200)
         self.bottom = self.surface + (-self.q(250) if "250" in data else self.q(201))
+        if self.q(395, 0.0):
+            raise ProgramError(
+                "Q395=1: the depth is that of the cylindrical part, and the point of the tool is "
+                "not known", accepted="Q395=0, the depth of the tip"
+            )  # fmt: skip
         self.out = max(self.clear, self.surface + self.q(204, 0.0))
         self.feed_in = self.q(206, self.data.get("254"))
         if self.bottom >= self.surface:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from gcode.dialects.sinumerik.cycles.contour import mill_along
@@ -20,6 +21,19 @@ __all__ = ["CycleCalls"]
 #: cycle -> how many of its arguments a second public source has in the same order; the others of
 #: these cycles rest on memory. d-creations/ncplot7py on GitHub, siemens_mill_cnc/cycles_handler.py
 _ORDER_CONFIRMED = {"CYCLE76": 11, "CYCLE77": 8, "SLOT2": 13}
+_MEASURES = re.compile(r"CYCLE9[6-9]\d")
+#: cycles that cut in a way that is the control's own, or that no source confirmed
+_UNREAD = {
+    "CYCLE60": "engraving: the shapes of its letters are the control's own",
+    "CYCLE61": "face milling of ShopMill",
+    "CYCLE62": "contour call: CYCLE72 takes the contour's name itself",
+    "CYCLE63": "pocket or stud with islands",
+    "CYCLE64": "drilling before a pocket with islands",
+    "CYCLE70": "thread milling",
+    "CYCLE78": "drilling and thread milling",
+    "CYCLE79": "polygon",
+    "CYCLE899": "open slot",
+}
 _KNOWN = CYCLES | PATTERNS | MILLING | {"CYCLE71", "CYCLE72", "CYCLE90"}
 
 
@@ -45,6 +59,11 @@ class CycleCalls:
 
     def _call(self, name: str, text: str, *, modal: bool) -> None:
         reader = self.reader
+        if _MEASURES.fullmatch(name):
+            raise reader.unknown(call=name)
+        if name in _UNREAD:
+            raise ProgramError(f"{name} ({_UNREAD[name]}) is not read",
+                               hint="post the program without this cycle")  # fmt: skip
         if name not in _KNOWN or (modal and name in ("CYCLE71", "CYCLE72", "CYCLE90")):
             known = (*sorted(CYCLES), "CYCLE71", "CYCLE72", "CYCLE90", *sorted(MILLING))
             raise ProgramError(f"{name} is not read", accepted=", ".join(known))
@@ -81,4 +100,5 @@ class CycleCalls:
             with self.reader.plane_of_cycles():
                 drill(self.reader, name, arguments)
         else:
-            self.reader.subprograms.call(name, arguments)
+            texts = ["" if value is None else number(value) for value in arguments]
+            self.reader.subprograms.call(name, texts)

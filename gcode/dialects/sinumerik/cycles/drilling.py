@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from gcode.dialects.sinumerik.cycles.modes import Modes
 from gcode.errors import ProgramError
 from gcode.language.translate import number
 
@@ -36,8 +37,11 @@ def drill(reader: SinumerikReader, name: str, arguments: Arguments) -> None:
     if out is None:
         raise ProgramError(f"{name} without a retraction plane")
     clear = surface + abs(_value(arguments, 2, 0.0))
+    modes = Modes.of(name, arguments, reader.cycle_plane)
     bottom, relative = _value(arguments, 3), _value(arguments, 4)
-    if bottom is None and not relative:
+    if modes.depth == 2:
+        relative = None
+    if (bottom is None or modes.depth == 1) and not relative:
         raise ProgramError(f"{name} without a depth", accepted="DP or DPR")
     bottom = bottom if not relative else surface - abs(relative)
     if not bottom < surface:
@@ -47,12 +51,12 @@ def drill(reader: SinumerikReader, name: str, arguments: Arguments) -> None:
         reader.keep("tapping" if cycle != 86 else "boring with a stopped spindle")
     reader.go("g0", z=clear)
     if cycle == 83:
-        _pecks(reader, arguments, surface=surface, clear=clear, bottom=bottom)
+        _Pecks(reader, arguments, modes, surface, clear).go_to(bottom)
+    elif cycle == 84 and _value(arguments, 15, 0.0):
+        _tap_in_steps(reader, arguments, surface=surface, clear=clear, bottom=bottom)
     else:
         reader.go("g1", z=bottom, feed=_feed_in(reader, cycle, arguments))
-    dwell = _value(arguments, 8 if cycle == 83 else 5, 0.0) if cycle not in (81, 87) else 0.0
-    if dwell > 0.0:
-        reader.execute(f"g4p{number(dwell)}")
+    _dwell(reader, cycle, arguments, modes)
     if cycle in (84, 840, 85, 89):
         back = _value(arguments, 7) if cycle == 85 else _feed_in(reader, cycle, arguments)
         reader.go("g1", z=clear, feed=back)
@@ -60,6 +64,36 @@ def drill(reader: SinumerikReader, name: str, arguments: Arguments) -> None:
         _off_the_wall(reader, arguments, bottom=bottom, out=out)
     reader.go("g0", z=out)
     reader.controller.motion = modal
+
+
+def _dwell(reader: SinumerikReader, cycle: int, arguments: Arguments, modes: Modes) -> None:
+    """DTB, or DTD of CYCLE83: seconds, or turns of the spindle (negative, or by AMODE)."""
+    dwell = _value(arguments, 8 if cycle == 83 else 5, 0.0) if cycle not in (81, 87) else 0.0
+    if cycle == 83:
+        dwell = _value(arguments, 15, 0.0) or dwell
+    speed = reader.controller.speed
+    if dwell < 0.0 or (dwell and modes.in_turns):
+        dwell = abs(dwell) * 60.0 / speed if speed else 0.0
+    if dwell > 0.0:
+        reader.execute(f"g4p{number(dwell)}")
+
+
+def _tap_in_steps(
+    reader: SinumerikReader, arguments: Arguments, *, surface: float, clear: float, bottom: float
+) -> None:
+    """VARI of CYCLE84: 1 breaks chips and goes back by VRT, 2 comes out, behind every DAM."""
+    step, kind = abs(_value(arguments, 16, 0.0)), _value(arguments, 15)
+    if kind not in (1.0, 2.0) or not step or (surface - bottom) / step > _MOST_PECKS:
+        raise ProgramError(f"CYCLE84 with VARI {kind:g} and DAM {step:g}",
+                           accepted="VARI 0; 1 or 2 with a step DAM")  # fmt: skip
+    feed = _feed_in(reader, 84, arguments)
+    back = abs(_value(arguments, 17, 0.0)) or _CHIP_BREAK_MM / reader.controller.unit_mm
+    depth = surface - step
+    while depth > bottom + 1e-9:
+        reader.go("g1", z=depth, feed=feed)
+        reader.go("g1", z=clear if kind == 2.0 else min(depth + back, clear), feed=feed)
+        depth -= step
+    reader.go("g1", z=bottom, feed=feed)
 
 
 def _feed_in(reader: SinumerikReader, cycle: int, arguments: Arguments) -> float | None:
@@ -76,7 +110,17 @@ def _feed_in(reader: SinumerikReader, cycle: int, arguments: Arguments) -> float
         return None  # CYCLE840 with the feed of the program
     if not pitch:
         raise ProgramError("CYCLE84 without a pitch PIT")
-    return reader.units.said(abs(pitch) * speed)
+    pitch = _pitch(reader, abs(pitch), _value(arguments, 13 if cycle == 84 else 12, 0.0))
+    return reader.units.said(pitch * speed)
+
+
+def _pitch(reader: SinumerikReader, pitch: float, unit: float) -> float:
+    """PIT in the lengths of the program: PITA 0 as it stands, 1 mm, 2 threads an inch, 3 inch."""
+    if unit not in (0.0, 1.0, 2.0, 3.0):
+        raise ProgramError(f"pitch with PITA {unit:g}", accepted="0 to 3")
+    length = {0.0: pitch * reader.controller.unit_mm, 1.0: pitch, 2.0: 25.4 / pitch,
+              3.0: pitch * 25.4}[unit]  # fmt: skip
+    return length / reader.controller.unit_mm
 
 
 def _off_the_wall(
@@ -90,33 +134,74 @@ def _off_the_wall(
     reader.place("g0", x, y, out)
 
 
-def _pecks(
-    reader: SinumerikReader, arguments: Arguments, *, surface: float, clear: float, bottom: float
-) -> None:
-    """CYCLE83 with equal pecks; VARI 0 breaks chips, 1 comes out."""
-    first, relative = _value(arguments, 5), _value(arguments, 6)
-    step = surface - first if relative is None and first is not None else abs(relative or 0.0)
-    less = abs(_value(arguments, 7, 0.0))
-    if not step > 0.0 or (surface - bottom) / min(step, less or step) > _MOST_PECKS:
-        raise ProgramError(f"CYCLE83 with a first depth of {step:g}")
-    comes_out = _value(arguments, 11, 0.0) == 1.0
-    depth = surface - step
-    while depth > bottom + 1e-9:
-        reader.go("g1", z=depth)
-        if comes_out:
-            reader.go("g0", z=clear)
-            reader.go("g0", z=min(depth + _CHIP_BREAK_MM, clear))
-        else:
-            reader.go("g0", z=depth + _CHIP_BREAK_MM)
-        step = max(step - less, less) if less else step
-        depth -= step
-    reader.go("g1", z=bottom)
+class _Pecks:
+    """CYCLE83: VARI 0 breaks chips, 1 comes out; steps shrink by DAM down to MDEP."""
+
+    def __init__(
+        self,
+        reader: SinumerikReader,
+        arguments: Arguments,
+        modes: Modes,
+        surface: float,
+        clear: float,
+    ) -> None:
+        self.reader, self.surface, self.clear = reader, surface, clear
+        first, relative = _value(arguments, 5), _value(arguments, 6)
+        given = surface - first if relative is None and first is not None else abs(relative or 0.0)
+        self.step, self.less = given, _value(arguments, 7, 0.0)
+        if self.less < 0.0 or (modes.in_percent and self.less > 100.0):
+            raise ProgramError(
+                f"CYCLE83 with DAM {self.less:g}", accepted="0, or an amount above it"
+            )
+        self.factor = self.less / 100.0 if modes.in_percent and self.less else None
+        least = abs(_value(arguments, 13, 0.0)) * (given / 100.0 if modes.least_in_percent else 1.0)
+        self.least = least or (0.0 if self.factor else self.less)
+        self.back = abs(_value(arguments, 14, 0.0)) or _CHIP_BREAK_MM / reader.controller.unit_mm
+        self.ahead = abs(_value(arguments, 16, 0.0)) or _CHIP_BREAK_MM / reader.controller.unit_mm
+        self.comes_out = _value(arguments, 11, 0.0) == 1.0
+        slower = _value(arguments, 10, 0.0)  # a factor, or a percentage
+        self.first_feed = slower / 100.0 if slower > 1.0 else slower
+
+    def _shorter(self) -> float:
+        """The step behind the present one."""
+        shorter = self.step * self.factor if self.factor else self.step - self.less
+        return max(shorter, min(self.least, self.step))
+
+    def go_to(self, bottom: float) -> None:
+        """All infeeds, the last one ends at the depth."""
+        shortest = self.least if self.less and self.factor != 1.0 else self.step
+        if not self.step > 0.0 or not min(self.step, shortest) > 0.0:
+            raise ProgramError(
+                f"CYCLE83 with a first depth of {self.step:g} and DAM {self.less:g}",
+                accepted="a first depth, and MDEP beside DAM in percent",
+            )
+        if (self.surface - bottom) / min(self.step, shortest) > _MOST_PECKS:
+            raise ProgramError(f"CYCLE83 with steps of {min(self.step, shortest):g}")
+        reader, feed = self.reader, self.reader.units.said(self.reader.controller.feed)
+        slow = feed * self.first_feed if feed and 0.0 < self.first_feed < 1.0 else None
+        depth = self.surface - self.step
+        while depth > bottom + 1e-9:
+            reader.go("g1", z=depth, feed=slow)
+            if slow is not None:
+                reader.execute(f"f{number(feed)}")
+                slow = None
+            if self.comes_out:
+                reader.go("g0", z=self.clear)
+            reader.go(
+                "g0", z=min(depth + (self.ahead if self.comes_out else self.back), self.clear)
+            )
+            self.step = self._shorter()
+            depth -= self.step
+        reader.go("g1", z=bottom)
 
 
 def pattern_points(name: str, arguments: Arguments) -> list[tuple[float, float]]:
     """Places of HOLES1 (a row) and HOLES2 (a circle)."""
     values = [v or 0.0 for v in arguments] + [0.0] * 7
     if name == "CYCLE801":
+        if any(values[7:]):
+            raise ProgramError("CYCLE801 with a frame, a shear or places left out",
+                               accepted="seven arguments")  # fmt: skip
         return _grid(values)
     count = int(values[5])
     if not 0 < count <= _MOST_PECKS:
@@ -129,7 +214,8 @@ def pattern_points(name: str, arguments: Arguments) -> list[tuple[float, float]]
             for k in range(count)
         ]
     x, y, radius, angle, step = values[:5]
-    step = step or 360.0 / count
+    if not step or int(values[6]) // 1000 % 10 == 1:  # VARI: a whole circle, whatever INDA says
+        step = 360.0 / count
     angles = [math.radians(angle + k * step) for k in range(count)]
     return [(x + radius * math.cos(a), y + radius * math.sin(a)) for a in angles]
 

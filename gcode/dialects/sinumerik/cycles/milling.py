@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
+from gcode.dialects.sinumerik.cycles.modes import check_milling_modes
 from gcode.errors import ProgramError
 from gcode.geometry.curved_slot import CurvedSlot
 from gcode.geometry.outlines import Outline
@@ -47,7 +48,9 @@ class _Cycle:
 
     def __init__(self, reader: SinumerikReader, name: str, values: list[float | None]) -> None:
         self.reader, self.name = reader, name
-        self.values = dict(zip(_ARGUMENTS[name].split(), values, strict=False))
+        names = _ARGUMENTS[name].split()
+        check_milling_modes(name, values[len(names) :], reader.cycle_plane)
+        self.values = dict(zip(names, values, strict=False))
         tool = reader.controller.offsets.get(reader.controller.tool)
         diameter = tool.offset_diameter_mm if tool else 0.0
         self.tool_radius = diameter / 2.0 / reader.controller.unit_mm
@@ -75,6 +78,9 @@ class _Cycle:
         reader = self.reader
         feed = self.a("FFP1", reader.units.said(reader.controller.feed))
         kind, sense = int(self.a("VARI", 0.0)) % 10, int(self.a("CDIR", 0.0))
+        if kind not in (0, 1, 2):
+            raise ProgramError(f"{self.name} with VARI {self.a('VARI'):g}",
+                               accepted="last digit 1, roughing, or 2, finishing")  # fmt: skip
         counter = (reader.controller.spindle < 0) != (self.name in _SPIGOTS)
         clockwise = {0: counter, 1: not counter, 2: True, 3: False}.get(sense)
         if clockwise is None:
