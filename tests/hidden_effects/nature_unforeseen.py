@@ -118,13 +118,13 @@ def tapered_tool(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
 
 
 def worn_screw(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
-    """A nut has play where the screw is worn, in the middle of the used travel only."""
+    """A nut has play where the screw is worn."""
     axis, play, width = int(rng.integers(2)), rng.uniform(8, 15), rng.uniform(60, 150)
-    share = rng.uniform(0.2, 0.8)
+    low, high = machine.travel_mm["XY"[axis]]
+    worst = low + rng.uniform(0.2, 0.8) * (high - low)
 
     def move(state: State) -> np.ndarray:
         place = state.nose_mm[:, axis]
-        worst = place.min() + share * np.ptp(place)
         here = play * np.exp(-0.5 * ((place - worst) / width) ** 2)
         e = np.zeros_like(state.nose_mm)
         e[:, axis] = -0.5 * UM * here * state.sign[:, axis]

@@ -123,7 +123,7 @@ def state_of(part: Part) -> State:
         tool=tool,
         ae_mm=rows["ae_mm"],
         ap_mm=rows["ap_mm"],
-        cut_mm=_cut_way(part.path, tool, node),
+        cut_mm=_cut_way(part.path, tool, node, share),
         feature=np.unique(part.feature, return_inverse=True)[1][rows["point"]],
         set_up=rows["set_up"],
         history=history_of(part.path),
@@ -191,14 +191,16 @@ def _directions(path: Path3, node: np.ndarray, share: np.ndarray) -> tuple[np.nd
     return here, kept + share[:, None] * np.abs(step[node])
 
 
-def _cut_way(path: Path3, tool: np.ndarray, node: np.ndarray) -> np.ndarray:
-    """Way cut by the tool in the spindle, up to each node."""
+def _cut_way(path: Path3, tool: np.ndarray, node: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Way cut by the tool in the spindle, up to a share of the way from each node to the next."""
     length = np.linalg.norm(np.diff(path.tip_mm, axis=0), axis=1) * path.cutting[1:]
     out = np.zeros(len(tool))
     for number in np.unique(tool):
         speed = TOOLS[number].rpm
         own = np.concatenate([[0.0], np.cumsum(length * (path.rpm[1:] == speed))])
-        out[tool == number] = own[node[tool == number]]
+        here = tool == number
+        start, end = own[node[here]], own[np.minimum(node[here] + 1, len(own) - 1)]
+        out[here] = start + share[here] * (end - start)
     return out
 
 

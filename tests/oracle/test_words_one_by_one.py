@@ -240,6 +240,7 @@ REFUSED = {
         "G47 P0 X1. (A)": "the control's own", "G68.2": "G68.2", "G7.1 C5.": "G7.1",
         "G33 Z1. F1.": "G33", "G96 S9": "G96", "U5.": "U word", "M31\nM88": "M31 M88",
         "M98 P77": "O77", "M98 <NO>": "O<NO>", "#3000=1": "alarm 1", "BIN": "unknown word",
+        "IF[1EQ1]S9": "IF without GOTO and without THEN",
         "T1 T2 M6": "2 T words",
         "G0 X[BIN[10]]": r"BIN\[10\]", "#1=#3011": "#3011", "G0 X5. ,R2.": ",R or ,C between G0",
     },

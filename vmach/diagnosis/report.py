@@ -69,7 +69,7 @@ def _proposal(proposal: Proposal) -> dict[str, Any]:
     without, with_it = proposal.held_out_um
     return {
         "formula": proposal.form.formula,
-        "states": [state.words for state in proposal.form.states],
+        "states": list(proposal.form.state_words),
         "direction": proposal.form.direction.words,
         "amount_um": _rounded(proposal.amount_um),
         "u_um": _rounded(proposal.amount_u_um),

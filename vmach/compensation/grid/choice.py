@@ -121,12 +121,12 @@ def best_sequence(course, exact, points):
     needs no look. Of equals the first counts.
     """
     came_from = np.zeros(points.parameter.shape, np.int8)
-    total = advance(course, exact, points, 0, 0, np.zeros(came_from.shape[1]), came_from)
+    total = advance(course, exact, points, 0, np.zeros(came_from.shape[1]), came_from)
     return traced_back(total, came_from)
 
 
 @njit(cache=True, nogil=True)
-def advance(course, exact, points, first, at, total, came_from):
+def advance(course, exact, points, at, total, came_from):
     """Go on along the path with the points of some more ends.
 
     Parameters
@@ -134,9 +134,9 @@ def advance(course, exact, points, first, at, total, came_from):
     course, exact : Course, Points
         Of all ends, `exact` as in `best_points`.
     points : Points
-        Of the ends from `first` on.
-    first, at : int
-        First end of `points`, and the first that is new: 0, or one after `first`.
+        Of as many ends, from the first on.
+    at : int
+        First end that is new: 0, or 1 where the path has come to the first one already.
     total : (C,) float64
         Least cost to every point of the end before `at`.
     came_from : (K, C) int8
@@ -148,22 +148,22 @@ def advance(course, exact, points, first, at, total, came_from):
         Least cost to every point of the last end, over the least of all.
     """
     ends, tries = points.parameter.shape
-    room = _most_probes(course, points, first)
+    room = _most_probes(course, points)
     by_start, by_end = np.empty((tries, room)), np.empty((tries, room))
     if at == 0:
         total = np.array([_left(course, 0, exact, 0, 0, points, 0, j) for j in range(tries)])
-    for row in range(max(at, 1) - first, ends):
-        k, now = first + row, np.full(tries, np.inf)
+    for k in range(1, ends):
+        now = np.full(tries, np.inf)
         cheapest_first = np.argsort(total)
-        count = _shares(course, k, points, row, by_start, by_end)
+        count = _shares(course, k, points, by_start, by_end)
         for j in range(tries):
             for i in cheapest_first:
                 if total[i] > now[j]:
                     break
                 if count < 0:
-                    cost = total[i] + _left(course, k, points, row - 1, i, points, row, j)
+                    cost = total[i] + _left(course, k, points, k - 1, i, points, k, j)
                 else:
-                    cost = total[i] + _at_ends(course, k, points, row, i, j)
+                    cost = total[i] + _at_ends(course, k, points, i, j)
                     begin = course.begin[k]
                     for n in range(count):
                         if cost > now[j]:
@@ -187,31 +187,31 @@ def traced_back(total, came_from):
 
 
 @njit(cache=True)
-def _most_probes(course, points, first):
-    """Probes of the piece that has most, of those whose ends begin with the number `first`."""
+def _most_probes(course, points):
+    """Probes of the piece that has most."""
     most = 1
-    for row in range(len(points.bound)):
-        if course.begin[first + row] >= 0:
-            most = max(most, points.bound[row].max() - course.begin[first + row])
+    for k in range(len(points.bound)):
+        if course.begin[k] >= 0:
+            most = max(most, points.bound[k].max() - course.begin[k])
     return most
 
 
 @njit(cache=True)
-def _shares(course, k, points, row, by_start, by_end):
-    """What every start and every end of piece k, in a row, add at its probes; how many these are.
+def _shares(course, k, points, by_start, by_end):
+    """What every start and every end of piece k add at its probes; how many these are.
 
     -1 where the points of an end lie at different places, so that the shares are not theirs alone.
     """
     first, p0 = course.begin[k], course.start[k]
-    last, p1 = points.bound[row, 0], points.parameter[row, 0]
-    if first < 0 or (points.bound[row] != last).any() or (points.parameter[row] != p1).any():
+    last, p1 = points.bound[k, 0], points.parameter[k, 0]
+    if first < 0 or (points.bound[k] != last).any() or (points.parameter[k] != p1).any():
         return -1
     per_span = 1.0 / (p1 - p0) if p1 > p0 else 0.0
     for n in range(last - first):
         normal = course.normal[first + n]
         share = (course.parameter[first + n] - p0) * per_span
         for t in range(points.parameter.shape[1]):
-            start, end = points.at_start[row - 1, t], points.at_end[row, t]
+            start, end = points.at_start[k - 1, t], points.at_end[k, t]
             by_start[t, n] = (1.0 - share) * (
                 normal[0] * start[0] + normal[1] * start[1] + normal[2] * start[2]
             )
@@ -231,11 +231,11 @@ def _at_probe(course, probe, x):
 
 
 @njit(cache=True)
-def _at_ends(course, k, points, row, i, j):
+def _at_ends(course, k, points, i, j):
     """Cost of piece k by the places of its ends alone."""
     cost = 0.0
     for axis in range(3):
-        moved = points.corrected[row, j, axis] - points.corrected[row - 1, i, axis]
+        moved = points.corrected[k, j, axis] - points.corrected[k - 1, i, axis]
         cost += course.still[k, axis] * moved**2
-        cost += course.stays[k] * points.off[row, j, axis] ** 2
+        cost += course.stays[k] * points.off[k, j, axis] ** 2
     return cost

@@ -69,18 +69,6 @@ class GridPlaces:
             self.parameter[row, choice], self.wanted_mm[row, choice], self.off_mm[row, choice]
         )
 
-    def last(self) -> GridPlaces:
-        """Those of the last end alone."""
-        return GridPlaces(self.parameter[-1:], self.wanted_mm[-1:], self.off_mm[-1:])
-
-    def before(self, others: GridPlaces) -> GridPlaces:
-        """These ends, and others behind them."""
-        return GridPlaces(
-            np.concatenate([self.parameter, others.parameter]),
-            np.concatenate([self.wanted_mm, others.wanted_mm]),
-            np.concatenate([self.off_mm, others.off_mm]),
-        )
-
     def put(self, ends: np.ndarray, places: GridPlaces) -> None:
         """Fill in the points of the ends with numbers (K,)."""
         self.parameter[ends] = places.parameter

@@ -15,7 +15,7 @@ import numpy as np
 
 from stock.threads import cores_to_use
 from vmach.compensation.aim.probes import ProbeSets
-from vmach.compensation.grid.choice import advance, best_points, traced_back
+from vmach.compensation.grid.choice import Points, advance, best_points, traced_back
 from vmach.compensation.grid.places import Grid, GridPlaces
 from vmach.compensation.grid.stretch import Pieces, Stretch
 from vmach.compensation.pieces.plan import Plan
@@ -69,35 +69,34 @@ class Rounding:
         count = len(self.pieces)
         came_from = np.zeros((count, _POINTS), np.int8)
         kept = np.zeros((count, _POINTS), np.int16)
-        total, last = np.zeros(_POINTS), None
-        for first, (stretch, number, places) in zip(
+        total = np.zeros(_POINTS)
+        for first, (stretch, number, points) in zip(
             range(0, count, _AT_ONCE), self._candidates(probes), strict=True
         ):  # fmt: skip
-            ends = np.arange(first, first + len(number))
-            kept[ends] = number
-            if last is not None:
-                places, ends = last.before(places), np.arange(first - 1, ends[-1] + 1)
-            points, begin = stretch.points(places, ends), stretch.begin
-            total = advance(stretch.course, stretch.exact, points, int(ends[0]) - begin,
-                            first - begin, total, came_from[begin:])  # fmt: skip
-            last = places.last()
+            begin = stretch.begin
+            kept[begin : begin + len(number)] = number
+            total = advance(stretch.course, stretch.exact, points, first - begin, total,
+                            came_from[begin:])  # fmt: skip
         choice = traced_back(total, came_from)
         return self._taken(kept[np.arange(count), choice].astype(np.int64))
 
-    def _candidates(self, probes: ProbeSets) -> Iterator[tuple[Stretch, np.ndarray, GridPlaces]]:
+    def _candidates(self, probes: ProbeSets) -> Iterator[tuple[Stretch, np.ndarray, Points]]:
         """Stretch after stretch with the points that its ends keep, found on all cores.
 
-        The points of all ends would fill the memory.
+        Each begins with the last end of the one before. The points of all ends would fill the
+        memory.
         """
         count, cores = len(self.pieces), cores_to_use()
 
-        def found(first: int) -> tuple[Stretch, np.ndarray, GridPlaces]:
-            stop = min(first + _AT_ONCE, count)
-            stretch = Stretch(self.pieces, probes, max(first - 1, 0), min(stop + 1, count))
-            return stretch, *self._best(stretch, np.arange(first, stop))
+        def found(first: int) -> tuple[Stretch, np.ndarray, Points]:
+            begin, stop = max(first - 1, 0), min(first + _AT_ONCE, count)
+            stretch = Stretch(self.pieces, probes, begin, min(stop + 1, count))
+            ends = np.arange(begin, stop)
+            number, places = self._best(stretch, ends)
+            return stretch, number, stretch.points(places, ends)
 
         with ThreadPoolExecutor(cores) as pool:
-            waiting: deque[Future[tuple[Stretch, np.ndarray, GridPlaces]]] = deque()
+            waiting: deque[Future[tuple[Stretch, np.ndarray, Points]]] = deque()
             for first in range(0, count, _AT_ONCE):
                 waiting.append(pool.submit(found, first))
                 if len(waiting) > cores:

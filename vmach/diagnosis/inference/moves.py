@@ -21,6 +21,9 @@ _NEAR = 6.0
 #: share of what an effect stands for that the first of two in its place takes alone, at least;
 #: chosen: half of an even split. It saves fits; whatever passes is weighed by the readings
 _SHARE = 0.25
+#: cosine of what two candidates would take of the readings from which on one of them is tried:
+#: nine tenths of the variance
+_SAME = 0.95
 #: a move counts where it makes the whole more probable by this much
 _STEP = 0.5
 #: moves at most; a search that goes on has something to report already
@@ -106,25 +109,61 @@ def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     little = beside_little(here)
     if little.posterior.sizes != here.posterior.sizes:
         views.append(little)
+    least = here.score - _NEAR
     for others in views:
         gains = weighing.gains(others, roughly=True)
-        least = _SHARE * (here.score - others.score)
-        for i in _ranked(weighing, gains, here.labels)[: 2 * _TRIED]:
-            if gains[i] < least - _NEAR:
+        worth = _SHARE * (here.score - others.score) - _NEAR
+        for i in _unlike(weighing, others, _ranked(weighing, gains, here.labels), 2 * _TRIED):
+            if gains[i] < worth:
                 break
             one = weighing.extend(others, i, resize=False)
             further = weighing.gains(one, roughly=True)
-            for j in _ranked(weighing, further, here.labels | one.labels)[:_TRIED]:
-                if one.score + further[j] < here.score - _NEAR:
-                    break
-                child = weighing.extend(one, j)
-                if not has_impossible_sizes(child.fit):
-                    yield child
+            ranked = _ranked(weighing, further, here.labels | one.labels)
+            for j in _unlike(weighing, one, ranked, _TRIED):
+                if one.score + further[j] > least:
+                    yield from _possible(weighing.extend(one, j))
+                if others is little:
+                    yield from _in_turn(weighing, little, (j, i), least)
+
+
+def _possible(child: Explanation) -> Iterator[Explanation]:
+    """An explanation, where nature has such sizes."""
+    if not has_impossible_sizes(child.fit):
+        yield child
+
+
+def _in_turn(
+    weighing: Weighing, others: Explanation, pair: tuple[int, int], least: float
+) -> Iterator[Explanation]:
+    """Two more effects, where they make the whole as probable as that.
+
+    The inner parameters of the last are found beside the first. What an effect imitates while it
+    stands alone leads them astray.
+    """
+    first, last = pair
+    if len(weighing.candidates[last].grid) > 1:
+        two = weighing.extend(weighing.extend(others, first, resize=False), last, resize=False)
+        if two.score > least:
+            yield from _possible(weighing.resized(two, two.posterior.sizes))
 
 
 def _ranked(weighing: Weighing, gains: np.ndarray, but: Collection[str]) -> list[int]:
     """Candidates, the most probable first."""
     return [k for k in np.argsort(-gains) if weighing.candidates[k].label not in but]
+
+
+def _unlike(
+    weighing: Weighing, here: Explanation, ranked: Sequence[int], most: int
+) -> Iterator[int]:
+    """The first candidates that would not take the same of what an explanation leaves."""
+    taken: list[np.ndarray] = []
+    for k in ranked:
+        own = weighing.would_take(k, here)
+        if all(abs(float(own @ other)) < _SAME for other in taken):
+            yield k
+            taken.append(own)
+        if len(taken) == most:
+            return
 
 
 def _leading(weighing: Weighing, here: Explanation, but: Collection[str]) -> list[int]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 __all__ = [
     "CLEARLY",
     "IMITATION",
+    "KEPT",
     "RULES",
     "SHOWN",
     "STRUCTURE",
@@ -25,6 +26,8 @@ SHOWN = 3.0
 UNMEASURED = 4.0
 #: size of an effect, in what remains beside it, where it is as probably an imitation as not
 IMITATION = 5.0
+#: share of its size that a form leaves an effect at least; less is left of an imitation
+KEPT = 0.5
 #: what remains counts as structure from this multiple of the median stated uncertainty on
 STRUCTURE = 1.0
 #: below this multiple of the median stated uncertainty a rest is not looked into
@@ -85,6 +88,15 @@ RULES = (
         "imitation as not; the odds grow with its variance",
         f"{_CALIBRATION}; kept where an earlier regression had even odds",
         _COUNTS,
+    ),
+    Rule(
+        "kept",
+        KEPT,
+        "share",
+        "an effect keeps so much of its size beside a form over states; one that keeps less is an "
+        "imitation of the form",
+        "chosen: where both act alike each has half",
+        "tests/unit/test_proposed_directions.py",
     ),
     Rule(
         "structure",

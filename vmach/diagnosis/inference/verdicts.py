@@ -10,7 +10,8 @@ from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.moves import search, search_beyond
 from vmach.diagnosis.inference.noise import noise_after, noise_before
 from vmach.diagnosis.inference.own_contacts import over_own_contacts
-from vmach.diagnosis.inference.remains import is_structure, remains_um
+from vmach.diagnosis.inference.remains import is_structure, remains_um, sizes_um
+from vmach.diagnosis.inference.rules import KEPT
 from vmach.diagnosis.inference.support import Support, supports_of
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.proposals.forms import Forms
@@ -85,7 +86,7 @@ def infer(weighing: Weighing) -> Inference:
     weighing, found = searched(weighing)
     forms = Forms(weighing, found)
     grown = forms.grown(found)
-    shown, supports, weak = judged(weighing, found, grown.labels)
+    shown, supports, weak = judged(weighing, found, _kept(weighing, found, grown))
     alone = weighing.explain(shown.terms, found.posterior.sizes, refine=False)
     remains = remains_um(weighing, alone, noise=grown.posterior.sizes.factor)
     structure = is_structure(weighing, remains)
@@ -114,6 +115,15 @@ def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
             break
         found = search(weighing, weighing.explain(found.terms, found.posterior.sizes))
     return weighing, search_beyond(weighing, found)
+
+
+def _kept(weighing: Weighing, found: Explanation, grown: Explanation) -> frozenset[str]:
+    """Effects that forms leave most of their size."""
+    before, beside = (
+        dict(zip((t.label for t in e.terms), sizes_um(weighing, e), strict=True))
+        for e in (found, grown)
+    )
+    return frozenset(n for n in before if beside.get(n, 0.0) > KEPT * before[n])
 
 
 def judged(

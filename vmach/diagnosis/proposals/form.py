@@ -36,8 +36,13 @@ class Form:
     @property
     def formula(self) -> str:
         """In words."""
-        product = " x ".join(s.words for s in self.states) or "a shift"
-        return f"{product}, {self.direction.words}"
+        words = [s.words for s in self.states] or ["a shift"] * (not self.direction.lever)
+        return ", ".join([*filter(None, [" x ".join(words)]), self.direction.words])
+
+    @property
+    def state_words(self) -> tuple[str, ...]:
+        """States and places that it depends on."""
+        return (*(state.words for state in self.states), *self.direction.lever)
 
     @property
     def refute(self) -> str:
@@ -48,7 +53,7 @@ class Form:
     @property
     def kinds(self) -> frozenset[str]:
         """Kinds of its states."""
-        return frozenset(s.kind for s in self.states)
+        return frozenset(s.kind for s in self.states) | {"position" for _ in self.direction.lever}
 
     @property
     def looked_at(self) -> float:

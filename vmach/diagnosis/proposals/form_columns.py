@@ -12,8 +12,12 @@ from vmach.diagnosis.proposals.states import (
     ALL_AXES,
     CONSTANT,
     DIRECTIONS,
+    HALF_TURNS,
+    TURNS,
     Direction,
     State,
+    bend_about,
+    curve_in,
     states_of,
 )
 from vmach.diagnosis.proposals.waves import wave_states
@@ -28,6 +32,12 @@ _AT_ONCE = 500
 _ALL = slice(None)
 #: kinds of what may push along all axes at once, by another amount each
 _ALONG_ALL = ("time", "warm-up", "time since tool change", "spindle", "tool change", "tool")
+#: kinds of what may be more or less along an axis
+_ALONG_AN_AXIS = ("direction", "travel since reversal", "speed", "warm-up", "tool", "tool change")
+#: a curve along an axis is tried where readings go further than this, mm
+_LEAST_SPAN_MM = 50.0
+#: share of the span that no reading may leave out: half the shortest wave of the curve
+_WIDEST_GAP = 1.0 / HALF_TURNS
 #: a form that differs by less than this among the readings, mm, does not show
 _BLIND_MM = 1e-9
 
@@ -43,24 +53,41 @@ class FormColumns:
     def __init__(self, survey: Survey) -> None:
         self._survey = survey
         self._states = _states(survey)
-        every = (*DIRECTIONS, ALL_AXES)
+        places = np.concatenate([p.on_part_mm for p in survey.paths])
+        self._bend = bend_about(0.5 * (places.min(axis=0) + places.max(axis=0)))
+        every = (*DIRECTIONS, ALL_AXES, *TURNS, self._bend)
         self._sensed = {direction: _sensed(survey, direction) for direction in every}
-        self.forms = [*self._plain(), *self._of_several()]
+        self.forms = [*self._plain(), *self._of_several(), *self._along_axes()]
 
     def _plain(self) -> Iterator[Form]:
         """Those of one amount."""
         single = [state for state, value in self._states.items() if value.shape[1] == 1]
         for pair in itertools.combinations_with_replacement(single, 2):
-            for direction in DIRECTIONS:
-                yield Form(*pair, direction)
+            if pair[0] is not pair[1] or _has_square(self._states[pair[0]]):
+                yield from (Form(*pair, direction) for direction in DIRECTIONS)
 
     def _of_several(self) -> Iterator[Form]:
-        """Those of several amounts: steps and waves, and what drifts along all axes."""
+        """Those of several amounts: steps and waves, what drifts along all axes, turns, a bend."""
         for state, value in self._states.items():
             if value.shape[1] > 1:
                 yield from (Form(CONSTANT, state, direction) for direction in DIRECTIONS)
             if state.kind in _ALONG_ALL and state.words != "":
                 yield Form(CONSTANT, state, ALL_AXES)
+            if value.shape[1] == 1 and state is not CONSTANT:
+                yield from (Form(CONSTANT, state, turn) for turn in TURNS)
+        yield Form(CONSTANT, CONSTANT, self._bend)
+
+    def _along_axes(self) -> Iterator[Form]:
+        """States that do more at one place of an axis than at another."""
+        single = [s for s, v in self._states.items() if v.shape[1] == 1]
+        for k, place in enumerate(np.vstack([path.nose_mm for path in self._survey.paths]).T):
+            low, high, gap = place.min(), place.max(), np.diff(np.sort(place)).max(initial=0.0)
+            if high - low < _LEAST_SPAN_MM or gap > _WIDEST_GAP * (high - low):
+                continue
+            curve = curve_in(k, low, high)
+            self._states[curve] = _values(self._survey, curve)
+            for state in (s for s in single if s.kind in _ALONG_AN_AXIS):
+                yield from (Form(state, curve, d) for d in DIRECTIONS[:3])
 
     def add_waves(self, left_mm: np.ndarray) -> list[Form]:
         """Waves that are conspicuous in what is left, (n,) mm, added to the forms."""
@@ -111,6 +138,11 @@ def _states(survey: Survey) -> dict[State, np.ndarray]:
         if np.ptp(value, axis=0).max() > 0.0:
             found[state] = value
     return found
+
+
+def _has_square(value: np.ndarray) -> bool:
+    """Whether its square says more than it does: a sign or a switch has none. Of (n, 1)."""
+    return np.ptp(value) == 0.0 or not np.isin(value, (-1.0, 0.0, 1.0)).all()
 
 
 def _values(survey: Survey, state: State) -> np.ndarray:

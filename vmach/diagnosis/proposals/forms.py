@@ -30,6 +30,9 @@ _FITTED = 6
 _MOST = 4
 #: proposals that are told
 _TOLD = 3
+#: share of what was beyond noise that a form leaves at most of features that were not fitted,
+#: where the discrepancy may hold it as well
+_HALVED = 0.5
 #: readings at most that all forms are looked through on; the best are fitted to all readings
 _LOOKED_THROUGH = 3000
 #: numbers that products of forms may take up while they are kept
@@ -61,7 +64,9 @@ class Forms:
         """An explanation with forms added while that is clearly more probable."""
         here = self._with(()).explain(found.terms, found.posterior.sizes, refine=False)
         for _ in range(_MOST):
-            if remains_um(self._weighing, here) < WORTH_A_FORM * usual_u_um(self._weighing):
+            # a factor on the stated uncertainty may stand for a form
+            rest = remains_um(self._weighing, here, noise=1.0)
+            if rest < WORTH_A_FORM * usual_u_um(self._weighing):
                 break
             self._columns.add_waves(self._left_mm(here))
             better = self._extended(here, self._leading(_two_views(here)))
@@ -90,37 +95,22 @@ class Forms:
         grown : Explanation
             With forms.
         """
-        leading = self._leading(_two_views(alone))
-        weighing = self._with(leading)
-        start = weighing.explain(alone.terms, alone.posterior.sizes, refine=False)
-        trials = [weighing.extend(start, weighing.index_of(_label(f))) for f in leading]
-        ranked = sorted(zip(trials, leading, strict=True), key=lambda both: -both[0].score)
         first = [self._chosen[t.label] for t in grown.terms if t.label in self._chosen]
-        told: list[Proposal] = []
-        for form in (*first, *(form for _, form in ranked)):
-            if len(told) == _TOLD:
-                break
-            if any(form.kinds == p.form.kinds for p in told):
-                continue
-            proposal = self._proposal(start, form)
-            without, with_it = proposal.held_out_um
-            if (form in first or proposal.odds > CLEARLY) and with_it < without:
-                told.append(proposal)
-        return tuple(told)
-
-    def _proposal(self, start: Explanation, form: Form) -> Proposal:
-        weighing = self._with([form])
-        trial = weighing.extend(start, weighing.index_of(_label(form)))
-        fit, last = trial.fit, len(trial.terms) - 1
-        assert fit is not None
-        return Proposal(
-            form=form,
-            amounts_um=fit.parameters(last),
-            u_um=fit.uncertainty(last),
-            odds=trial.score - start.score,
-            remains_um=remains_um(weighing, trial),
-            held_out_um=held_out_um(weighing.survey, fit, last),
-        )
+        forms = dict.fromkeys([*first, *self._leading(_two_views(alone))])
+        weighing = self._with([*forms])
+        start = weighing.explain(alone.terms, alone.posterior.sizes, refine=False)
+        noise_um = grown.posterior.sizes.factor * usual_u_um(weighing)
+        found: list[Proposal] = []
+        for here in (start, beside_little(start)):
+            for form in forms:
+                k, resize = weighing.index_of(_label(form)), here is start
+                trial = weighing.extend(here, k, resize=resize)
+                proposal = _proposal(weighing, form, here, trial)
+                # what the discrepancy holds as well has to foretell
+                share = proposal.share_left(noise_um)
+                if proposal.odds > CLEARLY and share < (1.0 if resize else _HALVED):
+                    found.append(proposal)
+        return _told(found, len(weighing.survey))
 
     def _with(self, forms: Sequence[Form]) -> Weighing:
         """A weighing of the known effects, the forms that were added, and some more."""
@@ -175,6 +165,36 @@ class Forms:
             yield some, bank
         if known < room:
             self._listed = len(self._columns.forms)
+
+
+def _proposal(weighing: Weighing, form: Form, start: Explanation, trial: Explanation) -> Proposal:
+    """A form, as it was fitted last of all."""
+    fit, last = trial.fit, len(trial.terms) - 1
+    assert fit is not None
+    return Proposal(
+        form=form,
+        amounts_um=fit.parameters(last),
+        u_um=fit.uncertainty(last),
+        odds=trial.score - start.score,
+        remains_um=remains_um(weighing, trial),
+        held_out_um=held_out_um(weighing.survey, fit, last),
+    )
+
+
+def _told(found: Sequence[Proposal], readings: int) -> tuple[Proposal, ...]:
+    """Those that foretell best what was not fitted, of other states each.
+
+    Of those within one standard error of the best, that with the fewest amounts: the rule of
+    T. Hastie, R. Tibshirani and J. Friedman, The Elements of Statistical Learning, 7.10.
+    """
+    told: list[Proposal] = []
+    left = list(found)
+    while left and len(told) < _TOLD:
+        most = min(p.held_out_um[1] for p in left) * (1.0 + 1.0 / np.sqrt(2.0 * readings))
+        close = [p for p in left if p.held_out_um[1] <= most]
+        told.append(min(close, key=lambda p: (len(p.amounts_um), -p.odds)))
+        left = [p for p in left if p.form.kinds != told[-1].form.kinds]
+    return tuple(told)
 
 
 def _two_views(here: Explanation) -> list[Explanation]:

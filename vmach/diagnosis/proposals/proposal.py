@@ -35,6 +35,11 @@ class Proposal:
     remains_um: float
     held_out_um: tuple[float, float]
 
+    def share_left(self, noise_um: float) -> float:
+        """Share of what is beyond noise that it leaves of features that were not fitted."""
+        without, left = (max(held**2 - noise_um**2, 0.0) for held in self.held_out_um)
+        return math.sqrt(left / without) if without > 0.0 else 1.0
+
     @property
     def amount_um(self) -> float:
         """The amplitude; of several the root of the sum of their squares."""

@@ -11,12 +11,25 @@ from vmach.job import Job
 from vmach.machine import LINEAR_AXES
 from vmach.path.circumstances import Circumstances
 
-__all__ = ["ALL_AXES", "CONSTANT", "DIRECTIONS", "Direction", "State", "states_of"]
+__all__ = [
+    "ALL_AXES",
+    "CONSTANT",
+    "DIRECTIONS",
+    "HALF_TURNS",
+    "TURNS",
+    "Direction",
+    "State",
+    "bend_about",
+    "curve_in",
+    "states_of",
+]
 
 #: way over which what follows a reversal fades, mm
 _FADES_MM = (1.0, 10.0)
 #: time constants of what warms or settles, s; a factor of four apart, the best is never far
 _SETTLES_S = (75.0, 300.0, 1200.0, 4800.0)
+#: half turns at most of a smooth curve along an axis
+HALF_TURNS = 4
 
 
 @dataclass(frozen=True)
@@ -53,11 +66,24 @@ class State:
 
 @dataclass(frozen=True)
 class Direction:
-    """Where to a displacement goes from `path`; or several, each with an amount of its own."""
+    """Where to a displacement goes from `path`; or several, each with an amount of its own.
+
+    Attributes
+    ----------
+    words : str
+        For people.
+    code : str
+        Python for it from `path`, a `Circumstances`: (P, 3), or (P, 3, D).
+    needs_surface : bool
+        Whether only a machined surface has it.
+    lever : tuple of str
+        Places that its length depends on, in words.
+    """
 
     words: str
     code: str
     needs_surface: bool
+    lever: tuple[str, ...] = ()
 
     def at(self, path: Circumstances) -> np.ndarray:
         """Directions, (P, 3, D)."""
@@ -75,12 +101,64 @@ DIRECTIONS = (
     ),
     Direction("out of the walls", "path.side_normal", True),
     Direction("out of the floors", "path.normal * np.array([0.0, 0.0, 1.0])", True),
+    Direction("out of all surfaces", "path.normal", True),
 )
 
 #: each with an amount of its own
 ALL_AXES = Direction(
     "along X, Y and Z", "np.eye(3) * np.ones((len(path), 1, 1))", needs_surface=False
 )
+
+
+def _others(k: int) -> tuple[int, ...]:
+    return tuple(i for i in range(3) if i != k)
+
+
+def _places(*ks: int) -> tuple[str, ...]:
+    return tuple(f"{LINEAR_AXES[k]} in 100 mm" for k in ks)
+
+
+def _turn(k: int) -> Direction:
+    """A turn about an axis: arms along the two others, and shifts where they start elsewhere.
+
+    Which arm follows the axes depends on the machine, so each has an amount of its own.
+    """
+    i, j = _others(k)
+    moved = [
+        *(f"np.outer(0.01 * path.nose_mm[:, {a}], np.eye(3)[{b}])" for a, b in ((i, j), (j, i))),
+        *(f"np.outer(np.ones(len(path)), np.eye(3)[{a}])" for a in (i, j)),
+    ]
+    code = f"np.stack([{', '.join(moved)}], axis=2)"
+    return Direction(f"as a turn about {LINEAR_AXES[k]}", code, False, lever=_places(i, j))
+
+
+TURNS = tuple(_turn(k) for k in range(3))
+
+
+def bend_about(middle_mm: np.ndarray) -> Direction:
+    """Curvature along X and Y, and twist, of a part about its middle (3,) mm.
+
+    As a plate whose normals stay normal: what is at height z turns with the slope of the
+    deflection w, and so moves by (-z dw/dx, -z dw/dy, w).
+
+    Source: closed form derived here from Kirchhoff's assumption.
+    """
+    x, y, z = (f"0.01 * (path.on_part_mm[:, {k}] - {v:.0f})" for k, v in enumerate(middle_mm))
+    none = "np.zeros(len(path))"
+    moved = (
+        f"[-2.0 * {z} * {x}, {none}, ({x}) ** 2]",
+        f"[{none}, -2.0 * {z} * {y}, ({y}) ** 2]",
+        f"[-{z} * {y}, -{z} * {x}, {x} * {y}]",
+    )
+    code = f"np.transpose([{', '.join(moved)}], (2, 1, 0))"
+    return Direction("as a plate bends and twists", code, True, lever=_places(0, 1))
+
+
+def curve_in(k: int, low_mm: float, high_mm: float) -> State:
+    """A smooth curve along an axis, as cosines of half a turn to two turns, and a constant."""
+    share = f"np.clip((path.nose_mm[:, {k}] - {low_mm:.0f}) / {high_mm - low_mm:.0f}, 0.0, 1.0)"
+    code = f"np.cos(np.pi * np.outer({share}, np.arange({HALF_TURNS + 1})))"
+    return State("position", f"a curve in {LINEAR_AXES[k]} in 100 mm", code)
 
 
 def states_of(job: Job, path: Circumstances) -> Iterator[State]:

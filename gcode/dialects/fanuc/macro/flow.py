@@ -48,6 +48,9 @@ class MacroFlow:
                 self.reader.blocks.finish_corner()
                 action(*match.groups())
                 return True
+        if content.startswith("if["):
+            raise ProgramError("IF without GOTO and without THEN",
+                               accepted="IF[#1EQ2]GOTO10, IF[#1EQ2]THEN#3=4")  # fmt: skip
         return False
 
     def _if_goto(self, condition: str, target: str) -> None:

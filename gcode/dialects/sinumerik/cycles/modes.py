@@ -1,7 +1,7 @@
 """GMODE, DMODE and AMODE at the end of a cycle's arguments: what the other arguments count.
 
-Autodesk's public post for the SINUMERIK 840D names them and writes 0, 0 and 10 or 1001110 for
-drilling to the tip, the plane that is active, dwells in seconds and depths as DP or DPR say. Their
+Autodesk's public post for the SINUMERIK 840D names them. It writes 0 for drilling to the tip, 0 for
+the plane that is active, and 10 or 1001110 for dwells in seconds and depths as DP or DPR say. Their
 other digits, and those of milling cycles, are from memory of the manual "G code programming".
 """
 
@@ -89,6 +89,8 @@ def check_milling_modes(name: str, further: Arguments, plane: int) -> None:
     plane : int
     """
     if len(further) < 3:
+        if any(further):
+            raise ProgramError(f"{name} with {len(further)} arguments too many")
         return
     geometry, display, alternative = (value or 0.0 for value in further[-3:])
     _check_plane(name, display, plane)

@@ -1,0 +1,95 @@
+"""Turns, bends and curves that a form may go into, against closed forms and hidden causes."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from tests.unit.test_diagnosis_verdicts import tip_job
+from vmach.diagnosis.diagnose import diagnose
+from vmach.diagnosis.proposals.effect_text import effect_text
+from vmach.diagnosis.proposals.states import bend_about, curve_in
+from vmach.diagnosis.residuals.job_survey import survey_job
+from vmach.effects import catalogue, load_effect_file
+
+
+class Path(SimpleNamespace):
+    """Circumstances with what the code of a direction asks for."""
+
+    def __len__(self):
+        return len(self.on_part_mm)
+
+
+def test_a_plate_bends_as_its_deflection_slopes():
+    """Normals stay normal: (-z dw/dx, -z dw/dy, w), by differences of each deflection."""
+    middle = np.array([100.0, 50.0, -15.0])
+    place = np.random.default_rng(1).uniform([0, 0, -30], [200, 100, 0], (40, 3))
+    moved = bend_about(middle).at(Path(on_part_mm=place))
+    x, y, z = (0.01 * (place - middle)).T
+    deflections = (lambda x, y: x * x, lambda x, y: y * y, lambda x, y: x * y)
+    for k, w in enumerate(deflections):
+        h = 1e-6
+        along_x = (w(x + h, y) - w(x - h, y)) / (2 * h)
+        along_y = (w(x, y + h) - w(x, y - h)) / (2 * h)
+        expected = np.stack([-z * along_x, -z * along_y, w(x, y)], axis=1)
+        np.testing.assert_allclose(moved[:, :, k], expected, atol=1e-9)
+
+
+def test_a_curve_holds_its_ends_beyond_what_was_measured():
+    at = [curve_in(0, -100.0, 300.0).at(Path(on_part_mm=p, nose_mm=p)) for p in (
+        np.array([[-100.0, 0, 0], [300.0, 0, 0]]), np.array([[-900.0, 0, 0], [900.0, 0, 0]])
+    )]  # fmt: skip
+    np.testing.assert_array_equal(at[0], at[1])
+    assert at[0].shape == (2, 5)
+
+
+def skewing(q, side, time):
+    """The saddle skews by 40 urad whenever X turns, about a place 100 mm off the middle."""
+    turn = 20e-3 * side[:, 0]
+    return np.stack([-turn * (q[:, 1] + 50.0), 0.5 * turn * 100.0, 0.0 * turn], axis=1)
+
+
+def test_a_skew_at_each_reversal_is_a_turn(tmp_path):
+    found = diagnose(survey_job(tip_job(tmp_path, skewing, count=120)))
+    assert found.verdict in ("unknown", "partly")
+    first = found.proposals[0]
+    assert first.form.formula == "direction of X, as a turn about Z"
+    assert first.form.state_words == ("direction of X", "X in 100 mm", "Y in 100 mm")
+    assert first.held_out_um[1] < 0.7  # the noise is 0.5 um
+
+
+def worn(q, side, time):
+    """Y has 20 um of play where its screw is worn, within 40 mm about Y-120."""
+    play = 20.0 * np.exp(-0.5 * ((q[:, 1] + 120.0) / 40.0) ** 2)
+    return np.outer(-0.5 * play * side[:, 1], [0.0, 1.0, 0.0])
+
+
+def test_play_at_one_place_of_a_screw_is_a_curve_of_reversals(tmp_path):
+    found = diagnose(survey_job(tip_job(tmp_path, worn, count=150)))
+    first = found.proposals[0]
+    assert first.form.formula == "direction of Y x a curve in Y in 100 mm, along Y"
+    assert first.held_out_um[1] < 0.4 * first.held_out_um[0]
+    # the file that is written does what was hidden, but for what the cosines leave
+    file = tmp_path / "proposed_wear.py"
+    file.write_text(effect_text(first, name="proposed_wear"))
+    effect = load_effect_file(file)
+    try:
+        path = found.residuals.survey.paths[0]
+        moved = 1e3 * effect.displacement(path, "", **first.amounts_um)
+        expected = worn(path.nose_mm, path.play_side, None)
+        left = np.sqrt(np.mean((moved - expected) ** 2)) / np.sqrt(np.mean(expected**2))
+        assert left < 0.35
+    finally:
+        catalogue().pop("proposed_wear", None)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_cause_by_chance_is_proposed_nothing_that_foretells_it(tmp_path, seed):
+    """Where each reading is off by chance no form foretells the others."""
+
+    def by_chance(q, side, time):
+        return np.random.default_rng(seed).normal(size=q.shape) * 6.0
+
+    found = diagnose(survey_job(tip_job(tmp_path, by_chance, count=60, seed=seed)))
+    assert all(p.share_left(0.5) < 1.0 for p in found.proposals)
+    assert not any(p.share_left(0.5) < 0.8 for p in found.proposals)
