@@ -128,11 +128,22 @@ def test_klartext_says_calls_and_measuring_cycles_at_once():
 
 def test_a_macro_that_the_job_leaves_out_is_noted():
     text = "G21 G90\nG0 X1.\nG65 P9810 Z5. F1000\nM98 P77\nX2.\nM30"
-    with pytest.raises(ProgramError, match=r"ignore_calls = \['O9810'\]"):
+    with pytest.raises(ProgramError, match=r"ignore_calls = \['O9810', 'O77'\]"):
         read(text, "fanuc")
     program = read(text, "fanuc", ignore_calls=frozenset(("O9810", "O0077")))
     assert program.moves.end_mm[-1].tolist() == [2.0, 0.0, 500.0]
     assert {"O9810", "O77"} <= {note.word for note in program.notes}
+
+
+def test_fanuc_says_all_programs_it_lacks_at_once():
+    text = (
+        "G21 G90\nG0 X1.\nG65 P9810 Z5. F1000\nG65 Z2. P9810\nM98 P30077\nM98 P20100 L2\n"
+        "M98 P5\n(M98 P6)\nM98 P#1\nG66 P8.\nX2.\nM30\nO5\nX3.\nM99"
+    )
+    with pytest.raises(ProgramError, match=r"beside it: O9810, O77, O20100\b.*O0077\.nc"):
+        read(text, "fanuc")
+    with pytest.raises(ProgramError, match=r"beside it: O77, O20100\b"):
+        read(text, "fanuc", ignore_calls=frozenset(("O9810",)))
 
 
 def test_what_the_controls_memory_holds_is_said_by_the_job():

@@ -142,6 +142,11 @@ def test_a_dwell_may_count_turns_of_the_spindle(cycle):
         ("CYCLE82(20,0,2,-10,,0,0,2,12)", "another plane"),
         ("CYCLE82(20,0,2,-10,,0,0,1,11)", "without a depth"),
         ("CYCLE83(20,0,2,-10,,-4,,-0.5)", "DAM -0.5"),
+        ("POCKET3(50,0,2,-5,40,30,8,60,40,0,5,0,0,9,9,0,4,5)", "VARI 4"),
+        ("CYCLE90(20,0,2,-11,,30,26,2,300,2,0,0,0,0,2,0)", "another plane"),
+        ("CYCLE71(50,0,2,-5,0,0,60,40,0,5,8,5,0,300,11,5,0,0,11)", "AMODE 11"),
+        ('CYCLE72("A",20,0,2,-6,3,1,0,9,9,2,41,1,2,9,1,2,0,0,0,0,0,11)', "AMODE 11"),
+        ("MCALL CYCLE81(10,0,2,-5)\nCYCLE801(0,0,0,9,9,2,2,1)", "CYCLE801 with a frame"),
         (
             "POCKET4(10,0,2,5,11,0,0,1,0,0,200,200,0,21,50,9,15,5,1,0,1,2,10100,111,111)",
             "AMODE 111",
@@ -160,3 +165,29 @@ def test_the_depth_of_the_cylindrical_part_is_refused():
     read_program(Source(text.format("+0").encode(), "a.h"), tools=TOOLS)
     with pytest.raises(ProgramError, match="Q395=1"):
         read_program(Source(text.format("+1").encode(), "a.h"), tools=TOOLS)
+
+
+@pytest.mark.parametrize("operation", [0, 2, 3])
+def test_what_a_klartext_pocket_does_is_said_by_q215(operation):
+    text = ("BEGIN PGM A MM\nTOOL CALL 1 Z S500\nCYCL DEF 252 CIRCULAR POCKET ~\n"
+            f"Q215={operation} ~\nQ223=40 ~\nQ368=0 ~\nQ207=500 ~\nQ351=1 ~\nQ201=-5 ~\n"
+            "Q202=5 ~\nQ369=0 ~\nQ206=100 ~\nQ338=0 ~\nQ200=2 ~\nQ203=0 ~\nQ204=20 ~\nQ370=1\n"
+            "L X+0 Y+0 FMAX M3 M99\nEND PGM A MM\n")  # fmt: skip
+    source = Source(text.encode(), "a.h")
+    if operation == 3:
+        with pytest.raises(ProgramError, match="Q215=3"):
+            read_program(source, tools=TOOLS)
+        return
+    moves = read_program(source, tools=TOOLS).moves
+    assert (moves.end_mm[moves.at_feed, 2] - 100).min() == -5
+
+
+@pytest.mark.parametrize(
+    ("vari", "places"),
+    [(1000, [(20, 0), (0, 20), (-20, 0), (0, -20)]),
+     (2000, [(20, 0), (10, 300**0.5), (-10, 300**0.5), (-20, 0)])],
+)  # fmt: skip
+def test_a_whole_circle_of_holes_whatever_its_step(vari, places):
+    """VARI 1000 of HOLES2 is a whole circle, 2000 a part of one that INDA divides."""
+    moves = hole(f"MCALL CYCLE81(10,0,2,-5)\nHOLES2(0,0,20,0,60,4,{vari})\nMCALL").moves
+    assert moves.end_mm[moves.at_feed][:, :2] == pytest.approx(np.array(places), abs=1e-9)

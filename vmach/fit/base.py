@@ -8,7 +8,8 @@ Source: closed form derived here: the precision of normal variables of unit vari
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+import itertools
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -21,6 +22,7 @@ from vmach.fit.columns import Columns
 from vmach.fit.discrepancy import Members
 from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.means import Means
+from vmach.fit.places import Inner, Places, Step, steps_along
 from vmach.fit.remembered import Remembered
 from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
@@ -28,12 +30,14 @@ from vmach.fit.whitening import thin_product
 
 __all__ = ["Base", "SizedMembers", "raised", "root_of_precision", "solved"]
 
+#: an effect, its target and inner parameters
+Asked = tuple[Effect, str, Mapping[str, float]]
 #: members up to this size, in u, take nothing
 _GONE = 0.025
 #: numbers that roots of sized members may take up while they are remembered
 _ROOM = 10_000_000
 #: numbers that signatures with their products may take up while they are remembered
-_ROOM_OF_COLUMNS = 34_000_000
+_ROOM_OF_COLUMNS = 12_000_000
 
 
 class Base:
@@ -72,8 +76,10 @@ class Base:
         self.square = float(self.y @ self.y)
         # a root, and the raised one
         self._sized = Remembered[SizedMembers](_ROOM / max(2 * self.gram.size, 1))
-        self._alike: dict[Hashable, Hashable] = {}
-        self._columns = Remembered[Columns](_ROOM_OF_COLUMNS, lambda columns: columns.size)
+        self._columns = Remembered[Columns](
+            _ROOM_OF_COLUMNS, lambda c: 2 * c.white.size + c.cross.size
+        )
+        self._steps = Remembered[Step](_ROOM_OF_COLUMNS, lambda step: step.size)
 
     def white(self, columns_mm: np.ndarray) -> np.ndarray:
         """Columns (n, k) mm in unit noise without what the nuisance can explain."""
@@ -86,50 +92,50 @@ class Base:
 
     def columns(self, columns_mm: np.ndarray) -> Columns:
         """Columns (n, K) mm with their products."""
-        white = self.white(columns_mm)
-        return Columns(columns_mm, white, thin_product(self.z.T, white), white.T @ self.y)
+        white = self.white(np.asfortranarray(columns_mm))
+        cross = thin_product(self.z.T, white)
+        return Columns.of(lambda: columns_mm, white, cross, white.T @ self.y)
 
     @cached_property
     def no_columns(self) -> Columns:
         """None at all."""
         return self.columns(np.zeros((len(self.survey), 0)))
 
-    def signature(self, effect: Effect, target: str, inner: Mapping[str, float]) -> Columns:
-        """What one usual size of each coefficient of an effect does; the last are remembered."""
-        return self.signatures(effect, target, [inner])[0]
+    def signatures(self, asked: Sequence[Asked]) -> list[Columns]:
+        """What one usual size of each coefficient of effects does; the last are remembered.
 
-    def signatures(
-        self, effect: Effect, target: str, inner: Sequence[Mapping[str, float]]
-    ) -> list[Columns]:
-        """The same at several places; those that are new are worked out together.
-
-        Many moments of a sudden effect have the same signature, which is worked out once.
+        Those that are new are worked out together.
         """
-        known: dict[Hashable, Columns] = {}
-        new: dict[Hashable, np.ndarray] = {}
-        asked = [(effect, target, tuple(values.items())) for values in inner]
-        for one, values in zip(asked, inner, strict=True):
-            columns_mm = None
-            if one not in self._alike:
-                columns_mm = self.survey.signature(effect, target, values)
-                self._alike[one] = effect, target, hash(columns_mm.tobytes())
-            key = self._alike[one]
-            if key in self._columns:
-                known[key] = self._columns[key]
-            elif key not in new:
-                if columns_mm is None:
-                    columns_mm = self.survey.signature(effect, target, values)
-                new[key] = columns_mm
+        keys = [(effect, target, tuple(inner.items())) for effect, target, inner in asked]
+        known = {key: self._columns[key] for key in keys if key in self._columns}
+        new = {key: one for key, one in zip(keys, asked, strict=True) if key not in known}
         if new:
-            together = self.columns(np.hstack(list(new.values())))
-            known |= zip(new, together.split(len(new)), strict=True)
-            for key in new:
-                self._columns[key] = known[key]
-        return [known[self._alike[one]] for one in asked]
+            columns_mm = [self.survey.signature(*one) for one in new.values()]
+            together = self.columns(np.concatenate([own.T for own in columns_mm]).T)
+            parts = together.split(columns_mm)
+            for key, columns in zip(new, parts, strict=True):
+                self._columns[key] = known[key] = columns
+        return [known[key] for key in keys]
+
+    def places(self, effect: Effect, target: str, inner: Sequence[Mapping[str, float]]) -> Places:
+        """The same at many places, one beside the other; only what is new is worked out."""
+        assert isinstance(self.noise, FeatureNoise)
+        is_new = self.survey.told_apart(effect, inner)
+        asked: list[Inner] = [
+            tuple(values.items()) for values in itertools.compress(inner, is_new.tolist())
+        ]
+        pairs = list(zip([None, *asked[:-1]], asked, strict=True))
+        keys = {pair: (effect, target, pair) for pair in pairs}
+        known = {pair: self._steps[key] for pair, key in keys.items() if key in self._steps}
+        new = [pair for pair in pairs if pair not in known]
+        for pair, step in zip(new, steps_along(self, effect, target, new), strict=True):
+            self._steps[keys[pair]] = known[pair] = step
+        return Places(self.noise, [known[pair] for pair in pairs], np.cumsum(is_new) - 1)
 
     def forget(self) -> None:
         """Signatures and roots, which take the most room."""
         self._columns.clear()
+        self._steps.clear()
         self._sized.clear()
 
     def sized(self, sizes: Sizes) -> SizedMembers:
@@ -154,7 +160,8 @@ class SizedMembers:
     """
 
     def __init__(self, base: Base, sizes: Sizes) -> None:
-        self._base, self.sizes = base, sizes
+        # not the base itself, which remembers this: large things that hold each other stay long
+        self._gram, self._seen, self.sizes = base.gram, base.seen, sizes
         size = sizes.each[base.member_of]
         self.here, self.absent = np.flatnonzero(size > _GONE), np.flatnonzero(size <= _GONE)
         self.scale = size[self.here] / sizes.factor
@@ -162,12 +169,12 @@ class SizedMembers:
     @cached_property
     def root(self) -> np.ndarray:
         """Lower Cholesky factor of 1 + S G S, the precision in prior deviations, (p, p)."""
-        return root_of_precision(self._base.gram[np.ix_(self.here, self.here)], self.scale)
+        return root_of_precision(self._gram[np.ix_(self.here, self.here)], self.scale)
 
     @cached_property
     def seen(self) -> np.ndarray:
         """What the readings say, by the root: L^-1 S Z^T y, (p,)."""
-        return self.taken(self._base.seen) / self.sizes.factor
+        return self.taken(self._seen) / self.sizes.factor
 
     @cached_property
     def raised_root(self) -> np.ndarray:

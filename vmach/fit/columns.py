@@ -8,7 +8,8 @@ Source: derived here, from the products of linear least squares.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
@@ -20,68 +21,114 @@ __all__ = ["Columns"]
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """K columns.
+    """K columns, each together in memory.
 
     Attributes
     ----------
-    mm, white : (n, K) float64
-        In mm, and in unit noise without what the nuisance can explain.
+    make_mm, make_white : callable
+        What they are, (n, K): in mm, and in unit noise without what the nuisance can explain.
+        Worked out when asked for, as most questions are answered by products.
+    make_gram : callable
+        Products of the white columns with each other, (K, K).
     cross : (q, K) float64
-        Products with the members' columns.
+        With the members' columns.
     seen : (K,) float64
         With the readings.
     """
 
-    mm: np.ndarray
-    white: np.ndarray
+    make_mm: Callable[[], np.ndarray]
+    make_white: Callable[[], np.ndarray]
+    make_gram: Callable[[], np.ndarray]
     cross: np.ndarray
     seen: np.ndarray
+
+    @classmethod
+    def of(
+        cls, mm: Callable[[], np.ndarray], white: np.ndarray, cross: np.ndarray, seen: np.ndarray
+    ) -> Self:
+        """White columns (n, K) that are there."""
+        return cls(mm, lambda: white, lambda: white.T @ white, cross, seen)
 
     def __len__(self) -> int:
         return len(self.seen)
 
+    @property
+    def size(self) -> int:
+        """Numbers that they take up, those in mm with them."""
+        return 2 * self.white.size + self.cross.size
+
+    @property
+    def mm(self) -> np.ndarray:
+        """In mm, (n, K)."""
+        return self.make_mm()
+
+    @cached_property
+    def white(self) -> np.ndarray:
+        """In unit noise, (n, K)."""
+        return self.make_white()
+
     @cached_property
     def gram(self) -> np.ndarray:
         """Products of the white columns with each other, (K, K)."""
-        return self.white.T @ self.white
-
-    @property
-    def size(self) -> int:
-        """Numbers of eight bytes that they take up."""
-        return (self.mm.nbytes + self.white.nbytes + self.cross.nbytes) // 8
+        return self.make_gram()
 
     def times(self, matrix: np.ndarray) -> Self:
         """Sums of columns, by a matrix (K, m) of their weights."""
-        return type(self)(
-            self.mm @ matrix, self.white @ matrix, self.cross @ matrix, self.seen @ matrix
-        )
+        mm, white = self.mm @ matrix, (matrix.T @ self.white.T).T
+        return self.of(lambda: mm, white, self.cross @ matrix, self.seen @ matrix)
 
     def scaled(self, widths: np.ndarray | float) -> Self:
         """Each column so many times, (K,)."""
-        mm, white, cross = self.mm * widths, self.white * widths, self.cross * widths
-        return type(self)(mm, white, cross, self.seen * widths)
+        wide, mm, white = np.broadcast_to(widths, self.seen.shape), self.make_mm, self.make_white
+        return type(self)(
+            lambda: mm() * wide,
+            lambda: (wide[:, None] * white().T).T,
+            lambda: self.gram * wide * wide[:, None],
+            self.cross * wide,
+            self.seen * wide,
+        )
 
-    def split(self, count: int) -> list[Self]:
-        """So many equal parts, none of which holds the memory of the others.
+    def beside(self, other: Self) -> Self:
+        """These and others; what is known of their products is not worked out again."""
+        if not (len(self) and len(other)):
+            return self if len(self) else other
 
-        What they are in mm, which no product needs, is rounded.
-        """
-        if count == 1:
-            return [self]
-        parts = [np.hsplit(m, count) for m in (self.mm, self.white, self.cross)]
-        seen = np.split(self.seen, count)
-        return [
-            type(self)(mm.astype(np.float32), white.copy(), cross.copy(), own)
-            for mm, white, cross, own in zip(*parts, seen, strict=True)
-        ]
+        def gram() -> np.ndarray:
+            shared = self.white.T @ other.white
+            return np.block([[self.gram, shared], [shared.T, other.gram]])
+
+        return type(self)(
+            _side_by_side([self.make_mm, other.make_mm]),
+            _side_by_side([self.make_white, other.make_white]),
+            gram,
+            np.concatenate([self.cross, other.cross], axis=1),
+            np.concatenate([self.seen, other.seen]),
+        )
+
+    def split(self, parts_mm: Sequence[np.ndarray]) -> list[Self]:
+        """Those that make up parts (n, k) mm, which do not hold the memory of the others."""
+        ends = np.cumsum([0, *(part.shape[1] for part in parts_mm)]).tolist()
+        found = []
+        for own, (low, high) in zip(parts_mm, itertools.pairwise(ends), strict=True):
+            white, cross = self.white[:, low:high].copy("F"), self.cross[:, low:high].copy()
+            found.append(self.of(_ready(own), white, cross, self.seen[low:high]))
+        return found
 
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:
         """Side by side; at least one part."""
         if len(parts) == 1:
             return parts[0]
-        mm, white, cross = (
-            np.concatenate([getattr(p, name) for p in parts], axis=1)
-            for name in ("mm", "white", "cross")
-        )
-        return cls(mm, white, cross, np.concatenate([p.seen for p in parts]))
+        mm = _side_by_side([part.make_mm for part in parts])
+        white = _side_by_side([part.make_white for part in parts])()
+        cross = np.concatenate([part.cross for part in parts], axis=1)
+        return cls.of(mm, white, cross, np.concatenate([part.seen for part in parts]))
+
+
+def _side_by_side(parts: Sequence[Callable[[], np.ndarray]]) -> Callable[[], np.ndarray]:
+    """Columns of all parts, each together in memory."""
+    return lambda: np.concatenate([part().T for part in parts]).T
+
+
+def _ready(columns: np.ndarray) -> Callable[[], np.ndarray]:
+    return lambda: columns

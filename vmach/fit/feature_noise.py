@@ -14,6 +14,7 @@ mixture).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -57,21 +58,26 @@ class FeatureNoise:
         scaled = columns / self.u_mm[:, None]
         if self.share == 0.0:
             return scaled * np.sqrt(self.weight)[:, None]
-        result = np.empty_like(scaled)
-        for rows, root in self._roots:
-            result[rows] = solve_triangular(root, scaled[rows], lower=True, check_finite=False)
-        return result
+        return self._by_blocks(scaled, [inverse for _, inverse in self._roots])
 
     def back(self, white: np.ndarray) -> np.ndarray:
         """Columns (n, k) by the transpose of the map that makes columns white."""
         if self.share == 0.0:
             return white * (np.sqrt(self.weight) / self.u_mm)[:, None]
-        result = np.empty_like(white)
-        for rows, root in self._roots:
-            result[rows] = solve_triangular(
-                root, white[rows], lower=True, trans="T", check_finite=False
-            )
-        return result / self.u_mm[:, None]
+        back = self._by_blocks(white, [inverse.T for _, inverse in self._roots])
+        back /= self.u_mm[:, None]
+        return back
+
+    def _by_blocks(self, columns: np.ndarray, matrices: Sequence[np.ndarray]) -> np.ndarray:
+        """Columns (n, k), each block of readings times its matrix."""
+        ordered = columns[self._order]
+        found = np.empty_like(ordered)
+        end = 0
+        for matrix in matrices:
+            start, end = end, end + len(matrix)
+            np.matmul(matrix, ordered[start:end], out=found[start:end])
+        ordered[self._order] = found
+        return ordered
 
     def standardised(self, white: np.ndarray) -> np.ndarray:
         """The expected independent part of white readings (n,), in standard deviations."""
@@ -85,26 +91,32 @@ class FeatureNoise:
         """Of the covariance in units of u."""
         if self.share == 0.0:
             return -float(np.log(self.weight).sum())
-        return 2.0 * float(sum(np.log(np.diag(root)).sum() for _, root in self._roots))
+        return 2.0 * float(sum(np.log(np.diag(root)).sum() for root, _ in self._roots))
 
     @cached_property
     def _roots(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Rows of each block and the lower Cholesky factor of its covariance."""
+        """Lower Cholesky factor of the covariance of each block, and its inverse."""
         found = []
-        for rows in self._blocks:
-            apart = np.abs(np.subtract.outer(np.arange(len(rows)), np.arange(len(rows))))
+        end = 0
+        for size in self._sizes:
+            start, end = end, end + size
+            apart = np.abs(np.subtract.outer(np.arange(size), np.arange(size)))
             covariance = self.share * self.correlation**apart
-            covariance[np.diag_indices(len(rows))] += (1.0 - self.share) / self.weight[rows]
-            found.append((rows, np.linalg.cholesky(covariance)))
+            covariance[np.diag_indices(size)] += (1.0 - self.share) / self.weight[
+                self._order[start:end]
+            ]
+            root = np.linalg.cholesky(covariance)
+            found.append((root, solve_triangular(root, np.eye(size), lower=True)))
         return found
 
     @cached_property
-    def _blocks(self) -> list[np.ndarray]:
-        _, number = np.unique(self.group, return_inverse=True)
-        order = np.argsort(number, kind="stable")
-        features = np.split(order, np.flatnonzero(np.diff(number[order])) + 1)
-        return [
-            block
-            for rows in features
-            for block in np.array_split(rows, int(np.ceil(len(rows) / _BLOCK)))
-        ]
+    def _order(self) -> np.ndarray:
+        """Readings feature by feature, (n,)."""
+        return np.argsort(np.unique(self.group, return_inverse=True)[1], kind="stable")
+
+    @cached_property
+    def _sizes(self) -> list[int]:
+        """Readings of each block, in that order; a feature has as few blocks as it can."""
+        count = np.unique(self.group, return_counts=True)[1]
+        parts = [np.array_split(np.arange(c), int(np.ceil(c / _BLOCK))) for c in count]
+        return [len(block) for feature in parts for block in feature]

@@ -125,11 +125,7 @@ class _Problem:
     def gains_of(self, term: Term, places: Sequence[Mapping[str, float]]) -> np.ndarray:
         """Half of what a further term at each of some places (G,) takes off the sum of squares."""
         beside = self._as_noise
-        tried = beside.base.signatures(term.effect, term.target, places)
-        # many places have the same signature
-        found = {id(columns): columns for columns in tried}
-        known = {key: beside.products(columns) for key, columns in found.items()}
-        gram, seen = (np.stack([known[id(c)][k] for c in tried]) for k in (0, 1))
+        gram, seen = beside.products_at(beside.base.places(term.effect, term.target, places))
         gram += np.eye(gram.shape[1]) / FREE**2
         return 0.5 * (seen * np.linalg.solve(gram, seen[:, :, None])[:, :, 0]).sum(axis=1)
 
@@ -137,15 +133,17 @@ class _Problem:
     def _as_noise(self) -> Posterior:
         """What counts as noise, the terms with it."""
         here = self.posterior
-        columns = Columns.joined([here.effects.columns, self._columns.scaled(self._widths)])
+        columns = here.effects.columns.beside(self._columns.scaled(self._widths))
         return Posterior(here.base, here.sizes, Effects(columns))
-
-    def _signature(self, term: Term) -> Columns:
-        return self.posterior.base.signature(term.effect, term.target, term.inner)
 
     @cached_property
     def _signatures(self) -> list[Columns]:
-        return [self._signature(term) for term in self.terms]
+        return self._at([term.inner for term in self.terms], self.terms)
+
+    def _at(self, inner: Sequence[Mapping[str, float]], terms: Sequence[Term]) -> list[Columns]:
+        """Signatures of terms with inner parameters."""
+        asked = [(t.effect, t.target, own) for t, own in zip(terms, inner, strict=True)]
+        return self.posterior.base.signatures(asked)
 
     @cached_property
     def _columns(self) -> Columns:
@@ -184,23 +182,29 @@ class _Problem:
     @cached_property
     def _tangents(self) -> list[Columns]:
         """Change of each fitted term with each of its free inner logarithms, own I."""
-        return [
-            self._tangents_of(term, here, self._solution[own])
-            for term, here, own in zip(self.terms, self._signatures, self._stretches, strict=True)
+        steps = [
+            (term, term.inner_at(_STEP * unit))
+            for term in self.terms
+            for unit in np.eye(len(term.free_parameters))
         ]
+        near = iter(self._at([inner for _, inner in steps], [term for term, _ in steps]))
+        found = []
+        for term, here, own in zip(self.terms, self._signatures, self._stretches, strict=True):
+            weight = np.concatenate([self._solution[own], -self._solution[own]])[:, None] / _STEP
+            moved = itertools.islice(near, len(term.free_parameters))
+            slopes = [Columns.joined([one, here]).times(weight) for one in moved]
+            found.append(Columns.joined([self.posterior.base.no_columns, *slopes]))
+        return found
 
-    def _tangents_of(self, term: Term, here: Columns, coefficients: np.ndarray) -> Columns:
-        weight = np.concatenate([coefficients, -coefficients])[:, None] / _STEP
-        slopes = [self.posterior.base.no_columns]
-        for unit in np.eye(len(term.free_parameters)):
-            near = self._signature(replace(term, inner=term.inner_at(_STEP * unit)))
-            slopes.append(Columns.joined([near, here]).times(weight))
-        return Columns.joined(slopes)
+    @cached_property
+    def _open(self) -> Columns:
+        """Signatures and tangents of all terms."""
+        return self._columns.beside(Columns.joined(self._tangents))
 
     @cached_property
     def _whole(self) -> tuple[np.ndarray, np.ndarray]:
         """Precision of coefficients and inner logarithms together, with their aim, (K + I,)."""
-        gram, seen = self.posterior.products(Columns.joined([self._columns, *self._tangents]))
+        gram, seen = self.posterior.products(self._open)
         spreads = [term.spread_of_inner for term in self.terms]
         widths = np.concatenate([self._widths, *spreads])
         return gram + np.diag(widths**-2.0), seen
@@ -228,6 +232,7 @@ class _Problem:
             covariance=tuple(covariance[np.ix_(k, k)] for k in own),
             signatures=tuple(self._signatures),
             tangents=tuple(tangents),
+            open=self._open,
             posterior=self.posterior,
         )
 

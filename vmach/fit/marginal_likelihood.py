@@ -23,6 +23,7 @@ import numpy as np
 
 from vmach.fit.base import Base, SizedMembers, inverse_of, raised, root_of_precision, solved
 from vmach.fit.columns import Columns
+from vmach.fit.places import Places
 from vmach.fit.sizes import ABSENT, Sizes
 from vmach.fit.whitening import thin_product
 
@@ -238,6 +239,15 @@ class Posterior:
         taken, factor = self.taken(columns), self.sizes.factor
         gram = columns.gram / factor**2 - taken.T @ taken
         return gram, columns.seen / factor**2 - taken.T @ self.seen
+
+    def products_at(self, places: Places) -> tuple[np.ndarray, np.ndarray]:
+        """The same of the K columns at each of G places, (G, K, K) and (G, K)."""
+        taken = self._taken(places.cross, places.with_columns(self.effects.columns.white))
+        factor, shape = self.sizes.factor, places.gram.shape[:2]
+        by_place = taken.T.reshape(*shape, len(taken))
+        gram = places.gram / factor**2 - by_place @ by_place.transpose(0, 2, 1)
+        seen = places.seen / factor**2 - taken.T @ self.seen
+        return gram[places.which], seen.reshape(shape)[places.which]
 
     @property
     def seen(self) -> np.ndarray:

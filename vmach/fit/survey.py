@@ -200,6 +200,22 @@ class Survey:
         weight = np.array([weight for _, weight in pairs])
         return [values for values, _ in pairs], np.log(weight / weight.sum())
 
+    def told_apart(self, effect: Effect, inner: Sequence[Mapping[str, float]]) -> np.ndarray:
+        """Whether readings may tell each of G places from the one before, (G,) bool.
+
+        Two moments of a sudden effect with no reading between them have the same signature.
+        """
+        is_new = np.ones(len(inner), dtype=bool)
+        if effect.is_sudden and effect.needs_surface:
+            moment = [values["time_s"] for values in inner]
+            is_new[1:] = np.diff(np.searchsorted(self._moments, moment, side="right")) != 0
+        return is_new
+
+    @cached_property
+    def _moments(self) -> np.ndarray:
+        """When what the readings are taken over was made, in order, (S,) s."""
+        return np.sort(np.concatenate([path.time_s for path in self.seen_paths]))
+
     def _paths_of(self, effect: Effect) -> list[Circumstances]:
         """Of the measurements that could show an effect."""
         pairs = zip(self.seen_paths, self.measurements, strict=True)

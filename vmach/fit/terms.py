@@ -95,6 +95,8 @@ class JointFit:
     signatures : tuple of Columns
     tangents : tuple of Columns
         Change of the fitted effect with the logarithm of each free inner parameter.
+    open : Columns
+        All signatures, then all tangents.
     posterior : Posterior
         Of what counted as noise.
     slack_mm : (n, Q) float64 or None
@@ -106,6 +108,7 @@ class JointFit:
     covariance: tuple[np.ndarray, ...]
     signatures: tuple[Columns, ...]
     tangents: tuple[Columns, ...]
+    open: Columns
     posterior: Posterior
     slack_mm: np.ndarray | None = None
 

@@ -73,7 +73,7 @@ def parameter_uncertainty(fit: JointFit, k: int) -> dict[str, Spread]:
     term, survey = fit.terms[k], fit.posterior.base.survey
     places, log_prior = survey.places(term.effect, term.target, term.inner)
     if places:
-        return _spreads(fit, k, _OneTerm.of(fit, k).at(places, log_prior))
+        return _spreads(fit, k, _OneTerm.of(fit, k).at_places(places, log_prior))
     if len(term.free_parameters) not in _NODES:
         return _straight(fit, k)
     amplitudes, spread = len(fit.coefficients[k]), term.spread_of_inner
@@ -200,15 +200,34 @@ class _OneTerm:
         return np.log([self.term.inner[name] for name in self.term.free_inner])
 
     def at(self, inner: Sequence[Mapping[str, float]], log_prior: np.ndarray) -> _Distribution:
-        """The distribution over G places whose log prior is (G,)."""
+        """The distribution over G nodes whose log prior is (G,)."""
         effect, target, base = self.term.effect, self.term.target, self.beside.base
-        found = [self.beside.products(base.signature(effect, target, i)) for i in inner]
+        columns = base.signatures([(effect, target, values) for values in inner])
+        found = [self.beside.products(own) for own in columns]
         precision, seen = map(np.stack, zip(*found, strict=True))
-        covariance = np.linalg.inv(precision + np.eye(precision.shape[1]) / FREE**2)
-        mean = np.einsum("gkl,gl->gk", covariance, seen)
-        log = log_prior + 0.5 * np.einsum("gk,gk->g", seen, mean)
-        weight = np.exp(log - log.max())
-        return _Distribution(inner, weight / weight.sum(), mean, covariance)
+        return _weighed(inner, precision, seen, log_prior)
+
+    def at_places(
+        self, inner: Sequence[Mapping[str, float]], log_prior: np.ndarray
+    ) -> _Distribution:
+        """The same where neighbours are much alike, as moments of a sudden effect are."""
+        effect, target, base = self.term.effect, self.term.target, self.beside.base
+        precision, seen = self.beside.products_at(base.places(effect, target, inner))
+        return _weighed(inner, precision, seen, log_prior)
+
+
+def _weighed(
+    inner: Sequence[Mapping[str, float]],
+    precision: np.ndarray,
+    seen: np.ndarray,
+    log_prior: np.ndarray,
+) -> _Distribution:
+    """The distribution from products at every node, (G, K, K) and (G, K)."""
+    covariance = np.linalg.inv(precision + np.eye(precision.shape[1]) / FREE**2)
+    mean = np.einsum("gkl,gl->gk", covariance, seen)
+    log = log_prior + 0.5 * np.einsum("gk,gk->g", seen, mean)
+    weight = np.exp(log - log.max())
+    return _Distribution(inner, weight / weight.sum(), mean, covariance)
 
 
 def _spreads(fit: JointFit, k: int, distribution: _Distribution) -> dict[str, Spread]:

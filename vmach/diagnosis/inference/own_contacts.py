@@ -39,12 +39,14 @@ def over_own_contacts(weighing: Weighing, found: Explanation) -> tuple[Weighing,
     change = _foretold_mm(moved, acting) - _foretold_mm(survey, acting)
     if not np.any(np.abs(change) > _NOTABLE * survey.u_mm):
         return weighing, found
-    effects = dict.fromkeys(candidate.effect for candidate in weighing.candidates)
-    candidates, _ = gather_candidates(moved, effects)
-    noise = weighing.base.noise
-    other = Weighing(moved, candidates, excluded=weighing.excluded, noise=noise)
-    again = other.explain(found.terms, found.posterior.sizes)
-    return (other, again) if again.score > found.score else (weighing, found)
+    known, noise = weighing.candidates, weighing.base.noise
+    other = Weighing(moved, known, excluded=weighing.excluded, noise=noise)
+    if other.explain(found.terms, found.posterior.sizes).score <= found.score:
+        return weighing, found
+    weighing.forget()
+    effects = dict.fromkeys(candidate.effect for candidate in known)
+    other = other.with_candidates(gather_candidates(moved, effects)[0])
+    return other, other.explain(found.terms, found.posterior.sizes)
 
 
 def _foretold_mm(survey: Survey, acting: Sequence[EffectInstance]) -> np.ndarray:

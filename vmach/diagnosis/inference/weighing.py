@@ -142,19 +142,27 @@ class Weighing:
             return self
         other = copy.copy(self)
         other._take(noise)
-        # both together would take much memory, and this one is hardly asked again
+        self.forget()
+        return other
+
+    def forget(self) -> None:
+        """What takes much memory, where another weighing takes its place and goes on."""
         self._forget()
         self.base.forget()
+
+    def with_candidates(self, candidates: Sequence[Candidate]) -> Self:
+        """The same with other candidates."""
+        other = copy.copy(self)
+        other.candidates = list(candidates)
+        other._place = {c.label: k for k, c in enumerate(candidates)}
+        other._forget()
         return other
 
     def of_candidates(self, known: Sequence[Candidate], log_priors: Mapping[str, float]) -> Self:
         """The same with other candidates: some of its own, and those whose prior is given."""
-        other = copy.copy(self)
+        other = self.with_candidates(known)
         own = (c for c in known if c.label not in log_priors)
         other._log_priors = {c.label: self.log_prior(c) for c in own} | dict(log_priors)
-        other.candidates = list(known)
-        other._place = {c.label: k for k, c in enumerate(known)}
-        other._forget()
         return other
 
     def prior_of(self, effect: Effect, target: str) -> float:
@@ -218,14 +226,18 @@ class Weighing:
 
     def _open(self, fit: JointFit) -> Columns:
         """Columns of unit prior variance of all that is open about a fit."""
-        parts = []
-        for k, term in enumerate(fit.terms):
-            parts.append(fit.signatures[k].scaled(term.width or width_of(fit.coefficients[k])))
-            parts.append(fit.tangents[k].scaled(term.spread_of_inner))
-            if term.effect.slack_share > 0.0:
-                slack = self.survey.slack(term.effect, term.target, fit.parameters(k))
-                parts.append(self.base.columns(slack))
-        return Columns.joined(parts)
+        widths = [
+            np.full(len(c), term.width or width_of(c))
+            for term, c in zip(fit.terms, fit.coefficients, strict=True)
+        ]
+        widths += [term.spread_of_inner for term in fit.terms]
+        slack = [
+            self.survey.slack(term.effect, term.target, fit.parameters(k))
+            for k, term in enumerate(fit.terms)
+            if term.effect.slack_share > 0.0
+        ]
+        shown = fit.open.scaled(np.concatenate(widths))
+        return shown.beside(self.base.columns(np.hstack(slack))) if slack else shown
 
     def _log_prior_of(self, fit: JointFit) -> float:
         total = 0.0

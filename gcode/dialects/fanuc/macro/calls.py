@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,6 +27,8 @@ _SETS = 10  #: of I J K in specification II
 _LEVELS = 15  #: nesting of calls; more is a program that calls itself
 #: of files that hold a program of their own
 _ENDINGS = ("", ".nc", ".cnc", ".txt", ".tap", ".min", ".eia", ".ngc", ".prg")
+#: a call by a number that is written out, in a line without blanks
+_CALLED = re.compile(r"(m98|g6[56])(?![\d.])[^p]*p(\d+)(?![\d.])")
 
 
 @dataclass
@@ -78,19 +81,41 @@ class Calls:
 
     def _find(self, number: float) -> int:
         wanted = whole(number, "program number")
+        program = self._sought(wanted)
+        if program is None:
+            raise self._unknown_calls(wanted)
+        return program
+
+    def _sought(self, wanted: int) -> int | None:
+        """First line of a program, None where there is none."""
         for index in range(len(self.reader.lines)):
             match = PROGRAM.match(self.reader.content(index))
             if match and match[1] is not None and int(match[1]) == wanted:
                 return index
-        beside = self._append(wanted)
-        if beside is not None:
-            return beside
-        raise unknown_calls([f"O{wanted}"], [f"O{wanted:04d}.nc"])
+        return self._append(wanted)
+
+    def _unknown_calls(self, first: int) -> ProgramError:
+        """One error for all programs that these lines call by number without having."""
+        wanted = [first]
+        for index in range(self.own):
+            content = self.reader.content(index)
+            if content.startswith("/") and self.reader.options.skips(1):
+                continue
+            for called in _CALLED.finditer(content):
+                number = int(called[2])
+                if called[1] == "m98" and number >= 10_000 and "l" not in content:
+                    number %= 10_000  # repeats in front of the number
+                if number not in wanted and not self._leaves_out(number):
+                    wanted += [] if self._sought(number) is not None else [number]
+        return unknown_calls([f"O{n}" for n in wanted], [f"O{n:04d}.nc" for n in wanted])
+
+    def _leaves_out(self, number: float) -> bool:
+        control = self.reader.options.control
+        return control.ignores(f"O{number:.0f}") or control.ignores(f"O{number:04.0f}")
 
     def _ignores(self, number: float) -> bool:
         """Whether the job leaves out the calls of a program, which is noted."""
-        control = self.reader.options.control
-        ignored = control.ignores(f"O{number:.0f}") or control.ignores(f"O{number:04.0f}")
+        ignored = self._leaves_out(number)
         if ignored:
             self.reader.controller.note(f"O{number:.0f}", "call left out by ignore_calls")
         return ignored
@@ -174,12 +199,10 @@ class Calls:
             return
         else:
             number = whole(words["p"], "P word")
-            try:
-                program = self._find(number)
-            except ProgramError:
-                if number < 10_000 or "l" in words:
-                    raise
-                repeats, program = number // 10_000, self._find(number % 10_000)
+            sought = self._sought(number)
+            if sought is None and number >= 10_000 and "l" not in words:
+                repeats, number = number // 10_000, number % 10_000
+            program = self._find(number) if sought is None else sought
         self._enter(program, repeats)
 
     def _local_part(self, words: dict[str, float]) -> None:

@@ -125,6 +125,8 @@ class _Data:
         """What is to be milled."""
         outline, surface = self.outline(), self.q(203, 0.0)
         operation, feed = int(self.q(215, 0.0)), self._feed(207)
+        if operation not in (0, 1, 2):
+            raise ProgramError(f"Q215={operation}", accepted="0 to 2")
         climb = self.q(351, 1.0) >= 0.0
         stands = self.number in _STUDS
         return Area(

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from gcode.dialects.sinumerik.cycles.modes import check_milling_modes
 from gcode.errors import ProgramError
 from gcode.geometry.arcs import Point
 from gcode.language.contours import Contour, contour_of
@@ -31,7 +32,9 @@ _RETRACTIONS = (0, 1, 2, 3)
 def mill_along(reader: SinumerikReader, text: str) -> None:
     """Do the cycle; the tool ends on the retraction plane."""
     name, _, rest = text.partition(",")
-    said = dict(zip(_ARGUMENTS.split(), reader.arguments(rest), strict=False))
+    names, values = _ARGUMENTS.split(), reader.arguments(rest)
+    check_milling_modes("CYCLE72", values[len(names) :], reader.cycle_plane)
+    said = dict(zip(names, values, strict=False))
     said = {key: value for key, value in said.items() if value is not None}
     missing = [key for key in ("RTP", "DP", "FFP1", "VARI", "RL") if key not in said]
     if missing or not name.strip(' "'):

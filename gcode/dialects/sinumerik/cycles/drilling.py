@@ -199,6 +199,9 @@ def pattern_points(name: str, arguments: Arguments) -> list[tuple[float, float]]
     """Places of HOLES1 (a row) and HOLES2 (a circle)."""
     values = [v or 0.0 for v in arguments] + [0.0] * 7
     if name == "CYCLE801":
+        if any(values[7:]):
+            raise ProgramError("CYCLE801 with a frame, a shear or places left out",
+                               accepted="seven arguments")  # fmt: skip
         return _grid(values)
     count = int(values[5])
     if not 0 < count <= _MOST_PECKS:
@@ -211,7 +214,8 @@ def pattern_points(name: str, arguments: Arguments) -> list[tuple[float, float]]
             for k in range(count)
         ]
     x, y, radius, angle, step = values[:5]
-    step = step or 360.0 / count
+    if not step or int(values[6]) // 1000 % 10 == 1:  # VARI: a whole circle, whatever INDA says
+        step = 360.0 / count
     angles = [math.radians(angle + k * step) for k in range(count)]
     return [(x + radius * math.cos(a), y + radius * math.sin(a)) for a in angles]
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from gcode.dialects.sinumerik.cycles.modes import check_milling_modes
 from gcode.errors import ProgramError
 from gcode.language.face_milling import Face, layers, mill_face
 from gcode.language.translate import number
@@ -41,6 +42,7 @@ _NAMES = [
 def mill_face_cycle(reader: SinumerikReader, arguments: list[float | None]) -> None:
     """Do the cycle; the tool ends on the retraction plane."""
     said = {k: v for k, v in zip(_NAMES, arguments, strict=False) if v is not None}
+    check_milling_modes("CYCLE71", arguments[len(_NAMES) :], reader.cycle_plane)
     missing = [name for name in ("RTP", "DP", "LENG", "WID", "MIDA") if name not in said]
     if missing:
         raise ProgramError(f"CYCLE71 without {missing[0]}")

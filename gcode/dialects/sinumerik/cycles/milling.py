@@ -78,6 +78,9 @@ class _Cycle:
         reader = self.reader
         feed = self.a("FFP1", reader.units.said(reader.controller.feed))
         kind, sense = int(self.a("VARI", 0.0)) % 10, int(self.a("CDIR", 0.0))
+        if kind not in (0, 1, 2):
+            raise ProgramError(f"{self.name} with VARI {self.a('VARI'):g}",
+                               accepted="last digit 1, roughing, or 2, finishing")  # fmt: skip
         counter = (reader.controller.spindle < 0) != (self.name in _SPIGOTS)
         clockwise = {0: counter, 1: not counter, 2: True, 3: False}.get(sense)
         if clockwise is None:

@@ -89,6 +89,8 @@ def check_milling_modes(name: str, further: Arguments, plane: int) -> None:
     plane : int
     """
     if len(further) < 3:
+        if any(further):
+            raise ProgramError(f"{name} with {len(further)} arguments too many")
         return
     geometry, display, alternative = (value or 0.0 for value in further[-3:])
     _check_plane(name, display, plane)

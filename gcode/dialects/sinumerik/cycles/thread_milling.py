@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from gcode.dialects.sinumerik.cycles.modes import check_milling_modes
 from gcode.errors import ProgramError
 from gcode.language.translate import number
 from gcode.state.tools import ToolEntry
@@ -25,6 +26,7 @@ _MOST_TURNS = 10_000
 
 def mill_thread(reader: SinumerikReader, arguments: list[float | None]) -> None:
     """Do the cycle; the tool ends at RTP above the middle of the thread, or beside it."""
+    check_milling_modes("CYCLE90", arguments[13:], reader.cycle_plane)
     out, surface, distance, depth, relative, outer, _, pitch, feed, sense, kind, x, y = (
         *arguments, *([None] * 13)
     )[:13]  # fmt: skip
