@@ -11,6 +11,7 @@ import pytest
 from tests.hidden_effects import program_runs
 from tests.hidden_effects.experiment import make_experiment
 from tests.hidden_effects.instruments import INSTRUMENTS
+from tests.hidden_effects.part import PartDesign
 from tests.hidden_effects.verdict import judge
 
 NOISE_UM = 0.8
@@ -89,6 +90,23 @@ def test_where_a_tool_slipped_decides_what_is_said(tmp_path, seed, name):
     assert report["effects"][0]["effect"] == name
     truth = json.loads((tmp_path / "truth.json").read_text())
     assert name in {effect["name"] for effect in truth["effects"]}
+
+
+def test_a_form_for_what_nobody_foresaw_halves_the_error_of_another_part(tmp_path):
+    made = make_experiment(tmp_path, effects=["springback"], seed=7700015)
+    report, _ = program_runs.diagnose(tmp_path)
+    assert report["proposals"][0]["formula"] == "as a plate bends and twists"
+    assert program_runs.left_by_proposal(tmp_path, made.check_deviation_um, made.check) < 0.5
+
+
+def test_what_the_laws_leave_open_never_makes_the_fit_worse(tmp_path):
+    """A drift of endless size would leave so much open that it could be of any size."""
+    design = PartDesign(corners=True, two_set_ups=True)
+    make_experiment(
+        tmp_path, effects=["press_next_door"], seed=3445005, design=design, noise="device_scale"
+    )
+    rms = program_runs.diagnose(tmp_path)[0]["rms_um"]
+    assert rms["after"] < rms["before"]
 
 
 def test_axes_that_never_turn_are_no_candidates(tmp_path):

@@ -36,7 +36,7 @@ def test_surfaces_beside_the_solid_are_left_aside_and_said():
 
 def test_a_solid_that_touches_itself_is_said():
     part = read_nominal(CAD / "touching.step")
-    assert tuple(map(str, part.notes)) == ("the solid touches itself along 1 edges",)
+    assert tuple(map(str, part.notes)) == ("the solid touches itself along 1 edge",)
     points = part.sample(1.0)
     assert len(points.id) == pytest.approx(1600, rel=0.02)
 

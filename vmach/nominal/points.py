@@ -14,6 +14,7 @@ from vmach.base.note import Kind, Note
 from vmach.base.units import mm_from_um
 from vmach.errors import InputError
 from vmach.files.text_file import column_hint, decimal_number, read_text
+from vmach.nominal.mesh.unique_rows import unique_rows
 
 __all__ = ["SurfacePoints", "read_points_csv"]
 
@@ -252,7 +253,7 @@ def _with_notes(points: SurfacePoints, unknown: list[str]) -> SurfacePoints:
     if repeated:
         said = f"{len(repeated)} ids occur more than once, the first is {repeated[0]!r}"
         notes.append(Note.plain(Kind.NAME, said, len(repeated), "1", place=repeated[0]))
-    distinct = np.unique(np.hstack([points.point_mm, points.normal]), axis=0)
+    distinct, _, _ = unique_rows(np.hstack([points.point_mm, points.normal]))
     if again := len(points) - len(distinct):
         said = f"{again} points repeat an earlier point; all are kept"
         notes.append(Note.plain(Kind.REPEAT, said, again, "1"))

@@ -37,6 +37,8 @@ _LOOKED_OVER = 5000
 _ROOM = 100_000
 #: times that what the laws leave open is set by the fit before, so that it is a share of the last
 _PASSES = 3
+#: log probability that such a pass may cost; where it is right it costs a few hundredths
+_LESS = 0.5
 
 
 @dataclass(frozen=True)
@@ -271,15 +273,20 @@ class Weighing:
         return self._careful_fits.get(id(explanation), made)[1]
 
     def _careful(self, explanation: Explanation) -> JointFit | None:
-        fit = explanation.fit
+        fit, score = explanation.fit, explanation.score
+        sizes = explanation.posterior.sizes
         for _ in range(_PASSES if fit else 0):
             slack = slack_of(self.survey, replace(fit, slack_mm=None))
-            beside = Effects(self.base.columns(slack))
-            noise = Posterior(self.base, explanation.posterior.sizes, beside)
-            fit = fit_terms(noise, fit.terms)
+            noise = Posterior(self.base, sizes, Effects(self.base.columns(slack)))
+            trial = fit_terms(noise, fit.terms)
             if slack.shape[1] == 0:
-                return fit
-            fit = replace(fit, slack_mm=slack)
+                return trial
+            trial_score = self._weighed(trial, sizes, resize=False).score
+            if trial_score < score - _LESS:
+                # an effect that grows leaves more open, which lets it grow: not so
+                wider = fit_terms(noise, fit.terms, refine=False)
+                return replace(wider, coefficients=fit.coefficients, slack_mm=slack)
+            fit, score = replace(trial, slack_mm=slack), trial_score
         return fit
 
     def without(

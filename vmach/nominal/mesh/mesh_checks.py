@@ -12,6 +12,7 @@ import numpy as np
 
 from vmach.errors import InputError
 from vmach.nominal.mesh.triangle_pairs import count_hits
+from vmach.nominal.mesh.unique_rows import unique_rows
 
 __all__ = ["check_closed", "count_intersections", "edge_sides", "merge_corners"]
 
@@ -40,7 +41,7 @@ def merge_corners(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
 
 def _merge_within(points: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
     keys = np.round(points / tolerance) if tolerance else points + 0.0  # + 0.0: -0.0 is 0.0
-    _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    first, inverse, _ = unique_rows(keys)
     return points[first], inverse.reshape(-1, 3)
 
 

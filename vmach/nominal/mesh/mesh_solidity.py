@@ -17,6 +17,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from vmach.errors import InputError
+from vmach.nominal.mesh.unique_rows import unique_rows
 
 __all__ = ["check_each_triangle_once", "check_encloses_once", "winding_numbers"]
 
@@ -35,7 +36,7 @@ _MOST_BODIES = 500
 
 def check_each_triangle_once(path: Path, triangles: np.ndarray) -> None:
     """Raise InputError where three vertices carry more than one of the (T, 3) triangles."""
-    _, count = np.unique(np.sort(triangles, axis=1), axis=0, return_counts=True)
+    _, _, count = unique_rows(np.sort(triangles, axis=1))
     repeated = int((count > 1).sum())
     if repeated:
         raise InputError(

@@ -75,7 +75,7 @@ def _notes(
         notes.append(Note.plain(Kind.BODIES, said, len(left), "1", place=f"#{left[0].number}"))
     touching = sum(solid.touching_edges for solid in taken)
     if touching:
-        said = f"the solid touches itself along {touching} edges"
+        said = f"the solid touches itself along {touching} edge{'s' if touching > 1 else ''}"
         notes.append(Note.plain(Kind.BODIES, said, touching, "1"))
     if others:
         said = f"parts in other files are left out: {_list(others)}"

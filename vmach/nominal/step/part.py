@@ -16,6 +16,7 @@ from vmach.base.note import Kind, Note
 from vmach.base.units import um_from_mm
 from vmach.errors import InputError
 from vmach.nominal.mesh.mesh_solidity import check_encloses_once
+from vmach.nominal.mesh.unique_rows import unique_rows
 from vmach.nominal.part import Mesh, NominalPart, check_size
 from vmach.nominal.step.bodies import read_bodies
 from vmach.nominal.step.exchange_file import StepFile
@@ -122,15 +123,13 @@ def _build(solid: Solid, first: int) -> tuple[list[SurfaceFace], Mesh, float]:
 
 def _welded(vertices: np.ndarray, triangles: np.ndarray, face: np.ndarray) -> Mesh:
     """Mesh with equal vertices made one: faces share the points of their edges bit by bit."""
-    welded, place = np.unique(vertices, axis=0, return_inverse=True)
-    triangles = place.reshape(-1)[triangles]
+    first, place, _ = unique_rows(vertices)
+    triangles = place[triangles]
     whole = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
     # at a pole two triangles may lie back to back
-    _, which, times = np.unique(
-        np.sort(triangles, axis=1), axis=0, return_inverse=True, return_counts=True
-    )
-    whole &= times[which.reshape(-1)] == 1
-    return Mesh(welded, triangles[whole], face[whole])
+    _, which, times = unique_rows(np.sort(triangles, axis=1))
+    whole &= times[which] == 1
+    return Mesh(vertices[first], triangles[whole], face[whole])
 
 
 def _area(corners: np.ndarray) -> float:

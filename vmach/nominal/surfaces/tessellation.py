@@ -14,6 +14,7 @@ from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from vmach.errors import InputError
 from vmach.nominal.mesh.thinning import near_segments
+from vmach.nominal.mesh.unique_rows import unique_rows
 from vmach.nominal.step.solids import CHORD_MM, Edge, Solid, SolidFace
 from vmach.nominal.surfaces import Sphere, Surface, unit_normals
 from vmach.nominal.surfaces.curved_triangles import volume_under_mm3
@@ -165,7 +166,7 @@ class _Patch:
             return np.zeros(0, dtype=bool)
         box = self._periods * self.scale
         points = np.vstack([_wrapped(self.trim.surface, segments[:, 0]), self.inner]) * self.scale
-        tree = cKDTree(points, boxsize=box)
+        tree = cKDTree(points, boxsize=box, balanced_tree=False, compact_nodes=False)
         middle = _wrapped(self.trim.surface, segments.mean(axis=1)) * self.scale
         radius = np.linalg.norm((segments[:, 1] - segments[:, 0]) * self.scale, axis=1) / 2.0
         length = np.linalg.norm(np.diff(self.trim.segments_mm, axis=1)[:, 0], axis=1)
@@ -234,9 +235,7 @@ class _Patch:
         """
         trim = self.trim
         border = _wrapped(trim.surface, trim.segments_uv.reshape(-1, 2))
-        _, first, which = np.unique(
-            np.round(border, 9), axis=0, return_index=True, return_inverse=True
-        )
+        first, which, _ = unique_rows(np.round(border, 9))
         poles = [pole for pole in (_pole(trim, v) for v in trim.v_range()) if len(pole)]
         ends = [np.repeat(trim.surface.evaluate(pole[:1]), len(pole), axis=0) for pole in poles]
         points = [trim.segments_mm.reshape(-1, 3)[first], trim.surface.evaluate(self.inner)]
