@@ -129,5 +129,5 @@ def test_a_point_with_a_reference_for_a_number_is_refused(tmp_path):
     point = "(20.,-1.101815365161E-14,0.)"
     assert point in text
     part = spoilt(tmp_path, "part.step", text.replace(point, "(20.,-1.101815365161E-14,#114)", 1))
-    with pytest.raises(InputError, match="its edges do not bound it on its surface"):
+    with pytest.raises(InputError, match="a CARTESIAN_POINT with three numbers"):
         read_nominal(part)

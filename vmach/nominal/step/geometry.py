@@ -9,7 +9,7 @@ import numpy as np
 
 from vmach.errors import InputError
 from vmach.nominal.frame import Frame
-from vmach.nominal.step.exchange_file import StepEntity, StepFile
+from vmach.nominal.step.exchange_file import Reference, StepEntity, StepFile
 from vmach.nominal.surfaces import (
     Cone,
     Cylinder,
@@ -99,7 +99,8 @@ class GeometryReader:
             triple = np.array(values, dtype=np.float64)
         except (TypeError, ValueError):
             triple = np.empty(0)
-        if triple.shape != (3,) or not np.isfinite(triple).all():
+        is_number = not any(isinstance(value, Reference) for value in values)
+        if triple.shape != (3,) or not np.isfinite(triple).all() or not is_number:
             raise self._step.error(entity, "coordinates", f"a {kind} with three numbers")
         return triple
 
