@@ -122,3 +122,12 @@ def test_a_face_that_its_edges_do_not_bound_is_refused(tmp_path):
     turned = text.replace("EDGE_CURVE('',#22,#22,#24,.T.)", "EDGE_CURVE('',#22,#22,#24,.F.)")
     with pytest.raises(InputError, match=r"face \d+: its edges do not bound it on its surface"):
         read_nominal(spoilt(tmp_path, "part.step", turned))
+
+
+def test_a_point_with_a_reference_for_a_number_is_refused(tmp_path):
+    text = FEATURES.with_name("loft.step").read_text()
+    point = "(20.,-1.101815365161E-14,0.)"
+    assert point in text
+    part = spoilt(tmp_path, "part.step", text.replace(point, "(20.,-1.101815365161E-14,#114)", 1))
+    with pytest.raises(InputError, match="its edges do not bound it on its surface"):
+        read_nominal(part)

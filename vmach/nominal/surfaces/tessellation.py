@@ -50,7 +50,7 @@ def tessellate(solid: Solid) -> list[tuple[SolidFace, Trim, np.ndarray, np.ndarr
         trim = _trim(solid.edges, face, face.surface)
         if trim.inside_out():
             face, trim = face.turned(), trim.turned()
-        if not np.isfinite(trim.v_range()).all():
+        if not np.isfinite([trim.v_range(), trim.transposed().v_range()]).all():
             raise InputError(
                 f"face {len(faces) + 1}: its edges do not bound it on its surface",
                 accepted="closed loops of edges, each on the surface",
