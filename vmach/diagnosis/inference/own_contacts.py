@@ -43,8 +43,8 @@ def over_own_contacts(weighing: Weighing, found: Explanation) -> tuple[Weighing,
     other = Weighing(moved, known, excluded=weighing.excluded, noise=noise)
     if other.explain(found.terms, found.posterior.sizes).score <= found.score:
         return weighing, found
-    weighing.forget()
     effects = dict.fromkeys(candidate.effect for candidate in known)
+    weighing.release()
     other = other.with_candidates(gather_candidates(moved, effects)[0])
     return other, other.explain(found.terms, found.posterior.sizes)
 

@@ -132,6 +132,7 @@ class Weighing:
     def on(self, survey: Survey) -> Self:
         """The same over other readings of the same design."""
         other = copy.copy(self)
+        other.candidates = list(self.candidates)
         other.survey = survey
         other._take(FeatureNoise(survey.u_mm, survey.group, np.ones(len(survey))))
         return other
@@ -149,6 +150,11 @@ class Weighing:
         """What takes much memory, where another weighing takes its place and goes on."""
         self._forget()
         self.base.forget()
+
+    def release(self) -> None:
+        """Candidates too, and those of the weighings that this was made of: none is asked again."""
+        self.forget()
+        self.candidates.clear()
 
     def with_candidates(self, candidates: Sequence[Candidate]) -> Self:
         """The same with other candidates."""
