@@ -131,3 +131,12 @@ def test_a_point_with_a_reference_for_a_number_is_refused(tmp_path):
     part = spoilt(tmp_path, "part.step", text.replace(point, "(20.,-1.101815365161E-14,#114)", 1))
     with pytest.raises(InputError, match="a CARTESIAN_POINT with three numbers"):
         read_nominal(part)
+
+
+def test_a_radius_with_a_reference_for_a_number_is_refused(tmp_path):
+    text = FEATURES.with_name("nut.step").read_text()
+    circle = "CIRCLE('',#375,6.)"
+    assert circle in text
+    part = spoilt(tmp_path, "part.step", text.replace(circle, "CIRCLE('',#375,#6)", 1))
+    with pytest.raises(InputError, match="#6, in the place of a number"):
+        read_nominal(part)

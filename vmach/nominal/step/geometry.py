@@ -5,6 +5,8 @@ Source: ISO 10303-42.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from vmach.errors import InputError
@@ -96,11 +98,10 @@ class GeometryReader:
     def _triple(self, entity: StepEntity, kind: str) -> np.ndarray:
         values = entity.arguments[1] if entity.is_a(kind) and len(entity.arguments) > 1 else ()
         try:
-            triple = np.array(values, dtype=np.float64)
+            triple = _numbers(values)
         except (TypeError, ValueError):
             triple = np.empty(0)
-        is_number = not any(isinstance(value, Reference) for value in values)
-        if triple.shape != (3,) or not np.isfinite(triple).all() or not is_number:
+        if triple.shape != (3,) or not np.isfinite(triple).all():
             raise self._step.error(entity, "coordinates", f"a {kind} with three numbers")
         return triple
 
@@ -113,7 +114,7 @@ class GeometryReader:
         return self._placement.direction(vector / length)
 
     def _length(self, value: float) -> float:
-        length = self._length_mm * float(value)
+        length = self._length_mm * _number(value)
         if not np.isfinite(length) or length <= 0.0:
             raise ValueError(f"a length of {value}")
         return length
@@ -152,7 +153,7 @@ class GeometryReader:
         knots = _knots(entity, [degree], [len(control)], named)
         weights = np.ones(len(control))
         if entity.is_a("RATIONAL_B_SPLINE_CURVE"):
-            weights = np.array(entity.parts["RATIONAL_B_SPLINE_CURVE"][0], dtype=np.float64)
+            weights = _numbers(entity.parts["RATIONAL_B_SPLINE_CURVE"][0])
         return BSplineCurve(control, _positive(weights), knots[0], degree)
 
     # --- surfaces -----------------------------------------------------------------------------
@@ -167,10 +168,10 @@ class GeometryReader:
 
     def _cone(self, entity: StepEntity) -> Cone:
         _, frame, radius, angle = entity.arguments
-        half_angle = self._angle_rad * float(angle)
+        half_angle = self._angle_rad * _number(angle)
         if not 0.0 < abs(half_angle) < np.pi / 2.0:
             raise ValueError(f"a semi-angle of {angle}")
-        return Cone(self.frame(frame), self._length_mm * float(radius), half_angle)
+        return Cone(self.frame(frame), self._length_mm * _number(radius), half_angle)
 
     def _torus(self, entity: StepEntity) -> Torus:
         major, minor = entity.arguments[2:4]
@@ -187,7 +188,7 @@ class GeometryReader:
 
     def _offset(self, entity: StepEntity) -> Offset:
         _, basis, distance, *_ = entity.arguments
-        return Offset(self.surface(basis), self._length_mm * float(distance))
+        return Offset(self.surface(basis), self._length_mm * _number(distance))
 
     def _wrapped_surface(self, entity: StepEntity) -> Surface:
         return self.surface(entity.arguments[1])
@@ -199,11 +200,23 @@ class GeometryReader:
         knots = _knots(entity, degrees, control.shape[:2], named)
         weights = np.ones(control.shape[:2])
         if entity.is_a("RATIONAL_B_SPLINE_SURFACE"):
-            weights = np.array(entity.parts["RATIONAL_B_SPLINE_SURFACE"][0], dtype=np.float64)
+            rows = entity.parts["RATIONAL_B_SPLINE_SURFACE"][0]
+            weights = np.array([_numbers(row) for row in rows])
         return BSplineSurface(control, _positive(weights), tuple(knots), tuple(degrees))
 
     def _points(self, references: list[int]) -> np.ndarray:
         return np.array([self.point(reference) for reference in references])
+
+
+def _number(value: float) -> float:
+    """A number of a file; a reference to an entity, which is an integer too, is none."""
+    if isinstance(value, Reference):
+        raise ValueError(f"a reference, #{value}, in the place of a number")
+    return float(value)
+
+
+def _numbers(values: Sequence[float]) -> np.ndarray:
+    return np.array([_number(value) for value in values], dtype=np.float64)
 
 
 def _spline_arguments(entity: StepEntity, base: str, count: int) -> tuple[list, list]:
@@ -225,7 +238,7 @@ def _knots(
         raise ValueError(f"degree {min(degrees)}")
     if named:
         pairs = zip(named[directions : 2 * directions], named[:directions], strict=True)
-        knots = [np.repeat(np.array(t, dtype=np.float64), times) for t, times in pairs]
+        knots = [np.repeat(_numbers(t), times) for t, times in pairs]
     else:
         knots = [_implied_knots(entity, k, n) for k, n in zip(degrees, counts, strict=True)]
     for t, degree, count in zip(knots, degrees, counts, strict=True):
