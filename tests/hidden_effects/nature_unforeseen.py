@@ -161,6 +161,70 @@ def stick_slip(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     return Hidden("stick_slip", ("unknown",), {"axis": "XY"[axis], "size_um": size}, move)
 
 
+def counterweight(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """A counterweight swings when X or Y accelerates, and the head goes up and down with it."""
+    axis, hertz = int(rng.integers(2)), rng.uniform(7, 11)
+
+    def move(state: State) -> np.ndarray:
+        swing = state.acceleration_mm_s2[:, axis] / (2 * np.pi * hertz) ** 2
+        return swing[:, None] * np.array([0.0, 0.0, 1.0])
+
+    return Hidden("counterweight", ("unknown",), {"axis": "XY"[axis], "hertz": hertz}, move)
+
+
+def nodding_column(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The column nods with the speed of Y, and what is high up goes further."""
+    urad = rng.choice([-1, 1]) * rng.uniform(20, 40)
+    middle = 0.5 * np.array([sum(machine.travel_mm[a]) for a in "XYZ"])
+
+    def move(state: State) -> np.ndarray:
+        turn = 1e-6 * urad * state.velocity_mm_s[:, 1] / 10.0
+        away = state.nose_mm - middle
+        return np.stack([0.0 * turn, -turn * (away[:, 2] + 300.0), turn * away[:, 1]], axis=1)
+
+    return Hidden("nodding_column", ("unknown",), {"urad": urad}, move)
+
+
+def loose_gib(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """A gib is worn towards one end of Y: the table jumps aside when Y turns, more there."""
+    low, high = machine.travel_mm["Y"]
+    size, end = rng.uniform(15, 30), float(rng.choice([low, high]))
+
+    def move(state: State) -> np.ndarray:
+        near = 1.0 - np.abs(state.nose_mm[:, 1] - end) / (high - low)
+        e = np.zeros_like(state.nose_mm)
+        e[:, 0] = 0.5 * size * UM * near * state.sign[:, 1]
+        return e
+
+    return Hidden("loose_gib", ("unknown",), {"size_um": size}, move)
+
+
+def swelling_walls(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The later a wall was cut, the warmer the part below its top, and the more it is left."""
+    size, time = rng.uniform(4, 8), rng.uniform(1000, 3000)
+
+    def move(state: State) -> np.ndarray:
+        deep = np.maximum(-state.place_mm[:, 2], 0.0) / 10.0
+        late = 1.0 - np.exp(-state.time_s / time)
+        return size * UM * (deep * late)[:, None] * state.normal * [1, 1, 0]
+
+    return Hidden("swelling_walls", ("unknown",), {"size_um": size}, move, on_part_only=True)
+
+
+def pulsing_oil(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The oil of the guides is cooled in pulses: all goes to and fro along X and Y."""
+    period, turn, size = rng.uniform(90, 220), rng.uniform(0, 6.28), rng.uniform(4, 7)
+    along = size * UM * np.array([np.cos(turn), np.sin(turn), 0.0])
+
+    def move(state: State) -> np.ndarray:
+        return np.sin(2 * np.pi * state.time_s / period)[:, None] * along
+
+    return Hidden("pulsing_oil", ("unknown",), {"period_s": period}, move)
+
+
+#: made up when the forms were what they are; nothing was tuned on them
+LATER = (counterweight, nodding_column, loose_gib, swelling_walls, pulsing_oil)
+
 UNFORESEEN = (
     lobed_probe,
     burrs,
@@ -172,4 +236,5 @@ UNFORESEEN = (
     worn_screw,
     loosening_nut,
     stick_slip,
+    *LATER,
 )

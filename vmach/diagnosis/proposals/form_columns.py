@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -114,6 +115,14 @@ class FormColumns:
         """Orthonormal basis of the signatures with alignment taken off, (n, r)."""
         columns = self.columns(form)
         return orthonormal(columns - self._survey.aligned(columns))
+
+    def held(self, form: Form) -> Form:
+        """The form, with states of one number held at the ends of what was seen of them."""
+        first, second = (
+            state.held(value) if np.ptp(value) and value.shape[1] == 1 else state
+            for state, value in ((s, self._states[s]) for s in (form.first, form.second))
+        )
+        return replace(form, first=first, second=second)
 
     def candidate(self, form: Form, rows: np.ndarray | slice = _ALL) -> Candidate:
         """The form as a candidate of a search, over some of the readings."""

@@ -110,7 +110,8 @@ class Forms:
                 share = proposal.share_left(noise_um)
                 if proposal.odds > CLEARLY and share < (1.0 if resize else _HALVED):
                     found.append(proposal)
-        return _told(found, len(weighing.survey))
+        told = _told(found, len(weighing.survey))
+        return tuple(replace(p, form=self._columns.held(p.form)) for p in told)
 
     def _with(self, forms: Sequence[Form]) -> Weighing:
         """A weighing of the known effects, the forms that were added, and some more."""
@@ -181,7 +182,7 @@ def _proposal(weighing: Weighing, form: Form, start: Explanation, trial: Explana
     )
 
 
-def _told(found: Sequence[Proposal], readings: int) -> tuple[Proposal, ...]:
+def _told(found: Sequence[Proposal], readings: int) -> Sequence[Proposal]:
     """Those that foretell best what was not fitted, of other states each.
 
     Of those within one standard error of the best, that with the fewest amounts: the rule of
@@ -194,7 +195,7 @@ def _told(found: Sequence[Proposal], readings: int) -> tuple[Proposal, ...]:
         close = [p for p in left if p.held_out_um[1] <= most]
         told.append(min(close, key=lambda p: (len(p.amounts_um), -p.odds)))
         left = [p for p in left if p.form.kinds != told[-1].form.kinds]
-    return tuple(told)
+    return told
 
 
 def _two_views(here: Explanation) -> list[Explanation]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -57,6 +57,11 @@ class State:
     def needs_surface(self) -> bool:
         """Whether only a machined surface has it."""
         return "normal" in self.code or "radial" in self.code
+
+    def held(self, values: np.ndarray) -> State:
+        """The same, but what goes beyond values (n, 1) that were seen stays at their ends."""
+        low, high = float(values.min()), float(values.max())
+        return replace(self, code=f"np.clip({self.code}, {low!r}, {high!r})")
 
     def at(self, path: Circumstances) -> np.ndarray:
         """Its values, (P, C); zero where they are not known."""
