@@ -161,15 +161,16 @@ def stick_slip(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     return Hidden("stick_slip", ("unknown",), {"axis": "XY"[axis], "size_um": size}, move)
 
 
-def counterweight(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
-    """A counterweight swings when X or Y accelerates, and the head goes up and down with it."""
-    axis, hertz = int(rng.integers(2)), rng.uniform(7, 11)
+def swinging_head(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """The head's weight is off its slide: it swings aside when the other axis accelerates."""
+    axis, hertz = int(rng.integers(2)), rng.uniform(9, 14)
 
     def move(state: State) -> np.ndarray:
-        swing = state.acceleration_mm_s2[:, axis] / (2 * np.pi * hertz) ** 2
-        return swing[:, None] * np.array([0.0, 0.0, 1.0])
+        e = np.zeros_like(state.nose_mm)
+        e[:, 1 - axis] = state.acceleration_mm_s2[:, axis] / (2 * np.pi * hertz) ** 2
+        return e
 
-    return Hidden("counterweight", ("unknown",), {"axis": "XY"[axis], "hertz": hertz}, move)
+    return Hidden("swinging_head", ("unknown",), {"axis": "XY"[axis], "hertz": hertz}, move)
 
 
 def nodding_column(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
@@ -223,7 +224,7 @@ def pulsing_oil(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
 
 
 #: made up when the forms were what they are; nothing was tuned on them
-LATER = (counterweight, nodding_column, loose_gib, swelling_walls, pulsing_oil)
+LATER = (swinging_head, nodding_column, loose_gib, swelling_walls, pulsing_oil)
 
 UNFORESEEN = (
     lobed_probe,

@@ -37,7 +37,7 @@ TRUE_STATES: dict[str, tuple[str, ...]] = {
     "worn_screw": (_REVERSAL, _PLACE),
     "loosening_nut": (_REVERSAL, _TIME),
     "stick_slip": (r"speed", _REVERSAL),
-    "counterweight": (r"acceleration",),
+    "swinging_head": (r"acceleration",),
     "nodding_column": (r"speed", _PLACE),
     "loose_gib": (_REVERSAL, _PLACE),
     "swelling_walls": (r"depth below|height above", _TIME),

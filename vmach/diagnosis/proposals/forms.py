@@ -185,7 +185,7 @@ def _proposal(weighing: Weighing, form: Form, start: Explanation, trial: Explana
 def _told(found: Sequence[Proposal], readings: int) -> Sequence[Proposal]:
     """Those that foretell best what was not fitted, of other states each.
 
-    Of those within one standard error of the best, that with the fewest amounts: the rule of
+    Of those within one standard error of the best, the simplest: the rule of
     T. Hastie, R. Tibshirani and J. Friedman, The Elements of Statistical Learning, 7.10.
     """
     told: list[Proposal] = []
@@ -193,9 +193,14 @@ def _told(found: Sequence[Proposal], readings: int) -> Sequence[Proposal]:
     while left and len(told) < _TOLD:
         most = min(p.held_out_um[1] for p in left) * (1.0 + 1.0 / np.sqrt(2.0 * readings))
         close = [p for p in left if p.held_out_um[1] <= most]
-        told.append(min(close, key=lambda p: (len(p.amounts_um), -p.odds)))
+        told.append(min(close, key=_complexity))
         left = [p for p in left if p.form.kinds != told[-1].form.kinds]
     return told
+
+
+def _complexity(proposal: Proposal) -> tuple[int, int, float]:
+    """Smaller the simpler it is; of two that are as simple, the more probable one."""
+    return len(proposal.amounts_um), len(proposal.form.state_words), -proposal.odds
 
 
 def _two_views(here: Explanation) -> list[Explanation]:
