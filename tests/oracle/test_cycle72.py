@@ -69,7 +69,7 @@ def test_between_labels_and_on_the_contour():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        ('CYCLE72("NONE",20,0,2,-6,,,,300,100,2,41,1,3)', "NONE is neither"),
+        ('CYCLE72("NONE",20,0,2,-6,,,,300,100,2,41,1,3)', "subprograms NONE"),
         ('CYCLE72("SIDE",20,0,2,-6,,,,300,100,5,41,1,3)', "VARI 5"),
         ('CYCLE72("SIDE",20,0,2,-6,,,,300,100,2,43,1,3)', "RL 43"),
         ('CYCLE72("SIDE",20,0,2,-6,,,,300,100,2,40,2,3)', "AS1 or AS2 2"),

@@ -16,9 +16,6 @@ __all__ = ["is_structure", "remains_um", "sizes_um", "usual_u_um"]
 _WALL = 0.5
 #: fewer readings say nothing of a variance: of 20 it is uncertain by a third (GUM, table E.1)
 _FEW = 20
-#: share of readings that may be out of all proportion: of Student's t with three degrees of
-#: freedom one in a hundred lies beyond six of its scale
-_ODD = 0.01
 #: sizes are told apart down to this share of the stated uncertainty; chosen, so that a reading
 #: that happens to be exact has no endless logarithm
 _LEAST = 0.01
@@ -55,19 +52,8 @@ def remains_um(weighing: Weighing, found: Explanation, *, noise: float = TRUST) 
         explanation. More than `TRUST` is none.
     """
     beyond = max(found.posterior.sizes.factor**2 - min(noise, TRUST) ** 2, 0.0)
-    other = max(_uneven(weighing, found), _loud(weighing, found))
-    scatter = max(beyond, other) * usual_u_um(weighing) ** 2
+    scatter = max(beyond, _uneven(weighing, found)) * usual_u_um(weighing) ** 2
     return float(np.sqrt(_rms_um(remains_mm(weighing, found)) ** 2 + scatter))
-
-
-def _loud(weighing: Weighing, found: Explanation) -> float:
-    """Mean square, in stated u, beyond what is trusted to be noise, all readings weighed alike.
-
-    Tails have few readings. Where many count for little, their noise is no noise.
-    """
-    squared = np.sort(_left_in_u(weighing, found) ** 2)
-    most = squared[: len(squared) - int(_ODD * len(squared))]
-    return max(float(np.mean(most)) - TRUST**2, 0.0)
 
 
 def _left_in_u(weighing: Weighing, found: Explanation) -> np.ndarray:
