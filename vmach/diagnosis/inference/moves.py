@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+import itertools
+from collections.abc import Iterator, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import replace
 
 import numpy as np
@@ -43,8 +45,14 @@ def search(weighing: Weighing, start: Explanation | None = None) -> Explanation:
 
 
 def search_beyond(weighing: Weighing, here: Explanation) -> Explanation:
-    """A more probable set beyond what single moves lead to, by two effects in place of one."""
-    while better := _best(weighing, _split(weighing, here), here):
+    """A more probable set beyond what single moves lead to.
+
+    One effect in place of two, two in place of one, several in place of a large discrepancy.
+    """
+    moves = (_merged, _filled, _split)
+    while better := next(
+        filter(None, (_best(weighing, move(weighing, here), here) for move in moves)), None
+    ):
         here = search(weighing, without_needless(weighing, better))
     return here
 
@@ -100,6 +108,39 @@ def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
                 yield child
 
 
+def _merged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
+    """Others in place of two effects that share what one does."""
+    for pair in itertools.combinations(range(len(here.terms)), 2):
+        others = weighing.without(here, pair, resize=False)
+        for child in _filled_up(weighing, others, here.labels, len(pair)):
+            if child.score > here.score - _NEAR:
+                yield from _possible(weighing.resized(child, child.posterior.sizes))
+
+
+def _filled(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
+    """Several effects in place of a large discrepancy."""
+    little = beside_little(here)
+    if little.posterior.sizes != here.posterior.sizes:
+        start = weighing.explain(here.terms, little.posterior.sizes, refine=False, resize=False)
+        for child in _filled_up(weighing, start, here.labels, _MOVES):
+            yield from _possible(weighing.resized(child, child.posterior.sizes))
+
+
+def _filled_up(
+    weighing: Weighing, start: Explanation, but: AbstractSet[str], most: int
+) -> Iterator[Explanation]:
+    """An explanation with ever more effects, while members stay as they are."""
+    for _ in range(most):
+        gains = weighing.gains(start, roughly=True)
+        leading = _ranked(weighing, gains, but | start.labels)[:_TRIED]
+        children = [weighing.extend(start, k, resize=False) for k in leading if gains[k] > -2.0]
+        best = max(children, key=lambda e: e.score, default=start)
+        if best.score < start.score + _STEP:
+            return
+        yield best
+        start = best
+
+
 def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     """Two effects in place of one, or of a large discrepancy, that stands for both.
 
@@ -147,7 +188,7 @@ def _in_turn(
             yield from _possible(weighing.resized(two, two.posterior.sizes))
 
 
-def _ranked(weighing: Weighing, gains: np.ndarray, but: Collection[str]) -> list[int]:
+def _ranked(weighing: Weighing, gains: np.ndarray, but: AbstractSet[str]) -> list[int]:
     """Candidates, the most probable first."""
     return [k for k in np.argsort(-gains) if weighing.candidates[k].label not in but]
 
@@ -166,7 +207,7 @@ def _unlike(
             return
 
 
-def _leading(weighing: Weighing, here: Explanation, but: Collection[str]) -> list[int]:
+def _leading(weighing: Weighing, here: Explanation, but: AbstractSet[str]) -> list[int]:
     """Candidates worth a fit: the first ones beside the discrepancy, and nearly without it."""
     found: list[int] = []
     for view in (here, beside_little(here)):

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
+from scipy.special import gammaln
 
 from vmach.diagnosis.gates.absorbing import slack_of
 from vmach.diagnosis.inference.bank import Bank
@@ -93,9 +94,17 @@ class Weighing:
         self.survey, self.candidates = survey, list(candidates)
         self.excluded = tuple(excluded)
         self.members = members_of(survey)
-        self._place = {c.label: k for k, c in enumerate(self.candidates)}
+        self._list()
         self._log_priors: dict[str, float] = {}
         self._take(noise or FeatureNoise(survey.u_mm, survey.group, np.ones(len(survey))))
+
+    def _list(self) -> None:
+        """Where each candidate stands, and those of which a machine has an unknown number."""
+        self._place = {c.label: k for k, c in enumerate(self.candidates)}
+        machine = self.survey.job.machine
+        self._counted = {
+            c.label for c in self.candidates if not c.effect.is_unmeasured(machine, c.target)
+        }
 
     def _take(self, noise: FeatureNoise) -> None:
         self.base = Base(self.survey, noise, self.members)
@@ -160,7 +169,7 @@ class Weighing:
         """The same with other candidates."""
         other = copy.copy(self)
         other.candidates = list(candidates)
-        other._place = {c.label: k for k, c in enumerate(candidates)}
+        other._list()
         other._forget()
         return other
 
@@ -169,6 +178,7 @@ class Weighing:
         other = self.with_candidates(known)
         own = (c for c in known if c.label not in log_priors)
         other._log_priors = {c.label: self.log_prior(c) for c in own} | dict(log_priors)
+        other._counted -= log_priors.keys()
         return other
 
     def prior_of(self, effect: Effect, target: str) -> float:
@@ -183,6 +193,20 @@ class Weighing:
             return self._log_priors[candidate.label]
         prior = self.prior_of(candidate.effect, candidate.target)
         return min(prior - float(np.log(len(self.candidates))), 0.0)
+
+    def _count(self, terms: Sequence[Term]) -> int:
+        """How many of some effects are ordinary ones."""
+        return sum(term.label in self._counted for term in terms)
+
+    def _log_prior_of_count(self, count: int) -> float:
+        """Log probability of so many effects, up to what all sets share: every number is as likely.
+
+        Sets of k effects share it; `log_prior` alone would make k a Poisson variable of mean one.
+
+        Source: J. Scott and J. Berger, Bayes and empirical-Bayes multiplicity adjustment in the
+        variable-selection problem, Ann. Stat. 38 (2010) 2587: k! (N - k)! / (N + 1)! of a set.
+        """
+        return float(gammaln(count + 1))
 
     def index_of(self, label: str) -> int:
         """Which candidate has a given name and target."""
@@ -246,7 +270,7 @@ class Weighing:
         return shown.beside(self.base.columns(np.hstack(slack))) if slack else shown
 
     def _log_prior_of(self, fit: JointFit) -> float:
-        total = 0.0
+        total = self._log_prior_of_count(self._count(fit.terms))
         for term in fit.terms:
             candidate = self.candidates[self.index_of(term.label)]
             looked_at = 1 if term.free_inner else len(candidate.grid)
@@ -348,7 +372,11 @@ class Weighing:
             Whether they only say what is worth a fit.
         """
         evidence = self.looked_over(explanation) if roughly else self.evidence(explanation)
-        return evidence.log_factor[:, 0] + [self.log_prior(c) for c in self.candidates]
+        count = self._count(explanation.terms)
+        more = self._log_prior_of_count(count + 1) - self._log_prior_of_count(count)
+        return evidence.log_factor[:, 0] + [
+            self.log_prior(c) + more * (c.label in self._counted) for c in self.candidates
+        ]
 
     def would_take(self, k: int, explanation: Explanation) -> np.ndarray:
         """What candidate k, fitted to what an explanation leaves, would take, (n,) of unit size."""

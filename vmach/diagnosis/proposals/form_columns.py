@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from vmach.diagnosis.proposals.form import USUAL_UM, Form, FormEffect
+from vmach.diagnosis.proposals.spots import spot_states
 from vmach.diagnosis.proposals.states import (
     ALL_AXES,
     CONSTANT,
@@ -21,6 +22,7 @@ from vmach.diagnosis.proposals.states import (
     curve_in,
     states_of,
 )
+from vmach.diagnosis.proposals.stretches import stretch_states
 from vmach.diagnosis.proposals.waves import wave_states
 from vmach.fit.candidates import Candidate
 from vmach.fit.survey import Survey
@@ -90,16 +92,27 @@ class FormColumns:
             for state in (s for s in single if s.kind in _ALONG_AN_AXIS):
                 yield from (Form(state, curve, d) for d in DIRECTIONS[:3])
 
-    def add_waves(self, left_mm: np.ndarray) -> list[Form]:
-        """Waves that are conspicuous in what is left, (n,) mm, added to the forms."""
-        known, new = set(self.forms), []
-        for state, direction in wave_states(self._survey, left_mm, self._sensed):
-            self._states[state] = _values(self._survey, state)
-            form = Form(CONSTANT, state, direction)
-            if form not in known:
-                new.append(form)
-        self.forms += new
-        return new
+    def add_conspicuous(self, left_mm: np.ndarray, rest_mm: np.ndarray) -> None:
+        """Add what shows of waves, spots and stretches of time.
+
+        Parameters
+        ----------
+        left_mm : (n,) float64
+            What effects leave of the readings: spots and stretches are smooth.
+        rest_mm : (n,) float64
+            What no discrepancy takes of that: waves are not.
+        """
+        known = set(self.forms)
+        tools = [(s, value[:, 0]) for s, value in self._states.items() if s.kind == "tool"]
+        found = [
+            *wave_states(self._survey, rest_mm, self._sensed),
+            *spot_states(self._survey, left_mm, self._sensed),
+        ]
+        forms = [Form(CONSTANT, *one) for one in found]
+        forms += [Form(*one) for one in stretch_states(self._survey, left_mm, self._sensed, tools)]
+        for form in forms:
+            self._states[form.second] = _values(self._survey, form.second)
+        self.forms += [form for form in dict.fromkeys(forms) if form not in known]
 
     def __len__(self) -> int:
         return len(self.forms)

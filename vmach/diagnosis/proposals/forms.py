@@ -63,12 +63,15 @@ class Forms:
     def grown(self, found: Explanation) -> Explanation:
         """An explanation with forms added while that is clearly more probable."""
         here = self._with(()).explain(found.terms, found.posterior.sizes, refine=False)
-        for _ in range(_MOST):
+        for k in range(_MOST):
             # a factor on the stated uncertainty may stand for a form
             rest = remains_um(self._weighing, here, noise=1.0)
             if rest < WORTH_A_FORM * usual_u_um(self._weighing):
                 break
-            self._columns.add_waves(self._left_mm(here))
+            if k == 0 and here.terms:
+                # effects may have taken a part of what one form is
+                self._columns.add_conspicuous(*self._left_mm(self._weighing.alone))
+            self._columns.add_conspicuous(*self._left_mm(here))
             better = self._extended(here, self._leading(_two_views(here)))
             if better.score < here.score + CLEARLY:
                 break
@@ -95,6 +98,7 @@ class Forms:
         grown : Explanation
             With forms.
         """
+        self._columns.add_conspicuous(*self._left_mm(alone))
         first = [self._chosen[t.label] for t in grown.terms if t.label in self._chosen]
         forms = dict.fromkeys([*first, *self._leading(_two_views(alone))])
         weighing = self._with([*forms])
@@ -122,14 +126,16 @@ class Forms:
             {label: -float(np.log(listed * f.looked_at)) for label, f in every.items()},
         )
 
-    def _left_mm(self, here: Explanation) -> np.ndarray:
-        """What effects, members and alignment leave of the readings, (n,)."""
+    def _left_mm(self, here: Explanation) -> tuple[np.ndarray, np.ndarray]:
+        """What effects and alignment leave of the readings, and members beside them, (n,) each."""
         survey = self._weighing.survey
-        explained = 0.0
+        explained = np.zeros(len(survey))
         if here.fit is not None:
             explained = sum(here.fit.explained_mm(k) for k in range(len(here.terms)))
-        left = survey.residual_mm - explained - remains_mm(self._weighing, here)
-        return left - survey.aligned(left[:, None])[:, 0]
+        beside = survey.residual_mm - explained
+        left = np.stack([beside, beside - remains_mm(self._weighing, here)], axis=1)
+        whole, rest = (left - survey.aligned(left)).T
+        return whole, rest
 
     def _leading(self, views: Sequence[Explanation], most: int = _FITTED) -> list[Form]:
         """Forms worth a fit beside an explanation, so many at most from each view of it."""

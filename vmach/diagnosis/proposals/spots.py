@@ -1,0 +1,119 @@
+"""Bumps whose place nobody knows: on the part, or in the machine's volume."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize
+
+from vmach.diagnosis.proposals.matched import matched_power, peaks
+from vmach.diagnosis.proposals.states import Direction, State
+from vmach.fit.survey import Survey
+
+__all__ = ["spot_states"]
+
+#: standard deviations of a bump, mm; a factor of two apart, the best is never far
+_WIDTHS_MM = (25.0, 50.0, 100.0)
+#: places of a bump in its standard deviation
+_FINER = 2
+#: peaks of each direction that are put on the list
+_PEAKS = 2
+#: places at most that are tried between those of the raster
+_EVALUATED = 80
+#: readings at most that places are looked for on
+_LOOKED_THROUGH = 1000
+#: where a reading is, by whether the direction is that of a surface
+_FRAMES = {True: "path.on_part_mm", False: "path.nose_mm"}
+
+
+def spot_states(
+    survey: Survey, left_mm: np.ndarray, sensed: dict[Direction, np.ndarray]
+) -> Iterator[tuple[State, Direction]]:
+    """The most conspicuous bumps over X and Y, with the direction they show in.
+
+    Parameters
+    ----------
+    survey : Survey
+    left_mm : (n,) float64
+        What is not explained.
+    sensed : mapping of Direction to (n, D) float64
+        How readings sense a unit displacement.
+    """
+    every = max(1, len(left_mm) // _LOOKED_THROUGH)
+    rows = slice(None, None, every)
+    for is_surface, frame in _FRAMES.items():
+        place = np.concatenate([eval(frame, {"path": path})[:, :2] for path in survey.paths])[rows]
+        centres, widths = _trials(place.min(axis=0), place.max(axis=0))
+        away = np.square(place - centres[:, None, :]).sum(axis=2)
+        value = np.exp(-0.5 * away / widths[:, None] ** 2)
+        independent = len(widths) / _FINER**2
+        for direction, columns in sensed.items():
+            if direction.lever or direction.needs_surface != is_surface:
+                continue
+            own = columns[rows] / survey.u_mm[rows, None]
+            power = _Power(place, own, (left_mm / survey.u_mm)[rows])
+            for k in peaks(power.of(value), value, _PEAKS):
+                centre, width = power.best_near(centres[k], widths[k])
+                yield _state(frame, centre, width, independent), direction
+
+
+@dataclass(frozen=True)
+class _Power:
+    """What bumps take off the sum of squares of readings (n,) in unit noise.
+
+    Attributes
+    ----------
+    place_mm : (n, 2) float64
+    sensed : (n, D) float64
+        How they sense a unit displacement.
+    reading : (n,) float64
+    """
+
+    place_mm: np.ndarray
+    sensed: np.ndarray
+    reading: np.ndarray
+
+    def of(self, value: np.ndarray) -> np.ndarray:
+        """Of trials whose heights at the readings are (T, n)."""
+        seen = value @ (self.sensed * self.reading[:, None])
+        products = self.sensed[:, :, None] * self.sensed[:, None, :]
+        return matched_power(seen, np.tensordot(value**2, products, 1))
+
+    def best_near(self, centre: np.ndarray, width: float) -> tuple[np.ndarray, float]:
+        """Centre and standard deviation of the most power near some on the raster, mm."""
+
+        def cost(step: np.ndarray) -> float:
+            own = width * 2.0 ** float(np.clip(step[2], -1.0, 1.0))
+            away = np.square(self.place_mm - centre - width * step[:2]).sum(axis=1)
+            return -float(self.of(np.exp(-0.5 * away / own**2)[None])[0])
+
+        simplex = np.vstack([np.zeros(3), 0.5 * np.eye(3)])
+        options = {"maxfev": _EVALUATED, "initial_simplex": simplex, "xatol": 0.02}
+        step = minimize(cost, np.zeros(3), method="Nelder-Mead", options=options).x
+        return centre + width * step[:2], width * 2.0 ** float(np.clip(step[2], -1.0, 1.0))
+
+
+def _trials(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Centres (T, 2) and standard deviations (T,) of bumps between two corners, mm."""
+    centres, widths = [], []
+    for width in _WIDTHS_MM:
+        counts = np.ceil((high - low) * _FINER / width).astype(int) + 1
+        x, y = (np.linspace(a, b, n) for a, b, n in zip(low, high, counts, strict=True))
+        own = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+        centres.append(own)
+        widths.append(np.full(len(own), width))
+    return np.concatenate(centres), np.concatenate(widths)
+
+
+def _state(frame: str, centre: np.ndarray, width: float, looked_at: float) -> State:
+    x, y = centre.tolist()
+    away = f"np.hypot({frame}[:, 0] - {x:.1f}, {frame}[:, 1] - {y:.1f})"
+    whose = "of the part" if frame == _FRAMES[True] else "of the machine"
+    return State(
+        "spot",
+        f"a spot {2 * width:.0f} mm wide at {x:.0f} mm in X, {y:.0f} mm in Y {whose}",
+        f"np.exp(-0.5 * ({away} / {width:g}) ** 2)",
+        looked_at=max(looked_at, 1.0),
+    )
