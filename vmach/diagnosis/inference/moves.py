@@ -114,7 +114,7 @@ def _merged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
         others = weighing.without(here, pair, resize=False)
         for child in _filled_up(weighing, others, here.labels, len(pair)):
             if child.score > here.score - _NEAR:
-                yield from _possible(weighing.resized(child, child.posterior.sizes))
+                yield from _possible(weighing.explain(child.terms, child.posterior.sizes))
 
 
 def _filled(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
@@ -123,17 +123,17 @@ def _filled(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     if little.posterior.sizes != here.posterior.sizes:
         start = weighing.explain(here.terms, little.posterior.sizes, refine=False, resize=False)
         for child in _filled_up(weighing, start, here.labels, _MOVES):
-            yield from _possible(weighing.resized(child, child.posterior.sizes))
+            yield from _possible(weighing.explain(child.terms, child.posterior.sizes))
 
 
 def _filled_up(
     weighing: Weighing, start: Explanation, but: AbstractSet[str], most: int
 ) -> Iterator[Explanation]:
-    """An explanation with ever more effects, while members stay as they are."""
+    """An explanation with ever more effects, while members and inner parameters stay."""
     for _ in range(most):
         gains = weighing.gains(start, roughly=True)
         leading = _ranked(weighing, gains, but | start.labels)[:_TRIED]
-        children = [weighing.extend(start, k, resize=False) for k in leading if gains[k] > -2.0]
+        children = [weighing.added(start, k) for k in leading if gains[k] > -2.0]
         best = max(children, key=lambda e: e.score, default=start)
         if best.score < start.score + _STEP:
             return

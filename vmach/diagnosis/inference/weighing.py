@@ -283,6 +283,11 @@ class Weighing:
         terms = [*explanation.terms, self.term(k, explanation)]
         return self.explain(terms, explanation.posterior.sizes, resize=resize)
 
+    def added(self, explanation: Explanation, k: int) -> Explanation:
+        """The explanation with candidate k added; all else stays as it is but the amplitudes."""
+        terms = [*explanation.terms, self.term(k, explanation)]
+        return self.explain(terms, explanation.posterior.sizes, refine=False, resize=False)
+
     def resized(self, explanation: Explanation, start: Sizes) -> Explanation:
         """The same effects beside the most probable sizes near other ones."""
         posterior = best_sizes(self.base, start, explanation.posterior.effects)

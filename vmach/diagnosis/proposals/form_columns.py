@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from vmach.diagnosis.proposals.form import USUAL_UM, Form, FormEffect
-from vmach.diagnosis.proposals.spots import spot_states
+from vmach.diagnosis.proposals.spots import Spots
 from vmach.diagnosis.proposals.states import (
     ALL_AXES,
     CONSTANT,
@@ -56,6 +56,7 @@ class FormColumns:
     def __init__(self, survey: Survey) -> None:
         self._survey = survey
         self._states = _states(survey)
+        self._spots = Spots(survey)
         places = np.concatenate([p.on_part_mm for p in survey.paths])
         self._bend = bend_about(0.5 * (places.min(axis=0) + places.max(axis=0)))
         every = (*DIRECTIONS, ALL_AXES, *TURNS, self._bend)
@@ -106,7 +107,7 @@ class FormColumns:
         tools = [(s, value[:, 0]) for s, value in self._states.items() if s.kind == "tool"]
         found = [
             *wave_states(self._survey, rest_mm, self._sensed),
-            *spot_states(self._survey, left_mm, self._sensed),
+            *self._spots.states(left_mm, self._sensed),
         ]
         forms = [Form(CONSTANT, *one) for one in found]
         forms += [Form(*one) for one in stretch_states(self._survey, left_mm, self._sensed, tools)]

@@ -12,7 +12,7 @@ from vmach.diagnosis.proposals.matched import matched_power, peaks
 from vmach.diagnosis.proposals.states import Direction, State
 from vmach.fit.survey import Survey
 
-__all__ = ["spot_states"]
+__all__ = ["Spots"]
 
 #: standard deviations of a bump, mm; a factor of two apart, the best is never far
 _WIDTHS_MM = (25.0, 50.0, 100.0)
@@ -28,35 +28,81 @@ _LOOKED_THROUGH = 1000
 _FRAMES = {True: "path.on_part_mm", False: "path.nose_mm"}
 
 
-def spot_states(
-    survey: Survey, left_mm: np.ndarray, sensed: dict[Direction, np.ndarray]
-) -> Iterator[tuple[State, Direction]]:
-    """The most conspicuous bumps over X and Y, with the direction they show in.
+class Spots:
+    """Trial bumps over X and Y of the readings of a survey.
 
     Parameters
     ----------
     survey : Survey
-    left_mm : (n,) float64
-        What is not explained.
-    sensed : mapping of Direction to (n, D) float64
-        How readings sense a unit displacement.
     """
-    every = max(1, len(left_mm) // _LOOKED_THROUGH)
-    rows = slice(None, None, every)
-    for is_surface, frame in _FRAMES.items():
-        place = np.concatenate([eval(frame, {"path": path})[:, :2] for path in survey.paths])[rows]
-        centres, widths = _trials(place.min(axis=0), place.max(axis=0))
-        away = np.square(place - centres[:, None, :]).sum(axis=2)
-        value = np.exp(-0.5 * away / widths[:, None] ** 2)
-        independent = len(widths) / _FINER**2
+
+    def __init__(self, survey: Survey) -> None:
+        self._survey = survey
+        self._rows = slice(None, None, max(1, len(survey) // _LOOKED_THROUGH))
+        self._trials = {is_surface: self._of(frame) for is_surface, frame in _FRAMES.items()}
+
+    def _of(self, frame: str) -> _Trials:
+        places = [eval(frame, {"path": path})[:, :2] for path in self._survey.paths]
+        return _Trials.over(np.concatenate(places)[self._rows])
+
+    def states(
+        self, left_mm: np.ndarray, sensed: dict[Direction, np.ndarray]
+    ) -> Iterator[tuple[State, Direction]]:
+        """The most conspicuous bumps, with the direction they show in.
+
+        Parameters
+        ----------
+        left_mm : (n,) float64
+            What is not explained.
+        sensed : mapping of Direction to (n, D) float64
+            How readings sense a unit displacement.
+        """
+        unit = self._survey.u_mm[self._rows]
+        reading = left_mm[self._rows] / unit
         for direction, columns in sensed.items():
-            if direction.lever or direction.needs_surface != is_surface:
+            if direction.lever:
                 continue
-            own = columns[rows] / survey.u_mm[rows, None]
-            power = _Power(place, own, (left_mm / survey.u_mm)[rows])
-            for k in peaks(power.of(value), value, _PEAKS):
-                centre, width = power.best_near(centres[k], widths[k])
-                yield _state(frame, centre, width, independent), direction
+            trials = self._trials[direction.needs_surface]
+            power = _Power(trials.place_mm, columns[self._rows] / unit[:, None], reading)
+            for k in peaks(power.of(trials.height), trials.height, _PEAKS):
+                centre, width = power.best_near(trials.centres_mm[k], trials.widths_mm[k])
+                looked_at = len(trials.widths_mm) / _FINER**2
+                yield _state(_FRAMES[direction.needs_surface], centre, width, looked_at), direction
+
+
+@dataclass(frozen=True)
+class _Trials:
+    """Bumps over the places (n, 2) mm of readings.
+
+    Attributes
+    ----------
+    place_mm : (n, 2) float64
+    centres_mm, widths_mm : (T, 2), (T,) float64
+    height : (T, n) float64
+        At the readings.
+    """
+
+    place_mm: np.ndarray
+    centres_mm: np.ndarray
+    widths_mm: np.ndarray
+    height: np.ndarray
+
+    @classmethod
+    def over(cls, place_mm: np.ndarray) -> _Trials:
+        """On a raster over all places, in every width."""
+        low, high = place_mm.min(axis=0), place_mm.max(axis=0)
+        centres, widths, heights = [], [], []
+        for width in _WIDTHS_MM:
+            counts = np.ceil((high - low) * _FINER / width).astype(int) + 1
+            x, y = (np.linspace(a, b, n) for a, b, n in zip(low, high, counts, strict=True))
+            along = [
+                np.exp(-0.5 * ((place_mm[:, k] - line[:, None]) / width) ** 2)
+                for k, line in enumerate((x, y))
+            ]
+            centres.append(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2))
+            widths.append(np.full(len(x) * len(y), width))
+            heights.append((along[0][:, None] * along[1]).reshape(-1, len(place_mm)))
+        return cls(place_mm, np.vstack(centres), np.concatenate(widths), np.vstack(heights))
 
 
 @dataclass(frozen=True)
@@ -93,18 +139,6 @@ class _Power:
         options = {"maxfev": _EVALUATED, "initial_simplex": simplex, "xatol": 0.02}
         step = minimize(cost, np.zeros(3), method="Nelder-Mead", options=options).x
         return centre + width * step[:2], width * 2.0 ** float(np.clip(step[2], -1.0, 1.0))
-
-
-def _trials(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Centres (T, 2) and standard deviations (T,) of bumps between two corners, mm."""
-    centres, widths = [], []
-    for width in _WIDTHS_MM:
-        counts = np.ceil((high - low) * _FINER / width).astype(int) + 1
-        x, y = (np.linspace(a, b, n) for a, b, n in zip(low, high, counts, strict=True))
-        own = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
-        centres.append(own)
-        widths.append(np.full(len(own), width))
-    return np.concatenate(centres), np.concatenate(widths)
 
 
 def _state(frame: str, centre: np.ndarray, width: float, looked_at: float) -> State:
