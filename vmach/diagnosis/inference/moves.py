@@ -142,16 +142,10 @@ def _filled_up(
 
 
 def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
-    """Two effects in place of one, or of a large discrepancy, that stands for both.
-
-    They are found beside members as they are, or small.
-    """
-    views = [weighing.without(here, [k], resize=False) for k in range(len(here.terms))]
-    little = beside_little(here)
-    if little.posterior.sizes != here.posterior.sizes:
-        views.append(little)
+    """Two effects in place of one that stands for both, found beside members as they are."""
     least = here.score - _NEAR
-    for others in views:
+    for k in range(len(here.terms)):
+        others = weighing.without(here, [k], resize=False)
         gains = weighing.gains(others, roughly=True)
         worth = _SHARE * (here.score - others.score) - _NEAR
         for i in _unlike(weighing, others, _ranked(weighing, gains, here.labels), 2 * _TRIED):
@@ -163,29 +157,12 @@ def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
             for j in _unlike(weighing, one, ranked, _TRIED):
                 if one.score + further[j] > least:
                     yield from _possible(weighing.extend(one, j))
-                if others is little:
-                    yield from _in_turn(weighing, little, (j, i), least)
 
 
 def _possible(child: Explanation) -> Iterator[Explanation]:
     """An explanation, where nature has such sizes."""
     if not has_impossible_sizes(child.fit):
         yield child
-
-
-def _in_turn(
-    weighing: Weighing, others: Explanation, pair: tuple[int, int], least: float
-) -> Iterator[Explanation]:
-    """Two more effects, where they make the whole as probable as that.
-
-    The inner parameters of the last are found beside the first. What an effect imitates while it
-    stands alone leads them astray.
-    """
-    first, last = pair
-    if len(weighing.candidates[last].grid) > 1:
-        two = weighing.extend(weighing.extend(others, first, resize=False), last, resize=False)
-        if two.score > least:
-            yield from _possible(weighing.resized(two, two.posterior.sizes))
 
 
 def _ranked(weighing: Weighing, gains: np.ndarray, but: AbstractSet[str]) -> list[int]:
