@@ -44,7 +44,9 @@ def test_no_centre_near_by_is_better(radius, begin, sweep, off, tolerance):
     how, turns, i, j = fit_arc(np.array([*points, start, stop]), origin, STEP,
                                np.array([tolerance, 0.0]), False)  # fmt: skip
     near = np.round(-origin / STEP)
-    centres = [origin + STEP * (near + (a, b)) for a in range(-2, 3) for b in range(-2, 3)]
+    centres = [
+        np.add(origin, STEP * np.add(near, (a, b))) for a in range(-2, 3) for b in range(-2, 3)
+    ]
     wanted = (0.0, 0.0), radius
     allowed = [c for c in centres
                if abs(math.dist(c, start) - math.dist(c, stop)) <= tolerance]  # fmt: skip
@@ -53,5 +55,5 @@ def test_no_centre_near_by_is_better(radius, begin, sweep, off, tolerance):
         return
     assert (how, turns) == (CENTRE, True)
     least = min(badness(c, wanted, start, stop) for c in allowed)
-    found = badness(origin + (i, j), wanted, start, stop)
+    found = badness(np.add(origin, (i, j)), wanted, start, stop)
     assert found == pytest.approx(least, abs=1e-9)
