@@ -118,7 +118,7 @@ class BlockWords:
             elif letter == "CR":
                 text.append(f"r{number(value)}")
             elif letter == "TURN":
-                text.append(f"p{value + 1:.0f}")
+                text.append(f"p{_further_turns(value) + 1}")
             elif letter in ("T", "D", "N"):
                 continue
             elif letter in "XYZABCIJKFS":
@@ -162,6 +162,20 @@ class BlockWords:
             controller.note("G18, G19", "the tool's length stays along Z, as with setting data "
                             "$SC_TOOL_LENGTH_CONST = 17")  # fmt: skip
         return f"g{value:.0f}"
+
+
+def _further_turns(value: float) -> int:
+    """TURN: full turns before the arc to the end, which is a full one where the end is the start.
+
+    Autodesk's post "Matsuura - Multi - 840Di" (conturo-prototyping/cnc-posts on GitHub) counts
+    them the same way: its full circles have one turn less than they go round.
+    """
+    if not (value.is_integer() and 0.0 <= value <= 999.0):
+        raise ProgramError(
+            f"TURN={value:g} is no number of turns",
+            accepted="0 to 999, the full turns before the arc to the end",
+        )
+    return int(value)
 
 
 def _unknown(rest: str) -> ProgramError:
