@@ -33,7 +33,8 @@ _LABELS = re.compile(
 )
 _WORDS = {*ADDRESSES, *NO_MOTION, *OWN_ASSIGNED, *REFUSED, *WORDS, "IF", "ELSE", "ENDIF",
           "WHILE", "ENDWHILE", "FOR", "ENDFOR", "LOOP", "ENDLOOP", "REPEAT", "UNTIL", "CASE",
-          "OF", "TO", "DEFAULT", "SUPA", "CIP", "CT", "RET", "TRANS", "ATRANS", "ROT", "AROT", "SCALE", "ASCALE",
+          "OF", "TO", "DEFAULT", "SUPA", "CIP", "CT", "RET", "TRANS", "ATRANS",
+          "ROT", "AROT", "SCALE", "ASCALE",
           "MIRROR", "AMIRROR", "MCALL", "PCALL", "EXTCALL", "ENDLABEL", "AC", "IC"}  # fmt: skip
 
 
