@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, M_CODES, SAME, STOPS
+from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, ISO_G, M_CODES, SAME, STOPS
 from gcode.errors import ProgramError
 from gcode.language.translate import number
 from gcode.motion import frames
@@ -157,7 +157,8 @@ class BlockWords:
         if value in CODES and value != 500.0:
             return CODES[value]
         if value not in SAME:
-            raise ProgramError(f"Sinumerik G{value:g} is not read", accepted=ACCEPTED_G)
+            hint = "FANUC's, or of this control's ISO dialect (G291)" if value in ISO_G else None
+            raise ProgramError(f"Sinumerik G{value:g} is not read", accepted=ACCEPTED_G, hint=hint)
         if value in (18.0, 19.0):
             controller.note("G18, G19", "the tool's length stays along Z, as with setting data "
                             "$SC_TOOL_LENGTH_CONST = 17")  # fmt: skip
@@ -183,5 +184,5 @@ def _unknown(rest: str) -> ProgramError:
     return ProgramError(
         f"Sinumerik word '{word}' is not read",
         accepted="G M T D F S X Y Z A B C I J K CR= TURN= AP= RP= with numbers or expressions",
-        hint="post the program without subprograms and frames that turn",
+        hint="a comment begins with ;" if word == "(" else None,
     )

@@ -22,8 +22,8 @@ CONFIRMED = {
     "public programs": "CYCLE71; CYCLE76; CYCLE77; CYCLE90; SLOT2; TURN",
     "one part": ("AROT; CR; ENDFOR; FOR; G0; G1; G2; G17; G40; G41; G54; G71; G90; RND; TRANS"),
     "no motion": (
-        "G4; G60; G64; G94; G97; G290; G450; G460; G461; G462; G601; G602; G603; G641; G642; "
-        "G643; G644; G645; M0; M1; M2; M3; M4; M5; M6; M7; M8; M9; M17; M19; "
-        "M30; M40; M41; M42; M43; M44; M45; M70"
+        "G4; G60; G62; G64; G94; G97; G140; G141; G142; G143; G290; G340; G341; G450; G460; G461; "
+        "G462; G601; G602; G603; G621; G641; G642; G643; G644; G645; M0; M1; M2; M3; M4; M5; M6; "
+        "M7; M8; M9; M17; M19; M30; M40; M41; M42; M43; M44; M45; M70"
     ),
 }
