@@ -17,6 +17,7 @@ from gcode.language.confirmation import unconfirmed_words
 from gcode.language.dialect import Dialect
 from gcode.language.options import ControlSettings, RunOptions
 from gcode.language.registry import Recognition, choose_dialect, dialect_called
+from gcode.language.unread_controls import name_unread_control
 from gcode.motion.frames import load_offsets
 from gcode.moves.clock import MachineLimits
 from gcode.moves.moves import Moves
@@ -259,6 +260,8 @@ def _run_as_recognised(
     except ProgramError as error:
         other = choose_dialect(name, data, whole=True)
         if other.dialect is spoken.dialect:
+            if spoken.dialect.is_rs274:
+                name_unread_control(data.decode("latin-1"))
             if spoken.is_fallback and _NUMBERED.match(data):
                 error.hint = "it begins with a program number: is it for FANUC or Haas?"
             raise

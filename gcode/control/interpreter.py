@@ -210,10 +210,7 @@ def _execute_g(controller: Controller, values: Values) -> None:
     if "system" in g:
         frames.select_system(controller, g["system"])
     if "control" in g:
-        controller.require_no_compensation("change the control mode")
-        controller.path_control = g["control"]
-        tolerance = values.words.get("p", 0.0) if g["control"] == "G64" else 0.0
-        record.event("path_control", PATH_CONTROL[g["control"]], tolerance * controller.unit_mm)
+        _set_path_control(controller, g["control"], values.words.get("p", 0.0))
     if "distance" in g:
         controller.absolute = g["distance"] == "G90"
     if "arc_distance" in g:
@@ -227,6 +224,15 @@ def _execute_g(controller: Controller, values: Values) -> None:
         frames.axis_offsets(controller, values, g["g92_applied"])
     if values.motion is not None:
         _move(controller, values, values.motion)
+
+
+def _set_path_control(controller: Controller, code: str, blend: float) -> None:
+    """G61, G61.1, G64 P; LinuxCNC alone forbids them within cutter compensation."""
+    if not controller.start_up:
+        controller.require_no_compensation("change the control mode")
+    controller.path_control = code
+    mode, blend_mm = PATH_CONTROL[code], blend * controller.unit_mm if code == "G64" else 0.0
+    controller.queue.say(lambda: controller.record.event("path_control", mode, blend_mm))
 
 
 def _select_plane(controller: Controller, code: str) -> None:

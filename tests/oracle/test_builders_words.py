@@ -175,3 +175,56 @@ def test_a_rotary_axis_goes_to_the_place_that_dc_names():
     program = read("G91\nG0 C=DC(30)\nC=ACP(20)\nCYCLE800\nM30", "sinumerik")
     assert program.moves.end_mm.shape[0] == 2
     assert program.moves.rotary_end_deg[-1, 2] == pytest.approx(20.0)
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["ACC[X]=80", "VELOLIMA[Y]=50", "JERKLIM[X]=75", "OVR=100", "SPOS[1]=0", "SPOS=ACP(10)", "DL=0",
+     "TCARR=0", "CTOL=0.01", "G645 OTOL=0.5", "ADISPOS=.1", "BRISKA(X)", "WAITM(1,1,2)", "SETMS",
+     "G25 S100", "G26 S1=5000", "G62", "TOFFL=0", "GROUP_ADDEND(0,0)", "TOROTOF"],
+)  # fmt: skip
+def test_words_of_the_control_that_move_nothing_are_not_the_builders(line):
+    program = read(f"G0 X1 Y2\n{line}\nG1 X3 F100\nM30", "sinumerik")
+    assert program.moves.end_mm[-1, :2].tolist() == [3.0, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("line", "meaning"),
+    [("TOFFL=1", "tool offset of the program"), ("TOFF[Z]=0.5", "tool offset of the program"),
+     ("POS[X]=100", "positioning axis"), ("DL=1", "additive tool offset"), ("OVR=50", "override"),
+     ("G1 ANG=30 X10", "angle of a line"), ("MEAS=1 X10", "measuring"), ("TCARR=2", "tool carrier"),
+     ("G75 FP=2 Z0", "fixed point"), ("G147 DISR=5 X1", "soft approach"), ("FZ=.1", "per tooth"),
+     ("TOFRAME", "frame along the tool"), ("ROTS X10", "solid angles")],
+)  # fmt: skip
+def test_words_of_the_control_that_move_are_no_variables_that_a_job_could_say(line, meaning):
+    """They were told to be the builder's, with the advice to put them into the job."""
+    with pytest.raises(ProgramError, match=meaning) as error:
+        read(f"G0 X1 Y2\n{line}\nM30", "sinumerik")
+    assert "builder" not in str(error.value)
+    with pytest.raises(ProgramError) as error:
+        read(f"G0 X=UNKNOWN_ONE\n{line}\nM30", "sinumerik")
+    assert "variables UNKNOWN_ONE:" in str(error.value)
+
+
+def test_a_variable_that_the_program_declares_is_its_own():
+    program = read("DEF REAL FZ\nFZ=0.5\nG0 X=FZ\nM30", "sinumerik")
+    assert program.moves.end_mm[-1, 0] == 0.5
+
+
+def test_an_axis_as_index_is_a_name():
+    """Its value was looked for until the expression was 'nested too deeply'."""
+    with pytest.raises(ProgramError, match=r"variables GAP\[X\]"):
+        read("GAP[X]=80\nM30", "sinumerik")
+
+
+def test_a_field_may_be_filled_without_set():
+    program = read("DEF INT AA[3]=(1,2,3)\nG0 X=AA[1] Y=AA[2]\nM30", "sinumerik")
+    assert program.moves.end_mm[-1, :2].tolist() == [2.0, 3.0]
+
+
+@pytest.mark.parametrize(
+    ("line", "hint"), [("G43 Z10 H1", "ISO dialect"), ("(FACE)", "a comment begins with ;")]
+)
+def test_words_of_fanuc_are_told_as_such(line, hint):
+    with pytest.raises(ProgramError, match=hint):
+        read(f"{line}\nM30", "sinumerik")

@@ -394,3 +394,33 @@ def test_comparisons_are_worked_out_last():
     inner = "R1=5 R2=0\nIF {} GOTOF DONE\nG0 X9\nDONE: G0 Y1"
     assert places(inner.format("(R1==5) AND (R2==0)"))[:, 0].tolist() == [0]
     assert places(inner.format("R1==5 OR 0"))[:, 0].tolist() == [9, 9], "5 OR 0 is 1"
+
+
+@pytest.mark.parametrize(
+    ("end", "turn", "turns"),
+    [("X39 Y0", 0, 1), ("X39 Y0", 1, 2), ("X-39 Y0", 0, 0.5), ("X-39 Y0", 2, 2.5)],
+)
+def test_turn_adds_full_turns_before_the_arc_to_the_end(end, turn, turns):
+    moves = read(f"G0 X39 Y0\nG2 {end} Z-2 I=AC(0) J=AC(0) TURN={turn} F100").moves
+    assert abs(moves.sweep_rad[-1]) == pytest.approx(2 * np.pi * turns)
+
+
+@pytest.mark.parametrize("turn", [".5", "-1", "1.5", "1000"])
+def test_turn_is_a_whole_number(turn):
+    """0.5 once became one further full turn."""
+    with pytest.raises(ProgramError, match=r"no number of turns.*accepted"):
+        read(f"G0 X39 Y0\nG2 X-39 Y0 Z-2 I=AC(0) J=AC(0) TURN={turn} F100")
+
+
+def test_path_control_may_change_within_cutter_compensation():
+    """Only LinuxCNC forbids it; the path beside the contour stays the same."""
+    contour = "T1 D1\nG0 X0 Y0\nG1 G41 X10 Y0 F100\n{}X20\n{}Y10\nG1 G40 X0"
+    plain = places(contour.format("", ""))
+    for first, second in (("G642 ", "G64 "), ("G9 ", ""), ("G60 ", "G601 G64 ")):
+        assert places(contour.format(first, second)) == pytest.approx(plain)
+
+
+def test_an_exact_stop_within_cutter_compensation_is_that_of_its_block():
+    moves = read("T1 D1\nG64 G0 X0 Y0\nG1 G41 X10 Y0 F100\nX20\nG9 X30\nX40\nG40 Y20").moves
+    stops = {line: stop for line, stop in zip(moves.line, moves.exact_stop, strict=True)}
+    assert [stops[line] for line in (4, 5, 6)] == [False, True, False]

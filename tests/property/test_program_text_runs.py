@@ -52,12 +52,13 @@ programs = st.lists(st.one_of(lines, lines, lines, arcs, turns), min_size=1, max
 
 
 def written(text, seed, resolution_mm, *, compiled):
-    """The program with random corrections of its ends, a few of them tiny."""
+    """The program with random corrections of its ends; some lines count as not the user's."""
     program = read_program(Source(text), home_mm=(0.0, 0.0, 0.0))
-    rewriter = Rewriter(program, block_modes(program), frozenset(), dialect_called("linuxcnc"))
+    random, moves = np.random.default_rng(seed), program.moves
+    own = frozenset(moves.line[random.uniform(size=len(moves)) < 0.3 * (seed % 2)].tolist())
+    rewriter = Rewriter(program, block_modes(program), own, dialect_called("linuxcnc"))
     if not compiled:
         rewriter._columns.is_plain[:] = False
-    random, moves = np.random.default_rng(seed), program.moves
     pieces = []
     for move in rewriter.moving:
         arc = moves.kind[move] == MoveKind.ARC

@@ -285,6 +285,26 @@ def test_a_numbered_program_that_linuxcnc_refuses_is_asked_about():
     assert "FANUC" not in str(error.value)
 
 
+FADAL = (
+    "N1 O3 (EDGE E9)\nN2 G0 G90 M6 T7\nN3 G90 G0 X-40. Y0 E1\nN4 H7 Z5.\nN5 E0 X0 Y250.\nN6 M2\n"
+)
+
+
+@pytest.mark.parametrize("dialect", ["auto", "fanuc", "linuxcnc"])
+def test_a_program_of_fadals_own_format_is_refused_by_the_name_of_its_control(dialect):
+    with pytest.raises(ProgramError, match=r"part\.nc:3: .*Fadal.*E1 chooses.*G54 to G59"):
+        read_program(Source(FADAL.encode(), "part.nc"), dialect=dialect)
+
+
+@pytest.mark.parametrize(
+    "text", ["G0 X1 Y2 E1.25\nX2 E12", "G1 X1 Y2 E0.5", "X1 E99", "E1 Z5", "X1 E#1", "X1e5"]
+)
+def test_another_e_is_no_mark_of_fadal(text):
+    with pytest.raises(ProgramError) as error:
+        read_program(Source(f"{text}\nM2\n".encode(), "part.nc"))
+    assert "Fadal" not in str(error.value)
+
+
 def test_an_m_function_of_klartext_needs_a_number():
     text = b"BEGIN PGM A MM\nL X+1 R0 FMAX M MAX\nEND PGM A MM\n"
     with pytest.raises(ProgramError, match="MMAX is no M function"):

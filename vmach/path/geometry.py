@@ -5,10 +5,12 @@ Source: closed form derived here: a helix is a circle and a straight line in one
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from gcode import MoveKind, Moves
-from stock.compiled import njit_kernel, read_only
+from stock.compiled import njit_inlined, njit_kernel, read_only
 
 __all__ = ["across", "last_direction", "move_length_mm", "position_at", "tangent_at"]
 
@@ -50,8 +52,8 @@ def position_at(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.nda
     ends = read_only(moves.start_mm), read_only(moves.end_mm)
     _fill_positions(ends, read_only(move), read_only(parameter), nose)
     arcs = np.flatnonzero((moves.kind[move] == MoveKind.ARC) & (parameter != 1.0))
-    if arcs.size:
-        nose[arcs] = _arc(moves, move[arcs], parameter[arcs])[0]
+    _fill_arcs(_columns(moves), (arcs, move, parameter), _turned(moves, arcs, move, parameter),
+               False, nose)  # fmt: skip
     return nose
 
 
@@ -75,8 +77,8 @@ def tangent_at(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> np.ndar
     """
     tangent = moves.end_mm[move] - moves.start_mm[move]
     arcs = np.flatnonzero(moves.kind[move] == MoveKind.ARC)
-    if arcs.size:
-        tangent[arcs] = _arc(moves, move[arcs], parameter[arcs])[1]
+    _fill_arcs(_columns(moves), (arcs, move, parameter), _turned(moves, arcs, move, parameter),
+               True, tangent)  # fmt: skip
     return tangent
 
 
@@ -124,26 +126,59 @@ def _radii(moves: Moves, arcs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return radii[0], radii[1]
 
 
-def _arc(moves: Moves, move: np.ndarray, parameter: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Position and derivative on arcs, helices and spirals, each (P, 3)."""
-    axis, centre = moves.axis[move], moves.centre_mm[move]
-    start, end = moves.start_mm[move], moves.end_mm[move]
-    s, sweep = parameter[:, None], moves.sweep_rad[move][:, None]
+def _columns(moves: Moves) -> tuple[np.ndarray, ...]:
+    """What `_fill_arcs` needs of all moves."""
+    columns = moves.start_mm, moves.end_mm, moves.centre_mm, moves.axis, moves.sweep_rad
+    return tuple(map(read_only, columns))
 
-    def split(offset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        along = np.einsum("ij,ij->i", offset, axis)[:, None]
-        return offset - along * axis, along
 
-    first, start_along = split(start - centre)
-    last, end_along = split(end - centre)
-    start_radius = np.linalg.norm(first, axis=1, keepdims=True)
-    growth = np.linalg.norm(last, axis=1, keepdims=True) - start_radius
-    radius = start_radius + s * growth
-    outward = first / start_radius
-    onward = np.cross(axis, outward)
-    cos, sin = np.cos(s * sweep), np.sin(s * sweep)
-    radial, tangential = cos * outward + sin * onward, cos * onward - sin * outward
-    climb = end_along - start_along
-    position = centre + radius * radial + (start_along + s * climb) * axis
-    derivative = growth * radial + radius * sweep * tangential + climb * axis
-    return position, derivative
+def _turned(
+    moves: Moves, arcs: np.ndarray, move: np.ndarray, parameter: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Cosine and sine of the angles that some of P places are on along their arcs, (A,) each."""
+    angle = parameter[arcs] * moves.sweep_rad[move[arcs]]
+    return np.cos(angle), np.sin(angle)
+
+
+@njit_kernel()
+def _fill_arcs(columns, places, turned, is_derivative, found):
+    """Write positions on arcs, helices and spirals, or derivatives by the parameter."""
+    starts, ends, centres, axes, sweeps = columns
+    arcs, move, parameter = places
+    for k in range(len(arcs)):
+        row, s, cos, sin = move[arcs[k]], parameter[arcs[k]], turned[0][k], turned[1][k]
+        axis, centre = _vector(axes, row), _vector(centres, row)
+        first, along = _across_axis(_vector(starts, row), centre, axis)
+        last, end_along = _across_axis(_vector(ends, row), centre, axis)
+        radius = _length(first)
+        growth = _length(last) - radius
+        out = first[0] / radius, first[1] / radius, first[2] / radius
+        here, climb = radius + s * growth, end_along - along
+        on = (axis[1] * out[2] - axis[2] * out[1], axis[2] * out[0] - axis[0] * out[2],
+              axis[0] * out[1] - axis[1] * out[0])  # fmt: skip
+        for j in range(3):
+            radial = cos * out[j] + sin * on[j]
+            if is_derivative:
+                tangential = cos * on[j] - sin * out[j]
+                across = growth * radial + here * sweeps[row] * tangential
+                found[arcs[k], j] = across + climb * axis[j]
+            else:
+                found[arcs[k], j] = centre[j] + here * radial + (along + s * climb) * axis[j]
+
+
+@njit_inlined()
+def _vector(rows, k):
+    return rows[k, 0], rows[k, 1], rows[k, 2]
+
+
+@njit_inlined()
+def _across_axis(point, centre, axis):
+    """What of a point's place from the centre is across the axis, and how far it is along it."""
+    x, y, z = point[0] - centre[0], point[1] - centre[1], point[2] - centre[2]
+    along = x * axis[0] + z * axis[2] + y * axis[1]
+    return (x - along * axis[0], y - along * axis[1], z - along * axis[2]), along
+
+
+@njit_inlined()
+def _length(vector):
+    return math.sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, M_CODES, SAME, STOPS
+from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, ISO_G, M_CODES, SAME, STOPS
 from gcode.errors import ProgramError
 from gcode.language.translate import number
 from gcode.motion import frames
@@ -118,7 +118,7 @@ class BlockWords:
             elif letter == "CR":
                 text.append(f"r{number(value)}")
             elif letter == "TURN":
-                text.append(f"p{value + 1:.0f}")
+                text.append(f"p{_further_turns(value) + 1}")
             elif letter in ("T", "D", "N"):
                 continue
             elif letter in "XYZABCIJKFS":
@@ -157,11 +157,26 @@ class BlockWords:
         if value in CODES and value != 500.0:
             return CODES[value]
         if value not in SAME:
-            raise ProgramError(f"Sinumerik G{value:g} is not read", accepted=ACCEPTED_G)
+            hint = "FANUC's, or of this control's ISO dialect (G291)" if value in ISO_G else None
+            raise ProgramError(f"Sinumerik G{value:g} is not read", accepted=ACCEPTED_G, hint=hint)
         if value in (18.0, 19.0):
             controller.note("G18, G19", "the tool's length stays along Z, as with setting data "
                             "$SC_TOOL_LENGTH_CONST = 17")  # fmt: skip
         return f"g{value:.0f}"
+
+
+def _further_turns(value: float) -> int:
+    """TURN: full turns before the arc to the end, which is a full one where the end is the start.
+
+    Autodesk's post "Matsuura - Multi - 840Di" (conturo-prototyping/cnc-posts on GitHub) counts
+    them the same way: its full circles have one turn less than they go round.
+    """
+    if not (value.is_integer() and 0.0 <= value <= 999.0):
+        raise ProgramError(
+            f"TURN={value:g} is no number of turns",
+            accepted="0 to 999, the full turns before the arc to the end",
+        )
+    return int(value)
 
 
 def _unknown(rest: str) -> ProgramError:
@@ -169,5 +184,5 @@ def _unknown(rest: str) -> ProgramError:
     return ProgramError(
         f"Sinumerik word '{word}' is not read",
         accepted="G M T D F S X Y Z A B C I J K CR= TURN= AP= RP= with numbers or expressions",
-        hint="post the program without subprograms and frames that turn",
+        hint="a comment begins with ;" if word == "(" else None,
     )

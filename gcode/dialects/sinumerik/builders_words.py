@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from gcode.dialects.sinumerik.block_words import ADDRESSES
-from gcode.dialects.sinumerik.codes import M_CODES, NO_MOTION, REFUSED
+from gcode.dialects.sinumerik.codes import M_CODES, NO_MOTION, OWN_ASSIGNED, REFUSED
 from gcode.dialects.sinumerik.expressions import WORDS
 from gcode.dialects.sinumerik.statements import subprogram_call
 from gcode.errors import ProgramError
@@ -31,10 +31,11 @@ _STRING = re.compile(r"\"[^\"]*\"")
 _LABELS = re.compile(
     r"\b(?:GOTO[FBCS]?|REPEATB?|CALL|PROC|EXTERN|DEF|MSG|WRITE|DELETE|GROUP_\w+)\b.*", re.IGNORECASE
 )
-_WORDS = {*ADDRESSES, *NO_MOTION, *REFUSED, *WORDS, "IF", "ELSE", "ENDIF", "WHILE", "ENDWHILE",
-          "FOR", "ENDFOR", "LOOP", "ENDLOOP", "REPEAT", "UNTIL", "CASE", "OF", "TO", "DEFAULT",
-          "SUPA", "CIP", "CT", "RET", "TRANS", "ATRANS", "ROT", "AROT", "SCALE", "ASCALE",
-          "MIRROR", "AMIRROR", "MCALL", "ENDLABEL", "AC", "IC"}  # fmt: skip
+_WORDS = {*ADDRESSES, *NO_MOTION, *OWN_ASSIGNED, *REFUSED, *WORDS, "IF", "ELSE", "ENDIF",
+          "WHILE", "ENDWHILE", "FOR", "ENDFOR", "LOOP", "ENDLOOP", "REPEAT", "UNTIL", "CASE",
+          "OF", "TO", "DEFAULT", "SUPA", "CIP", "CT", "RET", "TRANS", "ATRANS",
+          "ROT", "AROT", "SCALE", "ASCALE",
+          "MIRROR", "AMIRROR", "MCALL", "PCALL", "EXTCALL", "ENDLABEL", "AC", "IC"}  # fmt: skip
 
 
 def unknown_words(

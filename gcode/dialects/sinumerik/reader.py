@@ -120,7 +120,7 @@ class SinumerikReader(Translated):
     def _block(self, content: str) -> None:
         tilted = _TILTED.search(content)
         if tilted and any(self.arguments(re.sub(r"\"[^\"]*\"", "", tilted[1]))[4:13]):
-            raise ProgramError("CYCLE800 tilts the plane", accepted="CYCLE800()")
+            raise ProgramError("CYCLE800 tilts or shifts the plane", accepted="CYCLE800()")
         content = _SUPPRESSED.sub("G53", NO_MOTION_WORDS.sub(self._noted, content)).strip()
         content = _FIRST_SPINDLE.sub(r"\1=", content)
         content = _NAMED_TOOL.sub(lambda m: f"T{self.controller.tool_named(m[1])}", content)

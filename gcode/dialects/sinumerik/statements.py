@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from gcode.dialects.sinumerik.block_words import ADDRESSES, split_arguments
-from gcode.dialects.sinumerik.codes import NO_MOTION, REFUSED
+from gcode.dialects.sinumerik.codes import NO_MOTION, OWN_ASSIGNED, REFUSED
 from gcode.dialects.sinumerik.frames import SETTABLE, settable_frame
 from gcode.errors import ProgramError
 
@@ -18,10 +18,16 @@ __all__ = ["ARC_WORD", "NO_MOTION_WORDS", "Statements", "subprogram_call"]
 ARC_WORD = re.compile(r"\b(CIP|CT)\b", re.IGNORECASE)
 #: for the screen, or how the control follows the path
 NO_MOTION_WORDS = re.compile(
-    r"\b(?:(WORKPIECE|MSG|WRITE|DELETE|CYCLE832|CYCLE800|GROUP_BEGIN|GROUP_END|SETMS|EXTCALL_END)\s*"
+    r"\b(?:(WORKPIECE|MSG|WRITE|DELETE|CYCLE832|CYCLE800|GROUP_(?:BEGIN|ADDEND|END)|SETMS"
+    r"|EXTCALL_END|BRISKA|SOFTA|DRIVEA|WAIT(?:MC?|S|P|E)|CLRINT|CANCEL|WRTPR)\s*"
     r"\((?:\"[^\"]*\"|[^)\"])*\)"
-    r"|((?:SPOSA?|FGREF\s*\[\w+\]|LIMS)\s*=\s*[\w.+-]+|FGROUP\s*\([^)]*\))"
-    rf"|({'|'.join(NO_MOTION)}|CYCLE8(?:00|32)(?!\s*\())\b)",
+    r"|((?:SPOSA?|FGREF|LIMS|ACC|ACCLIMA|VELOLIMA?|JERKLIMA?|ADISPOS|[CAO]TOL|STOLF|ORIS)"
+    r"\s*(?:\[\w+\])?\s*=\s*(?:(?:AC|IC|DC|ACP|ACN)\s*\([^)]*\)|[\w.+-]+)"
+    # nothing is asked for: no offset, no carrier, the feed as it is
+    r"|(?:DL|TCARR|CUTMOD|TOFF[LR]?|FXS)\s*(?:\[\w+\])?\s*=\s*0(?![\d.])"
+    r"|OVRA?\s*(?:\[\w+\])?\s*=\s*100(?![\d.])"
+    r"|G2[56](?:\s+(?:S\d*|[XYZ])\s*=?\s*[-+\w.]+)+|FGROUP\s*\([^)]*\))"
+    rf"|({'|'.join(NO_MOTION)}|CYCLE8(?:00|32)(?!\s*\()|SETMS)\b)",
     re.IGNORECASE,
 )
 _WORDS_ALONE = re.compile(r"(?:[A-Z]\d+(?:\.\d*)?)+", re.IGNORECASE)  #: G0X0Y0
@@ -39,8 +45,13 @@ _CALLED = re.compile(
 )
 _STRING = re.compile(r"\"[^\"]*\"(?:\s*<<\s*(?:\"[^\"]*\"|[\w$]+))*")
 _FRAME = re.compile(r"(A?TRANS|A?ROT|A?SCALE|A?MIRROR)\b\s*(.*)", re.IGNORECASE)
-_ELSEWHERE = re.compile(r"(?:EXTCALL\s*\(\s*(\".*\")\s*\)|PCALL\s+(\S+))", re.IGNORECASE)
+_ELSEWHERE = re.compile(
+    r"(?:EXTCALL\s*\(\s*(\".*\")\s*\)|(?:PCALL\s+|EXTCALL\s*(?=\"))(\S+))", re.IGNORECASE
+)
 _REFUSED = re.compile(rf"\b({'|'.join(REFUSED)})\b", re.IGNORECASE)
+_OWN_ASSIGNED = re.compile(
+    rf"\b({'|'.join(OWN_ASSIGNED)})\s*(?:\[[^\]]*\]\s*)?=(?!=)", re.IGNORECASE
+)
 
 
 def subprogram_call(content: str) -> re.Match[str] | None:
@@ -102,8 +113,19 @@ class Statements:
         if found is not None:
             raise ProgramError(f"{found[1].upper()} ({REFUSED[found[1].upper()]}) is not read",
                                accepted="milling with three axes")  # fmt: skip
+        if _OWN_ASSIGNED.search(content):
+            self._refuse_assigned(content)
         if content.upper().startswith("SETAL"):
             raise ProgramError(f"the program raises an alarm: {content}")
+
+    def _refuse_assigned(self, content: str) -> None:
+        """Refuse the control's words that stand with ``=`` and ask for anything."""
+        own = _OWN_ASSIGNED.search(NO_MOTION_WORDS.sub("", content))
+        if own is not None and own[1].upper() not in self.reader.variables.named:
+            raise ProgramError(
+                f"{own[1].upper()} ({OWN_ASSIGNED[own[1].upper()]}) is not read",
+                accepted="milling with three axes and the offsets of the tool table",
+            )
 
     def _left_out(self, content: str) -> bool:
         """Whether a block is nothing but a call that the job leaves out."""

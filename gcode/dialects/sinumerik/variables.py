@@ -62,7 +62,7 @@ class Variables:
             raise ProgramError(f"field {name}", accepted=f"up to {_MOST_ELEMENTS} elements")
         places = [f"{sizes[1]}[{','.join(map(str, place))}]"
                   for place in itertools.product(*map(range, counts))]  # fmt: skip
-        listed = re.fullmatch(r"SET\s*\((.*)\)", value, re.IGNORECASE)
+        listed = re.fullmatch(r"(?:SET\s*)?\((.*)\)", value, re.IGNORECASE)
         first = [] if listed is None else [self.value(v) for v in listed[1].split(",")]
         each = self.value(value) if value and listed is None else 0.0
         self.named |= dict(itertools.zip_longest(places, first[: len(places)], fillvalue=each))
@@ -151,7 +151,10 @@ class Variables:
 
     def _place(self, text: str, may_name: bool) -> str:
         """One index; those of system variables may be names of axes and words."""
-        if may_name and re.fullmatch(r"[A-Z]\w*", text) and not re.fullmatch(r"R\d+", text):
+        is_axis = text in tuple("XYZABC") and text not in self.named
+        if is_axis or (
+            may_name and re.fullmatch(r"[A-Z]\w*", text) and not re.fullmatch(r"R\d+", text)
+        ):
             return text
         return str(self._index(self.value(text)))
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
+from operator import is_
 
 import numpy as np
 
@@ -143,6 +144,16 @@ class ProbeSets:
     def beside(self, others: Probes) -> ProbeSets:
         """These and others."""
         return ProbeSets((*self.sets, others.in_order()))
+
+    def begin_with(self, others: ProbeSets) -> bool:
+        """Whether these are others, with nothing or more beside them."""
+        own = self.sets[: len(others.sets)]
+        return len(own) == len(others.sets) and all(map(is_, own, others.sets))
+
+    def keys_beyond(self, others: ProbeSets) -> np.ndarray:
+        """`Probes.key` in order of all that is beside others that these begin with."""
+        sets = self.sets[len(others.sets) :]
+        return np.sort(np.concatenate([[], *(_key(one.move, one.parameter) for one in sets)]))
 
     def between(self, first: float, stop: float) -> Probes:
         """Those from one `Probes.key` on, before another; of one place the earlier set's first."""

@@ -8,7 +8,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from stock.compiled import njit_inlined, njit_kernel, njit_maker
 
 __all__ = ["Course", "Points", "advance", "best_points", "best_sequence", "traced_back"]
 
@@ -72,7 +73,7 @@ class Points(NamedTuple):
     corrected: np.ndarray
 
 
-@njit(cache=True)
+@njit_inlined()
 def _left(course, k, one, a, i, two, b, j):
     """Cost of piece k from point i of end a of `one` to point j of end b of `two`."""
     first, p0 = course.begin[k], course.start[k]
@@ -96,36 +97,40 @@ def _left(course, k, one, a, i, two, b, j):
     return cost
 
 
-@njit(cache=True, nogil=True)
+@njit_maker()
 def best_points(course, exact, points, ends, count):
     """Points of some ends that leave least if their neighbours were not rounded, (E, count).
 
     `exact` has one point for each of all ends, and one more for the start of the path, in front.
     """
     found = np.zeros((len(ends), count), np.int64)
+    cost = np.empty(points.parameter.shape[1])
     for e, k in enumerate(ends):
-        tries = points.parameter.shape[1]
-        cost = np.empty(tries)
-        for j in range(tries):
-            cost[j] = _left(course, k, exact, k, 0, points, e, j)
-            if k + 1 < len(course.begin):
-                cost[j] += _left(course, k + 1, points, e, j, exact, k + 2, 0)
+        _fill_costs(course, exact, points, (e, k), cost)
         found[e] = np.argsort(cost)[:count]
     return found
+
+
+@njit_kernel()
+def _fill_costs(course, exact, points, end, cost):
+    """Cost of every point of one end between neighbours that are not rounded."""
+    e, k = end
+    for j in range(len(cost)):
+        cost[j] = _left(course, k, exact, k, 0, points, e, j)
+        if k + 1 < len(course.begin):
+            cost[j] += _left(course, k + 1, points, e, j, exact, k + 2, 0)
 
 
 def best_sequence(course, exact, points):
     """Point of every end, (K,), so that the sum of costs along the path is smallest.
 
-    No piece costs less than nothing: what is dearer before a piece than the best so far behind it
-    needs no look. Of equals the first counts.
+    Of equals the first counts.
     """
     came_from = np.zeros(points.parameter.shape, np.int8)
     total = advance(course, exact, points, 0, np.zeros(came_from.shape[1]), came_from)
     return traced_back(total, came_from)
 
 
-@njit(cache=True, nogil=True)
 def advance(course, exact, points, at, total, came_from):
     """Go on along the path with the points of some more ends.
 
@@ -145,83 +150,188 @@ def advance(course, exact, points, at, total, came_from):
     Returns
     -------
     (C,) float64
-        Least cost to every point of the last end, over the least of all.
+        Least cost to every point of the last end, over the least of all; infinite for points
+        that are the same as one before.
     """
-    ends, tries = points.parameter.shape
-    room = _most_probes(course, points)
-    by_start, by_end = np.empty((tries, room)), np.empty((tries, room))
-    if at == 0:
-        total = np.array([_left(course, 0, exact, 0, 0, points, 0, j) for j in range(tries)])
-    for k in range(1, ends):
-        now = np.full(tries, np.inf)
-        cheapest_first = np.argsort(total)
-        count = _shares(course, k, points, by_start, by_end)
-        for j in range(tries):
-            for i in cheapest_first:
-                if total[i] > now[j]:
-                    break
-                if count < 0:
-                    cost = total[i] + _left(course, k, points, k - 1, i, points, k, j)
-                else:
-                    cost = total[i] + _at_ends(course, k, points, i, j)
-                    begin = course.begin[k]
-                    for n in range(count):
-                        if cost > now[j]:
-                            break
-                        cost += _at_probe(course, begin + n, by_start[i, n] + by_end[j, n])
-                if cost < now[j] or (cost == now[j] and i < came_from[k, j]):
-                    now[j], came_from[k, j] = cost, i
-        total = now - now.min()
+    tries, total = points.parameter.shape[1], total.copy()
+    shares = np.empty((2, _most_probes(course.begin, points.bound), tries))
+    room = np.empty((2, tries), np.int64), np.empty((3, tries)), shares
+    _advance(course, exact, points, (at, came_from, total), room)
     return total
 
 
-@njit(cache=True)
+@njit_kernel()
+def _advance(course, exact, points, goes_on, room):
+    """`advance`, with room to work in; the total is changed in place."""
+    at, came_from, total = goes_on
+    (before, here), (now, stays, cost), shares = room
+    known = _different(points, 0, before)
+    if at == 0:
+        total[:] = np.inf
+        for a in range(known):
+            total[before[a]] = _left(course, 0, exact, 0, 0, points, 0, before[a])
+    for k in range(1, len(points.bound)):
+        _sort_by_cost(total, before, known)
+        count = _different(points, k, here)
+        own = before, known, here, count
+        probes = _fill_shares(course, k, points, own, shares)
+        for b in range(count):
+            stays[b] = _stays(course, k, points, here[b])
+            now[b] = np.inf
+        for a in range(known):
+            i = before[a]
+            if total[i] > _largest(now, count):  # no piece costs less than nothing
+                break
+            _fill_costs_from(course, k, points, (own, a, total[i], probes, shares, stays), cost)
+            for b in range(count):
+                j = here[b]
+                if cost[b] < now[b] or (cost[b] == now[b] and i < came_from[k, j]):
+                    now[b], came_from[k, j] = cost[b], i
+        _put_over_least((now, here, count), total)
+        before, here, known = here, before, count
+
+
+@njit_inlined()
+def _fill_costs_from(course, k, points, way, cost):
+    """Least cost to every point of end k by one point before it."""
+    (before, _, here, count), a, so_far, probes, shares, stays = way
+    i, still = before[a], course.still
+    if probes < 0:
+        for b in range(count):
+            cost[b] = so_far + _left(course, k, points, k - 1, i, points, k, here[b])
+        return
+    if still[k, 0] == 0.0 and still[k, 1] == 0.0 and still[k, 2] == 0.0:
+        for b in range(count):
+            cost[b] = so_far + stays[b]
+    else:
+        for b in range(count):
+            cost[b] = so_far + _at_ends(course, k, points, i, here[b])
+    for n in range(probes):
+        probe = course.begin[k] + n
+        weight, start = course.weight[probe], shares[0, n, a]
+        most = 0.0 if course.only_below[probe] else np.inf
+        for b in range(count):
+            x = min(start + shares[1, n, b], most)
+            square = x * x
+            cost[b] += weight * (square + course.large * square**4)
+
+
+@njit_inlined()
+def _different(points, k, own):
+    """Fill in the points of end k without those that are the same as one before; how many.
+
+    Along a line that goes on, as many points about an end are found from both its sides.
+    """
+    count = 0
+    for j in range(points.bound.shape[1]):
+        is_new = True
+        for a in range(count):
+            if _same(points, k, own[a], j):
+                is_new = False
+                break
+        if is_new:
+            own[count] = j
+            count += 1
+    return count
+
+
+@njit_inlined()
+def _same(points, k, i, j):
+    """Whether two points of end k have all in common."""
+    if points.bound[k, i] != points.bound[k, j] or points.parameter[k, i] != points.parameter[k, j]:
+        return False
+    for places in (points.off, points.corrected, points.at_end, points.at_start):
+        for axis in range(3):
+            if places[k, i, axis] != places[k, j, axis]:
+                return False
+    return True
+
+
+@njit_inlined()
+def _sort_by_cost(total, own, count):
+    """Put some points in order, the cheapest first."""
+    for a in range(1, count):
+        one, b = own[a], a
+        while b > 0 and total[own[b - 1]] > total[one]:
+            own[b] = own[b - 1]
+            b -= 1
+        own[b] = one
+
+
+@njit_inlined()
+def _largest(values, count):
+    found = -np.inf
+    for b in range(count):
+        found = max(found, values[b])
+    return found
+
+
+@njit_inlined()
+def _put_over_least(costs, total):
+    """Write the costs of some points over the least of them; the others' are infinite."""
+    now, here, count = costs
+    least = np.inf
+    for b in range(count):
+        least = min(least, now[b])
+    total[:] = np.inf
+    for b in range(count):
+        total[here[b]] = now[b] - least
+
+
 def traced_back(total, came_from):
     """Point of every end, (K,), on the cheapest way to the last."""
     best = np.zeros(len(came_from), np.int64)
-    point = np.argmin(total)
-    for k in range(len(came_from) - 1, -1, -1):
-        best[k] = point
-        point = came_from[k, point]
+    _trace_back(np.argmin(total), came_from, best)
     return best
 
 
-@njit(cache=True)
-def _most_probes(course, points):
+@njit_kernel()
+def _trace_back(point, came_from, best):
+    for k in range(len(came_from) - 1, -1, -1):
+        best[k] = point
+        point = came_from[k, point]
+
+
+def _most_probes(begin, bound):
     """Probes of the piece that has most."""
-    most = 1
-    for k in range(len(points.bound)):
-        if course.begin[k] >= 0:
-            most = max(most, points.bound[k].max() - course.begin[k])
-    return most
+    begin = begin[: len(bound)]
+    return int((bound.max(axis=1) - begin).max(initial=1, where=begin >= 0))
 
 
-@njit(cache=True)
-def _shares(course, k, points, by_start, by_end):
+@njit_inlined()
+def _fill_shares(course, k, points, own, shares):
     """What every start and every end of piece k add at its probes; how many these are.
 
     -1 where the points of an end lie at different places, so that the shares are not theirs alone.
     """
+    before, known, here, count = own
     first, p0 = course.begin[k], course.start[k]
     last, p1 = points.bound[k, 0], points.parameter[k, 0]
-    if first < 0 or (points.bound[k] != last).any() or (points.parameter[k] != p1).any():
+    if first < 0:
         return -1
+    for b in range(1, count):
+        if points.bound[k, here[b]] != last or points.parameter[k, here[b]] != p1:
+            return -1
     per_span = 1.0 / (p1 - p0) if p1 > p0 else 0.0
     for n in range(last - first):
-        normal = course.normal[first + n]
         share = (course.parameter[first + n] - p0) * per_span
-        for t in range(points.parameter.shape[1]):
-            start, end = points.at_start[k - 1, t], points.at_end[k, t]
-            by_start[t, n] = (1.0 - share) * (
-                normal[0] * start[0] + normal[1] * start[1] + normal[2] * start[2]
-            )
-            by_end[t, n] = course.base[first + n] + share * (
-                normal[0] * end[0] + normal[1] * end[1] + normal[2] * end[2]
-            )
+        for a in range(known):
+            along = _along(course.normal, first + n, points.at_start, k - 1, before[a])
+            shares[0, n, a] = (1.0 - share) * along
+        for b in range(count):
+            along = _along(course.normal, first + n, points.at_end, k, here[b])
+            shares[1, n, b] = course.base[first + n] + share * along
     return max(last - first, 0)
 
 
-@njit(cache=True)
+@njit_inlined()
+def _along(normal, probe, places, k, j):
+    """Component of a place along the normal of a probe."""
+    x, y, z = places[k, j, 0], places[k, j, 1], places[k, j, 2]
+    return normal[probe, 0] * x + normal[probe, 1] * y + normal[probe, 2] * z
+
+
+@njit_inlined()
 def _at_probe(course, probe, x):
     """Cost of what is left at a probe."""
     if x > 0.0 and course.only_below[probe]:
@@ -230,7 +340,16 @@ def _at_probe(course, probe, x):
     return course.weight[probe] * (square + course.large * square**4)
 
 
-@njit(cache=True)
+@njit_inlined()
+def _stays(course, k, points, j):
+    """Cost of the whole distance of point j of end k."""
+    cost = 0.0
+    for axis in range(3):
+        cost += course.stays[k] * points.off[k, j, axis] ** 2
+    return cost
+
+
+@njit_inlined()
 def _at_ends(course, k, points, i, j):
     """Cost of piece k by the places of its ends alone."""
     cost = 0.0

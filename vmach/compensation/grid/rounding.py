@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,6 +27,38 @@ __all__ = ["Rounding"]
 _POINTS = 24
 #: ends whose points are compared at once
 _AT_ONCE = 512
+
+
+@dataclass(frozen=True)
+class _Way:
+    """What is known of the cheapest way to every point of K ends, in B blocks.
+
+    Attributes
+    ----------
+    probes : ProbeSets
+        That it is the cheapest for.
+    came_from : (K, points) int8
+        As in `advance`.
+    total : (B + 1, points) float64
+        Costs with which every block is begun, and with which the last one ends.
+    kept : (I, points) int16
+        Numbers of the points that inserted ends keep.
+    """
+
+    probes: ProbeSets
+    came_from: np.ndarray
+    total: np.ndarray
+    kept: np.ndarray
+
+    @classmethod
+    def untrodden(cls, blocks: int, ends: int, inserted: int) -> _Way:
+        """Room for it."""
+        return cls(
+            ProbeSets(()),
+            np.zeros((ends, _POINTS), np.int8),
+            np.zeros((blocks + 1, _POINTS)),
+            np.zeros((inserted, _POINTS), np.int16),
+        )
 
 
 class Rounding:
@@ -58,47 +90,72 @@ class Rounding:
         self.step_mm = _steps(rewriter, plan, resolution_mm)
         self.grid = Grid(rewriter, plan, target, self.step_mm)
         self.pieces = Pieces(self.grid)
+        self.inserted = np.flatnonzero(self.grid.inserted)
+        self._way: _Way | None = None
 
     def rounded(self, probes: ProbeSets) -> tuple[Plan, Target]:
         """Plan and target with ends on the grid, that leave least at some probes.
+
+        Asked again with more sets beside the same ones, it goes only where these are, and on from
+        there as far as the costs differ.
 
         Parameters
         ----------
         probes : ProbeSets
         """
-        count = len(self.pieces)
-        came_from = np.zeros((count, _POINTS), np.int8)
-        kept = np.zeros((count, _POINTS), np.int16)
-        total = np.zeros(_POINTS)
-        for first, (stretch, number, points) in zip(
-            range(0, count, _AT_ONCE), self._candidates(probes), strict=True
-        ):  # fmt: skip
-            begin = stretch.begin
-            kept[begin : begin + len(number)] = number
-            total = advance(stretch.course, stretch.exact, points, first - begin, total,
-                            came_from[begin:])  # fmt: skip
-        choice = traced_back(total, came_from)
-        return self._taken(kept[np.arange(count), choice].astype(np.int64))
+        way, changed = self._way_so_far(probes)
+        ahead, total = self._in_turn(probes, np.flatnonzero(changed)), np.zeros(_POINTS)
+        for block in range(len(changed)):
+            if not changed[block] and (total == way.total[block]).all():
+                total = way.total[block + 1]
+                continue
+            stretch, number, points = next(ahead) if changed[block] else self._found(probes, block)
+            own = slice(*np.searchsorted(self.inserted, self._bounds(block)))
+            way.kept[own] = number[self.inserted[own] - stretch.begin]
+            way.total[block] = total
+            total = advance(stretch.course, stretch.exact, points, block * _AT_ONCE - stretch.begin,
+                            total, way.came_from[stretch.begin:])  # fmt: skip
+        way.total[-1] = total
+        self._way = replace(way, probes=probes)
+        number = traced_back(total, way.came_from)
+        number[self.inserted] = way.kept[np.arange(len(self.inserted)), number[self.inserted]]
+        return self._taken(number)
 
-    def _candidates(self, probes: ProbeSets) -> Iterator[tuple[Stretch, np.ndarray, Points]]:
-        """Stretch after stretch with the points that its ends keep, found on all cores.
+    def _way_so_far(self, probes: ProbeSets) -> tuple[_Way, np.ndarray]:
+        """What is known of the way, and in which blocks there are probes beyond that."""
+        ends, blocks = len(self.pieces), -(-len(self.pieces) // _AT_ONCE)
+        if self._way is None or not probes.begin_with(self._way.probes):
+            return _Way.untrodden(blocks, ends, len(self.inserted)), np.ones(blocks, bool)
+        bounds = [self._bounds(block) for block in range(blocks)]
+        keys = np.array([self.pieces.keys(begin, min(stop + 1, ends)) for begin, stop in bounds])
+        first, stop = probes.keys_beyond(self._way.probes).searchsorted(keys.T)
+        return self._way, first < stop
 
-        Each begins with the last end of the one before. The points of all ends would fill the
-        memory.
+    def _bounds(self, block: int) -> tuple[int, int]:
+        """First end of a block, which is the last one of the block before, and its stop."""
+        first = block * _AT_ONCE
+        return max(first - 1, 0), min(first + _AT_ONCE, len(self.pieces))
+
+    def _found(self, probes: ProbeSets, block: int) -> tuple[Stretch, np.ndarray, Points]:
+        """A block as a stretch, with the points that its ends keep: numbers, and they."""
+        begin, stop = self._bounds(block)
+        stretch = Stretch(self.pieces, probes, begin, min(stop + 1, len(self.pieces)))
+        ends = np.arange(begin, stop)
+        number, places = self._best(stretch, ends)
+        return stretch, number, stretch.points(places, ends)
+
+    def _in_turn(
+        self, probes: ProbeSets, blocks: np.ndarray
+    ) -> Iterator[tuple[Stretch, np.ndarray, Points]]:
+        """Some blocks, (B,), one after the other, found on all cores.
+
+        The points of all ends would fill the memory.
         """
-        count, cores = len(self.pieces), cores_to_use()
-
-        def found(first: int) -> tuple[Stretch, np.ndarray, Points]:
-            begin, stop = max(first - 1, 0), min(first + _AT_ONCE, count)
-            stretch = Stretch(self.pieces, probes, begin, min(stop + 1, count))
-            ends = np.arange(begin, stop)
-            number, places = self._best(stretch, ends)
-            return stretch, number, stretch.points(places, ends)
-
+        cores = cores_to_use()
         with ThreadPoolExecutor(cores) as pool:
             waiting: deque[Future[tuple[Stretch, np.ndarray, Points]]] = deque()
-            for first in range(0, count, _AT_ONCE):
-                waiting.append(pool.submit(found, first))
+            for block in blocks.tolist():
+                waiting.append(pool.submit(self._found, probes, block))
                 if len(waiting) > cores:
                     yield waiting.popleft().result()
             while waiting:

@@ -51,6 +51,12 @@ class Pieces:
         """`Probes.key` of the starts of some pieces, (E,)."""
         return self.move[own] + self.first[own]
 
+    def keys(self, begin: int, end: int) -> tuple[float, float]:
+        """`Probes.key` of the start of one piece, and of the end of the piece before another."""
+        is_last, last = end == len(self), end - 1
+        stop = np.inf if is_last else float(self.move[last] + self.last[last])
+        return float(self.move[begin] + self.first[begin]), stop
+
     def path_length_mm(self, own: slice) -> np.ndarray:
         """Lengths at feed of some pieces, (E,), at least `_LEAST_LENGTH_MM`."""
         feed = self.rewriter.moves.kind[self.move[own]] != MoveKind.RAPID
@@ -87,10 +93,7 @@ class Stretch:
     exact: Points = field(init=False)
 
     def __post_init__(self) -> None:
-        pieces, last = self.pieces, self.end - 1
-        is_last = self.end == len(pieces)
-        stop = np.inf if is_last else pieces.move[last] + pieces.last[last]
-        self.probes = self.along.between(pieces.key(slice(self.begin, self.begin + 1))[0], stop)
+        self.probes = self.along.between(*self.pieces.keys(self.begin, self.end))
         self.course, self.exact = self._course(), self._exact()
 
     def _course(self) -> Course:

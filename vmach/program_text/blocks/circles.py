@@ -8,7 +8,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from stock.compiled import njit_inlined, njit_kernel
 
 __all__ = ["circle_centre", "length", "swept"]
 
@@ -16,14 +17,14 @@ __all__ = ["circle_centre", "length", "swept"]
 _LARGEST_RADIUS_MM = 1e5
 
 
-@njit(cache=True)
-def length(x, y):  # pragma: no cover - compiled
+@njit_inlined()
+def length(x, y):
     """Length of a vector."""
     return math.sqrt(x * x + y * y)
 
 
-@njit(cache=True)
-def circle_centre(first, middle, last):  # pragma: no cover - compiled
+@njit_kernel()
+def circle_centre(first, middle, last):
     """Whether three points (2,) lie on a circle and not in line, and its centre."""
     ax, ay, bx, by = (
         middle[0] - first[0],
@@ -39,8 +40,8 @@ def circle_centre(first, middle, last):  # pragma: no cover - compiled
     return True, first[0] + x, first[1] + y
 
 
-@njit(cache=True)
-def swept(x, y, first, last, is_counter_clockwise):  # pragma: no cover - compiled
+@njit_inlined()
+def swept(x, y, first, last, is_counter_clockwise):
     """Angle about a centre from one point (2,) to another in a sense, 0 to 2 pi, rad."""
     fx, fy, lx, ly = first[0] - x, first[1] - y, last[0] - x, last[1] - y
     angle = math.atan2(fx * ly - fy * lx, fx * lx + fy * ly)

@@ -12,8 +12,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from stock.compiled import njit_inlined, njit_kernel, njit_part
 from vmach.program_text.blocks.circles import circle_centre, length, swept
 
 __all__ = ["CENTRE", "LINE", "RADIUS", "fit_arc"]
@@ -34,8 +34,8 @@ _UNCERTAIN_RAD = math.radians(170.0)
 _RADIUS_STEPS = 0.3
 
 
-@njit(cache=True)
-def fit_arc(arc, origin, step, tolerance, by_radius):  # pragma: no cover - compiled
+@njit_kernel()
+def fit_arc(arc, origin, step, tolerance, by_radius):
     """The rounded centre or radius whose arc is nearest to the wanted one.
 
     Parameters
@@ -71,36 +71,38 @@ def fit_arc(arc, origin, step, tolerance, by_radius):  # pragma: no cover - comp
     return CENTRE, sense, i, j
 
 
-@njit(cache=True)
-def _best_centre(arc, centre, sense, origin, step, tolerance):  # pragma: no cover - compiled
-    """Distance of the best arc, infinite for none, and the words of its centre."""
+@njit_inlined()
+def _best_centre(arc, centre, sense, origin, step, tolerance):
+    """Distance of the best arc, infinite for none, and the words of its centre.
+
+    Of equals the first counts. The nearest centre is asked first: it tells how good the others
+    have to be.
+    """
     side = 2 * _TRIES + 1
-    misses, badness = np.empty(side * side), np.empty(side * side)
-    first, last = np.empty(side * side), np.empty(side * side)
     near_i = np.rint((centre[0] - origin[0]) / step) * step
     near_j = np.rint((centre[1] - origin[1]) / step) * step
-    for k in range(side * side):
+    best, least, found = -1, np.inf, np.inf
+    for turn in range(-1, side * side):
+        k = turn if turn >= 0 else side * side // 2
         x = origin[0] + (near_i + step * (k // side - _TRIES))
         y = origin[1] + (near_j + step * (k % side - _TRIES))
-        misses[k] = _miss(arc, centre, sense, x, y)
-        first[k] = length(arc[_START, 0] - x, arc[_START, 1] - y)
-        last[k] = length(arc[_STOP, 0] - x, arc[_STOP, 1] - y)
+        first = length(arc[_START, 0] - x, arc[_START, 1] - y)
+        last = length(arc[_STOP, 0] - x, arc[_STOP, 1] - y)
         # controls differ in what they do with unlike radii: half their difference counts as well
-        badness[k] = max(misses[k], 0.5 * abs(first[k] - last[k]))
-    for _ in range(side * side):
-        k = np.argmin(badness)
-        if not np.isfinite(misses[k]):
-            break
-        largest = max(tolerance[0], tolerance[1] * max(first[k], last[k]))
-        if abs(first[k] - last[k]) <= largest:
-            return (misses[k], near_i + step * (k // side - _TRIES),
-                    near_j + step * (k % side - _TRIES))  # fmt: skip
-        badness[k] = np.inf
-    return np.inf, 0.0, 0.0
+        unlike = abs(first - last)
+        if unlike > max(tolerance[0], tolerance[1] * max(first, last)) or 0.5 * unlike > least:
+            continue
+        miss = _miss(arc, centre, sense, x, y, least)
+        badness = max(miss, 0.5 * unlike)
+        if badness < least or (badness == least and k < best):
+            best, least, found = k, badness, miss
+    if best < 0:
+        return np.inf, 0.0, 0.0
+    return found, near_i + step * (best // side - _TRIES), near_j + step * (best % side - _TRIES)
 
 
-@njit(cache=True)
-def _best_radius(arc, centre, sense, step):  # pragma: no cover - compiled
+@njit_inlined()
+def _best_radius(arc, centre, sense, step):
     """Distance of the best arc by radius, infinite where none is certain, and the radius."""
     best, radius = np.inf, 0.0
     if swept(centre[0], centre[1], arc[_START], arc[_END], sense) > _UNCERTAIN_RAD:
@@ -109,14 +111,14 @@ def _best_radius(arc, centre, sense, step):  # pragma: no cover - compiled
     near = np.rint(wanted / step) * step
     for value in (near, near - step, near + step):
         found, x, y = _centre_of_radius(arc, value, sense)
-        miss = _miss(arc, centre, sense, x, y) if found else np.inf
+        miss = _miss(arc, centre, sense, x, y, best) if found else np.inf
         if miss < best:
             best, radius = miss, value
     return best, radius
 
 
-@njit(cache=True)
-def _chord_miss(arc):  # pragma: no cover - compiled
+@njit_inlined()
+def _chord_miss(arc):
     """Distance of the wanted middle from the straight line to the written end."""
     along_x, along_y = arc[_STOP, 0] - arc[_START, 0], arc[_STOP, 1] - arc[_START, 1]
     out_x, out_y = arc[_MIDDLE, 0] - arc[_START, 0], arc[_MIDDLE, 1] - arc[_START, 1]
@@ -126,9 +128,12 @@ def _chord_miss(arc):  # pragma: no cover - compiled
     return abs(along_x * out_y - along_y * out_x) / chord
 
 
-@njit(cache=True)
-def _miss(arc, centre, sense, x, y):  # pragma: no cover - compiled
-    """Largest distance of the arc about a place from the circle about `centre`."""
+@njit_part()
+def _miss(arc, centre, sense, x, y, most):
+    """Largest distance of the arc about a place from the circle about `centre`.
+
+    Infinite where the arc turns otherwise; some distance above `most` where it is larger than that.
+    """
     sweep = swept(x, y, arc[_START], arc[_STOP], sense)
     wanted = swept(centre[0], centre[1], arc[_START], arc[_END], sense)
     if sweep > _LARGEST_SWEEP_RAD or abs(sweep - wanted) > _SWEEP_SLACK_RAD:
@@ -142,11 +147,13 @@ def _miss(arc, centre, sense, x, y):  # pragma: no cover - compiled
         off_x = x + here * math.cos(angle) - centre[0]
         off_y = y + here * math.sin(angle) - centre[1]
         worst = max(worst, abs(length(off_x, off_y) - radius))
+        if worst > most:
+            break
     return worst
 
 
-@njit(cache=True)
-def _centre_of_radius(arc, radius, sense):  # pragma: no cover - compiled
+@njit_inlined()
+def _centre_of_radius(arc, radius, sense):
     """Centre of the shorter arc of this radius, as a control finds it, and whether there is one."""
     x, y = arc[_STOP, 0] - arc[_START, 0], arc[_STOP, 1] - arc[_START, 1]
     half = 0.5 * length(x, y)

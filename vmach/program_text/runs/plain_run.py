@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from stock.compiled import njit_inlined, njit_kernel
 from vmach.program_text.blocks.written_arc import LINE, RADIUS, fit_arc
 from vmach.program_text.runs.axis_words import LETTERS
 from vmach.program_text.runs.axis_words import RADIUS as R
@@ -63,6 +63,8 @@ class Run(NamedTuple):
         How it is written: without a zero before the point; with a plus sign.
     behind : (M,) int64
         Where words go that the line lacks.
+    own : (M,) bool
+        The numbers of its line are not the user's, and all are written anew.
     habits : (6,) int64
         Of these: blanks before the letter and before the number, whether the letter is small;
         fewest decimals, is_bare, has_plus.
@@ -89,6 +91,7 @@ class Run(NamedTuple):
     is_bare: np.ndarray
     has_plus: np.ndarray
     behind: np.ndarray
+    own: np.ndarray
     habits: np.ndarray
 
 
@@ -117,10 +120,10 @@ class RunState(NamedTuple):
     length: np.ndarray
 
 
-@njit(cache=True)
-def _put_number(text, mantissa, decimals, fill, negative, bare, plus):  # pragma: no cover
-    """Write a number from the left; returns how many characters it has."""
-    at = 0
+@njit_inlined()
+def _put_number(text, at, mantissa, digits):
+    """Write a number into a text from a place on; where it ends."""
+    decimals, fill, negative, bare, plus = digits
     if mantissa != 0 and negative:
         text[at] = 45
         at += 1
@@ -134,23 +137,33 @@ def _put_number(text, mantissa, decimals, fill, negative, bare, plus):  # pragma
     while shown > fill and fraction % 10 == 0:
         fraction //= 10
         shown -= 1
-    digits = 1
-    while whole // np.int64(10) ** digits > 0:
-        digits += 1
     if not (bare and whole == 0 and shown > 0):
-        for place in range(digits - 1, -1, -1):
-            text[at] = 48 + whole // np.int64(10) ** place % 10
-            at += 1
+        at = _put_digits(text, at, whole, _count_digits(whole))
     text[at] = 46
-    at += 1
-    for place in range(shown - 1, -1, -1):
-        text[at] = 48 + fraction // np.int64(10) ** place % 10
-        at += 1
-    return at
+    return _put_digits(text, at + 1, fraction, shown)
 
 
-@njit(cache=True)
-def _edit(run, state, move, letter, value):  # pragma: no cover - compiled
+@njit_inlined()
+def _count_digits(whole):
+    """Digits of a whole number."""
+    count, rest = 1, whole // 10
+    while rest > 0:
+        rest //= 10
+        count += 1
+    return count
+
+
+@njit_inlined()
+def _put_digits(text, at, whole, count):
+    """Write so many digits from a place on; where they end."""
+    for place in range(at + count - 1, at - 1, -1):
+        text[place] = 48 + whole % 10
+        whole //= 10
+    return at + count
+
+
+@njit_inlined()
+def _edit(run, state, move, letter, value):
     """Put a number in the place of a word's, or add a word.
 
     Tells whether its digits are sure, and what it says.
@@ -176,16 +189,15 @@ def _edit(run, state, move, letter, value):  # pragma: no cover - compiled
         text[: before + 1 + between] = _BLANK
         text[before] = _LETTERS[letter] + (_TO_LOWER if is_lower else 0)
         at = before + 1 + between
-    state.length[edit] = at + _put_number(
-        text[at:], np.int64(mantissa), decimals, fill, value < 0.0, is_bare, has_plus
-    )
+    digits = decimals, fill, value < 0.0, is_bare, has_plus
+    state.length[edit] = _put_number(text, at, np.int64(mantissa), digits)
     state.count[0] = edit + 1
     new = mantissa / 10.0 ** run.decimals[move]
     return True, new * (-1.0 if value < 0.0 and mantissa != 0.0 else 1.0)
 
 
-@njit(cache=True)
-def _write_ends(run, state, move, reached, aimed):  # pragma: no cover - compiled
+@njit_inlined()
+def _write_ends(run, state, move, reached, aimed):
     """Write X Y Z of one move; tells whether that was possible."""
     piece, unit = run.piece[move], run.unit_mm[move]
     for axis in range(3):
@@ -198,7 +210,7 @@ def _write_ends(run, state, move, reached, aimed):  # pragma: no cover - compile
         aimed[axis] = wanted
         value = wanted / unit
         old = run.value[move, axis] if named else before / unit
-        if abs(value - old) < 0.5 * run.step[move]:
+        if abs(value - old) < 0.5 * run.step[move] and not (named and run.own[move]):
             state.count[1] += abs(value - old) > _NOTHING
             reached[axis] = 0.0 + old * unit
             continue
@@ -209,10 +221,11 @@ def _write_ends(run, state, move, reached, aimed):  # pragma: no cover - compile
     return True
 
 
-@njit(cache=True)
-def _write_arc(run, state, move, reached, arc):  # pragma: no cover - compiled
+@njit_inlined()
+def _write_arc(run, state, move, reached, room):
     """Write I J K or R of one arc whose ends are written; tells whether that was possible."""
-    piece, unit, origin = run.piece[move], run.unit_mm[move], np.zeros(2)
+    arc, origin = room
+    piece, unit = run.piece[move], run.unit_mm[move]
     for k in range(2):
         axis = run.side[move, k]
         start = run.start_mm[move, axis]
@@ -221,21 +234,19 @@ def _write_arc(run, state, move, reached, arc):  # pragma: no cover - compiled
         arc[2, k] = run.wanted_mm[piece, axis] / unit
         arc[3, k] = (start + state.carried_mm[axis]) / unit
         arc[4, k] = reached[axis] / unit
-        if not run.absolute_centre[move]:
-            origin[k] = arc[3, k]
+        origin[k] = 0.0 if run.absolute_centre[move] else arc[3, k]
     by_radius = run.first[move, R] >= 0
     how, turns, first, second = fit_arc(arc, origin, run.step[move], run.tolerance[move], by_radius)
     if how == LINE or by_radius != (how == RADIUS) or run.code[move] != (3 if turns else 2):
         return False
-    if by_radius:
-        return _edit(run, state, move, R, first)[0]
-    one, _ = _edit(run, state, move, 3 + run.side[move, 0], first)
-    two, _ = _edit(run, state, move, 3 + run.side[move, 1], second)
-    return one and two
+    for k in range(1 if by_radius else 2):
+        letter = R if by_radius else 3 + run.side[move, k]
+        if not _edit(run, state, move, letter, second if k else first)[0]:
+            return False
+    return True
 
 
-@njit(cache=True)
-def write_run(run, state, moving, index, as_programmed):  # pragma: no cover - compiled
+def write_run(run, state, moving, index, as_programmed):
     """Write moves from one on, as far as possible.
 
     Parameters
@@ -255,7 +266,14 @@ def write_run(run, state, moving, index, as_programmed):  # pragma: no cover - c
     int
         Index of the first move that was not written.
     """
-    reached, aimed, arc = np.zeros(3), np.zeros(3), np.zeros((5, 2))
+    room = np.zeros(3), np.zeros(3), (np.zeros((5, 2)), np.zeros(2))
+    return _write_run(run, state, moving, (index, as_programmed), room)
+
+
+@njit_kernel()
+def _write_run(run, state, moving, begin, room):
+    """`write_run`, with room to work in."""
+    (index, as_programmed), (reached, aimed, arc) = begin, room
     while index < len(moving):
         move = moving[index]
         if run.piece[move] < 0:

@@ -37,6 +37,7 @@ class RunColumns:
         self.side = np.array([(0, 0, 0), *PLANE_AXES.values()], np.int8)[plane][:, :2]
         self.absolute_centre = self._mode("absolute_centre", other=False)
         self.absolute_centre |= plain.text.absolute_centres
+        self.own = np.isin(plain.moves.line, list(plain.own))
         self.is_plain = self._plain_moves()
 
     def _mode(self, name: str, other: float | bool) -> np.ndarray:
@@ -49,7 +50,6 @@ class RunColumns:
         said = self.words.motion
         found = self.words.is_plain & self._has_arc_words() & (plain.angle == 0.0)
         found &= (said < 0) | (said == self.code)
-        found &= ~np.isin(plain.moves.line, list(plain.own))
         for name in ("incremental", "inverse_time", "left"):
             found &= ~self._mode(name, other=True)
         found &= plain.moves.kind != MoveKind.DWELL
@@ -94,7 +94,7 @@ class RunColumns:
                    decimals, steps[which], plain.programmed, plain.start_mm, plain.end_mm,
                    wanted_mm, middle_mm, self.side, self.absolute_centre, tolerance[which],
                    words.start, words.stop, fill, words.value, bare, plus, words.behind,
-                   self._habits_of_added())  # fmt: skip
+                   self.own, self._habits_of_added())  # fmt: skip
 
     def _habits_of_added(self) -> np.ndarray:
         """Habits of words that lines lack, as `BlockText.word` and `BlockText.number` have them."""
@@ -107,11 +107,13 @@ class RunColumns:
         self, words: AxisWords, decimals: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Decimals, missing zeros and plus signs of new numbers, as `BlockText.number` has them."""
-        text, style = self.plain.text, self.plain.text.style
-        fill = np.maximum(np.minimum(words.fill, decimals[:, None]), text.fewest_decimals)
-        fill = fill.astype(np.int64)
-        bare = words.is_bare | (style.bare_point & ~words.has_zero)
-        return fill, bare, words.has_plus | (style.plus & words.has_minus)
+        text, style, own = self.plain.text, self.plain.text.style, self.own[:, None]
+        fill = np.where(own, np.int8(style.fill), words.fill)
+        most = decimals.astype(np.int8)[:, None]  # as the others are: a long program has many
+        fill = np.maximum(np.minimum(fill, most), np.int8(text.fewest_decimals))
+        bare = np.where(own, style.bare_point, words.is_bare | (style.bare_point & ~words.has_zero))
+        plus = np.where(own, style.plus, words.has_plus | (style.plus & words.has_minus))
+        return fill, bare, plus
 
 
 def state_for(state: BlockState, count: int) -> RunState:
