@@ -83,8 +83,9 @@ def _answer(entry: dict, effect: dict) -> str:
     """How an entry of the report, empty for none, answers one hidden effect."""
     if not entry:
         return "missed"
-    # led by the right name at the wrong target it would be wrong
+    # led by the right name at the wrong target it would be wrong, unless that target is a rival
     in_class = effect["name"] in entry["class"] and entry["effect"] != effect["name"]
+    in_class |= f"{effect['name']} {effect['target']}" in entry.get("rivals", ())
     if not _means(entry, effect) and not in_class:
         return "missed"
     members = {entry["effect"], *entry["class"]}

@@ -24,8 +24,8 @@ _NEAR = 6.0
 #: chosen: half of an even split. It saves fits; whatever passes is weighed by the readings
 _SHARE = 0.25
 #: cosine of what two candidates would take of the readings from which on one of them is tried:
-#: nine tenths of the variance
-_SAME = 0.95
+#: 96 % of the variance
+_SAME = 0.98
 #: a move counts where it makes the whole more probable by this much
 _STEP = 0.5
 #: moves at most; a search that goes on has something to report already

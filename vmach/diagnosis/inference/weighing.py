@@ -199,14 +199,15 @@ class Weighing:
         return sum(term.label in self._counted for term in terms)
 
     def _log_prior_of_count(self, count: int) -> float:
-        """Log probability of so many effects, up to what all sets share: every number is as likely.
+        """Log probability of so many effects, beside what all sets share: one more has even odds.
 
         Sets of k effects share it; `log_prior` alone would make k a Poisson variable of mean one.
 
-        Source: J. Scott and J. Berger, Bayes and empirical-Bayes multiplicity adjustment in the
-        variable-selection problem, Ann. Stat. 38 (2010) 2587: k! (N - k)! / (N + 1)! of a set.
+        Source: derived here, from k! (N - k)! / N! of a set as in J. Scott and J. Berger, Bayes
+        and empirical-Bayes multiplicity adjustment in the variable-selection problem, Ann. Stat.
+        38 (2010) 2587, with a geometric number of mean one.
         """
-        return float(gammaln(count + 1))
+        return float(gammaln(count + 1) - count * np.log(2.0))
 
     def index_of(self, label: str) -> int:
         """Which candidate has a given name and target."""
