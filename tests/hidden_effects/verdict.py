@@ -13,8 +13,8 @@ The rules, as strict as physics allows:
   twins: the one tooth that cuts leaves cusps that grow with the square of the feed.
 * The length of one of two tools is the other's with the sign turned and a shift of the datum:
   either tool may be named.
-* A class is right if it holds the true name, if its leader points at the same target where the
-  names agree, and if it has at most `MOST_IN_CLASS` members: `vague` otherwise.
+* A class is right if it holds the true name, if its leader or a rival points at the same target
+  where the names agree, and if it has at most `MOST_IN_CLASS` members: `vague` otherwise.
 * Something accused besides what is true: `extra`.
 """
 
