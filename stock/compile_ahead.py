@@ -25,8 +25,10 @@ from stock.exact.motion import Motion
 from stock.exact.outline import Outlines
 from stock.exact.tree import Trees
 from stock.exact.walk import Work, walk_lines, walk_part
+from stock.sweeps import Sweeps
+from stock.tools import Tool, make_tool
 
-__all__ = ["await_compiled", "compile_ahead", "compile_collisions", "compile_walk"]
+__all__ = ["await_compiled", "compile_ahead", "compile_collisions", "compile_walk", "one_stroke"]
 
 _LOOK_EVERY_S = 0.05
 _PATIENCE_S = 120.0
@@ -75,9 +77,12 @@ def compile_walk() -> None:
 def compile_collisions() -> None:
     """Follow one stroke through a blank."""
     from stock.collision import find_collisions  # it waits for this module's kernels
-    from stock.sweeps import Sweeps
-    from stock.tools import make_tool
 
+    find_collisions(*one_stroke())
+
+
+def one_stroke() -> tuple[Sweeps, list[Tool], tuple[tuple[float, ...], tuple[float, ...]]]:
+    """A stroke through a blank of 1 mm, its tool, and the corners of the blank."""
     place, motion, one = np.zeros((1, 3)), np.zeros((1, 2, 3)), np.zeros(1)
     stroke = Sweeps(
         start_mm=place, end_mm=place + 1.0, centre_mm=place, axis=place,
@@ -85,7 +90,7 @@ def compile_collisions() -> None:
         sweep_rad=one, tool=one, move=one,
     )  # fmt: skip
     tool = make_tool("flat", diameter_mm=1.0, length_mm=1.0)
-    find_collisions(stroke, [tool], ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)))
+    return stroke, [tool], ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ import contextlib
 import pickle
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from queue import SimpleQueue
 from threading import Thread
@@ -21,15 +21,46 @@ from types import SimpleNamespace
 from typing import Any, BinaryIO
 
 from stock.child_process import children_may_die, isolated_python
+from stock.compile_ahead import one_stroke
 from stock.solid.solid import VirtualPart, cut_part
 from stock.sweeps import Sweeps
 from stock.threads import cores_to_use
 from stock.tools import Tool
 
-__all__ = ["CutAside"]
+__all__ = ["CutAside", "cutter_at_hand"]
 
 #: fewer sweeps are cut before another process has begun
 _WORTHWHILE_SWEEPS = 500
+#: the process of `cutter_at_hand` until it is needed
+_at_hand: list[subprocess.Popen] = []
+
+
+@contextlib.contextmanager
+def cutter_at_hand() -> Iterator[None]:
+    """Let a process get ready to cut within the block, while this one finds out what.
+
+    The first `CutAside` takes it; nobody needs to.
+    """
+    if cores_to_use() > 1 and sys.executable:
+        with contextlib.suppress(OSError):  # the process is started when it is needed
+            _at_hand.append(_started())
+    try:
+        yield
+    finally:
+        while _at_hand:
+            _end(_at_hand.pop())
+
+
+def _started() -> subprocess.Popen:
+    return subprocess.Popen(isolated_python(__name__), stdin=subprocess.PIPE,
+                            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)  # fmt: skip
+
+
+def _end(process: subprocess.Popen) -> None:
+    """End a process and close its pipes."""
+    process.kill()
+    with process:
+        pass
 
 
 class CutAside(contextlib.AbstractContextManager):
@@ -52,10 +83,7 @@ class CutAside(contextlib.AbstractContextManager):
         self._while_open.enter_context(children_may_die())
         if cores_to_use() > 1 and len(self._asked[0]) >= _WORTHWHILE_SWEEPS and sys.executable:
             with contextlib.suppress(OSError):
-                self._process = subprocess.Popen(
-                    isolated_python(__name__), stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                    stderr=subprocess.DEVNULL,
-                )  # fmt: skip
+                self._process = _at_hand.pop() if _at_hand else _started()
         if self._process is not None:
             self._thread = Thread(target=self._talk, args=(self._process,), daemon=True)
             self._thread.start()
@@ -63,10 +91,9 @@ class CutAside(contextlib.AbstractContextManager):
 
     def __exit__(self, *_: object) -> None:
         if self._process is not None and self._thread is not None:
-            self._process.kill()
+            self._process.kill()  # so that the thread ends, which writes and reads
             self._thread.join()
-            with self._process:  # its pipes are closed
-                pass
+            _end(self._process)
         self._while_open.close()
 
     def part(self, progress: Callable[[int, int], None] | None = None) -> VirtualPart:
@@ -101,7 +128,8 @@ def _live(door: BinaryIO, answers: BinaryIO) -> None:
         pickle.dump(what if len(what) > 1 else what[0], answers, pickle.HIGHEST_PROTOCOL)
         answers.flush()
 
-    with contextlib.suppress(KeyboardInterrupt, BrokenPipeError):
+    with contextlib.suppress(KeyboardInterrupt, BrokenPipeError, EOFError):
+        cut_part(*one_stroke())  # all that is loaded on the first call
         sweeps, tools, blank = pickle.load(door)
         answer(cut_part(sweeps, tools, blank, progress=answer))
 

@@ -9,6 +9,7 @@ import pytest
 
 from stock import CutAside, StockError, cut_part, make_tool
 from stock.solid import cut_aside
+from stock.solid.cut_aside import cutter_at_hand
 from tests.stock_solid_cases import polyline, wavy_raster
 
 BALL = make_tool("ball", diameter_mm=6.0, length_mm=30.0)
@@ -72,3 +73,19 @@ def test_few_sweeps_are_cut_here(monkeypatch):
     monkeypatch.setattr(cut_aside.subprocess, "Popen", None)
     with CutAside(SWEEPS, [BALL], BLOCK) as cutting:
         assert cutting.part().volume_mm3 > 0.0
+
+
+def test_a_process_at_hand_cuts_the_same_part(started):
+    with cutter_at_hand():
+        with CutAside(SWEEPS, [BALL], BLOCK) as cutting:
+            there = cutting.part()
+        assert len(started) == 1 and started[0].poll() is not None
+    assert_same(cut_part(SWEEPS, [BALL], BLOCK), there)
+
+
+def test_a_process_that_nobody_needs_is_ended(started):
+    with pytest.raises(KeyboardInterrupt), cutter_at_hand():
+        raise KeyboardInterrupt
+    assert started[0].poll() is not None
+    with CutAside(SWEEPS, [BALL], BLOCK):
+        assert len(started) == 2

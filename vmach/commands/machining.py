@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -59,6 +60,8 @@ def run(
     control: Control = None,
 ) -> None:
     """Machine the part virtually and compare it with its CAD."""
+    from stock.solid.cut_aside import cutter_at_hand
+
     variants = (Variant.NONE,) if model is Variant.NONE else (Variant.NONE, model)
     if part is not None:
         if solid is False:
@@ -66,7 +69,10 @@ def run(
             raise InputError(what, accepted="one of --part and --no-solid")
         solid = True
     plan = draw_plan(uncertainty, digits, draws, seed)
-    _machine(job, model, variants, out=out, part_file=part, as_json=as_json, solid=solid, plan=plan)
+    with nullcontext() if solid is False else cutter_at_hand():
+        _machine(
+            job, model, variants, out=out, part_file=part, as_json=as_json, solid=solid, plan=plan
+        )
 
 
 def compare(
