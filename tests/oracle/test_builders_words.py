@@ -217,6 +217,21 @@ def test_an_axis_as_index_is_a_name():
         read("GAP[X]=80\nM30", "sinumerik")
 
 
+@pytest.mark.parametrize("line", ["R1=_NC[_KC]", "IF _NC[_KC[2]]==1 GOTOF ENDE"])
+def test_an_index_of_the_builder_is_told_with_its_field(line):
+    """The list of what is unknown was made within itself until it was 'nested too deeply'."""
+    with pytest.raises(ProgramError) as error:
+        read(f"{line}\nG0 X=_LATER\nENDE:\nM30", "sinumerik")
+    said = str(error.value)
+    assert all(name in said for name in ("_KC", "_NC[_KC", "_LATER")), said
+
+
+def test_an_index_may_be_an_element_of_another_field():
+    program = read("DEF INT AA[3]=(0,2,1),BB[3]\nBB[AA[1]]=7\nG0 X=BB[AA[1]]\n"
+                   "$AC_MARKER[AA[2]]=3\nG0 Y=$AC_MARKER[AA[2]]\nM30", "sinumerik")  # fmt: skip
+    assert program.moves.end_mm[-1, :2].tolist() == [7.0, 3.0]
+
+
 def test_a_field_may_be_filled_without_set():
     program = read("DEF INT AA[3]=(1,2,3)\nG0 X=AA[1] Y=AA[2]\nM30", "sinumerik")
     assert program.moves.end_mm[-1, :2].tolist() == [2.0, 3.0]

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 __all__ = ["unknown_words"]
 
 _VARIABLE = re.compile(
-    r"(?<![A-Z0-9_$])(\$?[A-Z_][A-Z_]\w*)\s*(\[[^\]]*\])?\s*(\(|=(?!=))?", re.IGNORECASE
+    r"(?<![A-Z0-9_$])(\$?[A-Z_][A-Z_]\w*)\s*(\[(?:[^\[\]]|\[[^\[\]]*\])*\])?\s*(\(|=(?!=))?",
+    re.IGNORECASE,
 )
 _M_CODE = re.compile(r"(?<![A-Z0-9_$])M(\d+)(?![\d.]*\s*[=\[(])", re.IGNORECASE)
 #: the control's own, which no job can leave out; cycles 960 to 999 measure

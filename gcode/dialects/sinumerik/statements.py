@@ -32,7 +32,8 @@ NO_MOTION_WORDS = re.compile(
 )
 _WORDS_ALONE = re.compile(r"(?:[A-Z]\d+(?:\.\d*)?)+", re.IGNORECASE)  #: G0X0Y0
 _ASSIGNED = re.compile(
-    r"(R\d+|R\[.*?\]|\$?[A-Z_][A-Z_]\w*(?:\[[^\]]*\])?)\s*=(?!=)\s*(.*)", re.IGNORECASE
+    r"(R\d+|R\[.*?\]|\$?[A-Z_][A-Z_]\w*(?:\[(?:[^\[\]]|\[[^\[\]]*\])*\])?)\s*=(?!=)\s*(.*)",
+    re.IGNORECASE,
 )
 _MODES_OF_CYCLES = ("CYCLE800", "CYCLE832")  #: no brackets: everything back
 _SUBPROGRAM = re.compile(
