@@ -14,6 +14,7 @@ from stock.compiled import njit_inlined, njit_kernel, njit_part
 from stock.exact.crossing import entry, exit_below
 from stock.exact.meeting import TOUCH_MM, Cut, Meeting, point_at
 from stock.exact.motion import bend_of_height, tool_of
+from stock.exact.sweep_distance import start_of_search, sweep_distance
 from stock.exact.tool_frame import seen_from_tool
 from stock.exact.tree import (
     Trees,
@@ -28,6 +29,9 @@ __all__ = ["CUT", "GOUGED", "UNCUT", "Work", "walk_lines", "walk_part"]
 
 CUT, UNCUT, GOUGED = 0, 1, 2
 _STACK = 128
+#: pieces that a walk looks at before it asks whether any holds the start at all: in the midst of
+#: moves that are short beside their tools, thousands are near
+_MANY = 48
 #: lines whose walks help each other: each begins with the piece that the one before ended on
 _COMPANY = 64
 
@@ -76,8 +80,11 @@ def walk_lines(work, points, normals, blank, reach):
 
 
 def _nodes_to_visit():
-    """Room for the nodes that one search still has to visit, their bounds, and its hint."""
-    return np.empty(_STACK, np.int64), np.empty(_STACK), np.empty(1, np.int64)
+    """Room for the nodes that one search still has to visit, their bounds, and its hint.
+
+    The second half is for a search within a search.
+    """
+    return np.empty(2 * _STACK, np.int64), np.empty(2 * _STACK), np.empty(1, np.int64)
 
 
 @njit_kernel()
@@ -143,7 +150,7 @@ def _walk_out(work, line, most, todo):
     """Nearest entry into any sweep going outwards; whether the start is inside one instead."""
     cut, trees = work
     q, hint = line[0], todo[2]
-    best, best_sweep, best_s = most, -1, 0.0
+    best, best_sweep, best_s, asked = most, -1, 0.0, 0
     if hint[0] >= 0:  # near the end of the search at once
         sweep = trees.sweep[hint[0]]
         h, s = entry(_meeting(work, hint[0], line), best)
@@ -170,6 +177,9 @@ def _walk_out(work, line, most, todo):
                     continue
                 if _useless(_below_piece(work, k, line, 0.0), sweep, best, best_sweep):
                     continue
+                asked += 1
+                if asked == _MANY and _is_inside(work, line, todo):
+                    return True, 0.0, -1, 0.0
                 h, s = entry(_meeting(work, k, line), best)
                 if h == -np.inf:
                     hint[0] = k
@@ -178,6 +188,34 @@ def _walk_out(work, line, most, todo):
                     best, best_sweep, best_s = min(h, best), sweep, s
                     hint[0] = k
     return False, best, best_sweep, best_s
+
+
+@njit_part()
+def _is_inside(work, line, todo):
+    """Whether any sweep holds the line's point at 0; the piece that does becomes the hint."""
+    cut, trees = work
+    q, (nodes, bounds, hint) = line[0], todo
+    for tool in range(len(trees.leaves)):
+        leaves = trees.leaves[tool]
+        nodes[_STACK], bounds[_STACK], top = 1, -np.inf, _STACK + 1
+        while top > _STACK:
+            top -= 1
+            node = nodes[top]
+            if bounds[top] > 0.0:
+                continue
+            if node < leaves:
+                top = _push_children(work, tool, q, node, (todo, top, 0.0))
+                continue
+            begin, end = pieces_of_leaf(trees, tool, node)
+            for k in range(begin, end):
+                if bound_of_piece(cut.outlines, trees, tool, k, q) > 0.0:
+                    continue
+                meeting = _meeting(work, k, line)
+                s = start_of_search(meeting, 0.0)
+                if sweep_distance(meeting, 0.0, s, TOUCH_MM).mm < -TOUCH_MM:
+                    hint[0] = k
+                    return True
+    return False
 
 
 @njit_inlined()

@@ -217,6 +217,48 @@ def test_an_axis_as_index_is_a_name():
         read("GAP[X]=80\nM30", "sinumerik")
 
 
+@pytest.mark.parametrize("line", ["R1=_NC[_KC]", "IF _NC[_KC[2]]==1 GOTOF ENDE"])
+def test_an_index_of_the_builder_is_told_with_its_field(line):
+    """The list of what is unknown was made within itself until it was 'nested too deeply'."""
+    with pytest.raises(ProgramError) as error:
+        read(f"{line}\nG0 X=_LATER\nENDE:\nM30", "sinumerik")
+    said = str(error.value)
+    assert all(name in said for name in ("_KC", "_NC[_KC", "_LATER")), said
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["$P_UIFR[1,X,RT]=5", "$P_UIFR[1,X,FI]=R1+1", "$P_BFRAME[X,TR]=5", "$P_CHBFR[0]=CTRANS(X,5)",
+     "$P_UIFR[1]=CROT(Z,30)", "$P_PFRAME=CTRANS()", "$TC_DP6[1,1]=5", "$P_UIFR[1,Z,SC]=0",
+     "R2=1 $P_UIFR[1,X,MI]=1"],
+)  # fmt: skip
+def test_frames_and_tools_are_not_the_builders(line):
+    """The job was asked for their values, and with one the part was neither turned nor moved."""
+    name = line.removeprefix("R2=1 ").partition("=")[0]
+    with pytest.raises(ProgramError) as error:
+        read(f"G0 X=_ANY\n{line}\nM30", "sinumerik", variables={"_ANY": 1.0, name: 0.0})
+    assert name in str(error.value)
+    with pytest.raises(ProgramError) as error:
+        read(f"G0 X=_ANY\n{line}\nM30", "sinumerik")
+    assert "variables _ANY:" in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["$P_UIFR[1,X,RT]=0", "$P_UIFR[1,X,FI]=0.0", "$P_CHBFR[0]=CTRANS()", "$P_BFRAME[X,TR]=0",
+     "$P_UIFR[1,Z,SC]=1", "$P_UIFR[1,X,RT]=0 $P_UIFR[1,Y,RT]=0 R1=7"],
+)  # fmt: skip
+def test_a_frame_that_is_set_to_nothing_changes_nothing(line):
+    program = read(f"{line}\nG54 G0 X3 Y=R1\nM30", "sinumerik")
+    assert program.moves.end_mm[-1, :2].tolist() == [3.0, 7.0 if "R1" in line else 0.0]
+
+
+def test_an_index_may_be_an_element_of_another_field():
+    program = read("DEF INT AA[3]=(0,2,1),BB[3]\nBB[AA[1]]=7\nG0 X=BB[AA[1]]\n"
+                   "$AC_MARKER[AA[2]]=3\nG0 Y=$AC_MARKER[AA[2]]\nM30", "sinumerik")  # fmt: skip
+    assert program.moves.end_mm[-1, :2].tolist() == [7.0, 3.0]
+
+
 def test_a_field_may_be_filled_without_set():
     program = read("DEF INT AA[3]=(1,2,3)\nG0 X=AA[1] Y=AA[2]\nM30", "sinumerik")
     assert program.moves.end_mm[-1, :2].tolist() == [2.0, 3.0]

@@ -33,6 +33,8 @@ PLACES = [
     ("sinumerik", "G54 G710 G0 X1", (11, 0)), ("sinumerik", "G56 G0 X1", (31, 0)),
     ("sinumerik", "G57 G0 X1", (41, 0)), ("sinumerik", "G54 G0 X1\nG53 X2", (2, 0)),
     ("sinumerik", "G54 G0 X1\nG153 X2", (2, 0)), ("sinumerik", "G54 G0 X1\nSUPA X2", (2, 0)),
+    ("sinumerik", "G54 G0 X1\nG53", (11, 0)), ("sinumerik", "G54 G0 X1\nG153 M5\nX2", (12, 0)),
+    ("sinumerik", "G54 G0 X1\nSUPA D0\nX2", (12, 0)), ("sinumerik", "G0 X1\nG53 G57\nX2", (42, 0)),
     ("sinumerik", "G54 G0 X0 Y0\nG1 F100 X9\nG3 X19 Y10 CR=10", (29, 10)),
     ("sinumerik", "G54 G0 X0 Y0\nG2 X=IC(10) Y=IC(10) CR=10 F100", (20, 10)),
     ("sinumerik", "G54 G111 X5 Y5\nG0 RP=10 AP=90", (15, 15)),

@@ -79,18 +79,31 @@ SINUMERIK = {
     "CYCLE81(20,0,2,-10)": "2 -10f 20",
     "CYCLE82(20,0,2,-10,,0.5)": "2 -10f 20",
     "CYCLE84(20,0,2,-10,,0,3,,1.5,0,500,500)": "2 -10f 2f 20",
-    "CYCLE84(20,0,2,-10,,0,3,,1.5,0,500,500,0,1,0,1,4,1)": "2 -4f -3f -8f -7f -10f 2f 20",
-    "CYCLE84(20,0,2,-10,,0,3,,1.5,0,500,500,0,1,0,2,4)": "2 -4f 2f -8f 2f -10f 2f 20",
+    "CYCLE84(20,0,2,-10,,0,3,,1.5,0,500,500,0,1,0,1,4,1)": "2 -4f -3f -7f -6f -10f 2f 20",
+    "CYCLE84(20,0,2,-10,,0,3,,1.5,0,500,500,0,1,0,2,4)": "2 -4f 2f -7f 2f -10f 2f 20",
     "CYCLE840(20,0,2,-10,,0,4,3,0,,1.5)": "2 -10f 2f 20",
     # VRT 2.5 between chip breaks; DAM 100 and 50 in percent (AMODE), steps at least MDEP 1.2
-    "CYCLE83(20,0,2,-10,,-4,,0,0,0,1,0,0,0,2.5)": "2 -4f -1.5 -8f -5.5 -10f 20",
+    "CYCLE83(20,0,2,-10,,-4,,0,0,0,1,0,0,0,2.5)": "2 -4f -1.5 -7f -4.5 -10f 20",
     "CYCLE83(20,0,2,,10,,4,100,0,0.5,100,1,0,1.2,1.4,0,1.6,0,1,11211111)": (
         "2 -4f 2 -2.4 -8f 2 -6.4 -10f 20"
     ),
     "CYCLE83(20,0,2,,10,,4,50,0,0.5,100,0,0,1.2,1,0,1.6,0,1,11211111)": (
-        "2 -4f -3 -6f -5 -7.2f -6.2 -8.4f -7.4 -9.6f -8.6 -10f 20"
+        "2 -4f -3 -6f -5 -7.2f -6.2 -8.4f -7.4 -9.2f -8.2 -10f 20"
     ),
     "CYCLE83(20,0,2,-10,,-4,,1,0,0,1,0)": "2 -4f -3 -7f -6 -9f -8 -10f 20",
+    # the rest below twice of DAM, or of MDEP, is shared by the last two steps
+    "CYCLE83(20,0,2,-10,0,-4,0,3,0,0,1,0)": "2 -4f -3 -7f -6 -10f 20",
+    "CYCLE83(20,0,2,-10,,-3,,2,0,0,1,0)": "2 -3f -2 -5f -4 -7f -6 -8.5f -7.5 -10f 20",
+    "CYCLE83(20,0,2,-9,,-5,,3,0,0,1,0)": "2 -5f -4 -7f -6 -9f 20",
+    "CYCLE83(20,0,2,-12,,-5,,3,0,0,1,0)": "2 -5f -4 -8f -7 -10f -9 -12f 20",
+    "CYCLE83(20,0,2,-10,,-4,,-0.5,0,0,1,0,0,1.5)": (
+        "2 -4f -3 -6f -5 -7.5f -6.5 -8.75f -7.75 -10f 20"
+    ),
+    # without DIS1 the rapid ends 0.6 mm above the last depth, 2 percent of it beyond 30 mm, <= 7 mm
+    "CYCLE83(20,0,2,-1000,,-30,,400,0,0,1,1)": (
+        "2 -30f 2 -29.4 -430f 2 -423 -715f 2 -708 -1000f 20"
+    ),
+    "CYCLE83(20,0,2,-150,,-100,,60,0,0,1,1)": "2 -100f 2 -98 -150f 20",
     "CYCLE82(20,0,2,-9,10,0.5,0,1,11)": "2 -10f 20",
     "CYCLE82(20,0,2,-10,9,0.5,0,1,12)": "2 -10f 20",
     "CYCLE85(20,0,2,-10,,0,100,300)": "2 -10f 2f 20",
@@ -114,7 +127,7 @@ def hole(cycle, units="G71"):
 def test_chips_break_by_a_millimetre_in_an_inch_program():
     moves = hole("CYCLE83(1,0,0.1,-0.5,,-0.2,,0,0,0,1,0)", "G70").moves
     levels = moves.end_mm[-6:, 2] - 100
-    assert levels == pytest.approx([-5.08, -4.08, -10.16, -9.16, -12.7, 25.4])
+    assert levels == pytest.approx([-5.08, -4.08, -8.89, -7.89, -12.7, 25.4])
 
 
 @pytest.mark.parametrize(
@@ -124,6 +137,42 @@ def test_chips_break_by_a_millimetre_in_an_inch_program():
 def test_pita_says_what_the_pitch_counts(pitch, feed):
     moves = hole(f"CYCLE84(20,0,2,-10,,0,3,,{pitch})").moves
     assert moves.feed_mm_per_min[moves.at_feed] == pytest.approx(feed)
+
+
+@pytest.mark.parametrize(
+    ("cycle", "there", "back"),
+    [("CYCLE84(20,0,2,-10,,0,3,5,,0,500,800)", 400.0, 640.0),  # MPIT 5 is M5, 0.8 mm
+     ("CYCLE84(20,0,2,-10,,0,3,,1.5,0,500,800,0,0,0,1,4)", 750.0, 1200.0),
+     ("CYCLE84(20,0,2,-10,,0,3,-10,1.5,0,500)", 750.0, 750.0),
+     ("CYCLE840(20,0,2,-10,,0,4,3,0,16)", 1000.0, 1000.0)],
+)  # fmt: skip
+def test_a_thread_may_be_said_by_its_size_and_come_out_faster(cycle, there, back):
+    moves = hole(cycle).moves
+    down = moves.at_feed & (moves.end_mm[:, 2] < moves.start_mm[:, 2])
+    assert moves.feed_mm_per_min[down] == pytest.approx(there)
+    assert moves.feed_mm_per_min[moves.at_feed & ~down] == pytest.approx(back)
+
+
+@pytest.mark.parametrize(
+    ("pitch", "said"),
+    [("7,,0,500,500", "MPIT 7"), ("5,1,0,500,500", "differ"), (",,0,500,500", "without a pitch")],
+)
+def test_a_thread_without_a_clear_pitch_is_refused(pitch, said):
+    with pytest.raises(ProgramError, match=said):
+        hole(f"CYCLE84(20,0,2,-10,,0,3,{pitch})")
+
+
+@pytest.mark.parametrize(
+    ("vari", "seconds"), [(0, 0.5 + 0.5 + 2.0), (1, 0.5 + 0.25 + 0.5 + 0.25 + 2.0)]
+)
+def test_cycle83_waits_at_each_depth(vari, seconds):
+    def waited(cycle):
+        moves = hole(cycle).moves
+        return moves.duration_s[moves.kind == 3].sum()
+
+    named = f"CYCLE83(20,0,2,-10,,-4,,0,0.5,0.25,1,{vari},0,0,0,2)"
+    silent = f"CYCLE83(20,0,2,-10,,-4,,0,0,0,1,{vari})"
+    assert waited(named) - waited(silent) == pytest.approx(seconds)
 
 
 @pytest.mark.parametrize("cycle", ["CYCLE82(20,0,2,-10,,-5)", "CYCLE82(20,0,2,-10,,5,0,0,22)"])

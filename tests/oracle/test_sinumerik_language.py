@@ -75,7 +75,8 @@ def test_settable_frames_are_written_and_read_by_their_number():
     """G54 is frame 1, G505 is frame 5."""
     found = places(
         "$P_UIFR[5,X,TR]=10\n$P_UIFR[(1),Y,TR]=$P_UIFR[5,X,TR]*2\nG505\nG0 X1\nG54\nX0 Y1\n"
-        "$P_UIFR[2]=CTRANS(Z,-5)\nG55 Z0\nG500 X3"
+        "R2=2\nDEF INT WO[2]=(0,1)\n$P_UIFR[R2,X,TR]=9\n$P_UIFR[WO[1]+1]=CTRANS(Z,-5)\n"
+        "G55 Z0\nG500 X3"
     )
     assert found == pytest.approx(np.array([[11, 0, 0], [0, 21, 0], [0, 21, -5], [3, 21, -5]]))
 

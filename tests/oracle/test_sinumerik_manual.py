@@ -101,7 +101,7 @@ def test_modal_drilling_and_patterns():
 
 def test_pecks():
     body = "G0 X0 Y0 Z50\nF200\nCYCLE83(20,0,2,-10,,-4,,0,0,0,1,1)"
-    assert [p[2] for p in places(body)] == [50, 2, -4, 2, -3, -8, 2, -7, -10, 20]
+    assert [p[2] for p in places(body)] == [50, 2, -4, 2, -3.4, -7, 2, -6.4, -10, 20]
 
 
 def test_block_skip():

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from gcode.dialects.sinumerik.block_words import ADDRESSES
 from gcode.dialects.sinumerik.codes import M_CODES, NO_MOTION, OWN_ASSIGNED, REFUSED
 from gcode.dialects.sinumerik.expressions import WORDS
+from gcode.dialects.sinumerik.held_data import HELD
 from gcode.dialects.sinumerik.statements import subprogram_call
 from gcode.errors import ProgramError
 
@@ -22,7 +23,8 @@ if TYPE_CHECKING:
 __all__ = ["unknown_words"]
 
 _VARIABLE = re.compile(
-    r"(?<![A-Z0-9_$])(\$?[A-Z_][A-Z_]\w*)\s*(\[[^\]]*\])?\s*(\(|=(?!=))?", re.IGNORECASE
+    r"(?<![A-Z0-9_$])(\$?[A-Z_][A-Z_]\w*)\s*(\[(?:[^\[\]]|\[[^\[\]]*\])*\])?\s*(\(|=(?!=))?",
+    re.IGNORECASE,
 )
 _M_CODE = re.compile(r"(?<![A-Z0-9_$])M(\d+)(?![\d.]*\s*[=\[(])", re.IGNORECASE)
 #: the control's own, which no job can leave out; cycles 960 to 999 measure
@@ -108,7 +110,7 @@ def _unknown_variables(reader: SinumerikReader) -> Iterator[str]:
             known = bare in _WORDS or bare in given or bare in calls or _CUTS.fullmatch(bare)
             if known or behind == "(":
                 continue
-            if bare == "$P_UIFR" and behind == "=":
+            if behind == "=" and HELD.fullmatch(bare):
                 continue
             whole = bare + re.sub(r"\s", "", index).upper()
             if not reader.variables.knows(whole):

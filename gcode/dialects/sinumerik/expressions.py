@@ -9,6 +9,7 @@ import math
 import re
 from collections.abc import Callable
 from functools import lru_cache
+from itertools import accumulate
 from typing import Protocol
 
 from gcode.errors import ProgramError
@@ -186,7 +187,8 @@ def _variable(name: str, tokens: list[str]) -> Worked:
         return lambda memory: memory.variable(name, (), "")
     tokens.pop(0)
     if name.startswith("$"):  # its index may hold the name of an axis
-        stop = tokens.index("]") if "]" in tokens else len(tokens)
+        deep = list(accumulate(tokens, lambda n, t: n + (t == "[") - (t == "]"), initial=0))
+        stop = deep.index(-1) - 1 if -1 in deep else len(tokens)
         text = " ".join(tokens[:stop])
         del tokens[:stop]
         _expect(tokens, "]")

@@ -26,7 +26,7 @@ __all__ = ["SETTABLE", "ProgrammableFrame", "settable_frame", "work_system"]
 
 #: ``$P_UIFR[1,X,TR]=10`` and ``$P_UIFR[1]=CTRANS(X,10,Y,5)``
 SETTABLE = re.compile(
-    r"\$P_UIFR\[\s*\(?\s*(\d+)\s*\)?\s*(?:,\s*([XYZABC])\s*,\s*TR\s*)?\]\s*=(?!=)\s*(.*)",
+    r"\$P_UIFR\[((?:[^\[\],]|\[[^\[\]]*\])+)(?:,\s*([XYZABC])\s*,\s*TR\s*)?\]\s*=(?!=)\s*(.*)",
     re.IGNORECASE,
 )
 _LENGTH = re.compile(r"(?<![a-z])([xyzijkr])(-?\d+\.?\d*|-?\.\d+)")
@@ -150,7 +150,10 @@ def work_system(frame: int) -> int:
 
 def settable_frame(reader: SinumerikReader, match: re.Match) -> None:
     """Set a work offset as `SETTABLE` says it."""
-    frame, axis, value = int(match[1]), match[2], match[3].strip()
+    index, axis, value = reader.variables.value(match[1].strip()), match[2], match[3].strip()
+    if index != round(index):
+        raise ProgramError(f"$P_UIFR[{index:g}]", accepted="0 to 99")
+    frame = int(index)
     system, c = work_system(frame), reader.controller
     offset = c.to_program(c.parameters.vector(system_base(system)))
     if axis is not None:

@@ -37,6 +37,7 @@ _FIRST_SPINDLE = re.compile(r"\b([SM])1\s*=", re.IGNORECASE)  #: S1=1000 M1=3
 _KEY_WORD = re.compile(r"\w+")
 _MACHINE_AXIS = re.compile(r"\b([XYZ])1\s*=", re.IGNORECASE)  #: G74 X1=0
 _TILTED = re.compile(r"CYCLE800\s*\((.*)\)", re.IGNORECASE)
+_NO_FRAMES = (("G", 53.0), ("G", 153.0))
 _SUPPRESSED = re.compile(r"\bSUPA\b", re.IGNORECASE)  #: every frame, for one block
 
 
@@ -128,6 +129,9 @@ class SinumerikReader(Translated):
         kind = None if arc is None else arc[1].upper()
         words = self.words.read(ARC_WORD.sub("", _MACHINE_AXIS.sub(r"\1=", content)))
         self._use(words, kind)
+        if kind is None and not any(letter in "XYZABCUVW" for letter, _ in words):
+            # frames are suppressed for the move of this block alone, and it has none
+            words = [word for word in words if word not in _NO_FRAMES]
         self._obey_words(words, kind)
 
     def _obey_words(self, words: Words, arc: str | None) -> None:

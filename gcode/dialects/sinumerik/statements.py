@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from gcode.dialects.sinumerik.block_words import ADDRESSES, split_arguments
 from gcode.dialects.sinumerik.codes import NO_MOTION, OWN_ASSIGNED, REFUSED
 from gcode.dialects.sinumerik.frames import SETTABLE, settable_frame
+from gcode.dialects.sinumerik.held_data import obey_held_data
 from gcode.errors import ProgramError
 
 if TYPE_CHECKING:
@@ -32,7 +33,8 @@ NO_MOTION_WORDS = re.compile(
 )
 _WORDS_ALONE = re.compile(r"(?:[A-Z]\d+(?:\.\d*)?)+", re.IGNORECASE)  #: G0X0Y0
 _ASSIGNED = re.compile(
-    r"(R\d+|R\[.*?\]|\$?[A-Z_][A-Z_]\w*(?:\[[^\]]*\])?)\s*=(?!=)\s*(.*)", re.IGNORECASE
+    r"(R\d+|R\[.*?\]|\$?[A-Z_][A-Z_]\w*(?:\[(?:[^\[\]]|\[[^\[\]]*\])*\])?)\s*=(?!=)\s*(.*)",
+    re.IGNORECASE,
 )
 _MODES_OF_CYCLES = ("CYCLE800", "CYCLE832")  #: no brackets: everything back
 _SUBPROGRAM = re.compile(
@@ -83,8 +85,10 @@ class Statements:
             It has a word that is refused, or raises an alarm.
         """
         self._refuse(content)
-        if self._left_out(content):
+        kept = obey_held_data(content).strip()
+        if self._left_out(content) or not kept:
             return ""
+        content = kept
         declared, frame = _DEFINED.fullmatch(content), _FRAME.fullmatch(content)
         called, settable = _CALLED.fullmatch(content), SETTABLE.fullmatch(content)
         if declared is not None:

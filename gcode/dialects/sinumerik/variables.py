@@ -109,6 +109,8 @@ class Variables:
     def knows(self, name: str) -> bool:
         """Whether a variable has a value, by its name with indices."""
         bare, _, index = name.partition("[")
+        # what lists all that is unknown asks here: an unknown index must not have it list again
+        told, self.unknown = self.unknown, ProgramError
         try:
             whole = self._element(name)
             return (
@@ -118,6 +120,8 @@ class Variables:
             )
         except ProgramError:
             return False
+        finally:
+            self.unknown = told
 
     def assign(self, name: str, value: float) -> None:
         """Give a parameter or a declared variable a value."""

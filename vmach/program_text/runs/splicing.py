@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
+
+from stock.compiled import njit_inlined, njit_kernel
 
 __all__ = ["Edits", "spliced"]
 
@@ -31,23 +32,6 @@ class Edits:
     length: np.ndarray
 
 
-@njit(cache=True)
-def _copied(data, order, start, stop, first, length, blob, out):  # pragma: no cover - compiled
-    """Write the pieces of `data` between the spans and the texts into `out`."""
-    at, position = 0, 0
-    for k in order:
-        for byte in range(position, start[k]):
-            out[at] = data[byte]
-            at += 1
-        for byte in range(first[k], first[k] + length[k]):
-            out[at] = blob[byte]
-            at += 1
-        position = stop[k]
-    for byte in range(position, data.shape[0]):
-        out[at] = data[byte]
-        at += 1
-
-
 def spliced(data: bytes, edits: Edits, changes: Mapping[tuple[int, int], str]) -> bytes:
     """The text with the spans of both replaced, everything else byte for byte.
 
@@ -64,38 +48,83 @@ def spliced(data: bytes, edits: Edits, changes: Mapping[tuple[int, int], str]) -
     ValueError
         Two spans overlap.
     """
-    edits, blob, first = _with_changes(edits, changes)
-    start, stop = edits.start, edits.stop
-    order = np.arange(len(start))
-    if (start[1:] < stop[:-1]).any():
-        order = np.lexsort((stop, start))
-        over = np.flatnonzero(start[order][1:] < stop[order][:-1])
-        if len(over):
-            raise ValueError(f"replacements overlap at byte {start[order][over[0] + 1]}")
-    source = np.frombuffer(data, np.uint8)
-    added = int(edits.length.sum()) - int(stop.sum() - start.sum())
-    out = np.empty(len(source) + added, np.uint8)
-    _copied(source, order, start, stop, first, edits.length, blob, out)
+    edits, (others, blob) = _in_order(edits), _spans_of(changes)
+    is_other, one = np.empty(len(edits.start) + len(changes), bool), (edits.start, edits.stop)
+    overlap = _interleave(one, others[:2], is_other)
+    if overlap >= 0:
+        raise ValueError(f"replacements overlap at byte {overlap}")
+    source, size = np.frombuffer(data, np.uint8), len(data)
+    for start, stop, length in (*one, edits.length), others:
+        size += int(length.sum()) - int(stop.sum() - start.sum())
+    out = np.empty(size, np.uint8)
+    _copy(source, is_other, ((*one, edits.length), edits.text), (others, blob), out)
     return out.tobytes()
 
 
-def _with_changes(
-    edits: Edits, changes: Mapping[tuple[int, int], str]
-) -> tuple[Edits, np.ndarray, np.ndarray]:
-    """Spans of both, all texts one after the other, and where that of every span begins."""
-    blob = edits.text.reshape(-1)
-    first = np.arange(len(edits.start)) * edits.text.shape[1]
-    if not changes:  # the texts of a long program are not copied
-        return edits, blob, first
-    texts = [text.encode("latin-1") for text in changes.values()]
-    spans = np.array(list(changes), np.int64)
-    sizes = np.array([len(text) for text in texts], np.int64)
-    both = Edits(
-        np.concatenate([edits.start, spans[:, 0]]),
-        np.concatenate([edits.stop, spans[:, 1]]),
-        edits.text,
-        np.concatenate([edits.length, sizes]),
-    )
-    places = len(blob) + np.cumsum(sizes) - sizes
-    blob = np.concatenate([blob, np.frombuffer(b"".join(texts), np.uint8)])
-    return both, blob, np.concatenate([first, places])
+def _in_order(edits: Edits) -> Edits:
+    """The same along the text; a program's moves nearly always are."""
+    if not (edits.start[1:] < edits.stop[:-1]).any():
+        return edits
+    order = np.lexsort((edits.stop, edits.start))
+    return Edits(*(column[order] for column in vars(edits).values()))
+
+
+def _spans_of(
+    changes: Mapping[tuple[int, int], str],
+) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarray], np.ndarray]:
+    """Starts, stops and lengths along the text, (C,) each, and all texts one behind the other."""
+    found = sorted(changes.items(), key=lambda change: change[0])
+    texts = [text.encode("latin-1") for _, text in found]
+    spans = np.array([span for span, _ in found], np.int64).reshape(-1, 2)
+    length = np.array([len(text) for text in texts], np.int64)
+    columns = spans[:, 0].copy(), spans[:, 1].copy(), length
+    return columns, np.frombuffer(b"".join(texts), np.uint8)
+
+
+@njit_kernel()
+def _interleave(one, other, is_other):
+    """Which of two lists of spans has the next one; where two overlap, -1 for nowhere."""
+    a, b, position = 0, 0, 0
+    for k in range(len(is_other)):
+        ahead = b < len(other[0]) and (
+            a == len(one[0])
+            or other[0][b] < one[0][a]
+            or (other[0][b] == one[0][a] and other[1][b] < one[1][a])
+        )
+        is_other[k] = ahead
+        start, stop = (other[0][b], other[1][b]) if ahead else (one[0][a], one[1][a])
+        if start < position:
+            return start
+        position = stop
+        if ahead:
+            b += 1
+        else:
+            a += 1
+    return -1
+
+
+@njit_kernel()
+def _copy(data, is_other, edits, others, out):
+    """Write what is between the spans, and the texts, into `out`."""
+    ((starts, stops, lengths), text), ((other_starts, other_stops, sizes), blob) = edits, others
+    a, b, first, at, position = 0, 0, 0, 0, 0
+    for ahead in is_other:
+        at = _put(data, position, other_starts[b] if ahead else starts[a], out, at)
+        if ahead:
+            position = other_stops[b]
+            at = _put(blob, first, first + sizes[b], out, at)
+            first, b = first + sizes[b], b + 1
+        else:
+            position = stops[a]
+            at = _put(text[a], 0, lengths[a], out, at)
+            a += 1
+    _put(data, position, len(data), out, at)
+
+
+@njit_inlined()
+def _put(text, begin, stop, out, at):
+    """Write a part of a text into `out` from a place on; where it ends."""
+    for byte in range(begin, stop):
+        out[at] = text[byte]
+        at += 1
+    return at

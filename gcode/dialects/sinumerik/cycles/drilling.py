@@ -21,6 +21,13 @@ CYCLES = frozenset(f"CYCLE{number}" for number in (81, 82, 83, 84, 85, 86, 87, 8
 PATTERNS = frozenset(("HOLES1", "HOLES2", "CYCLE801"))
 #: by which CYCLE83 draws back to break chips, mm
 _CHIP_BREAK_MM = 1.0
+#: ISO 261, coarse pitch of each metric thread, mm
+_COARSE_MM = {
+    3.0: 0.5, 4.0: 0.7, 5.0: 0.8, 6.0: 1.0, 8.0: 1.25, 10.0: 1.5, 12.0: 1.75, 14.0: 2.0, 16.0: 2.0,
+    18.0: 2.5, 20.0: 2.5, 22.0: 2.5, 24.0: 3.0, 27.0: 3.0, 30.0: 3.5, 33.0: 3.5, 36.0: 4.0,
+    39.0: 4.0, 42.0: 4.5, 45.0: 4.5, 48.0: 5.0,
+}  # fmt: skip
+_ROUNDED = 1e-9  #: lengths nearer than this are one
 _MOST_PECKS = 10_000  #: more is a slip of the decimal point, and would take seconds a hole
 Arguments = list[float | None]
 
@@ -58,7 +65,8 @@ def drill(reader: SinumerikReader, name: str, arguments: Arguments) -> None:
         reader.go("g1", z=bottom, feed=_feed_in(reader, cycle, arguments))
     _dwell(reader, cycle, arguments, modes)
     if cycle in (84, 840, 85, 89):
-        back = _value(arguments, 7) if cycle == 85 else _feed_in(reader, cycle, arguments)
+        back = _feed_in(reader, cycle, arguments, back=True) if cycle != 85 else None
+        back = _value(arguments, 7) if cycle == 85 else back
         reader.go("g1", z=clear, feed=back)
     if cycle == 86:
         _off_the_wall(reader, arguments, bottom=bottom, out=out)
@@ -71,9 +79,7 @@ def _dwell(reader: SinumerikReader, cycle: int, arguments: Arguments, modes: Mod
     dwell = _value(arguments, 8 if cycle == 83 else 5, 0.0) if cycle not in (81, 87) else 0.0
     if cycle == 83:
         dwell = _value(arguments, 15, 0.0) or dwell
-    speed = reader.controller.speed
-    if dwell < 0.0 or (dwell and modes.in_turns):
-        dwell = abs(dwell) * 60.0 / speed if speed else 0.0
+    dwell = _seconds(reader, dwell, in_turns=modes.in_turns)
     if dwell > 0.0:
         reader.execute(f"g4p{number(dwell)}")
 
@@ -86,32 +92,52 @@ def _tap_in_steps(
     if kind not in (1.0, 2.0) or not step or (surface - bottom) / step > _MOST_PECKS:
         raise ProgramError(f"CYCLE84 with VARI {kind:g} and DAM {step:g}",
                            accepted="VARI 0; 1 or 2 with a step DAM")  # fmt: skip
-    feed = _feed_in(reader, 84, arguments)
+    feed, out = (_feed_in(reader, 84, arguments, back=b) for b in (False, True))
     back = abs(_value(arguments, 17, 0.0)) or _CHIP_BREAK_MM / reader.controller.unit_mm
     depth = surface - step
-    while depth > bottom + 1e-9:
+    while depth > bottom + _ROUNDED:
         reader.go("g1", z=depth, feed=feed)
-        reader.go("g1", z=clear if kind == 2.0 else min(depth + back, clear), feed=feed)
-        depth -= step
+        reader.go("g1", z=clear if kind == 2.0 else min(depth + back, clear), feed=out)
+        depth = _shared_depth(depth, bottom, step, step)
     reader.go("g1", z=bottom, feed=feed)
 
 
-def _feed_in(reader: SinumerikReader, cycle: int, arguments: Arguments) -> float | None:
-    """FFR of CYCLE85; of CYCLE84 and CYCLE840 the pitch PIT times the speed."""
+def _feed_in(
+    reader: SinumerikReader, cycle: int, arguments: Arguments, *, back: bool = False
+) -> float | None:
+    """FFR of CYCLE85; of CYCLE84 and CYCLE840 the pitch times the speed, SST1 on the way back."""
     if cycle == 85:
         return _value(arguments, 6)
     if cycle not in (84, 840):
         return None
-    pitch = _value(arguments, 8 if cycle == 84 else 10)
     speed = reader.controller.speed
     if cycle == 84:
         speed = _value(arguments, 10) or speed
-    elif not pitch:
-        return None  # CYCLE840 with the feed of the program
-    if not pitch:
-        raise ProgramError("CYCLE84 without a pitch PIT")
-    pitch = _pitch(reader, abs(pitch), _value(arguments, 13 if cycle == 84 else 12, 0.0))
-    return reader.units.said(pitch * speed)
+        speed = (_value(arguments, 11) if back else 0.0) or speed
+    at = 7 if cycle == 84 else 9
+    size, pitch = _value(arguments, at, 0.0), _value(arguments, at + 1, 0.0)
+    counted = _value(arguments, 13 if cycle == 84 else 12, 0.0)
+    if not pitch and not (size and not counted):
+        if cycle == 840:
+            return None  # the feed of the program
+        raise ProgramError("CYCLE84 without a pitch", accepted="MPIT or PIT")
+    lead = _pitch(reader, abs(pitch), counted) if pitch else 0.0
+    if size and not counted:
+        coarse = _coarse_pitch(f"CYCLE{cycle}", abs(size)) / reader.controller.unit_mm
+        if pitch and abs(coarse - lead) > _ROUNDED:
+            raise ProgramError(f"CYCLE{cycle} with MPIT {size:g} and PIT {pitch:g}, which differ",
+                               accepted="one of them")  # fmt: skip
+        lead = coarse
+    return reader.units.said(lead * speed)
+
+
+def _coarse_pitch(name: str, size: float) -> float:
+    """MPIT: the coarse pitch of the metric thread M3 to M48 in mm, after ISO 261."""
+    pitch = _COARSE_MM.get(size)
+    if pitch is None:
+        raise ProgramError(f"{name} with MPIT {size:g}",
+                           accepted=", ".join(f"{known:g}" for known in _COARSE_MM))  # fmt: skip
+    return pitch
 
 
 def _pitch(reader: SinumerikReader, pitch: float, unit: float) -> float:
@@ -134,8 +160,34 @@ def _off_the_wall(
     reader.place("g0", x, y, out)
 
 
+def _seconds(reader: SinumerikReader, dwell: float, *, in_turns: bool) -> float:
+    """A dwell in seconds; below 0, or by AMODE, it counts turns of the spindle."""
+    if dwell < 0.0 or (dwell and in_turns):
+        speed = reader.controller.speed
+        return abs(dwell) * 60.0 / speed if speed else 0.0
+    return dwell
+
+
+def _shared_depth(depth: float, bottom: float, step: float, least: float) -> float:
+    """The depth behind this one, where no two steps at the end differ by much.
+
+    As the control's own CYCLE83 and CYCLE84 have it: ``least`` is left for the last step, and a
+    rest below twice of it is shared by two equal steps.
+    """
+    rest = depth - bottom
+    if rest <= step + _ROUNDED:
+        return bottom
+    if rest > 2.0 * least + _ROUNDED:
+        return max(depth - step, bottom + least)
+    return depth - rest / 2.0
+
+
 class _Pecks:
-    """CYCLE83: VARI 0 breaks chips, 1 comes out; steps shrink by DAM down to MDEP."""
+    """CYCLE83: VARI 0 breaks chips, 1 comes out; steps shrink by DAM down to MDEP.
+
+    Checked against the program of the control's own cycle (4.000, V06.02.09), which
+    PDubovikov/SinumerikLanguage on GitHub shows.
+    """
 
     def __init__(
         self,
@@ -147,51 +199,78 @@ class _Pecks:
     ) -> None:
         self.reader, self.surface, self.clear = reader, surface, clear
         first, relative = _value(arguments, 5), _value(arguments, 6)
-        given = surface - first if relative is None and first is not None else abs(relative or 0.0)
+        given = surface - first if not relative and first is not None else abs(relative or 0.0)
         self.step, self.less = given, _value(arguments, 7, 0.0)
-        if self.less < 0.0 or (modes.in_percent and self.less > 100.0):
-            raise ProgramError(
-                f"CYCLE83 with DAM {self.less:g}", accepted="0, or an amount above it"
-            )
-        self.factor = self.less / 100.0 if modes.in_percent and self.less else None
+        if modes.in_percent and not 0.0 <= self.less <= 100.0:
+            raise ProgramError(f"CYCLE83 with DAM {self.less:g} percent", accepted="0 to 100")
         least = abs(_value(arguments, 13, 0.0)) * (given / 100.0 if modes.least_in_percent else 1.0)
-        self.least = least or (0.0 if self.factor else self.less)
+        self.factor: float | None = None  #: each step by the one before it; none: DAM is an amount
+        if not self.less:
+            self.factor, least = 1.0, given
+        elif modes.in_percent:
+            self.factor = self.less / 100.0
+        elif self.less < 0.0:
+            self.factor = -self.less
+        self.least = self.less if self.factor is None else least
         self.back = abs(_value(arguments, 14, 0.0)) or _CHIP_BREAK_MM / reader.controller.unit_mm
-        self.ahead = abs(_value(arguments, 16, 0.0)) or _CHIP_BREAK_MM / reader.controller.unit_mm
+        self.ahead = abs(_value(arguments, 16, 0.0))
         self.comes_out = _value(arguments, 11, 0.0) == 1.0
         slower = _value(arguments, 10, 0.0)  # a factor, or a percentage
         self.first_feed = slower / 100.0 if slower > 1.0 else slower
+        dwells = _value(arguments, 8, 0.0), _value(arguments, 9, 0.0)
+        self.dwells = [_seconds(reader, dwell, in_turns=modes.in_turns) for dwell in dwells]
 
-    def _shorter(self) -> float:
-        """The step behind the present one."""
-        shorter = self.step * self.factor if self.factor else self.step - self.less
-        return max(shorter, min(self.least, self.step))
+    def _deeper(self, depth: float, bottom: float) -> float:
+        """The end of the next step."""
+        if self.factor is None:
+            self.step = max(self.step - self.less, self.less)
+            return _shared_depth(depth, bottom, self.step, self.least)
+        self.step = max(self.step * self.factor, self.least)
+        rest = depth - self.step - bottom
+        if rest < -_ROUNDED:
+            return bottom
+        if rest >= self.least - _ROUNDED:
+            return depth - self.step
+        return (depth + bottom) / 2.0
+
+    def _ahead(self, depth: float) -> float:
+        """DIS1, or what the cycle takes without it: 0.6 mm to 30 mm deep, then 2 percent, <= 7."""
+        if self.ahead:
+            return self.ahead
+        unit_mm = self.reader.controller.unit_mm
+        deep_mm = (self.surface - depth) * unit_mm
+        return (0.6 if deep_mm <= 30.0 else min(deep_mm / 50.0, 7.0)) / unit_mm
+
+    def _wait(self, seconds: float) -> None:
+        if seconds > 0.0:
+            self.reader.execute(f"g4p{number(seconds)}")
 
     def go_to(self, bottom: float) -> None:
         """All infeeds, the last one ends at the depth."""
-        shortest = self.least if self.less and self.factor != 1.0 else self.step
-        if not self.step > 0.0 or not min(self.step, shortest) > 0.0:
+        shortest = min(self.step, self.least if self.factor not in (None, 1.0) else self.step)
+        shortest = min(shortest, self.less) if self.factor is None else shortest
+        if not shortest > 0.0 or (self.factor or 0.0) > 1.0:
             raise ProgramError(
                 f"CYCLE83 with a first depth of {self.step:g} and DAM {self.less:g}",
-                accepted="a first depth, and MDEP beside DAM in percent",
+                accepted="a first depth, and MDEP beside DAM in percent or as a factor -0 to -1",
             )
-        if (self.surface - bottom) / min(self.step, shortest) > _MOST_PECKS:
-            raise ProgramError(f"CYCLE83 with steps of {min(self.step, shortest):g}")
+        if (self.surface - bottom) / shortest > _MOST_PECKS:
+            raise ProgramError(f"CYCLE83 with steps of {shortest:g}")
         reader, feed = self.reader, self.reader.units.said(self.reader.controller.feed)
         slow = feed * self.first_feed if feed and 0.0 < self.first_feed < 1.0 else None
         depth = self.surface - self.step
-        while depth > bottom + 1e-9:
+        while depth > bottom + _ROUNDED:
             reader.go("g1", z=depth, feed=slow)
             if slow is not None:
                 reader.execute(f"f{number(feed)}")
                 slow = None
+            self._wait(self.dwells[0])
             if self.comes_out:
                 reader.go("g0", z=self.clear)
-            reader.go(
-                "g0", z=min(depth + (self.ahead if self.comes_out else self.back), self.clear)
-            )
-            self.step = self._shorter()
-            depth -= self.step
+                self._wait(self.dwells[1])
+            up = self._ahead(depth) if self.comes_out else self.back
+            reader.go("g0", z=min(depth + up, self.clear))
+            depth = self._deeper(depth, bottom)
         reader.go("g1", z=bottom)
 
 
