@@ -26,6 +26,8 @@ __all__ = ["Forms"]
 
 #: forms that are fitted at each step, by their evidence beside the discrepancy and nearly without
 _FITTED = 6
+#: effects from which on they may together be the imitation of one cause
+_SEVERAL = 2
 #: forms that are added one after the other
 _MOST = 4
 #: proposals that are told
@@ -61,16 +63,23 @@ class Forms:
         self._chosen: dict[str, Form] = {}
 
     def grown(self, found: Explanation) -> Explanation:
-        """An explanation with forms added while that is clearly more probable."""
-        here = self._with(()).explain(found.terms, found.posterior.sizes, refine=False)
-        for k in range(_MOST):
+        """An explanation with forms added while that is clearly more probable.
+
+        Several effects together may imitate one cause: forms alone compete with them.
+        """
+        plain = self._with(())
+        beside = self._grown(plain.explain(found.terms, found.posterior.sizes, refine=False))
+        if len(found.terms) < _SEVERAL:
+            return beside
+        alone = self._grown(plain.nothing())
+        return alone if alone.score > beside.score + CLEARLY else beside
+
+    def _grown(self, here: Explanation) -> Explanation:
+        for _ in range(_MOST):
             # a factor on the stated uncertainty may stand for a form
             rest = remains_um(self._weighing, here, noise=1.0)
             if rest < WORTH_A_FORM * usual_u_um(self._weighing):
                 break
-            if k == 0 and here.terms:
-                # effects may have taken a part of what one form is
-                self._columns.add_conspicuous(*self._left_mm(self._weighing.alone))
             self._columns.add_conspicuous(*self._left_mm(here))
             better = self._extended(here, self._leading(_two_views(here)))
             if better.score < here.score + CLEARLY:
