@@ -1,6 +1,6 @@
 """Mutated STL files: each must give a part or one clear error, soon, and no wrong solid in silence.
 
-    python tests/benchmarks/fuzz_meshes.py [INPUTS] [SEED]
+    python tests/benchmarks/fuzz_meshes.py [COUNT] [SEED]
 
 Inputs are the STL files of all samples and meshes of their STEP files, binary and ASCII, with one
 change each. Some changes are harmless, some may be either, and some give a wrong solid or a wrong
@@ -10,9 +10,9 @@ a table of changes and outcomes, and processor times; exit status 1 where anythi
 
 from __future__ import annotations
 
+import argparse
 import random
 import signal
-import sys
 import tempfile
 import time
 import traceback
@@ -186,9 +186,8 @@ def sources() -> list[tuple[str, object, np.ndarray]]:
     return found
 
 
-def main() -> int:
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 300
-    rng = random.Random(int(sys.argv[2]) if len(sys.argv) > 2 else 1)
+def main(count: int, seed: int) -> int:
+    rng = random.Random(seed)
     parts, table, faults, slowest = sources(), Counter(), [], 0.0
     changes = [*WRONG, *EITHER, "bytes", "bytes"]
     signal.signal(signal.SIGPROF, ring)
@@ -228,4 +227,7 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("count", type=int, nargs="?", default=300, help="files")
+    parser.add_argument("seed", type=int, nargs="?", default=1)
+    raise SystemExit(main(**vars(parser.parse_args())))

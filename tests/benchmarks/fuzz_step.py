@@ -10,6 +10,7 @@ the program fail.
 
 from __future__ import annotations
 
+import argparse
 import multiprocessing
 import random
 import re
@@ -133,7 +134,7 @@ def answer(process: multiprocessing.Process, pipe: object, path: Path) -> tuple[
     return f"exit 70: the process died with {process.exitcode}", 0.0
 
 
-def main(count: int = 300, seed: int = 1) -> int:
+def main(count: int, seed: int) -> int:
     rng = random.Random(seed)
     texts = [path.read_text(encoding="latin-1") for path in FILES]
     counts, longest, failures = Counter(), 0.0, 0
@@ -166,4 +167,7 @@ def main(count: int = 300, seed: int = 1) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(*(int(argument) for argument in sys.argv[1:])))
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("count", type=int, nargs="?", default=300, help="files")
+    parser.add_argument("seed", type=int, nargs="?", default=1)
+    sys.exit(main(**vars(parser.parse_args())))
