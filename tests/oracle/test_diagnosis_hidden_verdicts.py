@@ -147,6 +147,15 @@ def test_sets_that_no_single_exchange_leads_to_are_found(tmp_path, effects, seed
     assert found.outcome in ("right", "class", "vague"), found.said
 
 
+def test_effects_that_together_imitate_one_cause_give_way_to_its_form(tmp_path):
+    """A column that nods with the speed of Y is no servo mismatch with a straightness."""
+    design = PartDesign(corners=True)
+    make_experiment(tmp_path, effects=["nodding_column"], seed=3775042, design=design)
+    report, _ = program_runs.diagnose(tmp_path)
+    assert report["verdict"] == "unknown"
+    assert report["proposals"][0]["formula"] == "speed of Y in m/min, as a turn about X"
+
+
 def test_axes_that_never_turn_are_no_candidates(tmp_path):
     """Programs that turn A, B or C are refused, so no experiment can hide a rotary axis' place."""
     make_experiment(tmp_path, effects=[], seed=33)

@@ -28,6 +28,9 @@ __all__ = ["Forms"]
 _FITTED = 6
 #: effects from which on they may together be the imitation of one cause
 _SEVERAL = 2
+#: log probability that other sizes of members bring a form that stands for them; of five such
+#: causes each form was ahead before that already
+_BROUGHT = 20.0
 #: forms that are added one after the other
 _MOST = 4
 #: proposals that are told
@@ -71,8 +74,21 @@ class Forms:
         beside = self._grown(plain.explain(found.terms, found.posterior.sizes, refine=False))
         if len(found.terms) < _SEVERAL:
             return beside
-        alone = self._grown(plain.nothing())
+        alone = self._alone(plain.nothing(), beside.score - _BROUGHT)
         return alone if alone.score > beside.score + CLEARLY else beside
+
+    def _alone(self, nothing: Explanation, least: float) -> Explanation:
+        """Forms alone, where one makes all so probable beside members as they are, or little."""
+        self._columns.add_conspicuous(*self._left_mm(nothing))
+        views = _two_views(nothing)
+        leading = self._leading(views)
+        weighing = self._with(leading)
+        close = [
+            form
+            for form in leading
+            if any(weighing.added(v, weighing.index_of(_label(form))).score > least for v in views)
+        ]
+        return self._grown(self._extended(nothing, close)) if close else nothing
 
     def _grown(self, here: Explanation) -> Explanation:
         for _ in range(_MOST):
