@@ -91,11 +91,14 @@ class Forms:
         return self._grown(self._extended(nothing, close)) if close else nothing
 
     def _grown(self, here: Explanation) -> Explanation:
-        for _ in range(_MOST):
+        for k in range(_MOST):
             # a factor on the stated uncertainty may stand for a form
             rest = remains_um(self._weighing, here, noise=1.0)
             if rest < WORTH_A_FORM * usual_u_um(self._weighing):
                 break
+            if k == 0 and here.terms:
+                # effects may have taken a part of what one form is
+                self._columns.add_conspicuous(*self._left_mm(self._weighing.alone))
             self._columns.add_conspicuous(*self._left_mm(here))
             better = self._extended(here, self._leading(_two_views(here)))
             if better.score < here.score + CLEARLY:
