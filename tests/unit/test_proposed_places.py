@@ -8,6 +8,7 @@ from tests.unit.test_diagnosis_verdicts import tip_job
 from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.proposals.form import USUAL_UM
 from vmach.diagnosis.proposals.matched import matched_power, peaks
+from vmach.diagnosis.proposals.spots import _MOST_TRIALS, _WIDTHS_MM, _Trials
 from vmach.diagnosis.residuals.job_survey import survey_job
 
 
@@ -60,3 +61,17 @@ def test_what_acts_for_a_while_is_a_stretch_of_time(tmp_path):
     assert stretch, [p.form.formula for p in found.proposals]
     start, end = map(float, re.search(r"from (\d+) s to (\d+) s", stretch[0]).groups())
     assert abs(start - 395.0) <= 10.0 and abs(end - 795.0) <= 10.0
+
+
+def test_trials_over_a_very_large_part_take_no_more_room():
+    corners = np.array([[0.0, 0.0], [6000.0, 4000.0]])
+    trials = _Trials.over(corners)
+    assert len(trials.widths_mm) < 1.5 * _MOST_TRIALS
+    assert trials.widths_mm.min() > min(_WIDTHS_MM)
+    # every place is within half a standard deviation of a centre of each width
+    for width in np.unique(trials.widths_mm):
+        own = trials.centres_mm[trials.widths_mm == width]
+        steps = [np.diff(np.unique(own[:, k])).max() for k in range(2)]
+        assert max(steps) <= 0.5 * width * (1.0 + 1e-12)
+    small = _Trials.over(np.array([[0.0, 0.0], [300.0, 200.0]]))
+    assert np.unique(small.widths_mm).tolist() == list(_WIDTHS_MM)

@@ -279,15 +279,12 @@ class Weighing:
             total -= 0.5 * float(np.sum(term.unusual**2))
         return total
 
-    def extend(self, explanation: Explanation, k: int, *, resize: bool = True) -> Explanation:
-        """The explanation with candidate k added and everything refitted."""
+    def extend(
+        self, explanation: Explanation, k: int, *, refine: bool = True, resize: bool = True
+    ) -> Explanation:
+        """The explanation with candidate k added and everything refitted, but what shall stay."""
         terms = [*explanation.terms, self.term(k, explanation)]
-        return self.explain(terms, explanation.posterior.sizes, resize=resize)
-
-    def added(self, explanation: Explanation, k: int) -> Explanation:
-        """The explanation with candidate k added; all else stays as it is but the amplitudes."""
-        terms = [*explanation.terms, self.term(k, explanation)]
-        return self.explain(terms, explanation.posterior.sizes, refine=False, resize=False)
+        return self.explain(terms, explanation.posterior.sizes, refine=refine, resize=resize)
 
     def resized(self, explanation: Explanation, start: Sizes) -> Explanation:
         """The same effects beside the most probable sizes near other ones."""

@@ -83,11 +83,12 @@ class Forms:
         views = _two_views(nothing)
         leading = self._leading(views)
         weighing = self._with(leading)
-        close = [
-            form
-            for form in leading
-            if any(weighing.added(v, weighing.index_of(_label(form))).score > least for v in views)
-        ]
+
+        def is_close(form: Form) -> bool:
+            k = weighing.index_of(_label(form))
+            return any(weighing.extend(v, k, resize=False).score > least for v in views)
+
+        close = [form for form in leading if is_close(form)]
         return self._grown(self._extended(nothing, close)) if close else nothing
 
     def _grown(self, here: Explanation) -> Explanation:

@@ -18,6 +18,8 @@ __all__ = ["Spots"]
 _WIDTHS_MM = (25.0, 50.0, 100.0)
 #: places of a bump in its standard deviation
 _FINER = 2
+#: trials at most of the finest raster, which with its readings takes up 64 MB
+_MOST_TRIALS = 4000
 #: peaks of each direction that are put on the list
 _PEAKS = 2
 #: places at most that are tried between those of the raster
@@ -89,10 +91,12 @@ class _Trials:
 
     @classmethod
     def over(cls, place_mm: np.ndarray) -> _Trials:
-        """On a raster over all places, in every width."""
+        """On a raster over all places, in every width; wider bumps over a very large part."""
         low, high = place_mm.min(axis=0), place_mm.max(axis=0)
+        finest = float(np.prod((high - low) * _FINER / _WIDTHS_MM[0] + 2.0))
+        wider = max(1.0, np.sqrt(finest / _MOST_TRIALS))
         centres, widths, heights = [], [], []
-        for width in _WIDTHS_MM:
+        for width in wider * np.array(_WIDTHS_MM):
             counts = np.ceil((high - low) * _FINER / width).astype(int) + 1
             x, y = (np.linspace(a, b, n) for a, b, n in zip(low, high, counts, strict=True))
             along = [
