@@ -242,8 +242,10 @@ def _knots(
     else:
         knots = [_implied_knots(entity, k, n) for k, n in zip(degrees, counts, strict=True)]
     for t, degree, count in zip(knots, degrees, counts, strict=True):
-        if len(t) != count + degree + 1 or (np.diff(t) < 0.0).any():
+        if len(t) != count + degree + 1 or not (np.diff(t) >= 0.0).all():
             raise ValueError(f"{len(t)} knots for {count} control points of degree {degree}")
+        if count <= degree or not 0.0 < t[-degree - 1] - t[degree] < np.inf:
+            raise ValueError(f"knots from {t[degree]:g} to {t[-degree - 1]:g}")
     return knots
 
 
