@@ -45,9 +45,7 @@ def crowded_segments(segments, inner, scale, periods):
         crowded[s] = _is_any_near(ordered, across, at, beside, reach, box[1 - along])
         for turn in (-box[along], box[along]):
             if turn != 0.0 and not crowded[s]:
-                crowded[s] = _is_any_near(
-                    ordered, across, at + turn, beside, reach, box[1 - along]
-                )
+                crowded[s] = _is_any_near(ordered, across, at + turn, beside, reach, box[1 - along])
     return crowded
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from stock.compiled import njit_maker
 
-__all__ = ["volume_under_mm3"]
+__all__ = ["area_mm2", "volume_under_mm3"]
 
 #: barycentric coordinates and weights of the rule's six points
 _A, _B = 0.445948490915965, 0.091576213509771
@@ -67,3 +67,19 @@ def _volume(corners_mm, middles_mm):
                 + x[2] * (b[0] * c[1] - b[1] * c[0])
             )
     return total / 3.0
+
+
+@njit_maker()
+def area_mm2(vertices_mm, triangles):
+    """Area of plane triangles (T, 3) between vertices (V, 3)."""
+    total, one, other = 0.0, np.empty(3), np.empty(3)
+    for t in range(len(triangles)):
+        for axis in range(3):
+            first = vertices_mm[triangles[t, 0], axis]
+            one[axis] = vertices_mm[triangles[t, 1], axis] - first
+            other[axis] = vertices_mm[triangles[t, 2], axis] - first
+        x = one[1] * other[2] - one[2] * other[1]
+        y = one[2] * other[0] - one[0] * other[2]
+        z = one[0] * other[1] - one[1] * other[0]
+        total += np.sqrt(x * x + y * y + z * z)
+    return total / 2.0

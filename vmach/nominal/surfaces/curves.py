@@ -19,6 +19,10 @@ from vmach.nominal.surfaces.bspline_kernel import evaluate_curve, nearest_on_cur
 __all__ = ["BSplineCurve", "Curve", "Ellipse", "Hyperbola", "Line", "Parabola", "polyline"]
 
 
+#: parameters nearer than this, relative to the curve's range, differ by rounding
+_SAME = 1e-12
+
+
 class Curve(Protocol):
     """What every curve can do."""
 
@@ -162,11 +166,19 @@ class BSplineCurve:
     knots : (n + degree + 1,) array
         Knots, repeated by their multiplicity.
     degree : int
+
+    Raises
+    ------
+    ValueError
+        An inner knot is there more than `degree` times: the curve jumps.
     """
 
     def __init__(
         self, control_mm: np.ndarray, weights: np.ndarray, knots: np.ndarray, degree: int
     ) -> None:
+        jumps = knots[1 : -degree - 1][knots[degree + 1 : -1] <= knots[1 : -degree - 1]]
+        if len(jumps):
+            raise ValueError(f"it jumps at {jumps[0]:g}")
         homogeneous = np.column_stack([control_mm * weights[:, None], weights])
         self._spline = np.ascontiguousarray(knots, dtype=np.float64), int(degree), homogeneous
         self.domain = float(knots[degree]), float(knots[-degree - 1])
@@ -209,10 +221,12 @@ class BSplineCurve:
         knots = self._knots
         if self.period:
             knots = np.concatenate([knots + turn * self.period for turn in (-1, 0, 1)])
-        inner = knots[(knots > low) & (knots < high)]
-        ends = np.unique(np.r_[low, inner, high])
+        rounding = _SAME * (self.domain[1] - self.domain[0])
+        inner = knots[(knots > low + rounding) & (knots < high - rounding)]
+        ends = np.concatenate([[low] if low < high else [], inner, [high]])
         share = np.arange(self._pieces) / self._pieces
-        t = np.r_[(ends[:-1, None] + np.diff(ends)[:, None] * share).ravel(), high]
+        within = ends[:-1, None] + (ends[1:] - ends[:-1])[:, None] * share
+        t = np.append(within, high)
         return t if end >= start else t[::-1]
 
 

@@ -14,10 +14,16 @@ import numpy as np
 
 from stock.compiled import njit_maker, njit_part
 
-__all__ = ["delaunay"]
+__all__ = ["centres", "delaunay"]
 
 #: bits of each coordinate in the place along the Z curve
 _BITS = 12
+
+#: 2**32 divided by the golden ratio
+_GOLDEN = 2654435769
+
+#: where the window of tiled triangles begins, in periods: its border meets no symmetry
+_WINDOW = -0.0741
 
 
 def delaunay(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -36,20 +42,30 @@ def delaunay(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         Of the side from corner k to the next: three times the triangle beyond it, plus the number
         of that side there; -1 at the outline.
     """
-    return _triangulated(np.ascontiguousarray(points), _order(points))
+    if len(points) < 3:
+        return np.empty((0, 3), np.int64), np.empty((0, 3), np.int64)
+    points = np.ascontiguousarray(points)
+    return _triangulated(points, np.argsort(_places(points)))
 
 
-def _order(points: np.ndarray) -> np.ndarray:
-    """Indices of points (N, 2) in rounds, each twice as large as all before it."""
-    count = len(points)
-    low, size = points.min(axis=0, initial=0.0), np.ptp(points, axis=0).max(initial=0.0)
-    cell = ((points - low) * ((2**_BITS - 1) / (size or 1.0))).astype(np.int64)
-    place = np.zeros(count, dtype=np.int64)
-    for bit in range(_BITS):
-        place |= ((cell[:, 0] >> bit) & 1) << (2 * bit) | ((cell[:, 1] >> bit) & 1) << (2 * bit + 1)
-    turn = np.random.default_rng(0).permutation(count) + 1
-    latest_round = np.frexp(turn)[1]
-    return np.lexsort((place, latest_round))
+@njit_maker()
+def _places(points):
+    """Numbers that sort points (N, 2) in rounds, each twice as large as all before it."""
+    low_x, low_y = points[:, 0].min(), points[:, 1].min()
+    size = max(points[:, 0].max() - low_x, points[:, 1].max() - low_y)
+    cells = (2**_BITS - 1) / size if size > 0.0 else 0.0
+    places = np.empty(len(points), np.int64)
+    for n in range(len(points)):
+        x, y = int((points[n, 0] - low_x) * cells), int((points[n, 1] - low_y) * cells)
+        place = 0
+        for bit in range(_BITS):
+            place |= ((x >> bit) & 1) << (2 * bit) | ((y >> bit) & 1) << (2 * bit + 1)
+        # multiples of the golden ratio's share of the range are spread evenly over it
+        turn, latest_round = (n * _GOLDEN) % 2**32, 0
+        while turn > 0:
+            turn, latest_round = turn >> 1, latest_round + 1
+        places[n] = latest_round << (2 * _BITS) | place
+    return places
 
 
 @njit_maker()
@@ -58,7 +74,7 @@ def _triangulated(points, order):
     far = len(points)
     corner, beyond = np.empty(6 * far + 6, np.int64), np.empty(6 * far + 6, np.int64)
     order = order.copy()
-    if far < 3 or not _third_off_line(points, order):
+    if not _third_off_line(points, order):
         return np.empty((0, 3), np.int64), np.empty((0, 3), np.int64)
     _first_triangle(points, order[:3], far, corner, beyond)
     count, here, waiting = 4, 0, np.empty(6 * far + 6, np.int64)
@@ -241,3 +257,31 @@ def _without_far(far, count, corner, beyond):
             neighbour = number[other // 3]
             sides[number[t], k] = 3 * neighbour + other % 3 if neighbour >= 0 else -1
     return triangles, sides
+
+
+@njit_maker()
+def centres(points, triangles, scale, periods, flat):
+    """Centres of triangles (T, 3), and which are no slivers and lie in one window, (T,).
+
+    Points (N, 2) are tiled: of equal triangles one has its centre in a window of the periods (2,),
+    which are 0 where nothing is tiled. Slivers are no higher than `flat` in lengths, which
+    `scale` (2,) makes of the points.
+    """
+    centre, kept = np.empty((len(triangles), 2)), np.empty(len(triangles), dtype=np.bool_)
+    sides, origin = np.empty((3, 2)), _WINDOW * periods
+    for t in range(len(triangles)):
+        inside, longest = True, 0.0
+        for axis in range(2):
+            total = 0.0
+            for k in range(3):
+                here = points[triangles[t, k], axis]
+                total += here
+                sides[k, axis] = (points[triangles[t, (k + 1) % 3], axis] - here) * scale[axis]
+            centre[t, axis] = total / 3.0
+            off = centre[t, axis] - origin[axis]
+            inside &= periods[axis] == 0.0 or 0.0 <= off < periods[axis]
+        for k in range(3):
+            longest = max(longest, np.hypot(sides[k, 0], sides[k, 1]))
+        area = (sides[0, 0] * sides[1, 1] - sides[0, 1] * sides[1, 0]) / 2.0
+        kept[t] = inside and area > flat * longest
+    return centre, kept

@@ -15,10 +15,10 @@ from vmach.errors import InputError
 from vmach.nominal.mesh.thinning import near_segments
 from vmach.nominal.mesh.unique_rows import unique_rows
 from vmach.nominal.step.solids import CHORD_MM, Edge, Solid, SolidFace
-from vmach.nominal.surfaces import Sphere, Surface, unit_normals
+from vmach.nominal.surfaces import Plane, Sphere, Surface, unit_normals
 from vmach.nominal.surfaces.crowding import crowded_segments
 from vmach.nominal.surfaces.curved_triangles import volume_under_mm3
-from vmach.nominal.surfaces.delaunay import delaunay
+from vmach.nominal.surfaces.delaunay import centres, delaunay
 from vmach.nominal.surfaces.face import sample_uv
 from vmach.nominal.surfaces.trimming import Trim, is_pole
 
@@ -120,12 +120,15 @@ def _conforming(solid: Solid, patches: list[_Patch]) -> tuple[dict[int, Edge], l
 
 def _crowded(edges: dict[int, Edge], face: SolidFace, patch: _Patch) -> Iterator[tuple[int, int]]:
     """Edges of a face, and their segments whose circle holds another point."""
-    crowded, first = patch.crowded(), 0
-    for number, left in face.edges:
-        count = len(edges[number].t) - 1
-        for segment in np.flatnonzero(crowded[first : first + count]):
-            yield number, int(segment if left else count - 1 - segment)
-        first += count
+    crowded = np.flatnonzero(patch.crowded())
+    if not len(crowded):
+        return
+    after = np.cumsum([len(edges[number].t) - 1 for number, _ in face.edges])
+    for segment, which in zip(crowded, np.searchsorted(after, crowded, "right"), strict=True):
+        number, left = face.edges[which]
+        # counted from the end of the edge
+        back = int(after[which] - 1 - segment)
+        yield number, len(edges[number].t) - 2 - back if left else back
 
 
 @dataclass(frozen=True)
@@ -148,6 +151,8 @@ class _Patch:
     @classmethod
     def of(cls, trim: Trim) -> _Patch:
         """Patch with inner points near enough for the chord, none very near to an edge."""
+        if isinstance(trim.surface, Plane):
+            return cls(trim, np.empty((0, 2)), np.ones(2))
         bend, speed = _bend_and_speed(trim)
         if not bend.any():
             return cls(trim, np.empty((0, 2)), speed)
@@ -188,16 +193,8 @@ class _Patch:
 
     def _is_inside(self, copies: np.ndarray, triangles: np.ndarray) -> np.ndarray:
         """Mask of the triangles (T, 3) of tiled points that belong to the face, each once."""
-        periods, places = self._periods, copies * self.scale
-        a, b, c = (places[triangles[:, k]] for k in range(3))
-        sides = b - a, c - b, a - c
-        area = (sides[0][:, 0] * sides[1][:, 1] - sides[0][:, 1] * sides[1][:, 0]) / 2.0
-        longest = np.sqrt(np.max([(side**2).sum(axis=1) for side in sides], axis=0))
-        centre = copies[triangles].sum(axis=1) / 3.0
-        # one copy of each triangle has its centre in the window, whose border meets no symmetry
-        start = -0.0741 * periods
-        window = ((centre >= start) & (centre < start + periods) | (periods == 0.0)).all(axis=1)
-        keep = window & (area > 3.0 * _SHAKE * np.ptp(places, axis=0).max() * longest)
+        flat = 3.0 * _SHAKE * np.ptp(copies * self.scale, axis=0).max()
+        centre, keep = centres(copies, triangles, self.scale, self._periods, flat)
         keep[keep] = self.trim.contains(centre[keep])
         return keep
 
@@ -293,6 +290,8 @@ def _bend_and_speed(trim: Trim) -> tuple[np.ndarray, np.ndarray]:
 
 def _tiled(uv: np.ndarray, periods: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The points with copies half a period beyond either end, and whose copy each is."""
+    if not periods.any():
+        return uv, np.arange(len(uv))
     shifts = [(-1, 0, 1) if period else (0,) for period in periods]
     turns = np.array([(i, j) for i in shifts[0] for j in shifts[1]])
     copies = (uv + (turns * periods)[:, None]).reshape(-1, 2)
