@@ -52,6 +52,36 @@ def _split_head(line: str) -> tuple[re.Match, str]:
     return head, text[head.end() :].strip()
 
 
+@lru_cache(maxsize=4096)
+def _bound(content: str) -> str:
+    """Whether a block begins a program, PROC, or ends it, RET."""
+    upper = content.upper()
+    if upper.startswith(("%", "PROC ")):
+        return "PROC"
+    return "RET" if upper.split("(")[0].strip() == "RET" else ""
+
+
+@lru_cache(maxsize=4096)
+def _without_notes(content: str) -> tuple[str, tuple[str, ...]]:
+    """Words of motion of a block, and the words that move nothing."""
+    noted: list[str] = []
+
+    def note(found: re.Match) -> str:
+        noted.append((found[1] or found[2] or found[3]).upper())
+        return ""
+
+    left = _SUPPRESSED.sub("G53", NO_MOTION_WORDS.sub(note, content)).strip()
+    return _FIRST_SPINDLE.sub(r"\1=", left), tuple(noted)
+
+
+@lru_cache(maxsize=4096)
+def _arc_and_words(content: str) -> tuple[str | None, str]:
+    """CIP or CT, and the other words."""
+    arc = ARC_WORD.search(content)
+    words = ARC_WORD.sub("", _MACHINE_AXIS.sub(r"\1=", content))
+    return None if arc is None else arc[1].upper(), words
+
+
 class SinumerikReader(Translated):
     """Runs a Sinumerik program; every block becomes blocks of RS274/NGC."""
 
@@ -95,10 +125,11 @@ class SinumerikReader(Translated):
             return
         if not content:
             return
-        if content.startswith("%") or content.upper().startswith("PROC "):
+        bound = _bound(content)
+        if bound == "PROC":
             self.says_flow()
             return
-        if content.upper().split("(")[0].strip() == "RET":
+        if bound == "RET":
             self.corners.finish()
             self.says_flow()
             self.ended = not self.subprograms.returned()
@@ -119,15 +150,16 @@ class SinumerikReader(Translated):
             self._block(rest)
 
     def _block(self, content: str) -> None:
-        tilted = _TILTED.search(content)
+        tilted = _TILTED.search(content) if "(" in content else None
         if tilted and any(self.arguments(re.sub(r"\"[^\"]*\"", "", tilted[1]))[4:13]):
             raise ProgramError("CYCLE800 tilts or shifts the plane", accepted="CYCLE800()")
-        content = _SUPPRESSED.sub("G53", NO_MOTION_WORDS.sub(self._noted, content)).strip()
-        content = _FIRST_SPINDLE.sub(r"\1=", content)
-        content = _NAMED_TOOL.sub(lambda m: f"T{self.controller.tool_named(m[1])}", content)
-        arc = ARC_WORD.search(content)
-        kind = None if arc is None else arc[1].upper()
-        words = self.words.read(ARC_WORD.sub("", _MACHINE_AXIS.sub(r"\1=", content)))
+        content, noted = _without_notes(content)
+        for word in noted:
+            self._note(word)
+        if '"' in content:
+            content = _NAMED_TOOL.sub(lambda m: f"T{self.controller.tool_named(m[1])}", content)
+        kind, content = _arc_and_words(content)
+        words = self.words.read(content)
         self._use(words, kind)
         if kind is None and not any(letter in "XYZABCUVW" for letter, _ in words):
             # frames are suppressed for the move of this block alone, and it has none
@@ -191,13 +223,11 @@ class SinumerikReader(Translated):
         if arc is not None:
             self.controller.use(arc)
 
-    def _noted(self, found: re.Match) -> str:
-        word = (found[1] or found[2] or found[3]).upper()
+    def _note(self, word: str) -> None:
         if word in ("NORM", "KONT"):
             self.tools.approach(word)
         else:
             self.controller.note(word, "screen, or following of the path")
-        return ""
 
     # for those who obey a block
 
