@@ -24,10 +24,10 @@ Words = list[tuple[str, float]]
 
 #: addresses of more than one letter
 ADDRESSES = ("CR", "TURN", "AP", "RP", "RND", "RNDM", "CHF", "CHR", "FRC", "FRCM", "RPL", "ADIS",
-             "DISC", "I1", "J1", "K1", "AR")  # fmt: skip
+             "DISC", "DISR", "DISCL", "FAD", "I1", "J1", "K1", "AR")  # fmt: skip
 _NUMBER = re.compile(r"\s*([+-]?\s*(?:\d+\.?\d*|\.\d+))")
 _WORD = re.compile(
-    r"\s*(CR|TURN|AP|AR|RPL|RP|RNDM?|CHF|CHR|FRCM?|ADIS|DISC|[IJK]1(?=\s*=)|H\d+(?=\s*=)|[A-Z])\s*(=?)",
+    r"\s*(CR|TURN|AP|AR|RPL|RP|RNDM?|CHF|CHR|FRCM?|ADIS|DISCL|DISR|DISC|FAD|[IJK]1(?=\s*=)|H\d+(?=\s*=)|[A-Z])\s*(=?)",
     re.IGNORECASE,
 )
 _OWN = re.compile(r"\s*(AC|IC|DC|ACP|ACN)\s*\(", re.IGNORECASE)

@@ -16,6 +16,7 @@ from gcode.dialects.sinumerik.flow import Flow
 from gcode.dialects.sinumerik.frames import ProgrammableFrame
 from gcode.dialects.sinumerik.motion import SinumerikMotion
 from gcode.dialects.sinumerik.poles import Poles
+from gcode.dialects.sinumerik.soft_approach import SoftApproach
 from gcode.dialects.sinumerik.statements import ARC_WORD, NO_MOTION_WORDS, Statements
 from gcode.dialects.sinumerik.subprograms import Subprograms
 from gcode.dialects.sinumerik.system_variables import system_variable
@@ -98,7 +99,7 @@ class SinumerikReader(Translated):
         self.flow, self.frame = Flow(self), ProgrammableFrame(self)
         self.words, self.tools = BlockWords(self), ToolWords(self)
         self.motion, self.corners = SinumerikMotion(self), SinumerikCorners(self)
-        self.poles = Poles(self)
+        self.poles, self.approach = Poles(self), SoftApproach(self)
         self.cycles, self.units = CycleCalls(self), Units(self)
         self.statements = Statements(self)
         controller.start_up, controller.round_corners_from = "A", 0.0
@@ -184,6 +185,8 @@ class SinumerikReader(Translated):
         self.tools.change(words)
         self.poles.obey(words, g_codes)
         self.motion.opening_angle(words, g_codes)
+        if self.approach.obey(words, g_codes):
+            return
         if self.corners.hold(words, g_codes, is_special=arc is not None):
             return
         self.tools.side(words, g_codes)
@@ -266,7 +269,9 @@ class SinumerikReader(Translated):
             here[:3] = c.programmed
         here = self.frame.unscaled(here)
         waiting = self.corners.waiting
-        if waiting is not None:
+        if self.approach.waiting is not None:
+            here[:3] = self.approach.waiting.end
+        elif waiting is not None:
             here[:3] = *waiting.piece.end, waiting.end_level
         if self.cycle_plane != XY:
             here[:3] = [here[axis] for axis in PLANE_AXES[self.cycle_plane]]
