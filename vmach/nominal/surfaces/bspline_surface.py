@@ -40,6 +40,7 @@ class BSplineSurface:
     """
 
     kind = label = "free-form"
+    is_even = False
 
     def __init__(
         self,

@@ -172,10 +172,10 @@ class _Rows:
 
 def _extent(trim: Trim) -> tuple[np.ndarray, np.ndarray]:
     """Values of v over the face, and the mean length up to each, mm."""
-    grid = trim.grid(33)
+    grid = trim.grid(1 if trim.surface.is_even else _PIECES + 1, _PIECES + 1)
     speed = np.linalg.norm(trim.surface.derivatives(grid.reshape(-1, 2))[1], axis=1)
     v = grid[0, :, 1]
-    return v, _length_along(v, speed.reshape(33, 33).mean(axis=0))
+    return v, _length_along(v, speed.reshape(grid.shape[:2]).mean(axis=0))
 
 
 def _length_along(parameter: np.ndarray, speed: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -272,11 +273,12 @@ def _pole(trim: Trim, v: float) -> np.ndarray:
 
 def _bend_and_speed(trim: Trim) -> tuple[np.ndarray, np.ndarray]:
     """Along u and v: largest turn of the normal per length (1/mm), mean length per parameter."""
-    grid = trim.grid(9)
+    grid = trim.grid(9, 9)
     flat = grid.reshape(-1, 2)
     points = trim.surface.evaluate(flat).reshape(*grid.shape[:2], 3)
+    slopes = trim.surface.derivatives(flat)
     with np.errstate(invalid="ignore", divide="ignore"):
-        normals = unit_normals(trim.surface, flat).reshape(points.shape)
+        normals = unit_normals(trim.surface, flat, slopes).reshape(points.shape)
     bend = np.zeros(2)
     for axis in range(2):
         turn = np.linalg.norm(np.diff(normals, axis=axis), axis=2)
@@ -284,7 +286,7 @@ def _bend_and_speed(trim: Trim) -> tuple[np.ndarray, np.ndarray]:
         # at a pole there is neither a length nor a normal
         usable = (length > 1e-2 * length.max()) & np.isfinite(turn)
         bend[axis] = (turn[usable] / length[usable]).max(initial=0.0)
-    speed = [np.linalg.norm(slope, axis=1).mean() for slope in trim.surface.derivatives(flat)]
+    speed = [np.linalg.norm(slope, axis=1).mean() for slope in slopes]
     return np.where(bend > 1e-9, bend, 0.0), np.array(speed)
 
 
@@ -302,5 +304,11 @@ def _tiled(uv: np.ndarray, periods: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 def _shaken(points: np.ndarray, owner: np.ndarray) -> np.ndarray:
     """Points moved a little, all copies alike, so that no four lie on one circle."""
-    shake = np.random.default_rng(0).uniform(-1.0, 1.0, (owner.max(initial=0) + 1, 2))
+    shake = _shakes(int(owner.max(initial=0) + 1).bit_length())
     return points + _SHAKE * np.ptp(points, axis=0).max() * shake[owner]
+
+
+@cache
+def _shakes(bits: int) -> np.ndarray:
+    """Random directions, (2**bits, 2), of which the first are the same for all numbers of bits."""
+    return np.random.default_rng(0).uniform(-1.0, 1.0, (2**bits, 2))

@@ -75,15 +75,15 @@ class Trim:
             high = self.segments_uv[:, :, 1].max()
         return low, high
 
-    def grid(self, count: int) -> np.ndarray:
-        """A grid of u and v over the face's extent, (count, count, 2)."""
+    def grid(self, columns: int, rows: int) -> np.ndarray:
+        """A grid of u and v over the face's extent, (columns, rows, 2)."""
         u = self.segments_uv[:, :, 0]
         turn = self.surface.u_period
         full = not u.size or (turn and np.ptp(u) > 0.5 * turn)
         ends = (0.0, turn) if full else (u.min(), u.max())
-        grid = np.empty((count, count, 2))
-        grid[:, :, 0] = np.linspace(*ends, count)[:, None]
-        grid[:, :, 1] = np.linspace(*self.v_range(), count)
+        grid = np.empty((columns, rows, 2))
+        grid[:, :, 0] = np.linspace(*ends, columns)[:, None]
+        grid[:, :, 1] = np.linspace(*self.v_range(), rows)
         return grid
 
     def row_intervals(self, levels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -192,6 +192,7 @@ class _Transposed:
         self._surface = surface
         self.u_period, self.v_period = surface.v_period, surface.u_period
         self.v_limits = (-np.inf, np.inf)
+        self.is_even = False
 
     def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """dS/du and dS/dv of the exchanged u and v, (N, 3) each."""
