@@ -68,10 +68,10 @@ class Trim:
         if self.surface.v_period:
             return self._v_range_around(self.surface.v_period)
         low, high = self.surface.v_limits
-        v, begins = self._column()
-        if len(v) and begins[np.argmin(v)]:
+        v, begins = self._column
+        if len(v) and begins[v.argmin()]:
             low = self.segments_uv[:, :, 1].min()
-        if len(v) and not begins[np.argmax(v)]:
+        if len(v) and not begins[v.argmax()]:
             high = self.segments_uv[:, :, 1].max()
         return low, high
 
@@ -126,7 +126,7 @@ class Trim:
         That can only be said where the surface neither closes nor ends in a pole.
         """
         surface = self.surface
-        place, begins = self._row() if surface.v_period else self._column()
+        place, begins = self._row if surface.v_period else self._column
         if (surface.v_period and surface.u_period) or not len(place):
             return False
         known = np.array([not is_pole(surface, v) for v in surface.v_limits])
@@ -143,22 +143,20 @@ class Trim:
         segments_uv = np.ascontiguousarray(self.segments_uv[:, ::-1])
         return Trim(self.surface, self.segments_mm[:, ::-1], segments_uv)
 
+    @cached_property
     def _column(self) -> tuple[np.ndarray, np.ndarray]:
         """Crossings of one column with the edges: v, and whether the face begins there."""
-        return self._line(0, self.surface.u_period)
+        return line_crossings(self.segments_uv, 0, self.surface.u_period)
 
+    @cached_property
     def _row(self) -> tuple[np.ndarray, np.ndarray]:
         """Crossings of one row with the edges: u, and whether the face begins there."""
-        u, upward = self._line(1, self.surface.v_period)
+        u, upward = line_crossings(self.segments_uv, 1, self.surface.v_period)
         return u, ~upward
-
-    def _line(self, axis: int, period: float) -> tuple[np.ndarray, np.ndarray]:
-        """Crossings with one line of constant u or v, and whether they lead upwards."""
-        return line_crossings(self.segments_uv, axis, period)
 
     def _covers_rows(self, v: np.ndarray) -> np.ndarray:
         """Whether rows (R,) that meet no edge are inside, from the nearest crossing of a column."""
-        crossing, begins = self._column()
+        crossing, begins = self._column
         if not len(crossing) or not len(v):
             return np.ones(len(v), dtype=bool)
         period = self.surface.v_period
