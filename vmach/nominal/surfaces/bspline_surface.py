@@ -40,7 +40,7 @@ class BSplineSurface:
     """
 
     kind = label = "free-form"
-    is_even = False
+    varies = ("uv", "uv")
 
     def __init__(
         self,

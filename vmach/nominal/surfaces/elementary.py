@@ -45,7 +45,8 @@ class Surface(Protocol):
     u_period: float
     v_period: float
     v_limits: tuple[float, float]
-    is_even: bool  #: whether dS/dv is as long at every u
+    #: which of u and v the lengths of dS/du and of dS/dv depend on: ("v", "") of a cone
+    varies: tuple[str, str]
 
     def evaluate(self, uv: np.ndarray) -> np.ndarray:
         """Points, (N, 3) mm."""
@@ -84,7 +85,7 @@ class Plane:
     kind = label = "plane"
     u_period = v_period = 0.0
     v_limits = _ENDLESS
-    is_even = True
+    varies = ("", "")
 
     def evaluate(self, uv: np.ndarray) -> np.ndarray:
         """Points at parameters (N, 2); (N, 3) mm."""
@@ -106,7 +107,7 @@ class _AboutAxis:
 
     frame: Frame
     u_period = _TURN
-    is_even = True
+    varies = ("v", "")
 
     def _profile(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Radius and height at v."""
@@ -139,6 +140,7 @@ class Cylinder(_AboutAxis):
 
     radius: float
     kind = "cylinder"
+    varies = ("", "")
     v_period = 0.0
     v_limits = _ENDLESS
 
@@ -262,7 +264,7 @@ class Extrusion:
     kind = label = "extrusion"
     v_period = 0.0
     v_limits = _ENDLESS
-    is_even = True
+    varies = ("u", "")
 
     @property
     def u_period(self) -> float:
@@ -298,7 +300,7 @@ class Revolution:
     kind = label = "revolution"
     u_period = _TURN
     v_limits = _ENDLESS
-    is_even = True
+    varies = ("v", "v")
 
     @property
     def v_period(self) -> float:
@@ -345,7 +347,7 @@ class Offset:
     distance: float
     kind = "offset"
     v_limits = _ENDLESS
-    is_even = False
+    varies = ("uv", "uv")
 
     @property
     def label(self) -> str:

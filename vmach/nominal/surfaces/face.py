@@ -129,8 +129,9 @@ class _Rows:
         levels = _divide(*_extent(trim), row_mm)
         row, ends = trim.row_intervals(levels)
         v, period = levels[row], trim.surface.u_period
-        u = np.linspace(ends[:, 0], ends[:, 1], _PIECES + 1, axis=1)
-        along, _ = trim.surface.derivatives(np.column_stack([u.ravel(), np.repeat(v, _PIECES + 1)]))
+        places = _PIECES + 1 if "u" in trim.surface.varies[0] else 2
+        u = np.ascontiguousarray(np.linspace(ends[:, 0], ends[:, 1], places, axis=1))
+        along, _ = trim.surface.derivatives(np.column_stack([u.ravel(), np.repeat(v, places)]))
         speed = np.linalg.norm(along, axis=1).reshape(u.shape)
         closed = np.ptp(ends, axis=1) >= period if period else np.zeros(len(row), dtype=bool)
         return cls(row, v, u, _length_along(u, speed), closed, period)
@@ -172,7 +173,8 @@ class _Rows:
 
 def _extent(trim: Trim) -> tuple[np.ndarray, np.ndarray]:
     """Values of v over the face, and the mean length up to each, mm."""
-    grid = trim.grid(1 if trim.surface.is_even else _PIECES + 1, _PIECES + 1)
+    varies = trim.surface.varies[1]
+    grid = trim.grid(_PIECES + 1 if "u" in varies else 1, _PIECES + 1 if "v" in varies else 2)
     speed = np.linalg.norm(trim.surface.derivatives(grid.reshape(-1, 2))[1], axis=1)
     v = grid[0, :, 1]
     return v, _length_along(v, speed.reshape(grid.shape[:2]).mean(axis=0))

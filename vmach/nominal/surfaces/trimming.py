@@ -183,6 +183,9 @@ class Trim:
         return float(begin[widest]), float(begin[widest] + period - gap[widest])
 
 
+_EXCHANGED = str.maketrans("uv", "vu")
+
+
 class _Transposed:
     """A surface with u and v exchanged, as far as rows of points ask for it."""
 
@@ -190,7 +193,8 @@ class _Transposed:
         self._surface = surface
         self.u_period, self.v_period = surface.v_period, surface.u_period
         self.v_limits = (-np.inf, np.inf)
-        self.is_even = False
+        along_u, along_v = surface.varies
+        self.varies = along_v.translate(_EXCHANGED), along_u.translate(_EXCHANGED)
 
     def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """dS/du and dS/dv of the exchanged u and v, (N, 3) each."""
