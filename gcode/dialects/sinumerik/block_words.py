@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, ISO_G, M_CODES, SAME, STOPS
 from gcode.dialects.sinumerik.expressions import Worked, expression_at
@@ -46,8 +45,7 @@ def split_arguments(text: str) -> list[str]:
     return pieces
 
 
-@dataclass(frozen=True)
-class _Written:
+class _Written(NamedTuple):
     """A word as it stands: its number, or the expression that gives it, and AC, IC or nothing."""
 
     letter: str
