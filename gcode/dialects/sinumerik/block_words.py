@@ -6,7 +6,7 @@ import re
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
-from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, ISO_G, M_CODES, SAME, STOPS
+from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, ISO_G, M_CODES, SAME, STOPS, TURNING_G
 from gcode.dialects.sinumerik.expressions import Worked, expression_at
 from gcode.errors import ProgramError
 from gcode.language.translate import number
@@ -182,6 +182,7 @@ class BlockWords:
             return CODES[value]
         if value not in SAME:
             hint = "FANUC's, or of this control's ISO dialect (G291)" if value in ISO_G else None
+            hint = "of turning programs" if value in TURNING_G else hint
             raise ProgramError(f"Sinumerik G{value:g} is not read", accepted=ACCEPTED_G, hint=hint)
         if value in (18.0, 19.0):
             controller.note("G18, G19", "the tool's length stays along Z, as with setting data "

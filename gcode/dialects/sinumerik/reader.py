@@ -33,6 +33,7 @@ __all__ = ["SinumerikReader"]
 _HEAD = re.compile(
     r"(?:/\s*(\d?)\s*)?(?:[N:](\d+)\s*)?(?:/\s*(\d?)\s*)?(?:([A-Z_]\w+):(?!=)\s*)?", re.IGNORECASE
 )
+_COMMENT = re.compile(r"(\"[^\"]*\")|;.*")  #: no comment within a string
 _NAMED_TOOL = re.compile(r"\bT\s*=\s*\"([^\"]*)\"", re.IGNORECASE)
 _FIRST_SPINDLE = re.compile(r"\b([SM])1\s*=", re.IGNORECASE)  #: S1=1000 M1=3
 _KEY_WORD = re.compile(r"\w+")
@@ -52,7 +53,7 @@ _TURNED = {XY: {}, XZ: str.maketrans("xyzijk", "zxykij"), YZ: str.maketrans("xyz
 
 @lru_cache(maxsize=4096)
 def _split_head(line: str) -> tuple[re.Match, str]:
-    text = re.sub(r";.*", "", line).strip()
+    text = _COMMENT.sub(lambda found: found[1] or "", line).strip()
     head = _HEAD.match(text)
     return head, text[head.end() :].strip()
 
