@@ -40,6 +40,11 @@ _ROOM = 100_000
 _PASSES = 3
 #: log probability that such a pass may cost; where it is right it costs a few hundredths
 _LESS = 0.5
+#: share of what a fit explains that it does at least where its laws leave something open; chosen
+_DONE = 0.8
+#: share of its stated inexactness that a law may have as well, with even odds; chosen: those that
+#: were held against others of their kind differ by anything from nothing to what is stated
+_EXACT = 0.2
 
 
 @dataclass(frozen=True)
@@ -250,25 +255,43 @@ class Weighing:
         return self._fits.get(key, lambda: fit_terms(beside, terms, refine=refine))
 
     def _weighed(self, fit: JointFit, sizes: Sizes, *, resize: bool) -> Explanation:
-        effects = Effects(self._open(fit), self._log_prior_of(fit))
+        """A fit with the sizes beside it, and how inexact its laws are: as stated, or less."""
+        slack = self._slack(fit)
+        if slack is None:
+            return self._sized(fit, None, sizes, resize=resize)
+        stated = self._sized(fit, slack, sizes, resize=resize)
+        closer = replace(fit, slack_scale=_EXACT)
+        less = self._sized(closer, slack, stated.posterior.sizes, resize=False)
+        if less.score < stated.score:
+            return stated
+        return self._sized(closer, slack, stated.posterior.sizes, resize=resize)
+
+    def _sized(
+        self, fit: JointFit, slack: Columns | None, sizes: Sizes, *, resize: bool
+    ) -> Explanation:
+        shown = self._open(fit)
+        log_prior = self._log_prior_of(fit)
+        if slack is not None:
+            shown = shown.beside(slack.scaled(np.full(len(slack), fit.slack_scale)))
+            log_prior -= np.log(2.0)
+        effects = Effects(shown, log_prior)
         if resize:
             return Explanation(fit, best_sizes(self.base, sizes, effects))
         return Explanation(fit, Posterior(self.base, sizes, effects))
 
+    def _slack(self, fit: JointFit) -> Columns | None:
+        """Columns of what the laws leave open, as far as stated."""
+        slack = slack_of(self.survey, replace(fit, slack_mm=None, slack_scale=1.0))
+        return self.base.columns(slack) if slack.shape[1] else None
+
     def _open(self, fit: JointFit) -> Columns:
-        """Columns of unit prior variance of all that is open about a fit."""
+        """Columns of unit prior variance of amplitudes and inner parameters of a fit."""
         widths = [
             np.full(len(c), term.width or width_of(c))
             for term, c in zip(fit.terms, fit.coefficients, strict=True)
         ]
         widths += [term.spread_of_inner for term in fit.terms]
-        slack = [
-            self.survey.slack(term.effect, term.target, fit.parameters(k))
-            for k, term in enumerate(fit.terms)
-            if term.effect.slack_share > 0.0
-        ]
-        shown = fit.open.scaled(np.concatenate(widths))
-        return shown.beside(self.base.columns(np.hstack(slack))) if slack else shown
+        return fit.open.scaled(np.concatenate(widths))
 
     def _log_prior_of(self, fit: JointFit) -> float:
         total = self._log_prior_of_count(self._count(fit.terms))
@@ -311,16 +334,25 @@ class Weighing:
         for _ in range(_PASSES if fit else 0):
             slack = slack_of(self.survey, replace(fit, slack_mm=None))
             noise = Posterior(self.base, sizes, Effects(self.base.columns(slack)))
-            trial = fit_terms(noise, fit.terms)
+            trial = replace(fit_terms(noise, fit.terms), slack_scale=fit.slack_scale)
             if slack.shape[1] == 0:
                 return trial
-            trial_score = self._weighed(trial, sizes, resize=False).score
-            if trial_score < score - _LESS:
-                # an effect that grows leaves more open, which lets it grow: not so
+            trial_score = self._sized(trial, self._slack(trial), sizes, resize=False).score
+            if trial_score < score - _LESS or self._explained(trial) < _DONE * self._explained(fit):
+                # an effect that grows leaves more open, which lets it grow, or does all: not so
                 wider = fit_terms(noise, fit.terms, refine=False)
-                return replace(wider, coefficients=fit.coefficients, slack_mm=slack)
+                return replace(fit, covariance=wider.covariance, slack_mm=slack)
             fit, score = replace(trial, slack_mm=slack), trial_score
         return fit
+
+    def _explained(self, fit: JointFit) -> float:
+        """What a fit takes off the sum of squares of the aligned readings, in stated u."""
+        left = self.survey.residual_mm - sum(map(fit.explained_mm, range(len(fit.terms))))
+        both = np.stack([self.survey.residual_mm, left], axis=1)
+        before, after = np.sum(
+            ((both - self.survey.aligned(both)).T / self.survey.u_mm) ** 2, axis=1
+        )
+        return float(before - after)
 
     def without(
         self, explanation: Explanation, ks: Sequence[int], *, resize: bool = True
