@@ -12,6 +12,7 @@ from scipy.special import gammaln
 
 from vmach.diagnosis.gates.absorbing import slack_of
 from vmach.diagnosis.inference.bank import Bank
+from vmach.diagnosis.inference.careful_fit import careful_fit
 from vmach.diagnosis.inference.rules import UNMEASURED
 from vmach.effects import Effect
 from vmach.fit.base import Base
@@ -36,14 +37,8 @@ _START = 0.3
 _LOOKED_OVER = 5000
 #: readings of the explanations that are remembered
 _ROOM = 100_000
-#: times that what the laws leave open is set by the fit before, so that it is a share of the last
-_PASSES = 3
-#: log probability that such a pass may cost; where it is right it costs a few hundredths
-_LESS = 0.5
-#: share of what a fit explains that it does at least where its laws leave something open; chosen
-_DONE = 0.8
-#: share of its stated inexactness that a law may have as well, with even odds; chosen: those that
-#: were held against others of their kind differ by anything from nothing to what is stated
+#: share of their stated inexactness that laws may have as well, with even odds; chosen: nature is
+#: sometimes as simple as a law
 _EXACT = 0.2
 
 
@@ -324,35 +319,16 @@ class Weighing:
         """The fit with what its laws leave open counted as uncertainty of the readings."""
 
         def made() -> tuple[Explanation, JointFit | None]:
-            return explanation, self._careful(explanation)
+            fit, sizes = explanation.fit, explanation.posterior.sizes
+            if fit is None:
+                return explanation, None
+
+            def score(trial: JointFit) -> float:
+                return self._sized(trial, self._slack(trial), sizes, resize=False).score
+
+            return explanation, careful_fit(self.base, fit, sizes, score)
 
         return self._careful_fits.get(id(explanation), made)[1]
-
-    def _careful(self, explanation: Explanation) -> JointFit | None:
-        fit, score = explanation.fit, explanation.score
-        sizes = explanation.posterior.sizes
-        for _ in range(_PASSES if fit else 0):
-            slack = slack_of(self.survey, replace(fit, slack_mm=None))
-            noise = Posterior(self.base, sizes, Effects(self.base.columns(slack)))
-            trial = replace(fit_terms(noise, fit.terms), slack_scale=fit.slack_scale)
-            if slack.shape[1] == 0:
-                return trial
-            trial_score = self._sized(trial, self._slack(trial), sizes, resize=False).score
-            if trial_score < score - _LESS or self._explained(trial) < _DONE * self._explained(fit):
-                # an effect that grows leaves more open, which lets it grow, or does all: not so
-                wider = fit_terms(noise, fit.terms, refine=False)
-                return replace(fit, covariance=wider.covariance, slack_mm=slack)
-            fit, score = replace(trial, slack_mm=slack), trial_score
-        return fit
-
-    def _explained(self, fit: JointFit) -> float:
-        """What a fit takes off the sum of squares of the aligned readings, in stated u."""
-        left = self.survey.residual_mm - sum(map(fit.explained_mm, range(len(fit.terms))))
-        both = np.stack([self.survey.residual_mm, left], axis=1)
-        before, after = np.sum(
-            ((both - self.survey.aligned(both)).T / self.survey.u_mm) ** 2, axis=1
-        )
-        return float(before - after)
 
     def without(
         self, explanation: Explanation, ks: Sequence[int], *, resize: bool = True
