@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -19,16 +18,12 @@ __all__ = ["careful_fit"]
 
 #: times that what the laws leave open is set by the fit before, so that it is a share of the last
 _PASSES = 3
-#: log probability that such a pass may cost; where it is right it costs a few hundredths
-_LESS = 0.5
 #: share of what it explained that a fit explains beside what its laws leave open, at least; chosen.
 #: Where the laws are nearly exact it explains all; what explains nothing foretells nothing
 _DONE = 0.8
 
 
-def careful_fit(
-    base: Base, fit: JointFit, sizes: Sizes, score: Callable[[JointFit], float]
-) -> JointFit:
+def careful_fit(base: Base, fit: JointFit, sizes: Sizes) -> JointFit:
     """The fit once more, beside members and what its laws leave open.
 
     Parameters
@@ -37,23 +32,20 @@ def careful_fit(
     fit : JointFit
     sizes : Sizes
         Of the members.
-    score : callable
-        Log probability of a fit at these sizes.
     """
-    survey, best = base.survey, score(fit)
+    survey, least = base.survey, _DONE * _explained(base.survey, fit)
     for _ in range(_PASSES):
         slack = slack_of(survey, replace(fit, slack_mm=None))
         noise = Posterior(base, sizes, Effects(base.columns(slack)))
         trial = replace(fit_terms(noise, fit.terms), slack_scale=fit.slack_scale)
         if slack.shape[1] == 0:
             return trial
-        here = score(trial)
-        if here < best - _LESS or _explained(survey, trial) < _DONE * _explained(survey, fit):
+        if _explained(survey, trial) < least:
             # an effect that grows leaves more open, which lets it grow, or does all: not so
             wider = fit_terms(noise, fit.terms, refine=False)
             kept = replace(wider, coefficients=fit.coefficients, slack_scale=fit.slack_scale)
             return replace(kept, slack_mm=slack)
-        fit, best = replace(trial, slack_mm=slack), here
+        fit = replace(trial, slack_mm=slack)
     return fit
 
 

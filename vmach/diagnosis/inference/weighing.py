@@ -320,13 +320,7 @@ class Weighing:
 
         def made() -> tuple[Explanation, JointFit | None]:
             fit, sizes = explanation.fit, explanation.posterior.sizes
-            if fit is None:
-                return explanation, None
-
-            def score(trial: JointFit) -> float:
-                return self._sized(trial, self._slack(trial), sizes, resize=False).score
-
-            return explanation, careful_fit(self.base, fit, sizes, score)
+            return explanation, careful_fit(self.base, fit, sizes) if fit else None
 
         return self._careful_fits.get(id(explanation), made)[1]
 
