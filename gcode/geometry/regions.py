@@ -12,6 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from gcode.errors import ProgramError
 from gcode.geometry.arcs import Point
 
 __all__ = ["CHORD_MM", "Region", "Stretch", "closed_area", "polyline"]
@@ -20,6 +21,7 @@ __all__ = ["CHORD_MM", "Region", "Stretch", "closed_area", "polyline"]
 CHORD_MM = 5e-4
 #: vertices closer to a line than this are left out
 _STRAIGHT = 1e-9
+_MOST_CHORDS = 1_000_000  #: of an arc: a circle of a radius of 100 km
 
 
 @dataclass(frozen=True)
@@ -32,9 +34,14 @@ class Stretch:
 
 
 def _steps(radius: float, sweep_rad: float, chord: float) -> int:
-    """Chords of an arc."""
-    angle = 2.0 * math.acos(max(1.0 - chord / radius, 0.0)) if radius > chord else math.pi / 2.0
-    return max(math.ceil(abs(sweep_rad) / angle), 1)
+    """Chords of an arc; raises ProgramError where they are too many for any part."""
+    # 1 - cos(a / 2) = 2 sin^2(a / 4), which a large radius does not round away
+    angle = 4.0 * math.asin(math.sqrt(chord / (2.0 * radius))) if radius > chord else math.pi / 2.0
+    steps = abs(sweep_rad) / angle if angle > 0.0 else math.inf
+    if steps > _MOST_CHORDS:
+        raise ProgramError(f"an arc of radius {radius:g} in a contour", 
+                           hint="is its decimal point right?")  # fmt: skip
+    return max(math.ceil(steps), 1)
 
 
 def polyline(start: Point, way: Sequence[Stretch], chord: float) -> list[Point]:

@@ -18,14 +18,15 @@ _CALL = re.compile(
     r"(?:MCALL\b|(?:CYCLE\d+|HOLES[12]|POCKET[34]|SLOT[12]|LONGHOLE)\s*\()", re.IGNORECASE
 )
 _MODAL_CALL = re.compile(r"MCALL\b", re.IGNORECASE)
-_CORNER = re.compile(r"\b(?:RND|CH[FR])\s*=", re.IGNORECASE)
+#: a corner, or a soft approach
+_WAITS = re.compile(r"\b(?:(?:RND|CH[FR])\s*=|G[123]47(?!\d))", re.IGNORECASE)
 _MOTION = re.compile(r"\bG0*[0-3](?!\d)|\bC(?:IP|T)\b", re.IGNORECASE)
 _FEED = re.compile(r"\bF\s*(?:=|[\d.])", re.IGNORECASE)
 _MACHINE = re.compile(r"\b(?:SUPA|G(?:53|153|74|75))\b", re.IGNORECASE)
 #: words that go with the motion
 _GONE = re.compile(
-    r"\b(?:G0*[0-3]|G4[0-2]|CIP|CT)(?!\d)"
-    r"|(?:\b|(?<=\d))(?:CR|TURN|AP|AR|RP|RND|CHF|CHR|[IJK]1|[XYZIJKF])\s*(?:=\s*\S+|[-+]?\d*\.?\d+)",
+    r"\b(?:G0*[0-3]|G4[0-2]|G[123]4[78]|G34[01]|G140|CIP|CT)(?!\d)"
+    r"|(?:\b|(?<=\d))(?:CR|TURN|AP|AR|RP|RND|CHF|CHR|DISR|DISCL|FAD|[IJK]1|[XYZIJKF])\s*(?:=\s*\S+|[-+]?\d*\.?\d+)",
     re.IGNORECASE,
 )
 _UNITS = re.compile(r"\bG(7[01]0?)(?!\d)", re.IGNORECASE)
@@ -45,9 +46,9 @@ class SinumerikBlocks(PlainBlocks):
         return text[_NUMBER.match(text).end() :].strip()
 
     def waits(self, line: int) -> bool:
-        """A line with a corner, which the line behind it goes along; or MCALL."""
+        """A line that the line behind it goes along: a corner or soft approach; or MCALL."""
         content = self.content(line)
-        return bool(_CORNER.search(content)) or bool(_MODAL_CALL.match(content))
+        return bool(_WAITS.search(content)) or bool(_MODAL_CALL.match(content))
 
     def says_feed(self, line: int) -> bool:
         """F."""

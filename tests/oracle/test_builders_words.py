@@ -40,6 +40,12 @@ def test_all_that_is_missing_is_said_at_once():
     assert "_STEP" not in said
 
 
+def test_the_name_of_the_program_is_no_variable():
+    with pytest.raises(ProgramError) as error:
+        read("%_N_part_7_MPF\nG0 X=_AWAY\nM30\n", "sinumerik")
+    assert "variables _AWAY:" in str(error.value)
+
+
 def test_what_the_job_says_is_obeyed():
     program = read(
         SINUMERIK,

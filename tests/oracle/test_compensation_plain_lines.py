@@ -76,6 +76,15 @@ X20
 Y10
 G40 X0 Y0
 G0 Z30"""
+S_SOFT = """G0 X0 Y0 Z30
+G41 G341 G247 DISCL=5 DISR=13 FAD=50 X40 Y-10 Z-2 F200
+G1 X60
+G3 X70 Y0 CR=10
+G1 Y20
+G40 G248 DISCL=5 DISR=13 X0 Y0 Z30 F900
+G42 G340 G347 DISCL=3 DISR=4 X10 Y40 Z-1 F200
+G1 X30 Y50
+G0 G40 G148 DISR=3 X0 Y0 Z30"""
 S_HOLES = """F150
 MCALL CYCLE81(20,0,2,-10)
 X10 Y10
@@ -138,7 +147,7 @@ CASES = [
     *(pytest.param("heidenhain", body, id=f"klartext {name}") for name, body in BODIES.items()),
     *(pytest.param("sinumerik", body, id=f"sinumerik {name}") for name, body in {
         "contour": S_CONTOUR, "holes": S_HOLES, "polar": S_POLAR, "pocket": S_POCKET,
-        "inch": S_INCH, "G91": S_G91, "helix": S_HELIX,
+        "inch": S_INCH, "G91": S_G91, "helix": S_HELIX, "soft": S_SOFT,
         "everything": "\n".join([S_CONTOUR, S_HOLES, S_POLAR, S_POCKET])}.items()),
 ]  # fmt: skip
 READERS = {"heidenhain": read_klartext, "sinumerik": read_sinumerik}

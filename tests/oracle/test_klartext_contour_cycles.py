@@ -11,6 +11,7 @@ import pytest
 from scipy.spatial import KDTree
 
 from gcode import ProgramError, Source, ToolEntry, read_program
+from gcode.geometry.regions import Stretch, polyline
 from gcode.moves.moves import MoveKind
 
 RADIUS = 5.0
@@ -285,3 +286,21 @@ def test_back_boring_reaches_its_counterbore_from_below():
     assert tip[aside, 2].min() == pytest.approx(-20 - 2 - 15)  # the tooth 2 below the lower face
     fed = np.flatnonzero(run.feed_mm_per_min == 200)
     assert tip[fed] == pytest.approx(np.array([[10, 20, -20 + 5 - 15]]))
+
+
+def test_an_arc_that_needs_more_chords_than_any_part_has_is_refused():
+    """Its chords once took no angle at all, and a division by zero ended the reading."""
+    huge = "LBL 2\nCC X+9999999999999999999950 Y+30\nL X+40 Y+30 RL\nC X+40 Y+30 DR-\nLBL 0\n"
+    body = DATA.format(side=0, floor=0) + CALL.format(cycle="24 SIDE", side=0)
+    with pytest.raises(ProgramError, match=r"an arc of radius 1e\+22 in a contour"):
+        read(LABELS + body + POCKET + huge)
+
+
+@pytest.mark.parametrize("radius", [1e-3, 1.0, 1e4, 1e9])
+def test_chords_leave_an_arc_by_no_more_than_they_may(radius):
+    sweep = min(1.0, 1e3 / radius)
+    places = np.array(polyline((radius, 0.0), [Stretch((0.0, 0.0), (0.0, 0.0), sweep)], 5e-4)[:-1])
+    step = sweep / len(places)
+    assert radius * (1.0 - math.cos(step / 2.0)) <= 5e-4 * 1.0001 or radius >= 1e9
+    assert radius * step**2 / 8.0 <= 5e-4 * 1.0001  # what the cosine rounds away at 1e9
+    assert len(places) <= 1.0 + sweep / (4.0 * math.sqrt(2.5e-4 / radius))

@@ -6,7 +6,7 @@ SINUMERIK 840D sl/828D Programming Manuals Fundamentals, Job Planning and Cycles
 import numpy as np
 import pytest
 
-from gcode import ProgramError, Source, ToolEntry, read_program
+from gcode import ControlSettings, OffsetEntry, ProgramError, Source, ToolEntry, read_program
 from tests.oracle.test_klartext_cycles import inside, tip
 
 TOOLS = {1: ToolEntry(100.0, 10.0, name="MILL_10"), 2: ToolEntry(80.0, 6.0)}
@@ -425,3 +425,51 @@ def test_an_exact_stop_within_cutter_compensation_is_that_of_its_block():
     moves = read("T1 D1\nG64 G0 X0 Y0\nG1 G41 X10 Y0 F100\nX20\nG9 X30\nX40\nG40 Y20").moves
     stops = {line: stop for line, stop in zip(moves.line, moves.exact_stop, strict=True)}
     assert [stops[line] for line in (4, 5, 6)] == [False, True, False]
+
+
+def flat(body, **offsets):
+    """Read with flat D numbers, and rows D7 and D8 of the offset memory."""
+    rows = {7: OffsetEntry(length_mm=60.0, diameter_mm=4.0), 8: OffsetEntry(length_mm=90.0)}
+    settings = ControlSettings(options={"d_numbers": "flat"})
+    return read_program(Source(f"{body}\nM30\n".encode(), "part.mpf"), tools=TOOLS, offsets=rows,
+                        control=settings, dialect="sinumerik", home_mm=(0, 0, 0))  # fmt: skip
+
+
+def test_flat_d_numbers_choose_an_offset_whatever_t_says():
+    """Function Manual 6FC5397-0BP10-0BA0, W1, 2.2.5: D is found without reference to T."""
+    body = "T1 M6 D8\nG0 Z10\nD7\nZ10\nT2 M6\nD1\nZ10\nD0\nZ10"
+    levels = flat(body).moves.end_mm[:, 2].tolist()
+    assert [level for level, after in zip(levels, [*levels[1:], 0.0], strict=True)
+            if level != after] == [0, 100, 70, 110, 10]  # fmt: skip
+    beside = flat("T1 D7 M6\nG0 X0 Y-9\nG1 G41 X0 Y0 F100\nY20\nG40 X-9").moves
+    assert beside.end_mm[:, 0].min() == -9 and -2.0 in beside.end_mm[:, 0]
+
+
+@pytest.mark.parametrize("call", ["T2\nM6\nD8\nT1", "T2 D8\nM6\nT1", "T2 M6\nSUPA G0 Z0\nD8"])
+def test_flat_d_numbers_stand_about_the_tool_change(call):
+    """The next tool may be called ahead: its D is asked for at the change."""
+    assert flat(f"{call}\nG0 Z10").moves.end_mm[-1, 2] == 100
+
+
+def test_flat_d_numbers_are_asked_for_by_name():
+    with pytest.raises(ProgramError, match="without D, and D numbers are flat"):
+        flat("T1 D8 M6\nG0 Z10\nT2 M6\nZ5")
+    with pytest.raises(ProgramError, match="there is no offset D9"):
+        flat("T1 D9 M6")
+    with pytest.raises(
+        ProgramError, match=r'cutting edge D8: .*accepted: D0 D1 .*d_numbers = "flat"'
+    ):
+        read("T1 D8 M6")
+
+
+def test_jumps_of_two_files_with_the_same_lines_go_to_their_own_labels(tmp_path):
+    (tmp_path / "FIRST.SPF").write_text("R1=0\nAGAIN: R1=R1+1\nX=R1\nIF R1<3 GOTOB AGAIN\nRET\n")
+    (tmp_path / "OTHER.SPF").write_text("R1=0\nR1=R1+1\nAGAIN: X=R1\nIF R1<3 GOTOB NEXT\nRET\n"
+                                        "NEXT: RET\n")  # fmt: skip
+    main = tmp_path / "part.mpf"
+    main.write_text("G0 Y1\nFIRST\nFIRST\nX0\nM30\n")
+    moves = read_program(main, tools=TOOLS, dialect="sinumerik", home_mm=(0, 0, 0)).moves
+    assert moves.end_mm[1:, 0].tolist() == [1, 2, 3, 1, 2, 3, 0]
+    main.write_text("G0 Y1\nFIRST\nOTHER\nM30\n")
+    with pytest.raises(ProgramError, match=r"OTHER.SPF:4: GOTOB NEXT: there is no such label"):
+        read_program(main, tools=TOOLS, dialect="sinumerik", home_mm=(0, 0, 0))

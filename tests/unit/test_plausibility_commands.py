@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from vmach.base.note import Level
 from vmach.cli import app
 from vmach.errors import InputError
 from vmach.job import read_job
@@ -20,6 +21,7 @@ from vmach.machine.machine import Axis
 from vmach.path.levers import levers
 from vmach.plausibility import Kind, admitted_machine, doubts, machine_notes
 from vmach.plausibility.places import place_notes
+from vmach.plausibility.table_values import value_notes
 
 SAMPLE = Path(__file__).parents[2] / "samples" / "iso10791_7"
 POINTS = "id,feature,x,y,z,i,j,k\n1,top,0,0,0,0,0,1\n2,top,20,0,0,0,0,1\n"
@@ -165,6 +167,17 @@ def test_every_place_and_right_angle_in_another_unit_is_told(tmp_path, sample, f
         if any(map(float, match[1].split(","))) and not told_of(machine):
             silent.append(match[0])
     assert not silent
+
+
+@pytest.mark.parametrize("sample", ["iso10791_7", "mazak_ajv25", "spline_slot"])
+def test_every_table_in_another_unit_is_told(sample):
+    """The values of each table alone, in every machine of the samples that has all of a kind."""
+    right = admitted_machine(SAMPLE.with_name(sample) / "machine.toml")
+    for name, table in right.components.items():
+        for factor in FACTORS:
+            wrong = replace(table, forward=factor * table.forward, backward=factor * table.backward)
+            told = value_notes(replace(right, components={**right.components, name: wrong}))
+            assert {note.level for note in told} & {Level.REFUSED, Level.DOUBT}, (name, factor)
 
 
 def test_the_middle_of_a_travel_about_zero_is_a_place(job):

@@ -55,10 +55,11 @@ WARM = """
 import pathlib, sys
 from vmach.commands import warm_up
 from vmach.nominal import read_nominal
-from vmach.nominal.surfaces import bspline_kernel, crossings
+from vmach.nominal.mesh import thinning
+from vmach.nominal.surfaces import bspline_kernel, crossings, crowding, curved_triangles, delaunay
 
 def compiled():
-    modules = (bspline_kernel, crossings)
+    modules = (bspline_kernel, crossings, crowding, curved_triangles, delaunay, thinning)
     kernels = [k for m in modules for k in vars(m).items() if hasattr(k[1], "signatures")]
     return {(name, str(s)) for name, kernel in kernels for s in kernel.signatures}
 

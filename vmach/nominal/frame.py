@@ -5,6 +5,7 @@ Source: ISO 10303-42, axis2_placement_3d.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,12 +23,12 @@ class Frame:
     @classmethod
     def from_axis(cls, origin: np.ndarray, z: np.ndarray, x: np.ndarray | None) -> Frame:
         """Frame with the axis z, (3,), whose x is as near as can be to the one given (or any)."""
-        z = z / np.linalg.norm(z)
-        if x is None or np.linalg.norm(np.cross(z, x)) < 1e-9 * np.linalg.norm(x):
+        z = z / _length(z)
+        if x is None or _length(_cross(z, x)) < 1e-9 * _length(x):
             x = np.eye(3)[np.argmin(np.abs(z))]
         x = x - (x @ z) * z
-        x = x / np.linalg.norm(x)
-        return cls(origin, np.array([x, np.cross(z, x), z]))
+        x = x / _length(x)
+        return cls(origin, np.array([x, _cross(z, x), z]))
 
     def local(self, points: np.ndarray) -> np.ndarray:
         """Points (..., 3) in this frame's coordinates."""
@@ -44,3 +45,13 @@ class Frame:
     def after(self, outer: Frame) -> Frame:
         """This frame, itself given in the coordinates of `outer`."""
         return Frame(outer.world(self.origin), self.axes @ outer.axes)
+
+
+def _length(vector: np.ndarray) -> float:
+    return math.sqrt(vector @ vector)
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Of two vectors, (3,): many times faster than NumPy's for rows."""
+    (ax, ay, az), (bx, by, bz) = a, b
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])

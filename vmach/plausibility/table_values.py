@@ -27,6 +27,8 @@ _LEAST_RAD = 5e-7
 _ODD_FACTOR = 5.04
 #: so many of a kind are needed to call one odd
 _LEAST_PEERS = 3
+#: of fewer others the middle one is too uncertain, and is taken of all
+_ENOUGH_OTHERS = 4
 #: a slope of less over the whole table is rounding, or the noise of the readings
 _SLOPE_OVER_TABLE_MM = 1e-3
 #: and one that is a smaller share of the table's range belongs to the shape of its curve
@@ -84,15 +86,19 @@ def _odd_ones_out(machine: Machine, noted: set[str]) -> Iterator[Note]:
             kinds.setdefault(kind, {})[name] = spread
     for (angle, _), ranges in kinds.items():
         scale, unit = (urad_from_rad, "urad") if angle else (um_from_mm, "um")
-        usual = float(np.median(list(ranges.values())))
+        if len(ranges) < _LEAST_PEERS:
+            continue
         for name, spread in ranges.items():
-            is_usual = usual / _ODD_FACTOR <= spread <= usual * _ODD_FACTOR
-            if is_usual or name in noted or len(ranges) < _LEAST_PEERS:
+            # a wrong one has no say in what is usual, where others enough can tell
+            others = [other for peer, other in ranges.items() if peer != name]
+            peers = others if len(others) >= _ENOUGH_OTHERS else list(ranges.values())
+            usual = float(np.median(peers))
+            if usual / _ODD_FACTOR <= spread <= usual * _ODD_FACTOR or name in noted:
                 continue
             yield Note(
                 Level.DOUBT, Kind.SIZE, name,
-                f"range {scale(spread):.3g} {unit}; the middle one of the {len(ranges)} of its "
-                f"kind is {scale(usual):.3g} {unit}",
+                f"range {scale(spread):.3g} {unit}; the middle one of {len(peers)} of its kind "
+                f"is {scale(usual):.3g} {unit}",
                 size=scale(spread), unit=unit,
                 hint="is it in the unit that the table, unit or [convention] says?",
             )  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from types import MappingProxyType
 
 from gcode.dialects.sinumerik.confirmed import CONFIRMED
 from gcode.dialects.sinumerik.reader import SinumerikReader
@@ -54,6 +55,7 @@ class Sinumerik(Dialect):
         re.IGNORECASE | re.MULTILINE,
     )
     reader = SinumerikReader
+    options = MappingProxyType({"d_numbers": ("edges", "flat")})
     confirmed = CONFIRMED
     arcs = ARC_TOLERANCES["sinumerik"]
     inch_decimals = 2
@@ -66,6 +68,6 @@ class Sinumerik(Dialect):
     )
     unwritable = re.compile(
         r"=\s*(?![-+.\d])|=\s*[-+]?[\d.]+\s*[-+*/]|\b(?:AP|RP|AR)\s*=|\bMCALL\b|CYCLE[78]|HOLES[12]"
-        r"|POCKET|SLOT[12]|LONGHOLE|\bC(?:IP|T)\b|\bRNDM?\s*=|\bCH[FR]\s*=",
+        r"|POCKET|SLOT[12]|LONGHOLE|\bC(?:IP|T)\b|\bRNDM?\s*=|\bCH[FR]\s*=|\bDISR\s*=",
         re.IGNORECASE,
     )

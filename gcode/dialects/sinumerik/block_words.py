@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
 
 from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, ISO_G, M_CODES, SAME, STOPS
+from gcode.dialects.sinumerik.expressions import Worked, expression_at
 from gcode.errors import ProgramError
 from gcode.language.translate import number
 from gcode.motion import frames
@@ -21,10 +23,10 @@ Words = list[tuple[str, float]]
 
 #: addresses of more than one letter
 ADDRESSES = ("CR", "TURN", "AP", "RP", "RND", "RNDM", "CHF", "CHR", "FRC", "FRCM", "RPL", "ADIS",
-             "DISC", "I1", "J1", "K1", "AR")  # fmt: skip
+             "DISC", "DISR", "DISCL", "FAD", "I1", "J1", "K1", "AR")  # fmt: skip
 _NUMBER = re.compile(r"\s*([+-]?\s*(?:\d+\.?\d*|\.\d+))")
 _WORD = re.compile(
-    r"\s*(CR|TURN|AP|AR|RPL|RP|RNDM?|CHF|CHR|FRCM?|ADIS|DISC|[IJK]1(?=\s*=)|H\d+(?=\s*=)|[A-Z])\s*(=?)",
+    r"\s*(CR|TURN|AP|AR|RPL|RP|RNDM?|CHF|CHR|FRCM?|ADIS|DISCL|DISR|DISC|FAD|[IJK]1(?=\s*=)|H\d+(?=\s*=)|[A-Z])\s*(=?)",
     re.IGNORECASE,
 )
 _OWN = re.compile(r"\s*(AC|IC|DC|ACP|ACN)\s*\(", re.IGNORECASE)
@@ -43,6 +45,49 @@ def split_arguments(text: str) -> list[str]:
     return pieces
 
 
+class _Written(NamedTuple):
+    """A word as it stands: its number, or the expression that gives it, and AC, IC or nothing."""
+
+    letter: str
+    value: float = 0.0
+    worked: Worked | None = None
+    mode: str = ""
+
+
+@lru_cache(maxsize=4096)
+def _written(content: str) -> tuple[_Written, ...]:
+    """The words of a block, read once however often it runs."""
+    words, position = [], 0
+    while content[position:].strip():
+        match = _WORD.match(content, position)
+        letter = match[1].upper() if match else ""
+        if match is None or (letter in ADDRESSES and not match[2]):
+            raise _unknown(content[position:].strip())
+        word, position = _word(content, match, letter)
+        words.append(word)
+    return tuple(words)
+
+
+def _word(content: str, match: re.Match, letter: str) -> tuple[_Written, int]:
+    if not match[2]:
+        found = _NUMBER.match(content, match.end())
+        if found is None:
+            raise _unknown(content[match.start() :].strip())
+        return _Written(letter, float(re.sub(r"\s", "", found[1]))), found.end()
+    own = _OWN.match(content, match.end())
+    worked, stop = expression_at(content, match.end() if own is None else own.end())
+    if own is None:
+        return _Written(letter, worked=worked), stop
+    closing, mode = _CLOSED.match(content, stop), own[1].upper()
+    if closing is None:
+        raise ProgramError(f"'{mode}(' is not closed")
+    if mode not in ("AC", "IC"):  # which way round an axis turns, to an absolute place
+        if letter not in ("A", "B", "C"):
+            raise ProgramError(f"{mode} with {letter}", accepted="rotary axes A B C")
+        mode = "AC"
+    return _Written(letter, worked=worked, mode=mode), closing.end()
+
+
 class BlockWords:
     """Words of a program's blocks.
 
@@ -58,36 +103,15 @@ class BlockWords:
 
     def read(self, content: str) -> Words:
         """Words with their values; those of AC and IC as the mode of the block has them."""
-        words, position = [], 0
-        while content[position:].strip():
-            match = _WORD.match(content, position)
-            letter = match[1].upper() if match else ""
-            if match is None or (letter in ADDRESSES and not match[2]):
-                raise _unknown(content[position:].strip())
-            value, position = self._value(content, match, letter, words)
-            words.append((letter, value))
+        words: Words = []
+        for word in _written(content):
+            value = word.value
+            if word.worked is not None:
+                value = self.reader.variables.worked_out(word.worked, content)
+            if word.mode:
+                value = self._as_mode(word.letter, value, word.mode, words)
+            words.append((word.letter, value))
         return words
-
-    def _value(self, content: str, match: re.Match, letter: str, words: Words) -> tuple[float, int]:
-        if not match[2]:
-            found = _NUMBER.match(content, match.end())
-            if found is None:
-                raise _unknown(content[match.start() :].strip())
-            return float(re.sub(r"\s", "", found[1])), found.end()
-        variables = self.reader.variables
-        own = _OWN.match(content, match.end())
-        if own is None:
-            return variables.read(content, match.end())
-        value, stop = variables.read(content, own.end())
-        closing = _CLOSED.match(content, stop)
-        if closing is None:
-            raise ProgramError(f"'{own[1].upper()}(' is not closed")
-        kind = own[1].upper()
-        if kind not in ("AC", "IC"):  # which way round an axis turns, to an absolute place
-            if letter not in ("A", "B", "C"):
-                raise ProgramError(f"{kind} with {letter}", accepted="rotary axes A B C")
-            kind = "AC"
-        return self._as_mode(letter, value, kind, words), closing.end()
 
     def _as_mode(self, letter: str, value: float, kind: str, words: Words) -> float:
         """AC and IC: the number that says the same in the mode of the block."""
@@ -129,7 +153,7 @@ class BlockWords:
             else:
                 raise _unknown(f"{letter}{value:g}")
         block = "".join(text)
-        if block and not read_block(block).g_codes and controller.motion in (None, "G80"):
+        if block and controller.motion in (None, "G80") and not read_block(block).g_codes:
             block = "g1" + block if any(w[0] in "XYZABC" for w in words) else block
         return block
 

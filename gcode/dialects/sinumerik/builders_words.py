@@ -82,7 +82,8 @@ def _texts(reader: SinumerikReader) -> Iterator[str]:
     """Blocks of the program without comments and strings."""
     for index in range(len(reader.lines)):
         head, content = reader.content(index)
-        if content and not ("/" in head.group() and reader.options.skips(1)):
+        is_head = content.startswith("%")  # %_N_PART_MPF
+        if content and not is_head and not ("/" in head.group() and reader.options.skips(1)):
             yield _STRING.sub("", content)
 
 

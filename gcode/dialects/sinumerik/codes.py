@@ -54,7 +54,7 @@ OWN_ASSIGNED = {
     "MEAS": "measuring", "MEAW": "measuring", "MEASA": "measuring", "MEAWA": "measuring",
     "FZ": "feed per tooth", "SVC": "cutting speed", "OVR": "override", "OVRA": "override",
     "LEAD": "direction of the tool", "TILT": "direction of the tool", "FP": "fixed point",
-    "DISR": "soft approach", "DISCL": "soft approach", "FXS": "travel to a fixed stop",
+    "DISRP": "retraction plane of a soft approach", "FXS": "travel to a fixed stop",
 }  # fmt: skip
 #: words on how the path is followed, of the preprocessing, and for the screen; the G groups are
 #: those of the Programming Manual Fundamentals, "G commands"

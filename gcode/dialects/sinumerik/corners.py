@@ -160,6 +160,17 @@ class SinumerikCorners:
         motion = next((v for v in g_codes if v in (0.0, 1.0, 2.0, 3.0)), None)
         return self.reader.controller.motion if motion is None else f"G{motion:g}"
 
+    def piece(
+        self, words: Words, g_codes: list[float], start: tuple = (), end: tuple = ()
+    ) -> Piece | None:
+        """The line or arc at feed that a block asks for, from here on unless a start is said."""
+        code, reader = self._motion(g_codes), self.reader
+        start = start or tuple(reader.here()[:3])
+        end = end or reader.motion.end(words, g_codes)
+        if code not in _SENSE or (start[:2] == end[:2] and code == "G1"):
+            return None
+        return self._piece(dict(words), start, end, code)
+
     def _piece(self, values: dict[str, float], start: tuple, end: tuple, code: str) -> Piece:
         if code == "G1":
             return Piece(start[:2], end[:2])
@@ -197,6 +208,7 @@ class SinumerikCorners:
 
     def finish(self, following: Piece | None = None) -> None:
         """Go along the piece that waits, with its corner where another follows."""
+        self.reader.approach.finish()
         held, self.waiting = self.waiting, None
         if held is None:
             return

@@ -14,14 +14,16 @@ from typing import Protocol
 
 from gcode.errors import ProgramError
 
-__all__ = ["WORDS", "Memory", "expression_at", "whole_expression"]
+__all__ = ["WORDS", "Memory", "Worked", "expression_at", "whole_expression"]
 
 
 class Memory(Protocol):
     """What an expression asks for the values of its variables."""
 
+    r: dict[int, float]  #: R parameters, zero where nothing has been said
+
     def parameter(self, index: float) -> float:
-        """An R parameter."""
+        """An R parameter by an index that is worked out."""
 
     def variable(self, name: str, indices: tuple[float, ...], text: str) -> float:
         """A variable, or an element of a field; `text` is what its brackets hold."""
@@ -181,8 +183,8 @@ def _list(tokens: list[str], closing: str) -> list[Worked]:
 
 def _variable(name: str, tokens: list[str]) -> Worked:
     if re.fullmatch(r"R\d+", name):
-        number = float(name[1:])
-        return lambda memory: memory.parameter(number)
+        number = int(name[1:])
+        return lambda memory: memory.r.get(number, 0.0)
     if tokens[:1] != ["["]:
         return lambda memory: memory.variable(name, (), "")
     tokens.pop(0)

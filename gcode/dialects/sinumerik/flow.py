@@ -6,6 +6,7 @@ Source: SINUMERIK 840D sl/828D, Programming Manual Job Planning, "Flexible NC pr
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from gcode.control.loop_guard import LoopGuard
@@ -27,8 +28,23 @@ _PAIRS = {
     "LOOP": "ENDLOOP",
     "REPEAT": "UNTIL",
 }
+_JUMP = re.compile(r"(.*?)\s*\b(GOTO[FBC]?)\b\s*(.*)", re.IGNORECASE)
 _REPEATED = re.compile(r"([A-Z_]\w+)(?:\s+([A-Z_]\w+))?(?:\s*P\s*=?\s*(.+))?", re.IGNORECASE)
 _BRANCH = re.compile(r"\s*(?:(DEFAULT)|([^\s]+))\s+(GOTO[FBC]?)\s+(\w+)", re.IGNORECASE)
+
+
+@lru_cache(maxsize=4096)
+def _said(content: str) -> tuple[str, str] | None:
+    """Word of the flow and what follows it; None for any other block."""
+    match = _KEYWORD.fullmatch(content)
+    return None if match is None else (match[1].upper(), match[2].strip())
+
+
+@lru_cache(maxsize=4096)
+def _jump(rest: str) -> tuple[str, str, str] | None:
+    """Condition, GOTO and target of an IF that jumps."""
+    match = _JUMP.fullmatch(rest)
+    return None if match is None else (match[1], match[2].upper(), match[3].strip().upper())
 
 
 class Flow:
@@ -42,19 +58,21 @@ class Flow:
     def __init__(self, reader: SinumerikReader) -> None:
         self.reader = reader
         self.guard = LoopGuard(reader.controller)
+        #: jump, by where it stands -> the lines of its program, and the line that it goes to
+        self.targets: dict[tuple[int, str, str], tuple[list[str], int]] = {}
         self.counters: dict[tuple[int, int], float] = {}  #: FOR that runs -> its end
 
     @staticmethod
     def is_flow(content: str) -> bool:
         """Whether a block says where the program goes on."""
-        return _KEYWORD.fullmatch(content) is not None
+        return _said(content) is not None
 
     def obey(self, content: str) -> bool:
         """Obey a block of the flow; tells whether it is one."""
-        match = _KEYWORD.fullmatch(content)
-        if match is None:
+        said = _said(content)
+        if said is None:
             return False
-        keyword, rest, reader = match[1].upper(), match[2].strip(), self.reader
+        (keyword, rest), reader = said, self.reader
         value = reader.variables.value
         if keyword.startswith("GOTO"):
             self._goto(keyword, rest)
@@ -80,10 +98,10 @@ class Flow:
 
     def _if(self, rest: str) -> None:
         reader = self.reader
-        jump = re.fullmatch(r"(.*?)\s*\b(GOTO[FBC]?)\b\s*(.*)", rest, re.IGNORECASE)
+        jump = _jump(rest)
         if jump is not None:
-            if reader.variables.value(jump[1]):
-                self._goto(jump[2].upper(), jump[3])
+            if reader.variables.value(jump[0]):
+                self._goto(jump[1], jump[2])
         elif not reader.variables.value(rest):
             reader.next = self._partner("IF", reader.next, stop_at_else=True) + 1
 
@@ -138,8 +156,7 @@ class Flow:
     # places
 
     def _keyword(self, index: int) -> tuple[str, str]:
-        match = _KEYWORD.fullmatch(self.reader.content(index)[1])
-        return (match[1].upper(), match[2]) if match else ("", "")
+        return _said(self.reader.content(index)[1]) or ("", "")
 
     def _opens(self, index: int, opening: str) -> bool:
         keyword, rest = self._keyword(index)
@@ -188,12 +205,18 @@ class Flow:
         if keyword == "GOTOS":
             raise ProgramError("GOTOS repeats the program for ever", hint="use M30")
         wanted = target.strip().upper()
+        jump = reader.next, keyword, wanted
+        lines, index = self.targets.get(jump, (None, 0))
+        if lines is reader.lines and routine.start <= index < routine.stop:
+            self._back(index)
+            return
         ahead = range(reader.next, routine.stop)
         behind = range(reader.next - 1, routine.start - 1, -1)
         where = {"GOTOF": ahead, "GOTOB": behind}.get(keyword, (*ahead, *behind))
         for index in where:
             head, _ = reader.content(index)
             if wanted in ((head[4] or "").upper(), f"N{head[2]}"):
+                self.targets[jump] = reader.lines, index
                 self._back(index)
                 return
         if keyword != "GOTOC":

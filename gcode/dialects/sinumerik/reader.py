@@ -16,6 +16,7 @@ from gcode.dialects.sinumerik.flow import Flow
 from gcode.dialects.sinumerik.frames import ProgrammableFrame
 from gcode.dialects.sinumerik.motion import SinumerikMotion
 from gcode.dialects.sinumerik.poles import Poles
+from gcode.dialects.sinumerik.soft_approach import SoftApproach
 from gcode.dialects.sinumerik.statements import ARC_WORD, NO_MOTION_WORDS, Statements
 from gcode.dialects.sinumerik.subprograms import Subprograms
 from gcode.dialects.sinumerik.system_variables import system_variable
@@ -35,8 +36,12 @@ _HEAD = re.compile(
 _NAMED_TOOL = re.compile(r"\bT\s*=\s*\"([^\"]*)\"", re.IGNORECASE)
 _FIRST_SPINDLE = re.compile(r"\b([SM])1\s*=", re.IGNORECASE)  #: S1=1000 M1=3
 _KEY_WORD = re.compile(r"\w+")
+#: letters with numbers and nothing else, which most lines of most programs are; G25 and G26 take
+#: other words, and L calls a subprogram
+_LETTERS = re.compile(r"(?:(?!G2[56](?!\d))[A-KM-Z]\s*[-+]?(?:\d+\.?\d*|\.\d+)\s*)+", re.IGNORECASE)
 _MACHINE_AXIS = re.compile(r"\b([XYZ])1\s*=", re.IGNORECASE)  #: G74 X1=0
 _TILTED = re.compile(r"CYCLE800\s*\((.*)\)", re.IGNORECASE)
+_APART = frozenset((4.0, 9.0, 74.0, 75.0, 331.0, 332.0))  #: codes that take over their block
 _NO_FRAMES = (("G", 53.0), ("G", 153.0))
 _SUPPRESSED = re.compile(r"\bSUPA\b", re.IGNORECASE)  #: every frame, for one block
 
@@ -50,6 +55,36 @@ def _split_head(line: str) -> tuple[re.Match, str]:
     text = re.sub(r";.*", "", line).strip()
     head = _HEAD.match(text)
     return head, text[head.end() :].strip()
+
+
+@lru_cache(maxsize=4096)
+def _bound(content: str) -> str:
+    """Whether a block begins a program, PROC, or ends it, RET."""
+    upper = content.upper()
+    if upper.startswith(("%", "PROC ")):
+        return "PROC"
+    return "RET" if upper.split("(")[0].strip() == "RET" else ""
+
+
+@lru_cache(maxsize=4096)
+def _without_notes(content: str) -> tuple[str, tuple[str, ...]]:
+    """Words of motion of a block, and the words that move nothing."""
+    noted: list[str] = []
+
+    def note(found: re.Match) -> str:
+        noted.append((found[1] or found[2] or found[3]).upper())
+        return ""
+
+    left = _SUPPRESSED.sub("G53", NO_MOTION_WORDS.sub(note, content)).strip()
+    return _FIRST_SPINDLE.sub(r"\1=", left), tuple(noted)
+
+
+@lru_cache(maxsize=4096)
+def _arc_and_words(content: str) -> tuple[str | None, str]:
+    """CIP or CT, and the other words."""
+    arc = ARC_WORD.search(content)
+    words = ARC_WORD.sub("", _MACHINE_AXIS.sub(r"\1=", content))
+    return None if arc is None else arc[1].upper(), words
 
 
 class SinumerikReader(Translated):
@@ -68,7 +103,7 @@ class SinumerikReader(Translated):
         self.flow, self.frame = Flow(self), ProgrammableFrame(self)
         self.words, self.tools = BlockWords(self), ToolWords(self)
         self.motion, self.corners = SinumerikMotion(self), SinumerikCorners(self)
-        self.poles = Poles(self)
+        self.poles, self.approach = Poles(self), SoftApproach(self)
         self.cycles, self.units = CycleCalls(self), Units(self)
         self.statements = Statements(self)
         controller.start_up, controller.round_corners_from = "A", 0.0
@@ -95,10 +130,11 @@ class SinumerikReader(Translated):
             return
         if not content:
             return
-        if content.startswith("%") or content.upper().startswith("PROC "):
+        bound = _bound(content)
+        if bound == "PROC":
             self.says_flow()
             return
-        if content.upper().split("(")[0].strip() == "RET":
+        if bound == "RET":
             self.corners.finish()
             self.says_flow()
             self.ended = not self.subprograms.returned()
@@ -111,6 +147,9 @@ class SinumerikReader(Translated):
             raise
 
     def _obey(self, content: str) -> None:
+        if _LETTERS.fullmatch(content):
+            self._motion(None, content)
+            return
         if self.flow.obey(content):
             self.controller.use(_KEY_WORD.match(content)[0].upper())
             return
@@ -119,15 +158,19 @@ class SinumerikReader(Translated):
             self._block(rest)
 
     def _block(self, content: str) -> None:
-        tilted = _TILTED.search(content)
+        tilted = _TILTED.search(content) if "(" in content else None
         if tilted and any(self.arguments(re.sub(r"\"[^\"]*\"", "", tilted[1]))[4:13]):
             raise ProgramError("CYCLE800 tilts or shifts the plane", accepted="CYCLE800()")
-        content = _SUPPRESSED.sub("G53", NO_MOTION_WORDS.sub(self._noted, content)).strip()
-        content = _FIRST_SPINDLE.sub(r"\1=", content)
-        content = _NAMED_TOOL.sub(lambda m: f"T{self.controller.tool_named(m[1])}", content)
-        arc = ARC_WORD.search(content)
-        kind = None if arc is None else arc[1].upper()
-        words = self.words.read(ARC_WORD.sub("", _MACHINE_AXIS.sub(r"\1=", content)))
+        content, noted = _without_notes(content)
+        for word in noted:
+            self._note(word)
+        if '"' in content:
+            content = _NAMED_TOOL.sub(lambda m: f"T{self.controller.tool_named(m[1])}", content)
+        self._motion(*_arc_and_words(content))
+
+    def _motion(self, kind: str | None, content: str) -> None:
+        """Words of motion, and CIP or CT among them."""
+        words = self.words.read(content)
         self._use(words, kind)
         if kind is None and not any(letter in "XYZABCUVW" for letter, _ in words):
             # frames are suppressed for the move of this block alone, and it has none
@@ -136,22 +179,25 @@ class SinumerikReader(Translated):
 
     def _obey_words(self, words: Words, arc: str | None) -> None:
         g_codes = [value for letter, value in words if letter == "G"]
-        if 4.0 in g_codes:
-            self.motion.dwell(words)
-            return
-        if {74.0, 75.0} & set(g_codes):
-            self.motion.fixed_point(words)
-            return
-        if {331.0, 332.0} & set(g_codes):
-            words, g_codes = self.motion.rigid_tap(words)
-        if 9.0 in g_codes:
-            words = [w for w in words if w != ("G", 9.0)]
-            self._stop_exactly(words, arc)
-            return
+        if not _APART.isdisjoint(g_codes):
+            if 4.0 in g_codes:
+                self.motion.dwell(words)
+                return
+            if {74.0, 75.0} & set(g_codes):
+                self.motion.fixed_point(words)
+                return
+            if {331.0, 332.0} & set(g_codes):
+                words, g_codes = self.motion.rigid_tap(words)
+            if 9.0 in g_codes:
+                words = [w for w in words if w != ("G", 9.0)]
+                self._stop_exactly(words, arc)
+                return
         self.units.select(words)
         self.tools.change(words)
         self.poles.obey(words, g_codes)
         self.motion.opening_angle(words, g_codes)
+        if self.approach.obey(words, g_codes):
+            return
         if self.corners.hold(words, g_codes, is_special=arc is not None):
             return
         self.tools.side(words, g_codes)
@@ -191,13 +237,11 @@ class SinumerikReader(Translated):
         if arc is not None:
             self.controller.use(arc)
 
-    def _noted(self, found: re.Match) -> str:
-        word = (found[1] or found[2] or found[3]).upper()
+    def _note(self, word: str) -> None:
         if word in ("NORM", "KONT"):
             self.tools.approach(word)
         else:
             self.controller.note(word, "screen, or following of the path")
-        return ""
 
     # for those who obey a block
 
@@ -236,7 +280,9 @@ class SinumerikReader(Translated):
             here[:3] = c.programmed
         here = self.frame.unscaled(here)
         waiting = self.corners.waiting
-        if waiting is not None:
+        if self.approach.waiting is not None:
+            here[:3] = self.approach.waiting.end
+        elif waiting is not None:
             here[:3] = *waiting.piece.end, waiting.end_level
         if self.cycle_plane != XY:
             here[:3] = [here[axis] for axis in PLANE_AXES[self.cycle_plane]]

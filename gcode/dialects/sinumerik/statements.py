@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from gcode.dialects.sinumerik.block_words import ADDRESSES, split_arguments
 from gcode.dialects.sinumerik.codes import NO_MOTION, OWN_ASSIGNED, REFUSED
+from gcode.dialects.sinumerik.expressions import Worked, expression_at
 from gcode.dialects.sinumerik.frames import SETTABLE, settable_frame
 from gcode.dialects.sinumerik.held_data import obey_held_data
 from gcode.errors import ProgramError
@@ -36,6 +38,7 @@ _ASSIGNED = re.compile(
     r"(R\d+|R\[.*?\]|\$?[A-Z_][A-Z_]\w*(?:\[(?:[^\[\]]|\[[^\[\]]*\])*\])?)\s*=(?!=)\s*(.*)",
     re.IGNORECASE,
 )
+_PARAMETER = re.compile(r"\s*R(\d+)\s*=(?!=)", re.IGNORECASE)
 _MODES_OF_CYCLES = ("CYCLE800", "CYCLE832")  #: no brackets: everything back
 _SUBPROGRAM = re.compile(
     r"(?:(MCALL|CALL)\s+)?\"?([A-Z_]\w+)\"?\s*(\(.*\))?(?:(?:\s+|(?<=\)))P\s*=?\s*(\w+))?\s*",
@@ -65,6 +68,23 @@ def subprogram_call(content: str) -> re.Match[str] | None:
     return None if match[2].upper() in _MODES_OF_CYCLES else match
 
 
+@lru_cache(maxsize=4096)
+def _parameters(content: str) -> tuple[tuple[int, Worked], ...]:
+    """``R1=5 R2=R1*2``: R parameters and what they become; nothing where a block says more."""
+    found: list[tuple[int, Worked]] = []
+    position = 0
+    while position < len(content):
+        name = _PARAMETER.match(content, position)
+        if name is None or "$" in content or _REFUSED.search(content):
+            return ()
+        try:
+            worked, position = expression_at(content, name.end())
+        except ProgramError:
+            return ()
+        found.append((int(name[1]), worked))
+    return tuple(found)
+
+
 class Statements:
     """Obeys what is no motion.
 
@@ -84,6 +104,11 @@ class Statements:
         ProgramError
             It has a word that is refused, or raises an alarm.
         """
+        parameters = _parameters(content)
+        for number, worked in parameters:
+            self.reader.variables.r[number] = self.reader.variables.worked_out(worked, content)
+        if parameters:
+            return ""
         self._refuse(content)
         kept = obey_held_data(content).strip()
         if self._left_out(content) or not kept:

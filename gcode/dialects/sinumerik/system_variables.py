@@ -9,7 +9,6 @@ import re
 from typing import TYPE_CHECKING
 
 from gcode.dialects.sinumerik.frames import work_system
-from gcode.state.tools import ToolEntry
 from gcode.text.parameters import system_base
 
 if TYPE_CHECKING:
@@ -26,7 +25,7 @@ _SHIFT = re.compile(r"(.*?)\s*,\s*([XYZABC])\s*,\s*TR\s*")  #: [1,X,TR] of a set
 def system_variable(reader: SinumerikReader, name: str, index: str) -> float | None:
     """Value of a system variable in the units of F; None for one that only the machine knows."""
     c = reader.controller
-    tool = c.offsets.get(c.tool, ToolEntry())
+    tool = reader.tools.entry
     plain = {"$P_TOOLNO": float(c.tool), "$P_TOOL": float(reader.tools.edge),
              "$P_TOOLR": tool.offset_diameter_mm / 2.0 / reader.units.feed_mm,
              "$P_F": reader.units.said(c.feed), "$P_S": c.speed,

@@ -1,4 +1,9 @@
-"""T, D and M6, and the tool's radius: G40, G41, G42 with G450 and G451."""
+"""T, D and M6, and the tool's radius: G40, G41, G42 with G450 and G451.
+
+D is a cutting edge of the tool in the spindle. With flat D numbers it chooses an offset on its own,
+whatever T says: Function Manual Basic Functions 08/2005, 6FC5397-0BP10-0BA0, W1 section 2.2
+(machine data 18102).
+"""
 
 from __future__ import annotations
 
@@ -6,6 +11,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gcode.errors import ProgramError
+from gcode.state.tools import ToolEntry
 
 if TYPE_CHECKING:
     from gcode.dialects.sinumerik.block_words import Words
@@ -27,25 +33,59 @@ class ToolWords:
 
     def __init__(self, reader: SinumerikReader) -> None:
         self.reader = reader
-        self.edge = 1  #: D: cutting edge, 0 takes the tool offset off
+        self.is_flat = reader.options.control.options.get("d_numbers") == "flat"
+        self.edge = 0 if self.is_flat else 1  #: D; 0 takes the tool offset off
+        self._has_d = True  #: D was said since the last T
+        self._wants_d = False  #: a tool was changed, and nobody said its D
+
+    @property
+    def offset(self) -> int:
+        """Row of the offset memory that length and radius come from; 0 for none."""
+        return self.edge if self.is_flat else self.reader.controller.tool if self.edge else 0
+
+    @property
+    def entry(self) -> ToolEntry:
+        """Length and radius that cycles and variables of the system ask for."""
+        c = self.reader.controller
+        return c.offsets.get(self.edge if self.is_flat else c.tool, ToolEntry())
 
     def change(self, words: Words) -> None:
         """T, D and M6."""
         values, reader = dict(words), self.reader
         if "T" in values:
             reader.execute(f"t{values['T']:.0f}")
-        edge = self.edge
-        if "D" in values:
-            if values["D"] not in (0.0, 1.0):
-                raise ProgramError(f"cutting edge D{values['D']:g}", accepted="D0 D1")
-            edge = int(values["D"])
+            self._has_d = False
+        edge = self._edge(words)
         changed = any(letter == "M" and value == 6 for letter, value in words)
         if changed:
             reader.execute("m6")
+            self._wants_d = self.is_flat and not self._has_d
         if changed or edge != self.edge:
             self.edge = edge
-            tool = reader.controller.tool
-            reader.execute(f"g43h{tool}" if edge and tool else "g49")
+            reader.execute(f"g43h{self.offset}" if self.offset else "g49")
+
+    def _edge(self, words: Words) -> int:
+        """D of a block, or the one that is in force."""
+        values = dict(words)
+        if "D" not in values:
+            moves = bool(values.keys() & {"X", "Y", "Z"}) and ("G", 53.0) not in words
+            if self._wants_d and moves:
+                raise ProgramError("a tool is called without D, and D numbers are flat",
+                                   accepted="D with the number of its offset")  # fmt: skip
+            return self.edge
+        number, self._has_d, self._wants_d = values["D"], True, False
+        if self.is_flat and number in (0.0, *self.reader.controller.offsets):
+            return int(number)
+        if self.is_flat:
+            raise ProgramError(f"there is no offset D{number:g}",
+                               accepted="D0 and the numbers of tools and offsets")  # fmt: skip
+        if number not in (0.0, 1.0):
+            raise ProgramError(
+                f"cutting edge D{number:g}", accepted="D0 D1",
+                hint="where D chooses an offset whatever T says, [control] options = "
+                '{ d_numbers = "flat" }',
+            )  # fmt: skip
+        return int(number)
 
     def approach(self, word: str) -> None:
         """NORM and KONT, which differ only where the tool starts or ends behind the contour.
@@ -69,4 +109,5 @@ class ToolWords:
                 continue
             if side and c.side:
                 self.reader.execute("g40")
-            self.reader.execute(f"g{code:.0f}d{c.tool}" if side else "g40")
+            row = self.offset if self.is_flat else c.tool
+            self.reader.execute(f"g{code:.0f}d{row}" if side else "g40")

@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Mapping
 
 from gcode.dialects.sinumerik.block_words import split_arguments
-from gcode.dialects.sinumerik.expressions import expression_at, whole_expression
+from gcode.dialects.sinumerik.expressions import Worked, expression_at, whole_expression
 from gcode.errors import ProgramError
 
 __all__ = ["Variables"]
@@ -75,15 +75,16 @@ class Variables:
         ProgramError
             It cannot be read, or has no value.
         """
-        return self._finite(whole_expression(text)(self), text)
+        return self.worked_out(whole_expression(text), text)
 
     def read(self, text: str, position: int) -> tuple[float, int]:
         """Value of the expression that begins at a position, and where it ends."""
         worked, end = expression_at(text, position)
-        return self._finite(worked(self), text), end
+        return self.worked_out(worked, text), end
 
-    @staticmethod
-    def _finite(value: float, text: str) -> float:
+    def worked_out(self, worked: Worked, text: str) -> float:
+        """Value of an expression of a text."""
+        value = worked(self)
         if not math.isfinite(value):
             raise ProgramError(f"'{text}' has no finite value")
         return value

@@ -9,6 +9,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from stock.compiled import njit_maker, njit_part
+
 __all__ = ["near_segments", "spread"]
 
 
@@ -40,17 +42,41 @@ def near_segments(points_mm: np.ndarray, segments_mm: np.ndarray, distance_mm: f
     near = np.zeros(len(points_mm), dtype=bool)
     if not len(points_mm) or not len(segments_mm) or distance_mm <= 0.0:
         return near
-    start, along = segments_mm[:, 0], segments_mm[:, 1] - segments_mm[:, 0]
-    reach = np.linalg.norm(along, axis=1) / 2.0 + distance_mm
-    hits = cKDTree(points_mm).query_ball_point(start + along / 2.0, reach)
-    counts = [len(hit) for hit in hits]
-    if not any(counts):
-        return near
-    point = np.concatenate([hit for hit in hits if hit]).astype(np.int64)
-    segment = np.repeat(np.arange(len(segments_mm)), counts)
-    offset = points_mm[point] - start[segment]
-    square = np.maximum(np.einsum("ij,ij->i", along, along), 1e-300)[segment]
-    share = np.clip(np.einsum("ij,ij->i", offset, along[segment]) / square, 0.0, 1.0)
-    apart = np.linalg.norm(offset - share[:, None] * along[segment], axis=1)
-    near[point[apart < distance_mm]] = True
+    axis = int(np.argmax(np.ptp(points_mm, axis=0)))
+    order = np.argsort(points_mm[:, axis])
+    segments_mm = np.ascontiguousarray(segments_mm)
+    near[order] = _near_segments(points_mm[order], segments_mm, float(distance_mm), axis)
     return near
+
+
+@njit_maker()
+def _near_segments(points_mm, segments_mm, distance_mm, axis):
+    """Mask of the points, in the order of one coordinate, that are near to a segment."""
+    ordered, near = points_mm[:, axis].copy(), np.zeros(len(points_mm), dtype=np.bool_)
+    along = np.empty(3)
+    for s in range(len(segments_mm)):
+        start, end = segments_mm[s, 0], segments_mm[s, 1]
+        square = 1e-300
+        for k in range(3):
+            along[k] = end[k] - start[k]
+            square += along[k] ** 2
+        n = np.searchsorted(ordered, min(start[axis], end[axis]) - distance_mm)
+        highest = max(start[axis], end[axis]) + distance_mm
+        while n < len(ordered) and ordered[n] <= highest:
+            if not near[n]:
+                near[n] = _apart_square(points_mm[n], start, along, square) < distance_mm**2
+            n += 1
+    return near
+
+
+@njit_part()
+def _apart_square(point, start, along, square):
+    """Squared distance of a point from a segment, whose squared length is given."""
+    share = 0.0
+    for k in range(3):
+        share += (point[k] - start[k]) * along[k]
+    share = min(max(share / square, 0.0), 1.0)
+    apart = 0.0
+    for k in range(3):
+        apart += (point[k] - start[k] - share * along[k]) ** 2
+    return apart

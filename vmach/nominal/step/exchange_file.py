@@ -5,6 +5,7 @@ Source: ISO 10303-21.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,12 @@ from vmach.errors import InputError
 from vmach.nominal.step.lexer import Statement, read_text, statements, tokens
 
 __all__ = ["Reference", "StepEntity", "StepFile"]
+
+_REAL = r"\s*+([-+]?\d++\.\d*+(?:[eE][-+]?\d++)?)\s*+"
+#: most instances are these: points and directions
+_TRIPLE = re.compile(
+    rf"([A-Za-z_]\w*+)\s*+\(\s*+'([^'\\]*+)'\s*+,\s*+\({_REAL},{_REAL},{_REAL}\)\s*+\)\s*+"
+)
 
 _TRUTH = {"T": True, "F": False, "U": None}
 
@@ -125,6 +132,10 @@ class StepFile:
 
 
 def _parse_instance(text: str) -> dict[str, list]:
+    if triple := _TRIPLE.fullmatch(text):
+        return {
+            triple[1].upper(): [triple[2], [float(triple[3]), float(triple[4]), float(triple[5])]]
+        }
     found = tokens(text)
     kind, value = found[0]
     if kind == "keyword":

@@ -5,6 +5,7 @@ Source: ISO 10303-42.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -53,10 +54,18 @@ class GeometryReader:
 
     def point(self, reference: int) -> np.ndarray:
         """A CARTESIAN_POINT or VERTEX_POINT, (3,) mm."""
+        return self.points([reference])[0]
+
+    def points(self, references: list[int]) -> np.ndarray:
+        """CARTESIAN_POINTs or VERTEX_POINTs, (N, 3) mm."""
+        triples = [self._coordinates(reference) for reference in references]
+        return self._placement.world(self._length_mm * np.array(triples).reshape(-1, 3))
+
+    def _coordinates(self, reference: int) -> list[float]:
         entity = self._step.entity(reference)
         if entity.is_a("VERTEX_POINT"):
-            return self.point(entity.arguments[1])
-        return self._placement.world(self._length_mm * self._triple(entity, "CARTESIAN_POINT"))
+            return self._coordinates(entity.arguments[1])
+        return self._triple(entity, "CARTESIAN_POINT")
 
     def frame(self, reference: int) -> Frame:
         """An AXIS2_PLACEMENT_3D or AXIS1_PLACEMENT."""
@@ -95,20 +104,20 @@ class GeometryReader:
                     raise self._step.error(entity, f"damaged {what} ({error})") from None
         raise self._step.error(entity, f"this kind of {what} is not supported", ", ".join(readers))
 
-    def _triple(self, entity: StepEntity, kind: str) -> np.ndarray:
+    def _triple(self, entity: StepEntity, kind: str) -> list[float]:
         values = entity.arguments[1] if entity.is_a(kind) and len(entity.arguments) > 1 else ()
         try:
-            triple = _numbers(values)
+            triple = [_number(value) for value in values]
         except (TypeError, ValueError):
-            triple = np.empty(0)
-        if triple.shape != (3,) or not np.isfinite(triple).all():
+            triple = []
+        if len(triple) != 3 or not all(map(math.isfinite, triple)):
             raise self._step.error(entity, "coordinates", f"a {kind} with three numbers")
         return triple
 
     def _direction(self, reference: int) -> np.ndarray:
         entity = self._step.entity(reference)
-        vector = self._triple(entity, "DIRECTION")
-        length = np.linalg.norm(vector)
+        vector = np.array(self._triple(entity, "DIRECTION"))
+        length = math.sqrt(vector @ vector)
         if length == 0.0:
             raise self._step.error(entity, "a direction of no length")
         return self._placement.direction(vector / length)
@@ -139,7 +148,9 @@ class GeometryReader:
         return Parabola(self.frame(frame), self._length(focal))
 
     def _polyline(self, entity: StepEntity) -> BSplineCurve:
-        points = self._points(entity.arguments[1])
+        points = self.points(entity.arguments[1])
+        if len(points) < 2:
+            raise ValueError(f"{len(points)} points")
         knots = np.r_[0, np.arange(len(points)), len(points) - 1].astype(np.float64)
         return BSplineCurve(points, np.ones(len(points)), knots, 1)
 
@@ -149,7 +160,7 @@ class GeometryReader:
 
     def _spline_curve(self, entity: StepEntity) -> BSplineCurve:
         form, named = _spline_arguments(entity, "B_SPLINE_CURVE", 5)
-        degree, control = form[0], self._points(form[1])
+        degree, control = form[0], self.points(form[1])
         knots = _knots(entity, [degree], [len(control)], named)
         weights = np.ones(len(control))
         if entity.is_a("RATIONAL_B_SPLINE_CURVE"):
@@ -196,16 +207,13 @@ class GeometryReader:
     def _spline_surface(self, entity: StepEntity) -> BSplineSurface:
         form, named = _spline_arguments(entity, "B_SPLINE_SURFACE", 7)
         degrees, rows = form[:2], form[2]
-        control = np.array([self._points(row) for row in rows])
+        control = np.array([self.points(row) for row in rows])
         knots = _knots(entity, degrees, control.shape[:2], named)
         weights = np.ones(control.shape[:2])
         if entity.is_a("RATIONAL_B_SPLINE_SURFACE"):
             rows = entity.parts["RATIONAL_B_SPLINE_SURFACE"][0]
             weights = np.array([_numbers(row) for row in rows])
         return BSplineSurface(control, _positive(weights), tuple(knots), tuple(degrees))
-
-    def _points(self, references: list[int]) -> np.ndarray:
-        return np.array([self.point(reference) for reference in references])
 
 
 def _number(value: float) -> float:
@@ -242,8 +250,10 @@ def _knots(
     else:
         knots = [_implied_knots(entity, k, n) for k, n in zip(degrees, counts, strict=True)]
     for t, degree, count in zip(knots, degrees, counts, strict=True):
-        if len(t) != count + degree + 1 or (np.diff(t) < 0.0).any():
+        if len(t) != count + degree + 1 or not (np.diff(t) >= 0.0).all():
             raise ValueError(f"{len(t)} knots for {count} control points of degree {degree}")
+        if count <= degree or not 0.0 < t[-degree - 1] - t[degree] < np.inf:
+            raise ValueError(f"knots from {t[degree]:g} to {t[-degree - 1]:g}")
     return knots
 
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from vmach.errors import InputError
 from vmach.files.text_file import read_bytes
@@ -26,16 +26,16 @@ _STRING = rf"'{_INSIDE}'"
 #: a text can only be an argument or the end of a list
 _ARGUMENT = rf"{_STRING}(?=\s*+[,)}}])"
 
-_BODY = re.compile(rf"(?:{_ARGUMENT}|[^';])*+")
+_BODY = re.compile(rf"(?:{_ARGUMENT}|[^';]++)*+")
 _STATEMENT = re.compile(
     rf"\s*+(?:#(?P<number>\d++)\s*+=\s*+)?+"
-    rf"(?P<body>(?P<keyword>!?[A-Za-z_][\w-]*+)?+(?:{_ARGUMENT}|[^';])*+);"
+    rf"(?P<body>(?P<keyword>!?[A-Za-z_][\w-]*+)?+(?:{_ARGUMENT}|[^';]++)*+);"
 )
 _STRING_OR_COMMENT = re.compile(rf"{_STRING}|/\*")
 _TOKEN = re.compile(
     rf"\s*+(?:(?P<string>{_STRING})|\#(?P<reference>\d++)|\.(?P<word>\w++)\."
     r"|(?P<real>[-+]?\d++\.\d*+(?:[eE][-+]?\d++)?)|(?P<integer>[-+]?\d++)"
-    r'|(?P<keyword>!?[A-Za-z_]\w*+)|(?P<binary>"[0-9A-Fa-f]*+")|(?P<mark>[(),*$]))'
+    r'|(?P<keyword>!?[A-Za-z_]\w*+)|(?P<binary>"[0-9A-Fa-f]*+")|(?P<mark>[(),*$])|(?P<unknown>\S))'
 )
 _END = "END-ISO-10303-21"
 
@@ -46,8 +46,7 @@ _MOST_DIGITS = 18
 _SHOWN = 40
 
 
-@dataclass(frozen=True, slots=True)
-class Statement:
+class Statement(NamedTuple):
     """One instance of an entity.
 
     Attributes
@@ -122,7 +121,7 @@ def statements(text: str, path: Path) -> Iterator[Statement]:
     """
     position = 0
     while match := _STATEMENT.match(text, position):
-        number, body, keyword = match.group("number", "body", "keyword")
+        number, keyword = match["number"], match["keyword"]
         if number is not None:
             if len(number) > _MOST_DIGITS:
                 raise InputError(
@@ -133,7 +132,7 @@ def statements(text: str, path: Path) -> Iterator[Statement]:
                 )
             name = keyword.upper() if keyword else None
             yield Statement(int(number), name, *match.span("body"))
-        elif body.startswith(_END):
+        elif text.startswith(_END, match.start("body")):
             return
         position = match.end()
     _check_rest(text, position, path)
@@ -176,12 +175,8 @@ def tokens(text: str) -> list[tuple[str, str]]:
     ValueError
         A character that belongs to no token.
     """
-    found, position, text = [], 0, text.rstrip()
-    while position < len(text):
-        match = _TOKEN.match(text, position)
-        if match is None:
-            raise ValueError(f"unknown token {text[position : position + 20]!r}")
-        kind = match.lastgroup
-        found.append((kind, match[kind]))
-        position = match.end()
+    found = [(match.lastgroup, match[match.lastindex]) for match in _TOKEN.finditer(text)]
+    for kind, token in found:
+        if kind == "unknown":
+            raise ValueError(f"unknown token {token!r}")
     return found

@@ -22,6 +22,7 @@ from vmach.nominal.step.bodies import read_bodies
 from vmach.nominal.step.exchange_file import StepFile
 from vmach.nominal.step.pmi import StepPmi, read_pmi
 from vmach.nominal.step.solids import CHORD_MM, Solid
+from vmach.nominal.surfaces.curved_triangles import area_mm2
 from vmach.nominal.surfaces.face import SurfaceFace
 from vmach.nominal.surfaces.tessellation import tessellate
 
@@ -106,10 +107,10 @@ def _build(solid: Solid, first: int) -> tuple[list[SurfaceFace], Mesh, float]:
     faces, vertices, triangles, owner, count, volume_mm3 = [], [], [], [], 0, 0.0
     for index, (raw, trim, points, corners, share) in enumerate(tessellate(solid), first):
         volume_mm3 += raw.outward * share
+        area = area_mm2(points, corners)
         if raw.outward < 0.0:
             corners = corners[:, ::-1]
         name = f"face {index + 1} {trim.surface.label}"
-        area = _area(points[corners])
         faces.append(
             SurfaceFace(name, trim.surface.kind, trim, raw.outward, area, raw.number, raw.name)
         )
@@ -130,11 +131,6 @@ def _welded(vertices: np.ndarray, triangles: np.ndarray, face: np.ndarray) -> Me
     _, which, times = unique_rows(np.sort(triangles, axis=1))
     whole &= times[which] == 1
     return Mesh(vertices[first], triangles[whole], face[whole])
-
-
-def _area(corners: np.ndarray) -> float:
-    a, b, c = np.moveaxis(corners, 1, 0)
-    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)
 
 
 def _joined(meshes: list[Mesh]) -> Mesh:

@@ -24,6 +24,9 @@ CHORD_MM = 0.01
 #: a vertex may be this far from the curve of its edge before the file is refused
 VERTEX_GAP_MM = 0.1
 
+#: straight edges on other surfaces than the following are cut into so many pieces
+LINE_PIECES = 16
+
 #: straight edges are straight in u and v on these
 _RULED = ("plane", "cylinder", "cone")
 
@@ -184,7 +187,7 @@ class SolidReader:
             raise self._step.error(entity, "this kind of edge is not supported", "EDGE_CURVE")
         _, start, end, curve_number, same_sense = entity.arguments
         curve = self._geometry.curve(curve_number)
-        ends = np.array([self._geometry.point(start), self._geometry.point(end)])
+        ends = self._geometry.points([start, end])
         t = curve.parameter(ends)
         gap = float(np.linalg.norm(curve.evaluate(t) - ends, axis=1).max())
         if gap > VERTEX_GAP_MM:
@@ -203,10 +206,11 @@ class SolidReader:
     def _divide_lines(self, numbers: list[int]) -> None:
         for number in numbers:
             edge = self._edges[number]
-            if isinstance(edge.curve, Line):
-                while len(edge.t) < 16:
-                    edge = edge.split(np.arange(len(edge.t) - 1))
-                self._edges[number] = edge
+            if isinstance(edge.curve, Line) and len(edge.t) == 2:
+                t = np.linspace(*edge.t, LINE_PIECES + 1)
+                points = edge.curve.evaluate(t)
+                points[0], points[-1] = edge.points_mm
+                self._edges[number] = Edge(edge.curve, t, points)
 
     def _check_closed(self, entity: StepEntity) -> None:
         """Every edge has to bound as many faces in one direction as in the other."""

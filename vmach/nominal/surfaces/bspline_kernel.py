@@ -1,4 +1,4 @@
-"""Compiled evaluation of B-spline surfaces and the search for the nearest point on them.
+"""Compiled evaluation of B-spline curves and surfaces, and the search for nearest points on them.
 
 Basis functions follow L. Piegl and W. Tiller, The NURBS Book, 2nd ed. 1997, algorithms A2.1 and
 A2.2; their derivatives eq. (2.7). All control points are homogeneous: x w, y w, z w, w.
@@ -11,7 +11,13 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-__all__ = ["LARGEST_DEGREE", "evaluate_surface", "nearest_parameters"]
+__all__ = [
+    "LARGEST_DEGREE",
+    "evaluate_curve",
+    "evaluate_surface",
+    "nearest_on_curve",
+    "nearest_parameters",
+]
 
 #: the room that basis functions are given
 LARGEST_DEGREE = 31
@@ -67,6 +73,76 @@ def _basis(knots, degree, t, values, slopes):
             carried = left * share
         values[k] = carried
     return span
+
+
+@njit(cache=True, nogil=True)
+def _curve_at(knots, control, place, room, out):
+    """Fill in the point and the slope, (2, 3), of one place; `room` is (2, degree + 1)."""
+    degree = room.shape[1] - 1
+    span = _basis(knots, degree, place, room[0], room[1])
+    weight = change = 0.0
+    out[:] = 0.0
+    for i in range(degree + 1):
+        c = control[span - degree + i]
+        weight += room[0, i] * c[3]
+        change += room[1, i] * c[3]
+        for axis in range(3):
+            out[0, axis] += room[0, i] * c[axis]
+            out[1, axis] += room[1, i] * c[axis]
+    for axis in range(3):
+        out[0, axis] /= weight
+        out[1, axis] = (out[1, axis] - change * out[0, axis]) / weight
+
+
+@njit(cache=True, nogil=True)
+def evaluate_curve(knots, degree, control, t):
+    """Points and slopes of a curve at parameters (N,) inside the range; (N, 2, 3) float64.
+
+    Parameters are knots (n + k + 1,), the degree k, and control points (n, 4).
+    """
+    out, room = np.empty((len(t), 2, 3)), np.empty((2, degree + 1))
+    for n in range(len(t)):
+        _curve_at(knots, control, t[n], room, out[n])
+    return out
+
+
+@njit(cache=True, nogil=True)
+def nearest_on_curve(knots, degree, control, seeds, seeds_mm, points, period):
+    """Parameters of the nearest points, (N,), by Gauss-Newton steps from the nearest seeds.
+
+    Seeds are parameters (S,) and their points (S, 3). `period` is 0 where the curve is not closed:
+    there parameters stay inside the range.
+    """
+    low, high = knots[degree], knots[-degree - 1]
+    small = _SMALL_STEP * (high - low)
+    here, room, t = np.empty((2, 3)), np.empty((2, degree + 1)), np.empty(len(points))
+    for n in range(len(points)):
+        t[n] = seeds[_nearest(seeds_mm, points[n])]
+        for _ in range(_MOST_STEPS):
+            place = low + (t[n] - low) % period if period > 0.0 else t[n]
+            _curve_at(knots, control, place, room, here)
+            square = to = 0.0
+            for axis in range(3):
+                square += here[1, axis] * here[1, axis]
+                to += (points[n, axis] - here[0, axis]) * here[1, axis]
+            step = to / max(square, 1e-300)
+            t[n] = t[n] + step if period > 0.0 else min(max(t[n] + step, low), high)
+            if abs(step) < small:
+                break
+    return t
+
+
+@njit(cache=True, nogil=True)
+def _nearest(places, point):
+    """Index of the nearest of some places (S, 3) to a point."""
+    found, least = 0, np.inf
+    for s in range(len(places)):
+        square = 0.0
+        for axis in range(3):
+            square += (places[s, axis] - point[axis]) ** 2
+        if square < least:
+            found, least = s, square
+    return found
 
 
 @njit(cache=True, nogil=True)

@@ -17,6 +17,7 @@ __all__ = [
     "interpolated",
     "intervals_of_rows",
     "line_crossings",
+    "polyline_segments",
     "sides_of_points",
 ]
 
@@ -29,6 +30,29 @@ _CROWD = 8.0
 _ALONG = 1e-7
 #: where one segment ends and the next begins, their v differ by rounding, by less than this
 _ROUNDING = 1e-9
+
+
+@njit_maker()
+def polyline_segments(points, uv, after, periods):
+    """Segments of polylines one behind the other: in space (S, 2, 3), and in u and v (S, 2, 2).
+
+    Points are (P, 3) with parameters (P, 2); `after` (L,) are the places behind their ends. The
+    end of a segment is on the same turn as its start.
+    """
+    count = len(points) - len(after)
+    in_space, in_uv = np.empty((count, 2, 3)), np.empty((count, 2, 2))
+    s = start = 0
+    for end in after:
+        for n in range(start, end - 1):
+            in_space[s, 0], in_space[s, 1] = points[n], points[n + 1]
+            for axis in range(2):
+                step = uv[n + 1, axis] - uv[n, axis]
+                if periods[axis] > 0.0:
+                    step -= periods[axis] * np.rint(step / periods[axis])
+                in_uv[s, 0, axis], in_uv[s, 1, axis] = uv[n, axis], uv[n, axis] + step
+            s += 1
+        start = end
+    return in_space, in_uv
 
 
 @njit_part()
@@ -52,16 +76,40 @@ def _crossing(start, end, axis, value, period):
 
 
 @njit_maker()
-def line_crossings(segments, axis, value, period):
-    """Where segments (S, 2, 2) cross uv[axis] = value: the other coordinate, and if upwards."""
-    other, upward = np.empty(len(segments)), np.empty(len(segments), dtype=np.bool_)
-    count = 0
+def line_crossings(segments, axis, period):
+    """Where segments (S, 2, 2) cross a line of constant uv[axis]: the other coordinate, (C,).
+
+    Also whether each crosses it upwards. The line leads through the segment that reaches farthest
+    along the axis. It keeps away from the ends of all: two that meet there differ by rounding, so
+    a line through them crosses both, or neither.
+    """
+    low = high = 0.0
     for s in range(len(segments)):
-        crosses, place, up = _crossing(segments[s, 0], segments[s, 1], axis, value, period)
+        one, end = segments[s, 0, axis], segments[s, 1, axis]
+        if abs(end - one) > high - low:
+            low, high = min(one, end), max(one, end)
+    place, count = np.empty(2 * len(segments) + 2), 2
+    place[0], place[1] = low, high
+    for s in range(len(segments)):
+        for end in range(2):
+            at = segments[s, end, axis]
+            at = low + (at - low) % period if period > 0.0 else at
+            if low < at < high:
+                place[count] = at
+                count += 1
+    place = np.sort(place[:count])
+    value = (low + high) / 2.0
+    widest = 0.0
+    for k in range(count - 1):
+        if place[k + 1] - place[k] > widest:
+            widest, value = place[k + 1] - place[k], (place[k] + place[k + 1]) / 2.0
+    other, upward, found = np.empty(len(segments)), np.empty(len(segments), dtype=np.bool_), 0
+    for s in range(len(segments)):
+        crosses, at, up = _crossing(segments[s, 0], segments[s, 1], axis, value, period)
         if crosses:
-            other[count], upward[count] = place, up
-            count += 1
-    return other[:count].copy(), upward[:count].copy()
+            other[found], upward[found] = at, up
+            found += 1
+    return other[:found].copy(), upward[:found].copy()
 
 
 @njit_maker()

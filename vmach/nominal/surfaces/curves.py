@@ -12,12 +12,15 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from scipy.interpolate import BSpline
-from scipy.spatial import cKDTree
 
 from vmach.nominal.frame import Frame
+from vmach.nominal.surfaces.bspline_kernel import evaluate_curve, nearest_on_curve
 
 __all__ = ["BSplineCurve", "Curve", "Ellipse", "Hyperbola", "Line", "Parabola", "polyline"]
+
+
+#: parameters nearer than this, relative to the curve's range, differ by rounding
+_SAME = 1e-12
 
 
 class Curve(Protocol):
@@ -163,34 +166,37 @@ class BSplineCurve:
     knots : (n + degree + 1,) array
         Knots, repeated by their multiplicity.
     degree : int
+
+    Raises
+    ------
+    ValueError
+        An inner knot is there more than `degree` times: the curve jumps.
     """
 
     def __init__(
         self, control_mm: np.ndarray, weights: np.ndarray, knots: np.ndarray, degree: int
     ) -> None:
+        jumps = knots[1 : -degree - 1][knots[degree + 1 : -1] <= knots[1 : -degree - 1]]
+        if len(jumps):
+            raise ValueError(f"it jumps at {jumps[0]:g}")
         homogeneous = np.column_stack([control_mm * weights[:, None], weights])
-        self._spline = BSpline(knots, homogeneous, degree)
-        self._slope = self._spline.derivative()
+        self._spline = np.ascontiguousarray(knots, dtype=np.float64), int(degree), homogeneous
         self.domain = float(knots[degree]), float(knots[-degree - 1])
         inner = np.unique(knots)
         self._knots = inner[(inner >= self.domain[0]) & (inner <= self.domain[1])]
         self._pieces = 2 * degree
-        ends = self._raw(np.array(self.domain))
+        ends = self._at(np.array(self.domain))[:, 0]
         size = np.ptp(control_mm, axis=0).max()
         closed = np.linalg.norm(ends[1] - ends[0]) < 1e-7 * size
         self.period = self.domain[1] - self.domain[0] if closed else 0.0
         # densely enough for the nearest of these to lead to the nearest of all
-        self._seeds = self.breaks(*self.domain)
-        self._seeds = np.interp(
-            np.linspace(0, len(self._seeds) - 1, 4 * len(self._seeds)),
-            np.arange(len(self._seeds)),
-            self._seeds,
-        )
-        self._tree = cKDTree(self._raw(self._seeds))
+        places = self.breaks(*self.domain)
+        count = np.arange(len(places))
+        seeds = np.interp(np.linspace(0, len(places) - 1, 4 * len(places)), count, places)
+        self._seeds = seeds, np.ascontiguousarray(self._at(seeds)[:, 0])
 
-    def _raw(self, t: np.ndarray) -> np.ndarray:
-        value = self._spline(t)
-        return value[:, :3] / value[:, 3:]
+    def _at(self, t: np.ndarray) -> np.ndarray:
+        return evaluate_curve(*self._spline, t)
 
     def _wrapped(self, t: np.ndarray) -> np.ndarray:
         low, high = self.domain
@@ -198,23 +204,16 @@ class BSplineCurve:
 
     def evaluate(self, t: np.ndarray) -> np.ndarray:
         """Points at parameters (N,); (N, 3) mm."""
-        return self._raw(self._wrapped(t))
+        return self._at(self._wrapped(t))[:, 0]
 
     def derivative(self, t: np.ndarray) -> np.ndarray:
         """dC/dt at parameters (N,); (N, 3)."""
-        t = self._wrapped(t)
-        value, slope = self._spline(t), self._slope(t)
-        return (slope[:, :3] - slope[:, 3:] * value[:, :3] / value[:, 3:]) / value[:, 3:]
+        return self._at(self._wrapped(t))[:, 1]
 
     def parameter(self, points: np.ndarray) -> np.ndarray:
         """Parameters of points (N, 3) mm on the curve; (N,)."""
-        t = self._seeds[self._tree.query(points)[1]]
-        for _ in range(20):
-            slope = self.derivative(t)
-            square = np.maximum(np.einsum("ij,ij->i", slope, slope), 1e-300)
-            step = np.einsum("ij,ij->i", points - self.evaluate(t), slope) / square
-            t = t + step if self.period else np.clip(t + step, *self.domain)
-        return t
+        points = np.ascontiguousarray(points)
+        return nearest_on_curve(*self._spline, *self._seeds, points, self.period)
 
     def breaks(self, start: float, end: float) -> np.ndarray:
         """Parameters from start to end between which it is smooth and turns little; (B,)."""
@@ -222,10 +221,12 @@ class BSplineCurve:
         knots = self._knots
         if self.period:
             knots = np.concatenate([knots + turn * self.period for turn in (-1, 0, 1)])
-        inner = knots[(knots > low) & (knots < high)]
-        ends = np.unique(np.r_[low, inner, high])
+        rounding = _SAME * (self.domain[1] - self.domain[0])
+        inner = knots[(knots > low + rounding) & (knots < high - rounding)]
+        ends = np.concatenate([[low] if low < high else [], inner, [high]])
         share = np.arange(self._pieces) / self._pieces
-        t = np.r_[(ends[:-1, None] + np.diff(ends)[:, None] * share).ravel(), high]
+        within = ends[:-1, None] + (ends[1:] - ends[:-1])[:, None] * share
+        t = np.append(within, high)
         return t if end >= start else t[::-1]
 
 
@@ -235,7 +236,7 @@ def polyline(
     """Parameters (N,) and points (N, 3) mm whose chords leave the curve by the tolerance."""
     t = curve.breaks(start, end)
     points = curve.evaluate(t)
-    for _ in range(20):
+    for _ in range(0 if isinstance(curve, Line) else 20):
         middle = (t[:-1] + t[1:]) / 2.0
         between = curve.evaluate(middle)
         off = np.linalg.norm(between - (points[:-1] + points[1:]) / 2.0, axis=1)

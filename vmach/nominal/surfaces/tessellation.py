@@ -10,14 +10,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from vmach.errors import InputError
 from vmach.nominal.mesh.thinning import near_segments
 from vmach.nominal.mesh.unique_rows import unique_rows
 from vmach.nominal.step.solids import CHORD_MM, Edge, Solid, SolidFace
-from vmach.nominal.surfaces import Sphere, Surface, unit_normals
+from vmach.nominal.surfaces import Plane, Sphere, Surface, unit_normals
+from vmach.nominal.surfaces.crowding import crowded_segments
 from vmach.nominal.surfaces.curved_triangles import volume_under_mm3
+from vmach.nominal.surfaces.delaunay import centres, delaunay
 from vmach.nominal.surfaces.face import sample_uv
 from vmach.nominal.surfaces.trimming import Trim, is_pole
 
@@ -119,12 +120,15 @@ def _conforming(solid: Solid, patches: list[_Patch]) -> tuple[dict[int, Edge], l
 
 def _crowded(edges: dict[int, Edge], face: SolidFace, patch: _Patch) -> Iterator[tuple[int, int]]:
     """Edges of a face, and their segments whose circle holds another point."""
-    crowded, first = patch.crowded(), 0
-    for number, left in face.edges:
-        count = len(edges[number].t) - 1
-        for segment in np.flatnonzero(crowded[first : first + count]):
-            yield number, int(segment if left else count - 1 - segment)
-        first += count
+    crowded = np.flatnonzero(patch.crowded())
+    if not len(crowded):
+        return
+    after = np.cumsum([len(edges[number].t) - 1 for number, _ in face.edges])
+    for segment, which in zip(crowded, np.searchsorted(after, crowded, "right"), strict=True):
+        number, left = face.edges[which]
+        # counted from the end of the edge
+        back = int(after[which] - 1 - segment)
+        yield number, len(edges[number].t) - 2 - back if left else back
 
 
 @dataclass(frozen=True)
@@ -147,6 +151,8 @@ class _Patch:
     @classmethod
     def of(cls, trim: Trim) -> _Patch:
         """Patch with inner points near enough for the chord, none very near to an edge."""
+        if isinstance(trim.surface, Plane):
+            return cls(trim, np.empty((0, 2)), np.ones(2))
         bend, speed = _bend_and_speed(trim)
         if not bend.any():
             return cls(trim, np.empty((0, 2)), speed)
@@ -161,16 +167,10 @@ class _Patch:
 
     def crowded(self) -> np.ndarray:
         """Mask of the segments whose circle holds another point, (S,)."""
-        segments = self.trim.segments_uv
-        if not len(segments):
-            return np.zeros(0, dtype=bool)
-        box = self._periods * self.scale
-        points = np.vstack([_wrapped(self.trim.surface, segments[:, 0]), self.inner]) * self.scale
-        tree = cKDTree(points, boxsize=box, balanced_tree=False, compact_nodes=False)
-        middle = _wrapped(self.trim.surface, segments.mean(axis=1)) * self.scale
-        radius = np.linalg.norm((segments[:, 1] - segments[:, 0]) * self.scale, axis=1) / 2.0
-        length = np.linalg.norm(np.diff(self.trim.segments_mm, axis=1)[:, 0], axis=1)
-        return (tree.query(middle)[0] < radius * (1.0 - 1e-6)) & (length > CHORD_MM)
+        trim = self.trim
+        length = np.linalg.norm(trim.segments_mm[:, 1] - trim.segments_mm[:, 0], axis=1)
+        crowded = crowded_segments(trim.segments_uv, self.inner, self.scale, self._periods)
+        return crowded & (length > CHORD_MM)
 
     def triangles(self, middle_mm: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Vertices (V, 3) mm, Delaunay triangles (T, 3), and middles of their sides (T, 3, 3) mm.
@@ -179,54 +179,24 @@ class _Patch:
         middle of their segments.
         """
         uv, vertices, ends = self._nodes()
-        periods = self._periods
-        copies, owner = _tiled(uv, periods)
-        try:
-            triangles = Delaunay(_shaken(copies * self.scale, owner)).simplices
-        except (QhullError, ValueError):  # fewer than three points, or all on one line
+        if len(uv) < 3:
             return vertices, np.empty((0, 3), dtype=np.int64), np.empty((0, 3, 3))
-        a, b, c = np.moveaxis(copies[triangles] * self.scale, 1, 0)
-        one, other = b - a, c - a
-        area = (one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]) / 2.0
-        sides = [np.linalg.norm(x - y, axis=1) for x, y in ((a, b), (b, c), (c, a))]
-        triangles = np.where((area < 0.0)[:, None], triangles[:, ::-1], triangles)
-        centre = copies[triangles].mean(axis=1)
-        # one copy of each triangle has its centre in the window, whose border meets no symmetry
-        start = -0.0741 * periods
-        window = ((centre >= start) & (centre < start + periods) | (periods == 0.0)).all(axis=1)
+        copies, owner = _tiled(uv, self._periods)
+        triangles, beyond = delaunay(_shaken(copies * self.scale, owner))
+        keep = self._is_inside(copies, triangles)
+        within = (beyond >= 0) & keep[beyond // 3]
+        middles = _middles_of_sides(self.trim.surface, copies[triangles], beyond, keep, within)
+        border = keep[:, None] & ~within
+        sides = np.stack([owner[triangles], owner[np.roll(triangles, -1, axis=1)]], axis=-1)
+        middles[border] = _of_segments(sides[border], ends, middle_mm, otherwise=middles[border])
+        return vertices, owner[triangles[keep]], middles[keep]
+
+    def _is_inside(self, copies: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+        """Mask of the triangles (T, 3) of tiled points that belong to the face, each once."""
         flat = 3.0 * _SHAKE * np.ptp(copies * self.scale, axis=0).max()
-        keep = window & (np.abs(area) > flat * np.max(sides, axis=0))
+        centre, keep = centres(copies, triangles, self.scale, self._periods, flat)
         keep[keep] = self.trim.contains(centre[keep])
-        found = owner[triangles[keep]]
-        middles = self._middles(copies[triangles[keep]], found, ends, middle_mm)
-        return vertices, found, middles
-
-    def _middles(
-        self, uv: np.ndarray, corners: np.ndarray, ends: np.ndarray, middle_mm: np.ndarray
-    ) -> np.ndarray:
-        """Points of the surface in the middle of the triangles' sides; of edges those given.
-
-        Parameters
-        ----------
-        uv : (T, 3, 2) float64
-            Of the corners.
-        corners : (T, 3) int64
-        ends : (S, 2) int64
-            Vertices that the segments of the edges join.
-        middle_mm : (S, 3) float64
-        """
-        surface, count = self.trim.surface, corners.max(initial=0) + ends.max(initial=0) + 1
-        between = ((uv + np.roll(uv, -1, axis=1)) / 2.0).reshape(-1, 2)
-        middles = surface.evaluate(_wrapped(surface, between))
-        if len(ends):
-            sides = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1), axis=-1)
-            side = (sides @ np.array([count, 1])).ravel()
-            edge = np.sort(ends, axis=1) @ np.array([count, 1])
-            order = np.argsort(edge)
-            place = order[np.minimum(np.searchsorted(edge[order], side), len(edge) - 1)]
-            on_edge = edge[place] == side
-            middles[on_edge] = middle_mm[place[on_edge]]
-        return middles.reshape(-1, 3, 3)
+        return keep
 
     def _nodes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Corners of the triangles: u and v within one period (V, 2), and points (V, 3) mm.
@@ -251,6 +221,45 @@ def _wrapped(surface: Surface, uv: np.ndarray) -> np.ndarray:
             uv[:, axis] = np.mod(uv[:, axis], period)
             uv[period - uv[:, axis] < 1e-9, axis] = 0.0
     return uv
+
+
+def _middles_of_sides(
+    surface: Surface, uv: np.ndarray, beyond: np.ndarray, keep: np.ndarray, within: np.ndarray
+) -> np.ndarray:
+    """Points of the surface in the middle of the sides of triangles, (T, 3, 3) mm.
+
+    Parameters
+    ----------
+    uv : (T, 3, 2) float64
+        Of the corners.
+    beyond : (T, 3) int64
+        As `delaunay` says it.
+    keep : (T,) bool
+        The triangles that are asked for.
+    within : (T, 3) bool
+        Whether such a one lies beyond a side: of the two the first one's middle serves for both.
+    """
+    number = np.arange(beyond.size).reshape(beyond.shape)
+    first = keep[:, None] & ~(within & (beyond < number))
+    middles = np.empty((*beyond.shape, 3))
+    between = (uv[first] + np.roll(uv, -1, axis=1)[first]) / 2.0
+    middles[first] = surface.evaluate(_wrapped(surface, between))
+    second = keep[:, None] & ~first
+    middles[second] = middles.reshape(-1, 3)[beyond[second]]
+    return middles
+
+
+def _of_segments(
+    sides: np.ndarray, ends: np.ndarray, middle_mm: np.ndarray, otherwise: np.ndarray
+) -> np.ndarray:
+    """Middles (N, 3) of those sides (N, 2) that are segments with the ends (S, 2)."""
+    if not len(ends) or not len(sides):
+        return otherwise
+    weight = np.array([max(sides.max(), ends.max()) + 1, 1])
+    side, segment = np.sort(sides, axis=1) @ weight, np.sort(ends, axis=1) @ weight
+    order = np.argsort(segment)
+    place = order[np.minimum(np.searchsorted(segment[order], side), len(ends) - 1)]
+    return np.where((segment[place] == side)[:, None], middle_mm[place], otherwise)
 
 
 def _pole(trim: Trim, v: float) -> np.ndarray:
@@ -281,6 +290,8 @@ def _bend_and_speed(trim: Trim) -> tuple[np.ndarray, np.ndarray]:
 
 def _tiled(uv: np.ndarray, periods: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The points with copies half a period beyond either end, and whose copy each is."""
+    if not periods.any():
+        return uv, np.arange(len(uv))
     shifts = [(-1, 0, 1) if period else (0,) for period in periods]
     turns = np.array([(i, j) for i in shifts[0] for j in shifts[1]])
     copies = (uv + (turns * periods)[:, None]).reshape(-1, 2)

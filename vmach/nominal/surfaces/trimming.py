@@ -12,6 +12,7 @@ tells inside from outside.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from vmach.nominal.surfaces.crossings import (
     MEETS_NO_EDGE,
     intervals_of_rows,
     line_crossings,
+    polyline_segments,
     sides_of_points,
 )
 
@@ -49,17 +51,20 @@ class Trim:
         """Trim from the edges' points in space, each (N, 3), the face on their left."""
         if not polylines:
             return cls(surface, np.empty((0, 2, 3)), np.empty((0, 2, 2)))
-        segments_mm = np.vstack([np.stack([line[:-1], line[1:]], axis=1) for line in polylines])
-        uv = [_defined(surface.parameters(line)) for line in polylines]
-        segments = np.vstack([np.stack([line[:-1], line[1:]], axis=1) for line in uv])
-        step = segments[:, 1] - segments[:, 0]
-        for axis, period in enumerate((surface.u_period, surface.v_period)):
-            if period:
-                step[:, axis] -= period * np.round(step[:, axis] / period)
-        return cls(surface, segments_mm, np.stack([segments[:, 0], segments[:, 0] + step], axis=1))
+        after = np.cumsum([len(line) for line in polylines])
+        points = np.concatenate(polylines)
+        uv = surface.parameters(points)
+        if np.isnan(uv[:, 0]).any():
+            uv = np.concatenate([_defined(line) for line in np.split(uv, after[:-1])])
+        periods = np.array([surface.u_period, surface.v_period])
+        return cls(surface, *polyline_segments(points, np.ascontiguousarray(uv), after, periods))
 
     def v_range(self) -> tuple[float, float]:
         """Lowest and highest v of the face; over a seam the highest lies beyond the period."""
+        return self._v_range
+
+    @cached_property
+    def _v_range(self) -> tuple[float, float]:
         if self.surface.v_period:
             return self._v_range_around(self.surface.v_period)
         low, high = self.surface.v_limits
@@ -76,8 +81,10 @@ class Trim:
         turn = self.surface.u_period
         full = not u.size or (turn and np.ptp(u) > 0.5 * turn)
         ends = (0.0, turn) if full else (u.min(), u.max())
-        axes = np.linspace(*ends, count), np.linspace(*self.v_range(), count)
-        return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+        grid = np.empty((count, count, 2))
+        grid[:, :, 0] = np.linspace(*ends, count)[:, None]
+        grid[:, :, 1] = np.linspace(*self.v_range(), count)
+        return grid
 
     def row_intervals(self, levels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Intervals of u that the face covers at levels of v, (R,); a full turn is one interval.
@@ -146,20 +153,8 @@ class Trim:
         return u, ~upward
 
     def _line(self, axis: int, period: float) -> tuple[np.ndarray, np.ndarray]:
-        """Crossings with a line through the segment that leads most across it.
-
-        It keeps away from the ends of all segments: two that meet there differ by rounding, so a
-        line through them crosses both, or neither.
-        """
-        if not len(self.segments_uv):
-            return np.empty(0), np.empty(0, dtype=bool)
-        ends = self.segments_uv[:, :, axis]
-        low, high = np.sort(ends[np.argmax(np.abs(ends[:, 1] - ends[:, 0]))])
-        place = low + np.mod(ends - low, period) if period else ends
-        place = np.sort(place[(low < place) & (place < high)])
-        bounds = np.r_[low, place, high]
-        widest = np.argmax(np.diff(bounds))
-        return line_crossings(self.segments_uv, axis, bounds[widest : widest + 2].mean(), period)
+        """Crossings with one line of constant u or v, and whether they lead upwards."""
+        return line_crossings(self.segments_uv, axis, period)
 
     def _covers_rows(self, v: np.ndarray) -> np.ndarray:
         """Whether rows (R,) that meet no edge are inside, from the nearest crossing of a column."""

@@ -75,8 +75,7 @@ class _Along:
 
     def __init__(self, reader: SinumerikReader, contour: Contour, said: dict[str, float]) -> None:
         self.contour, self.said = contour, said
-        tool = reader.controller.offsets.get(reader.controller.tool)
-        diameter = tool.offset_diameter_mm if tool else 0.0
+        diameter = reader.tools.entry.offset_diameter_mm
         self.tool_radius = diameter / 2.0 / reader.controller.unit_mm
         self.kind, self.link, self.out, backward = (
             int(said["VARI"]) // 10**k % 10 for k in (0, 1, 2, 4)

@@ -51,8 +51,7 @@ class _Cycle:
         names = _ARGUMENTS[name].split()
         check_milling_modes(name, values[len(names) :], reader.cycle_plane)
         self.values = dict(zip(names, values, strict=False))
-        tool = reader.controller.offsets.get(reader.controller.tool)
-        diameter = tool.offset_diameter_mm if tool else 0.0
+        diameter = reader.tools.entry.offset_diameter_mm
         self.tool_radius = diameter / 2.0 / reader.controller.unit_mm
 
     def a(self, name: str, default: float | None = None) -> float:

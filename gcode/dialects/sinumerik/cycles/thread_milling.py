@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 from gcode.dialects.sinumerik.cycles.modes import check_milling_modes
 from gcode.errors import ProgramError
 from gcode.language.translate import number
-from gcode.state.tools import ToolEntry
 
 if TYPE_CHECKING:
     from gcode.dialects.sinumerik.reader import SinumerikReader
@@ -37,8 +36,7 @@ def mill_thread(reader: SinumerikReader, arguments: list[float | None]) -> None:
     if bottom is None or not bottom < surface:
         raise ProgramError("CYCLE90 without a depth below the surface", accepted="DP or DPR")
     c = reader.controller
-    entry = c.offsets.get(c.tool, ToolEntry())
-    mill = entry.offset_diameter_mm / 2.0 / c.unit_mm
+    mill = reader.tools.entry.offset_diameter_mm / 2.0 / c.unit_mm
     radius = outer / 2.0 + (mill if kind else -mill)
     turns = math.ceil((surface - bottom) / abs(pitch) - 1e-9)
     if radius <= 0.0 or turns > _MOST_TURNS:
