@@ -10,6 +10,7 @@ takes is no program's.
 
 from __future__ import annotations
 
+import argparse
 import random
 import re
 import sys
@@ -91,13 +92,22 @@ def outcome(text: bytes, rng: random.Random, dialect: str) -> str:
     return "read"
 
 
+def arguments() -> argparse.Namespace:
+    """What is typed."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("inputs", nargs="?", type=int, default=100_000)
+    parser.add_argument("seed", nargs="?", type=int, default=1)
+    parser.add_argument("control", nargs="?", default="", help="all dialects where it is not given")
+    parser.add_argument("folder", nargs="?", type=Path, help="of programs to change")
+    return parser.parse_args()
+
+
 def main() -> int:
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
-    rng = random.Random(int(sys.argv[2]) if len(sys.argv) > 2 else 1)
-    control = sys.argv[3] if len(sys.argv) > 3 else ""
+    asked = arguments()
+    count, control, rng = asked.inputs, asked.control, random.Random(asked.seed)
     found = CONTROLS.glob(f"*.{LIKE.get(control, control)}.*") if control else GOLDEN.glob("*.ngc")
-    if len(sys.argv) > 4:
-        found = (path for path in Path(sys.argv[4]).rglob("*") if path.is_file())
+    if asked.folder:
+        found = (path for path in asked.folder.rglob("*") if path.is_file())
     texts = [path.read_bytes()[:MOST_BYTES] for path in sorted(found)]
     for dialect in ("linuxcnc", "fanuc"):
         read_program(Source(WARMING), tools=TOOLS, dialect=dialect, fast=True)

@@ -13,6 +13,8 @@ The rules, as strict as physics allows:
   twins: the one tooth that cuts leaves cusps that grow with the square of the feed.
 * The length of one of two tools is the other's with the sign turned and a shift of the datum:
   either tool may be named.
+* Causes that act through one and the same table are answered by that table: their sum is its error,
+  and no measurement tells them apart.
 * A class is right if it holds the true name, if its leader or a rival points at the same target
   where the names agree, and if it has at most `MOST_IN_CLASS` members: `vague` otherwise.
 * Something accused besides what is true: `extra`.
@@ -59,7 +61,7 @@ def judge(report: dict, truth: dict) -> Judgement:
         return Judgement("right" if is_right else verdict, [], said)
     best: tuple[float, list[str], list[dict]] = (-1.0, [], [])
     nobody = [{}] * len(hidden)
-    for chosen in permutations([*report["effects"], *nobody], len(hidden)):
+    for chosen in permutations([*report["effects"], *_sums(report, hidden), *nobody], len(hidden)):
         how = [_answer(entry, effect) for entry, effect in zip(chosen, hidden, strict=True)]
         if (score := sum(_WORTH[h] for h in how)) > best[0]:
             best = score, how, list(chosen)
@@ -69,9 +71,21 @@ def judge(report: dict, truth: dict) -> Judgement:
         for entry, effect in zip(chosen, hidden, strict=True)
         for row in _parameters(effect, entry)
     ]
-    extra = len(report["effects"]) > len(how) - how.count("missed")
-    true = len(how) - how.count("missed")
+    answers = {id(entry) for entry, h in zip(chosen, how, strict=True) if h != "missed"}
+    true, extra = len(answers), len(report["effects"]) > len(answers)
     return Judgement(_together(how, extra=extra), parameters, said, len(report["effects"]), true)
+
+
+def _sums(report: dict, hidden: list[dict]) -> list[dict]:
+    """Tables that are what several hidden effects do together, once more for each further one."""
+    sums = []
+    for entry in report["effects"]:
+        label = f"{entry['effect']} {entry['target'] or ''}".strip()
+        if entry["effect"] == "component":
+            named = [f"{e['name']} {e['target']}" for e in hidden]
+            ones = sum(label in (n, *e["accept"]) for n, e in zip(named, hidden, strict=True))
+            sums += [entry] * (ones - 1)
+    return sums
 
 
 def is_answer(entry: dict, truth: dict) -> bool:

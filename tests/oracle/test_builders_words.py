@@ -46,6 +46,24 @@ def test_the_name_of_the_program_is_no_variable():
     assert "variables _AWAY:" in str(error.value)
 
 
+@pytest.mark.parametrize(("body", "said"), [
+    ("DIAMON", r"DIAMON \(diameters: a turning program\)"),
+    ("PRESETON(X,0)", r"PRESETON \(another place for the axis\)"),
+    ("CYCLE95(1)", "CYCLE95 is a cycle of turning programs"),
+    ("G33 Z-9 K1", "G33 is not read.*of turning programs"),
+    ("E_MI_PL(1)", r"E_MI_PL \(a work step of ShopMill\)"),
+    ("CYCLE802(1,2)", r"CYCLE802 \(a list of places\)"),
+])  # fmt: skip
+def test_what_the_control_itself_has_is_no_word_of_the_builder(body, said):
+    with pytest.raises(ProgramError, match=said):
+        read(f"G0 X0\n{body}\nM30\n", "sinumerik")
+
+
+def test_a_semicolon_in_a_text_begins_no_comment():
+    program = read('T1 M6 ; the mill\nMSG("T1; MILL") ; "10\nG0 X7\nM30\n', "sinumerik")
+    assert program.moves.end_mm[-1, 0] == 7
+
+
 def test_what_the_job_says_is_obeyed():
     program = read(
         SINUMERIK,

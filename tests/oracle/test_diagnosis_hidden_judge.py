@@ -18,6 +18,10 @@ STRETCHED = {
     "comparable": {},
 }  # fmt: skip
 
+DENTED = {
+    "name": "component", "target": "EXX", "accept": ["component"], "twins": [], "comparable": {},
+}  # fmt: skip
+
 
 def entry(label, *others):
     name, _, target = label.partition(" ")
@@ -56,6 +60,10 @@ def outcome(hidden, *entries, verdict="named"):
         ([LAG, STRETCHED], [entry("scale X"), entry("backlash X")], "right"),
         ([LAG, STRETCHED], [entry("scale X"), entry("hysteresis X", "backlash")], "class"),
         ([LAG, STRETCHED], [entry("scale X"), entry("hysteresis X")], "wrong"),
+        ([STRETCHED, DENTED], [entry("component EXX")], "right"),
+        ([STRETCHED, DENTED], [entry("component EXX"), entry("backlash X")], "extra"),
+        ([STRETCHED, LAG], [entry("component EXX")], "part"),
+        ([STRETCHED, DENTED], [entry("scale X")], "part"),
         ([], [entry("scale X")], "wrong"),
     ],
 )

@@ -97,19 +97,25 @@ def test_a_form_for_what_nobody_foresaw_halves_the_error_of_another_part(tmp_pat
     assert program_runs.left_by_proposal(tmp_path, made.check_deviation_um, made.check) < 0.5
 
 
-def test_what_the_laws_leave_open_never_makes_the_fit_worse(tmp_path):
-    """A drift of endless size would leave so much open that it could be of any size."""
-    design = PartDesign(corners=True, two_set_ups=True)
-    make_experiment(
-        tmp_path, effects=["press_next_door"], seed=3445005, design=design, noise="device_scale"
-    )
+@pytest.mark.parametrize(
+    ("hidden", "seed", "noise", "labels"),
+    [
+        # of endless size it would leave so much open that it could be of any size
+        ("press_next_door", 3445005, "device_scale", ("ambient_drift XYZ", "datum_shift")),
+        # what roughing left of every single slot could do all of it
+        ("swelling_walls", 3995027, "heavy_tails", ("tool_deflection",)),
+    ],
+)
+def test_what_the_laws_leave_open_never_makes_the_fit_worse(tmp_path, hidden, seed, noise, labels):
+    design = PartDesign(corners=seed % 3 == 0, two_set_ups=seed % 5 == 0)
+    make_experiment(tmp_path, effects=[hidden], seed=seed, design=design, noise=noise)
     survey = survey_job(tmp_path / "job.toml")
     weighing = prepare_weighing(survey)
-    both = weighing.nothing()
-    for label in ("ambient_drift XYZ", "datum_shift"):
-        both = weighing.extend(both, weighing.index_of(label))
-    fit = weighing.careful(both)
-    left = survey.residual_mm - sum(fit.explained_mm(k) for k in range(2))
+    found = weighing.nothing()
+    for label in labels:
+        found = weighing.extend(found, weighing.index_of(label))
+    fit = weighing.careful(found)
+    left = survey.residual_mm - sum(fit.explained_mm(k) for k in range(len(labels)))
     both_mm = np.stack([survey.residual_mm, left], axis=1)
     before, after = np.sqrt(np.mean((both_mm - survey.aligned(both_mm)) ** 2, axis=0))
     assert after < 0.7 * before

@@ -169,3 +169,30 @@ def test_without_any_candidate_nothing_is_named(tmp_path):
     found = infer(prepare_weighing(survey_job(tip_job(tmp_path, stretched_and_loose)), []))
     assert found.explanation.terms == ()
     assert found.is_structure
+
+
+def wave(inexact):
+    """A slow wave, the law's own or times what wanders by a third: Matern 3/2 over 1500 s."""
+
+    def hidden(q, side, time):
+        apart = np.sqrt(3.0) * np.abs(np.subtract.outer(time, time)) / 1500.0
+        covariance = (1.0 + apart) * np.exp(-apart) + 1e-9 * np.eye(len(time))
+        wanders = np.linalg.cholesky(covariance) @ np.random.default_rng(8).standard_normal(
+            len(time)
+        )
+        height = 30.0 * np.sin(2.0 * np.pi * time / 3400.0) * (1.0 + inexact * wanders)
+        return np.column_stack([0.0 * time, 0.0 * time, height])
+
+    return hidden
+
+
+@pytest.mark.parametrize(("inexact", "scale"), [(0.0, 0.2), (0.3, 1.0)])
+def test_readings_tell_how_inexact_a_law_is(tmp_path, inexact, scale):
+    job = tip_job(tmp_path, wave(inexact), count=300)
+    weighing = prepare_weighing(survey_job(job), [catalogue()["ambient_drift"]])
+    found = weighing.small()
+    found = weighing.extend(found, weighing.index_of("ambient_drift Z"))
+    assert found.fit.slack_scale == scale
+    told = weighing.careful(found)
+    sizes = [np.std(fit.explained_mm(0)) for fit in (found.fit, told)]
+    assert sizes[1] == pytest.approx(sizes[0], rel=0.3)

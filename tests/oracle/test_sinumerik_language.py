@@ -445,6 +445,12 @@ def test_flat_d_numbers_choose_an_offset_whatever_t_says():
     assert beside.end_mm[:, 0].min() == -9 and -2.0 in beside.end_mm[:, 0]
 
 
+@pytest.mark.parametrize("call", ["T2\nM6\nD8\nT1", "T2 D8\nM6\nT1", "T2 M6\nSUPA G0 Z0\nD8"])
+def test_flat_d_numbers_stand_about_the_tool_change(call):
+    """The next tool may be called ahead: its D is asked for at the change."""
+    assert flat(f"{call}\nG0 Z10").moves.end_mm[-1, 2] == 100
+
+
 def test_flat_d_numbers_are_asked_for_by_name():
     with pytest.raises(ProgramError, match="without D, and D numbers are flat"):
         flat("T1 D8 M6\nG0 Z10\nT2 M6\nZ5")

@@ -388,6 +388,34 @@ def test_what_is_less_probable_than_nothing_is_no_rival():
     assert rivals_of(weighing, explanation, 0).names == ("e0",)
 
 
+def test_an_effect_that_leaves_all_to_its_helpers_is_no_rival():
+    """A height that one tool's length makes: neither radii nor scales beside that length do."""
+    labels = ["spindle_growth Z", "tool_length T1", "tool_radius T1", "scale X"]
+    readings = np.eye(4)
+    columns = [readings[0], readings[0], readings[1], readings[2]]
+    candidates = [
+        SimpleNamespace(
+            label=label,
+            effect=catalogue()[label.split()[0]],
+            target=label.split()[1],
+            signatures_mm=column[:, None, None],
+        )
+        for label, column in zip(labels, columns, strict=True)
+    ]
+    others = SimpleNamespace(
+        labels=frozenset(), posterior=SimpleNamespace(whiten=lambda columns: columns)
+    )
+    weighing = SimpleNamespace(
+        candidates=candidates,
+        gains=lambda _: np.array([9.0, -9.0, -9.0, -9.0]),
+        without=lambda *_, **__: others,
+        tried={frozenset(labels[:1]): 9.0},
+    )
+    fit = SimpleNamespace(terms=candidates[:1], explained_mm=lambda _: 5.0 * readings[0])
+    rivals = rivals_of(weighing, SimpleNamespace(fit=fit), 0)
+    assert rivals.names == ("spindle_growth", "tool_length")
+
+
 @pytest.mark.parametrize(("along_y", "is_told"), [(1.0, False), (2.2, True)])
 def test_scatter_that_knows_the_axes_is_no_noise(tmp_path, along_y, is_told):
     """Walls along X and Y of one part: a device's noise is the same on both."""

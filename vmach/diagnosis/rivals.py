@@ -13,6 +13,7 @@ from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes
 from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.effects import catalogue
+from vmach.fit.candidates import Candidate
 
 __all__ = ["Rivals", "credible", "in_other_sets", "rivals_of"]
 
@@ -88,21 +89,21 @@ def _jointly(
 ) -> list[str]:
     """Effects that do the same when they act on all their targets at once: three scales ..."""
     assert explanation.fit is not None
-    own = explanation.fit.terms[k].effect
+    fit, own = explanation.fit, explanation.fit.terms[k].effect
+
+    def can_imitate(candidates: Sequence[Candidate]) -> bool:
+        span = [candidate.signatures_mm[:, 0, :] for candidate in candidates]
+        return bool(span) and _can_imitate(np.hstack(span), weighing, others, fit.explained_mm(k))
+
+    rest = [c for c in weighing.candidates if c.effect.is_never_exact]
     found = []
     for one in catalogue().values():
         if not one.imitates_as_team or one.is_twin_of(own):
             continue
-        members = [
-            i
-            for i, candidate in enumerate(weighing.candidates)
-            if (candidate.effect.name == one.name or candidate.effect.is_never_exact)
-            and not candidate.effect.is_twin_of(own)
-        ]
-        if not members:
-            continue
-        span = np.hstack([weighing.candidates[i].signatures_mm[:, 0, :] for i in members])
-        if _can_imitate(span, weighing, others, explanation.fit.explained_mm(k)):
+        team = [c for c in weighing.candidates if c.effect.name == one.name]
+        helpers = [c for c in rest if c not in team and not c.effect.is_twin_of(own)]
+        # what the helpers do alone is not its work
+        if team and can_imitate([*team, *helpers]) and not can_imitate(helpers):
             found.append(one.name)
     return found
 

@@ -101,6 +101,8 @@ class JointFit:
         Of what counted as noise.
     slack_mm : (n, Q) float64 or None
         Signatures of what the laws leave open, where the fit counted it as uncertainty.
+    slack_scale : float
+        Their size, in what the laws state.
     """
 
     terms: tuple[Term, ...]
@@ -111,6 +113,7 @@ class JointFit:
     open: Columns
     posterior: Posterior
     slack_mm: np.ndarray | None = None
+    slack_scale: float = 1.0
 
     def parameters(self, k: int) -> dict[str, float]:
         """Parameters of term k."""

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, ISO_G, M_CODES, SAME, STOPS
+from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, ISO_G, M_CODES, SAME, STOPS, TURNING_G
 from gcode.dialects.sinumerik.expressions import Worked, expression_at
 from gcode.errors import ProgramError
 from gcode.language.translate import number
@@ -46,8 +45,7 @@ def split_arguments(text: str) -> list[str]:
     return pieces
 
 
-@dataclass(frozen=True)
-class _Written:
+class _Written(NamedTuple):
     """A word as it stands: its number, or the expression that gives it, and AC, IC or nothing."""
 
     letter: str
@@ -184,6 +182,7 @@ class BlockWords:
             return CODES[value]
         if value not in SAME:
             hint = "FANUC's, or of this control's ISO dialect (G291)" if value in ISO_G else None
+            hint = "of turning programs" if value in TURNING_G else hint
             raise ProgramError(f"Sinumerik G{value:g} is not read", accepted=ACCEPTED_G, hint=hint)
         if value in (18.0, 19.0):
             controller.note("G18, G19", "the tool's length stays along Z, as with setting data "

@@ -29,6 +29,7 @@ _VARIABLE = re.compile(
 _M_CODE = re.compile(r"(?<![A-Z0-9_$])M(\d+)(?![\d.]*\s*[=\[(])", re.IGNORECASE)
 #: the control's own, which no job can leave out; cycles 960 to 999 measure
 _CUTS = re.compile(r"RET|M17|(?!CYCLE9[6-9]\d)CYCLE\d+|HOLES\d|POCKET\d|SLOT\d|LONGHOLE|MEAS\w*")
+_STEP = re.compile(r"[EF]_[A-Z]\w*")  #: E_MI_PL, F_DRILL
 _STRING = re.compile(r"\"[^\"]*\"")
 _LABELS = re.compile(
     r"\b(?:GOTO[FBCS]?|REPEATB?|CALL|PROC|EXTERN|DEF|MSG|WRITE|DELETE|GROUP_\w+)\b.*", re.IGNORECASE
@@ -51,6 +52,9 @@ def unknown_words(
     call, variable, m_code : str, str, int
         What was met.
     """
+    if _STEP.fullmatch(call):
+        return ProgramError(f"{call} (a work step of ShopMill) is not read",
+                            hint="post the program as G code")  # fmt: skip
     calls = dict.fromkeys([call] if call else [])
     calls |= dict.fromkeys(_unknown_calls(reader))
     variables = dict.fromkeys([variable] if variable else [])

@@ -12,6 +12,7 @@ __all__ = [
     "REFUSED",
     "SAME",
     "STOPS",
+    "TURNING_G",
 ]
 
 #: codes of this control -> RS274/NGC; nothing for those that move nothing here
@@ -27,13 +28,15 @@ STOPS = frozenset((0, 1, 2, 30, 17))
 #: all that the control itself knows; 40 to 45 are gear stages, 70 makes the spindle an axis
 M_CODES = frozenset((*STOPS, 3, 4, 5, 6, 7, 8, 9, 19, 40, 41, 42, 43, 44, 45, 70))
 ACCEPTED_G = (
-    "G0-G4 G9 G17-G19 G40-G42 G53-G57 G60 G64 G70 G71 G74 G75 G90 G91 G93-G95 G110-G112 G331 G332 "
-    "G500 G505-G599"
+    "G0-G4 G9 G17-G19 G40-G42 G53-G57 G60 G64 G70 G71 G74 G75 G90 G91 G93-G95 G110-G112 G147 G148 "
+    "G247 G248 G331 G332 G340 G341 G347 G348 G450 G451 G500 G505-G599"
 )
 #: codes of FANUC that this control has in its ISO dialect alone
 ISO_G = frozenset(
     (20, 21, 28, 30, 43, 44, 49, 50, 51, 52, 68, 69, 73, 76, *range(80, 90), 92, 98, 99)
 )
+#: codes of turning programs: threads, and a constant cutting speed
+TURNING_G = frozenset((33, 34, 35, 96, 961, 962))
 #: words that change the path in a way that is not read, and what they are
 REFUSED = {
     "TRAORI": "five-axis transformation", "TRANSMIT": "milling on the face of a turned part",
@@ -43,6 +46,8 @@ REFUSED = {
     "KONTT": "tangential approach", "OFFN": "offset of the contour", "TOROT": "tilted plane",
     "CUT3DC": "3D radius compensation", "DO": "synchronised action", "QU": "quick output",
     "TOFRAME": "frame along the tool", "PAROT": "frame along the part", "ROTS": "solid angles",
+    "DIAMON": "diameters: a turning program", "DIAM90": "diameters: a turning program",
+    "PRESETON": "another place for the axis", "PRESETONS": "another place for the axis",
     "AROTS": "solid angles", "GEOAX": "other axes of the path", "DEFINE": "macro",
 }  # fmt: skip
 #: the control's own words that stand with ``=``, and what they are: no variables of the builder

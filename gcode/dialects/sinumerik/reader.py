@@ -33,11 +33,16 @@ __all__ = ["SinumerikReader"]
 _HEAD = re.compile(
     r"(?:/\s*(\d?)\s*)?(?:[N:](\d+)\s*)?(?:/\s*(\d?)\s*)?(?:([A-Z_]\w+):(?!=)\s*)?", re.IGNORECASE
 )
+_COMMENT = re.compile(r"(\"[^\"]*\")|;.*")  #: no comment within a string
 _NAMED_TOOL = re.compile(r"\bT\s*=\s*\"([^\"]*)\"", re.IGNORECASE)
 _FIRST_SPINDLE = re.compile(r"\b([SM])1\s*=", re.IGNORECASE)  #: S1=1000 M1=3
 _KEY_WORD = re.compile(r"\w+")
+#: letters with numbers and nothing else, which most lines of most programs are; G25 and G26 take
+#: other words, and L calls a subprogram
+_LETTERS = re.compile(r"(?:(?!G2[56](?!\d))[A-KM-Z]\s*[-+]?(?:\d+\.?\d*|\.\d+)\s*)+", re.IGNORECASE)
 _MACHINE_AXIS = re.compile(r"\b([XYZ])1\s*=", re.IGNORECASE)  #: G74 X1=0
 _TILTED = re.compile(r"CYCLE800\s*\((.*)\)", re.IGNORECASE)
+_APART = frozenset((4.0, 9.0, 74.0, 75.0, 331.0, 332.0))  #: codes that take over their block
 _NO_FRAMES = (("G", 53.0), ("G", 153.0))
 _SUPPRESSED = re.compile(r"\bSUPA\b", re.IGNORECASE)  #: every frame, for one block
 
@@ -48,7 +53,7 @@ _TURNED = {XY: {}, XZ: str.maketrans("xyzijk", "zxykij"), YZ: str.maketrans("xyz
 
 @lru_cache(maxsize=4096)
 def _split_head(line: str) -> tuple[re.Match, str]:
-    text = re.sub(r";.*", "", line).strip()
+    text = _COMMENT.sub(lambda found: found[1] or "", line).strip()
     head = _HEAD.match(text)
     return head, text[head.end() :].strip()
 
@@ -143,6 +148,9 @@ class SinumerikReader(Translated):
             raise
 
     def _obey(self, content: str) -> None:
+        if _LETTERS.fullmatch(content):
+            self._motion(None, content)
+            return
         if self.flow.obey(content):
             self.controller.use(_KEY_WORD.match(content)[0].upper())
             return
@@ -159,7 +167,10 @@ class SinumerikReader(Translated):
             self._note(word)
         if '"' in content:
             content = _NAMED_TOOL.sub(lambda m: f"T{self.controller.tool_named(m[1])}", content)
-        kind, content = _arc_and_words(content)
+        self._motion(*_arc_and_words(content))
+
+    def _motion(self, kind: str | None, content: str) -> None:
+        """Words of motion, and CIP or CT among them."""
         words = self.words.read(content)
         self._use(words, kind)
         if kind is None and not any(letter in "XYZABCUVW" for letter, _ in words):
@@ -169,18 +180,19 @@ class SinumerikReader(Translated):
 
     def _obey_words(self, words: Words, arc: str | None) -> None:
         g_codes = [value for letter, value in words if letter == "G"]
-        if 4.0 in g_codes:
-            self.motion.dwell(words)
-            return
-        if {74.0, 75.0} & set(g_codes):
-            self.motion.fixed_point(words)
-            return
-        if {331.0, 332.0} & set(g_codes):
-            words, g_codes = self.motion.rigid_tap(words)
-        if 9.0 in g_codes:
-            words = [w for w in words if w != ("G", 9.0)]
-            self._stop_exactly(words, arc)
-            return
+        if not _APART.isdisjoint(g_codes):
+            if 4.0 in g_codes:
+                self.motion.dwell(words)
+                return
+            if {74.0, 75.0} & set(g_codes):
+                self.motion.fixed_point(words)
+                return
+            if {331.0, 332.0} & set(g_codes):
+                words, g_codes = self.motion.rigid_tap(words)
+            if 9.0 in g_codes:
+                words = [w for w in words if w != ("G", 9.0)]
+                self._stop_exactly(words, arc)
+                return
         self.units.select(words)
         self.tools.change(words)
         self.poles.obey(words, g_codes)

@@ -26,6 +26,7 @@ __all__ = ["SoftApproach"]
 #: code -> quarters of a circle, 0 a line
 _TO = {147.0: 0, 247.0: 1, 347.0: 2}
 _AWAY = {148.0: 0, 248.0: 1, 348.0: 2}
+_KINDS = frozenset((*_TO, *_AWAY))
 _OWN = ("DISR", "DISCL", "FAD")
 _SIDES = {41.0: 1, 42.0: -1}
 #: codes of such a block that are obeyed with it
@@ -78,12 +79,12 @@ class SoftApproach:
 
     def obey(self, words: Words, g_codes: list[float]) -> bool:
         """Obey a block that approaches or leaves softly; tells whether it was one."""
-        for code in (340.0, 341.0):
-            self.in_plane = code == 341.0 if code in g_codes else self.in_plane
-        self.from_side = next((c for c in g_codes if 140.0 <= c <= 143.0), self.from_side)
         if self.waiting is not None:
             self._go_to(words, g_codes)
-        kinds = {**_TO, **_AWAY}.keys() & set(g_codes)
+        kinds = _KINDS.intersection(g_codes)
+        for code in g_codes:
+            self.in_plane = code == 341.0 if code in (340.0, 341.0) else self.in_plane
+            self.from_side = code if 140.0 <= code <= 143.0 else self.from_side
         if kinds:
             self._check(words, next(iter(kinds)))
             (self._wait if kinds & _TO.keys() else self._leave)(words, g_codes)

@@ -35,7 +35,8 @@ class ToolWords:
         self.reader = reader
         self.is_flat = reader.options.control.options.get("d_numbers") == "flat"
         self.edge = 0 if self.is_flat else 1  #: D; 0 takes the tool offset off
-        self._wants_d = False  #: a tool was called and no D since
+        self._has_d = True  #: D was said since the last T
+        self._wants_d = False  #: a tool was changed, and nobody said its D
 
     @property
     def offset(self) -> int:
@@ -53,23 +54,26 @@ class ToolWords:
         values, reader = dict(words), self.reader
         if "T" in values:
             reader.execute(f"t{values['T']:.0f}")
-            self._wants_d = self.is_flat
-        edge = self._edge(values)
+            self._has_d = False
+        edge = self._edge(words)
         changed = any(letter == "M" and value == 6 for letter, value in words)
         if changed:
             reader.execute("m6")
+            self._wants_d = self.is_flat and not self._has_d
         if changed or edge != self.edge:
             self.edge = edge
             reader.execute(f"g43h{self.offset}" if self.offset else "g49")
 
-    def _edge(self, values: dict[str, float]) -> int:
+    def _edge(self, words: Words) -> int:
         """D of a block, or the one that is in force."""
+        values = dict(words)
         if "D" not in values:
-            if self._wants_d and values.keys() & {"X", "Y", "Z"}:
+            moves = bool(values.keys() & {"X", "Y", "Z"}) and ("G", 53.0) not in words
+            if self._wants_d and moves:
                 raise ProgramError("a tool is called without D, and D numbers are flat",
                                    accepted="D with the number of its offset")  # fmt: skip
             return self.edge
-        number, self._wants_d = values["D"], False
+        number, self._has_d, self._wants_d = values["D"], True, False
         if self.is_flat and number in (0.0, *self.reader.controller.offsets):
             return int(number)
         if self.is_flat:

@@ -40,7 +40,7 @@ def slack_of(survey: Survey, fit: JointFit) -> np.ndarray:
     if fit.slack_mm is not None:
         return fit.slack_mm
     parts = [
-        survey.slack(term.effect, term.target, fit.parameters(k))
+        fit.slack_scale * survey.slack(term.effect, term.target, fit.parameters(k))
         for k, term in enumerate(fit.terms)
         if term.effect.slack_share > 0.0
     ]

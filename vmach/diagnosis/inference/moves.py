@@ -123,7 +123,27 @@ def _filled(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     if little.posterior.sizes != here.posterior.sizes:
         start = weighing.explain(here.terms, little.posterior.sizes, refine=False, resize=False)
         for child in _filled_up(weighing, start, here.labels, _MOVES):
-            yield from _possible(weighing.explain(child.terms, child.posterior.sizes))
+            if weighing.resized(child, little.posterior.sizes).score > here.score - _NEAR:
+                yield from _possible(weighing.explain(child.terms, child.posterior.sizes))
+        for k in _leading(weighing, here, here.labels):
+            first = weighing.extend(here, k, refine=False)
+            if first.score > here.score - _NEAR:
+                yield from _followed(weighing, first, than=here)
+
+
+def _followed(weighing: Weighing, here: Explanation, *, than: Explanation) -> Iterator[Explanation]:
+    """An explanation with ever more effects while that brings it on, and members give way."""
+    start = here
+    while len(here.terms) < len(start.terms) + _MOVES:
+        children = (
+            weighing.extend(here, k, refine=False) for k in _leading(weighing, here, here.labels)
+        )
+        best = max(children, key=lambda e: e.score, default=here)
+        if best.score < here.score + _STEP:
+            break
+        here = best
+    if here is not start and here.score > than.score - _NEAR:
+        yield from _possible(weighing.explain(here.terms, here.posterior.sizes))
 
 
 def _filled_up(

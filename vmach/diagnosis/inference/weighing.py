@@ -12,6 +12,7 @@ from scipy.special import gammaln
 
 from vmach.diagnosis.gates.absorbing import slack_of
 from vmach.diagnosis.inference.bank import Bank
+from vmach.diagnosis.inference.careful_fit import careful_fit
 from vmach.diagnosis.inference.rules import UNMEASURED
 from vmach.effects import Effect
 from vmach.fit.base import Base
@@ -36,10 +37,9 @@ _START = 0.3
 _LOOKED_OVER = 5000
 #: readings of the explanations that are remembered
 _ROOM = 100_000
-#: times that what the laws leave open is set by the fit before, so that it is a share of the last
-_PASSES = 3
-#: log probability that such a pass may cost; where it is right it costs a few hundredths
-_LESS = 0.5
+#: share of their stated inexactness that laws may have as well, with even odds; chosen: nature is
+#: sometimes as simple as a law
+_EXACT = 0.2
 
 
 @dataclass(frozen=True)
@@ -250,25 +250,43 @@ class Weighing:
         return self._fits.get(key, lambda: fit_terms(beside, terms, refine=refine))
 
     def _weighed(self, fit: JointFit, sizes: Sizes, *, resize: bool) -> Explanation:
-        effects = Effects(self._open(fit), self._log_prior_of(fit))
+        """A fit with the sizes beside it, and how inexact its laws are: as stated, or less."""
+        slack = self._slack(fit)
+        if slack is None:
+            return self._sized(fit, None, sizes, resize=resize)
+        stated = self._sized(fit, slack, sizes, resize=resize)
+        closer = replace(fit, slack_scale=_EXACT)
+        less = self._sized(closer, slack, stated.posterior.sizes, resize=False)
+        if less.score < stated.score:
+            return stated
+        return self._sized(closer, slack, stated.posterior.sizes, resize=resize)
+
+    def _sized(
+        self, fit: JointFit, slack: Columns | None, sizes: Sizes, *, resize: bool
+    ) -> Explanation:
+        shown = self._open(fit)
+        log_prior = self._log_prior_of(fit)
+        if slack is not None:
+            shown = shown.beside(slack.scaled(np.full(len(slack), fit.slack_scale)))
+            log_prior -= np.log(2.0)
+        effects = Effects(shown, log_prior)
         if resize:
             return Explanation(fit, best_sizes(self.base, sizes, effects))
         return Explanation(fit, Posterior(self.base, sizes, effects))
 
+    def _slack(self, fit: JointFit) -> Columns | None:
+        """Columns of what the laws leave open, as far as stated."""
+        slack = slack_of(self.survey, replace(fit, slack_mm=None, slack_scale=1.0))
+        return self.base.columns(slack) if slack.shape[1] else None
+
     def _open(self, fit: JointFit) -> Columns:
-        """Columns of unit prior variance of all that is open about a fit."""
+        """Columns of unit prior variance of amplitudes and inner parameters of a fit."""
         widths = [
             np.full(len(c), term.width or width_of(c))
             for term, c in zip(fit.terms, fit.coefficients, strict=True)
         ]
         widths += [term.spread_of_inner for term in fit.terms]
-        slack = [
-            self.survey.slack(term.effect, term.target, fit.parameters(k))
-            for k, term in enumerate(fit.terms)
-            if term.effect.slack_share > 0.0
-        ]
-        shown = fit.open.scaled(np.concatenate(widths))
-        return shown.beside(self.base.columns(np.hstack(slack))) if slack else shown
+        return fit.open.scaled(np.concatenate(widths))
 
     def _log_prior_of(self, fit: JointFit) -> float:
         total = self._log_prior_of_count(self._count(fit.terms))
@@ -301,26 +319,10 @@ class Weighing:
         """The fit with what its laws leave open counted as uncertainty of the readings."""
 
         def made() -> tuple[Explanation, JointFit | None]:
-            return explanation, self._careful(explanation)
+            fit, sizes = explanation.fit, explanation.posterior.sizes
+            return explanation, careful_fit(self.base, fit, sizes) if fit else None
 
         return self._careful_fits.get(id(explanation), made)[1]
-
-    def _careful(self, explanation: Explanation) -> JointFit | None:
-        fit, score = explanation.fit, explanation.score
-        sizes = explanation.posterior.sizes
-        for _ in range(_PASSES if fit else 0):
-            slack = slack_of(self.survey, replace(fit, slack_mm=None))
-            noise = Posterior(self.base, sizes, Effects(self.base.columns(slack)))
-            trial = fit_terms(noise, fit.terms)
-            if slack.shape[1] == 0:
-                return trial
-            trial_score = self._weighed(trial, sizes, resize=False).score
-            if trial_score < score - _LESS:
-                # an effect that grows leaves more open, which lets it grow: not so
-                wider = fit_terms(noise, fit.terms, refine=False)
-                return replace(wider, coefficients=fit.coefficients, slack_mm=slack)
-            fit, score = replace(trial, slack_mm=slack), trial_score
-        return fit
 
     def without(
         self, explanation: Explanation, ks: Sequence[int], *, resize: bool = True

@@ -21,6 +21,7 @@ __all__ = ["CycleCalls"]
 #: cycle -> how many of its arguments a second public source has in the same order; the others of
 #: these cycles rest on memory. d-creations/ncplot7py on GitHub, siemens_mill_cnc/cycles_handler.py
 _ORDER_CONFIRMED = {"CYCLE76": 11, "CYCLE77": 8, "SLOT2": 13}
+_TURNS = re.compile(r"CYCLE(?:9[2-9]|930|940|95[0-2])")
 _MEASURES = re.compile(r"CYCLE9[6-9]\d")
 #: cycles that cut in a way that is the control's own, or that no source confirmed
 _UNREAD = {
@@ -32,6 +33,7 @@ _UNREAD = {
     "CYCLE70": "thread milling",
     "CYCLE78": "drilling and thread milling",
     "CYCLE79": "polygon",
+    "CYCLE802": "a list of places",
     "CYCLE899": "open slot",
 }
 _KNOWN = CYCLES | PATTERNS | MILLING | {"CYCLE71", "CYCLE72", "CYCLE90"}
@@ -61,6 +63,8 @@ class CycleCalls:
         reader = self.reader
         if _MEASURES.fullmatch(name):
             raise reader.unknown(call=name)
+        if _TURNS.fullmatch(name):
+            raise ProgramError(f"{name} is a cycle of turning programs", accepted="milling")
         if name in _UNREAD:
             raise ProgramError(f"{name} ({_UNREAD[name]}) is not read",
                                hint="post the program without this cycle")  # fmt: skip
