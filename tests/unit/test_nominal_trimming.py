@@ -36,7 +36,7 @@ def test_lines_through_vertices_that_differ_by_rounding(first, rounding):
     trim = Trim(plane, np.zeros((len(segments), 2, 3)), segments)
     for one in (trim, trim.transposed()):
         assert one.v_range() == pytest.approx((-4.0, 4.0))
-        assert np.isfinite(one.grid(5)).all()
+        assert np.isfinite(one.grid(5, 5)).all()
         row, ends = one.row_intervals(np.array([-2.0, 0.0, 2.0]))
         assert row.tolist() == [0, 1, 1, 2]
         widths = ends[:, 1] - ends[:, 0]

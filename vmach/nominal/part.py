@@ -196,11 +196,11 @@ class NominalPart:
             said = f"{len(bare)} faces are too narrow for a point: {', '.join(bare[:5])}"
             notes = (Note.plain(Kind.NARROW, said, len(bare), "1", place=bare[0]),)
         return SurfacePoints(
-            id=np.arange(1, sum(counts) + 1),
-            feature=np.repeat([face.name for face in self.faces], counts),
-            point_mm=np.vstack([points for points, _, _ in samples]),
-            normal=np.vstack([normals for _, normals, _ in samples]),
-            weight=np.concatenate([weight for _, _, weight in samples]),
+            id=_own(np.arange(1, sum(counts) + 1).astype(str)),
+            feature=_own(np.repeat([face.name for face in self.faces], counts)),
+            point_mm=_own(np.concatenate([points for points, _, _ in samples])),
+            normal=_own(np.concatenate([normals for _, normals, _ in samples])),
+            weight=_own(np.concatenate([weight for _, _, weight in samples])),
             notes=self.notes + notes,
         )
 
@@ -217,3 +217,9 @@ class NominalPart:
                 accepted=f"at most {max_points} points",
                 hint=f"use {np.sqrt(area_mm2 / max_points):.2g} mm or more",
             )
+
+
+def _own(array: np.ndarray) -> np.ndarray:
+    """An array that nobody else holds, read-only: a record that takes it need not copy it."""
+    array.setflags(write=False)
+    return array

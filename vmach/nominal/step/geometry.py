@@ -107,7 +107,7 @@ class GeometryReader:
     def _triple(self, entity: StepEntity, kind: str) -> list[float]:
         values = entity.arguments[1] if entity.is_a(kind) and len(entity.arguments) > 1 else ()
         try:
-            triple = [_number(value) for value in values]
+            triple = [v if type(v) is float else _number(v) for v in values]
         except (TypeError, ValueError):
             triple = []
         if len(triple) != 3 or not all(map(math.isfinite, triple)):

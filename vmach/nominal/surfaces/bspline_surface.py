@@ -40,6 +40,7 @@ class BSplineSurface:
     """
 
     kind = label = "free-form"
+    varies = ("uv", "uv")
 
     def __init__(
         self,

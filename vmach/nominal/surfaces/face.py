@@ -5,7 +5,7 @@ Source: ISO 10303-42 (sense of a face against its surface).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -74,24 +74,17 @@ class SurfaceFace:
         Where the face is narrow it gets points near its edges as well, so that at least three lie
         across it.
         """
-        even = sample_uv(self.trim, spacing_mm, spacing_mm)
-        uv = np.vstack([even, _near_edges(self.trim, spacing_mm, ROW_MARGINS * edge_margin_mm)])
+        rows = _Rows.of(self.trim, spacing_mm)
+        columns = _Rows.of(self.trim.transposed(), spacing_mm)
+        inset_mm = ROW_MARGINS * edge_margin_mm
+        even = rows.evenly(spacing_mm)
+        beside = rows.near_edges(spacing_mm, inset_mm), columns.near_edges(spacing_mm, inset_mm)
+        uv = np.concatenate([even, beside[0], beside[1][:, ::-1]])
         points = self.surface.evaluate(uv)
         keep = ~near_segments(points, self.trim.segments_mm, edge_margin_mm)
         first = np.count_nonzero(keep[: len(even)])
         points = points[keep]
         return points, self.normals(uv[keep]), shared_weights(points[:first], points[first:])
-
-
-def _near_edges(trim: Trim, spacing_mm: float, inset_mm: float) -> np.ndarray:
-    """Parameters of points near both ends of short rows and of short columns, (P, 2)."""
-    found = []
-    for one, order in ((trim, slice(None)), (trim.transposed(), slice(None, None, -1))):
-        rows = _Rows.at(one, _row_levels(one, spacing_mm))
-        across = rows.length_mm[:, -1]
-        short = ~rows.is_closed & (2.0 * inset_mm < across) & (across < NARROW * spacing_mm)
-        found.append(rows.some(short).ends(inset_mm)[:, order])
-    return np.vstack(found)
 
 
 def sample_uv(trim: Trim, row_mm: float, point_mm: float) -> np.ndarray:
@@ -101,12 +94,7 @@ def sample_uv(trim: Trim, row_mm: float, point_mm: float) -> np.ndarray:
     `point_mm` apart, divide each row's intervals inside the face evenly, so that narrow faces
     have their points in the middle.
     """
-    rows = _Rows.at(trim, _row_levels(trim, row_mm))
-    interval, uv = rows.divided(point_mm)
-    # closed rows are turned against each other
-    turn = np.where(rows.is_closed, rows.row * _GOLDEN % 1.0, 0.0) * trim.surface.u_period
-    uv[:, 0] += (turn / np.bincount(interval, minlength=len(turn)))[interval]
-    return uv
+    return _Rows.of(trim, row_mm).evenly(point_mm)
 
 
 @dataclass(frozen=True)
@@ -124,6 +112,8 @@ class _Rows:
         Length from its beginning up to each.
     is_closed : (I,) bool
         Whether it goes round to its beginning.
+    period : float
+        Of u; 0 where it does not close.
     """
 
     row: np.ndarray
@@ -131,21 +121,36 @@ class _Rows:
     u: np.ndarray
     length_mm: np.ndarray
     is_closed: np.ndarray
+    period: float
 
     @classmethod
-    def at(cls, trim: Trim, levels: np.ndarray) -> _Rows:
-        """Intervals at levels of v, (R,)."""
+    def of(cls, trim: Trim, row_mm: float) -> _Rows:
+        """Intervals in rows about `row_mm` apart, which divide the face's extent evenly."""
+        levels = _divide(*_extent(trim), row_mm)
         row, ends = trim.row_intervals(levels)
         v, period = levels[row], trim.surface.u_period
-        u = np.linspace(ends[:, 0], ends[:, 1], _PIECES + 1, axis=1)
-        along, _ = trim.surface.derivatives(np.column_stack([u.ravel(), np.repeat(v, _PIECES + 1)]))
+        places = _PIECES + 1 if "u" in trim.surface.varies[0] else 2
+        u = np.ascontiguousarray(np.linspace(ends[:, 0], ends[:, 1], places, axis=1))
+        along, _ = trim.surface.derivatives(np.column_stack([u.ravel(), np.repeat(v, places)]))
         speed = np.linalg.norm(along, axis=1).reshape(u.shape)
         closed = np.ptp(ends, axis=1) >= period if period else np.zeros(len(row), dtype=bool)
-        return cls(row, v, u, _length_along(u, speed), closed)
+        return cls(row, v, u, _length_along(u, speed), closed, period)
 
-    def some(self, chosen: np.ndarray) -> _Rows:
-        """The chosen intervals, (I,) bool."""
-        return _Rows(*(getattr(self, one.name)[chosen] for one in fields(self)))
+    def evenly(self, spacing_mm: float) -> np.ndarray:
+        """u and v of points that divide each interval evenly, about the spacing apart, (P, 2)."""
+        interval, uv = self.divided(spacing_mm)
+        # closed rows are turned against each other
+        turn = np.where(self.is_closed, self.row * _GOLDEN % 1.0, 0.0) * self.period
+        uv[:, 0] += (turn / np.bincount(interval, minlength=len(turn)))[interval]
+        return uv
+
+    def near_edges(self, spacing_mm: float, inset_mm: float) -> np.ndarray:
+        """u and v of points this far from both ends of intervals that are short, (P, 2)."""
+        across = self.length_mm[:, -1]
+        short = ~self.is_closed & (2.0 * inset_mm < across) & (across < NARROW * spacing_mm)
+        interval = np.repeat(np.flatnonzero(short), 2)
+        inset = np.where(np.arange(len(interval)) % 2, across[interval] - inset_mm, inset_mm)
+        return self._at(inset, interval)
 
     def divided(self, spacing_mm: float) -> tuple[np.ndarray, np.ndarray]:
         """Points in the middle of equal lengths of about the spacing.
@@ -160,31 +165,19 @@ class _Rows:
         number = np.arange(len(interval)) - np.repeat(np.cumsum(count) - count, count)
         return interval, self._at((number + 0.5) * (whole / count)[interval], interval)
 
-    def ends(self, inset_mm: float) -> np.ndarray:
-        """Points this far from both ends of each interval, (2 I, 2)."""
-        interval = np.repeat(np.arange(len(self.row)), 2)
-        length = np.column_stack(
-            [np.full(len(self.row), inset_mm), self.length_mm[:, -1] - inset_mm]
-        )
-        return self._at(length.ravel(), interval)
-
     def _at(self, length_mm: np.ndarray, interval: np.ndarray) -> np.ndarray:
         """u and v at lengths from the beginning of intervals, (P, 2)."""
         u = interpolated(length_mm, interval, self.length_mm, self.u)
         return np.column_stack([u, self.v[interval]])
 
 
-def _row_levels(trim: Trim, row_mm: float) -> np.ndarray:
-    """Values of v of rows whose mean distance is the spacing."""
-    return _divide(*_extent(trim), row_mm)
-
-
 def _extent(trim: Trim) -> tuple[np.ndarray, np.ndarray]:
     """Values of v over the face, and the mean length up to each, mm."""
-    grid = trim.grid(33)
+    varies = trim.surface.varies[1]
+    grid = trim.grid(_PIECES + 1 if "u" in varies else 1, _PIECES + 1 if "v" in varies else 2)
     speed = np.linalg.norm(trim.surface.derivatives(grid.reshape(-1, 2))[1], axis=1)
     v = grid[0, :, 1]
-    return v, _length_along(v, speed.reshape(33, 33).mean(axis=0))
+    return v, _length_along(v, speed.reshape(grid.shape[:2]).mean(axis=0))
 
 
 def _length_along(parameter: np.ndarray, speed: np.ndarray) -> np.ndarray:

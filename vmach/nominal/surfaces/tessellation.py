@@ -8,15 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
 from vmach.errors import InputError
 from vmach.nominal.mesh.thinning import near_segments
 from vmach.nominal.mesh.unique_rows import unique_rows
-from vmach.nominal.step.solids import CHORD_MM, Edge, Solid, SolidFace
+from vmach.nominal.step.solids import CHORD_MM, Edge, Solid, SolidFace, is_straight
 from vmach.nominal.surfaces import Plane, Sphere, Surface, unit_normals
-from vmach.nominal.surfaces.crowding import crowded_segments
+from vmach.nominal.surfaces.crowding import crowded_places
 from vmach.nominal.surfaces.curved_triangles import volume_under_mm3
 from vmach.nominal.surfaces.delaunay import centres, delaunay
 from vmach.nominal.surfaces.face import sample_uv
@@ -99,18 +100,18 @@ def _conforming(solid: Solid, patches: list[_Patch]) -> tuple[dict[int, Edge], l
     edges, patches = dict(solid.edges), list(patches)
     stale = set(range(len(patches)))
     for _ in range(_PASSES):
-        marked: dict[int, set[int]] = {}
+        marked: dict[int, set[tuple[int, float]]] = {}
         for index in stale:
-            for number, segment in _crowded(edges, solid.faces[index], patches[index]):
-                marked.setdefault(number, set()).add(segment)
+            for number, place in _crowded(edges, solid.faces[index], patches[index]):
+                marked.setdefault(number, set()).add(place)
         if max((len(edges[n].t) for n in marked), default=0) > _MOST_PIECES:
             raise InputError(
                 f"an edge cut into {_MOST_PIECES} pieces still comes too near to another one",
                 accepted="edges that do not cross",
                 hint="the CAD is damaged; repair the face and export it again",
             )
-        for number, segments in marked.items():
-            edges[number] = edges[number].split(np.array(sorted(segments)))
+        for number, places in marked.items():
+            edges[number] = edges[number].split(sorted(places))
         stale = {i for i, f in enumerate(solid.faces) if any(n in marked for n, _ in f.edges)}
         for index in stale:
             trim = _trim(edges, solid.faces[index], patches[index].trim.surface)
@@ -118,17 +119,21 @@ def _conforming(solid: Solid, patches: list[_Patch]) -> tuple[dict[int, Edge], l
     return edges, patches
 
 
-def _crowded(edges: dict[int, Edge], face: SolidFace, patch: _Patch) -> Iterator[tuple[int, int]]:
-    """Edges of a face, and their segments whose circle holds another point."""
-    crowded = np.flatnonzero(patch.crowded())
+def _crowded(
+    edges: dict[int, Edge], face: SolidFace, patch: _Patch
+) -> Iterator[tuple[int, tuple[int, float]]]:
+    """Edges of a face, and where: which of their segments, and the share of it."""
+    count = np.array([len(edges[number].t) - 1 for number, _ in face.edges], dtype=np.int64)
+    straight = [is_straight(edges[number].curve, face.surface) for number, _ in face.edges]
+    crowded, share = patch.crowded(np.repeat(np.array(straight, dtype=bool), count))
     if not len(crowded):
         return
-    after = np.cumsum([len(edges[number].t) - 1 for number, _ in face.edges])
-    for segment, which in zip(crowded, np.searchsorted(after, crowded, "right"), strict=True):
+    after = np.cumsum(count)
+    at = np.searchsorted(after, crowded, "right")
+    for which, segment, part in zip(at, crowded.tolist(), share.tolist(), strict=True):
         number, left = face.edges[which]
-        # counted from the end of the edge
-        back = int(after[which] - 1 - segment)
-        yield number, len(edges[number].t) - 2 - back if left else back
+        back = int(after[which]) - 1 - segment  # counted from the end of the edge
+        yield number, (len(edges[number].t) - 2 - back, part) if left else (back, 1.0 - part)
 
 
 @dataclass(frozen=True)
@@ -165,12 +170,16 @@ class _Patch:
     def _periods(self) -> np.ndarray:
         return np.array([self.trim.surface.u_period, self.trim.surface.v_period])
 
-    def crowded(self) -> np.ndarray:
-        """Mask of the segments whose circle holds another point, (S,)."""
+    def crowded(self, straight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Segments whose circle holds another point, (N,), and the shares where to halve them.
+
+        `straight` (S,) are those that are straight in u and v.
+        """
         trim = self.trim
-        length = np.linalg.norm(trim.segments_mm[:, 1] - trim.segments_mm[:, 0], axis=1)
-        crowded = crowded_segments(trim.segments_uv, self.inner, self.scale, self._periods)
-        return crowded & (length > CHORD_MM)
+        length_mm = np.linalg.norm(trim.segments_mm[:, 1] - trim.segments_mm[:, 0], axis=1)
+        return crowded_places(
+            trim.segments_uv, straight, length_mm, CHORD_MM, self.inner, self.scale, self._periods
+        )
 
     def triangles(self, middle_mm: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Vertices (V, 3) mm, Delaunay triangles (T, 3), and middles of their sides (T, 3, 3) mm.
@@ -272,11 +281,12 @@ def _pole(trim: Trim, v: float) -> np.ndarray:
 
 def _bend_and_speed(trim: Trim) -> tuple[np.ndarray, np.ndarray]:
     """Along u and v: largest turn of the normal per length (1/mm), mean length per parameter."""
-    grid = trim.grid(9)
+    grid = trim.grid(9, 9)
     flat = grid.reshape(-1, 2)
     points = trim.surface.evaluate(flat).reshape(*grid.shape[:2], 3)
+    slopes = trim.surface.derivatives(flat)
     with np.errstate(invalid="ignore", divide="ignore"):
-        normals = unit_normals(trim.surface, flat).reshape(points.shape)
+        normals = unit_normals(trim.surface, flat, slopes).reshape(points.shape)
     bend = np.zeros(2)
     for axis in range(2):
         turn = np.linalg.norm(np.diff(normals, axis=axis), axis=2)
@@ -284,7 +294,7 @@ def _bend_and_speed(trim: Trim) -> tuple[np.ndarray, np.ndarray]:
         # at a pole there is neither a length nor a normal
         usable = (length > 1e-2 * length.max()) & np.isfinite(turn)
         bend[axis] = (turn[usable] / length[usable]).max(initial=0.0)
-    speed = [np.linalg.norm(slope, axis=1).mean() for slope in trim.surface.derivatives(flat)]
+    speed = [np.linalg.norm(slope, axis=1).mean() for slope in slopes]
     return np.where(bend > 1e-9, bend, 0.0), np.array(speed)
 
 
@@ -302,5 +312,11 @@ def _tiled(uv: np.ndarray, periods: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 def _shaken(points: np.ndarray, owner: np.ndarray) -> np.ndarray:
     """Points moved a little, all copies alike, so that no four lie on one circle."""
-    shake = np.random.default_rng(0).uniform(-1.0, 1.0, (owner.max(initial=0) + 1, 2))
+    shake = _shakes(int(owner.max(initial=0) + 1).bit_length())
     return points + _SHAKE * np.ptp(points, axis=0).max() * shake[owner]
+
+
+@cache
+def _shakes(bits: int) -> np.ndarray:
+    """Random directions, (2**bits, 2), of which the first are the same for all numbers of bits."""
+    return np.random.default_rng(0).uniform(-1.0, 1.0, (2**bits, 2))

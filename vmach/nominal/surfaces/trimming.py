@@ -68,22 +68,22 @@ class Trim:
         if self.surface.v_period:
             return self._v_range_around(self.surface.v_period)
         low, high = self.surface.v_limits
-        v, begins = self._column()
-        if len(v) and begins[np.argmin(v)]:
+        v, begins = self._column
+        if len(v) and begins[v.argmin()]:
             low = self.segments_uv[:, :, 1].min()
-        if len(v) and not begins[np.argmax(v)]:
+        if len(v) and not begins[v.argmax()]:
             high = self.segments_uv[:, :, 1].max()
         return low, high
 
-    def grid(self, count: int) -> np.ndarray:
-        """A grid of u and v over the face's extent, (count, count, 2)."""
+    def grid(self, columns: int, rows: int) -> np.ndarray:
+        """A grid of u and v over the face's extent, (columns, rows, 2)."""
         u = self.segments_uv[:, :, 0]
         turn = self.surface.u_period
         full = not u.size or (turn and np.ptp(u) > 0.5 * turn)
         ends = (0.0, turn) if full else (u.min(), u.max())
-        grid = np.empty((count, count, 2))
-        grid[:, :, 0] = np.linspace(*ends, count)[:, None]
-        grid[:, :, 1] = np.linspace(*self.v_range(), count)
+        grid = np.empty((columns, rows, 2))
+        grid[:, :, 0] = np.linspace(*ends, columns)[:, None]
+        grid[:, :, 1] = np.linspace(*self.v_range(), rows)
         return grid
 
     def row_intervals(self, levels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -126,7 +126,7 @@ class Trim:
         That can only be said where the surface neither closes nor ends in a pole.
         """
         surface = self.surface
-        place, begins = self._row() if surface.v_period else self._column()
+        place, begins = self._row if surface.v_period else self._column
         if (surface.v_period and surface.u_period) or not len(place):
             return False
         known = np.array([not is_pole(surface, v) for v in surface.v_limits])
@@ -143,22 +143,20 @@ class Trim:
         segments_uv = np.ascontiguousarray(self.segments_uv[:, ::-1])
         return Trim(self.surface, self.segments_mm[:, ::-1], segments_uv)
 
+    @cached_property
     def _column(self) -> tuple[np.ndarray, np.ndarray]:
         """Crossings of one column with the edges: v, and whether the face begins there."""
-        return self._line(0, self.surface.u_period)
+        return line_crossings(self.segments_uv, 0, self.surface.u_period)
 
+    @cached_property
     def _row(self) -> tuple[np.ndarray, np.ndarray]:
         """Crossings of one row with the edges: u, and whether the face begins there."""
-        u, upward = self._line(1, self.surface.v_period)
+        u, upward = line_crossings(self.segments_uv, 1, self.surface.v_period)
         return u, ~upward
-
-    def _line(self, axis: int, period: float) -> tuple[np.ndarray, np.ndarray]:
-        """Crossings with one line of constant u or v, and whether they lead upwards."""
-        return line_crossings(self.segments_uv, axis, period)
 
     def _covers_rows(self, v: np.ndarray) -> np.ndarray:
         """Whether rows (R,) that meet no edge are inside, from the nearest crossing of a column."""
-        crossing, begins = self._column()
+        crossing, begins = self._column
         if not len(crossing) or not len(v):
             return np.ones(len(v), dtype=bool)
         period = self.surface.v_period
@@ -185,6 +183,9 @@ class Trim:
         return float(begin[widest]), float(begin[widest] + period - gap[widest])
 
 
+_EXCHANGED = str.maketrans("uv", "vu")
+
+
 class _Transposed:
     """A surface with u and v exchanged, as far as rows of points ask for it."""
 
@@ -192,6 +193,8 @@ class _Transposed:
         self._surface = surface
         self.u_period, self.v_period = surface.v_period, surface.u_period
         self.v_limits = (-np.inf, np.inf)
+        along_u, along_v = surface.varies
+        self.varies = along_v.translate(_EXCHANGED), along_u.translate(_EXCHANGED)
 
     def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """dS/du and dS/dv of the exchanged u and v, (N, 3) each."""
