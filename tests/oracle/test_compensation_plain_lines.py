@@ -214,6 +214,7 @@ def test_the_written_program_read_again_makes_the_intended_path(tmp_path, dialec
         ("sinumerik", "F100\nCYCLE86(20,0,2,-10,,0,3,1,1,1,0)", "boring"),
         ("sinumerik", "G331 Z-5 K1", "tapping"),
         ("heidenhain", "CC X+0 Y+0\nCP IPA+90 IZ-3 DR+ F200", "polar coordinates"),
+        ("heidenhain", "L X+50 F200 M118 Z1", "M118"),
     ],
 )
 def test_what_has_no_plain_lines_is_refused_by_line_and_word(tmp_path, dialect, body, word):

@@ -285,3 +285,21 @@ def test_the_worked_example_of_g221():
         for u, v in zip(column.ravel(), line.ravel(), strict=True)
     }  # fmt: skip
     assert holes == wanted
+
+
+# iTNC 530, User's Manual, section 11.5: M118 names how far the handwheel may go beside the path
+@pytest.mark.parametrize(
+    ("block", "end"),
+    [
+        ("L X+5 F100 M118 Z1", [5, 0, 9]), ("L X+5 F100 M118 X1 Y1 Z-2.5 M8", [5, 0, 9]),
+        ("M118 X1 Y1 Z2", [0, 0, 9]), ("L M118 Z1 B2", [0, 0, 9]),
+        ("L X+5 F100 M120 LA10", [5, 0, 9]),
+        ("M120 LA10", [0, 0, 9]), ("L Y+5 M124 T0.01", [0, 5, 9]),
+        ("L X+5 M112 T0.01 A10", [5, 0, 9]),
+        ("M138 A C", [0, 0, 9]), ("L X+5 M138 C", [5, 0, 9]), ("L X+5 M118", [5, 0, 9]),
+    ],
+)  # fmt: skip
+def test_words_that_belong_to_an_m_function_are_no_places(block, end):
+    found = read(f"L X+0 Y+0 Z+9 R0 FMAX\n{block}\nL X+50 FMAX").moves
+    assert found.start_mm[-1] - [0, 0, 100] == pytest.approx(end)
+    assert found.end_mm[-1] - [0, 0, 100] == pytest.approx([50, *end[1:]])

@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from gcode.dialects.heidenhain.parameters import NUMBER
 from gcode.errors import ProgramError
 
 if TYPE_CHECKING:
     from gcode.dialects.heidenhain.reader import KlartextReader
 
-__all__ = ["BEFORE_MOTION", "m_code", "only_m"]
+__all__ = ["BEFORE_MOTION", "m_code", "only_m", "without_words_of_m"]
 
 _PLAIN = {3: "m3", 4: "m4", 5: "m5", 7: "m7", 8: "m8", 9: "m9", 0: "m0", 1: "m1", 6: ""}
 _READ = frozenset((*_PLAIN, 2, 13, 14, 30, 89, 91, 92, 99, 103, 140))
@@ -29,9 +30,27 @@ _REFUSED = {97: "small steps of a contour", 98: "open corners", 116: "feed of ro
             128: "tool centre point", 136: "feed per revolution", 144: "tilted head"}  # fmt: skip
 
 
+#: M functions with words of their own, which are no places: how far the handwheel may go beside the
+#: path (iTNC 530, User's Manual, section 11.5), blocks looked at ahead, tolerances, rotary axes
+_WITH_WORDS = re.compile(
+    rf"(M\s*118)(?:\s*[XYZABC]\s*{NUMBER})+|(M\s*120)\s*LA\s*{NUMBER}"
+    rf"|(M\s*1(?:12|24))(?:\s*[TA]\s*{NUMBER})+|(M\s*138)(?:\s+[ABC](?![\w+-]))+"
+)
+
+
+def without_words_of_m(reader: KlartextReader, content: str) -> str:
+    """A block without the words that belong to M112, M118, M120, M124 and M138."""
+    if "M1" not in content:
+        return content
+    left = _WITH_WORDS.sub(lambda found: f"{next(filter(None, found.groups()))} ", content)
+    if left != content and "118" in content:
+        reader.keep("M118, whose words look like places")
+    return left
+
+
 def only_m(reader: KlartextReader, content: str) -> None:
     """A block of M functions alone."""
-    content = reader.motion.plunging(content).strip()
+    content = without_words_of_m(reader, reader.motion.plunging(content)).strip()
     if not content:
         return
     if re.search(r"M\s*140\b", content):

@@ -9,7 +9,7 @@ from gcode.dialects.heidenhain.block_text import bare, joined_blocks, key_word
 from gcode.dialects.heidenhain.cycles.calls import CycleCalls
 from gcode.dialects.heidenhain.flow import KlartextFlow, measuring_cycle
 from gcode.dialects.heidenhain.frames import KlartextFrames
-from gcode.dialects.heidenhain.m_functions import only_m
+from gcode.dialects.heidenhain.m_functions import only_m, without_words_of_m
 from gcode.dialects.heidenhain.motion import KlartextMotion
 from gcode.dialects.heidenhain.motion_words import motion_words
 from gcode.dialects.heidenhain.parameters import QParameters
@@ -158,7 +158,8 @@ class KlartextReader(Translated):
 
     def words(self, content: str) -> tuple[dict[str, float | str | None], list[int]]:
         """Words of a motion line in the control's lengths, and its M codes."""
-        words, codes = motion_words(self.motion.plunging(content), self.parameters.number)
+        content = without_words_of_m(self, self.motion.plunging(content))
+        words, codes = motion_words(content, self.parameters.number)
         scaling = self.frames.scaling
         if not scaling.is_identity and not {91, 92} & set(codes):
             self.keep("scaling")

@@ -96,7 +96,7 @@ class CycleCalls:
             raise ProgramError(
                 f"Klartext cycle '{content}' is not read",
                 accepted="CYCL DEF " + ", ".join(map(str, known)),
-                hint="post the program without this cycle",
+                hint=_why_refused(cycle) + "post the program without this cycle",
             )
 
     def _data(self, text: str) -> dict[str, float]:
@@ -209,6 +209,14 @@ class CycleCalls:
             reader.execute(f"g0z{number(out)}")
         reader.execute(f"g0x{number(x)}y{number(y)}")
         self._run(cycle, data)
+
+
+def _why_refused(cycle: int) -> str:
+    if cycle == 19:
+        return "it tilts the plane, which a three-axis machine cannot; "
+    if 800 <= cycle < 900:
+        return "it is a cycle of turning programs; "
+    return ""
 
 
 def _changes_nothing(text: str) -> bool:
