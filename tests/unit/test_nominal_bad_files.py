@@ -140,3 +140,32 @@ def test_a_radius_with_a_reference_for_a_number_is_refused(tmp_path):
     part = spoilt(tmp_path, "part.step", text.replace(circle, "CIRCLE('',#375,#6)", 1))
     with pytest.raises(InputError, match="#6, in the place of a number"):
         read_nominal(part)
+
+
+KNOTS = "(4,1,1,4),(0.,5.830951894845,13.893209643144,\n    22.437213388461)"
+ROW = "(#35,#36,#37,#38,#39,#40,#41)"
+
+
+@pytest.mark.parametrize(
+    ("name", "right", "wrong", "said"),
+    [
+        ("revolved", "(4,1,1,4)", "(4,1,1000000000,4)", "1000000009 knots in place of 10"),
+        ("revolved", "(4,1,1,4)", f"(4,1,{10**40},4)", "entity #32 cannot be parsed"),
+        ("revolved", "(4,1,1,4)", "(4,1,-1,4)", "multiplicities that are not 4 whole numbers"),
+        ("revolved", "22.437213388461", "1.E999", "knots from 0 to inf, which do not increase"),
+        ("revolved", KNOTS, "(1,4,4,1),(0.,1.,2.,3.)", "it jumps at 1"),
+        ("revolved", "'',3,(#33", "'',3.,(#33", "degree 3.0"),
+        ("revolved", "'',3,(#33", "'',900000000,(#33", "6 control points of degree 900000000"),
+        ("revolved", "(10.,0.,0.)", f"(1{'0' * 400},0.,0.)", "cannot be parsed"),
+        ("nurbs_torus", "8.377580409573),.U", "1.E999),.U", "to inf, which do not increase"),
+        ("nurbs_torus", ROW, "(#35,#36)", "rows of control points that are not equally long"),
+        ("nurbs_torus", "CURVE((1.,0.5,1.,0.5", "CURVE((1.,0.5", "5 weights for 7 control points"),
+        ("nurbs_torus", "CURVE((1.,0.5", "CURVE((1.,-0.5", "weights from -0.5 on"),
+    ],
+)
+def test_splines_that_cannot_be(tmp_path, name, right, wrong, said):
+    text = FEATURES.with_name(f"{name}.step").read_text()
+    assert right in text
+    with pytest.raises(InputError) as refused:
+        read_nominal(spoilt(tmp_path, "part.step", text.replace(right, wrong)))
+    assert said in str(refused.value) and "part.step:" in str(refused.value)

@@ -16,7 +16,7 @@ from typing import NamedTuple
 from vmach.errors import InputError
 from vmach.files.text_file import read_bytes
 
-__all__ = ["Statement", "read_text", "statements", "tokens"]
+__all__ = ["MOST_DIGITS", "Statement", "read_text", "statements", "tokens"]
 
 #: Between apostrophes; one inside is written twice. The control directive ``\S\'`` is a section
 #: sign, but a path in a text may end in ``\S\`` as well: then a bracket or comma follows.
@@ -39,8 +39,8 @@ _TOKEN = re.compile(
 )
 _END = "END-ISO-10303-21"
 
-#: an entity's number fits 64 bits
-_MOST_DIGITS = 18
+#: an entity's number, and any other whole one, fits 64 bits
+MOST_DIGITS = 18
 
 #: so much of a text is repeated in a message
 _SHOWN = 40
@@ -123,12 +123,12 @@ def statements(text: str, path: Path) -> Iterator[Statement]:
     while match := _STATEMENT.match(text, position):
         number, keyword = match["number"], match["keyword"]
         if number is not None:
-            if len(number) > _MOST_DIGITS:
+            if len(number) > MOST_DIGITS:
                 raise InputError(
                     f"an entity numbered with {len(number)} digits",
                     file=path,
                     line=_line(text, match.start("number")),
-                    accepted=f"at most {_MOST_DIGITS} digits",
+                    accepted=f"at most {MOST_DIGITS} digits",
                 )
             name = keyword.upper() if keyword else None
             yield Statement(int(number), name, *match.span("body"))
