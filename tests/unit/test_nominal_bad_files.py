@@ -1,5 +1,6 @@
 """Nominal CAD that cannot be used: one message that names the file and what is wrong."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -169,3 +170,58 @@ def test_splines_that_cannot_be(tmp_path, name, right, wrong, said):
     with pytest.raises(InputError) as refused:
         read_nominal(spoilt(tmp_path, "part.step", text.replace(right, wrong)))
     assert said in str(refused.value) and "part.step:" in str(refused.value)
+
+
+INCH = """#9001=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE({}),#9002);
+#9002=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));
+ENDSEC;
+END-ISO"""
+MILLIMETRE = "( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.MILLI.,.METRE.) )"
+
+
+@pytest.mark.parametrize("factor", ["0.", "-25.4", "1.E999", "'x'", "#9002"])
+def test_a_unit_that_is_no_multiple_is_refused(tmp_path, factor):
+    text = FEATURES.with_name("nut.step").read_text()
+    inch = "(CONVERSION_BASED_UNIT('INCH',#9001)LENGTH_UNIT()NAMED_UNIT(*))"
+    text = text.replace(MILLIMETRE, inch).replace("ENDSEC;\nEND-ISO", INCH.format(factor))
+    with pytest.raises(InputError, match=r"part\.step:\d+: #9001 .*(number|times)"):
+        read_nominal(spoilt(tmp_path, "part.step", text))
+
+
+def test_a_unit_of_something_else_is_refused(tmp_path):
+    text = FEATURES.with_name("nut.step").read_text()
+    wrong = text.replace(MILLIMETRE, MILLIMETRE.replace("METRE", "SECOND"))
+    with pytest.raises(InputError, match="the unit SECOND; accepted: METRE"):
+        read_nominal(spoilt(tmp_path, "part.step", wrong))
+
+
+@pytest.mark.parametrize(
+    ("kind", "radius", "said"),
+    [
+        ("TOROIDAL", "0.1", "its edges lie up to 1.9 mm off its torus"),
+        ("CYLINDRICAL", "5.", "off its cylinder R5"),
+        ("CYLINDRICAL", "1.E-300", "off its cylinder R1e-300"),
+        ("CYLINDRICAL", "1.E308", "a length of 1e+308 mm"),
+    ],
+)
+def test_edges_that_lie_off_their_face_are_refused(tmp_path, kind, radius, said):
+    """A radius that is wrong gave a wrong face without a word."""
+    wrong = re.sub(
+        rf"({kind}_SURFACE\('',#\d+,)[\d.]+", rf"\g<1>{radius}", FEATURES.read_text(), count=1
+    )
+    with pytest.raises(InputError) as refused:
+        read_nominal(spoilt(tmp_path, "part.step", wrong))
+    assert said in str(refused.value)
+
+
+def test_edges_a_little_off_their_face_are_said(tmp_path):
+    wrong = FEATURES.read_text().replace("#543,3.)", "#543,3.01)")
+    (note,) = [
+        n for n in read_nominal(spoilt(tmp_path, "p.step", wrong)).notes if n.kind is Kind.GAP
+    ]
+    assert "edges of the CAD miss their faces by up to 10 um" in str(note)
+
+
+def test_a_byte_order_mark_is_passed_over(tmp_path):
+    marked = spoilt(tmp_path, "part.step", b"\xef\xbb\xbf" + FEATURES.read_bytes())
+    assert len(read_nominal(marked).faces) == 26

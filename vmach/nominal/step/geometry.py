@@ -30,6 +30,10 @@ from vmach.nominal.surfaces.curves import BSplineCurve, Curve, Ellipse, Hyperbol
 __all__ = ["GeometryReader"]
 
 
+#: of a larger radius the digits of a number do not hold the micrometre
+LARGEST_RADIUS_MM = 1e9
+
+
 class GeometryReader:
     """Reads geometry in one context of units, placed by one frame.
 
@@ -124,8 +128,8 @@ class GeometryReader:
 
     def _length(self, value: float) -> float:
         length = self._length_mm * _number(value)
-        if not np.isfinite(length) or length <= 0.0:
-            raise ValueError(f"a length of {value}")
+        if not 0.0 < length <= LARGEST_RADIUS_MM:
+            raise ValueError(f"a length of {length:g} mm")
         return length
 
     # --- curves -------------------------------------------------------------------------------

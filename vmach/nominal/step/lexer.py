@@ -8,6 +8,7 @@ Source: ISO 10303-21.
 
 from __future__ import annotations
 
+import codecs
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -73,7 +74,8 @@ def read_text(path: Path) -> str:
     InputError
         The file cannot be read, is no STEP file, is cut short or has a comment without an end.
     """
-    text = read_bytes(path, what="nominal CAD").decode("latin-1").replace("\r\n", "\n")
+    data = read_bytes(path, what="nominal CAD").removeprefix(codecs.BOM_UTF8)
+    text = data.decode("latin-1").replace("\r\n", "\n")
     if not text.lstrip().startswith("ISO-10303-21"):
         raise InputError(
             f"not a STEP file: it begins with {text.lstrip()[:_SHOWN]!r}",
