@@ -193,8 +193,11 @@ class _Transposed:
         self._surface = surface
         self.u_period, self.v_period = surface.v_period, surface.u_period
         self.v_limits = (-np.inf, np.inf)
-        along_u, along_v = surface.varies
-        self.varies = along_v.translate(_EXCHANGED), along_u.translate(_EXCHANGED)
+
+    @property
+    def varies(self) -> tuple[str, str]:
+        along_u, along_v = self._surface.varies
+        return along_v.translate(_EXCHANGED), along_u.translate(_EXCHANGED)
 
     def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """dS/du and dS/dv of the exchanged u and v, (N, 3) each."""
