@@ -2,10 +2,10 @@
 
     python tests/benchmarks/fuzz_gcode.py [INPUTS] [SEED] [CONTROL] [FOLDER]
 
-Inputs are the golden programs with bytes changed, lines shuffled, words exchanged, and random
-words of the language in random order, in all dialects; or those that hold every word of a control;
-or all files of a folder, for programs from elsewhere. The compiled lane is compiled first: what it
-takes is no program's.
+Inputs are the golden programs or a few of their lines, with bytes changed, lines shuffled, words
+exchanged, and random words of the language in random order, in all dialects; or those that hold
+every word of a control; or all files of a folder, for programs from elsewhere. The compiled lane is
+compiled first: what it takes is no program's.
 """
 
 from __future__ import annotations
@@ -28,9 +28,17 @@ LIKE = {
     "haas": "fanuc",
     "mach": "fanuc",
     "centroid": "fanuc",
-    "grbl": "fanuc",
     "mazak": "fanuc",
-    "okuma": "fanuc",
+}
+#: language -> lines before a stretch of a program, so that it begins with a tool, a feed, a place
+_HEAD = b"G21 G90 G54 F100\nS500 M3\nG0 X0 Y0 Z50.\n"
+HEADS = {
+    "fanuc": b"T1 M6\nG43 H1\n" + _HEAD,
+    "grbl": _HEAD,
+    "okuma": b"T1 M6\nG15 H1\nG56 H1\n" + _HEAD.replace(b" G54", b""),
+    "heidenhain": b"TOOL CALL 1 Z S1000 F100\nL X+0 Y+0 Z+50 R0 FMAX M3\n",
+    "tnciso": b"%A G71 *\nN1 T1 G17 S1000 F100 *\nN2 G90 G00 G40 X+0 Y+0 Z+50 M3 *\n",
+    "sinumerik": b"T1 D1 M6\n" + _HEAD.replace(b"G21", b"G71"),
 }
 TOOLS = {n: ToolEntry(10.0 * n, 2.0 * n) for n in range(2, 6)} | {
     1: ToolEntry(100, 10, name="MILL_10")
@@ -46,13 +54,24 @@ PIECES = [
     "LBL 1", "CALL LBL 1 REP 2", "TOOL CALL 1 Z S1", "CR=5", "TURN=2", "X=1", "\xff", "\x00",
 ]  # fmt: skip
 SLOW_S = 5.0
+CHANGED = 0.9  #: share of the inputs that are changed programs; the others are random words
+WHOLE = 0.4  #: share of those that are changed from a whole program
 MOST_BYTES = 20_000  #: of a program from elsewhere
 WARMING = b"G21 G90 G54\nG0 X1\nG1 Y2 F100\nG2 X3 I1 J0\nG81 Z-1 R1\nG80\nM2\n"
 
 
-def mutilated(texts: list[bytes], rng: random.Random) -> bytes:
-    text = bytearray(rng.choice(texts))
-    for _ in range(rng.randint(1, 5)):
+def stretch(text: bytes, rng: random.Random) -> bytes:
+    """A few lines of a program that follow each other."""
+    lines = text.split(b"\n")
+    begin = rng.randrange(len(lines))
+    return b"\n".join(lines[begin : begin + rng.randint(1, 12)])
+
+
+def mutilated(texts: list[bytes], head: bytes, rng: random.Random) -> bytes:
+    """A whole program, or a few lines below a sound head, changed at some places."""
+    whole, chosen = rng.random() < WHOLE, rng.choice(texts)
+    text = bytearray(chosen if whole else stretch(chosen, rng))
+    for _ in range(rng.randint(1, 5 if whole else 2)):
         at = rng.randrange(len(text) + 1)
         kind = rng.randrange(5)
         if kind == 0:
@@ -69,7 +88,7 @@ def mutilated(texts: list[bytes], rng: random.Random) -> bytes:
             text = bytearray(b"\n".join(lines))
         else:
             del text[at : at + rng.randint(1, 20)]
-    return bytes(text)
+    return bytes(text) if whole else head + bytes(text)
 
 
 def random_program(rng: random.Random) -> bytes:
@@ -105,7 +124,9 @@ def arguments() -> argparse.Namespace:
 def main() -> int:
     asked = arguments()
     count, control, rng = asked.inputs, asked.control, random.Random(asked.seed)
-    found = CONTROLS.glob(f"*.{LIKE.get(control, control)}.*") if control else GOLDEN.glob("*.ngc")
+    like = LIKE.get(control, control)
+    found = CONTROLS.glob(f"*.{like}.*") if control else GOLDEN.glob("*.ngc")
+    head = HEADS.get(like, b"")
     if asked.folder:
         found = (path for path in asked.folder.rglob("*") if path.is_file())
     texts = [path.read_bytes()[:MOST_BYTES] for path in sorted(found)]
@@ -114,7 +135,7 @@ def main() -> int:
     counts: Counter[str] = Counter()
     slowest = 0.0
     for _ in range(count):
-        text = mutilated(texts, rng) if rng.random() < 0.7 else random_program(rng)
+        text = mutilated(texts, head, rng) if rng.random() < CHANGED else random_program(rng)
         start = time.perf_counter()
         try:
             counts[outcome(text, rng, control or rng.choice(DIALECTS))] += 1
