@@ -6,6 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from scipy.integrate import quad
+from scipy.interpolate import BSpline
 
 from vmach.nominal import read_nominal
 
@@ -97,3 +99,15 @@ def test_a_face_whose_flag_contradicts_its_edges_keeps_their_side(tmp_path):
     first = np.unique(right.feature[:1])[0]
     normals = [points.normal[points.feature == first].mean(axis=0) for points in (right, wrong)]
     assert np.allclose(*normals, atol=1e-12)
+
+
+def test_volume_of_a_free_form_slot_is_that_of_its_centre_line():
+    """A block less a slot of parallel walls: its width times the length, and a round at both ends."""
+    folder = Path(__file__).parents[2] / "samples" / "spline_slot"
+    poles = np.genfromtxt(folder / "centreline.csv", delimiter=",", skip_header=1)[:, :2]
+    spans = len(poles) - 3
+    knots = np.r_[[0.0] * 3, np.arange(spans + 1.0), [spans * 1.0] * 3]
+    slope = BSpline(knots, poles, 3).derivative()
+    length = sum(quad(lambda t: np.hypot(*slope(t)), k, k + 1)[0] for k in range(spans))
+    truth = 380.0 * 160.0 * 60.0 - 15.0 * (30.0 * length + np.pi * 15.0**2)
+    assert read_nominal(folder / "slot.step").volume_mm3 == pytest.approx(truth, rel=1e-9)
