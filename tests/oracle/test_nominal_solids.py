@@ -102,7 +102,7 @@ def test_a_face_whose_flag_contradicts_its_edges_keeps_their_side(tmp_path):
 
 
 def test_volume_of_a_free_form_slot_is_that_of_its_centre_line():
-    """A block less a slot of parallel walls: its width times the length, and a round at both ends."""
+    """A block less a slot of parallel walls: width times length, and a round at both ends."""
     folder = Path(__file__).parents[2] / "samples" / "spline_slot"
     poles = np.genfromtxt(folder / "centreline.csv", delimiter=",", skip_header=1)[:, :2]
     spans = len(poles) - 3
