@@ -10,7 +10,7 @@ from vmach.nominal.mesh.thinning import near_segments
 from vmach.nominal.surfaces import Cone, Cylinder, Extrusion, Plane, Revolution, Sphere, Torus
 from vmach.nominal.surfaces.bspline_surface import BSplineSurface
 from vmach.nominal.surfaces.crossings import INSIDE, sides_of_points
-from vmach.nominal.surfaces.crowding import crowded_places
+from vmach.nominal.surfaces.crowding import crowded_segments
 from vmach.nominal.surfaces.curved_triangles import area_mm2, volume_under_mm3
 from vmach.nominal.surfaces.curves import BSplineCurve, Ellipse
 from vmach.nominal.surfaces.delaunay import delaunay
@@ -130,12 +130,7 @@ def test_crowded_segments_hold_a_point_in_their_circle(periods):
     start = rng.uniform(0.0, 5.0, (200, 2))
     segments = np.stack([start, start + rng.normal(scale=0.15, size=start.shape)], axis=1)
     inner, scale = rng.uniform(0.0, 5.0, (300, 2)), np.array([2.0, 3.0])
-    length = np.ones(len(segments))
-    halved, share = crowded_places(
-        segments, length < 0.0, length, 1e-3, inner, scale, np.array(periods)
-    )
-    assert (share == 0.5).all()
-    found = np.isin(np.arange(len(segments)), halved)
+    found = crowded_segments(segments, inner, scale, np.array(periods))
     box = np.array(periods) * scale
     wrap = np.where(box > 0.0, box, 1e9)
     points = np.mod(np.vstack([start, inner]) * scale + 0.0, wrap)
@@ -146,21 +141,6 @@ def test_crowded_segments_hold_a_point_in_their_circle(periods):
     truth = nearest < np.linalg.norm(half, axis=1) * (1.0 - 1e-6)
     assert 20 < np.count_nonzero(truth) < 180
     assert (found == truth).all()
-
-
-def test_straight_segments_are_halved_until_no_circle_holds_a_point():
-    rng = np.random.default_rng(10)
-    segments = np.array([[[0.0, 0.0], [8.0, 0.0]], [[0.0, 2.0], [8.0, 2.5]]])
-    inner = np.column_stack([rng.uniform(0.0, 8.0, 60), rng.uniform(0.2, 1.8, 60)])
-    which, share = crowded_places(
-        segments, np.ones(2, dtype=bool), np.full(2, 8.0), 0.01, inner, np.ones(2), np.zeros(2)
-    )
-    for number, (start, end) in enumerate(segments):
-        cuts = np.r_[0.0, np.sort(share[which == number]), 1.0]
-        ends = start + cuts[:, None] * (end - start)
-        middle, radius = (ends[1:] + ends[:-1]) / 2.0, np.linalg.norm(np.diff(ends, axis=0), axis=1)
-        assert (cKDTree(inner).query(middle)[0] >= radius / 2.0 * (1.0 - 1e-6)).all()
-        assert len(cuts) > 5
 
 
 def test_points_near_segments():

@@ -24,7 +24,6 @@ __all__ = [
     "Solid",
     "SolidFace",
     "SolidReader",
-    "is_straight",
 ]
 
 #: chords of edges, and of the triangles to look at, leave the exact shape by no more than this
@@ -53,15 +52,13 @@ class Edge:
     t: np.ndarray
     points_mm: np.ndarray
 
-    def split(self, places: list[tuple[int, float]]) -> Edge:
-        """The same edge with more points: in order, the segments and shares of them in t."""
-        segments = np.array([segment for segment, _ in places])
-        share = np.array([share for _, share in places])
-        t = self.t[segments] + share * (self.t[segments + 1] - self.t[segments])
-        points = self.curve.evaluate(t)
+    def split(self, segments: np.ndarray) -> Edge:
+        """The same edge with a point more in the middle of each of the segments, (S,) indices."""
+        middle = (self.t[segments] + self.t[segments + 1]) / 2.0
+        points = self.curve.evaluate(middle)
         return Edge(
             self.curve,
-            np.insert(self.t, segments + 1, t),
+            np.insert(self.t, segments + 1, middle),
             np.insert(self.points_mm, segments + 1, points, axis=0),
         )
 
@@ -174,7 +171,8 @@ class SolidReader:
         self._sides.update((edge, forward ^ inverted) for edge, forward in sides)
         times = Counter(edge for edge, _ in sides)
         kept = [(edge, forward == same_sense) for edge, forward in sides if times[edge] == 1]
-        self._divide_lines(surface, [edge for edge, _ in kept])
+        if surface.kind not in _RULED:
+            self._divide_lines([edge for edge, _ in kept])
         outward = 1.0 if same_sense ^ inverted else -1.0
         return SolidFace(surface, outward, tuple(kept), face.number, _own_name(name))
 
@@ -216,11 +214,10 @@ class SolidReader:
         points[0], points[-1] = ends
         self._edges[entity.number] = Edge(curve, t, points)
 
-    def _divide_lines(self, surface: Surface, numbers: list[int]) -> None:
+    def _divide_lines(self, numbers: list[int]) -> None:
         for number in numbers:
             edge = self._edges[number]
-            is_bent = isinstance(edge.curve, Line) and not is_straight(edge.curve, surface)
-            if is_bent and len(edge.t) == 2:
+            if isinstance(edge.curve, Line) and len(edge.t) == 2:
                 t = np.linspace(*edge.t, LINE_PIECES + 1)
                 points = edge.curve.evaluate(t)
                 points[0], points[-1] = edge.points_mm
@@ -242,11 +239,6 @@ class SolidReader:
                 accepted="a closed solid",
                 hint="sew the faces to a solid in the CAD system and export again",
             )
-
-
-def is_straight(curve: Curve, surface: Surface) -> bool:
-    """Whether a curve on a surface is straight in u and v."""
-    return isinstance(curve, Line) and surface.kind in _RULED
 
 
 def _own_name(name: object) -> str:

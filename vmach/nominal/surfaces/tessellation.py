@@ -15,9 +15,9 @@ import numpy as np
 from vmach.errors import InputError
 from vmach.nominal.mesh.thinning import near_segments
 from vmach.nominal.mesh.unique_rows import unique_rows
-from vmach.nominal.step.solids import CHORD_MM, GAP_MM, Edge, Solid, SolidFace, is_straight
+from vmach.nominal.step.solids import CHORD_MM, GAP_MM, Edge, Solid, SolidFace
 from vmach.nominal.surfaces import Plane, Sphere, Surface, unit_normals
-from vmach.nominal.surfaces.crowding import crowded_places
+from vmach.nominal.surfaces.crowding import crowded_segments
 from vmach.nominal.surfaces.curved_triangles import volume_under_mm3
 from vmach.nominal.surfaces.delaunay import centres, delaunay
 from vmach.nominal.surfaces.face import sample_uv
@@ -121,18 +121,18 @@ def _conforming(solid: Solid, patches: list[_Patch]) -> tuple[dict[int, Edge], l
     edges, patches = dict(solid.edges), list(patches)
     stale = set(range(len(patches)))
     for _ in range(_PASSES):
-        marked: dict[int, set[tuple[int, float]]] = {}
+        marked: dict[int, set[int]] = {}
         for index in stale:
-            for number, place in _crowded(edges, solid.faces[index], patches[index]):
-                marked.setdefault(number, set()).add(place)
+            for number, segment in _crowded(edges, solid.faces[index], patches[index]):
+                marked.setdefault(number, set()).add(segment)
         if max((len(edges[n].t) for n in marked), default=0) > _MOST_PIECES:
             raise InputError(
                 f"an edge cut into {_MOST_PIECES} pieces still comes too near to another one",
                 accepted="edges that do not cross",
                 hint="the CAD is damaged; repair the face and export it again",
             )
-        for number, places in marked.items():
-            edges[number] = edges[number].split(sorted(places))
+        for number, segments in marked.items():
+            edges[number] = edges[number].split(np.array(sorted(segments)))
         stale = {i for i, f in enumerate(solid.faces) if any(n in marked for n, _ in f.edges)}
         for index in stale:
             trim = _trim(edges, solid.faces[index], patches[index].trim.surface)
@@ -140,21 +140,17 @@ def _conforming(solid: Solid, patches: list[_Patch]) -> tuple[dict[int, Edge], l
     return edges, patches
 
 
-def _crowded(
-    edges: dict[int, Edge], face: SolidFace, patch: _Patch
-) -> Iterator[tuple[int, tuple[int, float]]]:
-    """Edges of a face, and where: which of their segments, and the share of it."""
-    count = np.array([len(edges[number].t) - 1 for number, _ in face.edges], dtype=np.int64)
-    straight = [is_straight(edges[number].curve, face.surface) for number, _ in face.edges]
-    crowded, share = patch.crowded(np.repeat(np.array(straight, dtype=bool), count))
+def _crowded(edges: dict[int, Edge], face: SolidFace, patch: _Patch) -> Iterator[tuple[int, int]]:
+    """Edges of a face, and their segments whose circle holds another point."""
+    crowded = np.flatnonzero(patch.crowded())
     if not len(crowded):
         return
-    after = np.cumsum(count)
-    at = np.searchsorted(after, crowded, "right")
-    for which, segment, part in zip(at, crowded.tolist(), share.tolist(), strict=True):
+    after = np.cumsum([len(edges[number].t) - 1 for number, _ in face.edges])
+    for segment, which in zip(crowded, np.searchsorted(after, crowded, "right"), strict=True):
         number, left = face.edges[which]
-        back = int(after[which]) - 1 - segment  # counted from the end of the edge
-        yield number, (len(edges[number].t) - 2 - back, part) if left else (back, 1.0 - part)
+        # counted from the end of the edge
+        back = int(after[which] - 1 - segment)
+        yield number, len(edges[number].t) - 2 - back if left else back
 
 
 @dataclass(frozen=True)
@@ -191,16 +187,12 @@ class _Patch:
     def _periods(self) -> np.ndarray:
         return np.array([self.trim.surface.u_period, self.trim.surface.v_period])
 
-    def crowded(self, straight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Segments whose circle holds another point, (N,), and the shares where to halve them.
-
-        `straight` (S,) are those that are straight in u and v.
-        """
+    def crowded(self) -> np.ndarray:
+        """Mask of the segments whose circle holds another point, (S,)."""
         trim = self.trim
-        length_mm = np.linalg.norm(trim.segments_mm[:, 1] - trim.segments_mm[:, 0], axis=1)
-        return crowded_places(
-            trim.segments_uv, straight, length_mm, CHORD_MM, self.inner, self.scale, self._periods
-        )
+        length = np.linalg.norm(trim.segments_mm[:, 1] - trim.segments_mm[:, 0], axis=1)
+        crowded = crowded_segments(trim.segments_uv, self.inner, self.scale, self._periods)
+        return crowded & (length > CHORD_MM)
 
     def triangles(self, middle_mm: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Vertices (V, 3) mm, Delaunay triangles (T, 3), and middles of their sides (T, 3, 3) mm.
