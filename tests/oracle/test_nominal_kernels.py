@@ -7,12 +7,12 @@ from scipy.spatial import Delaunay, cKDTree
 
 from vmach.nominal.frame import Frame
 from vmach.nominal.mesh.thinning import near_segments
-from vmach.nominal.surfaces import Cylinder, Plane
+from vmach.nominal.surfaces import Cone, Cylinder, Extrusion, Plane, Revolution, Sphere, Torus
 from vmach.nominal.surfaces.bspline_surface import BSplineSurface
 from vmach.nominal.surfaces.crossings import INSIDE, sides_of_points
 from vmach.nominal.surfaces.crowding import crowded_places
 from vmach.nominal.surfaces.curved_triangles import area_mm2, volume_under_mm3
-from vmach.nominal.surfaces.curves import BSplineCurve
+from vmach.nominal.surfaces.curves import BSplineCurve, Ellipse
 from vmach.nominal.surfaces.delaunay import delaunay
 from vmach.nominal.surfaces.trimming import Trim
 
@@ -194,6 +194,27 @@ def test_volume_and_area_of_a_prism_of_curved_sides():
     assert volume_under_mm3(lifted(corners), lifted(middles)) == pytest.approx(5.0 / 9.0, rel=1e-13)
     flat = np.concatenate([corners, np.zeros((*corners.shape[:2], 1))], axis=-1).reshape(-1, 3)
     assert area_mm2(flat, np.arange(len(flat)).reshape(-1, 3)) == pytest.approx(1.0, rel=1e-14)
+
+
+PLACED = Frame.from_axis(np.array([1.0, 2.0, 3.0]), np.array([0.3, -0.2, 0.9]), None)
+ARC = Ellipse(Frame.from_axis(np.array([7.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]), None), 2.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    "surface",
+    [
+        Plane(PLACED), Cylinder(PLACED, 3.0), Cone(PLACED, 3.0, 0.4), Sphere(PLACED, 3.0),
+        Torus(PLACED, 5.0, 1.0), Revolution(ARC, Frame(np.zeros(3), np.eye(3))),
+        Extrusion(ARC, np.array([0.6, 0.8, 0.0])),
+    ],
+    ids=lambda surface: surface.kind,
+)  # fmt: skip
+def test_slopes_vary_with_what_the_surface_says(surface):
+    grid = np.stack(np.meshgrid(*2 * [np.linspace(0.1, 1.2, 9)], indexing="ij"), axis=-1)
+    for slope, varies in zip(surface.derivatives(grid.reshape(-1, 2)), surface.varies, strict=True):
+        length = np.linalg.norm(slope, axis=1).reshape(9, 9)
+        for axis, name in enumerate("uv"):
+            assert (np.ptp(length, axis=axis).max() > 1e-3) == (name in varies), name
 
 
 def star(corners):

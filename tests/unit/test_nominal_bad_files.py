@@ -1,5 +1,6 @@
 """Nominal CAD that cannot be used: one message that names the file and what is wrong."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -140,3 +141,87 @@ def test_a_radius_with_a_reference_for_a_number_is_refused(tmp_path):
     part = spoilt(tmp_path, "part.step", text.replace(circle, "CIRCLE('',#375,#6)", 1))
     with pytest.raises(InputError, match="#6, in the place of a number"):
         read_nominal(part)
+
+
+KNOTS = "(4,1,1,4),(0.,5.830951894845,13.893209643144,\n    22.437213388461)"
+ROW = "(#35,#36,#37,#38,#39,#40,#41)"
+
+
+@pytest.mark.parametrize(
+    ("name", "right", "wrong", "said"),
+    [
+        ("revolved", "(4,1,1,4)", "(4,1,1000000000,4)", "1000000009 knots in place of 10"),
+        ("revolved", "(4,1,1,4)", f"(4,1,{10**40},4)", "entity #32 cannot be parsed"),
+        ("revolved", "(4,1,1,4)", "(4,1,-1,4)", "multiplicities that are not 4 whole numbers"),
+        ("revolved", "22.437213388461", "1.E999", "knots from 0 to inf, which do not increase"),
+        ("revolved", KNOTS, "(1,4,4,1),(0.,1.,2.,3.)", "it jumps at 1"),
+        ("revolved", "'',3,(#33", "'',3.,(#33", "degree 3.0"),
+        ("revolved", "'',3,(#33", "'',900000000,(#33", "6 control points of degree 900000000"),
+        ("revolved", "(10.,0.,0.)", f"(1{'0' * 400},0.,0.)", "cannot be parsed"),
+        ("nurbs_torus", "8.377580409573),.U", "1.E999),.U", "to inf, which do not increase"),
+        ("nurbs_torus", ROW, "(#35,#36)", "rows of control points that are not equally long"),
+        ("nurbs_torus", "CURVE((1.,0.5,1.,0.5", "CURVE((1.,0.5", "5 weights for 7 control points"),
+        ("nurbs_torus", "CURVE((1.,0.5", "CURVE((1.,-0.5", "weights from -0.5 on"),
+    ],
+)
+def test_splines_that_cannot_be(tmp_path, name, right, wrong, said):
+    text = FEATURES.with_name(f"{name}.step").read_text()
+    assert right in text
+    with pytest.raises(InputError) as refused:
+        read_nominal(spoilt(tmp_path, "part.step", text.replace(right, wrong)))
+    assert said in str(refused.value) and "part.step:" in str(refused.value)
+
+
+INCH = """#9001=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE({}),#9002);
+#9002=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));
+ENDSEC;
+END-ISO"""
+MILLIMETRE = "( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.MILLI.,.METRE.) )"
+
+
+@pytest.mark.parametrize("factor", ["0.", "-25.4", "1.E999", "'x'", "#9002"])
+def test_a_unit_that_is_no_multiple_is_refused(tmp_path, factor):
+    text = FEATURES.with_name("nut.step").read_text()
+    inch = "(CONVERSION_BASED_UNIT('INCH',#9001)LENGTH_UNIT()NAMED_UNIT(*))"
+    text = text.replace(MILLIMETRE, inch).replace("ENDSEC;\nEND-ISO", INCH.format(factor))
+    with pytest.raises(InputError, match=r"part\.step:\d+: #9001 .*(number|times)"):
+        read_nominal(spoilt(tmp_path, "part.step", text))
+
+
+def test_a_unit_of_something_else_is_refused(tmp_path):
+    text = FEATURES.with_name("nut.step").read_text()
+    wrong = text.replace(MILLIMETRE, MILLIMETRE.replace("METRE", "SECOND"))
+    with pytest.raises(InputError, match="the unit SECOND; accepted: METRE"):
+        read_nominal(spoilt(tmp_path, "part.step", wrong))
+
+
+@pytest.mark.parametrize(
+    ("kind", "radius", "said"),
+    [
+        ("TOROIDAL", "0.1", "its edges lie up to 1.9 mm off its torus"),
+        ("CYLINDRICAL", "5.", "off its cylinder R5"),
+        ("CYLINDRICAL", "1.E-300", "off its cylinder R1e-300"),
+        ("CYLINDRICAL", "1.E308", "a length of 1e+308 mm"),
+    ],
+)
+def test_edges_that_lie_off_their_face_are_refused(tmp_path, kind, radius, said):
+    """A radius that is wrong gave a wrong face without a word."""
+    wrong = re.sub(
+        rf"({kind}_SURFACE\('',#\d+,)[\d.]+", rf"\g<1>{radius}", FEATURES.read_text(), count=1
+    )
+    with pytest.raises(InputError) as refused:
+        read_nominal(spoilt(tmp_path, "part.step", wrong))
+    assert said in str(refused.value)
+
+
+def test_edges_a_little_off_their_face_are_said(tmp_path):
+    wrong = FEATURES.read_text().replace("#543,3.)", "#543,3.01)")
+    (note,) = [
+        n for n in read_nominal(spoilt(tmp_path, "p.step", wrong)).notes if n.kind is Kind.GAP
+    ]
+    assert "edges of the CAD miss their faces by up to 10 um" in str(note)
+
+
+def test_a_byte_order_mark_is_passed_over(tmp_path):
+    marked = spoilt(tmp_path, "part.step", b"\xef\xbb\xbf" + FEATURES.read_bytes())
+    assert len(read_nominal(marked).faces) == 26

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from vmach.errors import InputError
-from vmach.nominal.step.lexer import Statement, read_text, statements, tokens
+from vmach.nominal.step.lexer import MOST_DIGITS, Statement, read_text, statements, tokens
 
 __all__ = ["Reference", "StepEntity", "StepFile"]
 
@@ -179,12 +179,18 @@ def _parse_value(found: list[tuple[str, str]], at: int) -> tuple[object, int]:
     return _VALUES[kind](text), at + 1
 
 
+def _integer(text: str) -> int:
+    if len(text) > MOST_DIGITS + 1:  # a sign is one more
+        raise ValueError(f"a whole number of {len(text)} digits")
+    return int(text)
+
+
 _VALUES = {
     "string": lambda text: text[1:-1].replace("''", "'"),
     "reference": lambda text: Reference(text),
     "word": lambda text: _TRUTH.get(text.upper(), text.upper()),
     "real": float,
-    "integer": int,
+    "integer": _integer,
     "binary": str,
     "mark": lambda text: None,
 }

@@ -30,6 +30,10 @@ from vmach.nominal.surfaces.curves import BSplineCurve, Curve, Ellipse, Hyperbol
 __all__ = ["GeometryReader"]
 
 
+#: of a larger radius the digits of a number do not hold the micrometre
+LARGEST_RADIUS_MM = 1e9
+
+
 class GeometryReader:
     """Reads geometry in one context of units, placed by one frame.
 
@@ -124,8 +128,8 @@ class GeometryReader:
 
     def _length(self, value: float) -> float:
         length = self._length_mm * _number(value)
-        if not np.isfinite(length) or length <= 0.0:
-            raise ValueError(f"a length of {value}")
+        if not 0.0 < length <= LARGEST_RADIUS_MM:
+            raise ValueError(f"a length of {length:g} mm")
         return length
 
     # --- curves -------------------------------------------------------------------------------
@@ -165,7 +169,7 @@ class GeometryReader:
         weights = np.ones(len(control))
         if entity.is_a("RATIONAL_B_SPLINE_CURVE"):
             weights = _numbers(entity.parts["RATIONAL_B_SPLINE_CURVE"][0])
-        return BSplineCurve(control, _positive(weights), knots[0], degree)
+        return BSplineCurve(control, _checked(weights, len(control)), knots[0], degree)
 
     # --- surfaces -----------------------------------------------------------------------------
 
@@ -207,13 +211,16 @@ class GeometryReader:
     def _spline_surface(self, entity: StepEntity) -> BSplineSurface:
         form, named = _spline_arguments(entity, "B_SPLINE_SURFACE", 7)
         degrees, rows = form[:2], form[2]
+        if len({len(row) for row in rows}) != 1:
+            raise ValueError("rows of control points that are not equally long")
         control = np.array([self.points(row) for row in rows])
         knots = _knots(entity, degrees, control.shape[:2], named)
         weights = np.ones(control.shape[:2])
         if entity.is_a("RATIONAL_B_SPLINE_SURFACE"):
-            rows = entity.parts["RATIONAL_B_SPLINE_SURFACE"][0]
-            weights = np.array([_numbers(row) for row in rows])
-        return BSplineSurface(control, _positive(weights), tuple(knots), tuple(degrees))
+            given = [_checked(_numbers(row), control.shape[1])
+                     for row in entity.parts["RATIONAL_B_SPLINE_SURFACE"][0]]  # fmt: skip
+            weights = np.array(given).reshape(control.shape[:2])
+        return BSplineSurface(control, weights, tuple(knots), tuple(degrees))
 
 
 def _number(value: float) -> float:
@@ -241,20 +248,29 @@ def _knots(
     entity: StepEntity, degrees: list[int], counts: list[int], named: list
 ) -> list[np.ndarray]:
     """Knots repeated by their multiplicity, one array for each direction."""
-    directions = len(degrees)
-    if any(degree < 1 for degree in degrees):
-        raise ValueError(f"degree {min(degrees)}")
-    if named:
-        pairs = zip(named[directions : 2 * directions], named[:directions], strict=True)
-        knots = [np.repeat(_numbers(t), times) for t, times in pairs]
-    else:
-        knots = [_implied_knots(entity, k, n) for k, n in zip(degrees, counts, strict=True)]
-    for t, degree, count in zip(knots, degrees, counts, strict=True):
-        if len(t) != count + degree + 1 or not (np.diff(t) >= 0.0).all():
-            raise ValueError(f"{len(t)} knots for {count} control points of degree {degree}")
-        if count <= degree or not 0.0 < t[-degree - 1] - t[degree] < np.inf:
-            raise ValueError(f"knots from {t[degree]:g} to {t[-degree - 1]:g}")
-    return knots
+    directions, found = len(degrees), []
+    for axis, (degree, count) in enumerate(zip(degrees, counts, strict=True)):
+        if type(degree) is not int or degree < 1:
+            raise ValueError(f"degree {degree}")
+        if count <= degree:
+            raise ValueError(f"{count} control points of degree {degree}")
+        if named:
+            t = _repeated(named[directions + axis], named[axis], count + degree + 1)
+        else:
+            t = _implied_knots(entity, degree, count)
+        if not np.isfinite(t).all() or (np.diff(t) < 0.0).any() or t[degree] == t[-degree - 1]:
+            raise ValueError(f"knots from {t[0]:g} to {t[-1]:g}, which do not increase")
+        found.append(t)
+    return found
+
+
+def _repeated(knots: list, times: list, count: int) -> np.ndarray:
+    """Knots, each as often as its multiplicity says, if they are as many as are needed."""
+    if len(times) != len(knots) or not all(type(n) is int and n >= 0 for n in times):
+        raise ValueError(f"multiplicities that are not {len(knots)} whole numbers")
+    if sum(times) != count:
+        raise ValueError(f"{sum(times)} knots in place of {count}")
+    return np.repeat(_numbers(knots), times)
 
 
 def _implied_knots(entity: StepEntity, degree: int, count: int) -> np.ndarray:
@@ -268,7 +284,10 @@ def _implied_knots(entity: StepEntity, degree: int, count: int) -> np.ndarray:
     return np.arange(-degree, count + 1.0)
 
 
-def _positive(weights: np.ndarray) -> np.ndarray:
+def _checked(weights: np.ndarray, count: int) -> np.ndarray:
+    """Weights, if they are as many as the control points and positive."""
+    if len(weights) != count:
+        raise ValueError(f"{len(weights)} weights for {count} control points")
     if not (np.isfinite(weights) & (weights > 0.0)).all():
         raise ValueError(f"weights from {weights.min():g} on, which are not all positive")
     return weights

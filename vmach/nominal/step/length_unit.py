@@ -5,7 +5,7 @@ Source: ISO 10303-41 (measures and units).
 
 from __future__ import annotations
 
-from vmach.nominal.step.exchange_file import StepEntity, StepFile
+from vmach.nominal.step.exchange_file import Reference, StepEntity, StepFile
 
 __all__ = ["angle_unit_rad", "length_unit_mm", "unit_in_si"]
 
@@ -18,6 +18,12 @@ _PREFIX = {
     "KILO": 1e3,
 }
 
+
+#: SI units of what a shape is stated in: lengths and angles
+_NAMES = ("METRE", "RADIAN", "STERADIAN")
+
+#: no unit is so many times as large as that it is stated in
+_MOST_UNITS = 1e6
 
 #: relative difference of two units that are the same
 _SAME = 1e-9
@@ -69,7 +75,9 @@ def _unit(step: StepFile, context: StepEntity, kind: str) -> float | None:
 def unit_in_si(step: StepFile, unit: StepEntity) -> float:
     """Size of a unit in metres or radians."""
     if unit.is_a("SI_UNIT"):
-        prefix = unit.parts["SI_UNIT"][0]
+        prefix, name = unit.parts["SI_UNIT"]
+        if name not in _NAMES:
+            raise step.error(unit, f"the unit {name}", ", ".join(_NAMES))
         if prefix not in _PREFIX:
             raise step.error(unit, f"the prefix {prefix}", ", ".join(filter(None, _PREFIX)))
         return _PREFIX[prefix]
@@ -78,4 +86,10 @@ def unit_in_si(step: StepFile, unit: StepEntity) -> float:
     measure = step.entity(unit.parts["CONVERSION_BASED_UNIT"][1])
     value, base = next(args for args in measure.parts.values() if len(args) == 2)
     number = value[1][0] if isinstance(value, tuple) else value
-    return float(number) * unit_in_si(step, step.entity(base))
+    if not isinstance(number, float | int) or isinstance(number, Reference | bool):
+        raise step.error(measure, f"{number!r} is no number of units", "a number above 0")
+    if not 0.0 < number <= _MOST_UNITS:
+        raise step.error(
+            measure, f"a unit {number:g} times as large", f"above 0, up to {_MOST_UNITS:g}"
+        )
+    return number * unit_in_si(step, step.entity(base))

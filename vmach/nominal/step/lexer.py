@@ -8,6 +8,7 @@ Source: ISO 10303-21.
 
 from __future__ import annotations
 
+import codecs
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,7 +17,7 @@ from typing import NamedTuple
 from vmach.errors import InputError
 from vmach.files.text_file import read_bytes
 
-__all__ = ["Statement", "read_text", "statements", "tokens"]
+__all__ = ["MOST_DIGITS", "Statement", "read_text", "statements", "tokens"]
 
 #: Between apostrophes; one inside is written twice. The control directive ``\S\'`` is a section
 #: sign, but a path in a text may end in ``\S\`` as well: then a bracket or comma follows.
@@ -39,8 +40,8 @@ _TOKEN = re.compile(
 )
 _END = "END-ISO-10303-21"
 
-#: an entity's number fits 64 bits
-_MOST_DIGITS = 18
+#: an entity's number, and any other whole one, fits 64 bits
+MOST_DIGITS = 18
 
 #: so much of a text is repeated in a message
 _SHOWN = 40
@@ -73,7 +74,8 @@ def read_text(path: Path) -> str:
     InputError
         The file cannot be read, is no STEP file, is cut short or has a comment without an end.
     """
-    text = read_bytes(path, what="nominal CAD").decode("latin-1").replace("\r\n", "\n")
+    data = read_bytes(path, what="nominal CAD").removeprefix(codecs.BOM_UTF8)
+    text = data.decode("latin-1").replace("\r\n", "\n")
     if not text.lstrip().startswith("ISO-10303-21"):
         raise InputError(
             f"not a STEP file: it begins with {text.lstrip()[:_SHOWN]!r}",
@@ -123,12 +125,12 @@ def statements(text: str, path: Path) -> Iterator[Statement]:
     while match := _STATEMENT.match(text, position):
         number, keyword = match["number"], match["keyword"]
         if number is not None:
-            if len(number) > _MOST_DIGITS:
+            if len(number) > MOST_DIGITS:
                 raise InputError(
                     f"an entity numbered with {len(number)} digits",
                     file=path,
                     line=_line(text, match.start("number")),
-                    accepted=f"at most {_MOST_DIGITS} digits",
+                    accepted=f"at most {MOST_DIGITS} digits",
                 )
             name = keyword.upper() if keyword else None
             yield Statement(int(number), name, *match.span("body"))

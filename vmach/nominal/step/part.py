@@ -28,6 +28,9 @@ from vmach.nominal.surfaces.tessellation import tessellate
 
 __all__ = ["read_step_part"]
 
+#: larger gaps between edges and their vertices or faces are said
+SAID_GAP_MM = 1e-4
+
 #: a name that says something has a word; numbers of a data base have none
 _WORD = re.compile("[A-Za-z]{3}")
 
@@ -48,13 +51,10 @@ def read_step_part(path: Path, unit_mm: float | None = None) -> NominalPart:
     for solid in solids:
         for edge in solid.edges.values():
             check_size(path, edge.points_mm)
-    gap_mm = max(solid.gap_mm for solid in solids)
-    if gap_mm > 1e-4:
-        said = f"edges of the CAD miss their vertices by up to {um_from_mm(gap_mm):.3g} um"
-        notes.append(Note.plain(Kind.GAP, said, um_from_mm(gap_mm), "um"))
-    faces, meshes, volume_mm3 = [], [], 0.0
+    faces, meshes, volume_mm3, gap_mm = [], [], 0.0, 0.0
     for solid in solids:
-        solid_faces, mesh, enclosed_mm3 = _build(solid, first=len(faces))
+        solid_faces, mesh, enclosed_mm3, solid_gap_mm = _build(solid, first=len(faces))
+        gap_mm = max(gap_mm, solid_gap_mm)
         if mesh.volume_mm3 < 0.0:
             solid_faces = [replace(face, outward=-face.outward) for face in solid_faces]
             mesh = Mesh(mesh.vertices_mm, mesh.triangles[:, ::-1], mesh.face)
@@ -62,6 +62,8 @@ def read_step_part(path: Path, unit_mm: float | None = None) -> NominalPart:
         volume_mm3 += abs(enclosed_mm3)
         faces += solid_faces
         meshes.append(mesh)
+    notes += _gaps(max(solid.gap_mm for solid in solids), "vertices")
+    notes += _gaps(gap_mm, "faces")
     pmi, more = _pmi(step)
     notes += more
     faces = _titled(faces, pmi)
@@ -78,6 +80,13 @@ def read_step_part(path: Path, unit_mm: float | None = None) -> NominalPart:
         notes=tuple(notes),
         pmi=pmi,
     )
+
+
+def _gaps(gap_mm: float, what: str) -> list[Note]:
+    if gap_mm <= SAID_GAP_MM:
+        return []
+    said = f"edges of the CAD miss their {what} by up to {um_from_mm(gap_mm):.3g} um"
+    return [Note.plain(Kind.GAP, said, um_from_mm(gap_mm), "um")]
 
 
 def _pmi(step: StepFile) -> tuple[StepPmi, list[Note]]:
@@ -99,13 +108,14 @@ def _titled(faces: list[SurfaceFace], pmi: StepPmi) -> list[SurfaceFace]:
     ]
 
 
-def _build(solid: Solid, first: int) -> tuple[list[SurfaceFace], Mesh, float]:
+def _build(solid: Solid, first: int) -> tuple[list[SurfaceFace], Mesh, float, float]:
     """Faces of one solid, numbered on from `first`, their mesh, and the volume that they enclose.
 
-    The volume is negative where the solid is inside out.
+    The volume is negative where the solid is inside out. Also how far edges lie off faces, mm.
     """
     faces, vertices, triangles, owner, count, volume_mm3 = [], [], [], [], 0, 0.0
-    for index, (raw, trim, points, corners, share) in enumerate(tessellate(solid), first):
+    found, gap_mm = tessellate(solid)
+    for index, (raw, trim, points, corners, share) in enumerate(found, first):
         volume_mm3 += raw.outward * share
         area = area_mm2(points, corners)
         if raw.outward < 0.0:
@@ -119,7 +129,7 @@ def _build(solid: Solid, first: int) -> tuple[list[SurfaceFace], Mesh, float]:
         owner.append(np.full(len(corners), index))
         count += len(points)
     mesh = _welded(np.vstack(vertices), np.vstack(triangles), np.concatenate(owner))
-    return faces, mesh, volume_mm3
+    return faces, mesh, volume_mm3, gap_mm
 
 
 def _welded(vertices: np.ndarray, triangles: np.ndarray, face: np.ndarray) -> Mesh:

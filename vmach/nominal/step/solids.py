@@ -16,13 +16,23 @@ from vmach.nominal.step.geometry import GeometryReader
 from vmach.nominal.surfaces import Surface
 from vmach.nominal.surfaces.curves import Curve, Line, polyline
 
-__all__ = ["CHORD_MM", "Edge", "OpenShellError", "Solid", "SolidFace", "SolidReader", "is_straight"]
+__all__ = [
+    "CHORD_MM",
+    "GAP_MM",
+    "Edge",
+    "OpenShellError",
+    "Solid",
+    "SolidFace",
+    "SolidReader",
+    "is_straight",
+]
 
 #: chords of edges, and of the triangles to look at, leave the exact shape by no more than this
 CHORD_MM = 0.01
 
-#: a vertex may be this far from the curve of its edge before the file is refused
-VERTEX_GAP_MM = 0.1
+#: a vertex may be this far from the curve of its edge, an edge from the surface of its face, before
+#: the file is refused
+GAP_MM = 0.1
 
 #: straight edges on other surfaces than the following are cut into so many pieces
 LINE_PIECES = 16
@@ -128,7 +138,9 @@ class SolidReader:
         """
         try:
             faces = [f for shell in _shells(entity) for f in self._shell(self._step.entity(shell))]
-        except (TypeError, ValueError, IndexError, KeyError, RecursionError) as error:
+        except RecursionError:
+            raise self._step.error(entity, "the solid is damaged: it refers to itself") from None
+        except (TypeError, ValueError, IndexError, KeyError) as error:
             if isinstance(error, InputError):
                 raise
             raise self._step.error(entity, f"the solid is damaged ({error})") from None
@@ -191,9 +203,9 @@ class SolidReader:
         ends = self._geometry.points([start, end])
         t = curve.parameter(ends)
         gap = float(np.linalg.norm(curve.evaluate(t) - ends, axis=1).max())
-        if gap > VERTEX_GAP_MM:
+        if gap > GAP_MM:
             raise self._step.error(
-                entity, f"a vertex is {gap:.3g} mm from the curve", f"at most {VERTEX_GAP_MM} mm"
+                entity, f"a vertex is {gap:.3g} mm from the curve", f"at most {GAP_MM} mm"
             )
         self._gap_mm = max(self._gap_mm, gap)
         if curve.period:

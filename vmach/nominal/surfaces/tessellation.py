@@ -15,7 +15,7 @@ import numpy as np
 from vmach.errors import InputError
 from vmach.nominal.mesh.thinning import near_segments
 from vmach.nominal.mesh.unique_rows import unique_rows
-from vmach.nominal.step.solids import CHORD_MM, Edge, Solid, SolidFace, is_straight
+from vmach.nominal.step.solids import CHORD_MM, GAP_MM, Edge, Solid, SolidFace, is_straight
 from vmach.nominal.surfaces import Plane, Sphere, Surface, unit_normals
 from vmach.nominal.surfaces.crowding import crowded_places
 from vmach.nominal.surfaces.curved_triangles import volume_under_mm3
@@ -38,18 +38,28 @@ _MOST_PIECES = 20_000
 _SHAKE = 1e-8
 
 
-def tessellate(solid: Solid) -> list[tuple[SolidFace, Trim, np.ndarray, np.ndarray, float]]:
+def tessellate(
+    solid: Solid,
+) -> tuple[list[tuple[SolidFace, Trim, np.ndarray, np.ndarray, float]], float]:
     """Each face with its trim, vertices (V, 3) mm, triangles (T, 3) and share of the volume, mm3.
+
+    Also how far edges lie off the faces' surfaces at most, mm.
 
     The shares are those of the surfaces themselves, not of the triangles: see `volume_under_mm3`.
 
     Triangles run counter-clockwise about dS/du x dS/dv. Vertices on an edge are the same, bit
     by bit, for both faces that meet there. A face whose normal contradicts its edges, as some
     CAD systems write them, is returned with the side that the edges say.
+
+    Raises
+    ------
+    InputError
+        Edges that lie off the surface of their face, or do not bound it.
     """
-    faces, patches = [], []
+    faces, patches, gap_mm = [], [], 0.0
     for face in solid.faces:
         trim = _trim(solid.edges, face, face.surface)
+        gap_mm = max(gap_mm, _checked_gap_mm(trim, len(faces) + 1))
         if trim.inside_out():
             face, trim = face.turned(), trim.turned()
         if not np.isfinite([trim.v_range(), trim.transposed().v_range()]).all():
@@ -67,7 +77,18 @@ def tessellate(solid: Solid) -> list[tuple[SolidFace, Trim, np.ndarray, np.ndarr
         vertices, triangles, middles = patch.triangles(_middles(edges, face))
         share = volume_under_mm3(vertices[triangles] - origin, middles - origin)
         found.append((face, patch.trim, vertices, triangles, share))
-    return found
+    return found, gap_mm
+
+
+def _checked_gap_mm(trim: Trim, number: int) -> float:
+    gap_mm = trim.gap_mm()
+    if not gap_mm <= GAP_MM:
+        raise InputError(
+            f"face {number}: its edges lie up to {gap_mm:.3g} mm off its {trim.surface.label}",
+            accepted=f"at most {GAP_MM} mm",
+            hint="the surface or the edges are damaged; export the CAD again",
+        )
+    return gap_mm
 
 
 def _middles(edges: dict[int, Edge], face: SolidFace) -> np.ndarray:

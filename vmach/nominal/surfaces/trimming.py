@@ -11,6 +11,7 @@ tells inside from outside.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -58,6 +59,13 @@ class Trim:
             uv = np.concatenate([_defined(line) for line in np.split(uv, after[:-1])])
         periods = np.array([surface.u_period, surface.v_period])
         return cls(surface, *polyline_segments(points, np.ascontiguousarray(uv), after, periods))
+
+    def gap_mm(self) -> float:
+        """Largest distance of the segments' starts from the surface."""
+        if not len(self.segments_uv):
+            return 0.0
+        off = self.surface.evaluate(self.segments_uv[:, 0]) - self.segments_mm[:, 0]
+        return math.sqrt(np.einsum("ij,ij->i", off, off).max())
 
     def v_range(self) -> tuple[float, float]:
         """Lowest and highest v of the face; over a seam the highest lies beyond the period."""
