@@ -131,7 +131,7 @@ class OkumaReader(FanucReader):
     def _levels(self, text: str, codes: list[float]) -> str:
         """G71, M52 to M54: to where the cycles return; G30: the home position; G4 F."""
         if 71 in codes:
-            level = re.fullmatch(r"(?i)\s*G\s*71\s*Z\s*([-+]?[\d.]+)\s*", text)
+            level = re.fullmatch(r"(?i)\s*G\s*71\s*Z\s*([-+]?(?:\d+\.?\d*|\.\d+))\s*", text)
             if level is None:
                 raise ProgramError(f"cannot read '{text}'", accepted="G71 Z and a level")
             self.blocks.return_level = float(level[1])

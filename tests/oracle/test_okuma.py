@@ -60,6 +60,7 @@ def test_cycles_return_to_the_level_of_g71_or_to_r():
         ("G81 X1. Z-1. R1. F9 M52", "M52"), ("CALL OABC", "OABC|CALL"), ("NLAP1 G0 X1", "NLAP1"),
         ("VC300=1", "VC300"), ("G85 X1. Z-1. R1. FA=9 M54", "FA"), ("M98 P20", "M98"),
         ("M66", "ignore_m"), ("G71 Z9.\nG91 G81 X1. Z-1. R1. F9 M53", "G91"),
+        ("G71 Z25.8.", "cannot read 'G71 Z25.8.'"), ("G71 Z.", "G71 Z and a level"),
     ],
 )  # fmt: skip
 def test_what_no_source_says_is_refused_by_word(body, word):

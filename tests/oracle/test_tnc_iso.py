@@ -134,6 +134,9 @@ def test_moves_have_the_lines_of_the_iso_program():
         ("D13 Q3 P01 +1 P02 +1 *\nG00 X+Q3", (45, 0)),
         ("G04 F1 *\nG00 X+2", (2, 0)),
         ("G17 *\nG07 X+4 F99", (4, 0)),
+        ("G01 X+4 M118 X1 Y1 M8", (4, 0)),
+        ("M118 X1 Y1 *\nG00 X+5 M120 LA10", (5, 0)),
+        ("G01 X+6 M138 A C", (6, 0)),
     ],
 )
 def test_words_of_iso(block, end):
@@ -153,11 +156,19 @@ def test_words_of_iso(block, end):
         ("L9,0", "LBL 9 does not exist"),
         ("G00 X+", "cannot read 'X\\+'"),
         ("T1 G18 S5", "cannot read 'TOOL CALL"),
+        ("G01 X+5 R5", "part.i:2: word R beside G01"),
+        ("G11 R5 H5 K5", "part.i:2: word K beside G11"),
     ],
 )
 def test_refusals_name_word_and_line(block, message):
     with pytest.raises(ProgramError, match=message):
         read(f"%A G71 *\n{block} *\nN9 %A G71 *\n")
+
+
+def test_the_feed_share_of_m103_is_no_feed_of_the_block():
+    head = "%A G71 *\nT1 G17 S1 *\nG00 G40 G90 X+0 Y+0 Z+0 *\nF300 *\n"
+    moves = read(head + "G01 X+5 M103 F50 *\nY+5 *\nZ-5 *\nN9 %A G71 *\n").moves
+    assert moves.feed_mm_per_min[-3:] == pytest.approx([300, 300, 150])
 
 
 def test_it_is_not_written_back(tmp_path):

@@ -37,6 +37,21 @@ _ENDS = (2, 30)
 _NO_STOPS = (5, 9)  #: of the M codes at the end of a block
 
 
+def _without_named_axes(block: MacroBlock) -> None:
+    """Take out X0 Y0 Z0 of G5.1 Q2, which name the axes to be smoothed and are no places.
+
+    FANUC, Series 15i/150i-MA, Operator's Manual (Programming), section 4.16.
+    """
+    named = {letter: block.words[letter] for letter in "xyzabc" if letter in block.words}
+    if named and (block.words.get("q") != 2 or any(named.values())):
+        raise ProgramError(
+            f"G5.1 with {' '.join(named).upper()} is not read",
+            accepted="G5.1 Q2 X0 Y0 Z0, which names axes",
+            hint="give G5.1 a block of its own",
+        )
+    block.pop("xyzabc")
+
+
 class BlockRunner(ProgrammedMotion):
     """Obeys blocks without flow.
 
@@ -152,6 +167,8 @@ class BlockRunner(ProgrammedMotion):
 
     def _note(self, block: MacroBlock) -> None:
         for code in [code for code in block.g if code in NOTED]:
+            if code == 5.1:
+                _without_named_axes(block)
             text, letters = NOTED[code]
             self.controller.note(f"G{code:g}", text)
             if code not in (64.0,):

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from gcode.dialects.heidenhain.corners import KlartextCorners, WaitingPiece
 from gcode.dialects.heidenhain.m_functions import BEFORE_MOTION, m_code
+from gcode.dialects.heidenhain.motion_words import refuse_foreign
 from gcode.dialects.heidenhain.parameters import NUMBER
 from gcode.dialects.heidenhain.side_planes import XY, axes_of_pole, side_arc
 from gcode.errors import ProgramError
@@ -119,6 +120,7 @@ class KlartextMotion:
         """A block of motion with its M functions, and the cycle that it calls."""
         reader = self.reader
         words, codes = reader.words(content)
+        refuse_foreign(head, words)
         before = [m_code(reader, c) for c in codes if c in BEFORE_MOTION]
         after = [m_code(reader, c) for c in codes if c not in BEFORE_MOTION | _ELSEWHERE]
         if "F" in words:

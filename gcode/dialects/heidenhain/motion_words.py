@@ -9,17 +9,23 @@ from collections.abc import Callable, Mapping
 from gcode.dialects.heidenhain.parameters import NUMBER
 from gcode.errors import ProgramError
 
-__all__ = ["Words", "motion_words"]
+__all__ = ["Words", "motion_words", "refuse_foreign"]
 
 #: word -> its number, or the sign of DR; None for words that stand alone
 Words = Mapping[str, "float | str | None"]
 
 _WORD = re.compile(
-    r"(I?[XYZABC]|I?P[RA]|DR|R[0LR](?![\d.])|LEN|MB|F\s*(?:MAX|AUTO)|F|S|M|R|[A-Z]+)\s*"
+    r"(I?[XYZABC]|I?P[RA]|DR|R[0LR](?![\d.])|LEN|MB|F\s*(?:MAX|AUTO)|F[ZU]|F|S|M|R|[A-Z]+)\s*"
     rf"({NUMBER}|MAX)?\s*([+-])?(?=\s|$|[A-Z])"
 )
 _LETTERS = frozenset(("X", "Y", "Z", "A", "B", "C", "IX", "IY", "IZ", "IA", "IB", "IC", "F", "R",
                       "S", "PR", "PA", "IPR", "IPA"))  # fmt: skip
+_POLAR = ("PR", "PA", "IPR", "IPA")
+#: first word of a line -> words that say nothing in it
+_FOREIGN = {"L": ("R", "DR", *_POLAR), "LP": ("R", "DR"), "CP": ("R",), "C": ("R", *_POLAR),
+            "CR": _POLAR, "CT": ("R", *_POLAR)}  # fmt: skip
+_HINTS = {letter: f"feed per {what}: post the feed per minute"
+          for letter, what in (("FZ", "tooth"), ("FU", "revolution"))}  # fmt: skip
 _ACCEPTED = "X Y Z IX IY IZ PR PA IPA R DR RL RR R0 F FMAX M"
 
 
@@ -59,7 +65,7 @@ def motion_words(
             continue
         elif value in (None, "MAX") or letter not in _LETTERS:
             raise ProgramError(f"Klartext word '{letter}' is not read in a motion line",
-                               accepted=_ACCEPTED)  # fmt: skip
+                               accepted=_ACCEPTED, hint=_HINTS.get(letter))  # fmt: skip
         elif letter in words:
             raise ProgramError(f"two {letter} words in one line")
         else:
@@ -67,6 +73,12 @@ def motion_words(
     if content[position:].strip():
         raise ProgramError(f"cannot read '{content[position:].strip()}'", accepted=_ACCEPTED)
     return words, codes
+
+
+def refuse_foreign(head: str, words: Words) -> None:
+    """Refuse words of other lines, which would be left out without a word."""
+    for letter in words.keys() & set(_FOREIGN[head]):
+        raise ProgramError(f"Klartext word {letter} beside {head} is not read", hint="remove it")
 
 
 def _m_code(value: str, number: Callable[[str], float]) -> int:

@@ -17,6 +17,11 @@ __all__ = ["Translation", "klartext_of_iso"]
 
 _VALUE = r"[+-]?\s*(?:\d+\.?\d*|\.\d+|Q\d+)"
 _WORD = re.compile(rf"\s*([A-Z])\s*({_VALUE})")
+#: M functions with words of their own, which are no places and no feeds of the block
+_M_WITH_WORDS = re.compile(
+    rf"M\s*(?:103\s*F\s*{_VALUE}|118(?:\s*[XYZABC]\s*{_VALUE})+|120\s*LA\s*{_VALUE}"
+    rf"|1(?:12|24)(?:\s*[TA]\s*{_VALUE})+|138(?:\s+[ABC](?![\w+-]))+|140\s*MB\s*(?:MAX|{_VALUE}))"
+)
 _HEAD = re.compile(r"\s*(/?)\s*(?:N\s*\d+)?\s*(/?)\s*")
 _FUNCTION = re.compile(rf"D\s*(\d+)\s*(?:(Q\d+)\s*)?((?:P0?\d\s*{_VALUE}\s*)+)$")
 _LEADING = re.compile(r"((?:G\s*9[01]\s*)?)G\s*(\d+)")
@@ -33,6 +38,7 @@ _SIDES = {40: "R0", 41: "RL", 42: "RR"}
 _RAPID, _POLAR = {0, 10}, {10, 11, 12, 13, 15}
 _SENSES = {2: "-", 3: "+", 12: "-", 13: "+"}
 _PATHS = {0, 1, 2, 3, 5, 6, 7, 10, 11, 12, 13, 15}
+_ARCS = {2, 3, 5}
 _MODES = {17, 40, 41, 42, 90, 91}
 
 
@@ -114,6 +120,8 @@ class _Blocks:
 
     def _words(self, body: str) -> list[str]:
         codes, words, position = [], [], 0
+        own = "".join(f" {found}" for found in _M_WITH_WORDS.findall(body))
+        body = _M_WITH_WORDS.sub(" ", body)
         for match in _WORD.finditer(body):
             if body[position : match.start()].strip():
                 break
@@ -128,9 +136,9 @@ class _Blocks:
         if body[position:].strip():
             raise ProgramError(f"cannot read '{body[position:].strip()}'",
                                accepted="words of a letter and a number")  # fmt: skip
-        return self._said(codes, words)
+        return self._said(codes, words, own)
 
-    def _said(self, codes: list[int], words: list[tuple[str, str]]) -> list[str]:
+    def _said(self, codes: list[int], words: list[tuple[str, str]], own: str) -> list[str]:
         said = dict(words)
         special = self._special(codes, said)
         if special is not None:
@@ -148,10 +156,19 @@ class _Blocks:
         found = ["CC IX+0 IY+0"] if 29 in codes else []
         if said.keys() & {"I", "J"}:
             found.append("CC" + self._places(said, {"I": "X", "J": "Y"}))
-        codes_m = "".join(f" M{value}" for letter, value in words if letter == "M")
+        codes_m = "".join(f" M{value}" for letter, value in words if letter == "M") + own
         if 79 in codes:
             return [*found, "CYCL CALL" + codes_m]
+        self._refuse_foreign(said)
         return found + self._motion(codes, said, codes_m)
+
+    def _refuse_foreign(self, said: dict[str, str]) -> None:
+        """Refuse words that say nothing beside the path function."""
+        of_path = "RH" if self.path in _POLAR else "R" if self.path in _ARCS else ""
+        for letter in sorted(said.keys() - set("XYZABCIJFSM" + of_path)):
+            raise ProgramError(
+                f"word {letter} beside G{self.path:02d} is not read", hint="remove it"
+            )
 
     def _special(self, codes: list[int], said: dict[str, str]) -> list[str] | None:
         """Blocks that are no motion."""
