@@ -91,7 +91,10 @@ def _odd_ones_out(machine: Machine, noted: set[str]) -> Iterator[Note]:
         for name, spread in ranges.items():
             # a wrong one has no say in what is usual, where others enough can tell
             others = [other for peer, other in ranges.items() if peer != name]
-            peers = others if len(others) >= _ENOUGH_OTHERS else list(ranges.values())
+            # but a short axis is often as good as five times better: small is small among all
+            is_large = spread > np.median(list(ranges.values()))
+            can_tell = is_large and len(others) >= _ENOUGH_OTHERS
+            peers = others if can_tell else list(ranges.values())
             usual = float(np.median(peers))
             if usual / _ODD_FACTOR <= spread <= usual * _ODD_FACTOR or name in noted:
                 continue
