@@ -112,3 +112,36 @@ def test_warm_up_compiles_all_that_reading_a_long_program_needs(tmp_path):
     code = [sys.executable, "-c", READ, str(tmp_path), str(tmp_path / "long.nc")]
     found = subprocess.run(code, capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "True True []"
+
+
+#: prints which signatures of all kernels a compensated sample adds
+WARM_COMPENSATION = """
+import pathlib, sys
+from vmach.commands import warm_up
+from vmach.compensation.aim.surface import check_surface, read_surface
+from vmach.compensation.compensate import compensate
+from vmach.job import read_job
+
+def compiled():
+    modules = [m for n, m in sys.modules.items() if n.split(".")[0] in ("gcode", "stock", "vmach")]
+    kernels = {k for m in modules for k in vars(m).values() if hasattr(k, "nopython_signatures")}
+    return {(k.__module__, k.__name__, str(s)) for k in kernels for s in k.signatures}
+
+folder = pathlib.Path(sys.argv[1])
+for file, text in warm_up._FILES.items():
+    (folder / file).write_text(text)
+for work in (warm_up._machine, warm_up._read, warm_up._cad, warm_up._compensate):
+    work(folder)
+before = compiled()
+job = read_job(sys.argv[2])
+surface = read_surface(job, with_aim=True)
+check_surface(job, compensate(job, round_points=surface.aim).text, surface)
+print(len(before) > 0, sorted(compiled() - before))
+"""
+
+
+def test_warm_up_compiles_all_that_a_compensation_needs(tmp_path):
+    sample = Path(__file__).parents[2] / "samples" / "freecad_pocket"
+    code = [sys.executable, "-c", WARM_COMPENSATION, str(tmp_path), str(sample)]
+    found = subprocess.run(code, capture_output=True, text=True, check=True)
+    assert found.stdout.splitlines()[-1] == "True []"

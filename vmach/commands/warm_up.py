@@ -44,6 +44,9 @@ rapid_mm_min = 12000
 tool_change_s = 5
 [errors.EXX]
 table = "EXX.csv"
+measured_at_mm = [0, 0, 0]
+[errors.EBX]
+table = "EBX.csv"
 [axes.X]
 travel_mm = [-400, 0]
 [axes.Y]
@@ -51,7 +54,8 @@ travel_mm = [-300, 0]
 [axes.Z]
 travel_mm = [-300, 0]
 """,
-    "EXX.csv": "position_mm,forward_um,backward_um\n-400,0,1\n-200,2,3\n0,4,5\n",
+    "EXX.csv": "position_mm,forward_um,backward_um\n-400,0,1\n-200,12,13\n0,4,5\n",
+    "EBX.csv": "position_mm,forward_urad,backward_urad\n-400,0,1\n-200,12,13\n0,4,5\n",
     "part.nc": """\
 G21 G17 G90 G94 G40
 T1 M6
@@ -151,6 +155,7 @@ def warm_up() -> None:
             ("a machined part", _machine),
             ("a long program", _read),
             ("nominal CAD", _cad),
+            ("a compensated program", _compensate),
             ("a diagnosis", _diagnose),
         )
         for what, work in works:
@@ -179,6 +184,19 @@ def _cad(folder: Path) -> None:
     path = folder / "part.step"
     path.write_text(_STEP, encoding="ascii")
     read_nominal(path).sample(1.0)
+
+
+def _compensate(folder: Path) -> None:
+    """As the command does without CAD: points that are measured say where the surface is."""
+    from vmach.compensation.aim.surface import check_surface, read_surface
+    from vmach.compensation.compensate import compensate
+    from vmach.job import read_job
+
+    job = read_job(folder)
+    surface = read_surface(job, with_aim=True)
+    found = compensate(job, round_points=surface and surface.aim)
+    if surface is not None:
+        check_surface(job, found.text, surface)
 
 
 def _diagnose(folder: Path) -> None:
