@@ -194,9 +194,8 @@ def _compensate(folder: Path) -> None:
 
     job = read_job(folder)
     surface = read_surface(job, with_aim=True)
-    found = compensate(job, round_points=surface and surface.aim)
-    if surface is not None:
-        check_surface(job, found.text, surface)
+    assert surface is not None  # there is a blank
+    check_surface(job, compensate(job, round_points=surface.aim).text, surface)
 
 
 def _diagnose(folder: Path) -> None:
