@@ -21,7 +21,7 @@ def test_matched_power_is_what_a_ridge_regression_takes_off():
         # the prior as two more readings of zero
         wide = np.vstack([own, np.eye(2) / (1e-3 * USUAL_UM)])
         long = np.append(reading, [0.0, 0.0])
-        _, (left,), *_ = np.linalg.lstsq(wide, long)
+        _, (left,), *_ = np.linalg.lstsq(wide, long, rcond=None)
         np.testing.assert_allclose(power, long @ long - left, rtol=1e-9)
 
 
