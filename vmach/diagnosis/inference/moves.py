@@ -20,9 +20,6 @@ _TRIED = 3
 #: log odds by which one may lie behind the effect whose place it takes; in none of a few hundred
 #: refits did one from further behind catch up
 _NEAR = 6.0
-#: log odds by which one that is added may lie behind the first, beside the discrepancy; in 70 steps
-#: of 18 searches none that was taken lay further behind than 6.3
-_FAR = 12.0
 #: share of what an effect stands for that the first of two in its place takes alone, at least;
 #: chosen: half of an even split. It saves fits; whatever passes is weighed by the readings
 _SHARE = 0.25
@@ -72,7 +69,7 @@ def _added(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     little = beside_little(here)
     for k in _leading(weighing, here, here.labels):
         child = weighing.extend(here, k)
-        if _has_large_discrepancy(here) and _has_large_discrepancy(child):
+        if little.posterior.sizes != here.posterior.sizes:
             # what a large discrepancy hides in part: once more where it may be large
             sizes = little.posterior.sizes
             tried = (child, weighing.resized(child, sizes), weighing.extend(little, k))
@@ -123,7 +120,7 @@ def _merged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
 def _filled(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     """Several effects in place of a large discrepancy."""
     little = beside_little(here)
-    if _has_large_discrepancy(here):
+    if little.posterior.sizes != here.posterior.sizes:
         start = weighing.explain(here.terms, little.posterior.sizes, refine=False, resize=False)
         for child in _filled_up(weighing, start, here.labels, _MOVES):
             if weighing.resized(child, little.posterior.sizes).score > here.score - _NEAR:
@@ -210,14 +207,11 @@ def _unlike(
 
 def _leading(weighing: Weighing, here: Explanation, but: AbstractSet[str]) -> list[int]:
     """Candidates worth a fit: the first ones beside the discrepancy, and nearly without it."""
-    beside = weighing.gains(here, roughly=True)
-    least = max((beside[k] for k in _ranked(weighing, beside, but)[:1]), default=0.0) - _FAR
     found: list[int] = []
     for view in (here, beside_little(here)):
         gains = weighing.gains(view, roughly=True)
-        ranked = _ranked(weighing, gains, but)[:_TRIED]
-        worth = [k for k in ranked if gains[k] > -2.0 and beside[k] > least]
-        found += [k for k in worth if k not in found]
+        ranked = _ranked(weighing, gains, but)
+        found += [k for k in ranked[:_TRIED] if gains[k] > -2.0 and k not in found]
     return found
 
 
@@ -226,10 +220,6 @@ def beside_little(here: Explanation) -> Explanation:
     sizes = here.posterior.sizes
     small = Sizes(min(sizes.factor, 1.0), tuple(min(s, 0.3) for s in sizes.members))
     return replace(here, posterior=replace(here.posterior, sizes=small))
-
-
-def _has_large_discrepancy(here: Explanation) -> bool:
-    return beside_little(here).posterior.sizes != here.posterior.sizes
 
 
 def without_needless(weighing: Weighing, here: Explanation) -> Explanation:
