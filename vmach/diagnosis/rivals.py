@@ -101,7 +101,7 @@ def _jointly(
         if not one.imitates_as_team or one.is_twin_of(own):
             continue
         team = [c for c in weighing.candidates if c.effect.name == one.name]
-        helpers = [c for c in rest if c not in team and not c.effect.is_twin_of(own)]
+        helpers = [c for c in rest if c.effect.name != one.name and not c.effect.is_twin_of(own)]
         # what the helpers do alone is not its work
         if team and can_imitate([*team, *helpers]) and not can_imitate(helpers):
             found.append(one.name)
