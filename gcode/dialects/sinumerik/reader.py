@@ -27,6 +27,7 @@ from gcode.errors import ProgramError
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated, number
 from gcode.state.controller import PLANE_AXES, XY, XZ, YZ, Controller
+from gcode.text.source import Source
 
 __all__ = ["SinumerikReader"]
 
@@ -109,6 +110,12 @@ class SinumerikReader(Translated):
         self.statements = Statements(self)
         controller.start_up, controller.round_corners_from = "A", 0.0
         super().execute("g21g90g17g40")
+
+    def use_fast_lane(self, source: Source) -> None:
+        """Give stretches of lines to compiled code."""
+        from gcode.dialects.sinumerik.lane import SinumerikLane  # loads the compiler
+
+        self.lane = SinumerikLane(self, source.data, source.line_starts)
 
     def apart(self, controller: Controller) -> SinumerikReader:
         """The same program and variables for another controller."""
