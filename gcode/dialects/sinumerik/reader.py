@@ -19,10 +19,10 @@ from gcode.dialects.sinumerik.poles import Poles
 from gcode.dialects.sinumerik.soft_approach import SoftApproach
 from gcode.dialects.sinumerik.statements import ARC_WORD, NO_MOTION_WORDS, Statements
 from gcode.dialects.sinumerik.subprograms import Subprograms
-from gcode.dialects.sinumerik.system_variables import system_variable
 from gcode.dialects.sinumerik.tool_words import ToolWords
 from gcode.dialects.sinumerik.units import Units
-from gcode.dialects.sinumerik.variables import Variables
+from gcode.dialects.sinumerik.values.system_variables import system_variable
+from gcode.dialects.sinumerik.values.variables import Variables
 from gcode.errors import ProgramError
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated, number
