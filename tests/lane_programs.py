@@ -186,7 +186,7 @@ LANGUAGES: dict[str, tuple[str, Callable[[Dice], str], list[str], str]] = {
 def _spoilt(line: str, rng: Dice) -> str:
     """The line with a letter too many, or one less."""
     at = rng.randrange(len(line) + 1)
-    letter = rng.choice('XYZIJFRCLMN0123456789.,+-=;/~*()"\xa0\x0b\t \r')
+    letter = rng.choice('XYZIJFRCLMN0123456789.,+-=;/~*()"\xa0\xff\xb5\xdf\x0b\t \r')
     return line[:at] + rng.choice(["", letter]) + line[at + rng.randrange(2) :]
 
 

@@ -90,3 +90,8 @@ def test_what_compiled_code_takes_needs_no_note():
     assert unconfirmed_words(letters, OF_SINUMERIK) == []
     words = ["L", "C", "CR", "CC", "R0", *(f"M{k}" for k in (3, 4, 5, 7, 8, 9, 13, 14))]
     assert unconfirmed_words(words, OF_KLARTEXT) == []
+
+
+def test_a_letter_whose_upper_case_is_beyond_latin_1_is_read_on():
+    text = b"%A G71\nG01 X+1 F100\nX+2\nN5 %B\xff G71\nX+3\n"
+    assert not isinstance(assert_read_alike(text, dialect="tnciso"), str)

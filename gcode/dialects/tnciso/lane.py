@@ -19,7 +19,8 @@ class TncIsoLane(KlartextLane):
     """Compiled reading of one program."""
 
     def __init__(self, reader: TncIsoReader) -> None:
-        texts = [text.encode("latin-1") + b"\n" for text in reader.lines]
+        # upper case may leave Latin-1; compiled code takes no line with such a letter
+        texts = [text.encode("latin-1", "replace") + b"\n" for text in reader.lines]
         starts = np.fromiter(accumulate(map(len, texts), initial=0), np.int64)
         super().__init__(reader, b"".join(texts), starts)
         #: 1-based line of the file for each of Klartext
