@@ -145,7 +145,7 @@ def test_what_the_laws_leave_open_never_makes_the_fit_worse(tmp_path, hidden, se
             "common",
             PartDesign(corners=True),
         ),
-        # with a squareness alone the chip would lengthen the tool: the hidden length has to go along
+        # with a squareness alone the chip would lengthen the tool: its length has to come along
         (["squareness", "tool_length", "tool_chip"], 4223019, "common", PartDesign(corners=True)),
     ],
 )
