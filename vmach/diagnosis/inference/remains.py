@@ -10,7 +10,14 @@ from vmach.base.units import um_from_mm
 from vmach.diagnosis.inference.rules import CLEARLY, STRUCTURE, TRUST
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 
-__all__ = ["is_structure", "remains_um", "sizes_um", "usual_u_um"]
+__all__ = [
+    "is_structure",
+    "remains_mm",
+    "remains_um",
+    "sizes_um",
+    "usual_u_um",
+    "where_they_act_um",
+]
 
 #: normals that lean less out of the plane than this are those of walls: steeper than 60 degrees
 _WALL = 0.5
@@ -51,9 +58,35 @@ def remains_um(weighing: Weighing, found: Explanation, *, noise: float = TRUST) 
         Scatter that is noise, in stated uncertainties; where it is known, as from a fuller
         explanation. More than `TRUST` is none.
     """
+    scatter_um = _scatter_um(weighing, found, noise)
+    return float(np.hypot(_rms_um(remains_mm(weighing, found)), scatter_um))
+
+
+def where_they_act_um(
+    weighing: Weighing, found: Explanation
+) -> tuple[Sequence[float], Sequence[float]]:
+    """Size of each effect where it acts, and what remains there, root mean squares.
+
+    Each reading weighs as the square of what the effect does to it.
+    """
+    effects = [um_from_mm(own) for own in _effects_mm(weighing, found)]
+    left, scatter = um_from_mm(remains_mm(weighing, found)), _scatter_um(weighing, found)
+    return (
+        tuple(_rms_where(own, own) for own in effects),
+        tuple(float(np.hypot(_rms_where(left, own), scatter)) for own in effects),
+    )
+
+
+def _rms_where(values: np.ndarray, effect: np.ndarray) -> float:
+    """Root mean square of values (n,), weighed by the square of an effect (n,)."""
+    weight = effect**2
+    return float(np.sqrt(weight @ values**2 / max(float(weight.sum()), 1e-300)))
+
+
+def _scatter_um(weighing: Weighing, found: Explanation, noise: float = TRUST) -> float:
+    """Scatter that is no noise, root mean square."""
     beyond = max(found.posterior.sizes.factor**2 - min(noise, TRUST) ** 2, 0.0)
-    scatter = max(beyond, _uneven(weighing, found)) * usual_u_um(weighing) ** 2
-    return float(np.sqrt(_rms_um(remains_mm(weighing, found)) ** 2 + scatter))
+    return float(np.sqrt(max(beyond, _uneven(weighing, found)))) * usual_u_um(weighing)
 
 
 def _left_in_u(weighing: Weighing, found: Explanation) -> np.ndarray:
@@ -90,8 +123,12 @@ def _rms_um(values_mm: np.ndarray) -> float:
 
 def sizes_um(weighing: Weighing, found: Explanation) -> Sequence[float]:
     """Root mean square of what each effect does to the aligned readings."""
+    return tuple(map(_rms_um, _effects_mm(weighing, found)))
+
+
+def _effects_mm(weighing: Weighing, found: Explanation) -> Sequence[np.ndarray]:
+    """What each effect does to the readings, alignment and zeros taken off, (n,) each."""
     if found.fit is None:
         return ()
     explained = [found.fit.explained_mm(k) for k in range(len(found.terms))]
-    aligned = [e - weighing.survey.aligned(e[:, None])[:, 0] for e in explained]
-    return tuple(_rms_um(a) for a in aligned)
+    return tuple(e - weighing.survey.aligned(e[:, None])[:, 0] for e in explained)

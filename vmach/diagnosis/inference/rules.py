@@ -24,7 +24,7 @@ CLEARLY = 4.6
 SHOWN = 3.0
 #: log prior odds of an effect that every machine has and nobody measured in this one
 UNMEASURED = 4.0
-#: size of an effect, in what remains beside it, where it is as probably an imitation as not
+#: size of an effect, in what remains where it acts, where it is as probably an imitation as not
 IMITATION = 5.0
 #: share of its size that a form leaves an effect at least; less is left of an imitation
 KEPT = 0.5
@@ -84,8 +84,8 @@ RULES = (
         "imitation",
         IMITATION,
         "sizes of the rest",
-        "an effect that is so many times as large as what remains beside it is as probably an "
-        "imitation as not; the odds grow with its variance",
+        "an effect that is so many times as large as what remains, each reading weighed by the "
+        "effect's square, is as probably an imitation as not; the odds grow with its variance",
         f"{_CALIBRATION}; kept where an earlier regression had even odds",
         _COUNTS,
     ),

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import expit, logsumexp
 
-from vmach.diagnosis.inference.remains import remains_um, sizes_um, usual_u_um
+from vmach.diagnosis.inference.remains import usual_u_um, where_they_act_um
 from vmach.diagnosis.inference.rules import IMITATION, SHOWN, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 
@@ -32,9 +32,9 @@ class Support:
     odds : float
         Log odds that it, or another in its place, is there, given everything else.
     size_um : float
-        Root mean square of what it does to the readings.
+        Root mean square of what it does, each reading weighed by the square of that.
     rest_um : float
-        What remains unexplained, beyond what would not be looked into.
+        What remains unexplained, weighed alike, beyond what would not be looked into.
     prior : float
         Log odds beforehand that the machine has it, where they are more than even.
     """
@@ -70,17 +70,16 @@ class Support:
 
 def supports_of(weighing: Weighing, found: Explanation) -> Sequence[Support]:
     """What speaks for each effect of an explanation."""
-    u_um = usual_u_um(weighing)
-    beyond = max(remains_um(weighing, found) ** 2 - (WORTH_A_FORM * u_um) ** 2, 0.0)
-    rest = float(np.sqrt(beyond))
+    least = WORTH_A_FORM * usual_u_um(weighing)
+    sizes, rests = where_they_act_um(weighing, found)
     return [
         Support(
             found.score - weighing.without(found, [k]).score + in_its_place(weighing, found, k),
             size,
-            rest,
+            float(np.sqrt(max(rest**2 - least**2, 0.0))),
             prior=max(weighing.prior_of(term.effect, term.target), 0.0),
         )
-        for k, (term, size) in enumerate(zip(found.terms, sizes_um(weighing, found), strict=True))
+        for k, (term, size, rest) in enumerate(zip(found.terms, sizes, rests, strict=True))
     ]
 
 
