@@ -54,12 +54,17 @@ class _Steps:
         self.plain = [part for part in outline if isinstance(part, PlainLines)]
         self.first = [part.first for part in self.plain]
 
+    def stretch(self, line: int) -> PlainLines | None:
+        """The lines of plain motion to which a line belongs."""
+        place = bisect_right(self.first, line) - 1
+        is_plain = place >= 0 and line <= self.plain[place].last and line not in self.single
+        return self.plain[place] if is_plain else None
+
     def get(self, line: int) -> Step | None:
         """The step of a line, without words where it is plain; None where it is not obeyed."""
-        place = bisect_right(self.first, line) - 1
-        if line in self.single or place < 0 or line > self.plain[place].last:
+        part = self.stretch(line)
+        if part is None:
             return self.single.get(line)
-        part = self.plain[place]
         return Step(line, part.before, blocks=1, modes=part.modes)
 
     def with_words(self, line: int) -> Step | None:
@@ -82,6 +87,7 @@ class _Writer:
         self.angle = rotation_of_moves(program)
         self.seconds = {int(row): seconds for row, seconds in program.record.dwells.tolist()}
         self.steps = _Steps(program)
+        self.looked_at = 0  #: up to this line, every line is looked at alone
         #: feed, circle centre and kind of motion in force are the user's
         self.own_feed = self.own_pole = self.own_motion = True
 
@@ -89,6 +95,11 @@ class _Writer:
         """All lines."""
         line, count = 1, len(self.program.source)
         while line <= count:
+            untouched = self._untouched(line)
+            if untouched:
+                self.lines.keep(line, untouched)
+                line = untouched + 1
+                continue
             last = self.blocks.last_line(line)
             why = self._why(line)
             written = None if why is None else self._written(line)
@@ -106,6 +117,20 @@ class _Writer:
                 self.own_motion &= not written
                 self.own_pole &= not any(block.startswith("CC") for block in written)
             line = last + 1
+
+    def _untouched(self, line: int) -> int:
+        """Last of the lines of plain motion from this one on, if all of them stay; 0 if not."""
+        part = self.steps.stretch(line)
+        if part is None or line <= self.looked_at or not (
+            self.own_feed and self.own_pole and self.own_motion
+        ):  # fmt: skip
+            return 0
+        source, pattern = self.program.source, self.program.language.unwritable
+        text = source.data[source.line_starts[line - 1] : source.line_starts[part.last]]
+        if pattern is None or not pattern.search(text.decode("latin-1")):
+            return part.last
+        self.looked_at = part.last
+        return 0
 
     def _rows(self, line: int) -> np.ndarray:
         return self.order[
