@@ -27,13 +27,16 @@ class Columns:
     ----------
     make_mm, make_white : callable
         What they are, (n, K): in mm, and in unit noise without what the nuisance can explain.
-        Worked out when asked for, as most questions are answered by products.
+        Worked out when asked for, as most questions are answered by products. Where readings
+        were pooled, one row a site, and one a coordinate.
     make_gram : callable
         Products of the white columns with each other, (K, K).
     cross : (q, K) float64
         With the members' columns.
     seen : (K,) float64
         With the readings.
+    site : (n,) int or None
+        Which row in mm each reading has, where readings were pooled.
     """
 
     make_mm: Callable[[], np.ndarray]
@@ -41,13 +44,19 @@ class Columns:
     make_gram: Callable[[], np.ndarray]
     cross: np.ndarray
     seen: np.ndarray
+    site: np.ndarray | None = None
 
     @classmethod
     def of(
-        cls, mm: Callable[[], np.ndarray], white: np.ndarray, cross: np.ndarray, seen: np.ndarray
+        cls,
+        mm: Callable[[], np.ndarray],
+        white: np.ndarray,
+        cross: np.ndarray,
+        seen: np.ndarray,
+        site: np.ndarray | None = None,
     ) -> Self:
         """White columns (n, K) that are there."""
-        return cls(mm, lambda: white, lambda: white.T @ white, cross, seen)
+        return cls(mm, lambda: white, lambda: white.T @ white, cross, seen, site)
 
     def __len__(self) -> int:
         return len(self.seen)
@@ -60,7 +69,7 @@ class Columns:
     @property
     def mm(self) -> np.ndarray:
         """In mm, (n, K)."""
-        return self.make_mm()
+        return self.make_mm() if self.site is None else self.make_mm()[self.site]
 
     @cached_property
     def white(self) -> np.ndarray:
@@ -74,8 +83,8 @@ class Columns:
 
     def times(self, matrix: np.ndarray) -> Self:
         """Sums of columns, by a matrix (K, m) of their weights."""
-        mm, white = self.mm @ matrix, (matrix.T @ self.white.T).T
-        return self.of(lambda: mm, white, self.cross @ matrix, self.seen @ matrix)
+        mm, white = self.make_mm() @ matrix, (matrix.T @ self.white.T).T
+        return self.of(lambda: mm, white, self.cross @ matrix, self.seen @ matrix, self.site)
 
     def scaled(self, widths: np.ndarray | float) -> Self:
         """Each column so many times, (K,)."""
@@ -86,6 +95,7 @@ class Columns:
             lambda: self.gram * wide * wide[:, None],
             self.cross * wide,
             self.seen * wide,
+            self.site,
         )
 
     def beside(self, other: Self) -> Self:
@@ -103,6 +113,7 @@ class Columns:
             gram,
             np.concatenate([self.cross, other.cross], axis=1),
             np.concatenate([self.seen, other.seen]),
+            self.site,
         )
 
     def split(self, parts_mm: Sequence[np.ndarray]) -> list[Self]:
@@ -111,7 +122,7 @@ class Columns:
         found = []
         for own, (low, high) in zip(parts_mm, itertools.pairwise(ends), strict=True):
             white, cross = self.white[:, low:high].copy("F"), self.cross[:, low:high].copy()
-            found.append(self.of(_ready(own), white, cross, self.seen[low:high]))
+            found.append(self.of(_ready(own), white, cross, self.seen[low:high], self.site))
         return found
 
     @classmethod
@@ -122,7 +133,8 @@ class Columns:
         mm = _side_by_side([part.make_mm for part in parts])
         white = _side_by_side([part.make_white for part in parts])()
         cross = np.concatenate([part.cross for part in parts], axis=1)
-        return cls.of(mm, white, cross, np.concatenate([part.seen for part in parts]))
+        seen = np.concatenate([part.seen for part in parts])
+        return cls.of(mm, white, cross, seen, parts[0].site)
 
 
 def _side_by_side(parts: Sequence[Callable[[], np.ndarray]]) -> Callable[[], np.ndarray]:

@@ -82,7 +82,7 @@ class Effects:
 
     def on(self, base: Base) -> Effects:
         """The same over another base of the survey."""
-        return Effects(base.columns(self.columns.mm), self.log_prior)
+        return Effects(base.columns(self.columns.make_mm()), self.log_prior)
 
 
 class Bordered:
@@ -257,7 +257,8 @@ class Posterior:
     def whiten(self, columns_mm: np.ndarray) -> np.ndarray:
         """Columns in plain unit noise, members and effects counted as noise; (n,), (n, k) or more.
 
-        What the nuisance can explain is taken out. Only products of such columns have a meaning.
+        What the nuisance can explain is taken out. Only products of such columns have a meaning;
+        where readings were pooled, they have as many rows as coordinates.
         """
         white = self.base.white(columns_mm.reshape(len(columns_mm), -1))
         members, root, own = self.members, self.bordered, self.effects.columns.white
@@ -272,10 +273,15 @@ class Posterior:
         white -= thin_product(self.base.z, amount)
         white -= own @ of_effects / self.sizes.factor
         white /= self.sizes.factor
-        return white.reshape(columns_mm.shape)
+        return white.reshape(len(white), *columns_mm.shape[1:])
 
     @property
     def left(self) -> np.ndarray:
         """What members and effects leave of the white readings, (n,), in units of the factor."""
+        return self.base.spread(self.rest)
+
+    @property
+    def rest(self) -> np.ndarray:
+        """The same by the rows of the base, (r,)."""
         taken = self.base.z @ self.amounts + self.effects.columns.white @ self.mean[1]
         return (self.base.y - taken) / self.sizes.factor

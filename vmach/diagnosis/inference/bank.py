@@ -48,8 +48,7 @@ class Bank:
 
     def evidence(self, posterior: Posterior) -> Evidence:
         """Evidence of every candidate beside members and effects of a posterior."""
-        white, noise = posterior.effects.columns.white, self._base.noise
-        back = white if isinstance(noise, Means) else noise.back(white)
+        back = self._base.back(posterior.effects.columns.white)
         parts = [g.evidence(posterior.members, posterior.bordered, back) for g in self._groups]
         return Evidence.joined(parts, self._place)
 
@@ -60,7 +59,7 @@ class _Group:
     def __init__(self, base: Base, candidates: Sequence[Candidate], terms: int) -> None:
         self._log_priors = [c.log_prior for c in candidates]
         self._terms = terms
-        raw = [candidate.rows_mm for candidate in candidates]
+        raw = [base.rows_of(candidate.rows_mm.T).T for candidate in candidates]
         parts, means = [], []
         for some in _at_once(raw, terms):
             rows = base.white(some.T).T
