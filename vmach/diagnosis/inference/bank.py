@@ -67,7 +67,7 @@ class _Group:
                 means.append(rows.astype(np.float32))
             parts.append((rows @ base.z, rows @ base.y, _products(self._by_place(rows))))
         # means are few: they are kept white
-        self._rows = means or raw
+        self._rows = means or _side_by_side(raw)
         self._with_members, self._seen, self._gram = map(np.concatenate, zip(*parts, strict=True))
         self._beside: tuple[Sizes, _Beside] | None = None
 
@@ -110,6 +110,12 @@ class _Beside:
     taken: np.ndarray
     gram: np.ndarray
     inner: np.ndarray
+
+
+def _side_by_side(rows: list[np.ndarray]) -> list[np.ndarray]:
+    """Rows of several candidates together; those of float32 are kept by the candidates anyway."""
+    wide = [own for own in rows if own.dtype == np.float64]
+    return [np.concatenate(wide)] if len(wide) == len(rows) else rows
 
 
 def _times(rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
