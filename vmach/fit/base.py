@@ -101,9 +101,7 @@ class Base:
         self.square = float(self.y @ self.y)
         # a root, and the raised one
         self._sized = Remembered[SizedMembers](_ROOM / max(2 * self.gram.size, 1))
-        self._columns = Remembered[Columns](
-            _ROOM_OF_COLUMNS, lambda c: 2 * c.white.size + c.cross.size
-        )
+        self._columns = Remembered[Columns](_ROOM_OF_COLUMNS, lambda columns: columns.size)
         self._steps = Remembered[Step](_ROOM_OF_COLUMNS, lambda step: step.size)
 
     def white(self, columns_mm: np.ndarray) -> np.ndarray:

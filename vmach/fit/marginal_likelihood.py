@@ -222,7 +222,7 @@ class Posterior:
 
     def taken(self, columns: Columns) -> np.ndarray:
         """What members and effects take of K columns, by the root, (k, K)."""
-        return self._taken(columns.cross, self.effects.columns.white.T @ columns.white)
+        return self._taken(columns.cross, self.effects.columns.dot_with(columns))
 
     def _taken(self, cross: np.ndarray, with_effects: np.ndarray) -> np.ndarray:
         """The same from products with the members' and the effects' columns, (q, K), (e, K)."""
@@ -261,9 +261,9 @@ class Posterior:
         where readings were pooled, they have as many rows as coordinates.
         """
         white = self.base.white(columns_mm.reshape(len(columns_mm), -1))
-        members, root, own = self.members, self.bordered, self.effects.columns.white
+        members, root, own = self.members, self.bordered, self.effects.columns
         taken = members.taken(thin_product(self.base.z.T, white))
-        of_effects = own.T @ white / self.sizes.factor - root.border.T @ taken
+        of_effects = own.dot(white) / self.sizes.factor - root.border.T @ taken
         of_effects = solved(root.own, of_effects)
         of_effects = solved(raised(root.own), of_effects, transposed=True)
         taken -= root.border @ of_effects
@@ -271,7 +271,7 @@ class Posterior:
         taken = solved(members.raised_root, taken, transposed=True)
         amount[members.here] = members.scale[:, None] * taken
         white -= thin_product(self.base.z, amount)
-        white -= own @ of_effects / self.sizes.factor
+        white -= own.summed(of_effects) / self.sizes.factor
         white /= self.sizes.factor
         return white.reshape(len(white), *columns_mm.shape[1:])
 
@@ -283,5 +283,5 @@ class Posterior:
     @property
     def rest(self) -> np.ndarray:
         """The same by the rows of the base, (r,)."""
-        taken = self.base.z @ self.amounts + self.effects.columns.white @ self.mean[1]
+        taken = self.base.z @ self.amounts + self.effects.columns.summed(self.mean[1])
         return (self.base.y - taken) / self.sizes.factor

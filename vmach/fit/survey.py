@@ -133,14 +133,17 @@ class Survey:
         The tables' uncertainty and that of the parameters of the job's effects are the same
         causes in all measurements; what the effects' laws leave open is new in each.
         """
+        if self.sites is not None:
+            return self.at_readings(self._at_sites.factors)
         pairs = list(zip(self.seen_paths, self.measurements, strict=True))
         tables = TableUncertainty.of(self.job.machine)
         parts = [np.vstack([_of_tables(tables, p, m) for p, m in pairs])]
         for effect in self.effects:
             parts.append(np.vstack([m.sensed(effect.of_parameters(p)) for p, m in pairs]))
             parts.append(block_diag(*(m.sensed(effect.unforeseen(p)) for p, m in pairs)))
-        everything = np.hstack(parts)
-        return everything[:, np.abs(everything).max(axis=0) > 1e-9]
+        for k, part in enumerate(parts):
+            parts[k] = part[:, np.abs(part).max(axis=0) > 1e-9]
+        return parts[0] if len(parts) == 1 else np.hstack(parts)
 
     @cached_property
     def whiten(self) -> Whitening:
