@@ -80,9 +80,9 @@ class Base:
         of_members = np.hstack([members.fixed_mm, *members.columns_mm])
         self.pooled: Pooled | None = None
         if survey.sites is not None and not by_reading and isinstance(noise, FeatureNoise):
-            every = np.hstack([survey.residual_mm[:, None], survey.nuisance, of_members])
-            others = every[:, ~survey.sites.is_constant(every)]
-            self.pooled = Pooled(noise, survey.sites, others)
+            every = survey.residual_mm[:, None], survey.nuisance, of_members
+            others = [columns[:, ~survey.sites.is_constant(columns)] for columns in every]
+            self.pooled = Pooled(noise, survey.sites, np.hstack(others))
         self._rows = self.pooled or noise
         nuisance = self._rows.white(survey.nuisance)
         norms = np.linalg.norm(nuisance, axis=0)

@@ -50,6 +50,11 @@ class Candidate:
         """What it does to the readings, (n, G, K)."""
         return self.at_sites_mm if self.site is None else self.at_sites_mm[self.site]
 
+    def signature_mm(self, place: int) -> np.ndarray:
+        """That at one place of the grid, (n, K)."""
+        own = self.at_sites_mm[:, place]
+        return own if self.site is None else own[self.site]
+
     @property
     def rows_mm(self) -> np.ndarray:
         """The signatures of one place after the other, (G K, m)."""

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.sparse import csr_array
 
+from vmach.base.alike_rows import alike_rows
 from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.whitening import orthonormal
 
@@ -43,20 +44,17 @@ class Sites:
 
     def is_constant(self, columns: np.ndarray) -> np.ndarray:
         """Whether columns (n, k) are the same in all readings of a site, (k,) bool."""
-        apart = [np.abs(c - c[self.first][self.of]).max() for c in columns.T]
-        return np.array(apart) <= _ROUNDING * np.abs(columns).max(axis=0)
+        same = (
+            np.abs(c - c[self.first][self.of]).max() <= _ROUNDING * np.abs(c).max()
+            for c in columns.T
+        )
+        return np.fromiter(same, dtype=bool, count=columns.shape[1])
 
 
 def sites_of(alike: Sequence[np.ndarray]) -> Sites | None:
     """Sites of readings of which some values (n, ...) are alike; None where few are repeated."""
-    bits = [np.ascontiguousarray(v).reshape(len(v), -1).view(np.uint8) for v in alike]
-    rows = np.ascontiguousarray(np.hstack(bits))
-    whole = rows.view(np.dtype((np.void, rows.shape[1])))[:, 0]
-    _, first, of = np.unique(whole, return_index=True, return_inverse=True)
-    if len(of) < _WORTH * len(first):
-        return None
-    order = np.argsort(first)
-    return Sites(first[order], np.argsort(order)[of])
+    first, of = alike_rows(alike)
+    return Sites(first, of) if len(of) >= _WORTH * len(first) else None
 
 
 @dataclass(frozen=True, eq=False)

@@ -110,7 +110,7 @@ class Weighing:
     def _take(self, noise: FeatureNoise) -> None:
         self.base = Base(self.survey, noise, self.members, by_reading=self._is_by_reading)
         self._none = Effects(self.base.no_columns)
-        many = -(-len(self.base.y) // _LOOKED_OVER)
+        many = -(-len(self.survey) // _LOOKED_OVER)
         self._means = Base(self.survey, Means(noise, many), self.members) if many > 1 else None
         self._forget()
         #: log probability of every set that a search weighed, by the labels of its effects
@@ -121,7 +121,7 @@ class Weighing:
         """What was worked out is of other candidates, or beside another noise."""
         self._bank: Bank | None = None
         self._bank_of_means: Bank | None = None
-        room = _ROOM / len(self.base.y)
+        room = _ROOM / len(self.survey)
         # by identity of the effects: a posterior is asked again and again
         self._known = Remembered[tuple[Effects, Evidence]](room)
         self._fits = Remembered[JointFit](room)
@@ -414,5 +414,4 @@ class Weighing:
     def alone_mm(self, k: int) -> np.ndarray:
         """What candidate k does to the readings when it is fitted alone, (n,) mm."""
         place = self.evidence(self.alone).best[k, 0]
-        at_sites = self.candidates[k].at_sites_mm[:, place] @ self.fitted_alone(k)[1]
-        return at_sites if self.candidates[k].site is None else self.survey.at_readings(at_sites)
+        return self.candidates[k].signature_mm(place) @ self.fitted_alone(k)[1]
