@@ -126,15 +126,22 @@ class Survey:
         """Direction of each reading, (n, 3)."""
         return np.vstack([m.sensing for m in self.measurements])
 
-    @cached_property
+    @property
     def factors(self) -> np.ndarray:
         """Signatures of what is not known of the model, of unit variance, (n, q) mm.
 
         The tables' uncertainty and that of the parameters of the job's effects are the same
         causes in all measurements; what the effects' laws leave open is new in each.
         """
-        if self.sites is not None:
-            return self.at_readings(self._at_sites.factors)
+        return self.at_readings(self.factors_at_sites)
+
+    @property
+    def factors_at_sites(self) -> np.ndarray:
+        """The same at every site, (m, q) mm; at every reading where `sites` is None."""
+        return self._factors if self.sites is None else self._at_sites._factors
+
+    @cached_property
+    def _factors(self) -> np.ndarray:
         pairs = list(zip(self.seen_paths, self.measurements, strict=True))
         tables = TableUncertainty.of(self.job.machine)
         parts = [np.vstack([_of_tables(tables, p, m) for p, m in pairs])]
@@ -170,6 +177,13 @@ class Survey:
     def at_readings(self, columns: np.ndarray) -> np.ndarray:
         """Columns (m, k) at the sites, as the readings have them, (n, k)."""
         return columns if self.sites is None else columns[self.sites.of]
+
+    @cached_property
+    def u_at_sites_mm(self) -> np.ndarray:
+        """Standard uncertainty of the mean of the readings of each site, (m,)."""
+        if self.sites is None:
+            return self.u_mm
+        return np.bincount(self.sites.of, 1.0 / self.u_mm**2) ** -0.5
 
     @cached_property
     def _at_sites(self) -> Survey:
@@ -213,11 +227,8 @@ class Survey:
         """
         if effect.slack_share == 0.0:
             return np.zeros((len(self), 0))
-        if self.sites is None:
-            return self._slack(effect, target, parameters, self.u_mm)
-        # one reading of a site with the uncertainty of the mean of all
-        u_mm = np.bincount(self.sites.of, 1.0 / self.u_mm**2) ** -0.5
-        return self.at_readings(self._at_sites._slack(effect, target, parameters, u_mm))
+        survey = self if self.sites is None else self._at_sites
+        return self.at_readings(survey._slack(effect, target, parameters, self.u_at_sites_mm))
 
     def _slack(
         self, effect: Effect, target: str, parameters: Mapping[str, float], u_mm: np.ndarray
