@@ -9,7 +9,7 @@ import numpy as np
 
 from gcode.state.codes import CODES
 
-__all__ = ["GROUPS", "CodeTable", "code_table"]
+__all__ = ["GROUPS", "CodeTable", "code_table", "sinumerik_codes"]
 
 #: modal groups, by their numbers in compiled code
 GROUPS = ("nonmodal", "motion", "plane", "distance", "arc_distance", "feed_mode", "units",
@@ -23,6 +23,8 @@ _M_CODES = ("M0 M1", "M3 M4 M5", "M6", "M7 M8 M9")
 _FANUC = (*_MODES, *_MOTION, *_M_CODES)
 #: obeyed in blocks of RS274/NGC; every other code is left to the interpreter
 _RS274 = (*_FANUC, "G4", "G74", "G90.1 G91.1", "G59.1 G59.2 G59.3", "G61 G61.1 G64")
+#: obeyed in lines of SINUMERIK
+_SINUMERIK = ("G0 G1 G2 G3", "M3 M4 M5", "M7 M8 M9", "G90 G91")
 _TENTHS = 1000  #: codes times ten are below
 
 
@@ -47,9 +49,19 @@ class CodeTable(NamedTuple):
 @cache
 def code_table(*, is_sequential: bool) -> CodeTable:
     """The codes of RS274/NGC, or those that stand in Fanuc's blocks."""
+    return _table(_FANUC if is_sequential else _RS274, is_sequential=is_sequential)
+
+
+@cache
+def sinumerik_codes(*, with_modes: bool) -> CodeTable:
+    """The codes that stand in lines of SINUMERIK, with G90 and G91 or without."""
+    return _table(_SINUMERIK[: None if with_modes else -1], is_sequential=False)
+
+
+def _table(names: tuple[str, ...], *, is_sequential: bool) -> CodeTable:
     group = np.full((2, _TENTHS), -1, np.int64)
     letters = np.zeros((2, _TENTHS), np.int64)
-    for name in " ".join(_FANUC if is_sequential else _RS274).split():
+    for name in " ".join(names).split():
         place = int(name[0] == "M"), round(10 * float(name[1:]))
         code = CODES[name]
         group[place] = GROUPS.index(code.group)

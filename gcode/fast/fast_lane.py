@@ -6,10 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
-from gcode.fast.code_table import code_table
+from gcode.fast.code_table import CodeTable, code_table
 from gcode.fast.lane_output import new_output, put_into
 from gcode.fast.lane_state import (
     STATE,
+    Frames,
     frames_of,
     give_back,
     give_back_cycle,
@@ -52,10 +53,14 @@ class FastLane:
     def __init__(self, controller: Controller, data: bytes) -> None:
         self.controller, self.text = controller, data
         self.data = np.frombuffer(data, np.uint8)[: data.rfind(b"\n") + 1]
-        self.codes, self.output = code_table(is_sequential=self.is_sequential), new_output()
+        self.codes, self.output = self.code_table(), new_output()
         self.state, self.kept = np.zeros(1, STATE), np.zeros(1, STATE)
         self.words = np.zeros(1, WORDS)
         self.pause = self.longer = 0  # lines to leave to the interpreter, now and next time
+
+    def code_table(self) -> CodeTable | None:
+        """Codes that are obeyed here; None where the language has none."""
+        return code_table(is_sequential=self.is_sequential)
 
     def run(self, place: tuple[int, int]) -> tuple[int, int]:
         """Obey as many lines as possible.
@@ -75,25 +80,39 @@ class FastLane:
             return place
         trace, data = self.controller.trace, self.data
         if trace is not None:
-            data = self._plain_part(place)
+            data = self.plain_part(place)
             trace.end()
             before = Modes.of(self.controller)
         if not len(data) or not self.hand_over():
             return place
-        frames, begun, is_full = frames_of(self.controller), place, True
-        while is_full:
-            offset, line = obey_lines(data, place[1], place[0], self.state, self.kept,
-                                      self.words, self.codes, frames, self.output,
-                                      self.each_word)  # fmt: skip
-            is_full = bool(self.state[0]["is_full"]) and line != place[0]
-            place = line, offset
-            self._write()
+        begun, place = place, self._obey_all(data, place)
         self._adjust_pause(place[0] - begun[0])
         if place != begun:
             self.give_back()
             if trace is not None:
-                trace.plain_lines(begun[0] + 1, self._said[begun[0] : place[0]], before)
+                trace.plain_lines(begun[0] + 1, self.said_by(begun[0], place[0]), before)
         return place
+
+    def _obey_all(self, data: np.ndarray, place: tuple[int, int]) -> tuple[int, int]:
+        """Obey lines, and write them down whenever there is no more room; the place behind them."""
+        frames, is_full = self.frames(), True
+        while is_full:
+            offset, line = self.obey(data, place, frames)
+            is_full = bool(self.state[0]["is_full"]) and line != place[0]
+            place = line, offset
+            self.write()
+        return place
+
+    def frames(self) -> Frames | None:
+        """Stored offsets that the lines may ask for."""
+        return frames_of(self.controller)
+
+    def obey(
+        self, data: np.ndarray, place: tuple[int, int], frames: Frames | None
+    ) -> tuple[int, int]:
+        """Obey lines until there is no more room; gives offset and 0-based line behind them."""
+        return obey_lines(data, place[1], place[0], self.state, self.kept, self.words, self.codes,
+                          frames, self.output, self.each_word)  # fmt: skip
 
     @cached_property
     def _starts(self) -> np.ndarray:
@@ -107,12 +126,16 @@ class FastLane:
         motion_of_lines(self.data, self._starts, said)
         return said
 
+    def said_by(self, first: int, stop: int) -> np.ndarray:
+        """G code that each of these lines says, 0-based, negative for none, (L,)."""
+        return self._said[first:stop]
+
     @cached_property
     def _others(self) -> np.ndarray:
         """Lines that are not plain motion, 0-based, in order; behind them the number of lines."""
         return np.append(np.flatnonzero(self._said == OTHER), len(self._said))
 
-    def _plain_part(self, place: tuple[int, int]) -> np.ndarray:
+    def plain_part(self, place: tuple[int, int]) -> np.ndarray:
         """The program up to the end of the lines of plain motion from a place on."""
         line = place[0]
         end = int(self._others[np.searchsorted(self._others, line)]) if line < len(
@@ -132,7 +155,8 @@ class FastLane:
         give_back_cycle(self.controller.cycle, self.state)
         give_back(self.controller, self.state)
 
-    def _write(self) -> None:
+    def write(self) -> None:
+        """Put what has been obeyed into the record."""
         c, count = self.controller, int(self.state[0]["notes"])
         put_into(c.record, self.output, self.state, self.text)
         for line, tenths in self.output.notes[:count].tolist():

@@ -90,11 +90,16 @@ def frames_of(c: Controller) -> Frames:
                   np.array(sorted(c.tools), np.int64))  # fmt: skip
 
 
-def hand_over(c: Controller, state: np.ndarray) -> bool:
-    """Put the state of a control into a record, (1,) STATE; False where its modes forbid it."""
+def hand_over(c: Controller, state: np.ndarray, *, in_any_system: bool = False) -> bool:
+    """Put the state of a control into a record, (1,) STATE; False where its modes forbid it.
+
+    Lines that choose no work system can be obeyed `in_any_system`.
+    """
     if c.side or c.feed_mode != "minute" or c.diameter_mode or c.queue.items:
         return False
-    if c.record.rpm_of_feed is not None or c.system > _SYSTEMS or c.starting:
+    if c.record.rpm_of_feed is not None or c.starting:
+        return False
+    if c.system > _SYSTEMS and not in_any_system:
         return False
     if c.preview and c.offsets != c.first_offsets:
         return False

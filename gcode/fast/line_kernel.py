@@ -28,6 +28,7 @@ from gcode.fast.actions import (
     set_tool_length,
     spindle,
 )
+from gcode.fast.block_motion import CANCEL, COUNTER, are_signs_right, letters_of, motion_of
 from gcode.fast.code_table import GROUPS
 from gcode.fast.compiled import njit_kernel, njit_part
 from gcode.fast.cycles import canned_cycle
@@ -45,59 +46,32 @@ _COMMENT = EVENT_NAMES.index("comment")
 _F, _H, _L, _P, _S, _T = (ord(letter) - ord("a") for letter in "fhlpst")
 _OF_F, _OF_H, _OF_P, _OF_S, _OF_T = (bit(letter) for letter in "fhpst")
 _AXES, _PLACE, _IJK, _ARC_WORDS = bit("xyzabc"), bit("xyz"), bit("ijk"), bit("ijkpr")
-_CANCEL, _LINE, _CLOCKWISE, _COUNTER = 800, 10, 20, 30
 
 
 @njit_part
 def _is_cycle(codes, motion):  # pragma: no cover - compiled
-    return motion > _COUNTER and motion != _CANCEL and codes.group[0, motion] == _MOTION
-
-
-@njit_part
-def _motion_of(w, s):  # pragma: no cover - compiled
-    """Motion of a block, ten times its number; -1 for none, -2 where it is refused."""
-    motion, axes = w.group[_MOTION], w.seen & _AXES
-    if motion >= 0:
-        if motion == _CANCEL:
-            return -2 if axes else motion
-        return motion if axes or motion <= _COUNTER else -2
-    if axes:
-        return s.motion if s.motion >= 0 and s.motion != _CANCEL else -2
-    return s.motion if s.motion in (_CLOCKWISE, _COUNTER) and w.seen & _IJK else -1
-
-
-@njit_part
-def _letters_of(codes, motion):  # pragma: no cover - compiled
-    return codes.letters[0, motion] if motion >= 0 else 0
+    return motion > COUNTER and motion != CANCEL and codes.group[0, motion] == _MOTION
 
 
 @njit_part
 def _obey_motion(w, s, codes, out, motion):  # pragma: no cover - compiled
-    if motion == _CANCEL:
+    if motion == CANCEL:
         s.cycle_initial = np.nan
-        s.motion = _CANCEL
+        s.motion = CANCEL
         return True
     if _is_cycle(codes, motion):
         return canned_cycle(w, s, out, motion)
-    return motion <= _COUNTER and move(w, s, out, motion)
-
-
-@njit_part
-def _are_signs_right(w):  # pragma: no cover - compiled
-    for letter in (_F, _S, _T, _H, _L):
-        if w.seen & (1 << letter) and w.value[letter] < 0.0:
-            return False
-    return True
+    return motion <= COUNTER and move(w, s, out, motion)
 
 
 @njit_part
 def _obey_rs274(w, s, codes, frames, out):  # pragma: no cover - compiled
     """Obey one block of RS274/NGC; tells whether that was possible."""
     after_tool_change(s)
-    motion = _motion_of(w, s)
-    if motion < -1 or not _are_signs_right(w):
+    motion = motion_of(w, s)
+    if motion < -1 or not are_signs_right(w):
         return False
-    if not letters_fit(w.seen, w.letters | _letters_of(codes, motion)):
+    if not letters_fit(w.seen, w.letters | letters_of(codes, motion)):
         return False
     pauses = w.group[_NONMODAL] >= 0
     if pauses and (motion >= 0 or not w.seen & _OF_P or w.value[_P] < 0.0):

@@ -11,7 +11,7 @@ import numpy as np
 from gcode.fast.code_table import GROUPS
 from gcode.fast.compiled import njit_part
 
-__all__ = ["MOST_M", "WORDS", "bit", "read_line"]
+__all__ = ["DIGITS", "MOST_M", "POWERS", "WORDS", "add_code", "bit", "clear_words", "read_line"]
 
 #: M codes of one block, at most
 MOST_M = 4
@@ -29,8 +29,8 @@ WORDS = np.dtype([
     ("content", "i8"),  # 0 for a blank line
 ])  # fmt: skip
 
-_POWERS = 10.0 ** np.arange(16)
-_DIGITS = 15  #: whole numbers of so many digits are exact, and so are these powers of ten
+POWERS = 10.0 ** np.arange(16)
+DIGITS = 15  #: whole numbers of so many digits are exact, and so are these powers of ten
 
 _NEWLINE, _BLANK, _TAB, _RETURN = 10, 32, 9, 13
 _OPEN, _CLOSE, _SEMICOLON, _COMMA, _MINUS, _PLUS, _POINT = 40, 41, 59, 44, 45, 43, 46
@@ -60,7 +60,17 @@ def _skip_comment(data, at, with_commas):  # pragma: no cover - compiled
 
 
 @njit_part
-def _add_code(words, codes, kind, value):  # pragma: no cover - compiled
+def clear_words(words):  # pragma: no cover - compiled
+    """Begin a line."""
+    words.seen = words.pointless = words.letters = words.content = 0
+    words.g_count = words.m_count = 0
+    words.comment = -1
+    for group in range(len(GROUPS)):
+        words.group[group] = -1
+
+
+@njit_part
+def add_code(words, codes, kind, value):  # pragma: no cover - compiled
     """Put a G (0) or M (1) code into its group; tells whether it is one that is obeyed here."""
     tenths = np.int64(np.floor(10.0 * value + 0.001))
     if tenths < 0 or tenths >= codes.group.shape[1] or abs(10.0 * value - tenths) > 1e-9:
@@ -87,11 +97,7 @@ def _add_code(words, codes, kind, value):  # pragma: no cover - compiled
 @njit_part
 def read_line(data, at, words, codes):  # pragma: no cover - compiled
     """Read one line into `words`; returns where the next begins, -1 where it is not understood."""
-    words.seen = words.pointless = words.letters = words.content = 0
-    words.g_count = words.m_count = 0
-    words.comment = -1
-    for group in range(len(GROUPS)):
-        words.group[group] = -1
+    clear_words(words)
     while True:
         c = data[at]
         if c == _NEWLINE:
@@ -136,11 +142,11 @@ def read_line(data, at, words, codes):  # pragma: no cover - compiled
             else:
                 break
             at += 1
-        if digits == 0 or digits > _DIGITS:
+        if digits == 0 or digits > DIGITS:
             return -1
-        value = mantissa / _POWERS[max(decimals, 0)] * (-1.0 if negative else 1.0)
+        value = mantissa / POWERS[max(decimals, 0)] * (-1.0 if negative else 1.0)
         if letter in (_G, _M):
-            if negative or not _add_code(words, codes, 1 if letter == _M else 0, value):
+            if negative or not add_code(words, codes, 1 if letter == _M else 0, value):
                 return -1
             continue
         flag = 1 << (letter - _A) if _A <= letter <= 122 else 0

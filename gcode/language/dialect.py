@@ -128,7 +128,10 @@ class Dialect:
     @classmethod
     def run(cls, controller: Controller, source: Source, options: RunOptions) -> None:
         """Obey a program; raises ProgramError where it cannot go on."""
-        cls.reader(controller, source.lines, options).run()
+        reader = cls.reader(controller, source.lines, options)
+        if options.fast:
+            reader.use_fast_lane(source)
+        reader.run()
 
     @classmethod
     def decimals(cls, resolution_mm: float, unit_mm: float) -> int:

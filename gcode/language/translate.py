@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from gcode.control.interpreter import execute
 from gcode.control.loop_guard import BlockBudget
 from gcode.language.options import RunOptions
 from gcode.motion.cutter_compensation import flush
 from gcode.state.controller import Controller
 from gcode.text.lexer import compact, read_block
+
+if TYPE_CHECKING:
+    from gcode.language.translated_lane import TranslatedLane
+    from gcode.text.source import Source
 
 __all__ = ["Translated", "number"]
 
@@ -40,6 +46,10 @@ class Translated:
         self.next, self.stop = 0, len(lines)
         self.ended = False
         self._free = 0  #: further blocks that the line may become before they count
+        self.lane: TranslatedLane | None = None  #: obeys plain motion in compiled code
+
+    def use_fast_lane(self, source: Source) -> None:
+        """Give stretches of lines to compiled code, where the dialect has such a way."""
 
     def run(self) -> None:
         """Run to the end of the program."""
@@ -68,7 +78,7 @@ class Translated:
 
     def skip_plain(self) -> bool:
         """Obey the lines that come in another way, where there is one; tells whether it did."""
-        return False
+        return self.lane is not None and self.lane.skip()
 
     def obey(self, text: str) -> None:
         """Obey one line."""

@@ -2,6 +2,7 @@
 
     python tests/benchmarks/bench_commands.py [--lines 1000 10000 100000] [--points 10000]
         [--programs raster cam] [--commands path predict compensate run canon] [--limit-s 600]
+        [--control sinumerik]
 
 Every command runs in a process of its own, in a folder of its own. ``raster`` is plain motion, a
 ball-nose cutter over a wavy floor; ``cam`` is what a CAM system writes: three tools, roughing by
@@ -30,6 +31,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
+from programs_of_controls import CONTROLS, written_for
 
 ROOT = Path(__file__).parents[2]
 MACHINE = ROOT / "samples" / "iso10791_7" / "machine.toml"
@@ -119,11 +121,20 @@ def cam(lines: int) -> Iterator[str]:
 PROGRAMS: dict[str, Callable[[int], Iterator[str]]] = {"raster": raster, "cam": cam}
 
 
-def write_job(folder: Path, program: str, lines: int, points: int) -> None:
+def program_text(program: str, lines: int, control: str) -> str:
+    """A program in the language of a control; RS274/NGC where none is said."""
+    said = PROGRAMS[program](lines)
+    written = written_for(control, said) if control else [*HEAD, *said, "M30"]
+    return "\n".join([*written, ""])
+
+
+def write_job(folder: Path, program: str, lines: int, points: int, control: str = "") -> None:
     """Job, program and points on the floor."""
-    (folder / "job.toml").write_text(JOB.format(machine=MACHINE))
-    text = "\n".join([*HEAD, *PROGRAMS[program](lines), "M30", ""])
-    (folder / "part.nc").write_text(text)
+    dialect = f'dialect = "{control}"\n' if control else ""
+    (folder / "job.toml").write_text(
+        JOB.format(machine=MACHINE).replace("[work", f"{dialect}[work", 1)
+    )
+    (folder / "part.nc").write_text(program_text(program, lines, control))
     (folder / "tool.tbl").write_text(TOOL_TABLE)
     side = max(round(math.sqrt(points)), 2)
     x, y = (a.ravel() for a in np.meshgrid(*2 * [np.linspace(-40.0, 40.0, side)]))
@@ -215,9 +226,9 @@ def vmach(text: str, folder: Path, limit_s: float) -> Cost:
     return measured([sys.executable, "-m", "vmach", *words], folder, limit_s)
 
 
-def write_all(folder: Path, program: str, lines: int, points: int) -> None:
+def write_all(folder: Path, program: str, lines: int, points: int, control: str = "") -> None:
     """What any command needs."""
-    write_job(folder, program, lines, points)
+    write_job(folder, program, lines, points, control)
     job = (folder / "job.toml").read_text()
     measured = job.replace('"part.nc"', '"part.nc"\nmeasured = "measured.csv"')
     (folder / "run.toml").write_text(measured)
@@ -235,12 +246,12 @@ def grown(name: str, program: str, options: argparse.Namespace) -> None:
     """Print one command's row for every size."""
     before: tuple[int, Cost] | None = None
     with tempfile.TemporaryDirectory() as path:
-        write_all(Path(path), program, FEW_LINES, options.points)
+        write_all(Path(path), program, FEW_LINES, options.points, options.control)
         idle_s = vmach(COMMANDS[name], Path(path), options.limit_s).processor_s
     for lines in options.lines:
         with tempfile.TemporaryDirectory() as path:
             folder = Path(path)
-            write_all(folder, program, lines, options.points)
+            write_all(folder, program, lines, options.points, options.control)
             cost = vmach(COMMANDS[name], folder, options.limit_s)
             peer = ""
             if has_peer(name, program):
@@ -272,13 +283,14 @@ def main() -> None:
     parser.add_argument("--points", type=int, default=10_000)
     parser.add_argument("--programs", nargs="+", choices=PROGRAMS, default=list(PROGRAMS))
     parser.add_argument("--commands", nargs="*", choices=COMMANDS, default=list(COMMANDS))
+    parser.add_argument("--control", choices=CONTROLS, default="", help="whose language")
     parser.add_argument("--samples", action="store_true", help="the commands on samples too")
     parser.add_argument("--limit-s", type=float, default=600.0)
     options = parser.parse_args()
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # who types commands has compiled modules
     print(f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}, {options.points} points")
     with tempfile.TemporaryDirectory() as path:
-        write_all(Path(path), "cam", COMPILED_LINES, 100)
+        write_all(Path(path), "cam", COMPILED_LINES, 100, options.control)
         for name in options.commands:
             vmach(COMMANDS[name], Path(path), options.limit_s)
     print(f"{'command':12} {'program':7} {'lines':>9} {'clock s':>9} {'proc s':>9} {'MB':>9} "

@@ -57,7 +57,10 @@ SLOW_S = 5.0
 CHANGED = 0.9  #: share of the inputs that are changed programs; the others are random words
 WHOLE = 0.4  #: share of those that are changed from a whole program
 MOST_BYTES = 20_000  #: of a program from elsewhere
-WARMING = b"G21 G90 G54\nG0 X1\nG1 Y2 F100\nG2 X3 I1 J0\nG81 Z-1 R1\nG80\nM2\n"
+_PLAIN = b"G21 G90 G54\nG0 X1\nG1 Y2 F100\nG2 X3 I1 J0\nG81 Z-1 R1\nG80\nM2\n"
+#: dialect -> a program that asks for its compiled lane
+WARMING = {"linuxcnc": _PLAIN, "fanuc": _PLAIN, "sinumerik": b"G1 X1 F100\nX2\n",
+           "heidenhain": b"L X+1 F100\nL X+2\n"}  # fmt: skip
 
 
 def stretch(text: bytes, rng: random.Random) -> bytes:
@@ -130,8 +133,8 @@ def main() -> int:
     if asked.folder:
         found = (path for path in asked.folder.rglob("*") if path.is_file())
     texts = [path.read_bytes()[:MOST_BYTES] for path in sorted(found)]
-    for dialect in ("linuxcnc", "fanuc"):
-        read_program(Source(WARMING), tools=TOOLS, dialect=dialect, fast=True)
+    for dialect, program in WARMING.items():
+        read_program(Source(program), tools=TOOLS, dialect=dialect, fast=True)
     counts: Counter[str] = Counter()
     slowest = 0.0
     for _ in range(count):

@@ -138,6 +138,15 @@ def test_what_the_laws_leave_open_never_makes_the_fit_worse(tmp_path, hidden, se
             "u_half",
             PartDesign(),
         ),
+        # where a play lifts the tool another pass makes the floor; else two drifts stand for it
+        (
+            ["lateral_play", "servo_mismatch", "tool_deflection"],
+            3993001,
+            "common",
+            PartDesign(corners=True),
+        ),
+        # with a squareness alone the chip would lengthen the tool: its length has to come along
+        (["squareness", "tool_length", "tool_chip"], 4223019, "common", PartDesign(corners=True)),
     ],
 )
 def test_sets_that_no_single_exchange_leads_to_are_found(tmp_path, effects, seed, noise, design):

@@ -1,13 +1,15 @@
 """The probability of readings, worked out here in full with dense covariances."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.linalg import null_space
-from scipy.stats import multivariate_normal
+from scipy.stats import multivariate_normal, norm
 
 from tests.unit.test_diagnosis_verdicts import stretched_and_loose, tip_job
+from vmach.diagnosis.gates.sizes_above_zero import log_factor_of_sizes
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.verdicts import infer
 from vmach.diagnosis.residuals.job_survey import survey_job
@@ -196,3 +198,27 @@ def test_readings_tell_how_inexact_a_law_is(tmp_path, inexact, scale):
     told = weighing.careful(found)
     sizes = [np.std(fit.explained_mm(0)) for fit in (found.fit, told)]
     assert sizes[1] == pytest.approx(sizes[0], rel=0.3)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_sizes_are_weighed_by_half_a_normal_distribution(weighing, sign):
+    """Against a sum over the amplitude, of readings by dense covariances."""
+    survey, members = weighing.survey, weighing.members
+    base = Base(survey, FeatureNoise(survey.u_mm, survey.group, np.ones(len(survey))), members)
+    column = weighing.candidates[weighing.index_of("backlash X")].signatures_mm[:, 0]
+    column = sign * 0.2 * column.astype(float)
+    sizes = Sizes(1.4, (0.5,) * len(members.names))
+    posterior = Posterior(base, sizes, Effects(base.columns(column)))
+    size = SimpleNamespace(is_size=True)
+    term = SimpleNamespace(effect=SimpleNamespace(amplitudes=(size,)))
+    ours = log_factor_of_sizes(
+        SimpleNamespace(terms=(term,), coefficients=(np.ones(1),)), posterior
+    )
+    free = null_space(survey.nuisance.T)
+    dense = free.T @ dense_covariance(base.noise, members, sizes, 0.0 * column) @ free
+    amount = np.linspace(-6.0, 6.0, 12001)
+    left = free.T @ (survey.residual_mm[:, None] - column * amount)
+    log = norm.logpdf(amount) - 0.5 * np.sum(left * np.linalg.solve(dense, left), axis=0)
+    density = np.exp(log - log.max())
+    share = np.trapezoid(density[amount >= 0.0]) / np.trapezoid(density)
+    assert ours == pytest.approx(np.log(2.0 * share), abs=2e-3)

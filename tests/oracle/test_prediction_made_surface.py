@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.small_job import write_job
-from vmach.diagnosis.inference.own_contacts import over_own_contacts
+from vmach.diagnosis.inference.own_contacts import beside_one, over_own_contacts
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.residuals.job_survey import survey_job
@@ -74,13 +74,19 @@ def job(tmp_path):
     return measured
 
 
+def play(survey, play_um):
+    parameters = {"play_um": play_um, "take_up_mm": 0.0025}
+    return EffectInstance(catalogue()["lateral_play"], "XZ", parameters, survey.job)
+
+
 def foretold_um(survey, play_um):
-    effect = EffectInstance(
-        catalogue()["lateral_play"], "XZ", {"play_um": play_um, "take_up_mm": 0.0025}, survey.job
-    )
-    moved = survey.made_beside([effect])
-    (part,) = moved.measurements
-    return 1e3 * (part.predicted_mm + effect.at(moved.paths[0], effect.parameters)[:, 2])
+    return at_contacts_um(survey.made_beside([play(survey, play_um)]), play_um)
+
+
+def at_contacts_um(survey, play_um):
+    """Over the contacts that the survey has."""
+    effect, (part,) = play(survey, play_um), survey.measurements
+    return 1e3 * (part.predicted_mm + effect.at(survey.paths[0], effect.parameters)[:, 2])
 
 
 @pytest.mark.parametrize("play_um", [10.0, -10.0])
@@ -107,3 +113,22 @@ def test_contacts_stay_where_a_small_effect_changes_nothing(job):
     weighing = prepare_weighing(survey, [catalogue()["lateral_play"]])
     found = weighing.extend(weighing.nothing(), weighing.index_of("lateral_play XZ"))
     assert over_own_contacts(weighing, found)[0] is weighing
+
+
+def _odds(weighing):
+    gains = weighing.gains(weighing.nothing())
+    return gains[weighing.index_of("lateral_play XZ")]
+
+
+def test_contacts_that_hide_an_effect_are_exchanged_for_its_own(job):
+    weighing = prepare_weighing(survey_job(job(10.0, NOISE_UM)))
+    other = beside_one(weighing)
+    sense = [np.sign(end - begin) for _, begin, end in GROOVES for _ in PLACES]
+    true = [height_um(10.0, p, s) for s, p in zip(sense, 3 * PLACES, strict=True)]
+    off = [np.abs(at_contacts_um(w.survey, 10.0) - true).max() for w in (weighing, other)]
+    assert off[1] < 0.05 < 2.0 < off[0]
+    assert _odds(other) > _odds(weighing) + CLEARLY
+
+
+def test_other_contacts_are_not_looked_at_without_need(job):
+    assert beside_one(prepare_weighing(survey_job(job(0.0, NOISE_UM)))) is None

@@ -83,11 +83,12 @@ def test_warm_up_compiles_all_that_reading_cad_needs(tmp_path):
 READ = """
 import pathlib, sys
 from gcode import ToolEntry, read_program
-from gcode.fast import line_kernel
+from gcode.fast import klartext_lines, line_kernel, sinumerik_lines
 from vmach.commands import warm_up
 
 def compiled():
-    kernels = [k for k in vars(line_kernel).items() if hasattr(k[1], "signatures")]
+    modules = line_kernel, klartext_lines, sinumerik_lines
+    kernels = [k for m in modules for k in vars(m).items() if hasattr(k[1], "signatures")]
     return {(name, str(s)) for name, kernel in kernels for s in kernel.signatures}
 
 
@@ -97,6 +98,9 @@ warm_up._read(folder)
 before = compiled()
 tools = {k: ToolEntry(100.0, 10.0) for k in (1, 2, 3)}
 moves = read_program(sys.argv[2], tools=tools, work_offsets_mm={"G54": (0.0, 0.0, 0.0)}).moves
+for control in ("sinumerik", "heidenhain", "tnciso"):
+    path = folder / f"long.{control}"
+    len(read_program(path, tools=tools, dialect=control).moves)
 print(len(before) > 0, len(moves) > 10_000, sorted(compiled() - before))
 """
 
@@ -109,6 +113,14 @@ def test_warm_up_compiles_all_that_reading_a_long_program_needs(tmp_path):
     head = "G21 G17 G90 G94 G54\nT1 M6\nS6000 M3\nG43 H1\nG0 Z20.\n"
     cycle = "G99 G81 X1. Y1. Z-3. R2. F200\nX2.\nG80\nT2 M6\nG4 P1\n"
     (tmp_path / "long.nc").write_text(head + rows + cycle + rows + "M30\n")
+    plain = rows.replace("(arc)", "; arc")
+    (tmp_path / "long.sinumerik").write_text(f"G17 G90 G71 F90\n{plain}G700\nF5\n{plain}M30\n")
+    lines = "".join(
+        f"L X+{k} Y+1 F1500\nCC IX+1 Y+1\nC IX+2 DR+ ; arc\nL Z+2 FMAX M8\n" for k in range(2000)
+    )
+    (tmp_path / "long.heidenhain").write_text(f"BEGIN PGM A MM\n{lines}END PGM A MM\n")
+    blocks = "".join(f"G01 X+{k} Y+1 F1500*\nG00 Z+2 M8*\n" for k in range(3000))
+    (tmp_path / "long.tnciso").write_text(f"%A G71*\n{blocks}N9 %A G71*\n")
     code = [sys.executable, "-c", READ, str(tmp_path), str(tmp_path / "long.nc")]
     found = subprocess.run(code, capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "True True []"

@@ -78,6 +78,12 @@ M30
     ),
 }
 
+#: control -> lines of a language whose plain motion has compiled code of its own
+_OTHER_LANGUAGES = {
+    "sinumerik": b"G1 X1 F100\nG2 X2 I0.5 J0\nM30\n",
+    "heidenhain": b"L X+1 F100\nCC X+2 Y+0\nC X+3 DR+\nL M30\n",
+}
+
 #: a free-form face over the sides of a square, and the face below it: see `_cad`
 _STEP = """\
 ISO-10303-21;
@@ -173,9 +179,12 @@ def _machine(folder: Path) -> None:
 
 def _read(folder: Path) -> None:
     """Short programs are read without the compiled reader: it is asked for here."""
-    from gcode import ToolEntry, read_program
+    from gcode import Source, ToolEntry, read_program
 
-    read_program(folder / "part.nc", tools={1: ToolEntry(100.0, 10.0)}, fast=True)
+    tools = {1: ToolEntry(100.0, 10.0)}
+    read_program(folder / "part.nc", tools=tools, fast=True)
+    for control, text in _OTHER_LANGUAGES.items():
+        read_program(Source(text), tools=tools, dialect=control, fast=True)
 
 
 def _cad(folder: Path) -> None:

@@ -32,6 +32,7 @@ _YES_OR_NO = (
     "is_sudden",
     "is_never_exact",
     "imitates_as_team",
+    "follows_travel",
 )
 _WORDS = ("shows_as", "law", "usual_size", "confirm", "cure", "source", "signature")
 #: what the pages of the package's own effects are made of

@@ -89,6 +89,9 @@ class Effect(ABC):
     is_never_exact: ClassVar[bool] = False
     #: whether it imitates another effect when it acts alike on all axes, or on all tools
     imitates_as_team: ClassVar[bool] = False
+    #: whether it depends on how the axes travel: passes over one place then differ, and of those
+    #: that cross a floor the lowest one makes it
+    follows_travel: ClassVar[bool] = False
     #: effects with the same signature share this word: none is a team against the other
     signature: ClassVar[str] = ""
     #: how many times rarer than the common effects, as a logarithm; weighs in close calls only

@@ -89,7 +89,8 @@ class Base:
         left, size, _ = np.linalg.svd(nuisance / np.where(norms > 0, norms, 1.0), False)
         seen = size > 1e-9 * max(np.max(size, initial=0.0), 1e-300)
         self._free = left[:, seen]
-        self.constant = -0.5 * noise.log_determinant - float(np.log(size[seen]).sum())
+        self.constant = noise.log_prior - 0.5 * noise.log_determinant
+        self.constant -= float(np.log(size[seen]).sum())
         self.constant -= float(np.log(norms[norms > 0]).sum())
         self.y = self.white(survey.residual_mm[:, None])[:, 0]
         self.z = self.white(of_members)

@@ -14,7 +14,7 @@ from scipy.special import logsumexp
 from vmach.effects import Effect, catalogue, label_of
 from vmach.fit.survey import Survey
 
-__all__ = ["Candidate", "gather_candidates"]
+__all__ = ["Candidate", "candidate_of", "gather_candidates"]
 
 #: an effect is blind when its usual size stays below this share of the smallest uncertainty
 _BLIND = 1e-3
@@ -82,7 +82,7 @@ def gather_candidates(
         for target in effect.possible_targets(survey.job):
             reason = survey.not_testable(effect, target)
             if reason is None:
-                candidate = _candidate(survey, effect, target)
+                candidate = candidate_of(survey, effect, target)
                 if candidate is not None:
                     found.append(candidate)
                     continue
@@ -91,7 +91,8 @@ def gather_candidates(
     return found, excluded
 
 
-def _candidate(survey: Survey, effect: Effect, target: str) -> Candidate | None:
+def candidate_of(survey: Survey, effect: Effect, target: str) -> Candidate | None:
+    """An effect on one target, or None where its usual size hardly shows."""
     grid = survey.inner_grid(effect, target)
     if not grid:
         return None

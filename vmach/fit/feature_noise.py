@@ -40,6 +40,9 @@ class FeatureNoise:
     weight : (n,) float64
     share, correlation : float
         Of the variance that is correlated, and from one reading to the next.
+    log_prior : float
+        Log probability of the weights, as far as the covariance does not state it: readings
+        weighed otherwise are compared with it.
     """
 
     u_mm: np.ndarray
@@ -47,6 +50,7 @@ class FeatureNoise:
     weight: np.ndarray
     share: float = 0.0
     correlation: float = 0.0
+    log_prior: float = 0.0
 
     def is_as(self, other: FeatureNoise) -> bool:
         """Whether it is that of the same readings with the same weights and correlation."""

@@ -156,6 +156,11 @@ class Posterior:
         rest = self.bordered.seen_members - self.bordered.border @ of_effects
         return solved(self.members.root, rest, transposed=True), of_effects
 
+    @cached_property
+    def deviation_of_effects(self) -> np.ndarray:
+        """Standard deviations of the effects' coefficients, (e,), in prior deviations."""
+        return np.linalg.norm(solved(self.bordered.own, np.eye(len(self.effects))), axis=0)
+
     @property
     def amounts(self) -> np.ndarray:
         """Expected coefficients of all members' columns, (q,)."""

@@ -45,7 +45,7 @@ class Means:
         weight = 1.0 / np.sqrt(size[row])
         object.__setattr__(self, "_sums", csr_array((weight, (row, order))))
 
-    log_determinant = 0.0
+    log_determinant = log_prior = 0.0
 
     def white(self, columns: np.ndarray) -> np.ndarray:
         """Columns (n, k) mm in unit noise, summed, (m, k)."""

@@ -9,9 +9,6 @@ from gcode.dialects.fanuc.confirmed import CONFIRMED
 from gcode.dialects.fanuc.reader import FanucReader
 from gcode.dialects.fanuc.turning import looks_like_turning
 from gcode.language.dialect import Dialect
-from gcode.language.options import RunOptions
-from gcode.state.controller import Controller
-from gcode.text.source import Source
 
 __all__ = ["Fanuc"]
 
@@ -46,11 +43,3 @@ class Fanuc(Dialect):
             return found
         turning = looks_like_turning(text.splitlines())
         return ", ".join(turning) if turning else None
-
-    @classmethod
-    def run(cls, controller: Controller, source: Source, options: RunOptions) -> None:
-        """Obey a program line by line, or a stretch of plain motion at a time."""
-        reader = cls.reader(controller, source.lines, options)
-        if options.fast:
-            reader.use_fast_lane(source)
-        reader.run()

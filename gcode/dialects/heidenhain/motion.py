@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from gcode.dialects.heidenhain.motion_words import Words
     from gcode.dialects.heidenhain.reader import KlartextReader
 
-__all__ = ["KlartextMotion"]
+__all__ = ["KlartextMotion", "centre_of_radius"]
 
 _PLUNGING = re.compile(rf"\bM\s*103\b\s*(?:F\s*({NUMBER}))?")
 _MACHINE = frozenset((91, 92))
@@ -275,7 +275,7 @@ class KlartextMotion:
         if head == "CR":
             if "R" not in words:
                 raise ProgramError("CR without R")
-            return _centre_of_radius(start, end, words["R"] * sense)
+            return centre_of_radius(start, end, words["R"] * sense)
         if self.pole is None:
             raise ProgramError("C without a circle centre", hint="give CC first")
         return self.pole
@@ -294,7 +294,7 @@ class KlartextMotion:
         return text + f"i{number(x - start[0])}j{number(y - start[1])}" + self.feed_word(False)
 
 
-def _centre_of_radius(
+def centre_of_radius(
     start: Sequence[float], end: Sequence[float], radius: float
 ) -> tuple[float, float]:
     """Centre of CR; the radius is positive where a short arc turns counter-clockwise."""

@@ -19,6 +19,7 @@ from gcode.errors import ProgramError
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated, number
 from gcode.state.controller import Controller
+from gcode.text.source import Source
 
 __all__ = ["KlartextReader"]
 
@@ -49,6 +50,12 @@ class KlartextReader(Translated):
         computed["114"] = lambda: tool_of_spindle(self).offset_length_mm
         computed["109"] = lambda: 2.0
         self.parameters.tool_data = lambda asked: tool_data(self, asked)
+
+    def use_fast_lane(self, source: Source) -> None:
+        """Give stretches of lines to compiled code."""
+        from gcode.dialects.heidenhain.lane import KlartextLane  # loads the compiler
+
+        self.lane = KlartextLane(self, source.data, source.line_starts)
 
     def content(self, index: int) -> str:
         """A line without number, comment and structure, in upper case."""

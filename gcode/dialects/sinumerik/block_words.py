@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from gcode.dialects.sinumerik.codes import ACCEPTED_G, CODES, ISO_G, M_CODES, SAME, STOPS, TURNING_G
-from gcode.dialects.sinumerik.expressions import Worked, expression_at
+from gcode.dialects.sinumerik.values.expressions import Worked, expression_at
 from gcode.errors import ProgramError
 from gcode.language.translate import number
 from gcode.motion import frames

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 from gcode.dialects.sinumerik.block_words import ADDRESSES
 from gcode.dialects.sinumerik.codes import M_CODES, NO_MOTION, OWN_ASSIGNED, REFUSED
-from gcode.dialects.sinumerik.expressions import WORDS
-from gcode.dialects.sinumerik.held_data import HELD
 from gcode.dialects.sinumerik.statements import subprogram_call
+from gcode.dialects.sinumerik.values.expressions import WORDS
+from gcode.dialects.sinumerik.values.held_data import HELD
 from gcode.errors import ProgramError
 
 if TYPE_CHECKING:

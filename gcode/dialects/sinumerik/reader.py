@@ -19,14 +19,15 @@ from gcode.dialects.sinumerik.poles import Poles
 from gcode.dialects.sinumerik.soft_approach import SoftApproach
 from gcode.dialects.sinumerik.statements import ARC_WORD, NO_MOTION_WORDS, Statements
 from gcode.dialects.sinumerik.subprograms import Subprograms
-from gcode.dialects.sinumerik.system_variables import system_variable
 from gcode.dialects.sinumerik.tool_words import ToolWords
 from gcode.dialects.sinumerik.units import Units
-from gcode.dialects.sinumerik.variables import Variables
+from gcode.dialects.sinumerik.values.system_variables import system_variable
+from gcode.dialects.sinumerik.values.variables import Variables
 from gcode.errors import ProgramError
 from gcode.language.options import RunOptions
 from gcode.language.translate import Translated, number
 from gcode.state.controller import PLANE_AXES, XY, XZ, YZ, Controller
+from gcode.text.source import Source
 
 __all__ = ["SinumerikReader"]
 
@@ -109,6 +110,12 @@ class SinumerikReader(Translated):
         self.statements = Statements(self)
         controller.start_up, controller.round_corners_from = "A", 0.0
         super().execute("g21g90g17g40")
+
+    def use_fast_lane(self, source: Source) -> None:
+        """Give stretches of lines to compiled code."""
+        from gcode.dialects.sinumerik.lane import SinumerikLane  # loads the compiler
+
+        self.lane = SinumerikLane(self, source.data, source.line_starts)
 
     def apart(self, controller: Controller) -> SinumerikReader:
         """The same program and variables for another controller."""

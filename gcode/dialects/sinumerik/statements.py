@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 from gcode.dialects.sinumerik.block_words import ADDRESSES, split_arguments
 from gcode.dialects.sinumerik.codes import NO_MOTION, OWN_ASSIGNED, REFUSED
-from gcode.dialects.sinumerik.expressions import Worked, expression_at
 from gcode.dialects.sinumerik.frames import SETTABLE, settable_frame
-from gcode.dialects.sinumerik.held_data import obey_held_data
+from gcode.dialects.sinumerik.values.expressions import Worked, expression_at
+from gcode.dialects.sinumerik.values.held_data import obey_held_data
 from gcode.errors import ProgramError
 
 if TYPE_CHECKING:

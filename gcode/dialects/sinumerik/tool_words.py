@@ -49,6 +49,11 @@ class ToolWords:
         c = self.reader.controller
         return c.offsets.get(self.edge if self.is_flat else c.tool, ToolEntry())
 
+    @property
+    def is_settled(self) -> bool:
+        """No move has to be refused for want of a D."""
+        return not self._wants_d
+
     def change(self, words: Words) -> None:
         """T, D and M6."""
         values, reader = dict(words), self.reader

@@ -44,20 +44,21 @@ class Units:
             self.reader.execute(_LENGTHS[code])
 
     @property
-    def _ratio(self) -> float:
+    def ratio(self) -> float:
+        """Unit of F in units of the program's lengths."""
         return self.feed_mm / self.reader.controller.unit_mm
 
     def converted(self, block: str) -> str:
         """A block of RS274/NGC whose F is the program's, with F in the units of its lengths."""
         controller = self.reader.controller
-        if self._ratio == 1.0 or "f" not in block or controller.feed_mode == "inverse":
+        if self.ratio == 1.0 or "f" not in block or controller.feed_mode == "inverse":
             return block
-        return _FEED.sub(lambda m: f"f{number(float(m[1]) * self._ratio)}", block)
+        return _FEED.sub(lambda m: f"f{number(float(m[1]) * self.ratio)}", block)
 
     def said(self, value: float) -> float:
         """A length or a speed in the units of F, in which variables of the system are read too."""
-        return value / self._ratio
+        return value / self.ratio
 
     def read(self, value: float) -> float:
         """A length in the units of F, as a written variable of the system has it, in those of X."""
-        return value * self._ratio
+        return value * self.ratio

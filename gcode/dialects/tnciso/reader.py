@@ -6,6 +6,7 @@ from gcode.dialects.heidenhain.reader import KlartextReader
 from gcode.dialects.tnciso.klartext_of_iso import klartext_of_iso
 from gcode.language.options import RunOptions
 from gcode.state.controller import Controller
+from gcode.text.source import Source
 
 __all__ = ["TncIsoReader"]
 
@@ -18,6 +19,12 @@ class TncIsoReader(KlartextReader):
     def __init__(self, controller: Controller, lines: list[str], options: RunOptions) -> None:
         self.translation = klartext_of_iso(lines)
         super().__init__(controller, [text for text, _ in self.translation.lines], options)
+
+    def use_fast_lane(self, source: Source) -> None:
+        """Give stretches of lines to compiled code."""
+        from gcode.dialects.tnciso.lane import TncIsoLane  # loads the compiler
+
+        self.lane = TncIsoLane(self)
 
     def own_line(self, index: int) -> int:
         """Line of the file for one of Klartext."""

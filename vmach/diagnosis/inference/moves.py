@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Iterator, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
+from functools import reduce
 
 import numpy as np
 
@@ -84,12 +85,16 @@ def _added(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
 def _with_others_for(
     weighing: Weighing, here: Explanation, wrong: Sequence[int]
 ) -> Iterator[Explanation]:
-    """An explanation with something else for terms that what was added makes impossible."""
+    """An explanation with something else for terms that what was added makes impossible.
+
+    Or with those beside it: another effect may have lent them their size.
+    """
     others = weighing.without(here, wrong)
     for i in _leading(weighing, others, here.labels):
         child = weighing.extend(others, i)
-        if not has_impossible_sizes(child.fit):
-            yield child
+        yield from _possible(child)
+        back = [weighing.index_of(here.terms[k].label) for k in wrong]
+        yield from _possible(reduce(weighing.extend, back, child))
 
 
 def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
@@ -223,11 +228,12 @@ def beside_little(here: Explanation) -> Explanation:
 
 
 def without_needless(weighing: Weighing, here: Explanation) -> Explanation:
-    """Drop effects that the others make needless."""
+    """Drop effects that the others make needless, where nature has the sizes of what is left."""
     while len(here.terms) > 1:
         fewer = [weighing.without(here, [k]) for k in range(len(here.terms))]
-        best = max(fewer, key=lambda e: e.score)
-        if best.score < here.score:
+        better = (e for e in sorted(fewer, key=lambda e: -e.score) if e.score >= here.score)
+        least = next((e for e in better if not has_impossible_sizes(e.fit)), None)
+        if least is None:
             break
-        here = best
+        here = least
     return here

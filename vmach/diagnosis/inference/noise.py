@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import gammaln, stdtrit
+from scipy.special import digamma, gammaln, stdtrit
 
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.base import Base
@@ -13,7 +13,7 @@ from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.marginal_likelihood import best_sizes
 from vmach.measurements import apart_from_neighbours
 
-__all__ = ["noise_after", "noise_before"]
+__all__ = ["log_prior_of_weights", "noise_after", "noise_before"]
 
 #: degrees of freedom of Student's t that are tried for heavy tails; infinite is normal
 _TAILS = (3.0, 5.0, 10.0)
@@ -32,7 +32,8 @@ def noise_before(weighing: Weighing) -> FeatureNoise:
 
     A sudden effect could take up one of them.
     """
-    return replace(weighing.base.noise, weight=_weights(weighing, weighing.nothing()))
+    weight, log_prior = _weights(weighing, weighing.nothing())
+    return replace(weighing.base.noise, weight=weight, log_prior=log_prior)
 
 
 def noise_after(weighing: Weighing, explanation: Explanation) -> FeatureNoise | None:
@@ -43,20 +44,23 @@ def noise_after(weighing: Weighing, explanation: Explanation) -> FeatureNoise | 
     noise = weighing.base.noise
     if np.median(np.abs(noise.standardised(explanation.posterior.left))) < _ROUNDING:
         return None
-    weight = _weights(weighing, explanation)
+    weight, log_prior = _weights(weighing, explanation)
     if np.abs(np.log(weight / noise.weight)).max() > _OTHER:
-        noise = replace(noise, weight=weight)
+        noise = replace(noise, weight=weight, log_prior=log_prior)
     correlated = _correlated(weighing, explanation, noise)
     return None if correlated is weighing.base.noise else correlated
 
 
-def _weights(weighing: Weighing, explanation: Explanation) -> np.ndarray:
-    """Weight of every reading as one of Student's t, whose tails the readings tell."""
+def _weights(weighing: Weighing, explanation: Explanation) -> tuple[np.ndarray, float]:
+    """Weight of every reading as one of Student's t, whose tails the readings tell.
+
+    With them their log probability beside the covariance.
+    """
     noise, group = weighing.base.noise, weighing.survey.group
     left = noise.standardised(explanation.posterior.left)
     away = np.abs(left)
     normal = -0.5 * len(away) * (1.0 + np.log(2.0 * np.pi * np.mean(away**2)))
-    best = normal + _WORTH, np.ones(len(away))
+    best, weight, log_prior = normal + _WORTH, np.ones(len(away)), 0.0
     # neighbours that lie together have a cause, and are no tail
     alone = np.minimum(away, apart_from_neighbours(left, group))
     for degrees in _TAILS:
@@ -65,9 +69,28 @@ def _weights(weighing: Weighing, explanation: Explanation) -> np.ndarray:
         log -= 0.5 * np.log(np.pi * degrees) + np.log(scale)
         square = (away / scale) ** 2 / degrees
         total = len(away) * log - 0.5 * (degrees + 1) * np.log1p(square).sum()
-        if total > best[0]:
-            best = total, (degrees + 1.0) / (degrees + (alone / scale) ** 2)
-    return best[1]
+        if total > best:
+            best, weight = total, (degrees + 1.0) / (degrees + (alone / scale) ** 2)
+            log_prior = log_prior_of_weights(weight, degrees)
+    return weight, log_prior
+
+
+def log_prior_of_weights(weight: np.ndarray, degrees: float) -> float:
+    """Log probability of mean weights (n,) that the covariance of the readings does not state.
+
+    With it the readings are as probable as under Student's t, whose weights are chi-squared: each
+    is known up to a gamma distribution, whose mean it is. Without it a reading that weighs little
+    costs nothing.
+
+    Source: derived here, as the variational bound of C. Bishop, Pattern Recognition and Machine
+    Learning (2006), eq. 10.3; it is exact for one reading where the weight is its expected one.
+    """
+    before, after = 0.5 * degrees, 0.5 * (degrees + 1.0)
+    rate = after / weight
+    expected = digamma(after) - np.log(rate)
+    relative = (after - before) * digamma(after) - gammaln(after) + gammaln(before)
+    relative += before * np.log(rate / before) + after * (before - rate) / rate
+    return float(np.sum(0.5 * (expected - np.log(weight)) - relative))
 
 
 def _correlated(weighing: Weighing, explanation: Explanation, noise: FeatureNoise) -> FeatureNoise:

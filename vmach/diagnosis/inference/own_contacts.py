@@ -1,4 +1,4 @@
-"""An explanation over the surface that its own effects leave.
+"""Explanations over the surface that their own effects leave.
 
 Of several contacts that compete for a point, the lowest one makes it. Signatures are of the
 contacts that the model alone would choose; effects as large as those that were fitted may choose
@@ -7,20 +7,27 @@ others. A linear law holds between two choices.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from vmach.diagnosis.fitted_parameters import fitted_values
+from vmach.diagnosis.inference.bank import Bank
+from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
-from vmach.effects import EffectInstance
-from vmach.fit.candidates import gather_candidates
+from vmach.effects import Effect, EffectInstance
+from vmach.fit.base import Base
+from vmach.fit.candidates import Candidate, candidate_of, gather_candidates
+from vmach.fit.evidence import Evidence
+from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.survey import Survey
 
-__all__ = ["over_own_contacts"]
+__all__ = ["beside_one", "over_own_contacts"]
 
 #: what other contacts change of the readings, in stated uncertainties, before they matter
 _NOTABLE = 0.25
+#: cosine between a floor's normal and the tool axis
+_FLOOR = 0.999
 
 
 def over_own_contacts(weighing: Weighing, found: Explanation) -> tuple[Weighing, Explanation]:
@@ -36,17 +43,83 @@ def over_own_contacts(weighing: Weighing, found: Explanation) -> tuple[Weighing,
         for k, term in enumerate(fit.terms)
     ]
     moved = survey.made_beside(acting)
-    change = _foretold_mm(moved, acting) - _foretold_mm(survey, acting)
-    if not np.any(np.abs(change) > _NOTABLE * survey.u_mm):
+    if not _differ(survey, moved, acting):
         return weighing, found
     known, noise = weighing.candidates, weighing.base.noise
     other = Weighing(moved, known, excluded=weighing.excluded, noise=noise)
     if other.explain(found.terms, found.posterior.sizes).score <= found.score:
         return weighing, found
-    effects = dict.fromkeys(candidate.effect for candidate in known)
+    effects = _effects_of(weighing)
     weighing.release()
     other = other.with_candidates(gather_candidates(moved, effects)[0])
     return other, other.explain(found.terms, found.posterior.sizes)
+
+
+def beside_one(weighing: Weighing) -> Weighing | None:
+    """The weighing over contacts that one effect of usual size would choose.
+
+    A play that lifts the tool in one direction of travel is hardly seen over contacts that the
+    model alone would choose: where it lifts, another pass makes the floor. That effect is taken
+    whose own contacts make the readings the most probable; None where none does so clearly.
+    """
+    nothing = weighing.nothing()
+    trials = (
+        (_gain(weighing, nothing, k, moved), moved)
+        for k, candidate in enumerate(weighing.candidates)
+        if candidate.effect.follows_travel and _moves_floors(weighing.survey, candidate)
+        for moved in _made_beside_usual(weighing.survey, candidate)
+    )
+    gain, moved = max(trials, key=lambda trial: trial[0], default=(0.0, weighing.survey))
+    if gain < CLEARLY:
+        return None
+    candidates, excluded = gather_candidates(moved, _effects_of(weighing))
+    return Weighing(moved, candidates, excluded=excluded, noise=weighing.base.noise)
+
+
+def _effects_of(weighing: Weighing) -> Sequence[Effect]:
+    return list(dict.fromkeys(candidate.effect for candidate in weighing.candidates))
+
+
+def _moves_floors(survey: Survey, candidate: Candidate) -> bool:
+    """Whether an effect of usual size notably moves the tool along its axis, on any floor."""
+    moved = np.abs(candidate.signatures_mm).max(axis=(1, 2), initial=0.0) / survey.u_mm
+    return bool(np.any(moved[survey.sensing[:, 2] > _FLOOR] > _NOTABLE))
+
+
+def _made_beside_usual(survey: Survey, candidate: Candidate) -> Iterator[Survey]:
+    """The survey where contacts are those that an effect of usual size would choose, each sign."""
+    effect = candidate.effect
+    inner = candidate.grid[int(np.argmax(candidate.log_prior))]
+    for sign in (1.0, -1.0):
+        usual = {p.name: sign * p.usual for p in effect.amplitudes}
+        if sign < 0.0 and all(p.is_size for p in effect.amplitudes):
+            continue
+        acting = [EffectInstance(effect, candidate.target, {**inner, **usual}, survey.job)]
+        moved = survey.made_beside(acting)
+        if _differ(survey, moved, acting):
+            yield moved
+
+
+def _gain(weighing: Weighing, nothing: Explanation, k: int, moved: Survey) -> float:
+    """How much more probable other contacts make the readings, with candidate k alone."""
+    candidate, sizes = weighing.candidates[k], nothing.posterior.sizes
+    own = candidate_of(moved, candidate.effect, candidate.target)
+    if own is None:
+        return 0.0
+    base = Base(moved, weighing.base.noise, weighing.members)
+    beside = Posterior(base, sizes, Effects(base.no_columns))
+    there = beside.log_probability + _evidence(Bank(base, [own]).evidence(beside), 0)
+    return there - nothing.score - max(_evidence(weighing.evidence(nothing), k), 0.0)
+
+
+def _evidence(evidence: Evidence, k: int) -> float:
+    return float(evidence.log_factor[k, 0])
+
+
+def _differ(survey: Survey, moved: Survey, acting: Sequence[EffectInstance]) -> bool:
+    """Whether other contacts notably change what model and effects foretell."""
+    change = _foretold_mm(moved, acting) - _foretold_mm(survey, acting)
+    return bool(np.any(np.abs(change) > _NOTABLE * survey.u_mm))
 
 
 def _foretold_mm(survey: Survey, acting: Sequence[EffectInstance]) -> np.ndarray:

@@ -9,7 +9,7 @@ from enum import StrEnum
 from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.moves import search, search_beyond
 from vmach.diagnosis.inference.noise import noise_after, noise_before
-from vmach.diagnosis.inference.own_contacts import over_own_contacts
+from vmach.diagnosis.inference.own_contacts import beside_one, over_own_contacts
 from vmach.diagnosis.inference.remains import is_structure, remains_um, sizes_um
 from vmach.diagnosis.inference.rules import KEPT
 from vmach.diagnosis.inference.support import Support, supports_of
@@ -103,6 +103,14 @@ def infer(weighing: Weighing) -> Inference:
 
 def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
     """The most probable set of effects, and the weighing with the noise that it leaves."""
+    others = [beside for beside in (beside_one(weighing),) if beside is not None]
+    settled = [_settled(start) for start in (weighing, *others)]
+    weighing, found = max(settled, key=lambda pair: pair[1].score)
+    return weighing, search_beyond(weighing, found)
+
+
+def _settled(weighing: Weighing) -> tuple[Weighing, Explanation]:
+    """The most probable set that single moves lead to, over its own contacts and noise."""
     weighing = weighing.with_noise(noise_before(weighing))
     found = search(weighing)
     for _ in range(_PASSES):
@@ -114,7 +122,7 @@ def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
         if weighing is before:
             break
         found = search(weighing, weighing.explain(found.terms, found.posterior.sizes))
-    return weighing, search_beyond(weighing, found)
+    return weighing, found
 
 
 def _kept(weighing: Weighing, found: Explanation, grown: Explanation) -> frozenset[str]:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
 from scipy.special import gammaln
 
 from vmach.diagnosis.gates.absorbing import slack_of
+from vmach.diagnosis.gates.sizes_above_zero import log_factor_of_sizes
 from vmach.diagnosis.inference.bank import Bank
 from vmach.diagnosis.inference.careful_fit import careful_fit
 from vmach.diagnosis.inference.rules import UNMEASURED
@@ -56,10 +58,13 @@ class Explanation:
     fit: JointFit | None
     posterior: Posterior
 
-    @property
+    @cached_property
     def score(self) -> float:
         """Log probability of readings, set and sizes, up to what all sets share."""
-        return self.posterior.log_probability
+        probability = self.posterior.log_probability
+        return (
+            probability + log_factor_of_sizes(self.fit, self.posterior) if self.fit else probability
+        )
 
     @property
     def terms(self) -> tuple[Term, ...]:

@@ -3,9 +3,12 @@ blocks, written out as plain lines and arcs."""
 
 from __future__ import annotations
 
+from bisect import bisect_right
+from dataclasses import replace
+
 import numpy as np
 
-from gcode import MoveKind, PlainArc, PlainBlocks, Program, Step
+from gcode import MoveKind, PlainArc, PlainBlocks, PlainLines, Program, Step
 from vmach.program_text.expanding.expanded_text import Expanded, LineBuilder
 from vmach.program_text.frame_shift import rotation_of_moves, turned_about_z
 
@@ -36,6 +39,38 @@ def plain_lines(program: Program) -> Expanded | None:
     return writer.lines.result() if writer.lines.reasons else None
 
 
+class _Steps:
+    """Steps by line, where those of plain motion are made when they are asked for.
+
+    Parameters
+    ----------
+    program : Program
+    """
+
+    def __init__(self, program: Program) -> None:
+        self.text = program.language.text(program.source)
+        outline = program.outline
+        self.single = {step.line: step for step in outline if isinstance(step, Step)}
+        self.plain = [part for part in outline if isinstance(part, PlainLines)]
+        self.first = [part.first for part in self.plain]
+
+    def get(self, line: int) -> Step | None:
+        """The step of a line, without words where it is plain; None where it is not obeyed."""
+        place = bisect_right(self.first, line) - 1
+        if line in self.single or place < 0 or line > self.plain[place].last:
+            return self.single.get(line)
+        part = self.plain[place]
+        return Step(line, part.before, blocks=1, modes=part.modes)
+
+    def with_words(self, line: int) -> Step | None:
+        """The same with the words X Y Z of a plain line."""
+        step = self.get(line)
+        if step is None or line in self.single:
+            return step
+        words = {w.letter: w.value for w in self.text.words(line) if w.letter in ("X", "Y", "Z")}
+        return replace(step, words=words)
+
+
 class _Writer:
     """Writes line after line."""
 
@@ -46,7 +81,7 @@ class _Writer:
         self.order = np.argsort(self.moves.line, kind="stable")
         self.angle = rotation_of_moves(program)
         self.seconds = {int(row): seconds for row, seconds in program.record.dwells.tolist()}
-        self.steps = {step.line: step for step in program.steps}
+        self.steps = _Steps(program)
         #: feed, circle centre and kind of motion in force are the user's
         self.own_feed = self.own_pole = self.own_motion = True
 
@@ -102,7 +137,7 @@ class _Writer:
 
     def _written(self, line: int) -> list[str] | None:
         """Plain blocks of a line; None where plain ones cannot replace it."""
-        step, found = self.steps.get(line), []
+        step, found = self.steps.with_words(line), []
         if self.blocks.is_in_machine_coordinates(line):
             return None
         for row in self._rows(line).tolist():

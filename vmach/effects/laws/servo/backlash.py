@@ -13,6 +13,7 @@ class Backlash(Effect):
 
     name = "backlash"
     title = "backlash (lost motion at reversal)"
+    follows_travel = True
     commonness = 34
     shows_as = "half the reversal value behind the motion, on either side"
     law = "-(reversal/2) s_j(take_up) ê_j"

@@ -18,6 +18,7 @@ class Inertia(Effect):
 
     name = "inertia"
     title = "moving mass bends the structure (circles too large along one axis)"
+    follows_travel = True
     commonness = 4
     shows_as = "curves, away from the centre, along the axis that carries the mass"
     law = "-sway a_j ê_j, with sway = m/k"

@@ -29,6 +29,7 @@ class QuadrantGlitch(Effect):
 
     name = "quadrant_glitch"
     title = "reversal spike (friction at the quadrants)"
+    follows_travel = True
     commonness = 8
     shows_as = "just after a reversal"
     law = "-spike s exp(-d/travel) ê_j, s = ±1"
@@ -61,6 +62,7 @@ class Hysteresis(Effect):
 
     name = "hysteresis"
     title = "hysteresis of guide and structure"
+    follows_travel = True
     commonness = 7
     shows_as = "builds up with the travel since the reversal"
     law = "-(width/2) s_j(travel) ê_j"
@@ -94,6 +96,7 @@ class LateralPlay(Effect):
 
     name = "lateral_play"
     title = "lateral play of a guide"
+    follows_travel = True
     commonness = 6
     shows_as = "first axis reverses, second shifts"
     law = "(play/2) s_i(take_up) ê_j"

@@ -41,6 +41,7 @@ class ServoLag(Effect):
 
     name = "servo_lag"
     title = "lag of the position loop (circles too small)"
+    follows_travel = True
     commonness = 22
     shows_as = "curves, towards the centre"
     law = "(lag/2) a, with lag = 1/Kv^2"
@@ -67,6 +68,7 @@ class ServoMismatch(Effect):
 
     name = "servo_mismatch"
     title = "position loops of two axes do not match"
+    follows_travel = True
     commonness = 23
     shows_as = "along the velocity, opposite on two axes"
     law = "(mismatch/2) (v_i ê_i - v_j ê_j)"
@@ -98,6 +100,7 @@ class CornerRounding(Effect):
 
     name = "corner_rounding"
     title = "corners rounded by lag and look-ahead"
+    follows_travel = True
     commonness = 5
     shows_as = (
         "just after corners: the velocity changes within the rise time, the position loop "

@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Mapping
 
 from gcode.dialects.sinumerik.block_words import split_arguments
-from gcode.dialects.sinumerik.expressions import Worked, expression_at, whole_expression
+from gcode.dialects.sinumerik.values.expressions import Worked, expression_at, whole_expression
 from gcode.errors import ProgramError
 
 __all__ = ["Variables"]

@@ -1,0 +1,1 @@
+"""Values of SINUMERIK: expressions, variables, and data that the control holds."""
