@@ -398,7 +398,7 @@ def test_an_effect_that_leaves_all_to_its_helpers_is_no_rival():
             label=label,
             effect=catalogue()[label.split()[0]],
             target=label.split()[1],
-            at_sites_mm=column[:, None, None],
+            signatures_mm=column[:, None, None],
         )
         for label, column in zip(labels, columns, strict=True)
     ]

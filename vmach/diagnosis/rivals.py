@@ -92,7 +92,7 @@ def _jointly(
     fit, own = explanation.fit, explanation.fit.terms[k].effect
 
     def can_imitate(candidates: Sequence[Candidate]) -> bool:
-        span = [candidate.signature_mm(0) for candidate in candidates]
+        span = [candidate.signatures_mm[:, 0, :] for candidate in candidates]
         return bool(span) and _can_imitate(np.hstack(span), weighing, others, fit.explained_mm(k))
 
     rest = [c for c in weighing.candidates if c.effect.is_never_exact]
