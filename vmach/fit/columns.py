@@ -98,7 +98,8 @@ class Columns:
         """Sum of the white columns by amounts (K,) or (K, m), (r,) or (r, m)."""
         ends = np.cumsum([len(wide) for _, wide in self.parts])[:-1]
         pairs = zip(self.parts, np.split(amounts, ends), strict=True)
-        return sum((white @ (wide * own.T).T for (white, wide), own in pairs), np.float64(0.0))
+        first, *others = (white @ (wide * own.T).T for (white, wide), own in pairs)
+        return sum(others, first)
 
     def times(self, matrix: np.ndarray) -> Self:
         """Sums of columns, by a matrix (K, m) of their weights."""
