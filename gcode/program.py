@@ -108,7 +108,7 @@ class Program:
     @cached_property
     def outline(self) -> list[Step | PlainLines]:
         """The same as `steps`, but for lines of plain motion, which are `PlainLines`."""
-        return self._traced(fast=self.language.is_rs274 and len(self.source.data) >= _FAST_FROM)
+        return self._traced(fast=len(self.source.data) >= _FAST_FROM)
 
     def _traced(self, *, fast: bool) -> list:
         steps: list[Step | PlainLines] = []
@@ -205,7 +205,7 @@ def read_program(
         By default for programs of 50 kB and more.
     steps : list of Step, optional
         Every line that is obeyed is appended, with its values and modes. Where `fast` is True,
-        lines of plain motion one behind the other are one `PlainLines`, in dialects of RS274/NGC.
+        lines of plain motion one behind the other may be one `PlainLines`.
 
     Raises
     ------

@@ -190,11 +190,13 @@ def _spoilt(line: str, rng: Dice) -> str:
     return line[:at] + rng.choice(["", letter]) + line[at + rng.randrange(2) :]
 
 
-def random_program(language: str, rng: Dice) -> bytes:
-    """Up to 30 lines of a language below a sound head."""
+def random_program(language: str, rng: Dice, *, sound: bool = False) -> bytes:
+    """Up to 30 lines of a language below a sound head; `sound` lines are all plain motion."""
     head, move, others, end = LANGUAGES[language]
     odd, spoilt = rng.choice([0.0, 0.0, 0.03, 0.2]), rng.choice([0.0, 0.0, 0.0, 0.05])
     rng.wild, rng.arc = rng.choice([0.0, 0.0, 0.1, 0.3]), False
+    if sound:
+        odd = spoilt = rng.wild = 0.0
     lines = []
     for _ in range(rng.randint(2, 30)):
         line = rng.choice(others) if rng.random() < odd else move(rng)
@@ -202,5 +204,5 @@ def random_program(language: str, rng: Dice) -> bytes:
     if rng.random() < 0.1:
         head = head.replace("MM", "INCH").replace("G71", rng.choice(["G70", "G700", "G71"]))
     newline = rng.choice(["\n", "\n", "\r\n"])
-    text = head + "\n".join(lines) + "\n" + (end if rng.random() < 0.9 else "L X+5")
+    text = head + "\n".join(lines) + "\n" + (end if rng.random() < 0.9 else move(rng))
     return text.replace("\n", newline).encode("latin-1")

@@ -24,7 +24,7 @@ _FANUC = (*_MODES, *_MOTION, *_M_CODES)
 #: obeyed in blocks of RS274/NGC; every other code is left to the interpreter
 _RS274 = (*_FANUC, "G4", "G74", "G90.1 G91.1", "G59.1 G59.2 G59.3", "G61 G61.1 G64")
 #: obeyed in lines of SINUMERIK
-_SINUMERIK = ("G0 G1 G2 G3", "G90 G91", "M3 M4 M5", "M7 M8 M9")
+_SINUMERIK = ("G0 G1 G2 G3", "M3 M4 M5", "M7 M8 M9", "G90 G91")
 _TENTHS = 1000  #: codes times ten are below
 
 
@@ -53,9 +53,9 @@ def code_table(*, is_sequential: bool) -> CodeTable:
 
 
 @cache
-def sinumerik_codes() -> CodeTable:
-    """The codes that stand in lines of SINUMERIK."""
-    return _table(_SINUMERIK, is_sequential=False)
+def sinumerik_codes(*, with_modes: bool) -> CodeTable:
+    """The codes that stand in lines of SINUMERIK, with G90 and G91 or without."""
+    return _table(_SINUMERIK[: None if with_modes else -1], is_sequential=False)
 
 
 def _table(names: tuple[str, ...], *, is_sequential: bool) -> CodeTable:

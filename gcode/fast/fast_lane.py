@@ -80,7 +80,7 @@ class FastLane:
             return place
         trace, data = self.controller.trace, self.data
         if trace is not None:
-            data = self._plain_part(place)
+            data = self.plain_part(place)
             trace.end()
             before = Modes.of(self.controller)
         if not len(data) or not self.hand_over():
@@ -90,7 +90,7 @@ class FastLane:
         if place != begun:
             self.give_back()
             if trace is not None:
-                trace.plain_lines(begun[0] + 1, self._said[begun[0] : place[0]], before)
+                trace.plain_lines(begun[0] + 1, self.said_by(begun[0], place[0]), before)
         return place
 
     def _obey_all(self, data: np.ndarray, place: tuple[int, int]) -> tuple[int, int]:
@@ -126,12 +126,16 @@ class FastLane:
         motion_of_lines(self.data, self._starts, said)
         return said
 
+    def said_by(self, first: int, stop: int) -> np.ndarray:
+        """G code that each of these lines says, 0-based, negative for none, (L,)."""
+        return self._said[first:stop]
+
     @cached_property
     def _others(self) -> np.ndarray:
         """Lines that are not plain motion, 0-based, in order; behind them the number of lines."""
         return np.append(np.flatnonzero(self._said == OTHER), len(self._said))
 
-    def _plain_part(self, place: tuple[int, int]) -> np.ndarray:
+    def plain_part(self, place: tuple[int, int]) -> np.ndarray:
         """The program up to the end of the lines of plain motion from a place on."""
         line = place[0]
         end = int(self._others[np.searchsorted(self._others, line)]) if line < len(

@@ -110,7 +110,8 @@ class Step:
 class PlainLines:
     """Lines, one behind the other, of plain motion and nothing else, each obeyed once.
 
-    They hold G0 to G3, X Y Z, I J K R, F, S, N and comments without parameters; some are empty.
+    They hold G0 to G3, X Y Z, I J K R, F, S, N and comments without parameters, or what other
+    languages have for these, and switch spindle and coolant there; some are empty.
 
     Attributes
     ----------
@@ -121,7 +122,7 @@ class PlainLines:
     motion : (L,) int8
         G code in force in every line, 0 to 3; -1 where none is yet.
     says_motion : (L,) bool
-        Lines with a G code.
+        Lines with a G code; in other languages those that move.
     """
 
     first: int

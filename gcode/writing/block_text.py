@@ -60,6 +60,9 @@ class BlockText:
     source : Source
     """
 
+    #: how the words of most lines stand, so that compiled code finds them: ``letters`` with
+    #: numbers, ``equal signs`` between some of them, ``klartext``; a subclass says its own
+    word_form = "letters"
     #: the centre of an arc is said in absolute numbers whatever the modes are
     absolute_centres = False
     #: a motion word holds until another one comes
@@ -72,6 +75,11 @@ class BlockText:
     def __init__(self, source: Source) -> None:
         self.source = source
         self._words: dict[int, tuple[Word, ...]] = {}
+
+    @property
+    def own_word_form(self) -> str:
+        """`word_form`, or nothing where a subclass does not say it."""
+        return vars(type(self)).get("word_form", "")
 
     def words(self, line: int) -> tuple[Word, ...]:
         """Words of a line."""

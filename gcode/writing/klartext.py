@@ -17,6 +17,7 @@ __all__ = ["KlartextEdit", "KlartextText"]
 class KlartextText(BlockText):
     """Heidenhain Klartext: L, C and CR with signed numbers, circle centres in CC blocks."""
 
+    word_form = "klartext"
     absolute_centres = True
     renumbers = True
     fewest_decimals = 1
@@ -83,6 +84,8 @@ class KlartextText(BlockText):
 
 class KlartextEdit(LineEdit):
     """The same in Klartext, where an arc's centre is a block of its own before it."""
+
+    word_forms = ("klartext",)
 
     def __init__(
         self, text: KlartextText, line: int, *, nominal: int, ending: frozenset[int]

@@ -51,6 +51,9 @@ class LineEdit:
         The words of the line's own block that belong to its motion, by letter.
     """
 
+    #: forms of words whose numbers are replaced as they stand; a subclass says its own
+    word_forms: tuple[str, ...] = ("letters", "equal signs")
+
     def __init__(self, text: BlockText, line: int, *, nominal: int, ending: frozenset[int]) -> None:
         self.text, self.line, self.nominal, self.ending = text, line, nominal, ending
         self.words = text.words(line)

@@ -1,16 +1,20 @@
 """Plain lines written in compiled code are those that are written one by one."""
 
 from itertools import pairwise
+from unittest.mock import patch
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gcode import MoveKind, Source, dialect_called, read_program
-from vmach.program_text import Piece, Pieces, Rewriter, Target, block_modes
+from gcode import MoveKind, Source, ToolEntry, dialect_called, read_program
+from tests.lane_programs import Dice, random_program
+from vmach.program_text import Piece, Pieces, Rewriter, Target, block_modes, plain_program
+from vmach.program_text.runs.axis_words import axis_words
 from vmach.program_text.runs.splicing import Edits, spliced
 
+TOOLS = {k: ToolEntry(100.0, 10.0) for k in (1, 2)}
 numbers = st.sampled_from(
     [
         "0",
@@ -51,14 +55,15 @@ turns = st.builds(
 programs = st.lists(st.one_of(lines, lines, lines, arcs, turns), min_size=1, max_size=25)
 
 
-def written(text, seed, resolution_mm, *, compiled):
+def written(text, seed, resolution_mm, *, compiled, dialect="linuxcnc"):
     """The program with random corrections of its ends; some lines count as not the user's."""
-    program = read_program(Source(text), home_mm=(0.0, 0.0, 0.0))
+    program = read_program(Source(text), home_mm=(0.0, 0.0, 0.0), dialect=dialect, tools=TOOLS)
     random, moves = np.random.default_rng(seed), program.moves
     own = frozenset(moves.line[random.uniform(size=len(moves)) < 0.3 * (seed % 2)].tolist())
-    rewriter = Rewriter(program, block_modes(program), own, dialect_called("linuxcnc"))
+    rewriter = Rewriter(program, block_modes(program), own, dialect_called(dialect))
     if not compiled:
         rewriter._columns.is_plain[:] = False
+    share = float(rewriter._columns.is_plain[rewriter.moving].mean()) if compiled else 0.0
     pieces = []
     for move in rewriter.moving:
         arc = moves.kind[move] == MoveKind.ARC
@@ -68,7 +73,7 @@ def written(text, seed, resolution_mm, *, compiled):
                    for a, b in pairwise(cuts)]  # fmt: skip
     size = random.choice([0.0, 1e-12, 3e-4, 5e-4, 0.02], (len(pieces), 1))
     ends = size * random.uniform(-1.0, 1.0, (len(pieces), 3))
-    return rewriter.write(Target(Pieces.of(pieces), ends, 0.5 * ends), resolution_mm)
+    return rewriter.write(Target(Pieces.of(pieces), ends, 0.5 * ends), resolution_mm), share
 
 
 @settings(max_examples=150, deadline=None)
@@ -77,16 +82,42 @@ def written(text, seed, resolution_mm, *, compiled):
 )
 def test_compiled_lines_are_those_written_one_by_one(found, seed, resolution_mm, ending):
     text = ("\r\n" if ending == "\r" else "\n").join(["F100 G1 X0 Y0 Z0", *found]).encode()
+    assert_written_alike(text, seed, resolution_mm)
+
+
+def assert_written_alike(text, seed, resolution_mm, dialect="linuxcnc"):
+    """The share of moves that are written in compiled code; None where the program is refused."""
     try:
-        slow = written(text, seed, resolution_mm, compiled=False)
-    except ValueError as error:  # a program that is refused
+        with patch.object(plain_program, "axis_words", no_words):
+            slow, _ = written(text, seed, resolution_mm, compiled=False, dialect=dialect)
+    except ValueError as error:
         with pytest.raises(type(error)):
-            written(text, seed, resolution_mm, compiled=True)
-        return
-    fast = written(text, seed, resolution_mm, compiled=True)
+            written(text, seed, resolution_mm, compiled=True, dialect=dialect)
+        return None
+    fast, share = written(text, seed, resolution_mm, compiled=True, dialect=dialect)
     assert fast.text == slow.text
     assert fast.line_of_piece.tolist() == slow.line_of_piece.tolist()
     assert (fast.inserted_after, fast.swallowed) == (slow.inserted_after, slow.swallowed)
+    return share
+
+
+def no_words(data, starts, line, form):
+    """Words of lines of which none is plain: their texts are read one by one."""
+    return axis_words(data, starts, line, "")
+
+
+@pytest.mark.parametrize("language", ["sinumerik", "heidenhain"])
+def test_lines_of_other_controls_are_those_written_one_by_one(language):
+    dice, shares = Dice(5), []
+    for seed in range(150):
+        text = random_program(language, dice, sound=seed % 4 > 0)
+        if seed % 8:  # as `compensate` asks for them
+            text = text.replace(b",", b".").replace(b"70+5", b"75").replace(b"= ", b"=")
+        resolution_mm = dice.choice([1e-3, 1e-4, 1e-7])
+        shares.append(assert_written_alike(text, seed, resolution_mm, dialect=language))
+    read = [share for share in shares if share is not None]
+    assert len(read) > 60
+    assert np.mean(read) > 0.2
 
 
 @settings(max_examples=60, deadline=None)

@@ -5,6 +5,8 @@ Source: C. Rasmussen and C. Williams, Gaussian Processes for Machine Learning (2
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 __all__ = ["wandering"]
@@ -19,10 +21,18 @@ def wandering(position: np.ndarray, length: float) -> np.ndarray:
     sharp); the process is linear between knots a third of the length apart.
     """
     low, high = float(position.min()), float(position.max())
+    knots, root = _root(low, high, length)
+    # of the two knots around, each as far as it is near
+    left = np.clip(np.searchsorted(knots, position, side="right") - 1, 0, len(knots) - 2)
+    share = (position - knots[left]) / (knots[left + 1] - knots[left])
+    return (1.0 - share)[:, None] * root[left] + share[:, None] * root[left + 1]
+
+
+@lru_cache(maxsize=64)
+def _root(low: float, high: float, length: float) -> tuple[np.ndarray, np.ndarray]:
+    """Knots (K,) between two ends, and a root (K, K) of the covariance there."""
     count = int(min(2 + np.ceil(3.0 * (high - low) / length), _MOST_KNOTS))
     knots = np.linspace(low, max(high, low + 1e-9), count)
     apart = np.sqrt(3.0) * np.abs(np.subtract.outer(knots, knots)) / length
     values, vectors = np.linalg.eigh((1.0 + apart) * np.exp(-apart))
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    hats = np.stack([np.interp(position, knots, unit) for unit in np.eye(count)], axis=1)
-    return hats @ root
+    return knots, vectors * np.sqrt(np.maximum(values, 0.0))

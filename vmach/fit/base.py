@@ -24,6 +24,7 @@ from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.means import Means
 from vmach.fit.places import Inner, Places, Step, steps_along
 from vmach.fit.remembered import Remembered
+from vmach.fit.sites import Pooled
 from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import thin_product
@@ -43,12 +44,21 @@ _ROOM_OF_COLUMNS = 12_000_000
 class Base:
     """Readings of a survey in the units of one feature noise, nuisance projected out.
 
-    Beside means of readings there are as many rows as means.
+    Beside means of readings there are as many rows as means. Readings that repeat others are
+    pooled, without loss of what is the same in all of them: there are as many rows as coordinates.
+
+    Parameters
+    ----------
+    survey : Survey
+    noise : FeatureNoise or Means
+    members : Members
+    by_reading : bool
+        Whether no readings are pooled, so that columns may differ among those of a site.
 
     Attributes
     ----------
-    y : (n,) float64
-    z : (n, q) float64
+    y : (r,) float64
+    z : (r, q) float64
         Members' columns.
     gram : (q, q) float64
         Products of these with each other.
@@ -58,9 +68,23 @@ class Base:
         Of the readings with themselves.
     """
 
-    def __init__(self, survey: Survey, noise: FeatureNoise | Means, members: Members) -> None:
+    def __init__(
+        self,
+        survey: Survey,
+        noise: FeatureNoise | Means,
+        members: Members,
+        *,
+        by_reading: bool = False,
+    ) -> None:
         self.survey, self.noise, self.members = survey, noise, members
-        nuisance = noise.white(survey.nuisance)
+        of_members = np.hstack([members.fixed_mm, *members.columns_mm])
+        self.pooled: Pooled | None = None
+        if survey.sites is not None and not by_reading and isinstance(noise, FeatureNoise):
+            every = survey.residual_mm[:, None], survey.nuisance, of_members
+            others = [columns[:, ~survey.sites.is_constant(columns)] for columns in every]
+            self.pooled = Pooled(noise, survey.sites, np.hstack(others))
+        self._rows = self.pooled or noise
+        nuisance = self._rows.white(survey.nuisance)
         norms = np.linalg.norm(nuisance, axis=0)
         left, size, _ = np.linalg.svd(nuisance / np.where(norms > 0, norms, 1.0), False)
         seen = size > 1e-9 * max(np.max(size, initial=0.0), 1e-300)
@@ -69,33 +93,62 @@ class Base:
         self.constant -= float(np.log(size[seen]).sum())
         self.constant -= float(np.log(norms[norms > 0]).sum())
         self.y = self.white(survey.residual_mm[:, None])[:, 0]
-        self.z = self.white(np.hstack([members.fixed_mm, *members.columns_mm]))
+        self.z = self.white(of_members)
         counts = [members.fixed_mm.shape[1], *(c.shape[1] for c in members.columns_mm)]
         self.member_of = np.repeat(np.arange(len(counts)), counts)
-        self.degrees = len(self.y) - self._free.shape[1]
+        count = len(self.y) if self.pooled is None else len(survey)
+        self.degrees = count - self._free.shape[1]
         self.gram, self.seen = self.z.T @ self.z, self.z.T @ self.y
         self.square = float(self.y @ self.y)
         # a root, and the raised one
         self._sized = Remembered[SizedMembers](_ROOM / max(2 * self.gram.size, 1))
-        self._columns = Remembered[Columns](
-            _ROOM_OF_COLUMNS, lambda c: 2 * c.white.size + c.cross.size
-        )
+        self._columns = Remembered[Columns](_ROOM_OF_COLUMNS, lambda columns: columns.size)
         self._steps = Remembered[Step](_ROOM_OF_COLUMNS, lambda step: step.size)
 
     def white(self, columns_mm: np.ndarray) -> np.ndarray:
-        """Columns (n, k) mm in unit noise without what the nuisance can explain."""
-        white = self.noise.white(columns_mm)
+        """Columns (n, k) mm in unit noise without what the nuisance can explain, (r, k).
+
+        Or those at every site of the survey, (m, k).
+        """
+        if self.pooled is None and len(columns_mm) != len(self.survey):
+            columns_mm = self.survey.at_readings(columns_mm)
+        white = self._rows.white(columns_mm)
         if white.flags.c_contiguous:
             white -= self._free @ (self._free.T @ white)
         else:
             white.T[:] -= (white.T @ self._free) @ self._free.T
         return white
 
+    def back(self, white: np.ndarray) -> np.ndarray:
+        """Columns (r, k) by the transpose of the map that makes columns in mm white.
+
+        Its rows are those of `rows_of`.
+        """
+        if self.pooled is not None:
+            return self.pooled.back(white)
+        return white if isinstance(self.noise, Means) else self.noise.back(white)
+
+    def rows_of(self, columns_mm: np.ndarray) -> np.ndarray:
+        """Columns at every reading (n, k) or site (m, k), at those of them that count here."""
+        if self.pooled is None:
+            is_whole = len(columns_mm) == len(self.survey)
+            return columns_mm if is_whole else self.survey.at_readings(columns_mm)
+        if len(columns_mm) == len(self.pooled.sites.first):
+            return columns_mm
+        assert self.pooled.sites.is_constant(columns_mm).all()
+        return columns_mm[self.pooled.sites.first]
+
+    def spread(self, white: np.ndarray) -> np.ndarray:
+        """White values (r,) as every reading has them, (n,)."""
+        return white if self.pooled is None else self.pooled.spread(white)
+
     def columns(self, columns_mm: np.ndarray) -> Columns:
-        """Columns (n, K) mm with their products."""
-        white = self.white(np.asfortranarray(columns_mm))
+        """Columns (n, K) or (m, K) mm, at readings or sites, with their products."""
+        own = self.rows_of(columns_mm)
+        white = self.white(np.asfortranarray(own))
         cross = thin_product(self.z.T, white)
-        return Columns.of(lambda: columns_mm, white, cross, white.T @ self.y)
+        site = None if self.pooled is None else self.pooled.sites.of
+        return Columns.of(lambda: own, white, cross, white.T @ self.y, site)
 
     @cached_property
     def no_columns(self) -> Columns:
@@ -111,7 +164,9 @@ class Base:
         known = {key: self._columns[key] for key in keys if key in self._columns}
         new = {key: one for key, one in zip(keys, asked, strict=True) if key not in known}
         if new:
-            columns_mm = [self.survey.signature(*one) for one in new.values()]
+            columns_mm = [
+                self.rows_of(self.survey.signature_at_sites(*one)) for one in new.values()
+            ]
             together = self.columns(np.concatenate([own.T for own in columns_mm]).T)
             parts = together.split(columns_mm)
             for key, columns in zip(new, parts, strict=True):
@@ -120,7 +175,6 @@ class Base:
 
     def places(self, effect: Effect, target: str, inner: Sequence[Mapping[str, float]]) -> Places:
         """The same at many places, one beside the other; only what is new is worked out."""
-        assert isinstance(self.noise, FeatureNoise)
         is_new = self.survey.told_apart(effect, inner)
         asked: list[Inner] = [
             tuple(values.items()) for values in itertools.compress(inner, is_new.tolist())
@@ -131,7 +185,7 @@ class Base:
         new = [pair for pair in pairs if pair not in known]
         for pair, step in zip(new, steps_along(self, effect, target, new), strict=True):
             self._steps[keys[pair]] = known[pair] = step
-        return Places(self.noise, [known[pair] for pair in pairs], np.cumsum(is_new) - 1)
+        return Places(self.back, [known[pair] for pair in pairs], np.cumsum(is_new) - 1)
 
     def forget(self) -> None:
         """Signatures and roots, which take the most room."""

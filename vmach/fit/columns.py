@@ -25,29 +25,41 @@ class Columns:
 
     Attributes
     ----------
-    make_mm, make_white : callable
-        What they are, (n, K): in mm, and in unit noise without what the nuisance can explain.
-        Worked out when asked for, as most questions are answered by products.
+    make_mm : callable
+        What they are in mm, (n, K), worked out when asked for; where readings were pooled, one
+        row a site.
+    parts : tuple of ((r, k) float64, (k,) float64)
+        The same in unit noise without what the nuisance can explain: columns that stand side by
+        side, and how many times each is meant. Scaled columns share their memory.
     make_gram : callable
         Products of the white columns with each other, (K, K).
     cross : (q, K) float64
         With the members' columns.
     seen : (K,) float64
         With the readings.
+    site : (n,) int or None
+        Which row in mm each reading has, where readings were pooled.
     """
 
     make_mm: Callable[[], np.ndarray]
-    make_white: Callable[[], np.ndarray]
+    parts: tuple[tuple[np.ndarray, np.ndarray], ...]
     make_gram: Callable[[], np.ndarray]
     cross: np.ndarray
     seen: np.ndarray
+    site: np.ndarray | None = None
 
     @classmethod
     def of(
-        cls, mm: Callable[[], np.ndarray], white: np.ndarray, cross: np.ndarray, seen: np.ndarray
+        cls,
+        mm: Callable[[], np.ndarray],
+        white: np.ndarray,
+        cross: np.ndarray,
+        seen: np.ndarray,
+        site: np.ndarray | None = None,
     ) -> Self:
-        """White columns (n, K) that are there."""
-        return cls(mm, lambda: white, lambda: white.T @ white, cross, seen)
+        """White columns (r, K) that are there."""
+        once = np.ones(white.shape[1])
+        return cls(mm, ((white, once),), lambda: white.T @ white, cross, seen, site)
 
     def __len__(self) -> int:
         return len(self.seen)
@@ -55,37 +67,57 @@ class Columns:
     @property
     def size(self) -> int:
         """Numbers that they take up, those in mm with them."""
-        return 2 * self.white.size + self.cross.size
+        return 2 * sum(white.size for white, _ in self.parts) + self.cross.size
 
     @property
     def mm(self) -> np.ndarray:
         """In mm, (n, K)."""
-        return self.make_mm()
+        return self.make_mm() if self.site is None else self.make_mm()[self.site]
 
-    @cached_property
+    @property
     def white(self) -> np.ndarray:
-        """In unit noise, (n, K)."""
-        return self.make_white()
+        """In unit noise, (r, K), put together."""
+        if len(self.parts) == 1 and np.all(self.parts[0][1] == 1.0):
+            return self.parts[0][0]
+        return np.concatenate([wide[:, None] * white.T for white, wide in self.parts]).T
 
     @cached_property
     def gram(self) -> np.ndarray:
         """Products of the white columns with each other, (K, K)."""
         return self.make_gram()
 
+    def dot(self, white: np.ndarray) -> np.ndarray:
+        """Products with other white columns (r, m), (K, m)."""
+        return np.concatenate([wide[:, None] * (own.T @ white) for own, wide in self.parts])
+
+    def dot_with(self, other: Self) -> np.ndarray:
+        """Products with other columns, M of them, (K, M)."""
+        return np.concatenate([self.dot(white) * wide for white, wide in other.parts], axis=1)
+
+    def summed(self, amounts: np.ndarray) -> np.ndarray:
+        """Sum of the white columns by amounts (K,) or (K, m), (r,) or (r, m)."""
+        ends = np.cumsum([len(wide) for _, wide in self.parts])[:-1]
+        pairs = zip(self.parts, np.split(amounts, ends), strict=True)
+        first, *others = (white @ (wide * own.T).T for (white, wide), own in pairs)
+        return sum(others, first)
+
     def times(self, matrix: np.ndarray) -> Self:
         """Sums of columns, by a matrix (K, m) of their weights."""
-        mm, white = self.mm @ matrix, (matrix.T @ self.white.T).T
-        return self.of(lambda: mm, white, self.cross @ matrix, self.seen @ matrix)
+        mm, white = self.make_mm() @ matrix, (matrix.T @ self.white.T).T
+        return self.of(lambda: mm, white, self.cross @ matrix, self.seen @ matrix, self.site)
 
     def scaled(self, widths: np.ndarray | float) -> Self:
         """Each column so many times, (K,)."""
-        wide, mm, white = np.broadcast_to(widths, self.seen.shape), self.make_mm, self.make_white
+        wide, mm = np.broadcast_to(widths, self.seen.shape), self.make_mm
+        ends = np.cumsum([len(own) for _, own in self.parts])[:-1]
+        pairs = zip(self.parts, np.split(wide, ends), strict=True)
         return type(self)(
             lambda: mm() * wide,
-            lambda: (wide[:, None] * white().T).T,
+            tuple((white, before * own) for (white, before), own in pairs),
             lambda: self.gram * wide * wide[:, None],
             self.cross * wide,
             self.seen * wide,
+            self.site,
         )
 
     def beside(self, other: Self) -> Self:
@@ -94,35 +126,37 @@ class Columns:
             return self if len(self) else other
 
         def gram() -> np.ndarray:
-            shared = self.white.T @ other.white
+            shared = self.dot_with(other)
             return np.block([[self.gram, shared], [shared.T, other.gram]])
 
         return type(self)(
             _side_by_side([self.make_mm, other.make_mm]),
-            _side_by_side([self.make_white, other.make_white]),
+            (*self.parts, *other.parts),
             gram,
             np.concatenate([self.cross, other.cross], axis=1),
             np.concatenate([self.seen, other.seen]),
+            self.site,
         )
 
     def split(self, parts_mm: Sequence[np.ndarray]) -> list[Self]:
         """Those that make up parts (n, k) mm, which do not hold the memory of the others."""
         ends = np.cumsum([0, *(part.shape[1] for part in parts_mm)]).tolist()
-        found = []
+        found, whole = [], self.white
         for own, (low, high) in zip(parts_mm, itertools.pairwise(ends), strict=True):
-            white, cross = self.white[:, low:high].copy("F"), self.cross[:, low:high].copy()
-            found.append(self.of(_ready(own), white, cross, self.seen[low:high]))
+            white, cross = whole[:, low:high].copy("F"), self.cross[:, low:high].copy()
+            found.append(self.of(_ready(own), white, cross, self.seen[low:high], self.site))
         return found
 
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:
-        """Side by side; at least one part."""
+        """Side by side in memory; at least one part."""
         if len(parts) == 1:
             return parts[0]
         mm = _side_by_side([part.make_mm for part in parts])
-        white = _side_by_side([part.make_white for part in parts])()
+        white = np.concatenate([part.white.T for part in parts]).T
         cross = np.concatenate([part.cross for part in parts], axis=1)
-        return cls.of(mm, white, cross, np.concatenate([part.seen for part in parts]))
+        seen = np.concatenate([part.seen for part in parts])
+        return cls.of(mm, white, cross, seen, parts[0].site)
 
 
 def _side_by_side(parts: Sequence[Callable[[], np.ndarray]]) -> Callable[[], np.ndarray]:

@@ -64,11 +64,14 @@ def members_of(survey: Survey) -> Members:
         "field": unit * _field(survey),
         "bend": unit * _bend(survey),
     }
+    device = _device(survey)
+    if survey.sites is not None:
+        device = device[survey.sites.first]
     fixed = condensed(
-        np.hstack([survey.factors, _device(survey)]), survey.u_mm, least=_LEAST_VARIANCE
+        np.hstack([survey.factors_at_sites, device]), survey.u_at_sites_mm, least=_LEAST_VARIANCE
     )
     kept = {name: c for name, c in found.items() if c.shape[1]}
-    return Members(fixed, tuple(kept), tuple(kept.values()))
+    return Members(survey.at_readings(fixed), tuple(kept), tuple(kept.values()))
 
 
 def _offsets(survey: Survey) -> dict[str, np.ndarray]:

@@ -82,7 +82,7 @@ class Effects:
 
     def on(self, base: Base) -> Effects:
         """The same over another base of the survey."""
-        return Effects(base.columns(self.columns.mm), self.log_prior)
+        return Effects(base.columns(self.columns.make_mm()), self.log_prior)
 
 
 class Bordered:
@@ -227,7 +227,7 @@ class Posterior:
 
     def taken(self, columns: Columns) -> np.ndarray:
         """What members and effects take of K columns, by the root, (k, K)."""
-        return self._taken(columns.cross, self.effects.columns.white.T @ columns.white)
+        return self._taken(columns.cross, self.effects.columns.dot_with(columns))
 
     def _taken(self, cross: np.ndarray, with_effects: np.ndarray) -> np.ndarray:
         """The same from products with the members' and the effects' columns, (q, K), (e, K)."""
@@ -262,12 +262,13 @@ class Posterior:
     def whiten(self, columns_mm: np.ndarray) -> np.ndarray:
         """Columns in plain unit noise, members and effects counted as noise; (n,), (n, k) or more.
 
-        What the nuisance can explain is taken out. Only products of such columns have a meaning.
+        What the nuisance can explain is taken out. Only products of such columns have a meaning;
+        where readings were pooled, they have as many rows as coordinates.
         """
         white = self.base.white(columns_mm.reshape(len(columns_mm), -1))
-        members, root, own = self.members, self.bordered, self.effects.columns.white
+        members, root, own = self.members, self.bordered, self.effects.columns
         taken = members.taken(thin_product(self.base.z.T, white))
-        of_effects = own.T @ white / self.sizes.factor - root.border.T @ taken
+        of_effects = own.dot(white) / self.sizes.factor - root.border.T @ taken
         of_effects = solved(root.own, of_effects)
         of_effects = solved(raised(root.own), of_effects, transposed=True)
         taken -= root.border @ of_effects
@@ -275,12 +276,17 @@ class Posterior:
         taken = solved(members.raised_root, taken, transposed=True)
         amount[members.here] = members.scale[:, None] * taken
         white -= thin_product(self.base.z, amount)
-        white -= own @ of_effects / self.sizes.factor
+        white -= own.summed(of_effects) / self.sizes.factor
         white /= self.sizes.factor
-        return white.reshape(columns_mm.shape)
+        return white.reshape(len(white), *columns_mm.shape[1:])
 
     @property
     def left(self) -> np.ndarray:
         """What members and effects leave of the white readings, (n,), in units of the factor."""
-        taken = self.base.z @ self.amounts + self.effects.columns.white @ self.mean[1]
+        return self.base.spread(self.rest)
+
+    @property
+    def rest(self) -> np.ndarray:
+        """The same by the rows of the base, (r,)."""
+        taken = self.base.z @ self.amounts + self.effects.columns.summed(self.mean[1])
         return (self.base.y - taken) / self.sizes.factor

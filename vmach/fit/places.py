@@ -8,7 +8,7 @@ Source: derived here: a signature is the sum of the changes up to it, and produc
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,7 +16,6 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from vmach.effects import Effect
-from vmach.fit.feature_noise import FeatureNoise
 
 if TYPE_CHECKING:
     from vmach.fit.base import Base
@@ -60,7 +59,8 @@ class Places:
 
     Parameters
     ----------
-    noise : FeatureNoise
+    back : callable
+        White columns (n, e) by the transpose of the map that makes signatures white.
     steps : sequence of Step
         To the first place and on from each to the next.
     which : (G,) int
@@ -73,8 +73,13 @@ class Places:
     gram : (U, K, K) float64
     """
 
-    def __init__(self, noise: FeatureNoise, steps: Sequence[Step], which: np.ndarray) -> None:
-        self._noise, self.which = noise, which
+    def __init__(
+        self,
+        back: Callable[[np.ndarray], np.ndarray],
+        steps: Sequence[Step],
+        which: np.ndarray,
+    ) -> None:
+        self._back, self.which = back, which
         self.gram = np.stack([step.gram for step in steps])
         self._changes = csr_array(vstack([step.change_mm for step in steps]))
         self.cross = self._summed(np.concatenate([step.cross for step in steps])).T
@@ -82,7 +87,7 @@ class Places:
 
     def with_columns(self, white: np.ndarray) -> np.ndarray:
         """Products with white columns (n, e), which nuisance cannot explain, (e, U K)."""
-        return self._summed(self._changes @ self._noise.back(white)).T
+        return self._summed(self._changes @ self._back(white)).T
 
     def _summed(self, of_changes: np.ndarray) -> np.ndarray:
         """Products of places (U K, m) from those of changes."""
@@ -94,9 +99,7 @@ def steps_along(
     base: Base, effect: Effect, target: str, pairs: Sequence[tuple[Inner | None, Inner]]
 ) -> list[Step]:
     """Steps from inner parameters to others; from nothing where there are none before."""
-    noise = base.noise
-    assert isinstance(noise, FeatureNoise)
-    members, readings = (noise.back(c) if pairs else c for c in (base.z, base.y[:, None]))
+    members, readings = (base.back(c) if pairs else c for c in (base.z, base.y[:, None]))
     many = max(_AT_ONCE // len(base.y), 1)
     found = []
     here: tuple[Inner | None, np.ndarray | float] = None, 0.0
@@ -104,9 +107,9 @@ def steps_along(
         changes, signatures = [], []
         for before, after in pairs[k : k + many]:
             if before != here[0]:
-                here = before, base.survey.signature(effect, target, dict(before or ()))
-            columns = base.survey.signature(effect, target, dict(after))
-            changes.append(csr_array((columns - here[1]).T))
+                here = before, base.survey.signature_at_sites(effect, target, dict(before or ()))
+            columns = base.survey.signature_at_sites(effect, target, dict(after))
+            changes.append(csr_array(base.rows_of(columns - here[1]).T))
             signatures.append(columns.T)
             here = after, columns
         rows = base.white(np.concatenate(signatures).T).T

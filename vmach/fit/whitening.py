@@ -41,7 +41,9 @@ def condensed(columns: np.ndarray, u: np.ndarray, *, least: float) -> np.ndarray
         What adds less than this share of u² to any direction is left out.
     """
     scaled = columns / u[:, None]
-    squared, vectors = np.linalg.eigh(scaled.T @ scaled)
+    gram = scaled.T @ scaled
+    del scaled  # columns may be many
+    squared, vectors = np.linalg.eigh(gram)
     return columns @ vectors[:, squared > least]
 
 

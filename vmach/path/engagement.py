@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 
 from gcode import MoveKind
+from vmach.base.alike_rows import alike_rows
 from vmach.path.geometry import move_length_mm, position_at
 from vmach.path.toolpath import PathStates
 
@@ -78,6 +79,11 @@ def radial_depth_mm(states: PathStates, normal: np.ndarray, radii_mm: np.ndarray
     radii_mm : (T,) float64
         Of tool number k at index k; NaN where there is no such tool.
     """
+    first, of = alike_rows([states.move, states.parameter, states.contact_mm, normal])
+    return _depth_of_each(states[first], normal[first], radii_mm)[of]
+
+
+def _depth_of_each(states: PathStates, normal: np.ndarray, radii_mm: np.ndarray) -> np.ndarray:
     flat = np.hypot(normal[:, 0], normal[:, 1])
     sideways = flat > _VERTICAL
     direction = normal[:, :2] / np.where(sideways, flat, 1.0)[:, None]

@@ -61,8 +61,8 @@ class PlainProgram:
         self.program, self.modes, self.moves, self.own = program, modes, program.moves, own
         self.control, self.text = control, program.language.text(program.source)
         self.angle = rotation_of_moves(program)
-        source = program.source
-        self.axis_words = axis_words(source.data, source.line_starts, self.moves.line)
+        source, form = program.source, self.text.own_word_form
+        self.axis_words = axis_words(source.data, source.line_starts, self.moves.line, form)
         self.programmed, self.unknown_start = programmed_axes(program, modes, self.text,
                                                               self.axis_words)  # fmt: skip
         self.end_mm = program.record.path().point_mm

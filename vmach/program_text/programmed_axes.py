@@ -64,7 +64,7 @@ def _said(
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Axes that the line of every move says, and those that it leaves anywhere, (N, 3) bool."""
     said, left = words.start[:, :3] >= 0, np.zeros((len(line), 3), bool)
-    plain = words.is_plain & (type(text) is BlockText) & ~np.isin(line, modes.left_lines())
+    plain = words.is_plain & ~np.isin(line, modes.left_lines())
     said[~plain] = False
     for move in np.flatnonzero(moving & ~plain).tolist():
         number = int(line[move])

@@ -41,6 +41,7 @@ class KlartextLane(TranslatedLane):
     """
 
     reader: KlartextReader
+    tells_lines = True
 
     def __init__(self, reader: KlartextReader, data: bytes, starts: np.ndarray) -> None:
         super().__init__(reader, data, starts)

@@ -21,6 +21,7 @@ _START = r"^[ \t]*(?:N?\d+[ \t]+)?"  # block number
 class SinumerikText(BlockText):
     """Sinumerik: ``X=1.5``, ``CR=`` for the radius, ``TURN=`` for further turns."""
 
+    word_form = "equal signs"
     plain = SinumerikBlocks
     _TOKEN = re.compile(r"(CR|TURN|[A-Z])[ \t]*(=?)[ \t]*([+-]?(?:\d+\.?\d*|\.\d+))", re.IGNORECASE)
 

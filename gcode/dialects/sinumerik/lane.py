@@ -23,9 +23,11 @@ class SinumerikLane(TranslatedLane):
 
     reader: SinumerikReader
 
+    tells_lines = True
+
     def code_table(self) -> CodeTable:
-        """Codes that are obeyed here."""
-        return sinumerik_codes()
+        """Codes that are obeyed here; lines of one `PlainLines` share G90 or G91."""
+        return sinumerik_codes(with_modes=self.controller.trace is None)
 
     @property
     def is_here(self) -> bool:

@@ -40,6 +40,11 @@ _SENSES = {2: "-", 3: "+", 12: "-", 13: "+"}
 _PATHS = {0, 1, 2, 3, 5, 6, 7, 10, 11, 12, 13, 15}
 _ARCS = {2, 3, 5}
 _MODES = {17, 40, 41, 42, 90, 91}
+_KNOWN = _MODES | _PATHS | {70, 71, 29, 79}
+#: letters that stand beside every path function
+_USUAL = frozenset("XYZABCIJFSM")
+#: letter of DIN/ISO -> Klartext
+_AXES, _POLAR_WORDS = {k: k for k in "XYZABC"}, {"R": "PR", "H": "PA"}
 
 
 @dataclass
@@ -120,13 +125,15 @@ class _Blocks:
 
     def _words(self, body: str) -> list[str]:
         codes, words, position = [], [], 0
-        own = "".join(f" {found}" for found in _M_WITH_WORDS.findall(body))
-        body = _M_WITH_WORDS.sub(" ", body)
+        own = ""
+        if "M" in body:
+            own = "".join(f" {found}" for found in _M_WITH_WORDS.findall(body))
+            body = _M_WITH_WORDS.sub(" ", body)
         for match in _WORD.finditer(body):
             if body[position : match.start()].strip():
                 break
             position = match.end()
-            value = re.sub(r"\s", "", match[2])
+            value = "".join(match[2].split())
             if match[1] == "G":
                 if not value.isdigit():
                     raise ProgramError(f"G{value} is no G code", accepted="G with a whole number")
@@ -143,7 +150,7 @@ class _Blocks:
         special = self._special(codes, said)
         if special is not None:
             return special
-        unknown = [c for c in codes if c not in _MODES | _PATHS | {70, 71, 29, 79}]
+        unknown = [c for c in codes if c not in _KNOWN]
         if unknown:
             raise ProgramError(
                 f"G{unknown[0]:02d} of a TNC program in DIN/ISO is not read",
@@ -165,7 +172,7 @@ class _Blocks:
     def _refuse_foreign(self, said: dict[str, str]) -> None:
         """Refuse words that say nothing beside the path function."""
         of_path = "RH" if self.path in _POLAR else "R" if self.path in _ARCS else ""
-        for letter in sorted(said.keys() - set("XYZABCIJFSM" + of_path)):
+        for letter in sorted(said.keys() - _USUAL.union(of_path)):
             raise ProgramError(
                 f"word {letter} beside G{self.path:02d} is not read", hint="remove it"
             )
@@ -196,9 +203,9 @@ class _Blocks:
     def _motion(self, codes: list[int], said: dict[str, str], codes_m: str) -> list[str]:
         sides = "".join(f" {_SIDES[c]}" for c in codes if c in _SIDES)
         polar = self.path in _POLAR
-        places = self._places(said, {k: k for k in "XYZABC"})
+        places = self._places(said, _AXES)
         if polar:
-            places += self._places(said, {"R": "PR", "H": "PA"})
+            places += self._places(said, _POLAR_WORDS)
         if not places and not (self.path in (2, 3, 12, 13) and set(codes) & _PATHS):
             rest = f" F{said['F']}" if "F" in said else ""
             more = [f"TOOL CALL S{said['S']}"] if "S" in said else []

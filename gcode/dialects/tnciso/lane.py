@@ -18,6 +18,8 @@ __all__ = ["TncIsoLane"]
 class TncIsoLane(KlartextLane):
     """Compiled reading of one program."""
 
+    tells_lines = False  # blocks are those of Klartext, whose lines are others
+
     def __init__(self, reader: TncIsoReader) -> None:
         # upper case may leave Latin-1; compiled code takes no line with such a letter
         texts = [text.encode("latin-1", "replace") + b"\n" for text in reader.lines]

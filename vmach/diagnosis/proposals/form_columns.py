@@ -55,6 +55,7 @@ class FormColumns:
 
     def __init__(self, survey: Survey) -> None:
         self._survey = survey
+        self._looked_at: set[bytes] = set()
         self._states = _states(survey)
         self._spots = Spots(survey)
         places = np.concatenate([p.on_part_mm for p in survey.paths])
@@ -103,6 +104,10 @@ class FormColumns:
         rest_mm : (n,) float64
             What no discrepancy takes of that: waves are not.
         """
+        asked = left_mm.tobytes() + rest_mm.tobytes()
+        if asked in self._looked_at:  # what shows is on the list
+            return
+        self._looked_at.add(asked)
         known = set(self.forms)
         tools = [(s, value[:, 0]) for s, value in self._states.items() if s.kind == "tool"]
         found = [

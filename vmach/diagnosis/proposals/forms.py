@@ -70,12 +70,31 @@ class Forms:
 
         Several effects together may imitate one cause: forms alone compete with them.
         """
-        plain = self._with(())
-        beside = self._grown(plain.explain(found.terms, found.posterior.sizes, refine=False))
+        start = self._explained(found)
+        if len(found.terms) >= _SEVERAL or self._is_worth_a_form(start):
+            start = self._by_reading(start, found)
+        beside = self._grown(start)
         if len(found.terms) < _SEVERAL:
             return beside
-        alone = self._alone(plain.nothing(), beside.score - _BROUGHT)
+        alone = self._alone(self._with(()).nothing(), beside.score - _BROUGHT)
         return alone if alone.score > beside.score + CLEARLY else beside
+
+    def _explained(self, here: Explanation) -> Explanation:
+        """The effects of an explanation over these readings."""
+        return self._with(()).explain(here.terms, here.posterior.sizes, refine=False)
+
+    def _by_reading(self, start: Explanation, found: Explanation) -> Explanation:
+        """An explanation over single readings: forms may differ among those of one site."""
+        weighing = self._weighing.by_reading()
+        if weighing is self._weighing:
+            return start
+        self._weighing, self._screen = weighing, _Screen(weighing)
+        return self._explained(found)
+
+    def _is_worth_a_form(self, here: Explanation) -> bool:
+        """Whether as much remains; a factor on the stated uncertainty may stand for a form."""
+        rest = remains_um(self._weighing, here, noise=1.0)
+        return rest >= WORTH_A_FORM * usual_u_um(self._weighing)
 
     def _alone(self, nothing: Explanation, least: float) -> Explanation:
         """Forms alone, where one makes all so probable beside members as they are, or little."""
@@ -93,9 +112,7 @@ class Forms:
 
     def _grown(self, here: Explanation) -> Explanation:
         for k in range(_MOST):
-            # a factor on the stated uncertainty may stand for a form
-            rest = remains_um(self._weighing, here, noise=1.0)
-            if rest < WORTH_A_FORM * usual_u_um(self._weighing):
+            if not self._is_worth_a_form(here):
                 break
             if k == 0 and here.terms:
                 # effects may have taken a part of what one form is
@@ -127,6 +144,7 @@ class Forms:
         grown : Explanation
             With forms.
         """
+        alone = self._by_reading(alone, alone)
         self._columns.add_conspicuous(*self._left_mm(alone))
         first = [self._chosen[t.label] for t in grown.terms if t.label in self._chosen]
         forms = dict.fromkeys([*first, *self._leading(_two_views(alone))])
@@ -269,7 +287,9 @@ class _Screen:
             )
             of_rows = {name: getattr(noise, name)[rows] for name in ("u_mm", "group", "weight")}
             self.rows = rows
-            self.base = Base(_kept(weighing.survey, kept), replace(noise, **of_rows), members)
+            screened = _kept(weighing.survey, kept)
+            noise = replace(noise, **of_rows)
+            self.base = Base(screened, noise, members, by_reading=True)
 
     def posterior(self, sizes: Sizes, effects: Effects) -> Posterior:
         """Members at given sizes, and effects, as these readings have them."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.optimize import minimize
@@ -125,18 +126,35 @@ class _Power:
     sensed: np.ndarray
     reading: np.ndarray
 
+    @cached_property
+    def _across(self) -> np.ndarray:
+        """The places, each coordinate together, (2, n) mm."""
+        return np.ascontiguousarray(self.place_mm.T)
+
+    @cached_property
+    def _seen(self) -> np.ndarray:
+        """Products of every sensed displacement with the readings, (n, D)."""
+        return self.sensed * self.reading[:, None]
+
+    @cached_property
+    def _products(self) -> np.ndarray:
+        """With each other, (n, D D)."""
+        products = self.sensed[:, :, None] * self.sensed[:, None, :]
+        return products.reshape(len(products), -1)
+
     def of(self, value: np.ndarray) -> np.ndarray:
         """Of trials whose heights at the readings are (T, n)."""
-        seen = value @ (self.sensed * self.reading[:, None])
-        products = self.sensed[:, :, None] * self.sensed[:, None, :]
-        return matched_power(seen, np.tensordot(value**2, products, 1))
+        wide = self.sensed.shape[1]
+        gram = value**2 @ self._products
+        return matched_power(value @ self._seen, gram.reshape(-1, wide, wide))
 
     def best_near(self, centre: np.ndarray, width: float) -> tuple[np.ndarray, float]:
         """Centre and standard deviation of the most power near some on the raster, mm."""
 
         def cost(step: np.ndarray) -> float:
             own = width * 2.0 ** float(np.clip(step[2], -1.0, 1.0))
-            away = np.square(self.place_mm - centre - width * step[:2]).sum(axis=1)
+            x, y = self._across - (centre + width * step[:2])[:, None]
+            away = x * x + y * y
             return -float(self.of(np.exp(-0.5 * away / own**2)[None])[0])
 
         simplex = np.vstack([np.zeros(3), 0.5 * np.eye(3)])

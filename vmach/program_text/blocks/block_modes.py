@@ -55,6 +55,8 @@ def block_modes(program: Program) -> LineModes:
         if isinstance(step, PlainLines):
             here = slice(*np.searchsorted(lines, [step.first, step.last + 1]))
             modes.put(here, _modes(step.modes, set()))
+            if not program.language.is_rs274:
+                refused |= _not_written(program, lines[here].tolist())
             continue
         line = step.line
         place = np.searchsorted(lines, line)
@@ -66,7 +68,7 @@ def block_modes(program: Program) -> LineModes:
         if step.modes.motion == _RIGID_TAP and found.incremental:
             refused.setdefault(line, "tapping by G33.1 in G91")
         if not found.left:
-            refused |= _not_written(program, step)
+            refused |= _not_writable(program, step)
         modes.put(place, found)
     for line in moving[1:][np.diff(moving) < 0].tolist():
         refused.setdefault(line, "motion out of the order of the lines")
@@ -74,7 +76,7 @@ def block_modes(program: Program) -> LineModes:
     return modes
 
 
-def _not_written(program: Program, step: Step) -> dict[int, str]:
+def _not_writable(program: Program, step: Step) -> dict[int, str]:
     """Why a line of a dialect that is not written out cannot get another end."""
     language = program.language
     if step.unwritable:
@@ -83,10 +85,16 @@ def _not_written(program: Program, step: Step) -> dict[int, str]:
         return {}
     if step.modes.side or step.before.side:
         return {step.line: "cutter compensation"}
-    text = program.source.line(step.line)
-    if language.unwritable is not None and language.unwritable.search(text):
-        return {step.line: "a parameter, polar coordinates or a tangential arc"}
-    return {}
+    return _not_written(program, [step.line])
+
+
+def _not_written(program: Program, lines: list[int]) -> dict[int, str]:
+    """Lines whose words a dialect that is not written out cannot write anew, and why."""
+    pattern, text = program.language.unwritable, program.source.line
+    if pattern is None:
+        return {}
+    found = [line for line in lines if pattern.search(text(line))]
+    return dict.fromkeys(found, "a parameter, polar coordinates or a tangential arc")
 
 
 def _modes(modes: Modes, codes: set[str]) -> BlockModes:

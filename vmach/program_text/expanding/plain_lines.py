@@ -3,9 +3,12 @@ blocks, written out as plain lines and arcs."""
 
 from __future__ import annotations
 
+from bisect import bisect_right
+from dataclasses import replace
+
 import numpy as np
 
-from gcode import MoveKind, PlainArc, PlainBlocks, Program, Step
+from gcode import MoveKind, PlainArc, PlainBlocks, PlainLines, Program, Step
 from vmach.program_text.expanding.expanded_text import Expanded, LineBuilder
 from vmach.program_text.frame_shift import rotation_of_moves, turned_about_z
 
@@ -36,6 +39,43 @@ def plain_lines(program: Program) -> Expanded | None:
     return writer.lines.result() if writer.lines.reasons else None
 
 
+class _Steps:
+    """Steps by line, where those of plain motion are made when they are asked for.
+
+    Parameters
+    ----------
+    program : Program
+    """
+
+    def __init__(self, program: Program) -> None:
+        self.text = program.language.text(program.source)
+        outline = program.outline
+        self.single = {step.line: step for step in outline if isinstance(step, Step)}
+        self.plain = [part for part in outline if isinstance(part, PlainLines)]
+        self.first = [part.first for part in self.plain]
+
+    def stretch(self, line: int) -> PlainLines | None:
+        """The lines of plain motion to which a line belongs."""
+        place = bisect_right(self.first, line) - 1
+        is_plain = place >= 0 and line <= self.plain[place].last and line not in self.single
+        return self.plain[place] if is_plain else None
+
+    def get(self, line: int) -> Step | None:
+        """The step of a line, without words where it is plain; None where it is not obeyed."""
+        part = self.stretch(line)
+        if part is None:
+            return self.single.get(line)
+        return Step(line, part.before, blocks=1, modes=part.modes)
+
+    def with_words(self, line: int) -> Step | None:
+        """The same with the words X Y Z of a plain line."""
+        step = self.get(line)
+        if step is None or line in self.single:
+            return step
+        words = {w.letter: w.value for w in self.text.words(line) if w.letter in ("X", "Y", "Z")}
+        return replace(step, words=words)
+
+
 class _Writer:
     """Writes line after line."""
 
@@ -46,7 +86,8 @@ class _Writer:
         self.order = np.argsort(self.moves.line, kind="stable")
         self.angle = rotation_of_moves(program)
         self.seconds = {int(row): seconds for row, seconds in program.record.dwells.tolist()}
-        self.steps = {step.line: step for step in program.steps}
+        self.steps = _Steps(program)
+        self.looked_at = 0  #: up to this line, every line is looked at alone
         #: feed, circle centre and kind of motion in force are the user's
         self.own_feed = self.own_pole = self.own_motion = True
 
@@ -54,6 +95,11 @@ class _Writer:
         """All lines."""
         line, count = 1, len(self.program.source)
         while line <= count:
+            untouched = self._untouched(line)
+            if untouched:
+                self.lines.keep(line, untouched)
+                line = untouched + 1
+                continue
             last = self.blocks.last_line(line)
             why = self._why(line)
             written = None if why is None else self._written(line)
@@ -71,6 +117,20 @@ class _Writer:
                 self.own_motion &= not written
                 self.own_pole &= not any(block.startswith("CC") for block in written)
             line = last + 1
+
+    def _untouched(self, line: int) -> int:
+        """Last of the lines of plain motion from this one on, if all of them stay; 0 if not."""
+        part = self.steps.stretch(line)
+        if part is None or line <= self.looked_at or not (
+            self.own_feed and self.own_pole and self.own_motion
+        ):  # fmt: skip
+            return 0
+        source, pattern = self.program.source, self.program.language.unwritable
+        text = source.data[source.line_starts[line - 1] : source.line_starts[part.last]]
+        if pattern is None or not pattern.search(text.decode("latin-1")):
+            return part.last
+        self.looked_at = part.last
+        return 0
 
     def _rows(self, line: int) -> np.ndarray:
         return self.order[
@@ -102,7 +162,7 @@ class _Writer:
 
     def _written(self, line: int) -> list[str] | None:
         """Plain blocks of a line; None where plain ones cannot replace it."""
-        step, found = self.steps.get(line), []
+        step, found = self.steps.with_words(line), []
         if self.blocks.is_in_machine_coordinates(line):
             return None
         for row in self._rows(line).tolist():

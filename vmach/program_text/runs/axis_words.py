@@ -17,7 +17,9 @@ _POWERS = 10.0 ** np.arange(16)
 _DIGITS = 15  #: whole numbers of so many digits are exact, and so are these powers of ten
 _COLUMN = np.full(26, -1)
 _COLUMN[[ord(letter) - ord("A") for letter in LETTERS]] = np.arange(len(LETTERS))
-_G, _P, _A = ord("G"), ord("P"), ord("A")
+_A, _C, _F, _G, _L, _M, _P, _R, _X = (ord(letter) for letter in "ACFGLMPRX")
+_MAX, _AUTO = (np.frombuffer(word, np.uint8) for word in (b"MAX", b"AUTO"))
+_FORMS = ("letters", "equal signs", "klartext")
 
 
 class AxisWords(NamedTuple):
@@ -55,7 +57,9 @@ class AxisWords(NamedTuple):
     behind: np.ndarray
 
 
-def axis_words(data: bytes, line_starts: np.ndarray, line: np.ndarray) -> AxisWords:
+def axis_words(
+    data: bytes, line_starts: np.ndarray, line: np.ndarray, form: str = "letters"
+) -> AxisWords:
     """Words of lines.
 
     Parameters
@@ -66,6 +70,8 @@ def axis_words(data: bytes, line_starts: np.ndarray, line: np.ndarray) -> AxisWo
         Offsets of its lines.
     line : (M,) int64
         1-based lines.
+    form : str
+        As `gcode.BlockText.word_form`; no line is plain in a form that is not known.
     """
     count, shape = len(line), (len(line), len(LETTERS))
     flags = [np.zeros(shape, bool) for _ in range(4)]
@@ -74,18 +80,127 @@ def axis_words(data: bytes, line_starts: np.ndarray, line: np.ndarray) -> AxisWo
                       np.zeros((count, 3)), np.zeros(shape, np.int8), *flags,
                       np.full(count, -1), np.zeros(count, np.int64))  # fmt: skip
     text = np.frombuffer(data + b"\n", np.uint8)
-    _read_lines(text, line_starts[line - 1], line_starts[line], found)
+    if form in _FORMS:
+        _read_lines(text, line_starts[line - 1], line_starts[line], _FORMS.index(form), found)
     return found
 
 
 @njit(cache=True)
-def _read_lines(data, first, last, found):  # pragma: no cover - compiled
+def _read_lines(data, first, last, form, found):  # pragma: no cover - compiled
     for k in range(len(first)):
-        found.is_plain[k] = _read_line(data, first[k], last[k], k, found)
+        if form == 2:
+            found.is_plain[k] = _read_klartext(data, first[k], last[k], k, found)
+        else:
+            found.is_plain[k] = _read_line(data, first[k], last[k], k, found, form == 1)
 
 
 @njit(cache=True)
-def _read_line(data, at, last, k, found):  # pragma: no cover - compiled
+def _number(data, at):  # pragma: no cover - compiled
+    """A number that begins there: value, decimals, where it ends; -1 where there is none."""
+    sign = data[at]
+    if sign in (43, 45):
+        at += 1
+    mantissa, digits, decimals = 0, 0, -1
+    while True:
+        digit = np.int64(data[at]) - 48
+        if 0 <= digit <= 9:
+            mantissa = mantissa * 10 + digit
+            digits += 1
+            decimals += decimals >= 0
+        elif data[at] == 46 and decimals < 0:
+            decimals = 0
+        else:
+            break
+        at += 1
+    if digits == 0 or digits > _DIGITS:
+        return 0.0, 0, -1
+    return mantissa / _POWERS[max(decimals, 0)] * (-1.0 if sign == 45 else 1.0), decimals, at
+
+
+@njit(cache=True)
+def _put(data, begin, number, place, found):  # pragma: no cover - compiled
+    """Note the number of a word of `LETTERS` that begins there; False for a second one."""
+    (value, decimals, at), (k, axis) = number, place
+    if found.start[k, axis] >= 0:
+        return False
+    sign = data[begin]
+    found.start[k, axis] = begin
+    found.stop[k, axis] = at
+    if axis < 3:
+        found.value[k, axis] = value
+    found.fill[k, axis] = max(decimals, 0)
+    found.is_bare[k, axis] = data[begin + (sign in (43, 45))] == 46
+    found.has_plus[k, axis] = sign == 43
+    found.has_minus[k, axis] = sign == 45
+    found.has_zero[k, axis] = data[begin] == 48
+    return True
+
+
+@njit(cache=True)
+def _is_gap(c):  # pragma: no cover - compiled
+    return c in (32, 9, 13, 10)
+
+
+@njit(cache=True)
+def _read_klartext(data, at, last, k, found):  # pragma: no cover - compiled
+    """Find the words of a line L with X Y Z, F, FMAX, FAUTO, R0 and M; tells whether it is one."""
+    while at < last and _is_gap(data[at]):
+        at += 1
+    if 48 <= data[at] <= 57:
+        while 48 <= data[at] <= 57:
+            at += 1
+        if not _is_gap(data[at]):
+            return False
+        while at < last and _is_gap(data[at]):
+            at += 1
+    if at >= last or data[at] & 223 != _L or not _is_gap(data[at + 1]):
+        return False
+    at += 1
+    found.behind[k] = at
+    while at < last:
+        c = data[at]
+        if _is_gap(c):
+            at += 1
+            continue
+        if c == 59:  # ;
+            return True
+        letter = c & 223
+        begin = at + 1
+        if letter == _F:
+            at = _feed_end(data, begin)
+        elif letter == _R:
+            at = begin + 1 if data[begin] == 48 and _is_gap(data[begin + 1]) else -1
+        elif letter == _M:
+            value, decimals, at = _number(data, begin)
+            at = at if decimals < 0 and 0.0 <= value < 100.0 else -1
+        else:
+            value, decimals, at = _number(data, begin)
+            axis = np.int64(letter) - _X
+            if at < 0 or not 0 <= axis <= 2:
+                return False
+            if not _put(data, begin, (value, decimals, at), (k, axis), found):
+                return False
+            found.behind[k] = at
+        if at < 0 or not (_is_gap(data[at]) or data[at] == 59):
+            return False
+    return True
+
+
+@njit(cache=True)
+def _feed_end(data, at):  # pragma: no cover - compiled
+    """Where F with a number, MAX or AUTO ends, -1 where it is none of them."""
+    while data[at] == 32:
+        at += 1
+    size = 3 if data[at] & 223 == _M else 4
+    word = _MAX if size == 3 else _AUTO
+    for offset in range(size):
+        if data[at + offset] & 223 != word[offset]:
+            return _number(data, at)[2]
+    return at + size
+
+
+@njit(cache=True)
+def _read_line(data, at, last, k, found, has_equals):  # pragma: no cover - compiled
     """Find the words of one line; tells whether it is plain."""
     has_place = False
     while at < last:
@@ -106,28 +221,19 @@ def _read_line(data, at, last, k, found):  # pragma: no cover - compiled
             continue
         letter = c & 223
         at += 1
+        is_radius = has_equals and letter == _C and data[at] & 223 == _R
+        if is_radius:
+            letter = _R
+            at += 1
+        is_equal = has_equals and data[at] == 61
+        if is_equal:
+            at += 1
+        if has_equals and letter in (_R, _G) and is_equal != is_radius:
+            return False
         begin = at
-        sign = data[at]
-        if sign in (43, 45):
-            at += 1
-        body = at
-        mantissa, digits, decimals = 0, 0, -1
-        while True:
-            digit = np.int64(data[at]) - 48
-            if 0 <= digit <= 9:
-                mantissa = mantissa * 10 + digit
-                digits += 1
-                decimals += decimals >= 0
-            elif data[at] == 46 and decimals < 0:
-                decimals = 0
-            else:
-                break
-            at += 1
-        if not _A <= letter <= _A + 25 or digits == 0 or digits > _DIGITS:
+        value, decimals, at = _number(data, at)
+        if not _A <= letter <= _A + 25 or at < 0 or letter == _P:
             return False
-        if letter == _P:
-            return False
-        value = mantissa / _POWERS[max(decimals, 0)] * (-1.0 if sign == 45 else 1.0)
         is_motion = letter == _G and 0.0 <= value <= 3.0 and value == np.floor(value)
         if is_motion and found.motion[k] < 0:
             found.motion[k] = np.int64(value)
@@ -135,16 +241,6 @@ def _read_line(data, at, last, k, found):  # pragma: no cover - compiled
         if axis >= 0 or letter == _G or not has_place:
             found.behind[k] = at
             has_place |= axis >= 0 or letter == _G
-        if axis >= 0:
-            if found.start[k, axis] >= 0:
-                return False
-            found.start[k, axis] = begin
-            found.stop[k, axis] = at
-            if axis < 3:
-                found.value[k, axis] = value
-            found.fill[k, axis] = max(decimals, 0)
-            found.is_bare[k, axis] = data[body] == 46
-            found.has_plus[k, axis] = sign == 43
-            found.has_minus[k, axis] = sign == 45
-            found.has_zero[k, axis] = data[begin] == 48
+        if axis >= 0 and not _put(data, begin, (value, decimals, at), (k, axis), found):
+            return False
     return True

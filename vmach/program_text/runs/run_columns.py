@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcode import BlockText, LineEdit, MoveKind
+from gcode import MoveKind
 from vmach.program_text.block_state import BlockState
 from vmach.program_text.blocks.block_modes import PLANE_AXES
 from vmach.program_text.plain_program import PlainProgram
@@ -31,6 +31,8 @@ class RunColumns:
     def __init__(self, plain: PlainProgram) -> None:
         self.plain = plain
         self.words = plain.axis_words
+        if plain.text.own_word_form == "klartext":  # L says G0 and G1, as the feed behind it is
+            self.words = self.words._replace(motion=plain.code)
         self.unit_mm = self._mode("unit_mm", 1.0)
         self.code = plain.code
         plane = self._mode("plane", 1)
@@ -45,7 +47,8 @@ class RunColumns:
 
     def _plain_moves(self) -> np.ndarray:
         plain, language = self.plain, self.plain.program.language
-        if type(plain.text) is not BlockText or language.edit is not LineEdit or plain.sets_zeros:
+        is_usual = plain.text.own_word_form in vars(language.edit).get("word_forms", ())
+        if not is_usual or plain.sets_zeros:
             return np.zeros(len(plain.moves), bool)
         said = self.words.motion
         found = self.words.is_plain & self._has_arc_words() & (plain.angle == 0.0)
