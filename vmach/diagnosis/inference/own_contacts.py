@@ -18,8 +18,8 @@ from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.effects import Effect, EffectInstance
 from vmach.fit.base import Base
 from vmach.fit.candidates import Candidate, candidate_of, gather_candidates
-from vmach.fit.evidence import Evidence
 from vmach.fit.marginal_likelihood import Effects, Posterior
+from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
 
 __all__ = ["beside_one", "over_own_contacts"]
@@ -62,10 +62,10 @@ def beside_one(weighing: Weighing) -> Weighing | None:
     model alone would choose: where it lifts, another pass makes the floor. That effect is taken
     whose own contacts make the readings the most probable; None where none does so clearly.
     """
-    nothing = weighing.nothing()
+    sizes = weighing.nothing().posterior.sizes
     trials = (
-        (_gain(weighing, nothing, k, moved), moved)
-        for k, candidate in enumerate(weighing.candidates)
+        (_gain(weighing, candidate, sizes, moved), moved)
+        for candidate in weighing.candidates
         if candidate.effect.follows_travel and _moves_floors(weighing.survey, candidate)
         for moved in _made_beside_usual(weighing.survey, candidate)
     )
@@ -82,7 +82,8 @@ def _effects_of(weighing: Weighing) -> Sequence[Effect]:
 
 def _moves_floors(survey: Survey, candidate: Candidate) -> bool:
     """Whether an effect of usual size notably moves the tool along its axis, on any floor."""
-    moved = np.abs(candidate.signatures_mm).max(axis=(1, 2), initial=0.0) / survey.u_mm
+    most = np.abs(candidate.at_sites_mm).max(axis=(1, 2), initial=0.0)
+    moved = (most if candidate.site is None else most[candidate.site]) / survey.u_mm
     return bool(np.any(moved[survey.sensing[:, 2] > _FLOOR] > _NOTABLE))
 
 
@@ -100,20 +101,22 @@ def _made_beside_usual(survey: Survey, candidate: Candidate) -> Iterator[Survey]
             yield moved
 
 
-def _gain(weighing: Weighing, nothing: Explanation, k: int, moved: Survey) -> float:
-    """How much more probable other contacts make the readings, with candidate k alone."""
-    candidate, sizes = weighing.candidates[k], nothing.posterior.sizes
+def _gain(weighing: Weighing, candidate: Candidate, sizes: Sizes, moved: Survey) -> float:
+    """How much more probable other contacts make the readings, with a candidate alone."""
     own = candidate_of(moved, candidate.effect, candidate.target)
     if own is None:
         return 0.0
-    base = Base(moved, weighing.base.noise, weighing.members)
-    beside = Posterior(base, sizes, Effects(base.no_columns))
-    there = beside.log_probability + _evidence(Bank(base, [own]).evidence(beside), 0)
-    return there - nothing.score - max(_evidence(weighing.evidence(nothing), k), 0.0)
+    here = weighing.looked_over_on
+    there = Base(moved, here.noise, weighing.members)
+    without, beside = _without_and_with(here, candidate, sizes)
+    return _without_and_with(there, own, sizes)[1] - max(without, beside)
 
 
-def _evidence(evidence: Evidence, k: int) -> float:
-    return float(evidence.log_factor[k, 0])
+def _without_and_with(base: Base, candidate: Candidate, sizes: Sizes) -> tuple[float, float]:
+    """Log probability of readings without a candidate, and with it."""
+    nothing = Posterior(base, sizes, Effects(base.no_columns))
+    evidence = Bank(base, [candidate]).evidence(nothing)
+    return nothing.log_probability, nothing.log_probability + float(evidence.log_factor[0, 0])
 
 
 def _differ(survey: Survey, moved: Survey, acting: Sequence[EffectInstance]) -> bool:

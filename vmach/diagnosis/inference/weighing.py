@@ -140,6 +140,11 @@ class Weighing:
         self._bank = self._bank or Bank(self.base, self.candidates)
         return self._bank
 
+    @property
+    def looked_over_on(self) -> Base:
+        """Where a search looks candidates over: all readings, or means where they are many."""
+        return self._means or self.base
+
     def _empty(self, sizes: Sizes) -> Explanation:
         """The empty set beside members of given sizes."""
         return Explanation(None, Posterior(self.base, sizes, self._none))
