@@ -14,7 +14,8 @@ from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.verdicts import infer
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects import catalogue
-from vmach.fit.base import Base
+from vmach.errors import InputError
+from vmach.fit.base import Base, root_of_precision
 from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.means import Means
@@ -222,3 +223,9 @@ def test_sizes_are_weighed_by_half_a_normal_distribution(weighing, sign):
     density = np.exp(log - log.max())
     share = np.trapezoid(density[amount >= 0.0]) / np.trapezoid(density)
     assert ours == pytest.approx(np.log(2.0 * share), abs=2e-3)
+
+
+def test_sizes_that_rounding_hides_are_told_in_one_message():
+    gram = np.array([[1.0, 1.0 + 1e-9], [1.0 + 1e-9, 1.0]])  # as rounding makes of twins
+    with pytest.raises(InputError, match="out of all proportion to their uncertainty"):
+        root_of_precision(gram, np.full(2, 1e6))

@@ -13,11 +13,11 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import LinAlgError
 from scipy.linalg.blas import dtrmm
 from scipy.linalg.lapack import dpotrf, dpotri, dtrtri, dtrtrs
 
 from vmach.effects import Effect
+from vmach.errors import InputError
 from vmach.fit.columns import Columns
 from vmach.fit.discrepancy import Members
 from vmach.fit.feature_noise import FeatureNoise
@@ -268,8 +268,17 @@ def root_of_precision(gram: np.ndarray, scale: np.ndarray) -> np.ndarray:
     # symmetric: its transpose lies in memory as LAPACK wants it
     root, failed = dpotrf(precision.T, lower=True, overwrite_a=True)
     if failed:
-        raise LinAlgError("the posterior precision has to be positive definite")
+        raise _out_of_proportion()
     return root
+
+
+def _out_of_proportion() -> InputError:
+    """What is said where sizes lie so far apart that rounding hides the smaller ones."""
+    return InputError(
+        "the readings are out of all proportion to their uncertainty: rounding hides what they say",
+        accepted="readings within 0.25 mm of what is predicted, u_um from 0.02 to 100",
+        hint="look at the units of the readings and of u_um",
+    )
 
 
 def solved(root: np.ndarray, right: np.ndarray, *, transposed: bool = False) -> np.ndarray:
@@ -279,7 +288,7 @@ def solved(root: np.ndarray, right: np.ndarray, *, transposed: bool = False) -> 
     # called directly: most right sides are single columns, and a wrapper costs more than they do
     found, failed = dtrtrs(root, right, lower=True, trans=int(transposed), overwrite_b=True)
     if failed:
-        raise LinAlgError("the root of a precision has to be regular")
+        raise _out_of_proportion()
     return found
 
 
@@ -289,7 +298,7 @@ def inverse_of(root: np.ndarray) -> np.ndarray:
         return root
     inverse, failed = dpotri(root, lower=True, overwrite_c=True)
     if failed:
-        raise LinAlgError("the posterior precision has to be regular")
+        raise _out_of_proportion()
     return inverse
 
 
