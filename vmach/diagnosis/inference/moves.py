@@ -27,6 +27,8 @@ _SHARE = 0.25
 #: cosine of what two candidates would take of the readings from which on one of them is tried:
 #: 96 % of the variance; at 90 % a curve hid a play on a part that was looked at
 _SAME = 0.98
+#: decimals of a score; beyond them rounding would choose among tools that cannot be told apart
+_TIE = 5
 #: a move counts where it makes the whole more probable by this much
 _STEP = 0.5
 #: moves at most; a search that goes on has something to report already
@@ -62,7 +64,7 @@ def _best(
     weighing: Weighing, found: Iterator[Explanation], than: Explanation
 ) -> Explanation | None:
     """The most probable of some explanations where it is better; all of them are remembered."""
-    best = max(map(weighing.remembered, found), key=lambda e: e.score, default=None)
+    best = max(map(weighing.remembered, found), key=lambda e: round(e.score, _TIE), default=None)
     return best if best is not None and best.score > than.score + _STEP else None
 
 
@@ -193,7 +195,8 @@ def _possible(child: Explanation) -> Iterator[Explanation]:
 
 def _ranked(weighing: Weighing, gains: np.ndarray, but: AbstractSet[str]) -> list[int]:
     """Candidates, the most probable first."""
-    return [k for k in np.argsort(-gains) if weighing.candidates[k].label not in but]
+    order = np.argsort(-np.round(gains, _TIE), kind="stable")
+    return [k for k in order if weighing.candidates[k].label not in but]
 
 
 def _unlike(
