@@ -20,15 +20,15 @@ from vmach.path.toolpath import PathStates
 from vmach.prediction.displaced_path import ActingEffect, displacement_of
 from vmach.prediction.prediction import Prediction, predict
 
-__all__ = ["MadeSurface"]
+__all__ = ["FLOOR", "MadeSurface"]
 
 #: a point so near the outermost reach of a tool's flat end may or may not be cut by it: no corner
 #: is sharp, and no point is probed just where it should be
 _CORNER_MM = 0.2
 #: what another contact may lie away from the deepest one and still be the same surface
 _SAME_MM = 0.05
-#: cosine between a floor's normal and the tool axis
-_FLOOR = 0.999
+#: cosine between a floor's normal and the tool axis, at least; chosen: within 2.6 degrees
+FLOOR = 0.999
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ class MadeSurface:
         reach = np.array([_flat_end_mm(tool) for tool in self.preparation.cutters])
         own = reach[self.preparation.tool_index[states.tool]]
         away = np.hypot(*states.contact_mm[:, :2].T)
-        return (states.normal[:, 2] > _FLOOR) & (own > 0.0) & (away > own - _CORNER_MM)
+        return (states.normal[:, 2] > FLOOR) & (own > 0.0) & (away > own - _CORNER_MM)
 
     def _along_normal(self, states: PathStates, effects: Sequence[ActingEffect]) -> np.ndarray:
         moved = displacement_of(self.preparation, states, self.variant, effects)

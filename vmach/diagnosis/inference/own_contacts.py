@@ -21,13 +21,12 @@ from vmach.fit.candidates import Candidate, candidate_of, gather_candidates
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
+from vmach.prediction.made_surface import FLOOR
 
 __all__ = ["beside_one", "over_own_contacts"]
 
 #: what other contacts change of the readings, in stated uncertainties, before they matter
 _NOTABLE = 0.25
-#: cosine between a floor's normal and the tool axis
-_FLOOR = 0.999
 
 
 def over_own_contacts(weighing: Weighing, found: Explanation) -> tuple[Weighing, Explanation]:
@@ -84,7 +83,7 @@ def _moves_floors(survey: Survey, candidate: Candidate) -> bool:
     """Whether an effect of usual size notably moves the tool along its axis, on any floor."""
     most = np.abs(candidate.at_sites_mm).max(axis=(1, 2), initial=0.0)
     moved = (most if candidate.site is None else most[candidate.site]) / survey.u_mm
-    return bool(np.any(moved[survey.sensing[:, 2] > _FLOOR] > _NOTABLE))
+    return bool(np.any(moved[survey.sensing[:, 2] > FLOOR] > _NOTABLE))
 
 
 def _made_beside_usual(survey: Survey, candidate: Candidate) -> Iterator[Survey]:
