@@ -220,16 +220,22 @@ class SizedMembers:
         size = sizes.each[base.member_of]
         self.here, self.absent = np.flatnonzero(size > _GONE), np.flatnonzero(size <= _GONE)
         self.scale = size[self.here] / sizes.factor
+        self._stretches = stretches_of(self.here)
 
     @cached_property
     def root(self) -> np.ndarray:
         """Lower Cholesky factor of 1 + S G S, the precision in prior deviations, (p, p)."""
-        return root_of_precision(self._gram[np.ix_(self.here, self.here)], self.scale)
+        return root_of_precision(_among(self._gram, self._stretches), self.scale)
 
     @cached_property
     def seen(self) -> np.ndarray:
         """What the readings say, by the root: L^-1 S Z^T y, (p,)."""
         return self.taken(self._seen) / self.sizes.factor
+
+    @cached_property
+    def taken_of_absent(self) -> np.ndarray:
+        """What is taken of the columns of members that are absent, (p, a)."""
+        return self.taken(self._gram[self.absent].T)
 
     @cached_property
     def raised_root(self) -> np.ndarray:
@@ -252,12 +258,29 @@ class SizedMembers:
         # many at once: BLAS multiplies by an inverse twice as fast as it solves
         return dtrmm(1.0, self._inverse, scaled, lower=True, overwrite_b=True)
 
+    def given_back(self, taken: np.ndarray) -> np.ndarray:
+        """S L^-T of what members take (p, k): so much of each column takes it, (p, k)."""
+        return self.scale[:, None] * solved(self.root, taken.copy("F"), transposed=True)
+
     @cached_property
     def _inverse(self) -> np.ndarray:
         """Of the root."""
         inverse, failed = dtrtri(self.root, lower=True)
         assert not failed
         return inverse
+
+
+def stretches_of(number: np.ndarray) -> list[slice]:
+    """Stretches of numbers (k,) that go up, each without a gap."""
+    ends = np.flatnonzero(np.diff(number, prepend=-2, append=-2) != 1)
+    return [slice(number[a], number[b - 1] + 1) for a, b in itertools.pairwise(ends)]
+
+
+def _among(matrix: np.ndarray, stretches: Sequence[slice]) -> np.ndarray:
+    """Those rows and columns of a matrix; in pieces, which copies ten times as fast as indices."""
+    if not stretches:
+        return np.zeros((0, 0))
+    return np.vstack([np.hstack([matrix[a, b] for b in stretches]) for a in stretches])
 
 
 def root_of_precision(gram: np.ndarray, scale: np.ndarray) -> np.ndarray:

@@ -33,6 +33,8 @@ __all__ = ["Bordered", "Effects", "Posterior", "best_sizes"]
 _STEPS, _STRIDE, _TIMID, _BOLD = 20, 1.5, 0.05, 4.0
 #: log probability that a further step has to promise
 _GAIN = 0.01
+#: a member up to this size cannot shrink
+_LEAST = (1.0 + 1e-9) * ABSENT
 
 
 def best_sizes(base: Base, start: Sizes, effects: Effects) -> Posterior:
@@ -211,19 +213,29 @@ class Posterior:
         return slope + prior.slope_of_prior, information
 
     def _add_absent(self, slope: np.ndarray, information: np.ndarray) -> None:
-        """To both, what members that are absent would do if they were a little there."""
+        """To both, what members that are absent would do if they were a little there.
+
+        The information only of those that could grow; others stay at their smallest size.
+        """
         absent, base = self.members.absent, self.base
-        gram = base.gram[:, absent]
-        taken = self._taken(gram, self.effects.columns.cross[absent].T)
+        if not len(absent):
+            return
         factor = self.sizes.factor
-        left = gram[absent] / factor**2 - taken.T @ taken
-        seen = base.seen[absent] / factor**2 - taken.T @ self.seen
+        taken = self._beside_effects(
+            self.members.taken_of_absent / factor, self.effects.columns.cross[absent].T
+        )
         member = base.member_of[absent]
+        seen = base.seen[absent] / factor**2 - taken.T @ self.seen
+        left = np.diag(base.gram)[absent] / factor**2 - np.sum(taken**2, axis=0)
         squared = self.sizes.each**2
-        slope += squared * np.bincount(member, seen**2 - np.diag(left), len(slope))
-        left *= left
-        of_member = np.eye(len(slope))[member]
-        information += np.diag(squared**2 * np.diag(of_member.T @ left @ of_member))
+        slope += squared * np.bincount(member, seen**2 - left, len(slope))
+        for k in np.unique(member):
+            if slope[k] > 0.0 or self.sizes.each[k] > _LEAST:
+                rows = absent[member == k]
+                own = slice(rows[0], rows[-1] + 1)
+                of_member = taken[:, member == k]
+                block = base.gram[own, own] / factor**2 - of_member.T @ of_member
+                information[k, k] += squared[k] ** 2 * np.sum(block**2)
 
     def taken(self, columns: Columns) -> np.ndarray:
         """What members and effects take of K columns, by the root, (k, K)."""
@@ -231,9 +243,12 @@ class Posterior:
 
     def _taken(self, cross: np.ndarray, with_effects: np.ndarray) -> np.ndarray:
         """The same from products with the members' and the effects' columns, (q, K), (e, K)."""
-        factor, root = self.sizes.factor, self.bordered
-        of_members = self.members.taken(cross) / factor
-        own = with_effects / factor**2 - root.border.T @ of_members
+        return self._beside_effects(self.members.taken(cross) / self.sizes.factor, with_effects)
+
+    def _beside_effects(self, of_members: np.ndarray, with_effects: np.ndarray) -> np.ndarray:
+        """The same from what the members take, (p, K), in units of the factor."""
+        root = self.bordered
+        own = with_effects / self.sizes.factor**2 - root.border.T @ of_members
         return np.concatenate([of_members, solved(root.own, own)])
 
     def products(self, columns: Columns) -> tuple[np.ndarray, np.ndarray]:
