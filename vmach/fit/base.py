@@ -58,10 +58,8 @@ class Base:
     Attributes
     ----------
     y : (r,) float64
-    z : (r, q) float64
-        Members' columns.
     gram : (q, q) float64
-        Products of these with each other.
+        Products of members' columns with each other.
     seen : (q,) float64
         With the readings.
     square : float
@@ -77,10 +75,9 @@ class Base:
         by_reading: bool = False,
     ) -> None:
         self.survey, self.noise, self.members = survey, noise, members
-        of_members = np.hstack([members.fixed_mm, *members.columns_mm])
         self.pooled: Pooled | None = None
         if survey.sites is not None and not by_reading and isinstance(noise, FeatureNoise):
-            every = survey.residual_mm[:, None], survey.nuisance, of_members
+            every = survey.residual_mm[:, None], survey.nuisance, members.every_mm
             others = [columns[:, ~survey.sites.is_constant(columns)] for columns in every]
             self.pooled = Pooled(noise, survey.sites, np.hstack(others))
         self._rows = self.pooled or noise
@@ -93,7 +90,6 @@ class Base:
         self.constant -= float(np.log(size[seen]).sum())
         self.constant -= float(np.log(norms[norms > 0]).sum())
         self.y = self.white(survey.residual_mm[:, None])[:, 0]
-        self.z = self.white(of_members)
         counts = [members.fixed_mm.shape[1], *(c.shape[1] for c in members.columns_mm)]
         self.member_of = np.repeat(np.arange(len(counts)), counts)
         count = len(self.y) if self.pooled is None else len(survey)
@@ -104,6 +100,11 @@ class Base:
         self._sized = Remembered[SizedMembers](_ROOM / max(2 * self.gram.size, 1))
         self._columns = Remembered[Columns](_ROOM_OF_COLUMNS, lambda columns: columns.size)
         self._steps = Remembered[Step](_ROOM_OF_COLUMNS, lambda step: step.size)
+
+    @cached_property
+    def z(self) -> np.ndarray:
+        """Members' columns, (r, q)."""
+        return self.white(self.members.every_mm)
 
     def white(self, columns_mm: np.ndarray) -> np.ndarray:
         """Columns (n, k) mm in unit noise without what the nuisance can explain, (r, k).
@@ -188,7 +189,8 @@ class Base:
         return Places(self.back, [known[pair] for pair in pairs], np.cumsum(is_new) - 1)
 
     def forget(self) -> None:
-        """Signatures and roots, which take the most room."""
+        """Members' columns, signatures and roots, which take the most room."""
+        self.__dict__.pop("z", None)
         self._columns.clear()
         self._steps.clear()
         self._sized.clear()

@@ -53,6 +53,11 @@ class Members:
     names: tuple[str, ...]
     columns_mm: tuple[np.ndarray, ...]
 
+    @property
+    def every_mm(self) -> np.ndarray:
+        """All columns, (n, q)."""
+        return np.hstack([self.fixed_mm, *self.columns_mm])
+
 
 def members_of(survey: Survey) -> Members:
     """All that may differ without being an effect."""

@@ -180,6 +180,10 @@ class Weighing:
         self._forget()
         self.base.forget()
 
+    def forget_means(self) -> None:
+        """What a search looks candidates over on, where it is over."""
+        self._bank_of_means = None
+
     def release(self) -> None:
         """Candidates too, and those of the weighings that this was made of: none is asked again."""
         self.forget()
