@@ -10,7 +10,7 @@ Source: M. Kennedy and A. O'Hagan, J. R. Statist. Soc. B 63 (2001) 425.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -37,7 +37,7 @@ _LEAST_HALF_MM = 25.0
 
 @dataclass(frozen=True)
 class Members:
-    """Columns of unit variance that stand beside the effects.
+    """Columns of unit variance that stand beside the effects; views of one array.
 
     Attributes
     ----------
@@ -47,16 +47,23 @@ class Members:
         Of the members of unknown size.
     columns_mm : tuple of (n, k) float64
         Of each; a size of one makes about one median `u_um`.
+    every_mm : (n, q) float64
+        Those of known size, and all others.
     """
 
     fixed_mm: np.ndarray
     names: tuple[str, ...]
     columns_mm: tuple[np.ndarray, ...]
+    every_mm: np.ndarray = field(init=False, repr=False)
 
-    @property
-    def every_mm(self) -> np.ndarray:
-        """All columns, (n, q)."""
-        return np.hstack([self.fixed_mm, *self.columns_mm])
+    def __post_init__(self) -> None:
+        parts = [self.fixed_mm, *self.columns_mm]
+        every = np.hstack(parts)
+        ends = np.cumsum([part.shape[1] for part in parts])[:-1]
+        fixed, *others = np.split(every, ends, axis=1)
+        object.__setattr__(self, "every_mm", every)
+        object.__setattr__(self, "fixed_mm", fixed)
+        object.__setattr__(self, "columns_mm", tuple(others))
 
 
 def members_of(survey: Survey) -> Members:
