@@ -31,6 +31,8 @@ _UPRIGHT = 0.7
 _BLIND = 1e-3
 #: share of u² that a direction of the causes of known size has at least
 _LEAST_VARIANCE = 1e-2
+#: what a direction of unit size adds to all readings together, in squared u, that nobody sees
+_NOTHING = 1e-8
 #: half the length of the smallest part that bends, mm: points on one place tell no curvature
 _LEAST_HALF_MM = 25.0
 
@@ -72,8 +74,8 @@ def members_of(survey: Survey) -> Members:
     found = {
         **{name: unit * columns for name, columns in _offsets(survey).items()},
         "form": unit * _forms(survey),
-        "time": unit * _in_time(survey),
-        "field": unit * _field(survey),
+        "time": _told_apart(survey, unit * _in_time(survey)),
+        "field": _told_apart(survey, unit * _field(survey)),
         "bend": unit * _bend(survey),
     }
     device = _device(survey)
@@ -174,6 +176,13 @@ def _device(survey: Survey) -> np.ndarray:
         stretched, leaning = device.scale_u * n * place, device.squareness_u_rad * np.array(sheared)
         blocks.append(np.hstack([stretched, leaning.T]))
     return block_diag(*blocks)
+
+
+def _told_apart(survey: Survey, columns: np.ndarray) -> np.ndarray:
+    """The same covariance by as many columns as readings tell apart beside an alignment."""
+    beside = (columns - survey.aligned(columns)) / survey.u_mm[:, None]
+    squared, vectors = np.linalg.eigh(beside.T @ beside)
+    return columns @ vectors[:, squared > _NOTHING]
 
 
 def _seen(columns: np.ndarray) -> np.ndarray:
