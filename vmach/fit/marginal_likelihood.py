@@ -16,7 +16,7 @@ information, 1/2 tr(C^-1 dC C^-1 dC), from the covariance of both; and where 1 +
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -45,7 +45,9 @@ def best_sizes(base: Base, start: Sizes, effects: Effects) -> Posterior:
     """
     low = np.log([0.1, *([ABSENT] * len(start.members))])
     place, boldness = np.maximum(start.logarithms, low), 1.0
-    here = Posterior(base, Sizes.at(place), effects)
+    # only products count here, so that columns which do the same are one
+    lean = Effects(effects.columns.told_apart(), effects.log_prior)
+    here = Posterior(base, Sizes.at(place), lean)
     for _ in range(_STEPS):
         slope, information = here.slope_and_information()
         moves = (place > low) | (slope > 0.0)
@@ -55,14 +57,14 @@ def best_sizes(base: Base, start: Sizes, effects: Effects) -> Posterior:
             break
         while True:
             onward = np.maximum(place + np.clip(boldness * step, -_STRIDE, _STRIDE), low)
-            trial = Posterior(base, Sizes.at(onward), effects)
+            trial = Posterior(base, Sizes.at(onward), lean)
             if trial.log_probability > here.log_probability:
                 break
             if boldness < _TIMID:
-                return here
+                return replace(here, effects=effects)
             boldness *= 0.25
         place, here, boldness = onward, trial, min(2.0 * boldness, _BOLD)
-    return here
+    return replace(here, effects=effects)
 
 
 @dataclass(frozen=True, eq=False)
