@@ -17,6 +17,7 @@ from vmach.effects import catalogue
 from vmach.errors import InputError
 from vmach.fit.base import Base, root_of_precision
 from vmach.fit.feature_noise import FeatureNoise
+from vmach.fit.left_out import deletion_residuals
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.means import Means
 from vmach.fit.sizes import Sizes
@@ -109,6 +110,37 @@ def test_products_of_whitened_columns_are_those_by_the_dense_inverse(weighing, s
     gram, seen = posterior.products(base.columns(tested))
     np.testing.assert_allclose(gram, expected, rtol=1e-6, atol=1e-8 * expected.max())
     np.testing.assert_allclose(seen, expected[:, -1], rtol=1e-6, atol=1e-8 * expected.max())
+
+
+@pytest.mark.parametrize("share", [0.0, 0.6])
+def test_deletion_residuals_are_those_beside_all_other_readings(weighing, share):
+    """The others' conditional mean and variance, and the noise of a reading of full weight."""
+    survey, members = weighing.survey, weighing.members
+    weight = np.random.default_rng(4).uniform(0.2, 1.0, len(survey))
+    noise = FeatureNoise(survey.u_mm, survey.group, weight, share, 0.8)
+    base = Base(survey, noise, members)
+    sizes = Sizes(1.4, tuple(np.linspace(0.0, 2.0, len(members.names))))
+    columns = 1.5 * weighing.candidates[weighing.index_of("scale X")].signatures_mm[:, 0]
+    ours = deletion_residuals(Posterior(base, sizes, Effects(base.columns(columns))))
+    dense = dense_covariance(noise, members, sizes, columns)
+    free = null_space(survey.nuisance.T)
+    inverse = free @ np.linalg.solve(free.T @ dense @ free, free.T)
+    lighter = (sizes.factor * survey.u_mm) ** 2 * (1.0 - share) * (1.0 - 1.0 / weight)
+    for k in (0, 5, len(survey) - 1):
+        # a flat prior of the nuisance: least squares with every other reading, by one dropped
+        others = np.delete(np.arange(len(survey)), k)
+        given, own = dense[np.ix_(others, others)], dense[others, k]
+        basis, mine = survey.nuisance[others], survey.nuisance[k]
+        solved = np.linalg.solve(given, np.column_stack([own, survey.residual_mm[others], basis]))
+        gram = basis.T @ solved[:, 2:]
+        pose = np.linalg.lstsq(gram, basis.T @ solved[:, 1], rcond=1e-10)[0]
+        expected = mine @ pose + own @ (solved[:, 1] - solved[:, 2:] @ pose)
+        lever = mine - basis.T @ solved[:, 0]
+        variance = dense[k, k] - own @ solved[:, 0]
+        variance += lever @ np.linalg.lstsq(gram, lever, rcond=1e-10)[0]
+        assert 1.0 / inverse[k, k] == pytest.approx(variance, rel=1e-6)
+        away = (survey.residual_mm[k] - expected) / np.sqrt(variance + lighter[k])
+        assert ours[k] == pytest.approx(away, rel=1e-4)
 
 
 def test_its_slope_is_that_of_differences(weighing):
