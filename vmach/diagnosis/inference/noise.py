@@ -68,7 +68,7 @@ def _score_with_tails(weighing: Weighing, explanation: Explanation, least: float
     noise, score = weighing.base.noise, explanation.score
     away = np.abs(deletion_residuals(explanation.posterior))
     # what is set aside brings no more than it costs now
-    if score + 0.5 * float(np.sum(away[away > _ODD] ** 2)) < least:
+    if np.median(away) < _ROUNDING or score + 0.5 * float(np.sum(away[away > _ODD] ** 2)) < least:
         return score
     weight, log_prior = _weights(weighing, explanation)
     if np.abs(np.log(weight / noise.weight)).max() < _OTHER:
