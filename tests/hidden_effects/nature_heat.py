@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from .machine_maker import TrueMachine
@@ -156,20 +158,27 @@ def workpiece_warming(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     ppm, tau = rng.uniform(25, 50), rng.uniform(1000, 3000)
     clamp = np.array([rng.uniform(0, 500), rng.uniform(0, 350), -BLANK_MM])
 
+    def cuts(state: State) -> np.ndarray:
+        return np.where(state.history.speed_mm_s.sum(axis=1) > 0.5, 1.0, 0.85)
+
     def move(state: State) -> np.ndarray:
         past = state.history
-        cuts = np.where(past.speed_mm_s.sum(axis=1) > 0.5, 1.0, 0.85)
-        warm = past.at(past.response(cuts, tau, tau), state.time_s)
+        warm = past.at(past.response(cuts(state), tau, tau), state.time_s)
         return -ppm * 1e-6 * warm[:, None] * (state.place_mm - clamp)
 
-    return Hidden(
+    def told_as(state: State) -> tuple[Hidden, ...]:
+        """The stretch that the part tends to with the pauses of its program."""
+        return (replace(hidden, comparable={"expansion_ppm": ppm * float(cuts(state).mean())}),)
+
+    hidden = Hidden(
         "workpiece_warming",
         ("workpiece_warming",),
         {"ppm": ppm, "tau_s": tau},
         move,
-        {"expansion_ppm": ppm},
         on_part_only=True,
+        told_as=told_as,
     )
+    return hidden
 
 
 def thermal_bow(rng: np.random.Generator, machine: TrueMachine) -> Hidden:

@@ -147,7 +147,12 @@ def servo_mismatch(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         return e
 
     return Hidden(
-        "servo_mismatch", ("servo_mismatch",), {"slow_ms": slow_ms}, move, {"mismatch_ms": slow_ms}
+        "servo_mismatch",
+        ("servo_mismatch",),
+        {"slow_ms": slow_ms},
+        move,
+        {"mismatch_ms": slow_ms},
+        target="XY",
     )
 
 

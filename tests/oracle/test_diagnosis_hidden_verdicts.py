@@ -174,6 +174,22 @@ def test_what_remains_elsewhere_is_no_doubt_about_a_local_effect(tmp_path):
     assert ("quadrant_glitch", "X") in {(e["effect"], e["target"]) for e in report["effects"]}
 
 
+@pytest.mark.parametrize(
+    ("effects", "seed", "design"),
+    [
+        # where a tool entered a bore one point lies 10 um off: a chip took that up, and hid it
+        (["lateral_play", "tool_deflection", "missing_table"], 4552038, PartDesign(corners=True)),
+        # two points before the slip were taken for odd ones, and a glitch stood for the rest
+        (["hysteresis", "spindle_growth", "tool_slip"], 4552001, PartDesign()),
+    ],
+)
+def test_odd_readings_neither_call_for_an_effect_nor_hide_one(tmp_path, effects, seed, design):
+    make_experiment(tmp_path, effects=effects, seed=seed, design=design)
+    report, _ = program_runs.diagnose(tmp_path)
+    found = judge(report, json.loads((tmp_path / "truth.json").read_text()))
+    assert found.outcome in ("right", "class"), found.said
+
+
 def test_axes_that_never_turn_are_no_candidates(tmp_path):
     """Programs that turn A, B or C are refused, so no experiment can hide a rotary axis' place."""
     make_experiment(tmp_path, effects=[], seed=33)

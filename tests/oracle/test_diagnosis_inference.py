@@ -10,16 +10,20 @@ from scipy.stats import multivariate_normal, norm
 
 from tests.unit.test_diagnosis_verdicts import stretched_and_loose, tip_job
 from vmach.diagnosis.gates.sizes_above_zero import log_factor_of_sizes
+from vmach.diagnosis.inference.other_sets import otherwise
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.verdicts import infer
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects import catalogue
 from vmach.errors import InputError
 from vmach.fit.base import Base, root_of_precision
+from vmach.fit.evidence import WIDTHS
 from vmach.fit.feature_noise import FeatureNoise
+from vmach.fit.left_out import deletion_residuals
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.means import Means
 from vmach.fit.sizes import Sizes
+from vmach.fit.uncertainty import Otherwise, parameter_uncertainty
 
 
 @pytest.fixture(scope="module")
@@ -109,6 +113,91 @@ def test_products_of_whitened_columns_are_those_by_the_dense_inverse(weighing, s
     gram, seen = posterior.products(base.columns(tested))
     np.testing.assert_allclose(gram, expected, rtol=1e-6, atol=1e-8 * expected.max())
     np.testing.assert_allclose(seen, expected[:, -1], rtol=1e-6, atol=1e-8 * expected.max())
+
+
+@pytest.mark.parametrize("share", [0.0, 0.6])
+def test_deletion_residuals_are_those_beside_all_other_readings(weighing, share):
+    """The others' conditional mean and variance, and the noise of a reading of full weight."""
+    survey, members = weighing.survey, weighing.members
+    weight = np.random.default_rng(4).uniform(0.2, 1.0, len(survey))
+    noise = FeatureNoise(survey.u_mm, survey.group, weight, share, 0.8)
+    base = Base(survey, noise, members)
+    sizes = Sizes(1.4, tuple(np.linspace(0.0, 2.0, len(members.names))))
+    columns = 1.5 * weighing.candidates[weighing.index_of("scale X")].signatures_mm[:, 0]
+    ours = deletion_residuals(Posterior(base, sizes, Effects(base.columns(columns))))
+    dense = dense_covariance(noise, members, sizes, columns)
+    free = null_space(survey.nuisance.T)
+    inverse = free @ np.linalg.solve(free.T @ dense @ free, free.T)
+    lighter = (sizes.factor * survey.u_mm) ** 2 * (1.0 - share) * (1.0 - 1.0 / weight)
+    for k in (0, 5, len(survey) - 1):
+        # a flat prior of the nuisance: least squares with every other reading, by one dropped
+        others = np.delete(np.arange(len(survey)), k)
+        given, own = dense[np.ix_(others, others)], dense[others, k]
+        basis, mine = survey.nuisance[others], survey.nuisance[k]
+        solved = np.linalg.solve(given, np.column_stack([own, survey.residual_mm[others], basis]))
+        gram = basis.T @ solved[:, 2:]
+        pose = np.linalg.lstsq(gram, basis.T @ solved[:, 1], rcond=1e-10)[0]
+        expected = mine @ pose + own @ (solved[:, 1] - solved[:, 2:] @ pose)
+        lever = mine - basis.T @ solved[:, 0]
+        variance = dense[k, k] - own @ solved[:, 0]
+        variance += lever @ np.linalg.lstsq(gram, lever, rcond=1e-10)[0]
+        assert 1.0 / inverse[k, k] == pytest.approx(variance, rel=1e-6)
+        away = (survey.residual_mm[k] - expected) / np.sqrt(variance + lighter[k])
+        assert ours[k] == pytest.approx(away, rel=1e-4)
+
+
+def test_a_parameter_beside_other_effects_is_that_of_a_dense_fit(weighing):
+    """Backlash X alone, and with each other effect beside it; mean and variance in full."""
+    survey, members = weighing.survey, weighing.members
+    found = explained(weighing, "backlash X")
+    at_least = [i for i, odds in enumerate(weighing.gains(found)) if odds > np.log(0.005)]
+    own = weighing.index_of("backlash X")
+    expected = [i for i in at_least if i != own]
+    (others,) = otherwise(weighing, found)
+    assert expected and len(others) >= len(expected)
+    # members up to a fortieth of u count as absent
+    present = [size if size > 0.025 else 0.0 for size in found.posterior.sizes.members]
+    sizes, none = Sizes(found.posterior.sizes.factor, tuple(present)), np.zeros((len(survey), 0))
+    dense = dense_covariance(weighing.base.noise, members, sizes, none)
+    free = null_space(survey.nuisance.T)
+    precision = free @ np.linalg.solve(free.T @ dense @ free, free.T)
+    widths, evidence = weighing.prior_widths(found.fit), weighing.evidence(found)
+    one = found.fit.open.mm * widths
+
+    def first(columns):
+        """Mean and covariance of the effect's own coefficients among given columns."""
+        covariance = np.linalg.inv(columns.T @ precision @ columns + np.eye(columns.shape[1]))
+        mean, k = covariance @ columns.T @ precision @ survey.residual_mm, len(widths)
+        return mean[:k] * widths, covariance[:k, :k] * np.outer(widths, widths)
+
+    before = first(one)
+    for i, other in zip(expected, others, strict=False):
+        place, width = evidence.best[i, 0], WIDTHS[evidence.best_width[i, 0]]
+        after = first(np.hstack([one, width * weighing.candidates[i].signatures_mm[:, place]]))
+        assert other.weight == pytest.approx(min(np.exp(weighing.gains(found)[i]), 1.0))
+        np.testing.assert_allclose(other.moved, after[0] - before[0], rtol=1e-4, atol=1e-7)
+        np.testing.assert_allclose(other.more, after[1] - before[1], rtol=1e-4, atol=1e-9)
+
+
+def test_other_effects_widen_an_interval_as_often_as_they_are_there(weighing):
+    """Drawn from both sets: of the draws 95 % lie between the ends."""
+    found = explained(weighing, "backlash X")
+    fit = weighing.careful(found)
+    alone = parameter_uncertainty(fit, 0)["reversal_um"]
+    slope = fit.slope(0)[:, list(fit.parameters(0)).index("reversal_um")]
+    moved = np.zeros(len(slope))
+    moved[0] = 5.0 * alone.u / slope[0]
+    other = Otherwise(0.25, moved, np.zeros((len(slope),) * 2))
+    both = parameter_uncertainty(fit, 0, [other])["reversal_um"]
+    random = np.random.default_rng(5)
+    centre, sigma = 0.5 * (alone.low + alone.high), 0.5 * (alone.high - alone.low) / norm.ppf(0.975)
+    drawn = centre + sigma * random.standard_normal(200_000)
+    drawn += 5.0 * alone.u * (random.random(len(drawn)) < 0.2)
+    assert both.low <= alone.low + 1e-9
+    assert np.mean(drawn > both.high) == pytest.approx(0.025, abs=0.002)
+    assert both.u == pytest.approx(
+        np.sqrt(np.mean((drawn - fit.parameters(0)["reversal_um"]) ** 2)), rel=0.02
+    )
 
 
 def test_its_slope_is_that_of_differences(weighing):

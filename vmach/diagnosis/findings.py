@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from vmach.diagnosis.fitted_parameters import fitted_parameters
+from vmach.diagnosis.inference.other_sets import otherwise
 from vmach.diagnosis.inference.remains import sizes_um
 from vmach.diagnosis.inference.verdicts import Inference
 from vmach.diagnosis.residuals.where_it_fails import Failure
@@ -13,6 +14,7 @@ from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.words import where_component
 from vmach.effects import Effect, label_of
 from vmach.fit.terms import JointFit
+from vmach.fit.uncertainty import Otherwise
 
 __all__ = ["Finding", "findings_of", "something_unknown"]
 
@@ -88,15 +90,16 @@ def findings_of(found: Inference) -> tuple[Finding, ...]:
     sizes = sizes_um(found.weighing, found.explanation)
     total = found.remains_um**2 + sum(size**2 for size in sizes)
     fit = found.weighing.careful(found.explanation)
+    others = otherwise(found.weighing, found.explanation)
     return tuple(
-        replace(_finding(found, fit, k), size_um=size, share=size**2 / total)
+        replace(_finding(found, fit, k, others[k]), size_um=size, share=size**2 / total)
         for k, size in enumerate(sizes)
     )
 
 
-def _finding(found: Inference, fit: JointFit, k: int) -> Finding:
+def _finding(found: Inference, fit: JointFit, k: int, others: Sequence[Otherwise]) -> Finding:
     effect, target = fit.terms[k].effect, fit.terms[k].target
-    fitted = fitted_parameters(fit, k)
+    fitted = fitted_parameters(fit, k, others)
     is_component = effect.corrects_table
     return Finding(
         effect=effect,

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from vmach.diagnosis.component_curve import component_parameters
 from vmach.fit.terms import JointFit
-from vmach.fit.uncertainty import parameter_uncertainty
+from vmach.fit.uncertainty import Otherwise, parameter_uncertainty
 
 __all__ = ["FittedParameters", "fitted_parameters", "fitted_values"]
 
@@ -38,12 +39,12 @@ def fitted_values(fit: JointFit, k: int) -> dict:
     return fit.parameters(k)
 
 
-def fitted_parameters(fit: JointFit, k: int) -> FittedParameters:
-    """The parameters of term k of a fit."""
+def fitted_parameters(fit: JointFit, k: int, others: Sequence[Otherwise] = ()) -> FittedParameters:
+    """The parameters of term k of a fit, beside its effects and others that are possible."""
     if fit.terms[k].effect.corrects_table:
         path = fit.posterior.base.survey.paths[0]
         return FittedParameters(*component_parameters(fit, k, path))
-    spreads = parameter_uncertainty(fit, k)
+    spreads = parameter_uncertainty(fit, k, others)
     return FittedParameters(
         values=fit.parameters(k),
         u={name: spread.u for name, spread in spreads.items()},

@@ -57,6 +57,8 @@ class Base:
 
     Attributes
     ----------
+    free : (r, f) float64
+        An orthonormal basis of what the nuisance can explain.
     y : (r,) float64
     gram : (q, q) float64
         Products of members' columns with each other.
@@ -85,7 +87,7 @@ class Base:
         norms = np.linalg.norm(nuisance, axis=0)
         left, size, _ = np.linalg.svd(nuisance / np.where(norms > 0, norms, 1.0), False)
         seen = size > 1e-9 * max(np.max(size, initial=0.0), 1e-300)
-        self._free = left[:, seen]
+        self.free = left[:, seen]
         self.constant = noise.log_prior - 0.5 * noise.log_determinant
         self.constant -= float(np.log(size[seen]).sum())
         self.constant -= float(np.log(norms[norms > 0]).sum())
@@ -93,7 +95,7 @@ class Base:
         counts = [members.fixed_mm.shape[1], *(c.shape[1] for c in members.columns_mm)]
         self.member_of = np.repeat(np.arange(len(counts)), counts)
         count = len(self.y) if self.pooled is None else len(survey)
-        self.degrees = count - self._free.shape[1]
+        self.degrees = count - self.free.shape[1]
         self.gram, self.seen = self.z.T @ self.z, self.z.T @ self.y
         self.square = float(self.y @ self.y)
         # a root, and the raised one
@@ -115,9 +117,9 @@ class Base:
             columns_mm = self.survey.at_readings(columns_mm)
         white = self._rows.white(columns_mm)
         if white.flags.c_contiguous:
-            white -= self._free @ (self._free.T @ white)
+            white -= self.free @ (self.free.T @ white)
         else:
-            white.T[:] -= (white.T @ self._free) @ self._free.T
+            white.T[:] -= (white.T @ self.free) @ self.free.T
         return white
 
     def back(self, white: np.ndarray) -> np.ndarray:

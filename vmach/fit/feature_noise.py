@@ -110,6 +110,15 @@ class FeatureNoise:
         return np.sqrt(1.0 - self.share) / self.weight * back
 
     @cached_property
+    def precisions(self) -> np.ndarray:
+        """Of every reading, given all others: the diagonal of the inverse, in units of u, (n,)."""
+        if self.share == 0.0:
+            return self.weight
+        found = np.empty(len(self.weight))
+        found[self._order] = np.concatenate([(i**2).sum(axis=0) for _, i in self._roots])
+        return found
+
+    @cached_property
     def log_determinant(self) -> float:
         """Of the covariance in units of u."""
         if self.share == 0.0:

@@ -123,7 +123,7 @@ class JointFit:
 
     def uncertainty(self, k: int) -> dict[str, float]:
         """Standard uncertainty of the parameters of term k."""
-        slope = self._slope(k)
+        slope = self.slope(k)
         spread = np.einsum("ij,ik,kj->j", slope, self.covariance[k], slope)
         u = np.sqrt(np.maximum(spread, 0.0)).tolist()
         return dict(zip(self.parameters(k), u, strict=True))
@@ -131,7 +131,7 @@ class JointFit:
     def directions(self, k: int) -> list[dict[str, float]]:
         """Independent changes of the parameters of term k, one standard uncertainty each."""
         squared, axes = np.linalg.eigh(self.covariance[k])
-        moved = (axes * np.sqrt(np.maximum(squared, 0.0))).T @ self._slope(k)
+        moved = (axes * np.sqrt(np.maximum(squared, 0.0))).T @ self.slope(k)
         return [dict(zip(self.parameters(k), row, strict=True)) for row in moved.tolist()]
 
     def numbers(self, k: int) -> float:
@@ -141,7 +141,7 @@ class JointFit:
         before = np.concatenate([amplitudes, term.spread_of_inner])
         return float(np.sum(1.0 - np.diag(self.covariance[k]) / before**2))
 
-    def _slope(self, k: int) -> np.ndarray:
+    def slope(self, k: int) -> np.ndarray:
         """Change of the parameters of term k with coefficients and logarithms, (K + I, N)."""
         term, count = self.terms[k], len(self.coefficients[k])
         start = np.concatenate([self.coefficients[k], np.zeros(len(term.free_parameters))])

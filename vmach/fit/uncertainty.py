@@ -22,7 +22,7 @@ from vmach.fit.columns import Columns
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.terms import FREE, JointFit, Term
 
-__all__ = ["Spread", "parameter_uncertainty"]
+__all__ = ["Otherwise", "Spread", "parameter_uncertainty"]
 
 #: nodes on each side of the best value, in standard deviations, by number of inner parameters
 _NODES = {
@@ -62,14 +62,66 @@ class Spread:
     is_shown: bool = True
 
 
-def parameter_uncertainty(fit: JointFit, k: int) -> dict[str, Spread]:
+@dataclass(frozen=True)
+class Otherwise:
+    """What a term is where other effects act beside it than in the fit.
+
+    Attributes
+    ----------
+    weight : float
+        How probable they are, relative to those of the fit.
+    moved : (K + I,) float64
+        Change of its coefficients and the logarithms of its free inner parameters.
+    more : (K + I, K + I) float64
+        Change of their covariance.
+    """
+
+    weight: float
+    moved: np.ndarray
+    more: np.ndarray
+
+
+def parameter_uncertainty(
+    fit: JointFit, k: int, others: Sequence[Otherwise] = ()
+) -> dict[str, Spread]:
     """Uncertainty of every parameter of term k.
 
     Parameters
     ----------
     fit : JointFit
     k : int
+    others : sequence of Otherwise
+        What term k is beside other effects that are possible.
     """
+    return _averaged(_beside_its_own(fit, k), fit, k, others)
+
+
+def _averaged(
+    spreads: dict[str, Spread], fit: JointFit, k: int, others: Sequence[Otherwise]
+) -> dict[str, Spread]:
+    """Spreads over the fit's own set of effects and others, each a normal distribution."""
+    if not others:
+        return spreads
+    slope, wide = fit.slope(k), float(ndtri(0.975))
+    weight = np.array([1.0, *(other.weight for other in others)])
+    weight /= weight.sum()
+    found = {}
+    for j, (name, value) in enumerate(fit.parameters(k).items()):
+        own, along = spreads[name], slope[:, j]
+        middle, sigma = 0.5 * (own.low + own.high) - value, 0.5 * (own.high - own.low) / wide
+        away = middle + np.array([0.0, *(along @ other.moved for other in others)])
+        more = np.array([0.0, *(along @ other.more @ along for other in others)])
+        spread = np.sqrt(np.maximum(sigma**2 + more, 0.0))
+        low, high = _quantiles(weight, away, spread)
+        # of its own set it is known better than as a normal distribution
+        low, high = value + min(low, own.low - value), value + max(high, own.high - value)
+        u = float(np.sqrt(weight[0] * own.u**2 + weight[1:] @ (away**2 + spread**2)[1:]))
+        found[name] = replace(own, u=u, low=low, high=high)
+    return found
+
+
+def _beside_its_own(fit: JointFit, k: int) -> dict[str, Spread]:
+    """Uncertainty of every parameter of term k beside the effects of the fit."""
     term, survey = fit.terms[k], fit.posterior.base.survey
     places, log_prior = survey.places(term.effect, term.target, term.inner)
     if places:

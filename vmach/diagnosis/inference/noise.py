@@ -10,10 +10,11 @@ from scipy.special import digamma, gammaln, stdtrit
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.base import Base
 from vmach.fit.feature_noise import FeatureNoise
+from vmach.fit.left_out import deletion_residuals
 from vmach.fit.marginal_likelihood import best_sizes
 from vmach.measurements import apart_from_neighbours
 
-__all__ = ["log_prior_of_weights", "noise_after", "noise_before"]
+__all__ = ["beside_own_noise", "log_prior_of_weights", "noise_after", "noise_before"]
 
 #: degrees of freedom of Student's t that are tried for heavy tails; infinite is normal
 _TAILS = (3.0, 5.0, 10.0)
@@ -23,6 +24,8 @@ _WORTH = 3.5
 #: logarithm by which a weight has to differ to count as another
 _OTHER = 0.3
 _CORRELATIONS = (0.3, 0.98)
+#: standard deviations from which a reading may be an odd one; below, little is gained by that
+_ODD = 3.0
 #: readings that leave less than this of their stated uncertainty leave what arithmetic rounds
 _ROUNDING = 1e-9
 
@@ -34,6 +37,47 @@ def noise_before(weighing: Weighing) -> FeatureNoise:
     """
     weight, log_prior = _weights(weighing, weighing.nothing())
     return replace(weighing.base.noise, weight=weight, log_prior=log_prior)
+
+
+def beside_own_noise(weighing: Weighing, found: Explanation) -> tuple[Weighing, Explanation]:
+    """The weighing with the noise that an explanation leaves, and the explanation there.
+
+    Or that without one of its effects, where that is more probable beside the noise that it leaves
+    itself: an effect may stand for a few odd readings. As given where the noise is as assumed.
+    """
+    found = _without_odd(weighing, found)
+    noise = noise_after(weighing, found)
+    if noise is None:
+        return weighing, found
+    weighing = weighing.with_noise(noise)
+    return weighing, weighing.explain(found.terms, found.posterior.sizes)
+
+
+def _without_odd(weighing: Weighing, found: Explanation) -> Explanation:
+    """An explanation without the effect that odd readings alone speak for; as given if none is."""
+    best, most = found, _score_with_tails(weighing, found, -np.inf)
+    for k in range(len(found.terms)):
+        fewer = weighing.without(found, [k])
+        if (score := _score_with_tails(weighing, fewer, most)) > most:
+            best, most = fewer, score
+    return best
+
+
+def _score_with_tails(weighing: Weighing, explanation: Explanation, least: float) -> float:
+    """Score beside the tails that an explanation leaves; roughly where it is below the least."""
+    noise, score = weighing.base.noise, explanation.score
+    away = np.abs(deletion_residuals(explanation.posterior))
+    # what is set aside brings no more than it costs now
+    if np.median(away) < _ROUNDING or score + 0.5 * float(np.sum(away[away > _ODD] ** 2)) < least:
+        return score
+    weight, log_prior = _weights(weighing, explanation)
+    if np.abs(np.log(weight / noise.weight)).max() < _OTHER:
+        return score
+    tailed = replace(noise, weight=weight, log_prior=log_prior)
+    base = Base(weighing.survey, tailed, weighing.members)
+    effects = explanation.posterior.effects.on(base)
+    there = best_sizes(base, explanation.posterior.sizes, effects)
+    return max(score, score + there.log_probability - explanation.posterior.log_probability)
 
 
 def noise_after(weighing: Weighing, explanation: Explanation) -> FeatureNoise | None:
@@ -56,8 +100,7 @@ def _weights(weighing: Weighing, explanation: Explanation) -> tuple[np.ndarray, 
 
     With them their log probability beside the covariance.
     """
-    noise, group = weighing.base.noise, weighing.survey.group
-    left = noise.standardised(explanation.posterior.left)
+    left, group = deletion_residuals(explanation.posterior), weighing.survey.group
     away = np.abs(left)
     normal = -0.5 * len(away) * (1.0 + np.log(2.0 * np.pi * np.mean(away**2)))
     best, weight, log_prior = normal + _WORTH, np.ones(len(away)), 0.0

@@ -8,7 +8,7 @@ from enum import StrEnum
 
 from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.moves import search, search_beyond
-from vmach.diagnosis.inference.noise import noise_after, noise_before
+from vmach.diagnosis.inference.noise import beside_own_noise, noise_before
 from vmach.diagnosis.inference.own_contacts import beside_one, over_own_contacts
 from vmach.diagnosis.inference.remains import is_structure, remains_um, sizes_um
 from vmach.diagnosis.inference.rules import KEPT
@@ -103,25 +103,26 @@ def infer(weighing: Weighing) -> Inference:
 
 def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
     """The most probable set of effects, and the weighing with the noise that it leaves."""
-    others = [beside for beside in (beside_one(weighing),) if beside is not None]
-    settled = [_settled(start) for start in (weighing, *others)]
+    beside = beside_one(weighing)
+    starts = [weighing] if beside is None else [weighing, beside]
+    odd = noise_before(weighing)
+    if not odd.is_as(weighing.base.noise):
+        starts.append(weighing.with_candidates(weighing.candidates).with_noise(odd))
+    settled = map(_settled, starts)
     weighing, found = max(settled, key=lambda pair: pair[1].score)
     return weighing, search_beyond(weighing, found)
 
 
 def _settled(weighing: Weighing) -> tuple[Weighing, Explanation]:
     """The most probable set that single moves lead to, over its own contacts and noise."""
-    weighing = weighing.with_noise(noise_before(weighing))
     found = search(weighing)
     for _ in range(_PASSES):
         before = weighing
         weighing, found = over_own_contacts(weighing, found)
-        noise = noise_after(weighing, found)
-        if noise is not None:
-            weighing = weighing.with_noise(noise)
+        weighing, found = beside_own_noise(weighing, found)
         if weighing is before:
             break
-        found = search(weighing, weighing.explain(found.terms, found.posterior.sizes))
+        found = search(weighing, found)
     return weighing, found
 
 

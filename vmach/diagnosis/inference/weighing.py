@@ -305,12 +305,15 @@ class Weighing:
 
     def _open(self, fit: JointFit) -> Columns:
         """Columns of unit prior variance of amplitudes and inner parameters of a fit."""
+        return fit.open.scaled(self.prior_widths(fit))
+
+    def prior_widths(self, fit: JointFit) -> np.ndarray:
+        """Prior deviations of all amplitudes, then of all inner parameters, of a fit."""
         widths = [
             np.full(len(c), term.width or width_of(c))
             for term, c in zip(fit.terms, fit.coefficients, strict=True)
         ]
-        widths += [term.spread_of_inner for term in fit.terms]
-        return fit.open.scaled(np.concatenate(widths))
+        return np.concatenate([*widths, *(term.spread_of_inner for term in fit.terms)])
 
     def _log_prior_of(self, fit: JointFit) -> float:
         total = self._log_prior_of_count(self._count(fit.terms))
