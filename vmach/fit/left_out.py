@@ -21,6 +21,8 @@ __all__ = ["deletion_residuals"]
 _LEAST = 1e-6
 #: readings whose residuals are worked out together
 _AT_ONCE = 2000
+#: columns of members that are worked out together
+_COLUMNS = 50
 
 
 def deletion_residuals(posterior: Posterior) -> np.ndarray:
@@ -36,9 +38,13 @@ def deletion_residuals(posterior: Posterior) -> np.ndarray:
         return u_mm[:, None] * noise.back(base.spread(white))
 
     precision = noise.precisions - _squares(back(base.free))
-    white = [base.z[:, posterior.members.here] * posterior.members.scale]
-    white.append(posterior.effects.columns.white / factor)
-    taken, root = back(np.hstack(white)), posterior.root
+    members, effects, root = posterior.members, posterior.effects.columns.white, posterior.root
+    taken = np.empty((len(precision), len(root)))
+    for k in range(0, len(members.here), _COLUMNS):
+        some = slice(k, k + _COLUMNS)
+        own = back(base.z[:, members.here[some]] * members.scale[some])
+        taken[:, k : k + own.shape[1]] = own
+    taken[:, len(members.here) :] = back(effects / factor)
     for k in range(0, len(taken), _AT_ONCE):
         some = slice(k, k + _AT_ONCE)
         precision[some] -= _squares(solve_triangular(root, taken[some].T, lower=True).T)
