@@ -32,7 +32,6 @@ __all__ = ["FormColumns"]
 
 #: forms that are weighed together
 _AT_ONCE = 500
-_ALL = slice(None)
 #: kinds of what may push along all axes at once, by another amount each
 _ALONG_ALL = ("time", "warm-up", "time since tool change", "spindle", "tool change", "tool")
 #: kinds of what may be more or less along an axis
@@ -123,11 +122,11 @@ class FormColumns:
     def __len__(self) -> int:
         return len(self.forms)
 
-    def columns(self, form: Form, rows: np.ndarray | slice = _ALL) -> np.ndarray:
-        """Signatures of a usual amount each at some of the readings, (n, K) mm."""
-        first, second = self._states[form.first][rows], self._states[form.second][rows]
+    def columns(self, form: Form) -> np.ndarray:
+        """Signatures of a usual amount each, (n, K) mm."""
+        first, second = self._states[form.first], self._states[form.second]
         product = (first[:, :, None] * second[:, None, :]).reshape(len(first), 1, -1)
-        sensed = self._sensed[form.direction][rows][:, :, None]
+        sensed = self._sensed[form.direction][:, :, None]
         return 1e-3 * USUAL_UM * (sensed * product).reshape(len(first), -1)
 
     def space_of(self, form: Form) -> np.ndarray:
@@ -143,18 +142,29 @@ class FormColumns:
         )
         return replace(form, first=first, second=second)
 
-    def candidate(self, form: Form, rows: np.ndarray | slice = _ALL) -> Candidate:
-        """The form as a candidate of a search, over some of the readings."""
-        columns = self.columns(form, rows)
-        effect = FormEffect(form, columns.shape[1])
-        return Candidate(effect, form.formula, [{}], np.zeros(1), columns[:, None, :])
+    def candidate(self, form: Form) -> Candidate:
+        """The form as a candidate of a search."""
+        return _candidate(form, self.columns(form))
 
-    def batches(self, forms: Sequence[Form]) -> Iterator[list[Form]]:
-        """Those of some forms that show, some at a time."""
+    def batches(
+        self, forms: Sequence[Form], rows: np.ndarray | slice
+    ) -> Iterator[tuple[list[Form], list[Candidate]]]:
+        """Those of some forms that show, some at a time, and as candidates over some readings."""
         for k in range(0, len(forms), _AT_ONCE):
-            some = forms[k : k + _AT_ONCE]
-            if shown := [f for f in some if np.ptp(self.columns(f), axis=0).max() > _BLIND_MM]:
-                yield shown
+            pairs = ((form, self.columns(form)) for form in forms[k : k + _AT_ONCE])
+            shown = [
+                (form, _candidate(form, columns[rows]))
+                for form, columns in pairs
+                if np.ptp(columns, axis=0).max() > _BLIND_MM
+            ]
+            if shown:
+                yield [form for form, _ in shown], [candidate for _, candidate in shown]
+
+
+def _candidate(form: Form, columns: np.ndarray) -> Candidate:
+    """A form with signatures (n, K) mm as a candidate."""
+    effect = FormEffect(form, columns.shape[1])
+    return Candidate(effect, form.formula, [{}], np.zeros(1), columns[:, None, :])
 
 
 def _states(survey: Survey) -> dict[State, np.ndarray]:

@@ -216,9 +216,9 @@ class Forms:
         yield from self._banks
         known = sum(len(forms) for forms, _ in self._banks) if self._banks else 0
         room = _ROOM // len(self._screen.base.y)
-        for some in self._columns.batches(self._columns.forms[self._listed :]):
-            rows = self._screen.rows
-            bank = Bank(self._screen.base, [self._columns.candidate(f, rows) for f in some])
+        new = self._columns.forms[self._listed :]
+        for some, candidates in self._columns.batches(new, self._screen.rows):
+            bank = Bank(self._screen.base, candidates)
             if (known := known + len(some)) < room:
                 self._banks.append((some, bank))
             yield some, bank

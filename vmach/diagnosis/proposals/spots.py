@@ -27,6 +27,8 @@ _PEAKS = 2
 _EVALUATED = 80
 #: readings at most that places are looked for on
 _LOOKED_THROUGH = 1000
+#: trials that are worked out together
+_AT_ONCE = 200
 #: where a reading is, by whether the direction is that of a surface
 _FRAMES = {True: "path.on_part_mm", False: "path.nose_mm"}
 
@@ -67,7 +69,8 @@ class Spots:
                 continue
             trials = self._trials[direction.needs_surface]
             power = _Power(trials.place_mm, columns[self._rows] / unit[:, None], reading)
-            for k in peaks(power.of(trials.height), trials.height, _PEAKS):
+            found = power.of(trials.height)
+            for k in peaks(found, trials.height, _PEAKS, length=trials.length):
                 centre, width = power.best_near(trials.centres_mm[k], trials.widths_mm[k])
                 looked_at = len(trials.widths_mm) / _FINER**2
                 yield _state(_FRAMES[direction.needs_surface], centre, width, looked_at), direction
@@ -89,6 +92,11 @@ class _Trials:
     centres_mm: np.ndarray
     widths_mm: np.ndarray
     height: np.ndarray
+
+    @cached_property
+    def length(self) -> np.ndarray:
+        """Root of the sum of the squares of each, (T,)."""
+        return np.linalg.norm(self.height, axis=1)
 
     @classmethod
     def over(cls, place_mm: np.ndarray) -> _Trials:
@@ -145,7 +153,8 @@ class _Power:
     def of(self, value: np.ndarray) -> np.ndarray:
         """Of trials whose heights at the readings are (T, n)."""
         wide = self.sensed.shape[1]
-        gram = value**2 @ self._products
+        some = (value[k : k + _AT_ONCE] for k in range(0, len(value), _AT_ONCE))
+        gram = np.concatenate([own**2 @ self._products for own in some])
         return matched_power(value @ self._seen, gram.reshape(-1, wide, wide))
 
     def best_near(self, centre: np.ndarray, width: float) -> tuple[np.ndarray, float]:
