@@ -47,7 +47,8 @@ def test_signatures_factors_and_slack_are_those_of_every_reading(single, repeate
             whole = single.signature(effect, target, inner)[again]
             assert np.allclose(repeated.signature(effect, target, inner), whole, 1e-12, 1e-15)
             usual = {p.name: p.usual for p in effect.parameters if np.isfinite(p.usual)}
-            slack = repeated.slack(effect, target, usual | inner)
+            slack = repeated.slack_at_sites(effect, target, usual | inner)
+            slack = repeated.at_readings(slack)
             # condensed: what adds less than a thousandth of u² to a direction is left out
             full = repeated._slack(effect, target, usual | inner, repeated.u_mm)
             apart = slack @ (slack.T @ probe) - full @ (full.T @ probe)

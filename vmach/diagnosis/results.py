@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from threadpoolctl import threadpool_limits
+
 from vmach.diagnosis.diagnose import Diagnosis
 from vmach.diagnosis.page import write_diagnosis_page
 from vmach.diagnosis.report import write_figures
@@ -27,6 +29,7 @@ def read_nominal_mesh(job: Job) -> Mesh | None:
     return None if job.nominal is None else read_nominal(job.nominal, job.nominal_unit).mesh
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")
 def write_diagnosis(
     folder: Path, found: Diagnosis, *, nominal: Mesh | None = None, command: str
 ) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import ClassVar
 
@@ -180,12 +181,12 @@ class Effect(ABC):
 
     # what a fit works with; an effect overrides these only where its amplitudes hide ----------
 
-    @property
+    @cached_property
     def amplitudes(self) -> tuple[Parameter, ...]:
         """The linear parameters."""
         return tuple(p for p in self.parameters if p.is_linear)
 
-    @property
+    @cached_property
     def inner_parameters(self) -> tuple[Parameter, ...]:
         """The parameters with a grid."""
         return tuple(p for p in self.parameters if not p.is_linear)

@@ -60,10 +60,8 @@ class Base:
     free : (r, f) float64
         An orthonormal basis of what the nuisance can explain.
     y : (r,) float64
-    z : (r, q) float64
-        Members' columns.
     gram : (q, q) float64
-        Products of these with each other.
+        Products of members' columns with each other.
     seen : (q,) float64
         With the readings.
     square : float
@@ -79,10 +77,9 @@ class Base:
         by_reading: bool = False,
     ) -> None:
         self.survey, self.noise, self.members = survey, noise, members
-        of_members = np.hstack([members.fixed_mm, *members.columns_mm])
         self.pooled: Pooled | None = None
         if survey.sites is not None and not by_reading and isinstance(noise, FeatureNoise):
-            every = survey.residual_mm[:, None], survey.nuisance, of_members
+            every = survey.residual_mm[:, None], survey.nuisance, members.every_mm
             others = [columns[:, ~survey.sites.is_constant(columns)] for columns in every]
             self.pooled = Pooled(noise, survey.sites, np.hstack(others))
         self._rows = self.pooled or noise
@@ -95,7 +92,6 @@ class Base:
         self.constant -= float(np.log(size[seen]).sum())
         self.constant -= float(np.log(norms[norms > 0]).sum())
         self.y = self.white(survey.residual_mm[:, None])[:, 0]
-        self.z = self.white(of_members)
         counts = [members.fixed_mm.shape[1], *(c.shape[1] for c in members.columns_mm)]
         self.member_of = np.repeat(np.arange(len(counts)), counts)
         count = len(self.y) if self.pooled is None else len(survey)
@@ -106,6 +102,11 @@ class Base:
         self._sized = Remembered[SizedMembers](_ROOM / max(2 * self.gram.size, 1))
         self._columns = Remembered[Columns](_ROOM_OF_COLUMNS, lambda columns: columns.size)
         self._steps = Remembered[Step](_ROOM_OF_COLUMNS, lambda step: step.size)
+
+    @cached_property
+    def z(self) -> np.ndarray:
+        """Members' columns, (r, q)."""
+        return self.white(self.members.every_mm)
 
     def white(self, columns_mm: np.ndarray) -> np.ndarray:
         """Columns (n, k) mm in unit noise without what the nuisance can explain, (r, k).
@@ -190,7 +191,8 @@ class Base:
         return Places(self.back, [known[pair] for pair in pairs], np.cumsum(is_new) - 1)
 
     def forget(self) -> None:
-        """Signatures and roots, which take the most room."""
+        """Members' columns, signatures and roots, which take the most room."""
+        self.__dict__.pop("z", None)
         self._columns.clear()
         self._steps.clear()
         self._sized.clear()
@@ -222,16 +224,22 @@ class SizedMembers:
         size = sizes.each[base.member_of]
         self.here, self.absent = np.flatnonzero(size > _GONE), np.flatnonzero(size <= _GONE)
         self.scale = size[self.here] / sizes.factor
+        self._stretches = stretches_of(self.here)
 
     @cached_property
     def root(self) -> np.ndarray:
         """Lower Cholesky factor of 1 + S G S, the precision in prior deviations, (p, p)."""
-        return root_of_precision(self._gram[np.ix_(self.here, self.here)], self.scale)
+        return root_of_precision(_among(self._gram, self._stretches), self.scale)
 
     @cached_property
     def seen(self) -> np.ndarray:
         """What the readings say, by the root: L^-1 S Z^T y, (p,)."""
         return self.taken(self._seen) / self.sizes.factor
+
+    @cached_property
+    def taken_of_absent(self) -> np.ndarray:
+        """What is taken of the columns of members that are absent, (p, a)."""
+        return self.taken(self._gram[self.absent].T)
 
     @cached_property
     def raised_root(self) -> np.ndarray:
@@ -254,12 +262,29 @@ class SizedMembers:
         # many at once: BLAS multiplies by an inverse twice as fast as it solves
         return dtrmm(1.0, self._inverse, scaled, lower=True, overwrite_b=True)
 
+    def given_back(self, taken: np.ndarray) -> np.ndarray:
+        """S L^-T of what members take (p, k): so much of each column takes it, (p, k)."""
+        return self.scale[:, None] * solved(self.root, taken.copy("F"), transposed=True)
+
     @cached_property
     def _inverse(self) -> np.ndarray:
         """Of the root."""
         inverse, failed = dtrtri(self.root, lower=True)
         assert not failed
         return inverse
+
+
+def stretches_of(number: np.ndarray) -> list[slice]:
+    """Stretches of numbers (k,) that go up, each without a gap."""
+    ends = np.flatnonzero(np.diff(number, prepend=-2, append=-2) != 1)
+    return [slice(number[a], number[b - 1] + 1) for a, b in itertools.pairwise(ends)]
+
+
+def _among(matrix: np.ndarray, stretches: Sequence[slice]) -> np.ndarray:
+    """Those rows and columns of a matrix; in pieces, which copies ten times as fast as indices."""
+    if not stretches:
+        return np.zeros((0, 0))
+    return np.vstack([np.hstack([matrix[a, b] for b in stretches]) for a in stretches])
 
 
 def root_of_precision(gram: np.ndarray, scale: np.ndarray) -> np.ndarray:

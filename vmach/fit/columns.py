@@ -18,6 +18,9 @@ import numpy as np
 
 __all__ = ["Columns"]
 
+#: share of the largest variance of columns that is none
+_NOTHING = 1e-14
+
 
 @dataclass(frozen=True, eq=False)
 class Columns:
@@ -85,6 +88,14 @@ class Columns:
     def gram(self) -> np.ndarray:
         """Products of the white columns with each other, (K, K)."""
         return self.make_gram()
+
+    def told_apart(self) -> Self:
+        """Products of the same covariance by as few columns as differ; the columns are not made."""
+        squared, axes = np.linalg.eigh(self.gram)
+        there = squared > _NOTHING * squared[-1:].max(initial=0.0)
+        axes, gram = axes[:, there], np.diag(squared[there])
+        cross, seen = self.cross @ axes, self.seen @ axes
+        return type(self)(lambda: self.make_mm() @ axes, (), lambda: gram, cross, seen, self.site)
 
     def dot(self, white: np.ndarray) -> np.ndarray:
         """Products with other white columns (r, m), (K, m)."""

@@ -10,7 +10,7 @@ Source: M. Kennedy and A. O'Hagan, J. R. Statist. Soc. B 63 (2001) 425.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -31,13 +31,15 @@ _UPRIGHT = 0.7
 _BLIND = 1e-3
 #: share of u² that a direction of the causes of known size has at least
 _LEAST_VARIANCE = 1e-2
+#: what a direction of unit size adds to all readings together, in squared u, that nobody sees
+_NOTHING = 1e-8
 #: half the length of the smallest part that bends, mm: points on one place tell no curvature
 _LEAST_HALF_MM = 25.0
 
 
 @dataclass(frozen=True)
 class Members:
-    """Columns of unit variance that stand beside the effects.
+    """Columns of unit variance that stand beside the effects; views of one array.
 
     Attributes
     ----------
@@ -47,11 +49,23 @@ class Members:
         Of the members of unknown size.
     columns_mm : tuple of (n, k) float64
         Of each; a size of one makes about one median `u_um`.
+    every_mm : (n, q) float64
+        Those of known size, and all others.
     """
 
     fixed_mm: np.ndarray
     names: tuple[str, ...]
     columns_mm: tuple[np.ndarray, ...]
+    every_mm: np.ndarray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        parts = [self.fixed_mm, *self.columns_mm]
+        every = np.hstack(parts)
+        ends = np.cumsum([part.shape[1] for part in parts])[:-1]
+        fixed, *others = np.split(every, ends, axis=1)
+        object.__setattr__(self, "every_mm", every)
+        object.__setattr__(self, "fixed_mm", fixed)
+        object.__setattr__(self, "columns_mm", tuple(others))
 
 
 def members_of(survey: Survey) -> Members:
@@ -60,8 +74,8 @@ def members_of(survey: Survey) -> Members:
     found = {
         **{name: unit * columns for name, columns in _offsets(survey).items()},
         "form": unit * _forms(survey),
-        "time": unit * _in_time(survey),
-        "field": unit * _field(survey),
+        "time": _told_apart(survey, unit * _in_time(survey)),
+        "field": _told_apart(survey, unit * _field(survey)),
         "bend": unit * _bend(survey),
     }
     device = _device(survey)
@@ -162,6 +176,13 @@ def _device(survey: Survey) -> np.ndarray:
         stretched, leaning = device.scale_u * n * place, device.squareness_u_rad * np.array(sheared)
         blocks.append(np.hstack([stretched, leaning.T]))
     return block_diag(*blocks)
+
+
+def _told_apart(survey: Survey, columns: np.ndarray) -> np.ndarray:
+    """The same covariance by as many columns as readings tell apart beside an alignment."""
+    beside = (columns - survey.aligned(columns)) / survey.u_mm[:, None]
+    squared, vectors = np.linalg.eigh(beside.T @ beside)
+    return columns @ vectors[:, squared > _NOTHING]
 
 
 def _seen(columns: np.ndarray) -> np.ndarray:

@@ -61,7 +61,8 @@ class FeatureNoise:
         """Columns (n, k) mm in unit noise."""
         scaled = columns / self.u_mm[:, None]
         if self.share == 0.0:
-            return scaled * np.sqrt(self.weight)[:, None]
+            scaled *= np.sqrt(self.weight)[:, None]
+            return scaled
         return self._by_blocks(scaled, [inverse for _, inverse in self._roots])
 
     def back(self, white: np.ndarray) -> np.ndarray:

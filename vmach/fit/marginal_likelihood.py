@@ -16,7 +16,7 @@ information, 1/2 tr(C^-1 dC C^-1 dC), from the covariance of both; and where 1 +
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -33,6 +33,8 @@ __all__ = ["Bordered", "Effects", "Posterior", "best_sizes"]
 _STEPS, _STRIDE, _TIMID, _BOLD = 20, 1.5, 0.05, 4.0
 #: log probability that a further step has to promise
 _GAIN = 0.01
+#: a member up to this size cannot shrink
+_LEAST = (1.0 + 1e-9) * ABSENT
 
 
 def best_sizes(base: Base, start: Sizes, effects: Effects) -> Posterior:
@@ -43,7 +45,9 @@ def best_sizes(base: Base, start: Sizes, effects: Effects) -> Posterior:
     """
     low = np.log([0.1, *([ABSENT] * len(start.members))])
     place, boldness = np.maximum(start.logarithms, low), 1.0
-    here = Posterior(base, Sizes.at(place), effects)
+    # only products count here, so that columns which do the same are one
+    lean = Effects(effects.columns.told_apart(), effects.log_prior)
+    here = Posterior(base, Sizes.at(place), lean)
     for _ in range(_STEPS):
         slope, information = here.slope_and_information()
         moves = (place > low) | (slope > 0.0)
@@ -53,14 +57,14 @@ def best_sizes(base: Base, start: Sizes, effects: Effects) -> Posterior:
             break
         while True:
             onward = np.maximum(place + np.clip(boldness * step, -_STRIDE, _STRIDE), low)
-            trial = Posterior(base, Sizes.at(onward), effects)
+            trial = Posterior(base, Sizes.at(onward), lean)
             if trial.log_probability > here.log_probability:
                 break
             if boldness < _TIMID:
-                return here
+                return replace(here, effects=effects)
             boldness *= 0.25
         place, here, boldness = onward, trial, min(2.0 * boldness, _BOLD)
-    return here
+    return replace(here, effects=effects)
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,19 +215,29 @@ class Posterior:
         return slope + prior.slope_of_prior, information
 
     def _add_absent(self, slope: np.ndarray, information: np.ndarray) -> None:
-        """To both, what members that are absent would do if they were a little there."""
+        """To both, what members that are absent would do if they were a little there.
+
+        The information only of those that could grow; others stay at their smallest size.
+        """
         absent, base = self.members.absent, self.base
-        gram = base.gram[:, absent]
-        taken = self._taken(gram, self.effects.columns.cross[absent].T)
+        if not len(absent):
+            return
         factor = self.sizes.factor
-        left = gram[absent] / factor**2 - taken.T @ taken
-        seen = base.seen[absent] / factor**2 - taken.T @ self.seen
+        taken = self._beside_effects(
+            self.members.taken_of_absent / factor, self.effects.columns.cross[absent].T
+        )
         member = base.member_of[absent]
+        seen = base.seen[absent] / factor**2 - taken.T @ self.seen
+        left = np.diag(base.gram)[absent] / factor**2 - np.sum(taken**2, axis=0)
         squared = self.sizes.each**2
-        slope += squared * np.bincount(member, seen**2 - np.diag(left), len(slope))
-        left *= left
-        of_member = np.eye(len(slope))[member]
-        information += np.diag(squared**2 * np.diag(of_member.T @ left @ of_member))
+        slope += squared * np.bincount(member, seen**2 - left, len(slope))
+        for k in np.unique(member):
+            if slope[k] > 0.0 or self.sizes.each[k] > _LEAST:
+                rows = absent[member == k]
+                own = slice(rows[0], rows[-1] + 1)
+                of_member = taken[:, member == k]
+                block = base.gram[own, own] / factor**2 - of_member.T @ of_member
+                information[k, k] += squared[k] ** 2 * np.sum(block**2)
 
     def taken(self, columns: Columns) -> np.ndarray:
         """What members and effects take of K columns, by the root, (k, K)."""
@@ -231,9 +245,12 @@ class Posterior:
 
     def _taken(self, cross: np.ndarray, with_effects: np.ndarray) -> np.ndarray:
         """The same from products with the members' and the effects' columns, (q, K), (e, K)."""
-        factor, root = self.sizes.factor, self.bordered
-        of_members = self.members.taken(cross) / factor
-        own = with_effects / factor**2 - root.border.T @ of_members
+        return self._beside_effects(self.members.taken(cross) / self.sizes.factor, with_effects)
+
+    def _beside_effects(self, of_members: np.ndarray, with_effects: np.ndarray) -> np.ndarray:
+        """The same from what the members take, (p, K), in units of the factor."""
+        root = self.bordered
+        own = with_effects / self.sizes.factor**2 - root.border.T @ of_members
         return np.concatenate([of_members, solved(root.own, own)])
 
     def products(self, columns: Columns) -> tuple[np.ndarray, np.ndarray]:

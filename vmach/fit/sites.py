@@ -25,6 +25,8 @@ __all__ = ["Pooled", "Sites", "sites_of"]
 _WORTH = 2.0
 #: share of a column that arithmetic rounds
 _ROUNDING = 1e-12
+#: readings that are compared together, so few that they stay near the processor
+_AT_ONCE = 500
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,11 +46,13 @@ class Sites:
 
     def is_constant(self, columns: np.ndarray) -> np.ndarray:
         """Whether columns (n, k) are the same in all readings of a site, (k,) bool."""
-        same = (
-            np.abs(c - c[self.first][self.of]).max() <= _ROUNDING * np.abs(c).max()
-            for c in columns.T
-        )
-        return np.fromiter(same, dtype=bool, count=columns.shape[1])
+        apart, size = np.zeros((2, columns.shape[1]))
+        for k in range(0, len(columns), _AT_ONCE):
+            rows = columns[k : k + _AT_ONCE]
+            change = rows - columns[self.first[self.of[k : k + _AT_ONCE]]]
+            np.maximum(apart, np.abs(change).max(axis=0), out=apart)
+            np.maximum(size, np.abs(rows).max(axis=0), out=size)
+        return apart <= _ROUNDING * size
 
 
 def sites_of(alike: Sequence[np.ndarray]) -> Sites | None:

@@ -220,15 +220,17 @@ class Survey:
         blank = [np.zeros((len(m), terms)) for m in self.measurements]
         return np.vstack([b if s is None else s for s, b in zip(sensed, blank, strict=True)])
 
-    def slack(self, effect: Effect, target: str, parameters: Mapping[str, float]) -> np.ndarray:
-        """Signatures of unit variance of what an effect's law leaves open, (n, K) mm.
+    def slack_at_sites(
+        self, effect: Effect, target: str, parameters: Mapping[str, float]
+    ) -> np.ndarray:
+        """Signatures of unit variance of what an effect's law leaves open, (m, K) mm.
 
-        Independent in every measurement.
+        At every site, or at every reading where `sites` is None; independent in every measurement.
         """
         if effect.slack_share == 0.0:
-            return np.zeros((len(self), 0))
+            return np.zeros((len(self.u_at_sites_mm), 0))
         survey = self if self.sites is None else self._at_sites
-        return self.at_readings(survey._slack(effect, target, parameters, self.u_at_sites_mm))
+        return survey._slack(effect, target, parameters, self.u_at_sites_mm)
 
     def _slack(
         self, effect: Effect, target: str, parameters: Mapping[str, float], u_mm: np.ndarray

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -50,7 +51,7 @@ class Term:
         """Prior standard deviation of its coefficients, in usual sizes."""
         return self.width or FREE
 
-    @property
+    @cached_property
     def free_parameters(self) -> tuple[Parameter, ...]:
         """The inner parameters that a fit may move, by their logarithms; I of them."""
         return tuple(p for p in self.effect.inner_parameters if p.low > 0)

@@ -160,7 +160,7 @@ class Circumstances:
 
     # time ---------------------------------------------------------------------------------
 
-    @property
+    @cached_property
     def time_s(self) -> np.ndarray:
         """Time since the cold start, (P,)."""
         return self.states.time_s
@@ -231,11 +231,15 @@ class Circumstances:
 
     def of_tool(self, name: str) -> np.ndarray:
         """A dimension of each state's tool, such as ``diameter_mm``, (P,); NaN if not given."""
-        values = np.full(max([*self.job.tools, int(self.moves.tool.max())]) + 1, np.nan)
-        for number, tool in self.job.tools.items():
-            given = getattr(tool, name)
-            values[number] = np.nan if given is None else given
-        return values[self.tool]
+
+        def dimension() -> np.ndarray:
+            values = np.full(max([*self.job.tools, int(self.moves.tool.max())]) + 1, np.nan)
+            for number, tool in self.job.tools.items():
+                given = getattr(tool, name)
+                values[number] = np.nan if given is None else given
+            return values[self.tool]
+
+        return self._once(f"{name} of the tool", (), dimension)
 
     @cached_property
     def tool_changes(self) -> np.ndarray:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stock import Tool
+from vmach.base.alike_rows import alike_rows
 from vmach.machine import Variant
 from vmach.path.preparation import Preparation
 from vmach.path.toolpath import PathStates
@@ -73,6 +74,16 @@ class MadeSurface:
         deviation_mm : (P,) float64
             Predicted there by the model alone, without the others.
         """
+        first, of = alike_rows(
+            [self.points_mm, self.normals, known.move, known.parameter, known.contact_mm]
+        )
+        places, deviation = self[first]._beside(others, known[first])
+        return places[of], deviation[of]
+
+    def _beside(
+        self, others: Sequence[ActingEffect], known: PathStates
+    ) -> tuple[PathStates, np.ndarray]:
+        """The same, of points none of which repeats another."""
         acting = (*self.effects, *others)
         found = self._predicted(acting)
         places, deviation = _merged(known, found), np.zeros(len(self.points_mm))

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vmach.fit.base import Base, SizedMembers, solved
+from vmach.fit.base import Base, SizedMembers
 from vmach.fit.candidates import Candidate
 from vmach.fit.evidence import Evidence, evidence_at_places
-from vmach.fit.marginal_likelihood import Bordered, Posterior
+from vmach.fit.marginal_likelihood import Posterior
 from vmach.fit.means import Means
-from vmach.fit.sizes import Sizes
+from vmach.fit.remembered import Remembered
 
 __all__ = ["Bank"]
 
@@ -25,6 +25,10 @@ __all__ = ["Bank"]
 _CACHED = 200_000
 #: numbers that white signatures may take up
 _ROOM = 2_000_000
+#: share of the largest variance of effects that is none
+_NOTHING = 1e-14
+#: sizes of members beside which products are kept: those of an explanation, and little ones
+_SIZES = 3
 
 
 class Bank:
@@ -48,8 +52,9 @@ class Bank:
 
     def evidence(self, posterior: Posterior) -> Evidence:
         """Evidence of every candidate beside members and effects of a posterior."""
-        back = self._base.back(posterior.effects.columns.white)
-        parts = [g.evidence(posterior.members, posterior.bordered, back) for g in self._groups]
+        white, seen = _apart(posterior)
+        back = self._base.back(white)
+        parts = [group.evidence(posterior.members, back, seen) for group in self._groups]
         return Evidence.joined(parts, self._place)
 
 
@@ -69,38 +74,31 @@ class _Group:
                 means.append(rows.astype(np.float32))
             parts.append((rows @ base.z, rows @ base.y, _products(self._by_place(rows))))
         # means are few: they are kept white
-        self._rows = means or _side_by_side(raw)
+        self._rows = means or list(_at_once(raw, max(_CACHED // wide, 1)))
         self._with_members, self._seen, self._gram = map(np.concatenate, zip(*parts, strict=True))
-        self._beside: tuple[Sizes, _Beside] | None = None
+        self._beside = Remembered[_Beside](_SIZES)
 
-    def evidence(self, members: SizedMembers, root: Bordered, back: np.ndarray) -> Evidence:
-        """Evidence of each; rows times `back` (n, k) are products with the posterior's effects."""
-        k, beside = members.sizes.factor, self._beside_members(members)
-        with_effects = np.concatenate([self._times(rows, back) for rows in self._rows])
-        taken = solved(root.own, with_effects.T / k - root.border.T @ beside.taken)
-        inner = beside.inner - taken.T @ root.seen_effects / k
-        gram = beside.gram - _products(self._by_place(taken.T)) / k**2
+    def evidence(self, members: SizedMembers, back: np.ndarray, seen: np.ndarray) -> Evidence:
+        """Evidence of each; rows times `back` (n, e) are what effects take of them.
+
+        What they take of the readings is `seen`, (e,).
+        """
+        beside = self._beside.get(members.sizes, lambda: self._beside_members(members))
+        taken = np.concatenate([self._times(rows, back) for rows in self._rows])
+        inner = beside.inner - taken @ seen
+        gram = beside.gram - _products(self._by_place(taken))
         return evidence_at_places(gram, self._by_place(inner[:, None]), self._log_priors)
 
     def _times(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-        """Rows (m, n) times columns (n, k), some at a time where they have to be widened first."""
-        many = max(_CACHED // max(len(columns), 1), 1)
-        found = np.empty((len(rows), columns.shape[1]))
-        for k in range(0, len(rows), many):
-            some = rows[k : k + many].astype(np.float64, copy=False)
-            if some.shape[1] != len(columns):
-                some = self._rows_of(some.T).T
-            found[k : k + many] = some @ columns
-        return found
+        """Rows (m, n) times columns (n, k)."""
+        rows = rows.astype(np.float64, copy=False)
+        return (rows if rows.shape[1] == len(columns) else self._rows_of(rows.T).T) @ columns
 
     def _beside_members(self, members: SizedMembers) -> _Beside:
-        """What is left beside members alone; the last is remembered."""
-        if self._beside is None or self._beside[0] != members.sizes:
-            k, taken = members.sizes.factor, members.taken(self._with_members.T)
-            gram = (self._gram - _products(self._by_place(taken.T))) / k**2
-            inner = self._seen / k**2 - taken.T @ members.seen / k
-            self._beside = members.sizes, _Beside(taken, gram, inner)
-        return self._beside[1]
+        """What is left beside members alone."""
+        k, taken = members.sizes.factor, members.taken(self._with_members.T)
+        gram = (self._gram - _products(self._by_place(taken.T))) / k**2
+        return _Beside(gram, self._seen / k**2 - taken.T @ members.seen / k)
 
     def _by_place(self, rows: np.ndarray) -> np.ndarray:
         """Rows (P K, n) as (P, K, n)."""
@@ -113,22 +111,32 @@ class _Beside:
 
     Attributes
     ----------
-    taken : (p, P K) float64
-        What the members take, by their root.
     gram : (P, K, K) float64
     inner : (P K,) float64
         With the readings.
     """
 
-    taken: np.ndarray
     gram: np.ndarray
     inner: np.ndarray
 
 
-def _side_by_side(rows: list[np.ndarray]) -> list[np.ndarray]:
-    """Rows of several candidates together; those of float32 are kept by the candidates anyway."""
-    kinds = {(own.dtype, own.shape[1]) for own in rows}
-    return [np.concatenate(rows)] if kinds == {(np.float64, rows[0].shape[1])} else rows
+def _apart(posterior: Posterior) -> tuple[np.ndarray, np.ndarray]:
+    """What the effects of a posterior take of columns and readings, beside its members.
+
+    Products of the first, (r, e), with white columns; the second, (e,), for the readings. Effects
+    that do the same are one.
+
+    Source: derived here: of 1 + E^T E = V (1 + m) V^T, E V (1 + m)^-1/2 where m is not zero.
+    """
+    members, root, own = posterior.members, posterior.bordered, posterior.effects.columns
+    k = members.sizes.factor
+    squared, axes = np.linalg.eigh(root.own @ root.own.T)
+    there = squared > 1.0 + _NOTHING * max(squared[-1:].max(initial=0.0), 1.0)
+    axes = axes[:, there] / np.sqrt(squared[there])
+    amount = np.zeros((len(own.cross), axes.shape[1]))
+    amount[members.here] = members.given_back(root.border @ axes)
+    white = own.summed(axes) / k - posterior.base.z @ amount
+    return white / k, axes.T @ (root.own @ root.seen_effects)
 
 
 def _at_once(rows: Sequence[np.ndarray], many: int) -> Iterator[np.ndarray]:
@@ -139,10 +147,15 @@ def _at_once(rows: Sequence[np.ndarray], many: int) -> Iterator[np.ndarray]:
             some = own[k : k + many]
             # some are at readings, others at sites
             if few and (sum(map(len, few)) + len(some) > many or few[0].shape[1] != some.shape[1]):
-                yield np.concatenate(few)
+                yield _joined(few)
                 few = []
             few.append(some)
-    yield np.concatenate(few)
+    yield _joined(few)
+
+
+def _joined(rows: list[np.ndarray]) -> np.ndarray:
+    """One behind the other; a single one shares its memory."""
+    return rows[0] if len(rows) == 1 else np.concatenate(rows)
 
 
 def _products(rows: np.ndarray) -> np.ndarray:

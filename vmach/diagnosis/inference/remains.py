@@ -41,9 +41,8 @@ def usual_u_um(weighing: Weighing) -> float:
 def remains_mm(weighing: Weighing, found: Explanation) -> np.ndarray:
     """What the discrepancy takes of the readings, alignment and zeros taken off, (n,)."""
     members, amount = weighing.members, found.posterior.amounts
-    columns = np.hstack([np.zeros((len(weighing.survey), 0)), *members.columns_mm])
     first = members.fixed_mm.shape[1]
-    taken = columns @ amount[first : first + columns.shape[1]]
+    taken = members.every_mm[:, first:] @ amount[first:]
     return taken - weighing.survey.aligned(taken[:, None])[:, 0]
 
 

@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 from scipy.special import gammaln
 
-from vmach.diagnosis.gates.absorbing import slack_of
+from vmach.diagnosis.gates.absorbing import slack_at_sites
 from vmach.diagnosis.gates.sizes_above_zero import log_factor_of_sizes
 from vmach.diagnosis.inference.bank import Bank
 from vmach.diagnosis.inference.careful_fit import careful_fit
@@ -180,6 +180,10 @@ class Weighing:
         self._forget()
         self.base.forget()
 
+    def forget_means(self) -> None:
+        """What a search looks candidates over on, where it is over."""
+        self._bank_of_means = None
+
     def release(self) -> None:
         """Candidates too, and those of the weighings that this was made of: none is asked again."""
         self.forget()
@@ -296,7 +300,7 @@ class Weighing:
 
     def _slack(self, fit: JointFit) -> Columns | None:
         """Columns of what the laws leave open, as far as stated."""
-        slack = slack_of(self.survey, replace(fit, slack_mm=None, slack_scale=1.0))
+        slack = slack_at_sites(self.survey, fit)
         return self.base.columns(slack) if slack.shape[1] else None
 
     def _open(self, fit: JointFit) -> Columns:

@@ -57,6 +57,7 @@ class Forms:
     """
 
     def __init__(self, weighing: Weighing, found: Explanation) -> None:
+        weighing.forget_means()
         self._weighing = weighing
         self._known = [weighing.candidates[weighing.index_of(t.label)] for t in found.terms]
         self._columns = FormColumns(weighing.survey)
@@ -127,12 +128,16 @@ class Forms:
     def _extended(self, here: Explanation, leading: Sequence[Form]) -> Explanation:
         """An explanation with the best of some forms, without what it makes needless."""
         weighing = self._with(leading)
-        trials = {f: weighing.extend(here, weighing.index_of(_label(f))) for f in leading}
-        best = max(trials, key=lambda f: trials[f].score, default=None)
+        best = max(
+            # one at a time: a fit of many readings takes much memory
+            ((weighing.extend(here, weighing.index_of(_label(form))), form) for form in leading),
+            key=lambda pair: pair[0].score,
+            default=None,
+        )
         if best is None:
             return here
-        self._chosen[_label(best)] = best
-        return without_needless(weighing, trials[best])
+        self._chosen[_label(best[1])] = best[1]
+        return without_needless(weighing, best[0])
 
     def proposals(self, alone: Explanation, grown: Explanation) -> tuple[Proposal, ...]:
         """The forms of a grown explanation, then others that would do nearly as well.

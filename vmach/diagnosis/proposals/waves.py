@@ -94,7 +94,11 @@ def _peaks(along: np.ndarray, reading: np.ndarray, span: float, shortest: float)
 def _refined(along: np.ndarray, reading: np.ndarray, frequency: float, step: float) -> float:
     """The frequency of the peak itself, from the readings where they are."""
     tried = frequency + step * np.linspace(-1.0, 1.0, 21)
-    power = np.abs(np.exp(2j * np.pi * tried[:, None] * along) @ reading)
+    turn = np.exp(2j * np.pi * (tried[1] - tried[0]) * along)
+    wave, power = np.exp(2j * np.pi * tried[0] * along) * reading, []
+    for _ in tried:
+        power.append(np.abs(wave.sum()))
+        wave *= turn
     return float(tried[int(np.argmax(power))])
 
 

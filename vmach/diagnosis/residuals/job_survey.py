@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from vmach.effects import Circumstances, read_effects
 from vmach.errors import InputError
@@ -18,6 +19,7 @@ from vmach.path.preparation import Preparation, prepare
 __all__ = ["survey_job", "survey_part"]
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")
 def survey_job(job_path: Job | str | Path) -> Survey:
     """The measured part and all instruments of a job, with the job's own effects in the model.
 
