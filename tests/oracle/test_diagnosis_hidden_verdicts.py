@@ -175,16 +175,30 @@ def test_what_remains_elsewhere_is_no_doubt_about_a_local_effect(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("effects", "seed", "design"),
+    ("effects", "seed", "noise", "design"),
     [
         # where a tool entered a bore one point lies 10 um off: a chip took that up, and hid it
-        (["lateral_play", "tool_deflection", "missing_table"], 4552038, PartDesign(corners=True)),
+        (
+            ["lateral_play", "tool_deflection", "missing_table"],
+            4552038,
+            "white",
+            PartDesign(corners=True),
+        ),
         # two points before the slip were taken for odd ones, and a glitch stood for the rest
-        (["hysteresis", "spindle_growth", "tool_slip"], 4552001, PartDesign()),
+        (["hysteresis", "spindle_growth", "tool_slip"], 4552001, "white", PartDesign()),
+        # X turned 1.2 um before a point of either wall: three effects of 80 um stood for them
+        (
+            ["quadrant_glitch", "datum_shift", "local_damage"],
+            4783001,
+            "correlated",
+            PartDesign(),
+        ),
     ],
 )
-def test_odd_readings_neither_call_for_an_effect_nor_hide_one(tmp_path, effects, seed, design):
-    make_experiment(tmp_path, effects=effects, seed=seed, design=design)
+def test_odd_readings_neither_call_for_an_effect_nor_hide_one(
+    tmp_path, effects, seed, noise, design
+):
+    make_experiment(tmp_path, effects=effects, seed=seed, design=design, noise=noise)
     report, _ = program_runs.diagnose(tmp_path)
     found = judge(report, json.loads((tmp_path / "truth.json").read_text()))
     assert found.outcome in ("right", "class"), found.said

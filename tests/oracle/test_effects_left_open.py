@@ -54,6 +54,27 @@ def test_what_a_law_leaves_open_is_in_it_too(tmp_path):
     np.testing.assert_allclose(added[floors], 0.2 * grown_mm[floors], rtol=0.01)
 
 
+@pytest.mark.parametrize("name", ["backlash", "hysteresis", "quadrant_glitch"])
+def test_where_an_axis_just_turns_it_lies_on_either_side_of_its_play(tmp_path, name):
+    """On one side or the other, of which the law is the mean: a draw of ten thousand."""
+    written = write_job(tmp_path)
+    program = tmp_path / "part.nc"
+    back = "G1 X41.02\nX41.0195\nX41.019\nX41.0185\nG0 Z5\nM5"
+    program.write_text(program.read_text().replace("G0 Z5\nM5", back))
+    job = read_job(written)
+    path = Circumstances(prepare(job).path.nodes, job)
+    effect = catalogue()[name]
+    stated = {p.name: p.usual for p in effect.parameters}
+    law = effect.displacement(path, "X", **stated)[:, 0]
+    open_ = np.sum(effect.slack(path, "X", stated) ** 2, axis=(1, 2))
+    side = path.play_side[:, 0]
+    crossing = (np.abs(side) < 0.999) & (np.abs(side) > 1e-6)
+    assert crossing.sum() >= 2 and not open_[np.abs(side) == 1.0].any()
+    for mean, own, variance in zip(side[crossing], law[crossing], open_[crossing], strict=True):
+        drawn = np.where(np.random.default_rng(2).random(10_000) < 0.5 * (1.0 + mean), 1.0, -1.0)
+        assert variance == pytest.approx(np.var(drawn * own / mean), rel=0.1)
+
+
 def test_the_weather_of_another_day_is_foretold_by_its_size_only(tmp_path):
     """Ten thousand days of a wave with any phase, against the wave that was fitted."""
     job = read_job(write_job(tmp_path))

@@ -1,19 +1,17 @@
 """Backlash: the carriage follows its drive only after the lost motion is taken up."""
 
-from vmach.effects.effect import Effect, along
-from vmach.effects.laws.servo.reversal import TAKE_UP_MM, taken_up
+from vmach.effects.effect import along
+from vmach.effects.laws.servo.reversal import TAKE_UP_MM, OfReversal, share_taken_up
 from vmach.effects.parameter import inner, linear
-from vmach.machine import LINEAR_AXES
 
 __all__ = ["Backlash"]
 
 
-class Backlash(Effect):
+class Backlash(OfReversal):
     """The axis stays behind by half the reversal value, on the side that it comes from."""
 
     name = "backlash"
     title = "backlash (lost motion at reversal)"
-    follows_travel = True
     commonness = 34
     shows_as = "half the reversal value behind the motion, on either side"
     law = "-(reversal/2) s_j(take_up) ê_j"
@@ -39,6 +37,6 @@ class Backlash(Effect):
     )
     cure = "preload the nut or the bearing, or set the control's backlash compensation"
 
-    def displacement(self, path, target, reversal_um, take_up_mm):
-        side = taken_up(path, LINEAR_AXES.index(target), take_up_mm)
-        return along(target, -0.5e-3 * reversal_um * side)
+    def on_one_side(self, path, target, reversal_um, take_up_mm):
+        share = share_taken_up(path, self.axis(target), take_up_mm)
+        return along(target, -0.5e-3 * reversal_um * share)

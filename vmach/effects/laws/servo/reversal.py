@@ -1,5 +1,6 @@
 """Effects of reversal that depend on the way, or the time, since it."""
 
+from abc import abstractmethod
 from dataclasses import replace
 
 import numpy as np
@@ -9,27 +10,66 @@ from vmach.effects.parameter import inner, linear
 from vmach.machine import LINEAR_AXES
 from vmach.path.circumstances import Circumstances
 
-__all__ = ["TAKE_UP_MM", "Hysteresis", "LateralPlay", "QuadrantGlitch", "taken_up"]
+__all__ = [
+    "TAKE_UP_MM",
+    "Hysteresis",
+    "LateralPlay",
+    "OfReversal",
+    "QuadrantGlitch",
+    "share_taken_up",
+]
 
 
 #: ways over which lost motion may be taken up
 TAKE_UP_MM = (0.0025, 0.01, 0.03, 0.1)
+#: side of the play from which on an axis surely lies against it; below, it crosses the play
+_SURE = 1.0 - 1e-6
 #: guides with more than this are broken; it then is a slope with the way that looks like a loop
 _WIDEST_LOOP_UM = 20.0
 
 
-def taken_up(path: Circumstances, axis: int, travel_mm: float) -> np.ndarray:
-    """Side of an axis, going over from -1 to +1 with the way since it reversed, (P,)."""
-    gone = np.exp(-path.travel_since_reversal_mm[:, axis] / travel_mm)
-    return path.play_side[:, axis] * (1.0 - 2.0 * gone)
+def share_taken_up(path: Circumstances, axis: int, travel_mm: float) -> np.ndarray:
+    """Going over from -1 to +1 with the way since an axis reversed, (P,)."""
+    return 1.0 - 2.0 * np.exp(-path.travel_since_reversal_mm[:, axis] / travel_mm)
 
 
-class QuadrantGlitch(Effect):
+class OfReversal(Effect):
+    """Base of the effects that change sides where an axis reverses.
+
+    Just where it does, no reading tells on which side it lies: that is left open. The side is then
+    one or the other, of which `play_side` is the mean.
+    """
+
+    follows_travel = True
+    slack_share = 1.0
+
+    @abstractmethod
+    def on_one_side(self, path: Circumstances, target: str, **parameters: float) -> np.ndarray:
+        """Displacement where the axis came in positive direction, (P, 3) mm."""
+
+    def axis(self, target: str) -> int:
+        """Number of the axis that reverses, the first that a target names."""
+        return LINEAR_AXES.index(target[0])
+
+    def displacement(self, path, target, **parameters):
+        side = path.play_side[:, self.axis(target), None]
+        return side * self.on_one_side(path, target, **parameters)
+
+    def slack(self, path, target, parameters):
+        side = path.play_side[:, self.axis(target)]
+        unsure = np.flatnonzero((np.abs(side) < _SURE) & (side != 0.0))
+        moments, which = np.unique(path.time_s[unsure], return_inverse=True)
+        columns = np.zeros((len(side), 3, len(moments)))
+        spread = np.sqrt(1.0 - side[unsure] ** 2)[:, None]
+        columns[unsure, :, which] = spread * self.on_one_side(path, target, **parameters)[unsure]
+        return columns
+
+
+class QuadrantGlitch(OfReversal):
     """Friction holds the axis back for a moment after it reverses."""
 
     name = "quadrant_glitch"
     title = "reversal spike (friction at the quadrants)"
-    follows_travel = True
     commonness = 8
     shows_as = "just after a reversal"
     law = "-spike s exp(-d/travel) ê_j, s = ±1"
@@ -51,18 +91,16 @@ class QuadrantGlitch(Effect):
     confirm = "ballbar at two feeds: spikes at the quadrants, higher with feed"
     cure = "set the control's friction compensation; lubricate"
 
-    def displacement(self, path, target, spike_um, travel_mm):
-        axis = LINEAR_AXES.index(target)
-        fade = np.exp(-path.travel_since_reversal_mm[:, axis] / travel_mm)
-        return along(target, -1e-3 * spike_um * path.play_side[:, axis] * fade)
+    def on_one_side(self, path, target, spike_um, travel_mm):
+        fade = np.exp(-path.travel_since_reversal_mm[:, self.axis(target)] / travel_mm)
+        return along(target, -1e-3 * spike_um * fade)
 
 
-class Hysteresis(Effect):
+class Hysteresis(OfReversal):
     """The structure springs back only with the way gone since the reversal."""
 
     name = "hysteresis"
     title = "hysteresis of guide and structure"
-    follows_travel = True
     commonness = 7
     shows_as = "builds up with the travel since the reversal"
     law = "-(width/2) s_j(travel) ê_j"
@@ -86,17 +124,17 @@ class Hysteresis(Effect):
     confirm = "approach one position from both sides with different overruns"
     cure = "mend the guide's preload; always approach from one side with the same overrun"
 
-    def displacement(self, path, target, width_um, travel_mm):
-        side = taken_up(path, LINEAR_AXES.index(target), travel_mm)
-        return along(target, -0.5e-3 * width_um * side)
+    def on_one_side(self, path, target, width_um, travel_mm):
+        return along(
+            target, -0.5e-3 * width_um * share_taken_up(path, self.axis(target), travel_mm)
+        )
 
 
-class LateralPlay(Effect):
+class LateralPlay(OfReversal):
     """The carriage shifts sideways when its axis reverses; target ``XY``: X moves, Y shifts."""
 
     name = "lateral_play"
     title = "lateral play of a guide"
-    follows_travel = True
     commonness = 6
     shows_as = "first axis reverses, second shifts"
     law = "(play/2) s_i(take_up) ê_j"
@@ -121,6 +159,6 @@ class LateralPlay(Effect):
     confirm = "dial gauge across the guide while the axis reverses"
     cure = "set the gibs or the guide's preload"
 
-    def displacement(self, path, target, play_um, take_up_mm):
-        side = taken_up(path, LINEAR_AXES.index(target[0]), take_up_mm)
-        return along(target[1], 0.5e-3 * play_um * side)
+    def on_one_side(self, path, target, play_um, take_up_mm):
+        share = share_taken_up(path, self.axis(target), take_up_mm)
+        return along(target[1], 0.5e-3 * play_um * share)
