@@ -1,9 +1,11 @@
 """How often verdicts are right on machines that nothing was set on: the table of the docs.
 
-    python tests/benchmarks/count_verdicts.py --rows counts.csv [--count 4] [--table]
+    python tests/benchmarks/count_verdicts.py --rows counts.csv --seed SEED [--part 1/2] [--table]
 
-Every kind of noise and every number of hidden effects gets so many cases, and twice as many
-foreign causes. Rows are written as they come; cases in the file are not run again.
+Every kind of noise and every number of hidden effects gets its cases, most of them with white
+noise, with which the other kinds are compared. Rows are written as they come; cases in the file
+are not run again. Several processes share the cases by `--part`, each with a file of its own;
+`--rows` may be given again, to print one table of all.
 """
 
 from __future__ import annotations
@@ -28,46 +30,86 @@ from tests.benchmarks.bench_hidden_effects import (
 from tests.hidden_effects.experiment import FOREIGN_KINDS, SINGLE_KINDS
 from tests.hidden_effects.measuring import NOISES
 
-#: groups of the table, with the kinds of each and how many times as many cases it gets
-GROUPS: dict[str, tuple[tuple[str, ...], int]] = {
-    "nothing": (("none",), 1),
-    "one effect": (SINGLE_KINDS, 1),
-    "two effects": (("double",), 1),
-    "three effects": (("triple",), 1),
-    "four or five": (("four", "five"), 1),
-    "something unknown": (FOREIGN_KINDS, 2),
+#: groups of the table: kinds of each, cases with white noise, and with each other kind
+GROUPS: dict[str, tuple[tuple[str, ...], int, int]] = {
+    "nothing": (("none",), 24, 24),
+    "one effect": (SINGLE_KINDS, 24, 10),
+    "two effects": (("double",), 24, 10),
+    "three effects": (("triple",), 24, 10),
+    "four effects": (("four",), 12, 5),
+    "five effects": (("five",), 12, 5),
+    "something unknown": (FOREIGN_KINDS, 8, 8),
 }
+#: seeds from one kind of noise to the next, and from one group to the next
+_PER_NOISE, _PER_GROUP = 10_000, 1_000
 
 
-def cases(first_seed: int, count: int) -> list[tuple[str, str, int]]:
+def cases(first_seed: int) -> list[tuple[str, str, int]]:
     """Kind, noise and seed; kinds of a group in an order of chance, all before any twice."""
-    found = []
-    for number, (kinds, times) in enumerate(GROUPS.values()):
-        order = np.random.default_rng([first_seed, number]).permutation(len(kinds))
-        for k in range(times * count * len(NOISES)):
-            noise = list(NOISES)[k % len(NOISES)]
-            found.append((kinds[order[k % len(kinds)]], noise, first_seed + 1000 * number + k))
-    return [found[k] for k in np.random.default_rng(first_seed).permutation(len(found))]
+    random, found = np.random.default_rng(first_seed), []
+    for i, noise in enumerate(NOISES):
+        for j, (kinds, white, other) in enumerate(GROUPS.values()):
+            order, seed = random.permutation(len(kinds)), first_seed + _PER_NOISE * i
+            for k in range(white if noise == "white" else other):
+                kind = kinds[order[k % len(kinds)]]
+                found.append((kind, noise, seed + _PER_GROUP * j + k))
+    return [found[k] for k in random.permutation(len(found))]
 
 
 def print_table(rows: list[dict]) -> None:
     """Counts as Markdown, by group and by noise."""
     rows = [row for row in rows if row["outcome"] != "undrawn"]
-    print("| hidden | cases | right or in the class | 95 % limits | a false name | 95 % limits |")
-    print("|---|---|---|---|---|---|")
-    for name, (kinds, _) in GROUPS.items():
-        _print_line(name, [row for row in rows if row["kind"] in kinds])
-    print("\n| noise | cases | right or in the class | 95 % limits | a false name | 95 % limits |")
-    print("|---|---|---|---|---|---|")
+    white = [row for row in rows if row["noise"] == "white"]
+    others = [row for row in rows if row["noise"] != "white"]
+    for name, some in (("white noise", white), ("other noise", others)):
+        print(
+            f"| hidden, {name} | cases | right or in the class | limits | a false name | limits |"
+        )
+        print("|---|---|---|---|---|---|")
+        for group, (kinds, *_) in GROUPS.items():
+            _print_line(group, [row for row in some if row["kind"] in kinds])
+        print()
+    print(
+        "| noise | clean: named | one to five: right | limits | said: there | there: said | 95 % |"
+    )
+    print("|---|---|---|---|---|---|---|")
     for noise in NOISES:
-        _print_line(noise.replace("_", " "), [row for row in rows if row["noise"] == noise])
+        _print_noise(noise, [row for row in rows if row["noise"] == noise])
     print("\n| of | count | share | 95 % limits |\n|---|---|---|---|")
-    known = [row for row in rows if row["kind"] not in GROUPS["something unknown"][0]]
-    _print_share("effects said to be shown that are there", rows, "true", "named")
-    _print_share("effects that are there that are said to be shown", known, "true", "hidden_count")
+    for name, some in (("white noise", white), ("all noise", rows)):
+        known = [row for row in some if row["kind"] not in FOREIGN_KINDS]
+        _print_share(f"effects said that are there, {name}", some, "true", "named")
+        _print_share(f"effects there that are said, {name}", known, "true", "hidden_count")
     _print_forms(rows)
-    hits = [low <= true <= high for row in rows for _, _, low, high, true in determined(row)]
-    _print_counts("95 % intervals of parameters that hold the truth", sum(hits), len(hits))
+    told = [row for row in rows if row["outcome"] in ("right", "class", "vague")]
+    for name, some in (("", rows), (" where all effects are told", told)):
+        hits = _held(some)
+        _print_counts(f"95 % intervals that hold the truth{name}", sum(hits), len(hits))
+
+
+def _held(rows: list[dict]) -> list[bool]:
+    """Whether each interval of a parameter holds the true value."""
+    return [low <= true <= high for row in rows for _, _, low, high, true in determined(row)]
+
+
+def _print_noise(noise: str, rows: list[dict]) -> None:
+    clean = [row for row in rows if row["kind"] == "none"]
+    hidden = [row for row in rows if row["kind"] not in FOREIGN_KINDS and row["kind"] != "none"]
+    right, held = _count(hidden, _is_right), _held(rows)
+    sums = [sum(int(row[c] or 0) for row in hidden) for c in ("true", "named", "hidden_count")]
+    print(
+        f"| {noise.replace('_', ' ')} | {_count(clean, _is_false)} of {len(clean)} "
+        f"| {right} of {len(hidden)} | {_limits(right, len(hidden))} "
+        f"| {sums[0]} of {sums[1]} | {sums[0]} of {sums[2]} | {sum(held)} of {len(held)} |"
+    )
+
+
+def _is_right(row: dict) -> bool:
+    return row["outcome"] in ("right", "class")
+
+
+def _is_false(row: dict) -> bool:
+    return int(row["named"] or 0) > int(row["true"] or 0)
 
 
 def _print_forms(rows: list[dict]) -> None:
@@ -85,10 +127,9 @@ def _has_forms(row: dict) -> bool:
 
 
 def _print_line(name: str, rows: list[dict]) -> None:
-    right = _count(rows, lambda row: row["outcome"] in ("right", "class"))
-    false = _count(rows, lambda row: int(row["named"] or 0) > int(row["true"] or 0))
-    limits = [_limits(hits, len(rows)) for hits in (right, false)]
-    print(f"| {name} | {len(rows)} | {right} | {limits[0]} | {false} | {limits[1]} |")
+    counts = _count(rows, _is_right), _count(rows, _is_false)
+    limits = [_limits(hits, len(rows)) for hits in counts]
+    print(f"| {name} | {len(rows)} | {counts[0]} | {limits[0]} | {counts[1]} | {limits[1]} |")
 
 
 def _print_share(name: str, rows: list[dict], hits: str, of: str) -> None:
@@ -114,23 +155,23 @@ def _limits(hits: int, count: int) -> str:
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--rows", type=Path, required=True)
-    parser.add_argument("--count", type=int, default=4, help="cases of a group and a noise")
+    parser.add_argument("--rows", type=Path, required=True, action="append")
     parser.add_argument("--seed", type=int, default=960_000)
-    parser.add_argument("--table", action="store_true", help="only print the table of the file")
+    parser.add_argument("--part", default="1/1", help="which of how many parts of the cases")
+    parser.add_argument("--table", action="store_true", help="only print the table of the files")
     args = parser.parse_args()
-    rows = read_rows(args.rows)
-    done = {(row["kind"], row["noise"], int(row["seed"])) for row in rows}
-    for kind, noise, seed in [] if args.table else cases(args.seed, args.count):
+    path, part, of = args.rows[0], *map(int, args.part.split("/"))
+    done = {(row["kind"], row["noise"], int(row["seed"])) for row in read_rows(path)}
+    for kind, noise, seed in [] if args.table else cases(args.seed)[part - 1 :: of]:
         if (kind, noise, seed) not in done:
-            folder = args.rows.with_suffix("")
+            folder = path.with_suffix("")
             settings = Namespace(
                 folder=folder, noise=noise, instruments=[], held_out=False, keep=False
             )
             row = one(kind, seed, settings)
-            append(args.rows, row)
+            append(path, row)
             print(kind, noise, seed, row["outcome"], row["said"], flush=True)
-    print_table(read_rows(args.rows))
+    print_table([row for rows in args.rows for row in read_rows(rows)])
 
 
 if __name__ == "__main__":
