@@ -365,7 +365,7 @@ def test_what_is_not_certain_stays_beside_the_others_while_they_are_judged(monke
         without=lambda here, ks: found([n for k, n in enumerate(here.labels) if k not in ks]),
     )
     monkeypatch.setattr(verdicts, "supports_of", supports)
-    shown, _, weak = verdicts.judged(weighing, found(["a", "b"]), {"a", "b"})
+    shown, _, weak = verdicts.judged(weighing, found(["a", "b"]), {"a": np.inf, "b": np.inf})
     assert shown.labels == ["b"] and [w.term.label for w in weak] == ["a"]
 
 

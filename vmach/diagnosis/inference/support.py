@@ -17,7 +17,7 @@ from vmach.diagnosis.inference.remains import usual_u_um, where_they_act_um
 from vmach.diagnosis.inference.rules import IMITATION, SHOWN, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 
-__all__ = ["Support", "in_its_place", "supports_of"]
+__all__ = ["Support", "in_its_place", "rests_um", "supports_of"]
 
 #: share of an effect below which what remains beside it does not matter
 _LEAST = 0.05
@@ -63,24 +63,33 @@ class Support:
 
     def after(self, before: Support) -> Support:
         """The same as it was judged beside others, which are gone: what they did is no rest."""
-        return replace(
-            self, odds=min(self.odds, before.odds), rest_um=min(self.rest_um, before.rest_um)
-        )
+        return replace(self, odds=min(self.odds, before.odds)).beside(before.rest_um)
+
+    def beside(self, rest_um: float) -> Support:
+        """The same where no more than that remains beside something else."""
+        return replace(self, rest_um=min(self.rest_um, rest_um))
 
 
 def supports_of(weighing: Weighing, found: Explanation) -> Sequence[Support]:
     """What speaks for each effect of an explanation."""
-    least = WORTH_A_FORM * usual_u_um(weighing)
-    sizes, rests = where_they_act_um(weighing, found)
+    sizes, _ = where_they_act_um(weighing, found)
+    own = zip(found.terms, sizes, rests_um(weighing, found), strict=True)
     return [
         Support(
             found.score - weighing.without(found, [k]).score + in_its_place(weighing, found, k),
             size,
-            float(np.sqrt(max(rest**2 - least**2, 0.0))),
+            rest,
             prior=max(weighing.prior_of(term.effect, term.target), 0.0),
         )
-        for k, (term, size, rest) in enumerate(zip(found.terms, sizes, rests, strict=True))
+        for k, (term, size, rest) in enumerate(own)
     ]
+
+
+def rests_um(weighing: Weighing, found: Explanation) -> Sequence[float]:
+    """What remains where each effect acts, beyond what would not be looked into."""
+    least = WORTH_A_FORM * usual_u_um(weighing)
+    _, rests = where_they_act_um(weighing, found)
+    return [float(np.sqrt(max(rest**2 - least**2, 0.0))) for rest in rests]
 
 
 def in_its_place(weighing: Weighing, found: Explanation, k: int) -> float:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+
+import numpy as np
 
 from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.moves import search, search_beyond
@@ -12,7 +14,7 @@ from vmach.diagnosis.inference.noise import beside_own_noise, noise_before
 from vmach.diagnosis.inference.own_contacts import beside_one, over_own_contacts
 from vmach.diagnosis.inference.remains import is_structure, remains_um, sizes_um
 from vmach.diagnosis.inference.rules import KEPT
-from vmach.diagnosis.inference.support import Support, supports_of
+from vmach.diagnosis.inference.support import Support, rests_um, supports_of
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.proposals.forms import Forms
 from vmach.diagnosis.proposals.proposal import Proposal
@@ -126,28 +128,40 @@ def _settled(weighing: Weighing) -> tuple[Weighing, Explanation]:
     return weighing, found
 
 
-def _kept(weighing: Weighing, found: Explanation, grown: Explanation) -> frozenset[str]:
-    """Effects that forms leave most of their size."""
+def _kept(weighing: Weighing, found: Explanation, grown: Explanation) -> Mapping[str, float]:
+    """Effects that forms leave most of their size, and what remains beside both where each acts."""
     before, beside = (
         dict(zip((t.label for t in e.terms), sizes_um(weighing, e), strict=True))
         for e in (found, grown)
     )
-    return frozenset(n for n in before if beside.get(n, 0.0) > KEPT * before[n])
+    rests = dict(zip((t.label for t in grown.terms), rests_um(weighing, grown), strict=True))
+    return {n: rests[n] for n in before if beside.get(n, 0.0) > KEPT * before[n]}
 
 
 def judged(
-    weighing: Weighing, found: Explanation, beside_forms: Collection[str]
+    weighing: Weighing, found: Explanation, beside_forms: Mapping[str, float]
 ) -> tuple[Explanation, dict[str, Support], tuple[Weak, ...]]:
     """An explanation without effects that are not shown, what speaks for the others, and those.
 
     Imitations go, the least probable first. The others stay judged as beside them: their smallest
-    odds count, and the smallest rest. What is not certain stays beside what is judged.
+    odds count, and the smallest rest, beside forms too: what a form is no effect has left. What is
+    not certain stays beside what is judged.
+
+    Parameters
+    ----------
+    weighing : Weighing
+    found : Explanation
+    beside_forms : mapping of str to float
+        Effects that forms leave, and the rest of each beside them, um.
     """
     supports: dict[str, Support] = {}
     weak: list[Weak] = []
     while True:
         here = zip(found.terms, supports_of(weighing, found), strict=True)
-        supports = {t.label: s.after(supports.get(t.label, s)) for t, s in here}
+        supports = {
+            t.label: s.after(supports.get(t.label, s)).beside(beside_forms.get(t.label, np.inf))
+            for t, s in here
+        }
         doubted = _doubted(weighing, found, supports, beside_forms)
         if doubted is None:
             break
@@ -165,7 +179,7 @@ def _doubted(
     weighing: Weighing,
     found: Explanation,
     supports: Mapping[str, Support],
-    beside_forms: Collection[str],
+    beside_forms: Mapping[str, float],
 ) -> tuple[int, Reason] | None:
     """The effect that is most probably an imitation, and why."""
     fit = weighing.careful(found)
