@@ -70,8 +70,8 @@ class Forms:
         """An explanation with forms added while that is clearly more probable.
 
         Several effects together may imitate one cause: forms alone compete with them, and forms
-        beside all effects but the least probable one, as the others may be known causes. Each
-        effect that is given up for a form has to be clearly less probable than it.
+        beside all effects but the least probable one, as the others may be known causes. There
+        each effect that is given up for a form has to be clearly less probable than it.
         """
         start = self._explained(found)
         if len(found.terms) >= _SEVERAL or self._is_worth_a_form(start):
@@ -79,10 +79,9 @@ class Forms:
         best = self._grown(start)
         if len(found.terms) < _SEVERAL:
             return best
-        nothing = self._with(()).nothing()
-        for fewer in (self._without_least(found, start), nothing):
+        for fewer in (self._with(()).nothing(), self._without_least(found, start)):
             alone = self._alone(fewer, best.score - _BROUGHT)
-            given_up = len(found.labels - alone.labels)
+            given_up = len(best.labels & found.labels - alone.labels) if fewer.terms else 1
             if alone.score > best.score + CLEARLY * max(given_up, 1):
                 best = alone
         return best
