@@ -58,7 +58,7 @@ class Forms:
 
     def __init__(self, weighing: Weighing, found: Explanation) -> None:
         weighing.forget_means()
-        self._weighing = weighing
+        self._weighing = self._searched = weighing
         self._known = [weighing.candidates[weighing.index_of(t.label)] for t in found.terms]
         self._columns = FormColumns(weighing.survey)
         self._banks: list[tuple[list[Form], Bank]] = []
@@ -69,16 +69,28 @@ class Forms:
     def grown(self, found: Explanation) -> Explanation:
         """An explanation with forms added while that is clearly more probable.
 
-        Several effects together may imitate one cause: forms alone compete with them.
+        Several effects together may imitate one cause: forms alone compete with them, and forms
+        beside all effects but the least probable one, as the others may be known causes. Each
+        effect that is given up for a form has to be clearly less probable than it.
         """
         start = self._explained(found)
         if len(found.terms) >= _SEVERAL or self._is_worth_a_form(start):
             start = self._by_reading(start, found)
-        beside = self._grown(start)
+        best = self._grown(start)
         if len(found.terms) < _SEVERAL:
-            return beside
-        alone = self._alone(self._with(()).nothing(), beside.score - _BROUGHT)
-        return alone if alone.score > beside.score + CLEARLY else beside
+            return best
+        nothing = self._with(()).nothing()
+        for fewer in (self._without_least(found, start), nothing):
+            alone = self._alone(fewer, best.score - _BROUGHT)
+            given_up = len(found.labels - alone.labels)
+            if alone.score > best.score + CLEARLY * max(given_up, 1):
+                best = alone
+        return best
+
+    def _without_least(self, found: Explanation, start: Explanation) -> Explanation:
+        """An explanation over these readings without the effect that the search needs least."""
+        without = [self._searched.without(found, [k]).score for k in range(len(found.terms))]
+        return self._with(()).without(start, [int(np.argmax(without))])
 
     def _explained(self, here: Explanation) -> Explanation:
         """The effects of an explanation over these readings."""
@@ -97,10 +109,13 @@ class Forms:
         rest = remains_um(self._weighing, here, noise=1.0)
         return rest >= WORTH_A_FORM * usual_u_um(self._weighing)
 
-    def _alone(self, nothing: Explanation, least: float) -> Explanation:
-        """Forms alone, where one makes all so probable beside members as they are, or little."""
-        self._columns.add_conspicuous(*self._left_mm(nothing))
-        views = _two_views(nothing)
+    def _alone(self, fewer: Explanation, least: float) -> Explanation:
+        """Forms beside few effects, where one makes all so probable, members as they are or little.
+
+        As given where none does.
+        """
+        self._columns.add_conspicuous(*self._left_mm(fewer))
+        views = _two_views(fewer)
         leading = self._leading(views)
         weighing = self._with(leading)
 
@@ -109,7 +124,7 @@ class Forms:
             return any(weighing.extend(v, k, resize=False).score > least for v in views)
 
         close = [form for form in leading if is_close(form)]
-        return self._grown(self._extended(nothing, close)) if close else nothing
+        return self._grown(self._extended(fewer, close)) if close else fewer
 
     def _grown(self, here: Explanation) -> Explanation:
         for k in range(_MOST):
