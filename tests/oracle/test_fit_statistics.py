@@ -92,6 +92,14 @@ def test_orthonormal_basis_spans_and_drops_copies():
     np.testing.assert_allclose(basis @ (basis.T @ x), x, atol=1e-9)
 
 
+def test_what_rounding_leaves_of_a_column_is_no_direction():
+    x = np.random.default_rng(1).normal(size=(20, 3))
+    first = orthonormal(x[:, :1])
+    left = x - first @ (first.T @ x)
+    assert 0.0 < np.abs(left[:, 0]).max() < 1e-14
+    assert orthonormal(left).shape == (20, 2)
+
+
 def test_table_uncertainty_is_read_off_the_tables(tmp_path):
     """Noise of 0.3 um a direction, and the known bend of a parabola."""
     random = np.random.default_rng(6)

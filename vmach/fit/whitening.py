@@ -12,6 +12,8 @@ __all__ = ["Whitening", "condensed", "orthonormal", "thin_product"]
 
 #: share of the largest norm below which a direction counts as zero
 _RANK = 1e-9
+#: share of the largest norm that is what rounding leaves of a column which was taken out
+_ROUNDING = 1e-12
 #: a cause that adds less than this, in standard uncertainties, to any direction is left out: it
 #: changes the variance there by less than one per cent
 _NOTABLE = 0.1
@@ -20,12 +22,12 @@ _FEW = 4
 
 
 def orthonormal(columns: np.ndarray, *, tolerance: float = _RANK) -> np.ndarray:
-    """Orthonormal basis of the span of the columns, (n, r)."""
-    if columns.shape[1] == 0:
-        return columns
+    """Orthonormal basis of the span of the columns, (n, r); what rounding left of one is none."""
     norm = np.linalg.norm(columns, axis=0)
-    scaled = columns / np.where(norm > 0, norm, 1.0)
-    left, size, _ = np.linalg.svd(scaled, full_matrices=False)
+    there = norm > _ROUNDING * norm.max(initial=0.0)
+    if not there.any():
+        return columns[:, :0]
+    left, size, _ = np.linalg.svd(columns[:, there] / norm[there], full_matrices=False)
     return left[:, size > tolerance * max(size[0], 1e-300)]
 
 
