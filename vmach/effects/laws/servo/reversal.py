@@ -24,8 +24,8 @@ __all__ = [
 TAKE_UP_MM = (0.0025, 0.01, 0.03, 0.1)
 #: side of the play from which on an axis surely lies against it; below, it crosses the play
 _SURE = 1.0 - 1e-6
-#: moments at most of which each has a side of its own; each is a column over all readings
-_MOMENTS = 200
+#: of the second in which an axis turned
+_DECIMALS = 3
 #: guides with more than this are broken; it then is a slope with the way that looks like a loop
 _WIDEST_LOOP_UM = 20.0
 
@@ -58,13 +58,13 @@ class OfReversal(Effect):
         return side * self.on_one_side(path, target, **parameters)
 
     def slack(self, path, target, parameters):
-        side = path.play_side[:, self.axis(target)]
+        axis = self.axis(target)
+        side = path.play_side[:, axis]
         unsure = np.flatnonzero((np.abs(side) < _SURE) & (side != 0.0))
-        moments, which = np.unique(path.time_s[unsure], return_inverse=True)
-        # of very many moments those that follow each other share a side
-        count = min(len(moments), _MOMENTS)
-        which = which * count // max(len(moments), 1)
-        columns = np.zeros((len(side), 3, count))
+        # until it has crossed its play an axis stays on the side where it was when it turned
+        turned_s = path.time_s[unsure] - path.time_since_reversal_s[unsure, axis]
+        turns, which = np.unique(np.round(turned_s, _DECIMALS), return_inverse=True)
+        columns = np.zeros((len(side), 3, len(turns)))
         spread = np.sqrt(1.0 - side[unsure] ** 2)[:, None]
         columns[unsure, :, which] = spread * self.on_one_side(path, target, **parameters)[unsure]
         return columns
