@@ -204,6 +204,13 @@ def test_odd_readings_neither_call_for_an_effect_nor_hide_one(
     assert found.outcome in ("right", "class"), found.said
 
 
+def test_heavy_tails_alone_name_no_effect(tmp_path):
+    """Corners cut late would explain two of the readings that lie 7 u off."""
+    make_experiment(tmp_path, effects=[], seed=5040004, noise="heavy_tails")
+    report, _ = program_runs.diagnose(tmp_path)
+    assert report["verdict"] == "nothing"
+
+
 def test_axes_that_never_turn_are_no_candidates(tmp_path):
     """Programs that turn A, B or C are refused, so no experiment can hide a rotary axis' place."""
     make_experiment(tmp_path, effects=[], seed=33)

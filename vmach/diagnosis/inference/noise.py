@@ -14,7 +14,13 @@ from vmach.fit.left_out import deletion_residuals
 from vmach.fit.marginal_likelihood import best_sizes
 from vmach.measurements import apart_from_neighbours
 
-__all__ = ["beside_own_noise", "log_prior_of_weights", "noise_after", "noise_before"]
+__all__ = [
+    "beside_own_noise",
+    "log_prior_of_weights",
+    "noise_after",
+    "noise_before",
+    "score_with_tails",
+]
 
 #: degrees of freedom of Student's t that are tried for heavy tails; infinite is normal
 _TAILS = (3.0, 5.0, 10.0)
@@ -55,15 +61,15 @@ def beside_own_noise(weighing: Weighing, found: Explanation) -> tuple[Weighing, 
 
 def _without_odd(weighing: Weighing, found: Explanation) -> Explanation:
     """An explanation without the effect that odd readings alone speak for; as given if none is."""
-    best, most = found, _score_with_tails(weighing, found, -np.inf)
+    best, most = found, score_with_tails(weighing, found, -np.inf)
     for k in range(len(found.terms)):
         fewer = weighing.without(found, [k])
-        if (score := _score_with_tails(weighing, fewer, most)) > most:
+        if (score := score_with_tails(weighing, fewer, most)) > most:
             best, most = fewer, score
     return best
 
 
-def _score_with_tails(weighing: Weighing, explanation: Explanation, least: float) -> float:
+def score_with_tails(weighing: Weighing, explanation: Explanation, least: float) -> float:
     """Score beside the tails that an explanation leaves; roughly where it is below the least."""
     noise, score = weighing.base.noise, explanation.score
     away = np.abs(deletion_residuals(explanation.posterior))

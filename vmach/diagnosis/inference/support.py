@@ -13,12 +13,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import expit, logsumexp
 
+from vmach.diagnosis.inference.noise import score_with_tails
 from vmach.diagnosis.inference.remains import usual_u_um, where_they_act_um
 from vmach.diagnosis.inference.rules import IMITATION, SHOWN, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 
 __all__ = ["Support", "in_its_place", "rests_um", "supports_of"]
 
+#: log odds beyond which it does not matter how many they are
+_CERTAIN = 20.0
 #: share of an effect below which what remains beside it does not matter
 _LEAST = 0.05
 
@@ -76,13 +79,18 @@ def supports_of(weighing: Weighing, found: Explanation) -> Sequence[Support]:
     own = zip(found.terms, sizes, rests_um(weighing, found), strict=True)
     return [
         Support(
-            found.score - weighing.without(found, [k]).score + in_its_place(weighing, found, k),
+            found.score - _score_without(weighing, found, k) + in_its_place(weighing, found, k),
             size,
             rest,
             prior=max(weighing.prior_of(term.effect, term.target), 0.0),
         )
         for k, (term, size, rest) in enumerate(own)
     ]
+
+
+def _score_without(weighing: Weighing, found: Explanation, k: int) -> float:
+    """Score without term k, beside the noise that this leaves: odd readings call for no effect."""
+    return score_with_tails(weighing, weighing.without(found, [k]), found.score - _CERTAIN)
 
 
 def rests_um(weighing: Weighing, found: Explanation) -> Sequence[float]:
