@@ -16,8 +16,10 @@ from vmach.diagnosis.inference.remains import is_structure, remains_um, sizes_um
 from vmach.diagnosis.inference.rules import KEPT
 from vmach.diagnosis.inference.support import Support, rests_um, supports_of
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
+from vmach.diagnosis.proposals.form import FormEffect
 from vmach.diagnosis.proposals.forms import Forms
 from vmach.diagnosis.proposals.proposal import Proposal
+from vmach.diagnosis.proposals.states import MOTION
 from vmach.fit.terms import Term
 
 __all__ = ["Inference", "Reason", "Weak", "infer", "judged", "searched"]
@@ -134,7 +136,13 @@ def _kept(weighing: Weighing, found: Explanation, grown: Explanation) -> Mapping
         dict(zip((t.label for t in e.terms), sizes_um(weighing, e), strict=True))
         for e in (found, grown)
     )
-    rests = dict(zip((t.label for t in grown.terms), rests_um(weighing, grown), strict=True))
+    forms = [t.effect.form for t in grown.terms if isinstance(t.effect, FormEffect)]
+    of_motion = any(form.kinds & MOTION for form in forms)
+    rests = {
+        # the mean of a cause that depends on motion is an effect of motion beside its form
+        term.label: np.inf if of_motion and term.effect.follows_travel else rest
+        for term, rest in zip(grown.terms, rests_um(weighing, grown), strict=True)
+    }
     return {n: rests[n] for n in before if beside.get(n, 0.0) > KEPT * before[n]}
 
 

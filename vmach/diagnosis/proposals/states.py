@@ -16,6 +16,7 @@ __all__ = [
     "CONSTANT",
     "DIRECTIONS",
     "HALF_TURNS",
+    "MOTION",
     "TURNS",
     "Direction",
     "State",
@@ -97,6 +98,8 @@ class Direction:
         return np.broadcast_to(value, (len(path), 3, value.shape[2]))
 
 
+#: kinds of states that say how the axes move
+MOTION = frozenset({"direction", "travel since reversal", "speed", "acceleration"})
 CONSTANT = State("constant", "", "np.ones(len(path))")
 
 DIRECTIONS = (
