@@ -17,9 +17,9 @@ from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects import catalogue
 from vmach.errors import InputError
 from vmach.fit.base import Base, root_of_precision
+from vmach.fit.deletion_residuals import deletion_residuals
 from vmach.fit.evidence import WIDTHS
 from vmach.fit.feature_noise import FeatureNoise
-from vmach.fit.left_out import deletion_residuals
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.means import Means
 from vmach.fit.sizes import Sizes

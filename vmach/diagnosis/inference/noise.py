@@ -10,7 +10,6 @@ from scipy.special import digamma, gammaln, stdtrit
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.base import Base
 from vmach.fit.feature_noise import FeatureNoise
-from vmach.fit.left_out import deletion_residuals
 from vmach.fit.marginal_likelihood import best_sizes
 from vmach.measurements import apart_from_neighbours
 
@@ -45,6 +44,18 @@ def noise_before(weighing: Weighing) -> FeatureNoise:
     return replace(weighing.base.noise, weight=weight, log_prior=log_prior)
 
 
+def noise_after(weighing: Weighing, explanation: Explanation) -> FeatureNoise | None:
+    """The noise that the rest of an explanation shows; None where it is the one assumed.
+
+    Readings that are what was predicted, as a table of nominal values is, show no noise.
+    """
+    noise = weighing.base.noise
+    if np.median(np.abs(noise.standardised(explanation.posterior.left))) < _ROUNDING:
+        return None
+    correlated = _correlated(weighing, explanation, _with_tails(weighing, explanation))
+    return None if correlated is noise else correlated
+
+
 def beside_own_noise(weighing: Weighing, found: Explanation) -> tuple[Weighing, Explanation]:
     """The weighing with the noise that an explanation leaves, and the explanation there.
 
@@ -71,34 +82,31 @@ def _without_odd(weighing: Weighing, found: Explanation) -> Explanation:
 
 def score_with_tails(weighing: Weighing, explanation: Explanation, least: float) -> float:
     """Score beside the tails that an explanation leaves; roughly where it is below the least."""
-    noise, score = weighing.base.noise, explanation.score
-    away = np.abs(deletion_residuals(explanation.posterior))
+    score, away = explanation.score, np.abs(weighing.deletion_residuals(explanation))
     # what is set aside brings no more than it costs now
     if np.median(away) < _ROUNDING or score + 0.5 * float(np.sum(away[away > _ODD] ** 2)) < least:
         return score
-    weight, log_prior = _weights(weighing, explanation)
-    if np.abs(np.log(weight / noise.weight)).max() < _OTHER:
+    tailed = _with_tails(weighing, explanation)
+    if tailed is weighing.base.noise:
         return score
-    tailed = replace(noise, weight=weight, log_prior=log_prior)
-    base = Base(weighing.survey, tailed, weighing.members)
-    effects = explanation.posterior.effects.on(base)
-    there = best_sizes(base, explanation.posterior.sizes, effects)
-    return max(score, score + there.log_probability - explanation.posterior.log_probability)
+    gain = _log_probability(weighing, explanation, tailed) - explanation.posterior.log_probability
+    return max(score, score + gain)
 
 
-def noise_after(weighing: Weighing, explanation: Explanation) -> FeatureNoise | None:
-    """The noise that the rest of an explanation shows; None where it is the one assumed.
-
-    Readings that are what was predicted, as a table of nominal values is, show no noise.
-    """
+def _with_tails(weighing: Weighing, explanation: Explanation) -> FeatureNoise:
+    """The noise with the tails that an explanation leaves; as assumed where they are the same."""
     noise = weighing.base.noise
-    if np.median(np.abs(noise.standardised(explanation.posterior.left))) < _ROUNDING:
-        return None
     weight, log_prior = _weights(weighing, explanation)
-    if np.abs(np.log(weight / noise.weight)).max() > _OTHER:
-        noise = replace(noise, weight=weight, log_prior=log_prior)
-    correlated = _correlated(weighing, explanation, noise)
-    return None if correlated is weighing.base.noise else correlated
+    if np.abs(np.log(weight / noise.weight)).max() <= _OTHER:
+        return noise
+    return replace(noise, weight=weight, log_prior=log_prior)
+
+
+def _log_probability(weighing: Weighing, explanation: Explanation, noise: FeatureNoise) -> float:
+    """Of the readings beside another noise, with the effects of an explanation as they are."""
+    base = Base(weighing.survey, noise, weighing.members)
+    effects = explanation.posterior.effects.on(base)
+    return best_sizes(base, explanation.posterior.sizes, effects).log_probability
 
 
 def _weights(weighing: Weighing, explanation: Explanation) -> tuple[np.ndarray, float]:
@@ -106,7 +114,7 @@ def _weights(weighing: Weighing, explanation: Explanation) -> tuple[np.ndarray, 
 
     With them their log probability beside the covariance.
     """
-    left, group = deletion_residuals(explanation.posterior), weighing.survey.group
+    left, group = weighing.deletion_residuals(explanation), weighing.survey.group
     away = np.abs(left)
     normal = -0.5 * len(away) * (1.0 + np.log(2.0 * np.pi * np.mean(away**2)))
     best, weight, log_prior = normal + _WORTH, np.ones(len(away)), 0.0
@@ -153,9 +161,7 @@ def _correlated(weighing: Weighing, explanation: Explanation, noise: FeatureNois
     share = noise.share or float(np.clip(pairs[0] / correlation, 0.1, 0.95))
 
     def log_probability(trial: FeatureNoise) -> float:
-        base = Base(weighing.survey, trial, weighing.members)
-        effects = explanation.posterior.effects.on(base)
-        return best_sizes(base, explanation.posterior.sizes, effects).log_probability
+        return _log_probability(weighing, explanation, trial)
 
     start = replace(noise, share=share, correlation=correlation)
     plain = log_probability(replace(noise, share=0.0))

@@ -35,16 +35,14 @@ class _OtherSet:
     ----------
     weight : float
         How probable it is, relative to the set that was found; at most as probable.
-    candidate, place, width : int
-        The effect, its inner parameters and the prior width of its amplitudes.
+    added : (int, int, int)
+        The candidate, the place of its inner parameters, and the prior width of its amplitudes.
     instead_of : int or None
         The term that it takes the place of.
     """
 
     weight: float
-    candidate: int
-    place: int
-    width: int
+    added: tuple[int, int, int]
     instead_of: int | None
 
 
@@ -56,23 +54,15 @@ def otherwise(weighing: Weighing, found: Explanation) -> Sequence[Sequence[Other
     sets = list(_other_sets(weighing, found))
     if not sets:
         return [()] * len(fit.terms)
-    columns = [
-        WIDTHS[s.width] * weighing.candidates[s.candidate].at_sites_mm[:, s.place] for s in sets
-    ]
-    added = weighing.base.columns(np.hstack(columns))
-    own = found.posterior.effects.columns
-    nothing = Effects(weighing.base.no_columns)
-    beside = Posterior(weighing.base, found.posterior.sizes, nothing)
-    gram, seen = beside.products(own.beside(added))
-    ends = len(own) + np.cumsum([0, *(c.shape[1] for c in columns)])
+    gram, seen, place_of = _products(weighing, found, [other.added for other in sets])
     places, wide = _places_of_terms(found), weighing.prior_widths(fit)
-    every = np.arange(len(own))
+    every = np.arange(len(found.posterior.effects))
     mean, covariance = _normal(gram, seen, every)
     lists: list[list[Otherwise]] = [[] for _ in fit.terms]
-    for other, first, end in zip(sets, ends[:-1], ends[1:], strict=True):
+    for other in sets:
         gone = places[other.instead_of] if other.instead_of is not None else []
         kept = np.setdiff1d(every, gone)
-        there = np.append(kept, np.arange(first, end))
+        there = np.append(kept, place_of[other.added])
         mean_there, covariance_there = _normal(gram, seen, there)
         for k, here in enumerate(places):
             if k != other.instead_of:
@@ -81,6 +71,25 @@ def otherwise(weighing: Weighing, found: Explanation) -> Sequence[Sequence[Other
                 moved = scale * (mean_there[at] - mean[here])
                 lists[k].append(Otherwise(other.weight, moved, more * np.outer(scale, scale)))
     return lists
+
+
+def _products(
+    weighing: Weighing, found: Explanation, asked: Sequence[tuple[int, int, int]]
+) -> tuple[np.ndarray, np.ndarray, dict[tuple[int, int, int], np.ndarray]]:
+    """Of all columns with each other and with the readings, and where those of an effect stand.
+
+    First an explanation's own, then those of other effects; many sets ask for the same.
+    """
+    added = {
+        one: WIDTHS[one[2]] * weighing.candidates[one[0]].at_sites_mm[:, one[1]]
+        for one in dict.fromkeys(asked)
+    }
+    own, nothing = found.posterior.effects.columns, Effects(weighing.base.no_columns)
+    others = weighing.base.columns(np.hstack([*added.values()]))
+    beside = Posterior(weighing.base, found.posterior.sizes, nothing)
+    ends = (len(own) + np.cumsum([0, *(c.shape[1] for c in added.values())])).tolist()
+    places = map(np.arange, ends, ends[1:])
+    return *beside.products(own.beside(others)), dict(zip(added, places, strict=True))
 
 
 def _other_sets(weighing: Weighing, found: Explanation) -> Iterator[_OtherSet]:
@@ -94,8 +103,8 @@ def _other_sets(weighing: Weighing, found: Explanation) -> Iterator[_OtherSet]:
         odds, evidence = weighing.gains(view) - least, weighing.evidence(view)
         for i in np.flatnonzero(odds > np.log(_LEAST)):
             if i not in own:
-                place, width = int(evidence.best[i, 0]), int(evidence.best_width[i, 0])
-                yield _OtherSet(float(np.exp(min(odds[i], 0.0))), int(i), place, width, instead_of)
+                added = int(i), int(evidence.best[i, 0]), int(evidence.best_width[i, 0])
+                yield _OtherSet(float(np.exp(min(odds[i], 0.0))), added, instead_of)
 
 
 def _places_of_terms(found: Explanation) -> list[np.ndarray]:

@@ -20,7 +20,7 @@ from vmach.diagnosis.inference.weighing import Explanation, Weighing
 
 __all__ = ["Support", "in_its_place", "rests_um", "supports_of"]
 
-#: log odds beyond which it does not matter how many they are
+#: log odds beyond which it does not matter how many they are; chosen, far beyond `SHOWN`
 _CERTAIN = 20.0
 #: share of an effect below which what remains beside it does not matter
 _LEAST = 0.05
@@ -75,16 +75,15 @@ class Support:
 
 def supports_of(weighing: Weighing, found: Explanation) -> Sequence[Support]:
     """What speaks for each effect of an explanation."""
-    sizes, _ = where_they_act_um(weighing, found)
-    own = zip(found.terms, sizes, rests_um(weighing, found), strict=True)
+    sizes, rests = where_they_act_um(weighing, found)
     return [
         Support(
             found.score - _score_without(weighing, found, k) + in_its_place(weighing, found, k),
             size,
-            rest,
+            _looked_into(weighing, rest),
             prior=max(weighing.prior_of(term.effect, term.target), 0.0),
         )
-        for k, (term, size, rest) in enumerate(own)
+        for k, (term, size, rest) in enumerate(zip(found.terms, sizes, rests, strict=True))
     ]
 
 
@@ -95,9 +94,13 @@ def _score_without(weighing: Weighing, found: Explanation, k: int) -> float:
 
 def rests_um(weighing: Weighing, found: Explanation) -> Sequence[float]:
     """What remains where each effect acts, beyond what would not be looked into."""
+    return [_looked_into(weighing, rest) for rest in where_they_act_um(weighing, found)[1]]
+
+
+def _looked_into(weighing: Weighing, rest_um: float) -> float:
+    """What of a rest is beyond a size that would not be looked into."""
     least = WORTH_A_FORM * usual_u_um(weighing)
-    _, rests = where_they_act_um(weighing, found)
-    return [float(np.sqrt(max(rest**2 - least**2, 0.0))) for rest in rests]
+    return float(np.sqrt(max(rest_um**2 - least**2, 0.0)))
 
 
 def in_its_place(weighing: Weighing, found: Explanation, k: int) -> float:

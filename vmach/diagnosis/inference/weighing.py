@@ -20,6 +20,7 @@ from vmach.effects import Effect
 from vmach.fit.base import Base
 from vmach.fit.candidates import Candidate
 from vmach.fit.columns import Columns
+from vmach.fit.deletion_residuals import deletion_residuals
 from vmach.fit.discrepancy import members_of
 from vmach.fit.evidence import WIDTHS, Evidence, width_of
 from vmach.fit.feature_noise import FeatureNoise
@@ -131,6 +132,7 @@ class Weighing:
         self._known = Remembered[tuple[Effects, Evidence]](room)
         self._fits = Remembered[JointFit](room)
         self._careful_fits = Remembered[tuple[Explanation, JointFit | None]](room)
+        self._deleted = Remembered[tuple[Explanation, np.ndarray]](room)
         # a search, and the odds of what it found, leave the same terms out
         self._fewer = Remembered[tuple[Explanation, Explanation]](room)
 
@@ -350,6 +352,14 @@ class Weighing:
             return explanation, careful_fit(self.base, fit, sizes) if fit else None
 
         return self._careful_fits.get(id(explanation), made)[1]
+
+    def deletion_residuals(self, explanation: Explanation) -> np.ndarray:
+        """How far each reading lies from what all others say of it, (n,); remembered."""
+
+        def made() -> tuple[Explanation, np.ndarray]:
+            return explanation, deletion_residuals(explanation.posterior)
+
+        return self._deleted.get(id(explanation), made)[1]
 
     def without(
         self, explanation: Explanation, ks: Sequence[int], *, resize: bool = True

@@ -24,7 +24,7 @@ __all__ = [
 TAKE_UP_MM = (0.0025, 0.01, 0.03, 0.1)
 #: side of the play from which on an axis surely lies against it; below, it crosses the play
 _SURE = 1.0 - 1e-6
-#: of the second in which an axis turned
+#: decimals of the time, s, by which turns of an axis are told apart; chosen
 _DECIMALS = 3
 #: guides with more than this are broken; it then is a slope with the way that looks like a loop
 _WIDEST_LOOP_UM = 20.0
@@ -130,9 +130,8 @@ class Hysteresis(OfReversal):
     cure = "mend the guide's preload; always approach from one side with the same overrun"
 
     def on_one_side(self, path, target, width_um, travel_mm):
-        return along(
-            target, -0.5e-3 * width_um * share_taken_up(path, self.axis(target), travel_mm)
-        )
+        share = share_taken_up(path, self.axis(target), travel_mm)
+        return along(target, -0.5e-3 * width_um * share)
 
 
 class LateralPlay(OfReversal):
