@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
-from functools import reduce
 
 import numpy as np
 
-from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossible_terms
+from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.sizes import Sizes
 
 __all__ = ["beside_little", "search", "search_beyond", "without_needless"]
 
 #: candidates that are tried at each step, by their odds beside the discrepancy and without it
-_TRIED = 3
+_TRIED = 2
 #: log odds by which one may lie behind the effect whose place it takes; in none of a few hundred
 #: refits did one from further behind catch up
 _NEAR = 6.0
@@ -31,32 +29,36 @@ _SAME = 0.98
 _TIE = 5
 #: a move counts where it makes the whole more probable by this much
 _STEP = 0.5
+#: log odds of a candidate below which it is not worth a fit
+_HOPELESS = -2.0
 #: moves at most; a search that goes on has something to report already
 _MOVES = 12
 
 
+Move = Callable[[Weighing, Explanation], Iterator[Explanation]]
+
+
 def search(weighing: Weighing, start: Explanation | None = None) -> Explanation:
     """The most probable set that single moves lead to."""
-    here = start or weighing.nothing()
-    for _ in range(_MOVES):
-        added, exchanged = _added(weighing, here), _exchanged(weighing, here)
-        better = _best(weighing, added, here) or _best(weighing, exchanged, here)
-        if better is None:
-            break
-        here = without_needless(weighing, better)
-    return here
+    return _led_on(weighing, start or weighing.nothing(), (_added, _uncovered, _exchanged))
 
 
 def search_beyond(weighing: Weighing, here: Explanation) -> Explanation:
     """A more probable set beyond what single moves lead to.
 
-    One effect in place of two, two in place of one, several in place of a large discrepancy.
+    Several effects in place of a large discrepancy, and two in place of one.
     """
-    moves = (_merged, _filled, _split)
-    while better := next(
-        filter(None, (_best(weighing, move(weighing, here), here) for move in moves)), None
-    ):
-        here = search(weighing, without_needless(weighing, better))
+    return _led_on(weighing, here, (_added, _uncovered, _exchanged, _filled, _split))
+
+
+def _led_on(weighing: Weighing, here: Explanation, moves: Sequence[Move]) -> Explanation:
+    """Where moves lead to, while one makes the whole more probable; the first kinds first."""
+    for _ in range(_MOVES):
+        found = (_best(weighing, move(weighing, here), here) for move in moves)
+        better = next(filter(None, found), None)
+        if better is None:
+            break
+        here = without_needless(weighing, better)
     return here
 
 
@@ -69,34 +71,20 @@ def _best(
 
 
 def _added(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
-    little = beside_little(here)
+    """One effect more."""
     for k in _leading(weighing, here, here.labels):
-        child = weighing.extend(here, k)
-        if little.posterior.sizes != here.posterior.sizes:
-            # what a large discrepancy hides in part: once more where it may be large
-            sizes = little.posterior.sizes
-            tried = (child, weighing.resized(child, sizes), weighing.extend(little, k))
-            child = max(tried, key=lambda e: e.score)
-        wrong = impossible_terms(child.fit)
-        if not wrong:
-            yield child
-        elif child.score > here.score + _STEP and len(here.terms) not in wrong:
-            yield from _with_others_for(weighing, child, wrong)
+        yield from _possible(weighing.extend(here, k))
 
 
-def _with_others_for(
-    weighing: Weighing, here: Explanation, wrong: Sequence[int]
-) -> Iterator[Explanation]:
-    """An explanation with something else for terms that what was added makes impossible.
-
-    Or with those beside it: another effect may have lent them their size.
-    """
-    others = weighing.without(here, wrong)
-    for i in _leading(weighing, others, here.labels):
-        child = weighing.extend(others, i)
-        yield from _possible(child)
-        back = [weighing.index_of(here.terms[k].label) for k in wrong]
-        yield from _possible(reduce(weighing.extend, back, child))
+def _uncovered(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
+    """One effect more, that a large discrepancy hides: beside little of it, which may then grow."""
+    little = beside_little(here)
+    sizes = little.posterior.sizes
+    if sizes != here.posterior.sizes:
+        for k in _leading(weighing, little, here.labels):
+            one = weighing.extend(here, k)
+            tried = (weighing.resized(one, sizes), weighing.extend(little, k))
+            yield from _possible(max(tried, key=lambda e: e.score))
 
 
 def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
@@ -115,15 +103,6 @@ def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
                 yield child
 
 
-def _merged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
-    """Others in place of two effects that share what one does."""
-    for pair in itertools.combinations(range(len(here.terms)), 2):
-        others = weighing.without(here, pair, resize=False)
-        for child in _filled_up(weighing, others, here.labels, len(pair)):
-            if child.score > here.score - _NEAR:
-                yield from _possible(weighing.explain(child.terms, child.posterior.sizes))
-
-
 def _filled(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     """Several effects in place of a large discrepancy."""
     little = beside_little(here)
@@ -132,25 +111,6 @@ def _filled(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
         for child in _filled_up(weighing, start, here.labels, _MOVES):
             if weighing.resized(child, little.posterior.sizes).score > here.score - _NEAR:
                 yield from _possible(weighing.explain(child.terms, child.posterior.sizes))
-        for k in _leading(weighing, here, here.labels):
-            first = weighing.extend(here, k, refine=False)
-            if first.score > here.score - _NEAR:
-                yield from _followed(weighing, first, than=here)
-
-
-def _followed(weighing: Weighing, here: Explanation, *, than: Explanation) -> Iterator[Explanation]:
-    """An explanation with ever more effects while that brings it on, and members give way."""
-    start = here
-    while len(here.terms) < len(start.terms) + _MOVES:
-        children = (
-            weighing.extend(here, k, refine=False) for k in _leading(weighing, here, here.labels)
-        )
-        best = max(children, key=lambda e: e.score, default=here)
-        if best.score < here.score + _STEP:
-            break
-        here = best
-    if here is not start and here.score > than.score - _NEAR:
-        yield from _possible(weighing.explain(here.terms, here.posterior.sizes))
 
 
 def _filled_up(
@@ -158,10 +118,8 @@ def _filled_up(
 ) -> Iterator[Explanation]:
     """An explanation with ever more effects, while members and inner parameters stay."""
     for _ in range(most):
-        gains = weighing.gains(start, roughly=True)
-        leading = _ranked(weighing, gains, but | start.labels)[:_TRIED]
-        worth = [k for k in leading if gains[k] > -2.0]
-        children = [weighing.extend(start, k, refine=False, resize=False) for k in worth]
+        leading = _leading(weighing, start, but | start.labels)
+        children = (weighing.extend(start, k, refine=False, resize=False) for k in leading)
         best = max(children, key=lambda e: e.score, default=start)
         if best.score < start.score + _STEP:
             return
@@ -213,14 +171,10 @@ def _unlike(
             return
 
 
-def _leading(weighing: Weighing, here: Explanation, but: AbstractSet[str]) -> list[int]:
-    """Candidates worth a fit: the first ones beside the discrepancy, and nearly without it."""
-    found: list[int] = []
-    for view in (here, beside_little(here)):
-        gains = weighing.gains(view, roughly=True)
-        ranked = _ranked(weighing, gains, but)
-        found += [k for k in ranked[:_TRIED] if gains[k] > -2.0 and k not in found]
-    return found
+def _leading(weighing: Weighing, here: Explanation, but: AbstractSet[str]) -> Iterator[int]:
+    """Candidates that are worth a fit beside an explanation."""
+    gains = weighing.gains(here, roughly=True)
+    return (k for k in _ranked(weighing, gains, but)[:_TRIED] if gains[k] > _HOPELESS)
 
 
 def beside_little(here: Explanation) -> Explanation:
