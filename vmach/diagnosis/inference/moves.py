@@ -39,15 +39,12 @@ Move = Callable[[Weighing, Explanation], Iterator[Explanation]]
 
 
 def search(weighing: Weighing, start: Explanation | None = None) -> Explanation:
-    """The most probable set that single moves lead to."""
-    return _led_on(weighing, start or weighing.nothing(), (_added, _uncovered, _exchanged))
+    """The most probable set that adding one effect after the other leads to."""
+    return _led_on(weighing, start or weighing.nothing(), (_added,))
 
 
 def search_beyond(weighing: Weighing, here: Explanation) -> Explanation:
-    """A more probable set beyond what single moves lead to.
-
-    Several effects in place of a large discrepancy, and two in place of one.
-    """
+    """A more probable set, by all moves."""
     return _led_on(weighing, here, (_added, _uncovered, _exchanged, _filled, _split))
 
 
