@@ -57,7 +57,7 @@ def judge(report: dict, truth: dict) -> Judgement:
         named = sum(entry["effect"] != "unknown" for entry in report["effects"])
         return Judgement("right" if verdict == "nothing" else "wrong", [], said, named)
     if verdict in ("unknown", "nothing"):
-        is_right = any(verdict in effect["accept"] for effect in hidden)
+        is_right = all(verdict in effect["accept"] for effect in hidden)
         return Judgement("right" if is_right else verdict, [], said)
     best: tuple[float, list[str], list[dict]] = (-1.0, [], [])
     nobody = [{}] * len(hidden)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
@@ -14,6 +15,8 @@ from vmach.fit.sizes import Sizes
 
 __all__ = ["beside_little", "search", "search_beyond", "without_needless"]
 
+#: size in u of a discrepancy that leaves effects to show
+_LITTLE = 0.3
 #: candidates that are tried at each step, by their odds beside the discrepancy and without it
 _TRIED = 2
 #: log odds by which one may lie behind the effect whose place it takes; in none of a few hundred
@@ -45,7 +48,7 @@ def search(weighing: Weighing, start: Explanation | None = None) -> Explanation:
 
 def search_beyond(weighing: Weighing, here: Explanation) -> Explanation:
     """A more probable set, by all moves."""
-    return _led_on(weighing, here, (_added, _uncovered, _exchanged, _filled, _split))
+    return _led_on(weighing, here, (_added, _uncovered, _exchanged, _merged, _filled, _split))
 
 
 def _led_on(weighing: Weighing, here: Explanation, moves: Sequence[Move]) -> Explanation:
@@ -98,6 +101,15 @@ def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
             child = weighing.extend(others, i)
             if not has_impossible_sizes(child.fit):
                 yield child
+
+
+def _merged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
+    """Others in place of two effects that share what one does."""
+    for pair in itertools.combinations(range(len(here.terms)), 2):
+        others = weighing.without(here, pair, resize=False)
+        for child in _filled_up(weighing, others, here.labels, len(pair)):
+            if child.score > here.score - _NEAR:
+                yield from _possible(weighing.explain(child.terms, child.posterior.sizes))
 
 
 def _filled(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
@@ -177,7 +189,7 @@ def _leading(weighing: Weighing, here: Explanation, but: AbstractSet[str]) -> It
 def beside_little(here: Explanation) -> Explanation:
     """An explanation beside a discrepancy that leaves effects to show."""
     sizes = here.posterior.sizes
-    small = Sizes(min(sizes.factor, 1.0), tuple(min(s, 0.3) for s in sizes.members))
+    small = Sizes(min(sizes.factor, 1.0), tuple(min(s, _LITTLE) for s in sizes.members))
     return replace(here, posterior=replace(here.posterior, sizes=small))
 
 
