@@ -18,7 +18,7 @@ __all__ = ["beside_little", "search", "search_beyond", "without_needless"]
 #: size in u of a discrepancy that leaves effects to show
 _LITTLE = 0.3
 #: candidates that are tried at each step, by their odds beside the discrepancy and without it
-_TRIED = 2
+_TRIED = 3
 #: log odds by which one may lie behind the effect whose place it takes; in none of a few hundred
 #: refits did one from further behind catch up
 _NEAR = 6.0
