@@ -111,6 +111,7 @@ class FormColumns:
         tools = [(s, value[:, 0]) for s, value in self._states.items() if s.kind == "tool"]
         found = [
             *wave_states(self._survey, rest_mm, self._sensed),
+            *wave_states(self._survey, left_mm, self._sensed),
             *self._spots.states(left_mm, self._sensed),
         ]
         forms = [Form(CONSTANT, *one) for one in found]

@@ -26,8 +26,6 @@ __all__ = ["Forms"]
 
 #: forms that are fitted at each step, by their evidence beside the discrepancy and nearly without
 _FITTED = 6
-#: effects from which on they may together be the imitation of one cause
-_SEVERAL = 2
 #: log probability that other sizes of members bring a form that stands for them; of five such
 #: causes each form was ahead before that already
 _BROUGHT = 20.0
@@ -69,27 +67,35 @@ class Forms:
     def grown(self, found: Explanation) -> Explanation:
         """An explanation with forms added while that is clearly more probable.
 
-        Several effects together may imitate one cause: forms alone compete with them, and forms
-        beside all effects but the least probable one, as the others may be known causes. There
-        each effect that is given up for a form has to be clearly less probable than it.
+        Effects may imitate another cause: forms alone compete with them, and forms beside all
+        effects but the least probable one, as the others may be known causes. There each effect
+        that is given up for a form has to be clearly less probable than it.
         """
         start = self._explained(found)
-        if len(found.terms) >= _SEVERAL or self._is_worth_a_form(start):
+        if found.terms or self._is_worth_a_form(start):
             start = self._by_reading(start, found)
         best = self._grown(start)
-        if len(found.terms) < _SEVERAL:
-            return best
-        for fewer in (self._with(()).nothing(), self._without_least(found, start)):
+        for fewer in self._with_fewer(found, start):
             alone = self._alone(fewer, best.score - _BROUGHT)
             given_up = len(best.labels & found.labels - alone.labels) if fewer.terms else 1
             if alone.score > best.score + CLEARLY * max(given_up, 1):
                 best = alone
         return best
 
-    def _without_least(self, found: Explanation, start: Explanation) -> Explanation:
-        """An explanation over these readings without the effect that the search needs least."""
-        without = [self._searched.without(found, [k]).score for k in range(len(found.terms))]
-        return self._with(()).without(start, [int(np.argmax(without))])
+    def _with_fewer(self, found: Explanation, start: Explanation) -> Iterator[Explanation]:
+        """Over these readings without any effect, and without the one that the search needs least.
+
+        Parameters
+        ----------
+        found : Explanation
+        start : Explanation
+            The same over these readings.
+        """
+        if found.terms:
+            yield self._with(()).nothing()
+        if len(found.terms) > 1:
+            without = [self._searched.without(found, [k]).score for k in range(len(found.terms))]
+            yield self._with(()).without(start, [int(np.argmax(without))])
 
     def _explained(self, here: Explanation) -> Explanation:
         """The effects of an explanation over these readings."""

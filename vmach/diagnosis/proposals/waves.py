@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vmach.diagnosis.proposals.states import DIRECTIONS, Direction, State
+from vmach.diagnosis.proposals.states import ALL_AXES, DIRECTIONS, Direction, State
 from vmach.fit.survey import Survey
 from vmach.machine import LINEAR_AXES
 
@@ -22,7 +22,7 @@ _CELLS, _FINER = 8, 4
 #: frequencies at most; beyond, the shortest waves are left out
 _MOST = 1 << 18
 #: peaks of each argument and direction that are put on the list
-_PEAKS = 2
+_PEAKS = 4
 #: a wave has to go round that often, else it is a trend
 _LEAST_TURNS = 1.5
 
@@ -35,11 +35,13 @@ class _Argument:
     code: str
     unit: str
     shortest: float
+    directions: tuple[Direction, ...] = DIRECTIONS
 
 
 _ARGUMENTS = (
     *(_Argument(axis, f"path.nose_mm[:, {k}]", "mm", 1.0) for k, axis in enumerate(LINEAR_AXES)),
-    _Argument("time", "path.time_s", "s", 60.0),
+    # what goes on beside the machining moves all axes
+    _Argument("time", "path.time_s", "s", 60.0, (*DIRECTIONS, ALL_AXES)),
     _Argument("cutting length", "path.cutting_length_mm", "mm", 2.0),
 )
 
@@ -64,21 +66,22 @@ def wave_states(
         span = float(np.ptp(along))
         if span < 2.0 * argument.shortest:
             continue
-        for direction in DIRECTIONS:
-            weight = sensed[direction][:, 0] / survey.u_mm
+        for direction in argument.directions:
+            weight = sensed[direction] / survey.u_mm[:, None]
             if np.abs(weight).max(initial=0.0) == 0.0:
                 continue
-            reading = left_mm / survey.u_mm * weight
+            reading = (left_mm / survey.u_mm)[:, None] * weight
             for frequency in _peaks(along, reading, span, argument.shortest):
                 yield _state(argument, frequency, span), direction
 
 
 def _peaks(along: np.ndarray, reading: np.ndarray, span: float, shortest: float) -> list[float]:
-    """Frequencies of the highest peaks, none beside another."""
+    """Frequencies of the highest peaks of readings (n, D), none beside another."""
     cell = max(shortest / _CELLS, span * _FINER / _MOST)
     place = np.rint((along - along.min()) / cell).astype(int)
     count = int(_FINER * (place.max() + 1))
-    power = np.abs(np.fft.rfft(np.bincount(place, reading, minlength=count), count)) ** 2
+    rasters = [np.bincount(place, one, minlength=count) for one in reading.T]
+    power = np.sum([np.abs(np.fft.rfft(raster, count)) ** 2 for raster in rasters], axis=0)
     frequency = np.arange(len(power)) / (count * cell)
     power[(frequency < _LEAST_TURNS / span) | (frequency > 1.0 / (cell * _CELLS))] = 0.0
     found = []
@@ -95,9 +98,9 @@ def _refined(along: np.ndarray, reading: np.ndarray, frequency: float, step: flo
     """The frequency of the peak itself, from the readings where they are."""
     tried = frequency + step * np.linspace(-1.0, 1.0, 21)
     turn = np.exp(2j * np.pi * (tried[1] - tried[0]) * along)
-    wave, power = np.exp(2j * np.pi * tried[0] * along) * reading, []
+    wave, power = np.exp(2j * np.pi * tried[0] * along), []
     for _ in tried:
-        power.append(np.abs(wave.sum()))
+        power.append(np.linalg.norm(wave @ reading))
         wave *= turn
     return float(tried[int(np.argmax(power))])
 
