@@ -26,9 +26,9 @@ __all__ = ["Forms"]
 
 #: forms that are fitted at each step, by their evidence beside the discrepancy and nearly without
 _FITTED = 6
-#: log probability that other sizes of members bring a form that stands for them; of five such
-#: causes each form was ahead before that already
-_BROUGHT = 20.0
+#: share of what effects bring that the first form in their place brings, at least; chosen: what
+#: two forms are is mostly one of them. It saves fits; the readings weigh what passes
+_SHARE = 0.5
 #: forms that are added one after the other
 _MOST = 4
 #: proposals that are told
@@ -76,7 +76,7 @@ class Forms:
             start = self._by_reading(start, found)
         best = self._grown(start)
         for fewer in self._with_fewer(found, start):
-            alone = self._alone(fewer, best.score - _BROUGHT)
+            alone = self._alone(fewer, best.score)
             given_up = len(best.labels & found.labels - alone.labels) if fewer.terms else 1
             if alone.score > best.score + CLEARLY * max(given_up, 1):
                 best = alone
@@ -114,22 +114,15 @@ class Forms:
         rest = remains_um(self._weighing, here, noise=1.0)
         return rest >= WORTH_A_FORM * usual_u_um(self._weighing)
 
-    def _alone(self, fewer: Explanation, least: float) -> Explanation:
-        """Forms beside few effects, where one makes all so probable, members as they are or little.
+    def _alone(self, fewer: Explanation, than: float) -> Explanation:
+        """Forms beside few effects, where the first brings a good share of what others bring.
 
         As given where none does.
         """
         self._columns.add_conspicuous(*self._left_mm(fewer))
-        views = _two_views(fewer)
-        leading = self._leading(views)
-        weighing = self._with(leading)
-
-        def is_close(form: Form) -> bool:
-            k = weighing.index_of(_label(form))
-            return any(weighing.extend(v, k, resize=False).score > least for v in views)
-
-        close = [form for form in leading if is_close(form)]
-        return self._grown(self._extended(fewer, close)) if close else fewer
+        first = self._extended(fewer, self._leading(_two_views(fewer)))
+        brought = first.score - fewer.score
+        return self._grown(first) if brought > _SHARE * (than - fewer.score) else fewer
 
     def _grown(self, here: Explanation) -> Explanation:
         for k in range(_MOST):
@@ -147,13 +140,18 @@ class Forms:
 
     def _extended(self, here: Explanation, leading: Sequence[Form]) -> Explanation:
         """An explanation with the best of some forms, without what it makes needless."""
-        weighing = self._with(leading)
-        best = max(
-            # one at a time: a fit of many readings takes much memory
-            ((weighing.extend(here, weighing.index_of(_label(form))), form) for form in leading),
-            key=lambda pair: pair[0].score,
-            default=None,
-        )
+        weighing, little = self._with(leading), beside_little(here).posterior.sizes
+
+        def fitted(form: Form) -> Explanation:
+            one = weighing.extend(here, weighing.index_of(_label(form)))
+            if little == here.posterior.sizes:
+                return one
+            # members that are large hide what a form could do in their place
+            return max(one, weighing.resized(one, little), key=lambda e: e.score)
+
+        # one at a time: a fit of many readings takes much memory
+        pairs = ((fitted(form), form) for form in leading)
+        best = max(pairs, key=lambda pair: pair[0].score, default=None)
         if best is None:
             return here
         self._chosen[_label(best[1])] = best[1]
