@@ -48,7 +48,7 @@ def search(weighing: Weighing, start: Explanation | None = None) -> Explanation:
 
 def search_beyond(weighing: Weighing, here: Explanation) -> Explanation:
     """A more probable set, by all moves."""
-    return _led_on(weighing, here, (_added, _uncovered, _exchanged, _merged, _filled, _split))
+    return _led_on(weighing, here, (_added, _uncovered, _exchanged, _filled, _split))
 
 
 def _led_on(weighing: Weighing, here: Explanation, moves: Sequence[Move]) -> Explanation:
@@ -88,28 +88,16 @@ def _uncovered(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
 
 
 def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
-    """One effect in place of another; only those that come near it before anything is refitted.
+    """Others in place of one effect, or of two that share what one does.
 
     Members stay as they are at first: where they grow into a gap, they hide what could fill it.
     """
-    for k, term in enumerate(here.terms):
-        others = weighing.without(here, [k], resize=False)
-        gains = weighing.gains(others, roughly=True)
-        least = gains[weighing.index_of(term.label)] - _NEAR
-        ranked = [i for i in _ranked(weighing, gains, here.labels)[:_TRIED] if gains[i] > least]
-        for i in ranked:
-            child = weighing.extend(others, i)
-            if not has_impossible_sizes(child.fit):
-                yield child
-
-
-def _merged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
-    """Others in place of two effects that share what one does."""
-    for pair in itertools.combinations(range(len(here.terms)), 2):
-        others = weighing.without(here, pair, resize=False)
-        for child in _filled_up(weighing, others, here.labels, len(pair)):
-            if child.score > here.score - _NEAR:
-                yield from _possible(weighing.explain(child.terms, child.posterior.sizes))
+    for count in (1, 2):
+        for gone in itertools.combinations(range(len(here.terms)), count):
+            others = weighing.without(here, gone, resize=False)
+            for child in _filled_up(weighing, others, here.labels, count):
+                if child.score > here.score - _NEAR:
+                    yield from _possible(weighing.explain(child.terms, child.posterior.sizes))
 
 
 def _filled(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
