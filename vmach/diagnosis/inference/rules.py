@@ -56,9 +56,8 @@ RULES = (
         "clearly",
         CLEARLY,
         "log evidence",
-        "a form is added, or stands alone for all effects, where that makes all readings 100 times "
-        "more probable; beside some effects it takes the place of others where it does so for "
-        "each of these; effects that are closer form a class",
+        "a form is added where that makes all readings 100 times more probable, and takes the "
+        "place of effects where it does so for each of these; effects that are closer form a class",
         "Jeffreys, Theory of Probability (1961), appendix B: decisive is beyond 100 to 1; noise "
         "alone reaches a factor b at most once in b times",
         _COUNTS,

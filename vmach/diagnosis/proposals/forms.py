@@ -68,8 +68,8 @@ class Forms:
         """An explanation with forms added while that is clearly more probable.
 
         Effects may imitate another cause: forms alone compete with them, and forms beside all
-        effects but the least probable one, as the others may be known causes. There each effect
-        that is given up for a form has to be clearly less probable than it.
+        effects but the least probable one, as the others may be known causes. Each effect that is
+        given up for a form has to be clearly less probable than it.
         """
         start = self._explained(found)
         if found.terms or self._is_worth_a_form(start):
@@ -77,7 +77,7 @@ class Forms:
         best = self._grown(start)
         for fewer in self._with_fewer(found, start):
             alone = self._alone(fewer, best.score)
-            given_up = len(best.labels & found.labels - alone.labels) if fewer.terms else 1
+            given_up = len(best.labels & found.labels - alone.labels)
             if alone.score > best.score + CLEARLY * max(given_up, 1):
                 best = alone
         return best
