@@ -78,6 +78,7 @@ def test_silence_is_right_for_a_healthy_machine_only():
     assert outcome([LAG], verdict="unknown").outcome == "unknown"
     foreign = {"name": "ripple", "target": None, "accept": ["unknown"], "twins": []}
     assert outcome([foreign], verdict="unknown").outcome == "right"
+    assert outcome([foreign, LAG], verdict="unknown").outcome == "unknown"
     assert outcome([foreign], entry("scale X")).outcome == "wrong"
 
 

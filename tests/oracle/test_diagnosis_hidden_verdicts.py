@@ -157,13 +157,52 @@ def test_sets_that_no_single_exchange_leads_to_are_found(tmp_path, effects, seed
     assert found.outcome in ("right", "class", "vague"), found.said
 
 
-def test_effects_that_together_imitate_one_cause_give_way_to_its_form(tmp_path):
-    """A column that nods with the speed of Y is no servo mismatch with a straightness."""
-    design = PartDesign(corners=True)
-    make_experiment(tmp_path, effects=["nodding_column"], seed=3775042, design=design)
+@pytest.mark.parametrize(
+    ("kind", "seed", "noise", "design", "formula"),
+    [
+        # a servo mismatch with a straightness
+        (
+            "nodding_column",
+            3775042,
+            "white",
+            PartDesign(corners=True),
+            "speed of Y in m/min, as a turn about X",
+        ),
+        # four effects; large offsets of the walls hide what the form does alone
+        (
+            "nodding_column",
+            5136007,
+            "common",
+            PartDesign(),
+            "speed of Y in m/min, as a turn about X",
+        ),
+        # one effect: a drift with the room
+        (
+            "pulsing_oil",
+            5156001,
+            "heavy_tails",
+            PartDesign(corners=True),
+            "a wave of 180.7 s in time, along X, Y and Z",
+        ),
+    ],
+)
+def test_effects_that_imitate_another_cause_give_way_to_its_form(
+    tmp_path, kind, seed, noise, design, formula
+):
+    make_experiment(tmp_path, effects=[kind], seed=seed, design=design, noise=noise)
     report, _ = program_runs.diagnose(tmp_path)
     assert report["verdict"] == "unknown"
-    assert report["proposals"][0]["formula"] == "speed of Y in m/min, as a turn about X"
+    assert formula in [proposal["formula"] for proposal in report["proposals"]]
+
+
+def test_a_wave_in_time_is_found_though_offsets_of_features_could_hold_it(tmp_path):
+    """Each feature takes less time than a turn: its offset is the wave's mean there."""
+    make_experiment(tmp_path, effects=["pulsing_oil"], seed=5126005)
+    report, _ = program_runs.diagnose(tmp_path)
+    true_s = json.loads((tmp_path / "truth.json").read_text())["effects"][0]["parameters"]
+    said = report["proposals"][0]["formula"].split()
+    assert " ".join(said[5:]) == "in time, along X, Y and Z"
+    assert float(said[3]) == pytest.approx(true_s["period_s"], rel=0.01)
 
 
 def test_what_remains_elsewhere_is_no_doubt_about_a_local_effect(tmp_path):
