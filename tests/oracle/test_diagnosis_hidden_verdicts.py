@@ -59,12 +59,7 @@ def test_verdict_parameters_and_held_out_error(tmp_path, name):
         (["head_tilt", "ambient_drift"], 42, ("drift",)),  # all along X in one piece
         (["springback"], 2510000, ()),  # a bend that five effects of the machine imitate together
         (["springback"], 2510007, ()),  # a small bend that two angular tables imitate
-        pytest.param(
-            ["loose_collet"],
-            33013,
-            (),
-            marks=pytest.mark.xfail(strict=True, reason="a wave's numbers fit three heights"),
-        ),
+        (["loose_collet"], 33013, ()),  # a wave's numbers fit three heights as well
     ],
 )
 def test_what_held_out_features_and_single_features_can_say(tmp_path, effects, seed, instruments):
