@@ -28,7 +28,7 @@ from tests.benchmarks.bench_hidden_effects import (
     read_rows,
 )
 from tests.hidden_effects.experiment import FOREIGN_KINDS, SINGLE_KINDS
-from tests.hidden_effects.measuring import NOISES
+from tests.hidden_effects.measuring import NOISES, PEERS
 
 #: an effect and a cause that no catalogue holds, together
 _KNOWN = ("backlash", "scale", "tool_radius", "squareness", "fixture", "tool_length")
@@ -49,7 +49,10 @@ _PER_NOISE, _PER_GROUP = 10_000, 1_000
 
 
 def cases(first_seed: int) -> list[tuple[str, str, int]]:
-    """Kind, noise and seed; kinds of a group in an order of chance, all before any twice."""
+    """Kind, noise and seed; kinds of a group in an order of chance, all before any twice.
+
+    Known effects whose `u_um` is half the truth come once more, where it is the truth.
+    """
     random, found = np.random.default_rng(first_seed), []
     for i, noise in enumerate(NOISES):
         for j, (kinds, white, other) in enumerate(GROUPS.values()):
@@ -57,12 +60,16 @@ def cases(first_seed: int) -> list[tuple[str, str, int]]:
             for k in range(white if noise == "white" else other):
                 kind = kinds[order[k % len(kinds)]]
                 found.append((kind, noise, seed + _PER_GROUP * j + k))
-    return [found[k] for k in random.permutation(len(found))]
+    mixed = [found[k] for k in random.permutation(len(found))]
+    unknown = (*FOREIGN_KINDS, *BESIDE, "none")
+    halves = [(k, seed) for k, noise, seed in mixed if noise == "u_half" and k not in unknown]
+    return mixed + [(kind, "loud", seed) for kind, seed in halves]
 
 
 def print_table(rows: list[dict]) -> None:
     """Counts as Markdown, by group and by noise."""
-    rows = [row for row in rows if row["outcome"] != "undrawn"]
+    every = [row for row in rows if row["outcome"] != "undrawn"]
+    rows = [row for row in every if row["noise"] not in PEERS]
     white = [row for row in rows if row["noise"] == "white"]
     others = [row for row in rows if row["noise"] != "white"]
     for name, some in (("white noise", white), ("other noise", others)):
@@ -77,8 +84,8 @@ def print_table(rows: list[dict]) -> None:
         "| noise | clean: named | one to five: right | limits | said: there | there: said | 95 % |"
     )
     print("|---|---|---|---|---|---|---|")
-    for noise in NOISES:
-        _print_noise(noise, [row for row in rows if row["noise"] == noise])
+    for noise in NOISES | PEERS:
+        _print_noise(noise, [row for row in every if row["noise"] == noise])
     print("\n| of | count | share | 95 % limits |\n|---|---|---|---|")
     for name, some in (("white noise", white), ("all noise", rows)):
         known = [row for row in some if row["kind"] not in (*FOREIGN_KINDS, *BESIDE)]

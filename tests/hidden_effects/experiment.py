@@ -10,7 +10,7 @@ import numpy as np
 
 from .instruments import Site, write_instrument
 from .machine_maker import TrueMachine, random_machine, write_machine
-from .measuring import measuring_error_um
+from .measuring import measuring_error_um, stated_um
 from .nature_clamping import CLAMPING
 from .nature_cutting import CUTTING
 from .nature_foreign import FOREIGN
@@ -67,7 +67,7 @@ def make_experiment(
     ----------
     effects : kinds out of `KINDS`; empty for a machine in good health
     noise_um : standard uncertainty of a measured point
-    noise : kind of it, out of `NOISES`
+    noise : kind of it, out of `NOISES` and `PEERS`
     noisy_tables : False: the calibration was perfect
     design : what kind of part; an effect that needs corners or two clampings gets them
     instruments : names out of `INSTRUMENTS`
@@ -181,7 +181,7 @@ def _write_measured(path: Path, part: Part, deviation, *, rng, noise: tuple[str,
     rows = zip(part.feature, part.place_mm, part.normal, measured, strict=True)
     for number, (name, place, normal, m) in enumerate(rows, 1):
         cells = [f"{v:.6f}" for v in (*place, *normal, *m)]
-        lines.append(f"{number},{name},{','.join(cells)},{noise_um:g}")
+        lines.append(f"{number},{name},{','.join(cells)},{stated_um(kind, noise_um):g}")
     path.write_text("\n".join(lines) + "\n")
 
 

@@ -1,6 +1,7 @@
 """How a coordinate measuring machine scatters in a shop: the noise of measured points.
 
-Every kind has the same standard deviation, but for `u_half`, of which the file says half.
+Every kind has the same standard deviation, but for `u_half`, of which the file says half, and its
+peer `loud`: the same readings, of which the file says the truth.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-__all__ = ["NOISES", "measuring_error_um"]
+__all__ = ["NOISES", "PEERS", "measuring_error_um", "stated_um"]
 
 #: share of the variance that all points of a feature have in common
 _COMMON = 0.36
@@ -28,7 +29,7 @@ def measuring_error_um(
     normal: np.ndarray,
 ) -> np.ndarray:
     """Error of every point, (P,), for a standard uncertainty of one micrometre."""
-    return NOISES[kind](rng, np.asarray(feature), place_mm, normal)
+    return (NOISES | PEERS)[kind](rng, np.asarray(feature), place_mm, normal)
 
 
 def white(rng, feature, place_mm, normal):
@@ -77,6 +78,18 @@ def device_scale(rng, feature, place_mm, normal):
     return rng.normal(size=len(feature)) + seen / 0.8
 
 
+def loud(rng, feature, place_mm, normal):
+    """Twice as loud as with the other kinds, and the file says so."""
+    return u_half(rng, feature, place_mm, normal)
+
+
+def stated_um(kind: str, noise_um: float) -> float:
+    """Standard uncertainty that the file states."""
+    return 2.0 * noise_um if kind == "loud" else noise_um
+
+
 NOISES: dict[str, Callable] = {
     f.__name__: f for f in (white, common, correlated, heavy_tails, u_half, device_scale)
 }
+#: kinds that are counted on the very readings of another one
+PEERS: dict[str, Callable] = {"loud": loud}
