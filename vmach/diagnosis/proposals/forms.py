@@ -26,6 +26,8 @@ __all__ = ["Forms"]
 
 #: forms that are fitted at each step, by their evidence beside the discrepancy and nearly without
 _FITTED = 6
+#: those that are fitted first in the place of effects
+_FIRST = 2
 #: share of what effects bring that the first form in their place brings, at least; chosen: what
 #: two forms are is mostly one of them. It saves fits; the readings weigh what passes
 _SHARE = 0.5
@@ -76,7 +78,7 @@ class Forms:
             start = self._by_reading(start, found)
         best = self._grown(start)
         for fewer in self._with_fewer(found, start):
-            alone = self._alone(fewer, best.score)
+            alone = self._alone(fewer, best)
             given_up = len(best.labels & found.labels - alone.labels)
             if alone.score > best.score + CLEARLY * max(given_up, 1):
                 best = alone
@@ -114,15 +116,16 @@ class Forms:
         rest = remains_um(self._weighing, here, noise=1.0)
         return rest >= WORTH_A_FORM * usual_u_um(self._weighing)
 
-    def _alone(self, fewer: Explanation, than: float) -> Explanation:
+    def _alone(self, fewer: Explanation, than: Explanation) -> Explanation:
         """Forms beside few effects, where the first brings a good share of what others bring.
 
-        As given where none does.
+        As given where none does. The first is sought beside the discrepancy that the others leave.
         """
         self._columns.add_conspicuous(*self._left_mm(fewer))
-        first = self._extended(fewer, self._leading(_two_views(fewer)))
+        beside = replace(fewer, posterior=replace(fewer.posterior, sizes=than.posterior.sizes))
+        first = self._extended(fewer, self._leading([beside], _FIRST))
         brought = first.score - fewer.score
-        return self._grown(first) if brought > _SHARE * (than - fewer.score) else fewer
+        return self._grown(first) if brought > _SHARE * (than.score - fewer.score) else fewer
 
     def _grown(self, here: Explanation) -> Explanation:
         for k in range(_MOST):
