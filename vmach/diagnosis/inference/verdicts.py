@@ -9,7 +9,7 @@ from enum import StrEnum
 import numpy as np
 
 from vmach.diagnosis.gates.impossible_sizes import impossible_terms
-from vmach.diagnosis.inference.moves import search, search_beyond
+from vmach.diagnosis.inference.moves import search, search_beyond, without_needless
 from vmach.diagnosis.inference.noise import beside_own_noise, noise_before
 from vmach.diagnosis.inference.own_contacts import beside_one, over_own_contacts
 from vmach.diagnosis.inference.remains import is_structure, remains_um, sizes_um
@@ -126,7 +126,8 @@ def _settled(weighing: Weighing) -> tuple[Weighing, Explanation]:
         weighing, found = beside_own_noise(weighing, found)
         if weighing is before:
             break
-        found = search(weighing, found)
+        # another noise may make needless what stood for it
+        found = search(weighing, without_needless(weighing, found))
     return weighing, found
 
 
