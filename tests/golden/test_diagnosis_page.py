@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.golden.test_bad_input import replace, run_vmach
+from tests.measured_job import write_measured_job, write_odd_job
 from tests.report_case import HOSTILE
 from tests.report_page import Page, assert_asks_for_nothing
 from tests.small_job import pocket_points, write_job_with_nominal, write_points
@@ -94,6 +95,19 @@ def test_named_effects_have_their_card(tmp_path, monkeypatch, capsys):
             assert ends == pytest.approx([low, high], abs=0.03 * (high - low))
     assert "on the part" not in page.text.split("What these measurements")[0]
     assert "component Z" in page.text  # the picture of the tip's readings
+
+
+def test_forms_for_what_nobody_foresaw_are_on_the_page(tmp_path, monkeypatch, capsys):
+    write_measured_job(tmp_path)
+    write_odd_job(tmp_path)
+    diagnosed(tmp_path / "odd.toml", tmp_path / "out", monkeypatch, capsys)
+    figures = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
+    page = Page((tmp_path / "out" / "diagnosis.html").read_text(encoding="utf-8"))
+    told = page.text.split("What it may depend on")[1].split("Measured minus predicted on")[0]
+    assert figures["proposals"]
+    for proposal in figures["proposals"]:
+        assert proposal["formula"] in told
+        assert f"{proposal['held_out_um']['with']:.2f}" in told
 
 
 def test_a_sound_machine_has_a_page_too(tmp_path, monkeypatch, capsys):

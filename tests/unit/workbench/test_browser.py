@@ -17,7 +17,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.unit.workbench.conftest import replace, write_odd_job
+from tests.measured_job import write_odd_job
+from tests.unit.workbench.conftest import replace
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="no Playwright to drive a browser")
 

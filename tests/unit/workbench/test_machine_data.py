@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from tests.measured_job import ERRORS
 from tests.small_job import write_job_with_nominal
-from tests.unit.workbench.conftest import ERRORS
 from vmach.api.points import predict, surface_points
 from vmach.machine import Variant
 from vmach.workbench.model.machine_changes import HANDLES, machine_cards

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from tests.unit.workbench.conftest import write_measured_job
+from tests.measured_job import write_measured_job
 from vmach.api.comparison import compare
 from vmach.api.points import predict, surface_points
 from vmach.effects import catalogue
