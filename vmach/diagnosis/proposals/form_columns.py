@@ -99,9 +99,9 @@ class FormColumns:
         Parameters
         ----------
         left_mm : (n,) float64
-            What effects leave of the readings: spots and stretches are smooth.
+            What effects leave of the readings: spots, stretches and slow waves are smooth.
         rest_mm : (n,) float64
-            What no discrepancy takes of that: waves are not.
+            What no discrepancy takes of that: short waves are not.
         """
         asked = left_mm.tobytes() + rest_mm.tobytes()
         if asked in self._looked_at:  # what shows is on the list

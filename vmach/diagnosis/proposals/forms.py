@@ -26,7 +26,8 @@ __all__ = ["Forms"]
 
 #: forms that are fitted at each step, by their evidence beside the discrepancy and nearly without
 _FITTED = 6
-#: those that are fitted first in the place of effects
+#: those that are fitted first in the place of effects; of three causes that effects imitated,
+#: twelve led to the same forms
 _FIRST = 2
 #: share of what effects bring that the first form in their place brings, at least; chosen: what
 #: two forms are is mostly one of them. It saves fits; the readings weigh what passes

@@ -21,7 +21,8 @@ __all__ = ["wave_states"]
 _CELLS, _FINER = 8, 4
 #: frequencies at most; beyond, the shortest waves are left out
 _MOST = 1 << 18
-#: peaks of each argument and direction that are put on the list
+#: peaks of each argument and direction that are put on the list; gaps between features may make
+#: another one higher than that of the wave
 _PEAKS = 4
 #: a wave has to go round that often, else it is a trend
 _LEAST_TURNS = 1.5
