@@ -245,6 +245,15 @@ def test_heavy_tails_alone_name_no_effect(tmp_path):
     assert report["verdict"] == "nothing"
 
 
+@pytest.mark.parametrize("noise", ["common", "correlated", "u_half"])
+def test_what_readings_have_in_common_as_noise_is_no_failure_of_the_model(tmp_path, noise):
+    make_experiment(tmp_path, effects=[], seed=7210004, noise=noise)
+    report, _ = program_runs.diagnose(tmp_path)
+    assert report["verdict"] == "nothing"
+    # the smallest of some ten chances
+    assert min([1.0, *(failure["p"] for failure in report["where_it_fails"])]) > 1e-4
+
+
 def test_axes_that_never_turn_are_no_candidates(tmp_path):
     """Programs that turn A, B or C are refused, so no experiment can hide a rotary axis' place."""
     make_experiment(tmp_path, effects=[], seed=33)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import chi2
+from scipy.stats import chi2, norm
 
 from tests.small_job import (
     measurement,
@@ -22,7 +22,11 @@ from vmach.diagnosis.page.instrument_pictures import instrument_pictures
 from vmach.diagnosis.page.residual_map import residual_map
 from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.residuals.job_survey import survey_job
-from vmach.fit.whitening import Whitening
+from vmach.fit.base import Base
+from vmach.fit.discrepancy import members_of
+from vmach.fit.feature_noise import FeatureNoise
+from vmach.fit.marginal_likelihood import Effects, Posterior
+from vmach.fit.sizes import Sizes
 from vmach.nominal import read_nominal
 from vmach.report.page.svg_plot import Frame, number_text, ticks
 
@@ -40,9 +44,11 @@ def measured_part(folder):
 
 
 def residuals_of(survey):
-    factors = survey.factors
-    whiten = Whitening(survey.u_mm, factors, survey.nuisance)
-    return Residuals(survey, whiten, factors, None)
+    members = members_of(survey)
+    single = FeatureNoise(survey.u_mm, survey.group, np.ones(len(survey)))
+    base = Base(survey, single, members, by_reading=True)
+    sizes = Sizes(1.0, (0.0,) * len(members.names))
+    return Residuals(survey, Posterior(base, sizes, Effects(base.no_columns)), None)
 
 
 @pytest.fixture(scope="module")
@@ -57,8 +63,12 @@ def lost(tmp_path_factory):
 
 
 def dense_covariance(residuals, extra=None):
-    causes = residuals.factors_mm if extra is None else np.hstack([residuals.factors_mm, extra])
-    return np.diag(residuals.survey.u_mm**2) + causes @ causes.T
+    noise = residuals.noise
+    size = noise.sizes.each[noise.base.member_of]
+    members = noise.base.members.every_mm * np.where(size > 0.025, size, 0.0)  # the least is none
+    causes = members if extra is None else np.hstack([members, extra])
+    u_mm = noise.sizes.factor * residuals.survey.u_mm
+    return np.diag(u_mm**2) + causes @ causes.T
 
 
 def alignment(survey):
@@ -88,7 +98,7 @@ def test_means_of_classes_and_their_bars(part):
             assert found.mean_mm[number] == pytest.approx(aligned[own].mean(), abs=1e-12)
             spread = np.sqrt(max(covariance[np.ix_(own, own)].mean(), 0.0))
             assert found.u_mm[number] == pytest.approx(spread, rel=1e-6, abs=1e-9)
-        assert set(panel.p) == set(panel.means) == {"before"}
+        assert set(panel.chance) == set(panel.means) == {"before"}
 
 
 def test_chances_are_those_of_a_fit_with_and_without_the_classes(part):
@@ -99,13 +109,20 @@ def test_chances_are_those_of_a_fit_with_and_without_the_classes(part):
         classes = np.hstack([survey.nuisance, panel.covariate.is_in])
         fitted, richer = generalised_sum(classes, survey.residual_mm, covariance)
         expected = chi2.sf(plain - fitted, richer - rank) if richer > rank else 1.0
-        assert np.log(panel.p["before"]) == pytest.approx(np.log(expected), rel=0.02, abs=0.02)
+        assert np.log(panel.chance["before"].p) == pytest.approx(
+            np.log(expected), rel=0.02, abs=0.02
+        )
 
 
 def test_the_clearest_dependence_comes_first(part):
     panels = covariate_panels(part)
-    chances = [panel.p["before"] for panel in panels]
-    assert chances == sorted(chances) and chances[0] < 1e-9
+    chances = [panel.chance["before"] for panel in panels]
+    assert chances[0].p < 1e-9
+    deviates = [chance.deviate for chance in chances]
+    assert deviates == sorted(deviates, reverse=True)
+    for chance in chances:
+        if 1e-9 < chance.p < 1.0:
+            assert chance.deviate == pytest.approx(norm.isf(chance.p), abs=0.05)
     feature = next(panel for panel in panels if panel.covariate.by == "feature")
     clearest = np.argsort(-feature.means["before"].clear)[:2]
     assert {feature.covariate.words[k] for k in clearest} == {"feature wall +X", "feature wall -X"}
@@ -115,7 +132,7 @@ def test_after_the_effect_the_classes_are_noise(lost):
     residuals = lost.residuals
     panels = {panel.covariate.title: panel for panel in covariate_panels(residuals)}
     direction = panels["direction of X"]
-    assert direction.p["before"] < 1e-9 < direction.p["after"]
+    assert direction.chance["before"].p < 1e-9 < direction.chance["after"].p
     off = alignment(residuals.survey)
     left = off @ (residuals.survey.residual_mm - lost.residuals.explained_mm)
     means = direction.means["after"]

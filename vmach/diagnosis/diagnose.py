@@ -99,8 +99,8 @@ def diagnose(
     findings = findings_of(found)
     verdict = _verdict(found, findings)
     fit = weighing.careful(explanation)
-    residuals = Residuals(survey, survey.whiten, survey.factors, fit)
-    failures = where_it_fails(survey, survey.whiten, survey.residual_mm)
+    residuals = Residuals(survey, found.noise, fit)
+    failures = where_it_fails(survey, residuals.noise.whiten, survey.residual_mm)
     if verdict == "unknown":
         findings = (something_unknown(failures),)
     tell("what to measure next")

@@ -29,10 +29,11 @@ _FIELD_DEGREE = 3
 _UPRIGHT = 0.7
 #: a cause whose largest signature is this share of u is left out
 _BLIND = 1e-3
-#: share of u² that a direction of the causes of known size has at least
-_LEAST_VARIANCE = 1e-2
-#: what a direction of unit size adds to all readings together, in squared u, that nobody sees
-_NOTHING = 1e-8
+#: what a direction of the causes of known size adds to all readings together, in squared u, at
+#: least: without it the log probability of one direction is wrong by v²/4 = 0.003 for v = 0.1
+_LEAST_VARIANCE = 0.1
+#: the same for a discrepancy of unit size; one of ten u is wrong by 0.15 in such a direction
+_NOTHING = 0.01
 #: half the length of the smallest part that bends, mm: points on one place tell no curvature
 _LEAST_HALF_MM = 25.0
 

@@ -73,6 +73,13 @@ class FeatureNoise:
         back /= self.u_mm[:, None]
         return back
 
+    def deviations(self, weights: np.ndarray) -> np.ndarray:
+        """Of weighted sums of readings, (n, k) mm: a column's squares add up to a variance."""
+        scaled = weights * self.u_mm[:, None]
+        if self.share == 0.0:
+            return scaled / np.sqrt(self.weight)[:, None]
+        return self._by_blocks(scaled, [root.T for root, _ in self._roots])
+
     def _by_blocks(self, columns: np.ndarray, matrices: Sequence[np.ndarray]) -> np.ndarray:
         """Columns (n, k), each block of readings times its matrix."""
         ordered = columns[self._order]

@@ -6,9 +6,14 @@ derived here: 1 + F F^T has the root of its eigenvalues where F has columns, 1 e
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-__all__ = ["Whitening", "condensed", "orthonormal", "thin_product"]
+__all__ = ["Whiten", "Whitening", "condensed", "orthonormal", "thin_product"]
+
+#: turns columns (n,) or (n, k) mm into plain unit noise
+Whiten = Callable[[np.ndarray], np.ndarray]
 
 #: share of the largest norm below which a direction counts as zero
 _RANK = 1e-9

@@ -6,19 +6,19 @@ import numpy as np
 
 from vmach.fit.survey import Survey
 from vmach.fit.terms import JointFit
-from vmach.fit.whitening import Whitening
+from vmach.fit.whitening import Whiten, Whitening
 
 __all__ = ["absorbing", "slack_at_sites", "slack_of"]
 
 
-def absorbing(survey: Survey, whiten: Whitening, fit: JointFit) -> Whitening:
+def absorbing(survey: Survey, whiten: Whiten, fit: JointFit) -> Whitening:
     """Takes the effects of a fit out of whitened readings: amplitudes, inner parameters, slack.
 
     Parameters
     ----------
     survey : Survey
-    whiten : Whitening
-        Of the survey.
+    whiten : callable
+        Turns readings of the survey into plain unit noise.
     fit : JointFit
     """
     none = np.zeros((len(survey), 0))

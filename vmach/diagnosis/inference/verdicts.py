@@ -20,6 +20,8 @@ from vmach.diagnosis.proposals.form import FormEffect
 from vmach.diagnosis.proposals.forms import Forms
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.proposals.states import MOTION
+from vmach.fit.marginal_likelihood import Effects, Posterior
+from vmach.fit.sizes import Sizes
 from vmach.fit.terms import Term
 
 __all__ = ["Inference", "Reason", "Weak", "infer", "judged", "searched"]
@@ -80,6 +82,14 @@ class Inference:
     remains_um: float
     is_structure: bool
     proposals: tuple[Proposal, ...] = ()
+
+    @property
+    def noise(self) -> Posterior:
+        """What counts as noise, reading by reading: the discrepancy too, unless it is structure."""
+        base, sizes = self.weighing.by_reading().base, self.explanation.posterior.sizes
+        if self.is_structure:
+            sizes = Sizes(1.0, (0.0,) * len(sizes.members))
+        return Posterior(base, sizes, Effects(base.no_columns))
 
 
 def infer(weighing: Weighing) -> Inference:

@@ -10,7 +10,7 @@ from markupsafe import Markup
 from vmach.base.units import um_from_mm
 from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.residuals.covariates import Covariate, covariates
-from vmach.diagnosis.residuals.where_it_fails import chance_of
+from vmach.diagnosis.residuals.where_it_fails import Chance, chance_of
 from vmach.report.page.svg_plot import Frame, Plot, ticks
 from vmach.report.pictures.colours import colour_range
 
@@ -21,6 +21,8 @@ _WIDE = 1.96
 #: dots of one colour in a diagram, and classes in a list
 _MOST_DOTS, _MOST_ROWS = 1000, 9
 _ROW, _NAMES, _LETTERS = 22.0, 190.0, 29
+#: of classes that cannot differ
+_CERTAIN = Chance(1.0, -np.inf)
 
 
 @dataclass(frozen=True)
@@ -40,11 +42,6 @@ class ClassMeans:
         """Means and half widths of their 95 % intervals, (2, c)."""
         return um_from_mm(np.stack([self.mean_mm, _WIDE * self.u_mm]))
 
-    @property
-    def clearest(self) -> float:
-        """The largest of them."""
-        return float(self.clear.max())
-
 
 @dataclass(frozen=True)
 class Panel:
@@ -53,16 +50,16 @@ class Panel:
     Attributes
     ----------
     covariate : Covariate
-    p : dict of str to float
+    chance : dict of str to Chance
         How often noise alone makes the classes differ like this, "before" and, where effects were
-        fitted, "after"; 1 where what is free takes up every difference.
+        fitted, "after"; always where what is free takes up every difference.
     means : dict of str to ClassMeans
         Likewise.
     svg : Markup
     """
 
     covariate: Covariate
-    p: dict[str, float]
+    chance: dict[str, Chance]
     means: dict[str, ClassMeans]
     svg: Markup
 
@@ -76,7 +73,7 @@ def covariate_panels(residuals: Residuals) -> list[Panel]:
     """A panel for every covariate, the least likely to be chance first."""
     end_um = um_from_mm(colour_range([residuals.of(state) for state in residuals.states]))
     panels = [_panel(residuals, covariate, end_um) for covariate in covariates(residuals.survey)]
-    return sorted(panels, key=lambda panel: (panel.p["before"], -panel.means["before"].clearest))
+    return sorted(panels, key=lambda panel: -panel.chance["before"].deviate)
 
 
 def _panel(residuals: Residuals, covariate: Covariate, end_um: float) -> Panel:
@@ -85,17 +82,16 @@ def _panel(residuals: Residuals, covariate: Covariate, end_um: float) -> Panel:
     plot = draw(residuals, covariate, means, end_um)
     return Panel(
         covariate=covariate,
-        p={state: _chance(residuals, covariate, state) for state in residuals.states},
+        chance={state: _chance(residuals, covariate, state) for state in residuals.states},
         means=means,
         svg=plot.markup(f"Measured minus predicted against {covariate.title}"),
     )
 
 
-def _chance(residuals: Residuals, covariate: Covariate, state: str) -> float:
+def _chance(residuals: Residuals, covariate: Covariate, state: str) -> Chance:
     after = state == "after"
     white = residuals.white(residuals.survey.residual_mm, after=after)
-    p = chance_of(white, residuals.white(covariate.is_in, after=after))
-    return 1.0 if p is None else p
+    return chance_of(white, residuals.white(covariate.is_in, after=after)) or _CERTAIN
 
 
 def _class_means(residuals: Residuals, covariate: Covariate, state: str) -> ClassMeans:

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.fft import next_fast_len, rfft
 
 from vmach.diagnosis.proposals.states import ALL_AXES, DIRECTIONS, Direction, State
 from vmach.fit.survey import Survey
@@ -80,9 +81,9 @@ def _peaks(along: np.ndarray, reading: np.ndarray, span: float, shortest: float)
     """Frequencies of the highest peaks of readings (n, D), none beside another."""
     cell = max(shortest / _CELLS, span * _FINER / _MOST)
     place = np.rint((along - along.min()) / cell).astype(int)
-    count = int(_FINER * (place.max() + 1))
-    rasters = [np.bincount(place, one, minlength=count) for one in reading.T]
-    power = np.sum([np.abs(np.fft.rfft(raster, count)) ** 2 for raster in rasters], axis=0)
+    count = next_fast_len(int(_FINER * (place.max() + 1)), real=True)
+    rasters = [np.bincount(place, one) for one in reading.T]
+    power = np.sum([np.abs(rfft(raster, count)) ** 2 for raster in rasters], axis=0)
     frequency = np.arange(len(power)) / (count * cell)
     power[(frequency < _LEAST_TURNS / span) | (frequency > 1.0 / (cell * _CELLS))] = 0.0
     found = []

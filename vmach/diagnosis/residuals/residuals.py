@@ -9,6 +9,8 @@ import numpy as np
 
 from vmach.base.units import um_from_mm
 from vmach.diagnosis.gates.absorbing import absorbing, slack_of
+from vmach.fit.feature_noise import FeatureNoise
+from vmach.fit.marginal_likelihood import Posterior
 from vmach.fit.survey import Survey
 from vmach.fit.terms import JointFit
 from vmach.fit.whitening import Whitening
@@ -23,17 +25,14 @@ class Residuals:
     Attributes
     ----------
     survey : Survey
-    whiten : Whitening
-        Of the survey's readings.
-    factors_mm : (n, q) float64
-        Signatures of the tables' uncertainty.
+    noise : Posterior
+        Of what counts as noise beside the effects, reading by reading.
     fit : JointFit or None
         Of the effects found.
     """
 
     survey: Survey
-    whiten: Whitening
-    factors_mm: np.ndarray
+    noise: Posterior
     fit: JointFit | None
 
     @property
@@ -84,6 +83,13 @@ class Residuals:
         """Standard uncertainty that the effects' laws leave each aligned reading, (n,)."""
         return np.sqrt((self.aligned(self._slack_mm) ** 2).sum(axis=1))
 
+    @cached_property
+    def causes_mm(self) -> np.ndarray:
+        """Signatures of unit variance of what several readings have in common as noise, (n, q)."""
+        members, base = self.noise.members, self.noise.base
+        size = self.noise.sizes.each[base.member_of[members.here]]
+        return base.members.every_mm[:, members.here] * size
+
     def class_u_mm(self, mean: np.ndarray, *, after: bool) -> np.ndarray:
         """Standard uncertainty of weighted sums of the aligned residual, (c,).
 
@@ -94,15 +100,17 @@ class Residuals:
         after : bool
             Whether what the effects' laws leave open counts.
         """
-        squared = self.survey.u_mm**2
+        squared, single = self.survey.u_mm**2, self.noise.base.noise
+        assert isinstance(single, FeatureNoise)
         # an alignment is symmetric in readings divided by their uncertainty
         rows = self.aligned((mean * squared).T).T / squared
-        causes = np.hstack([self.factors_mm, self._slack_mm]) if after else self.factors_mm
-        return np.sqrt(rows**2 @ squared + ((rows @ causes) ** 2).sum(axis=1))
+        causes = np.hstack([self.causes_mm, self._slack_mm]) if after else self.causes_mm
+        alone = self.noise.sizes.factor * single.deviations(rows.T)
+        return np.sqrt((alone**2).sum(axis=0) + ((rows @ causes) ** 2).sum(axis=1))
 
     @cached_property
     def _absorb(self) -> Whitening | None:
-        return None if self.fit is None else absorbing(self.survey, self.whiten, self.fit)
+        return None if self.fit is None else absorbing(self.survey, self.noise.whiten, self.fit)
 
     def white(self, values_mm: np.ndarray, *, after: bool) -> np.ndarray:
         """Values (n,) or (n, k) in unit noise without what is free: zeros, and after the effects.
@@ -113,13 +121,13 @@ class Residuals:
         after : bool
             Whether the effects found are taken out too, with all that is open about them.
         """
-        white = self.whiten(values_mm)
+        white = self.noise.whiten(values_mm)
         return self._absorb(white) if after and self._absorb is not None else white
 
     @cached_property
     def rms_um(self) -> dict[str, float]:
         """RMS before, after, and what noise and the tables' uncertainty make."""
-        factors = self.aligned(self.factors_mm)
+        factors = self.aligned(self.survey.factors)
         noise = self.survey.u_mm**2 + (factors**2).sum(axis=1)
         squares = {"before": self.before_mm**2, "after": self.after_mm**2, "expected_noise": noise}
         return {k: float(um_from_mm(np.sqrt(np.mean(v)))) for k, v in squares.items()}

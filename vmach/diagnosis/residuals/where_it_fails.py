@@ -3,6 +3,9 @@
 For each covariate the readings are sorted into classes, and the sum of squares that the classes'
 means explain is compared with what the readings' own covariance makes of it: under it the sum
 follows a chi-squared distribution, alignment and tables' uncertainty included.
+
+Source: E. Wilson and M. Hilferty, The distribution of chi-square, Proc. Natl. Acad. Sci. 17 (1931)
+684: the cube root of chi-squared in its degrees is nearly normal.
 """
 
 from __future__ import annotations
@@ -15,11 +18,27 @@ from scipy.special import chdtrc
 from vmach.base.units import um_from_mm
 from vmach.diagnosis.residuals.covariates import Covariate, covariates
 from vmach.fit.survey import Survey
-from vmach.fit.whitening import Whitening, orthonormal
+from vmach.fit.whitening import Whiten, orthonormal
 
-__all__ = ["Failure", "chance_of", "where_it_fails"]
+__all__ = ["Chance", "Failure", "chance_of", "where_it_fails"]
 
 _SIGNIFICANT = 0.01
+
+
+@dataclass(frozen=True)
+class Chance:
+    """How often noise alone makes the means of classes differ as much.
+
+    Attributes
+    ----------
+    p : float
+        As a probability; zero where it is below what a number holds.
+    deviate : float
+        The same as standard deviations of a normal variable, so that all of them have an order.
+    """
+
+    p: float
+    deviate: float
 
 
 @dataclass(frozen=True)
@@ -41,16 +60,14 @@ class Failure:
     text: str
 
 
-def where_it_fails(
-    survey: Survey, whiten: Whitening, residual_mm: np.ndarray
-) -> tuple[Failure, ...]:
+def where_it_fails(survey: Survey, whiten: Whiten, residual_mm: np.ndarray) -> tuple[Failure, ...]:
     """Dependences that noise does not explain, the clearest first.
 
     Parameters
     ----------
     survey : Survey
-    whiten : Whitening
-        Of the survey.
+    whiten : callable
+        Turns readings of the survey into plain unit noise, without what is free.
     residual_mm : (n,) float64
         Measured minus predicted.
     """
@@ -58,13 +75,14 @@ def where_it_fails(
     aligned = residual_mm - survey.aligned(residual_mm[:, None])[:, 0]
     found = []
     for covariate in covariates(survey):
-        p = chance_of(white, whiten(covariate.is_in))
-        if p is not None and p < _SIGNIFICANT:
-            found.append(Failure(covariate.by, p, _worst_class(covariate, aligned)))
-    return tuple(sorted(found, key=lambda f: f.p))
+        chance = chance_of(white, whiten(covariate.is_in))
+        if chance is not None and chance.p < _SIGNIFICANT:
+            failure = Failure(covariate.by, chance.p, _worst_class(covariate, aligned))
+            found.append((chance.deviate, failure))
+    return tuple(failure for _, failure in sorted(found, key=lambda pair: -pair[0]))
 
 
-def chance_of(white: np.ndarray, classes: np.ndarray) -> float | None:
+def chance_of(white: np.ndarray, classes: np.ndarray) -> Chance | None:
     """How often noise alone makes the means of classes differ as much as here.
 
     Parameters
@@ -76,13 +94,16 @@ def chance_of(white: np.ndarray, classes: np.ndarray) -> float | None:
 
     Returns
     -------
-    float or None
+    Chance or None
         None where what is free takes up all differences between the classes.
     """
     basis = orthonormal(classes, tolerance=1e-6)
-    if basis.shape[1] == 0:
+    degrees, squares = basis.shape[1], float(np.sum((basis.T @ white) ** 2))
+    if degrees == 0:
         return None
-    return float(chdtrc(basis.shape[1], np.sum((basis.T @ white) ** 2)))
+    spread = 2.0 / (9.0 * degrees)
+    deviate = (np.cbrt(squares / degrees) - 1.0 + spread) / np.sqrt(spread)
+    return Chance(float(chdtrc(degrees, squares)), float(deviate))
 
 
 def _worst_class(covariate: Covariate, aligned_mm: np.ndarray) -> str:
