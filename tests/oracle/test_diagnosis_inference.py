@@ -19,9 +19,9 @@ from vmach.errors import InputError
 from vmach.fit.base import Base, root_of_precision
 from vmach.fit.deletion_residuals import deletion_residuals
 from vmach.fit.evidence import WIDTHS
-from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.marginal_likelihood import Effects, Posterior
-from vmach.fit.means import Means
+from vmach.fit.noise.feature_noise import FeatureNoise
+from vmach.fit.noise.means import Means
 from vmach.fit.sizes import Sizes
 from vmach.fit.uncertainty import Otherwise, parameter_uncertainty
 

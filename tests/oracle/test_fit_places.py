@@ -9,9 +9,9 @@ import pytest
 from vmach.effects import Effect
 from vmach.effects.parameter import inner, linear
 from vmach.fit.base import Base
-from vmach.fit.discrepancy import Members
-from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.marginal_likelihood import Effects, Posterior
+from vmach.fit.noise.discrepancy import Members
+from vmach.fit.noise.feature_noise import FeatureNoise
 from vmach.fit.sites import sites_of
 from vmach.fit.sizes import Sizes
 

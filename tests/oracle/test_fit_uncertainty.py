@@ -7,10 +7,10 @@ import pytest
 
 from vmach.effects import Effect, along, inner, linear
 from vmach.fit.base import Base
-from vmach.fit.discrepancy import Members
-from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.joint_fit import fit_terms
 from vmach.fit.marginal_likelihood import Effects, Posterior
+from vmach.fit.noise.discrepancy import Members
+from vmach.fit.noise.feature_noise import FeatureNoise
 from vmach.fit.sizes import Sizes
 from vmach.fit.terms import Term
 from vmach.fit.uncertainty import parameter_uncertainty

@@ -23,9 +23,9 @@ from vmach.diagnosis.page.residual_map import residual_map
 from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.fit.base import Base
-from vmach.fit.discrepancy import members_of
-from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.marginal_likelihood import Effects, Posterior
+from vmach.fit.noise.discrepancy import members_of
+from vmach.fit.noise.feature_noise import FeatureNoise
 from vmach.fit.sizes import Sizes
 from vmach.nominal import read_nominal
 from vmach.report.page.svg_plot import Frame, number_text, ticks

@@ -185,6 +185,18 @@ def test_what_is_wrong_is_told_with_its_line(tmp_path, table, message):
         read_instruments(read_job(job))
 
 
+def test_clamping_and_order_of_holes_stand_by_their_readings(tmp_path):
+    rows = [f"{x},{y},{x},{y},{'ab'[k % 2]},{-k}\n" for k, (x, y) in enumerate(PLACES)]
+    table = "x,y,mx,my,clamping,order\n" + "".join(rows)
+    (test,) = read_instruments(read_job(holes_job(tmp_path, drilled(PLACES), table=table)))
+    count = len(PLACES)
+    backwards = np.repeat(np.arange(count)[::-1], 2)
+    assert test.measured_at.tolist() == (-backwards).tolist()
+    assert test.clamping.tolist() == ["ab"[k % 2] for k in backwards]
+    place = test.states.nose_mm[::2, :2] - test.states.nose_mm[0, :2]
+    np.testing.assert_allclose(place, PLACES[::-1] - PLACES[-1], atol=1e-9)
+
+
 def test_holes_that_the_program_does_not_make_are_left_out_and_said(tmp_path):
     rows = "".join(f"{x},{y},{x},{y}\n" for x, y in [*PLACES, (7.0, 7.0)])
     job = holes_job(tmp_path, drilled(PLACES), table="x,y,mx,my\n" + rows)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,7 @@ from vmach.base.note import Kind, Note
 from vmach.diagnosis.candidate_scores import CandidateScore, candidate_scores
 from vmach.diagnosis.findings import Finding, findings_of, something_unknown
 from vmach.diagnosis.inference.prepare import prepare_weighing
+from vmach.diagnosis.inference.remains import is_structure, of_device_um
 from vmach.diagnosis.inference.verdicts import Inference, Weak, infer
 from vmach.diagnosis.inference.weighing import Weighing
 from vmach.diagnosis.next_test.blind_spots import BlindSpot, blind_spots
@@ -115,7 +116,12 @@ def diagnose(
         failures=failures,
         blind_spots=blind_spots(weighing, explanation, is_named=verdict != "unknown"),
         next_measurement=next_measurement(weighing, explanation, findings),
-        notes=(*survey.notes, *_doubtful_uncertainty(found), *_outliers(found)),
+        notes=(
+            *survey.notes,
+            *_doubtful_uncertainty(found),
+            *_outliers(found),
+            *_device(found),
+        ),
         residuals=residuals,
     )
 
@@ -145,6 +151,14 @@ def _doubtful_uncertainty(found: Inference) -> tuple[Note, ...]:
         )
         return (Note.plain(Kind.SCATTER, said, float(factor), "1", place="u_um"),)
     return ()
+
+
+def _device(found: Inference) -> Iterator[Note]:
+    """A note on what clampings and drift of the measuring machine make, where it is notable."""
+    for name, size_um in of_device_um(found.weighing, found.explanation).items():
+        if is_structure(found.weighing, size_um):
+            said = f"{name}: {size_um:.2g} um RMS of the readings, counted as of the measurement"
+            yield Note.plain(Kind.SCATTER, said, size_um, "um", place=name)
 
 
 def _outliers(found: Inference) -> tuple[Note, ...]:

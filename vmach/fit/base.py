@@ -19,9 +19,9 @@ from scipy.linalg.lapack import dlauum, dpotrf, dtrtri, dtrtrs
 from vmach.effects import Effect
 from vmach.errors import InputError
 from vmach.fit.columns import Columns
-from vmach.fit.discrepancy import Members
-from vmach.fit.feature_noise import FeatureNoise
-from vmach.fit.means import Means
+from vmach.fit.noise.discrepancy import Members
+from vmach.fit.noise.feature_noise import FeatureNoise
+from vmach.fit.noise.means import Means
 from vmach.fit.places import Inner, Places, Step, steps_along
 from vmach.fit.remembered import Remembered
 from vmach.fit.sites import Pooled

@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.marginal_likelihood import Posterior
+from vmach.fit.noise.feature_noise import FeatureNoise
 
 __all__ = ["deletion_residuals"]
 

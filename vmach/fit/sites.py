@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from vmach.base.alike_rows import alike_rows
-from vmach.fit.feature_noise import FeatureNoise
+from vmach.fit.noise.feature_noise import FeatureNoise
 from vmach.fit.whitening import orthonormal
 
 __all__ = ["Pooled", "Sites", "sites_of"]

@@ -169,8 +169,11 @@ class Survey:
             own = np.arange(len(m)) if m.contacts is not None else np.zeros(len(m), dtype=int)
             states, none = m.states, np.zeros((len(m), 3))
             vectors = [none if v is None else v for v in (states.normal, states.arm_mm)]
+            clamping = np.zeros(len(m), dtype=int)
+            if m.clamping is not None:
+                clamping = np.unique(m.clamping, return_inverse=True)[1]
             yield (
-                np.full(len(m), number), own, states.move, states.parameter,
+                np.full(len(m), number), own, clamping, states.move, states.parameter,
                 states.contact_mm, *vectors, m.sensing,
             )  # fmt: skip
 

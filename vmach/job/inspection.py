@@ -30,16 +30,26 @@ class Inspection:
 
 @dataclass(frozen=True)
 class Device:
-    """Standard uncertainties of the scales and squareness of a coordinate measuring machine.
+    """What is known of the coordinate measuring machine; standard uncertainties but for the form.
 
     Attributes
     ----------
     scale_u, squareness_u_rad : float
         Of each scale, in mm/mm, and of each squareness.
+    probing_form_mm : float
+        Range of the radial distances of a sphere, P_Form of ISO 10360-5; 0 where not stated.
+    feature_u_mm : float
+        Of what all points of a feature have in common; 0 where not stated.
+    clamping_u_mm : float or None
+        Of a shift of the part in each clamping on the machine, which a turn makes at the end of
+        the part as well; None where not stated.
     """
 
     scale_u: float
     squareness_u_rad: float
+    probing_form_mm: float = 0.0
+    feature_u_mm: float = 0.0
+    clamping_u_mm: float | None = None
 
 
 def read_inspection(data: InspectionEntry, where: dict[str, Any]) -> Inspection:
@@ -72,7 +82,11 @@ def read_device(data: MeasuringMachineEntry) -> Device:
     share = 1e-3 / data.k_mm_per_um / np.sqrt(3.0)
     scale, square = data.scale_u_ppm, data.squareness_u_urad
     return Device(
-        share if scale is None else 1e-6 * scale, share if square is None else 1e-6 * square
+        scale_u=share if scale is None else 1e-6 * scale,
+        squareness_u_rad=share if square is None else 1e-6 * square,
+        probing_form_mm=mm_from_um(data.probing_form_um),
+        feature_u_mm=mm_from_um(data.feature_u_um),
+        clamping_u_mm=None if data.clamping_u_um is None else mm_from_um(data.clamping_u_um),
     )
 
 

@@ -118,11 +118,14 @@ class InspectionEntry(FileSection):
 
 
 class MeasuringMachineEntry(FileSection):
-    """[measuring_machine]: its limit of error A + L/K (ISO 10360-2), or what is known of it."""
+    """[measuring_machine]: its limits of error (ISO 10360), or what is known of it."""
 
     k_mm_per_um: Positive = 350.0
     scale_u_ppm: NonNegative | None = None
     squareness_u_urad: NonNegative | None = None
+    probing_form_um: NonNegative = 0.0
+    feature_u_um: NonNegative = 0.0
+    clamping_u_um: NonNegative | None = None
 
 
 class ProbingEntry(FileSection):

@@ -20,7 +20,7 @@ from vmach.prediction.made_surface import MadeSurface
 
 __all__ = ["Contacts", "Measurement"]
 
-#: what has an entry for every reading
+#: what has an entry for every reading, where it is there
 _WITH_ROWS = (
     "id",
     "states",
@@ -30,6 +30,8 @@ _WITH_ROWS = (
     "u_mm",
     "group",
     "nuisance",
+    "clamping",
+    "measured_at",
 )
 
 
@@ -86,6 +88,11 @@ class Measurement:
         `sensing` are then those that stand for it.
     surface : MadeSurface or None
         Of a machined surface: it tells which contacts make it while further effects act.
+    clamping : (P,) str or None
+        In which clamping on the measuring machine each reading was taken, where that is known.
+    measured_at : (P,) float64 or None
+        When it was taken, where that is known: the clock of the measuring machine in s, or the
+        number in the order of measuring.
     """
 
     instrument: type[Instrument]
@@ -101,6 +108,8 @@ class Measurement:
     notes: tuple[Note, ...] = ()
     contacts: Contacts | None = None
     surface: MadeSurface | None = None
+    clamping: np.ndarray | None = None
+    measured_at: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         count = len(self.measured_mm)
@@ -152,7 +161,8 @@ class Measurement:
 
     def keep(self, rows: np.ndarray, *notes: Note) -> Measurement:
         """The measurement with some of its rows, (P,) bool or (R,) index, and notes why."""
-        kept = {name: getattr(self, name)[rows] for name in _WITH_ROWS}
+        whole = {name: getattr(self, name) for name in _WITH_ROWS}
+        kept = {name: value[rows] for name, value in whole.items() if value is not None}
         if self.contacts is not None:
             chosen = np.arange(len(self))[rows]
             kept["contacts"] = replace(self.contacts, share=self.contacts.share[chosen])

@@ -5,7 +5,8 @@ from __future__ import annotations
 import csv
 import io
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from vmach.errors import InputError
 from vmach.files.text_file import column_hint, decimal_number, read_text
 from vmach.nominal.mesh.unique_rows import unique_rows
 
-__all__ = ["SurfacePoints", "read_points_csv"]
+__all__ = ["WHEN", "SurfacePoints", "read_points_csv", "when_measured"]
 
 #: how far the length of a normal in a file may be from 1
 UNIT_TOLERANCE = 1e-3
@@ -26,7 +27,9 @@ _LARGEST = 1e6
 
 _NOMINAL = ("x", "y", "z", "i", "j", "k")
 _MEASURED = ("mx", "my", "mz")
-_KNOWN = ("id", "feature", *_NOMINAL, *_MEASURED, "u_um")
+#: when a point was measured: the clock of the device in s, or its number in the order
+WHEN = ("measured_s", "order")
+_KNOWN = ("id", "feature", *_NOMINAL, *_MEASURED, "u_um", "clamping", *WHEN)
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,10 @@ class SurfacePoints:
     weight : (P,) float64, optional
         How much a point counts in means and shares; 1 for all without it. Points along the edges
         of narrow faces share the weight of one.
+    clamping : (P,) str, optional
+        In which clamping on the measuring machine each point was measured.
+    measured_at : (P,) float64, optional
+        When: seconds on the clock of the measuring machine, or numbers in the order of measuring.
     """
 
     id: np.ndarray
@@ -62,6 +69,8 @@ class SurfacePoints:
     u_mm: np.ndarray | None = None
     notes: tuple[Note, ...] = ()
     weight: np.ndarray | None = None
+    clamping: np.ndarray | None = None
+    measured_at: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         count = len(self.point_mm)
@@ -71,13 +80,15 @@ class SurfacePoints:
             "measured_mm": (count, 3),
             "u_mm": (count,),
             "weight": (count,),
+            "measured_at": (count,),
         }
         for name, shape in shapes.items():
             value = getattr(self, name)
             if value is not None:
                 self._freeze(name, np.ascontiguousarray(value, dtype=np.float64), shape)
-        for name in ("id", "feature"):
-            self._freeze(name, np.asarray(getattr(self, name), dtype=str), (count,))
+        for name in ("id", "feature", "clamping"):
+            if getattr(self, name) is not None:
+                self._freeze(name, np.asarray(getattr(self, name), dtype=str), (count,))
         off = np.abs(np.linalg.norm(self.normal, axis=1) - 1.0)
         if count and off.max() > 1e-9:
             worst = self.normal[int(off.argmax())]
@@ -111,15 +122,16 @@ def read_points_csv(path: str | Path) -> SurfacePoints:
     """Read surface points from ``id, feature, x, y, z, i, j, k[, mx, my, mz][, u_um]``.
 
     Lengths in mm, normals unit vectors (length within 1e-3 of 1, then normalised), uncertainty
-    in um. The order of the columns is free; empty lines and lines that begin with ``#`` are
-    skipped. Points that occur twice, names that occur twice and unknown columns are kept or
-    ignored and said in `notes`.
+    in um; a column `clamping` names clampings on the measuring machine, `measured_s` holds its
+    clock, or `order` the order of measuring. The order of the columns is free; empty lines and
+    lines that begin with ``#`` are skipped. Points that occur twice, names that occur twice and
+    unknown columns are kept or ignored and said in `notes`.
 
     Raises
     ------
     InputError
         The file cannot be read, a column is missing, or a value is not a finite number. A normal
-        is no unit vector, or an uncertainty is not positive.
+        is no unit vector, or an uncertainty is not positive. Both a clock and an order are there.
     """
     path = Path(path)
     columns, rows, lines = _read_rows(path)
@@ -139,6 +151,10 @@ def read_points_csv(path: str | Path) -> SurfacePoints:
         normal=normal / length[:, None],
         measured_mm=measured_mm,
         u_mm=_read_uncertainty(table),
+        clamping=table.text("clamping") if table.has_all(("clamping",)) else None,
+        measured_at=when_measured(
+            {name: table.vectors((name,))[:, 0] for name in WHEN if table.has_all((name,))}, path
+        ),
     )
     return _with_notes(points, [n for n in columns if n not in _KNOWN])
 
@@ -153,6 +169,25 @@ def _read_uncertainty(table: _Table) -> np.ndarray | None:
         accepted="a number above 0, in um",
     )
     return mm_from_um(u_um)
+
+
+def when_measured(numbers: Mapping[str, np.ndarray], path: Path) -> np.ndarray | None:
+    """The column that says when readings were taken, (P,); None where none does.
+
+    Raises
+    ------
+    InputError
+        Both a clock and an order are there.
+    """
+    found = [numbers[name] for name in WHEN if name in numbers]
+    if len(found) > 1:
+        raise InputError(
+            f"both {' and '.join(WHEN)} say when the readings were taken",
+            file=path,
+            line=1,
+            accepted="one of these columns",
+        )
+    return found[0] if found else None
 
 
 def _read_rows(path: Path) -> tuple[list[str], list[list[str]], np.ndarray]:
@@ -259,15 +294,7 @@ def _with_notes(points: SurfacePoints, unknown: list[str]) -> SurfacePoints:
         notes.append(Note.plain(Kind.REPEAT, said, again, "1"))
     if points.measured_mm is not None:
         notes.extend(_notes_on_units(points))
-    return SurfacePoints(
-        points.id,
-        points.feature,
-        points.point_mm,
-        points.normal,
-        measured_mm=points.measured_mm,
-        u_mm=points.u_mm,
-        notes=tuple(notes),
-    )
+    return replace(points, notes=tuple(notes))
 
 
 def _notes_on_units(points: SurfacePoints) -> list[Note]:

@@ -16,7 +16,7 @@ from vmach.fit.base import Base, SizedMembers
 from vmach.fit.candidates import Candidate
 from vmach.fit.evidence import Evidence, evidence_at_places
 from vmach.fit.marginal_likelihood import Posterior
-from vmach.fit.means import Means
+from vmach.fit.noise.means import Means
 from vmach.fit.remembered import Remembered
 
 __all__ = ["Bank"]

@@ -9,8 +9,8 @@ from scipy.special import digamma, gammaln, stdtrit
 
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.base import Base
-from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.marginal_likelihood import best_sizes
+from vmach.fit.noise.feature_noise import FeatureNoise
 from vmach.measurements import apart_from_neighbours
 
 __all__ = [

@@ -9,9 +9,11 @@ import numpy as np
 from vmach.base.units import um_from_mm
 from vmach.diagnosis.inference.rules import CLEARLY, STRUCTURE, TRUST
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
+from vmach.fit.noise.measuring_machine import CLAMPINGS, DRIFT
 
 __all__ = [
     "is_structure",
+    "of_device_um",
     "remains_mm",
     "remains_um",
     "sizes_um",
@@ -19,6 +21,7 @@ __all__ = [
     "where_they_act_um",
 ]
 
+_OF_DEVICE = (CLAMPINGS, DRIFT)
 #: normals that lean less out of the plane than this are those of walls: steeper than 60 degrees
 _WALL = 0.5
 #: fewer readings say nothing of a variance: of 20 it is uncertain by a third (GUM, table E.1)
@@ -39,10 +42,26 @@ def usual_u_um(weighing: Weighing) -> float:
 
 
 def remains_mm(weighing: Weighing, found: Explanation) -> np.ndarray:
-    """What the discrepancy takes of the readings, alignment and zeros taken off, (n,)."""
-    members, amount = weighing.members, found.posterior.amounts
-    first = members.fixed_mm.shape[1]
-    taken = members.every_mm[:, first:] @ amount[first:]
+    """What the discrepancy takes of the readings, alignment and zeros taken off, (n,).
+
+    What clampings and drift of the measuring machine make is of the measurement, and no rest.
+    """
+    names = [name for name in weighing.members.names if name not in _OF_DEVICE]
+    return _taken_mm(weighing, found, names)
+
+
+def of_device_um(weighing: Weighing, found: Explanation) -> dict[str, float]:
+    """Root mean square of what clampings and drift of the measuring machine make."""
+    names = [name for name in weighing.members.names if name in _OF_DEVICE]
+    return {name: _rms_um(_taken_mm(weighing, found, [name])) for name in names}
+
+
+def _taken_mm(weighing: Weighing, found: Explanation, names: Sequence[str]) -> np.ndarray:
+    """What some members of unknown size take of the aligned readings, (n,)."""
+    members = weighing.members
+    counts = np.array([members.names.index(name) + 1 for name in names], dtype=int)
+    own = np.isin(weighing.base.member_of, counts)
+    taken = members.every_mm[:, own] @ found.posterior.amounts[own]
     return taken - weighing.survey.aligned(taken[:, None])[:, 0]
 
 

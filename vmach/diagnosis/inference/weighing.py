@@ -21,12 +21,12 @@ from vmach.fit.base import Base
 from vmach.fit.candidates import Candidate
 from vmach.fit.columns import Columns
 from vmach.fit.deletion_residuals import deletion_residuals
-from vmach.fit.discrepancy import members_of
 from vmach.fit.evidence import WIDTHS, Evidence, width_of
-from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.joint_fit import fit_terms
 from vmach.fit.marginal_likelihood import Effects, Posterior, best_sizes
-from vmach.fit.means import Means
+from vmach.fit.noise.discrepancy import members_of
+from vmach.fit.noise.feature_noise import FeatureNoise
+from vmach.fit.noise.means import Means
 from vmach.fit.remembered import Remembered
 from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey

@@ -17,8 +17,8 @@ from vmach.diagnosis.proposals.form_columns import FormColumns
 from vmach.diagnosis.proposals.held_out import held_out_um
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.fit.base import Base
-from vmach.fit.discrepancy import Members
 from vmach.fit.marginal_likelihood import Effects, Posterior
+from vmach.fit.noise.discrepancy import Members
 from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from vmach.base.units import um_from_mm
 from vmach.diagnosis.gates.absorbing import absorbing, slack_of
-from vmach.fit.feature_noise import FeatureNoise
 from vmach.fit.marginal_likelihood import Posterior
+from vmach.fit.noise.feature_noise import FeatureNoise
 from vmach.fit.survey import Survey
 from vmach.fit.terms import JointFit
 from vmach.fit.whitening import Whitening

@@ -19,6 +19,7 @@ from vmach.instruments.readings import in_stretches
 from vmach.measurements import Contacts, Measurement
 from vmach.measurements.columns import Columns
 from vmach.measurements.instrument import Instrument, ModelOfTest
+from vmach.nominal.points import WHEN, when_measured
 from vmach.path.hole_making import CONTACTS, CircularFeature, HoleContacts, hole_contacts
 from vmach.path.toolpath import PathStates
 
@@ -45,8 +46,8 @@ class Holes(Instrument):
     name = "holes"
     title = "Holes, bores and bosses"
     columns = ("x", "y", "mx", "my")
-    optional_columns = ("id", "feature", "z", "mz", "d", "md", "u_um")
-    text_columns = ("id", "feature")
+    optional_columns = ("id", "feature", "z", "mz", "d", "md", "u_um", "clamping", *WHEN)
+    text_columns = ("id", "feature", "clamping")
     follows_program = True
     readings = ("mx", "my")
     sign_meaning = "a deviation is measured minus nominal"
@@ -77,7 +78,8 @@ class Holes(Instrument):
         sensing = np.tile([unit[axis] for axis in deviation], (count, 1))
         contacts = Contacts(seen, share)
         predicted = contacts.sensed(model.moved_mm(seen)[:, :, None])[:, 0]
-        return Measurement(
+        clamping, when = table.text.get("clamping"), when_measured(given, table.path)
+        found = Measurement(
             instrument=type(self),
             name=table.path.name,
             id=_names(table, holes, list(deviation)),
@@ -90,7 +92,12 @@ class Holes(Instrument):
             nuisance=_pose(states, sensing),
             notes=in_file(_left_out(made.found, table), table.path),
             contacts=contacts,
+            clamping=None if clamping is None else np.repeat(clamping[holes], per_hole),
+            measured_at=None if when is None else np.repeat(when[holes], per_hole),
         )
+        if found.measured_at is None:
+            return found
+        return found.keep(np.argsort(found.measured_at, kind="stable"))
 
     def _u_mm(self, table: Columns) -> np.ndarray:
         """Standard uncertainty of every hole: of its row, else of the section."""

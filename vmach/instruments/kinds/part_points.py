@@ -7,7 +7,7 @@ u^2; the median absolute deviation times 1.4826 is the standard deviation of nor
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -69,6 +69,7 @@ def measure_part(
     """Measured points of the part beside what the model predicts for them.
 
     Points that no move cut, that lie astray or that repeat another row are left out and said.
+    Readings stand in the order of measuring, where the file tells it.
 
     Raises
     ------
@@ -76,7 +77,7 @@ def measure_part(
         The file cannot be read, has no measured coordinates, holds another unit or another part,
         or too few of its points were cut by the program.
     """
-    points = read_points_csv(path)
+    points = _in_order(read_points_csv(path))
     check_file(points, path)
     prediction = predict_surface(preparation, points, variant, effects)
     cut = np.flatnonzero(prediction.is_cut)
@@ -93,6 +94,16 @@ def measure_part(
     part = _without_outliers(part)
     others = part_alternatives(part, preparation, variant)
     return part.noted(*_doubtful_uncertainty(part), *alternative_notes(part, others)), prediction
+
+
+def _in_order(points: SurfacePoints) -> SurfacePoints:
+    """The points in the order of measuring; as in the file where that is not told."""
+    if points.measured_at is None:
+        return points
+    rows = np.argsort(points.measured_at, kind="stable")
+    own = {field.name: getattr(points, field.name) for field in fields(points)}
+    moved = {name: v[rows] for name, v in own.items() if isinstance(v, np.ndarray)}
+    return replace(points, **moved)
 
 
 _NO_UNCERTAINTY = (
@@ -120,6 +131,8 @@ def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Meas
         group=points.feature[cut],
         nuisance=np.hstack([normal, np.cross(arm, normal)]),
         notes=notes,
+        clamping=None if points.clamping is None else points.clamping[cut],
+        measured_at=None if points.measured_at is None else points.measured_at[cut],
         surface=MadeSurface(
             prediction.preparation,
             points.point_mm[cut],

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.sparse import csr_array
 
-from vmach.fit.feature_noise import FeatureNoise
+from vmach.fit.noise.feature_noise import FeatureNoise
 
 __all__ = ["Means"]
 

@@ -1,8 +1,7 @@
-"""What no model holds: shape of features and part, wandering in time, smooth fields, the device.
+"""What no model holds: shape of features and part, wandering in time, smooth fields.
 
 A discrepancy in the sense of Kennedy and O'Hagan (J. R. Statist. Soc. B 63 (2001) 425): its size
-is estimated together with the effects. The device that measured has scales and squareness of its
-own, within what is stated of it.
+is estimated together with the effects. What is stated of the machine that measured stands beside.
 
 Source: M. Kennedy and A. O'Hagan, J. R. Statist. Soc. B 63 (2001) 425.
 """
@@ -16,6 +15,13 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from vmach.effects.wandering import wandering
+from vmach.fit.noise.measuring_machine import (
+    CLAMPINGS,
+    DRIFT,
+    clampings,
+    drift_of_device,
+    stated_of_device,
+)
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import condensed
 
@@ -78,8 +84,10 @@ def members_of(survey: Survey) -> Members:
         "time": _told_apart(survey, unit * _in_time(survey)),
         "field": _told_apart(survey, unit * _field(survey)),
         "bend": unit * _bend(survey),
+        CLAMPINGS: unit * clampings(survey),
+        DRIFT: _told_apart(survey, unit * drift_of_device(survey)),
     }
-    device = _device(survey)
+    device = stated_of_device(survey)
     if survey.sites is not None:
         device = device[survey.sites.first]
     fixed = condensed(
@@ -161,22 +169,6 @@ def _bend(survey: Survey) -> np.ndarray:
         ]
         parts.append(np.einsum("ni,kin->nk", m.sensing, moves) * m.on_part)
     return _seen(np.vstack(parts))
-
-
-def _device(survey: Survey) -> np.ndarray:
-    """Scales and squareness of the machine that measured the part, of unit variance, (n, K) mm."""
-    blocks = []
-    for path, m in zip(survey.paths, survey.measurements, strict=True):
-        if not m.on_part:
-            blocks.append(np.zeros((len(m), 0)))
-            continue
-        place = path.on_part_mm - path.on_part_mm.mean(axis=0)
-        n = m.sensing
-        device = survey.job.device
-        sheared = [n[:, 0] * place[:, 1], n[:, 0] * place[:, 2], n[:, 1] * place[:, 2]]
-        stretched, leaning = device.scale_u * n * place, device.squareness_u_rad * np.array(sheared)
-        blocks.append(np.hstack([stretched, leaning.T]))
-    return block_diag(*blocks)
 
 
 def _told_apart(survey: Survey, columns: np.ndarray) -> np.ndarray:

@@ -1,0 +1,1 @@
+"""What stands beside effects: noise of readings, the measuring machine, what nobody models."""

@@ -1,0 +1,106 @@
+"""What the machine that measured a part adds to the readings, as columns of unit variance.
+
+Its scales and squareness, the form of its probing, what the points of a feature or of a clamping
+have in common: of known size where the job states it. Its drift is known by its clock alone.
+
+Source: ISO 10360-2 and ISO 10360-5, limits of error; closed forms derived here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from vmach.effects.wandering import wandering
+from vmach.fit.survey import Survey
+from vmach.measurements import Measurement
+
+__all__ = ["CLAMPINGS", "DRIFT", "clampings", "drift_of_device", "stated_of_device"]
+
+#: names of what the readings tell of it
+CLAMPINGS, DRIFT = "clampings", "drift of the measuring machine"
+
+#: lobes that the form of a probing has; one is a shift, and none the radius of the stylus tip
+_LOBES = (2, 3)
+#: bends that a drift makes in the time of a measurement
+_WAVES = 6.0
+#: half the length of the smallest part that turns, mm: points on one place tell no turn
+_LEAST_HALF_MM = 25.0
+
+
+def stated_of_device(survey: Survey) -> np.ndarray:
+    """What the job states of it, or an ordinary one has, (n, K) mm of unit variance."""
+    return block_diag(*(np.hstack([*_stated(survey, k)]) for k in range(len(survey.measurements))))
+
+
+def clampings(survey: Survey) -> np.ndarray:
+    """Shifts and turns of unit size of the part in each of several clampings, (n, K).
+
+    A turn moves the end of the part by one. None where the job states their size.
+    """
+    if survey.job.device.clamping_u_mm is not None:
+        return np.zeros((len(survey), 0))
+    pairs = zip(survey.measurements, survey.paths, strict=True)
+    return block_diag(*(_moved_by_clamping(m, path.on_part_mm) for m, path in pairs))
+
+
+def drift_of_device(survey: Survey) -> np.ndarray:
+    """Wandering along X, Y and Z while a part was measured, of unit variance, (n, K).
+
+    None where the readings do not tell their order or the clock.
+    """
+    blocks = []
+    for m in survey.measurements:
+        if m.measured_at is None:
+            blocks.append(np.zeros((len(m), 0)))
+            continue
+        span = max(float(np.ptp(m.measured_at)), 1e-9)
+        waves = wandering(m.measured_at, span / _WAVES)
+        blocks.append((m.sensing[:, :, None] * waves[:, None, :]).reshape(len(m), -1))
+    return block_diag(*blocks)
+
+
+def _stated(survey: Survey, k: int) -> Iterator[np.ndarray]:
+    """Of one measurement; nothing where no part was measured."""
+    m, device = survey.measurements[k], survey.job.device
+    yield np.zeros((len(m), 0))
+    if not m.on_part:
+        return
+    place, n = survey.paths[k].on_part_mm, m.sensing
+    away = place - place.mean(axis=0)
+    yield device.scale_u * n * away
+    sheared = [n[:, 0] * away[:, 1], n[:, 0] * away[:, 2], n[:, 1] * away[:, 2]]
+    yield device.squareness_u_rad * np.transpose(sheared)
+    if device.clamping_u_mm:
+        yield device.clamping_u_mm * _moved_by_clamping(m, place)
+    if m.contacts is None:  # else a reading is of a whole feature already
+        yield device.probing_form_mm * _lobes(n)
+        yield device.feature_u_mm * _inside(m.group)
+
+
+def _moved_by_clamping(m: Measurement, place_mm: np.ndarray) -> np.ndarray:
+    """Shifts of unit size, and turns that move the end of the part by one, (P, 6 C)."""
+    if m.clamping is None or not m.on_part or len(np.unique(m.clamping)) < 2:
+        return np.zeros((len(m), 0))
+    half = max(0.5 * float(np.ptp(place_mm, axis=0).max()), _LEAST_HALF_MM)
+    arm = (place_mm - place_mm.mean(axis=0)) / half
+    moved = np.hstack([m.sensing, np.cross(arm, m.sensing)])
+    return (_inside(m.clamping)[:, :, None] * moved[:, None, :]).reshape(len(m), -1)
+
+
+def _lobes(normal: np.ndarray) -> np.ndarray:
+    """Lobed errors of a probing about the stylus along Z, (P, 4), of a form of one.
+
+    A wave whose range is P has the variance P²/8, which the lobes share.
+    """
+    turn, across = np.arctan2(normal[:, 1], normal[:, 0]), np.hypot(*normal[:, :2].T)
+    waves = [wave(count * turn) for count in _LOBES for wave in (np.cos, np.sin)]
+    return across[:, None] * np.transpose(waves) / np.sqrt(8.0 * len(_LOBES))
+
+
+def _inside(group: np.ndarray) -> np.ndarray:
+    """Which reading belongs to which group, (P, G) of 0 and 1."""
+    names, number = np.unique(group, return_inverse=True)
+    return np.eye(len(names))[number]
