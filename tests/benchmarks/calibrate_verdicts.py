@@ -5,10 +5,10 @@
 
 Experiments of known and foreign causes are drawn with every kind of noise, on seeds that nothing
 else uses. Every effect that a search takes gives a row: whether it is true, its log odds, its size
-and what remains. The most likely `IMITATION` of `vmach/diagnosis/inference/rules.py` is fitted to
-those that leave something; the sizes of the discrepancy give
-its prior in `vmach/fit/sizes.py`. Cases whose rows are in the file are not run
-again.
+and what remains. `CLEARLY` of `vmach/diagnosis/inference/rules.py` is compared with how often
+effects of such odds are there. `IMITATION` is fitted to those that leave something; the
+sizes of the discrepancy give its prior in `vmach/fit/sizes.py`. Cases whose rows are in the file
+are not run again.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import json
 import sys
 import tempfile
 from collections.abc import Iterator
-from itertools import cycle
+from itertools import cycle, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -95,6 +95,17 @@ def rows_of(kind: str, noise: str, seed: int) -> Iterator[dict]:
         }
 
 
+def print_odds(rows: list[dict]) -> None:
+    """Print how many of the effects of some log odds are there."""
+    rows = [row for row in rows if row["effect"]]
+    odds = np.array([float(row["odds"]) for row in rows])
+    is_true = np.array([row["is_true"] == "1" for row in rows])
+    print("log odds: effects, of which there")
+    for low, high in pairwise((-np.inf, 0.0, 3.0, CLEARLY, 7.0, 12.0, np.inf)):
+        own = (odds >= low) & (odds < high)
+        print(f"{low:5.1f} to {high:4.1f}: {own.sum():4d} {is_true[own].sum():4d}")
+
+
 def print_fit(rows: list[dict]) -> None:
     """Print the most likely `IMITATION`, and what others would say of the rows."""
     rows = [row for row in rows if row["effect"] and float(row["odds"]) >= CLEARLY]
@@ -156,6 +167,7 @@ def main() -> None:
                 writer.writeheader()
             writer.writerows(found)
         known += [{name: str(value) for name, value in row.items()} for row in found]
+    print_odds(known)
     print_fit(known)
     print_prior(known)
 

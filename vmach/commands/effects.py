@@ -143,7 +143,7 @@ def propose(
         progress("diagnose", 0, 1)
         found = diagnose(survey_job(job))
     for k, one in enumerate(found.proposals, 1):
-        print(f"{k}: {one.amount_um:.3g} um x {one.form.formula} (log odds {one.odds:.0f})")
+        print(f"{k}: {one.words} (log odds {one.odds:.0f})")
     if len(found.proposals) < number:
         raise InputError(
             f"there are {len(found.proposals)} proposals for this job",

@@ -114,7 +114,9 @@ def diagnose(
         rms_um=residuals.rms_um,
         candidates=candidate_scores(weighing, residuals.rms_um["before"]),
         failures=failures,
-        blind_spots=blind_spots(weighing, explanation, is_named=verdict != "unknown"),
+        blind_spots=blind_spots(
+            weighing, explanation, is_named=verdict != "unknown", remains=found.is_structure
+        ),
         next_measurement=next_measurement(weighing, explanation, findings),
         notes=(
             *survey.notes,

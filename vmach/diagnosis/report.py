@@ -73,6 +73,8 @@ def _proposal(proposal: Proposal) -> dict[str, Any]:
         "direction": proposal.form.direction.words,
         "amount_um": _rounded(proposal.amount_um),
         "u_um": _rounded(proposal.amount_u_um),
+        "amounts": len(proposal.amounts_um),
+        "size_um": round(proposal.size_um, 3),
         "evidence": round(proposal.odds, 2),
         "remains_um": round(proposal.remains_um, 3),
         "held_out_um": {"without": round(without, 3), "with": round(with_it, 3)},
@@ -118,15 +120,13 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
     for number, p in enumerate(found.proposals, 1):
         without, with_it = p.held_out_um
         lines.append(
-            f"  form {number}: {p.amount_um:.3g} um (u = {p.amount_u_um:.2g}) x {p.form.formula}; "
-            f"log odds {p.odds:.0f}, features held out {without:.2f} -> {with_it:.2f} um"
+            f"  form {number}: {p.words}; log odds {p.odds:.0f}, "
+            f"features held out {without:.2f} -> {with_it:.2f} um"
         )
     if found.proposals:
         lines.append("  `vmach effects propose JOB -o my_effect.py` writes the first as an effect")
     lines += [
-        f"  weak: {weak.term.label}, probability {weak.support.probability:.2f}: {weak.why}; not "
-        "counted as present"
-        for weak in found.weak
+        f"  weak: {weak.term.label}: {weak.why}; not counted as present" for weak in found.weak
     ]
     lines.append(
         f"RMS of measured minus predicted: {rms['before']:.2f} um before, {rms['after']:.2f} um "

@@ -121,6 +121,10 @@ class _Proposal(Output):
     amount_um: float
     u_um: float
     """Standard uncertainty of the amount."""
+    amounts: int
+    """How many amounts the form has; of several `amount_um` is the root of the sum of squares."""
+    size_um: float
+    """RMS of what it does to the readings."""
     evidence: float
     """Natural logarithm of the odds for it."""
     remains_um: float

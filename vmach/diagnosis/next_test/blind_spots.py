@@ -55,7 +55,7 @@ class BlindSpot:
 
 
 def blind_spots(
-    weighing: Weighing, explanation: Explanation, *, is_named: bool = True
+    weighing: Weighing, explanation: Explanation, *, is_named: bool = True, remains: bool = False
 ) -> tuple[BlindSpot, ...]:
     """Effects whose usual size would stay below the threshold, given what was found.
 
@@ -67,9 +67,12 @@ def blind_spots(
     explanation : Explanation
     is_named : bool
         Whether the effects of the explanation are named; else they only come nearest.
+    remains : bool
+        Whether something remains beside them.
     """
     labels = sorted(explanation.labels)
     beside = " and ".join(labels) if len(labels) <= _FEW else f"the {len(labels)} effects found"
+    beside = " and ".join(filter(None, [beside, "what remains" if remains else ""]))
     beside = beside if is_named else "what comes nearest"
     untestable = [
         BlindSpot(effect.name, target, _first(effect), None, reason)

@@ -9,7 +9,7 @@ import numpy as np
 
 from vmach.diagnosis.inference.bank import Bank
 from vmach.diagnosis.inference.moves import beside_little, without_needless
-from vmach.diagnosis.inference.remains import remains_mm, remains_um, usual_u_um
+from vmach.diagnosis.inference.remains import remains_mm, remains_um, sizes_um, usual_u_um
 from vmach.diagnosis.inference.rules import CLEARLY, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.proposals.form import Form
@@ -256,6 +256,7 @@ def _proposal(weighing: Weighing, form: Form, start: Explanation, trial: Explana
         form=form,
         amounts_um=fit.parameters(last),
         u_um=fit.uncertainty(last),
+        size_um=sizes_um(weighing, trial)[last],
         odds=trial.score - start.score,
         remains_um=remains_um(weighing, trial),
         held_out_um=held_out_um(weighing.survey, fit, last),

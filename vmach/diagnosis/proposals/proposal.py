@@ -20,6 +20,8 @@ class Proposal:
     form : Form
     amounts_um, u_um : mapping of str to float
         Amplitudes with their standard uncertainties.
+    size_um : float
+        Root mean square of what it does to the aligned readings.
     odds : float
         Log odds beside the effects that are shown and the discrepancy.
     remains_um : float
@@ -31,6 +33,7 @@ class Proposal:
     form: Form
     amounts_um: Mapping[str, float]
     u_um: Mapping[str, float]
+    size_um: float
     odds: float
     remains_um: float
     held_out_um: tuple[float, float]
@@ -45,6 +48,15 @@ class Proposal:
         """The amplitude; of several the root of the sum of their squares."""
         values = list(self.amounts_um.values())
         return values[0] if len(values) == 1 else math.hypot(*values)
+
+    @property
+    def words(self) -> str:
+        """Formula and size for people; several amounts have no size in common but what they do."""
+        done = f"{self.size_um:.2f} um RMS of these readings"
+        if len(self.amounts_um) > 1:
+            return f"{self.form.formula}: {done}"
+        amount = f"{self.amount_um:.3g} um (u = {self.amount_u_um:.2g})"
+        return f"{amount} x {self.form.formula}: {done}"
 
     @property
     def amount_u_um(self) -> float:

@@ -55,10 +55,16 @@ function proposals() {
     const write = el("button", { type: "button", class: "primary", disabled: isAtWork("propose") }, "Write it as an effect");
     write.onclick = ({ currentTarget }) => startRun("/api/propose", { name: currentTarget.closest("article").querySelector("input").value.trim(), number: i + 1 });
     return el("article", { class: "card" }, el("h4", {}, el("code", {}, p.formula)),
-      el("p", {}, el("b", {}, short(p.amount_um)), ` µm (u = ${short(p.u_um)}), ${p.direction}; would leave ${fixed(p.remains_um)} µm`),
+      el("p", {}, ...amount(p), `${p.direction}; would leave ${fixed(p.remains_um)} µm`),
       heldOut(p.held_out_um), el("p", { class: "soft" }, "Refuted by: ", micro(p.refuted_by)),
       el("div", { class: "row" }, name, write));
   }), runBox("propose")];
+}
+
+// several amounts have no size in common but what they do
+function amount(p) {
+  const one = p.amounts > 1 ? [] : [el("b", {}, short(p.amount_um)), ` µm (u = ${short(p.u_um)}), `];
+  return p.size_um === undefined ? one : [...one, `${fixed(p.size_um)} µm RMS of the readings, `];
 }
 
 function heldOut({ without, with: with_it }) {
