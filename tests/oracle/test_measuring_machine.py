@@ -42,7 +42,7 @@ def add_columns(path, **columns):
 
 def added(survey, plain):
     """Covariance that a survey's device has beyond that of another one, (n, n) mm²."""
-    own, other = stated_of_device(survey), stated_of_device(plain)
+    own, other = (np.hstack([*stated_of_device(s).values()]) for s in (survey, plain))
     return own @ own.T - other @ other.T
 
 
@@ -144,3 +144,16 @@ def test_what_the_device_did_is_told_from_what_the_machine_did(tmp_path, moved, 
     assert found.outcome == "right", found.said
     assert report["remains_um"] < 0.4
     assert any("counted as of the measurement" in note for note in report["notes"])
+
+
+def test_a_device_that_is_hardly_known_may_be_what_was_seen(tmp_path):
+    """A scale of -22 ppm within twice the uncertainty of the device's own: no axis is blamed."""
+    make_experiment(tmp_path, effects=["scale"], seed=7410001)
+    plain, _ = program_runs.diagnose(tmp_path)
+    assert [effect["effect"] for effect in plain["effects"]] == ["scale"]
+    job = tmp_path / "job.toml"
+    job.write_text(job.read_text() + "\n[measuring_machine]\nscale_u_ppm = 10.0\n")
+    report, _ = program_runs.diagnose(tmp_path)
+    assert report["verdict"] == "nothing"
+    (note,) = (note for note in report["notes"] if "counted as of the measurement" in note)
+    assert "scales and squareness of the measuring machine: 1." in note

@@ -156,10 +156,13 @@ def _doubtful_uncertainty(found: Inference) -> tuple[Note, ...]:
 
 
 def _device(found: Inference) -> Iterator[Note]:
-    """A note on what clampings and drift of the measuring machine make, where it is notable."""
-    for name, size_um in of_device_um(found.weighing, found.explanation).items():
+    """A note on what the measuring machine did to the readings, where it is notable."""
+    for name, size_um in of_device_um(found.weighing, found.explanation, found.noise.base).items():
         if is_structure(found.weighing, size_um):
-            said = f"{name}: {size_um:.2g} um RMS of the readings, counted as of the measurement"
+            said = (
+                f"{name}: {size_um:.2g} um RMS of the readings, counted as of the measurement; "
+                "what the machine tool does alike cannot be told from it"
+            )
             yield Note.plain(Kind.SCATTER, said, size_um, "um", place=name)
 
 

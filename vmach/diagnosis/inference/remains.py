@@ -9,7 +9,9 @@ import numpy as np
 from vmach.base.units import um_from_mm
 from vmach.diagnosis.inference.rules import CLEARLY, STRUCTURE, TRUST
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
-from vmach.fit.noise.measuring_machine import CLAMPINGS, DRIFT
+from vmach.fit.base import Base
+from vmach.fit.marginal_likelihood import Posterior
+from vmach.fit.noise.measuring_machine import CLAMPINGS, DRIFT, stated_of_device
 
 __all__ = [
     "is_structure",
@@ -50,10 +52,29 @@ def remains_mm(weighing: Weighing, found: Explanation) -> np.ndarray:
     return _taken_mm(weighing, found, names)
 
 
-def of_device_um(weighing: Weighing, found: Explanation) -> dict[str, float]:
-    """Root mean square of what clampings and drift of the measuring machine make."""
+def of_device_um(weighing: Weighing, found: Explanation, base: Base) -> dict[str, float]:
+    """Root mean square of what the measuring machine did to the readings, by name.
+
+    Parameters
+    ----------
+    weighing : Weighing
+    found : Explanation
+    base : Base
+        Of the readings one by one.
+
+    Source: closed form derived here: columns F of unit variance take F F^T C^-1 y of readings y
+    whose covariance is C.
+    """
     names = [name for name in weighing.members.names if name in _OF_DEVICE]
-    return {name: _rms_um(_taken_mm(weighing, found, [name])) for name in names}
+    taken = {name: _taken_mm(weighing, found, [name]) for name in names}
+    survey, effects = weighing.survey, found.posterior.effects.on(base)
+    whiten = Posterior(base, found.posterior.sizes, effects).whiten
+    white = whiten(survey.residual_mm)
+    for name, columns in stated_of_device(survey).items():
+        if columns.any():  # else not stated
+            own = columns @ (whiten(columns).T @ white)
+            taken[name] = own - survey.aligned(own[:, None])[:, 0]
+    return {name: _rms_um(own) for name, own in taken.items()}
 
 
 def _taken_mm(weighing: Weighing, found: Explanation, names: Sequence[str]) -> np.ndarray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property
 
 import numpy as np
 
@@ -83,7 +84,7 @@ class Inference:
     is_structure: bool
     proposals: tuple[Proposal, ...] = ()
 
-    @property
+    @cached_property
     def noise(self) -> Posterior:
         """What counts as noise, reading by reading: the discrepancy too, unless it is structure."""
         base, sizes = self.weighing.by_reading().base, self.explanation.posterior.sizes

@@ -87,7 +87,7 @@ def members_of(survey: Survey) -> Members:
         CLAMPINGS: unit * clampings(survey),
         DRIFT: _told_apart(survey, unit * drift_of_device(survey)),
     }
-    device = stated_of_device(survey)
+    device = np.hstack([*stated_of_device(survey).values()])
     if survey.sites is not None:
         device = device[survey.sites.first]
     fixed = condensed(

@@ -8,19 +8,20 @@ Source: ISO 10360-2 and ISO 10360-5, limits of error; closed forms derived here.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from scipy.linalg import block_diag
 
 from vmach.effects.wandering import wandering
 from vmach.fit.survey import Survey
+from vmach.job.inspection import Device
 from vmach.measurements import Measurement
 
 __all__ = ["CLAMPINGS", "DRIFT", "clampings", "drift_of_device", "stated_of_device"]
 
-#: names of what the readings tell of it
+#: names of what is known of it, or told by the readings
 CLAMPINGS, DRIFT = "clampings", "drift of the measuring machine"
+SCALES = "scales and squareness of the measuring machine"
+FORM, FEATURES = "form of the probing", "offsets of features"
 
 #: lobes that the form of a probing has; one is a shift, and none the radius of the stylus tip
 _LOBES = (2, 3)
@@ -30,9 +31,13 @@ _WAVES = 6.0
 _LEAST_HALF_MM = 25.0
 
 
-def stated_of_device(survey: Survey) -> np.ndarray:
-    """What the job states of it, or an ordinary one has, (n, K) mm of unit variance."""
-    return block_diag(*(np.hstack([*_stated(survey, k)]) for k in range(len(survey.measurements))))
+def stated_of_device(survey: Survey) -> dict[str, np.ndarray]:
+    """What the job states of it, or an ordinary one has, by name: (n, K) mm of unit variance."""
+    parts = [
+        _stated(m, path.on_part_mm, survey.job.device)
+        for m, path in zip(survey.measurements, survey.paths, strict=True)
+    ]
+    return {name: block_diag(*(part[name] for part in parts)) for name in parts[0]}
 
 
 def clampings(survey: Survey) -> np.ndarray:
@@ -62,22 +67,21 @@ def drift_of_device(survey: Survey) -> np.ndarray:
     return block_diag(*blocks)
 
 
-def _stated(survey: Survey, k: int) -> Iterator[np.ndarray]:
-    """Of one measurement; nothing where no part was measured."""
-    m, device = survey.measurements[k], survey.job.device
-    yield np.zeros((len(m), 0))
-    if not m.on_part:
-        return
-    place, n = survey.paths[k].on_part_mm, m.sensing
-    away = place - place.mean(axis=0)
-    yield device.scale_u * n * away
-    sheared = [n[:, 0] * away[:, 1], n[:, 0] * away[:, 2], n[:, 1] * away[:, 2]]
-    yield device.squareness_u_rad * np.transpose(sheared)
-    if device.clamping_u_mm:
-        yield device.clamping_u_mm * _moved_by_clamping(m, place)
-    if m.contacts is None:  # else a reading is of a whole feature already
-        yield device.probing_form_mm * _lobes(n)
-        yield device.feature_u_mm * _inside(m.group)
+def _stated(m: Measurement, place_mm: np.ndarray, device: Device) -> dict[str, np.ndarray]:
+    """Of one measurement, at places (P, 3); no columns where no part was measured."""
+    away, n = place_mm - place_mm.mean(axis=0), m.sensing
+    stretched = device.scale_u * n * away
+    sheared = np.transpose([n[:, 0] * away[:, 1], n[:, 0] * away[:, 2], n[:, 1] * away[:, 2]])
+    found = {
+        SCALES: np.hstack([stretched, device.squareness_u_rad * sheared]),
+        CLAMPINGS: (device.clamping_u_mm or 0.0) * _moved_by_clamping(m, place_mm),
+        FORM: device.probing_form_mm * _lobes(n),
+        FEATURES: device.feature_u_mm * _inside(m.group),
+    }
+    # a reading over several contacts is of a whole feature already
+    none = {FORM, FEATURES} if m.contacts is not None else set()
+    none = none if m.on_part else set(found)
+    return {name: v[:, :0] if name in none else v for name, v in found.items()}
 
 
 def _moved_by_clamping(m: Measurement, place_mm: np.ndarray) -> np.ndarray:
