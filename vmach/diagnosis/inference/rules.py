@@ -58,8 +58,8 @@ RULES = (
         "form is added where that makes all readings 100 times more probable, and takes the place "
         "of effects where it does so for each of these; effects that are closer form a class",
         "Jeffreys, Theory of Probability (1961), appendix B: decisive is beyond 100 to 1; noise "
-        "alone reaches a factor b at most once in b times. From 20 to 1 on 9 further effects were "
-        "shown on 558 machines, seeds from 6010000 to 6217999, 3 of which were there",
+        f"alone reaches a factor b at most once in b times. {_CALIBRATION}: of 11 effects of odds "
+        "from 20 to 100 to 1 one was there, of 12 from 100 to 1000 to 1 eight were",
         _COUNTS,
     ),
     Rule(

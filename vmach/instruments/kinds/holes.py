@@ -19,6 +19,7 @@ from vmach.instruments.readings import in_stretches
 from vmach.measurements import Contacts, Measurement
 from vmach.measurements.columns import Columns
 from vmach.measurements.instrument import Instrument, ModelOfTest
+from vmach.measurements.repeats import mean_of_repeats
 from vmach.nominal.points import WHEN, when_measured
 from vmach.path.hole_making import CONTACTS, CircularFeature, HoleContacts, hole_contacts
 from vmach.path.toolpath import PathStates
@@ -95,9 +96,9 @@ class Holes(Instrument):
             clamping=None if clamping is None else np.repeat(clamping[holes], per_hole),
             measured_at=None if when is None else np.repeat(when[holes], per_hole),
         )
-        if found.measured_at is None:
-            return found
-        return found.keep(np.argsort(found.measured_at, kind="stable"))
+        if found.measured_at is not None:
+            found = found.keep(np.argsort(found.measured_at, kind="stable"))
+        return mean_of_repeats(found, [found.states.contact_mm, found.states.move, found.sensing])
 
     def _u_mm(self, table: Columns) -> np.ndarray:
         """Standard uncertainty of every hole: of its row, else of the section."""

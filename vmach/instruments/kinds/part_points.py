@@ -31,6 +31,7 @@ from vmach.measurements.plausibility.part_check import (
     some_of,
 )
 from vmach.measurements.plausibility.tool_alternatives import tool_that_would_cut
+from vmach.measurements.repeats import mean_of_repeats
 from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.path.preparation import Preparation
 from vmach.prediction import ActingEffect, Prediction, predict_surface
@@ -86,12 +87,18 @@ def measure_part(
     part = _where_cut(points, prediction, path.name).made_beside(())
     check_near(part, path)
     part = _without_repeats(part, points.point_mm[cut])
-    if points.u_mm is None:
+    is_stated = points.u_mm is not None
+    if is_stated:
+        part = _without_outliers(part)
+    assert part.surface is not None
+    place = part.surface.points_mm, part.surface.normals
+    part = mean_of_repeats(part, place)
+    if not is_stated:
         u_mm = np.full(len(part), _uncertainty_mm(part, points))
         part = replace(part, u_mm=u_mm).noted(
             *in_file([Note.plain(Kind.UNCERTAINTY, _NO_UNCERTAINTY, place="u_um")], path)
         )
-    part = _without_outliers(part)
+        part = _without_outliers(part)
     others = part_alternatives(part, preparation, variant)
     return part.noted(*_doubtful_uncertainty(part), *alternative_notes(part, others)), prediction
 

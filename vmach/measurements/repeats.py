@@ -1,0 +1,55 @@
+"""Readings that were taken several times at the same place: their mean counts.
+
+What a place has of its own, such as the form of the surface there, all of its readings share. They
+are no independent evidence of what the machine did.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from vmach.base.alike_rows import alike_rows
+from vmach.base.note import Kind, Note
+from vmach.base.units import um_from_mm
+from vmach.measurements.measurement import Measurement
+
+__all__ = ["mean_of_repeats"]
+
+
+def mean_of_repeats(measurement: Measurement, alike: Sequence[np.ndarray]) -> Measurement:
+    """One reading for each place; as given where none was measured twice.
+
+    A mean keeps the uncertainty of a reading: its repeatability becomes less, what the place has of
+    its own does not. How much it is in all, what the readings leave unexplained tells.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        P readings.
+    alike : sequence of (P, ...) array
+        What readings of one place have in common; clampings do not mix.
+    """
+    clamping = [] if measurement.clamping is None else [measurement.clamping]
+    first, of = alike_rows([*alike, *clamping])
+    if len(first) == len(of):
+        return measurement
+    times = np.bincount(of)
+
+    def mean(values: np.ndarray) -> np.ndarray:
+        return np.bincount(of, values) / times
+
+    read = mean(measurement.measured_mm)
+    scatter = np.sum((measurement.measured_mm - read[of]) ** 2) / (len(of) - len(first))
+    said = (
+        f"{np.count_nonzero(times > 1)} places were measured up to {times.max()} times, their "
+        f"means count; readings repeat to {um_from_mm(np.sqrt(scatter)):.2g} um"
+    )
+    note = Note.plain(Kind.REPEAT, said, int(times.max()), "1", file=measurement.name)
+    told = tuple(note for note in measurement.notes if note.kind is not Kind.REPEAT)
+    at = None if measurement.measured_at is None else mean(measurement.measured_at)
+    one = replace(measurement, notes=told).keep(first, note)
+    found = replace(one, measured_mm=read, measured_at=at)
+    return found if at is None else found.keep(np.argsort(at, kind="stable"))
