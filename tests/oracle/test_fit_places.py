@@ -1,7 +1,4 @@
-"""Products at many moments, against those of the whole covariance matrix of the readings.
-
-Also where most readings repeat others, and are pooled.
-"""
+"""Products at many moments, against those of the whole covariance matrix of the readings."""
 
 import numpy as np
 import pytest
@@ -12,7 +9,6 @@ from vmach.fit.base import Base
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.noise.discrepancy import Members
 from vmach.fit.noise.feature_noise import FeatureNoise
-from vmach.fit.sites import sites_of
 from vmach.fit.sizes import Sizes
 
 RANDOM = np.random.default_rng(5)
@@ -48,34 +44,19 @@ class Series:
     nuisance = np.linspace(-1.0, 1.0, COUNT)[:, None]
 
     def __init__(self, time_s):
-        self.time_s, self.sites = time_s, sites_of([time_s])
+        self.time_s = time_s
 
     def __len__(self):
         return COUNT
-
-    def at_readings(self, columns):
-        return columns if self.sites is None else columns[self.sites.of]
 
     def signature(self, effect, target, values):
         after = values["time_s"] < self.time_s
         return 0.01 * after[:, None] * np.stack([np.ones(COUNT), np.cos(self.time_s)], axis=1)
 
-    def signature_at_sites(self, effect, target, values):
-        columns = self.signature(effect, target, values)
-        return columns if self.sites is None else columns[self.sites.first]
-
     def told_apart(self, effect, inner):
         moments = np.array([values["time_s"] for values in inner])
         passed = (self.time_s[:, None] <= moments).sum(axis=0)
         return np.append(True, np.diff(passed) != 0)
-
-
-#: of single readings; and of sites that were read three times, one after the other or in passes
-TIMES_S = {
-    "single": TIME_S,
-    "repeated": np.repeat(TIME_S[::3], 3),
-    "passes": np.tile(TIME_S[::3], 3),
-}
 
 
 def covariance(share, correlation):
@@ -91,16 +72,13 @@ def covariance(share, correlation):
     return found
 
 
-@pytest.mark.parametrize("times", TIMES_S)
 @pytest.mark.parametrize(("share", "correlation"), [(0.0, 0.0), (0.6, 0.8)])
-def test_products_at_all_moments_are_those_of_the_covariance_matrix(share, correlation, times):
-    survey = Series(TIMES_S[times])
+def test_products_at_all_moments_are_those_of_the_covariance_matrix(share, correlation):
+    survey = Series(TIME_S)
     noise = FeatureNoise(U_MM, FEATURE, WEIGHT, share, correlation)
-    # the wave differs among the readings of a site
     wave = 1e-3 * np.sin(np.arange(COUNT) / 9.0)[:, None]
     beside = 1e-3 * np.cos(survey.time_s / 17.0)[:, None]
     base = Base(survey, noise, Members(np.zeros((COUNT, 0)), ("wave",), (wave,)))
-    assert (base.pooled is None) == (times == "single")
     posterior = Posterior(base, Sizes(FACTOR, (SIZE,)), Effects(base.columns(beside)))
     moments = [{"time_s": t} for t in MOMENTS_S]
     gram, seen = posterior.products_at(base.places(Jump(), "", moments))
@@ -115,29 +93,3 @@ def test_products_at_all_moments_are_those_of_the_covariance_matrix(share, corre
         columns = survey.signature(None, "", moment)
         assert gram[k] == pytest.approx(columns.T @ precision @ columns, rel=1e-8)
         assert seen[k] == pytest.approx(columns.T @ precision @ survey.residual_mm, rel=1e-8)
-
-
-@pytest.mark.parametrize("times", ["repeated", "passes"])
-@pytest.mark.parametrize(("share", "correlation"), [(0.0, 0.0), (0.6, 0.8)])
-def test_pooled_readings_have_the_probability_and_the_rest_of_single_ones(
-    share, correlation, times
-):
-    survey = Series(TIMES_S[times])
-    noise = FeatureNoise(U_MM, FEATURE, WEIGHT, share, correlation)
-    wave = 1e-3 * np.sin(np.arange(COUNT) / 9.0)[:, None]
-    jump = [(Jump(), "", {"time_s": 33.0})]
-    found = []
-    for by_reading in (False, True):
-        members = Members(np.zeros((COUNT, 0)), ("wave",), (wave,))
-        base = Base(survey, noise, members, by_reading=by_reading)
-        effects = Effects(base.signatures(jump)[0])
-        found.append(Posterior(base, Sizes(FACTOR, (SIZE,)), effects))
-    pooled, single = found
-    assert len(pooled.base.y) < len(single.base.y) == COUNT
-    assert pooled.log_probability == pytest.approx(single.log_probability, rel=1e-10)
-    assert pooled.left == pytest.approx(single.left, rel=1e-8, abs=1e-10)
-    for here, there in zip(
-        pooled.slope_and_information(), single.slope_and_information(), strict=True
-    ):
-        assert here == pytest.approx(there, rel=1e-8)
-    assert pooled.effects.columns.mm == pytest.approx(single.effects.columns.mm)

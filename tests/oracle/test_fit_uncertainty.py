@@ -37,8 +37,6 @@ class Warming(Effect):
 class OneSeries:
     """The part of a survey that a fit asks for: one series of readings, nothing left free."""
 
-    sites = None
-
     def __init__(self, readings, free=0):
         self.residual_mm = readings
         self.nuisance = np.ones((len(readings), free))
@@ -49,7 +47,7 @@ class OneSeries:
     def told_apart(self, effect, inner):
         return np.ones(len(inner), dtype=bool)
 
-    def signature_at_sites(self, effect, target, inner_values):
+    def signature(self, effect, target, inner_values):
         return effect.displacement(TIME_S, target, 10.0, **inner_values)[:, 2:]
 
     def places(self, effect, target, inner_values):
@@ -114,7 +112,7 @@ def test_what_the_readings_do_not_show_is_said():
     random = np.random.default_rng(5)
     count = len(TIME_S)
     short = OneSeries(0.3 * random.standard_normal(count))
-    short.signature_at_sites = lambda effect, target, inner_values: np.full((count, 1), 1e-3)
+    short.signature = lambda effect, target, inner_values: np.full((count, 1), 1e-3)
     fit = fit_terms(beside_noise(short), [Term(Warming(), "", {"tau_s": 600.0})])
     spread = parameter_uncertainty(fit, 0)
     assert not spread["growth_um"].is_shown and not spread["tau_s"].is_shown
@@ -142,7 +140,7 @@ class OneSeriesWithPauses(OneSeries):
         super().__init__(readings, free=1)
         self.time_s = time_s
 
-    def signature_at_sites(self, effect, target, inner_values):
+    def signature(self, effect, target, inner_values):
         return effect.displacement(self.time_s, target, 5.0, **inner_values)[:, 2:]
 
     def places(self, effect, target, inner_values):

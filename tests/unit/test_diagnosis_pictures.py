@@ -46,7 +46,7 @@ def measured_part(folder):
 def residuals_of(survey):
     members = members_of(survey)
     single = FeatureNoise(survey.u_mm, survey.group, np.ones(len(survey)))
-    base = Base(survey, single, members, by_reading=True)
+    base = Base(survey, single, members)
     sizes = Sizes(1.0, (0.0,) * len(members.names))
     return Residuals(survey, Posterior(base, sizes, Effects(base.no_columns)), None)
 

@@ -427,9 +427,10 @@ def test_scatter_that_knows_the_axes_is_no_noise(tmp_path, along_y, is_told):
         cells = line.split(",")
         n = np.array(cells[5:8], dtype=float)
         size = along_y if abs(n[1]) > abs(n[0]) else 1.0
-        for _ in range(4):  # each point measured four times
-            seen = np.array(cells[2:5], dtype=float) + 5e-4 * size * random.standard_normal() * n
-            name = [f"{len(rows)}", *cells[1:8]]
+        for k in range(4):  # four points close together
+            place = np.array(cells[2:5], dtype=float) + [0.0, 0.0, 0.05 * k * (n[2] == 0.0)]
+            seen = place + 5e-4 * size * random.standard_normal() * n
+            name = [f"{len(rows)}", cells[1], *(f"{v:.6f}" for v in place), *cells[5:8]]
             rows.append(",".join([*name, *(f"{v:.6f}" for v in seen), "0.5"]))
     points.write_text("\n".join(rows))
     weighing = prepare_weighing(survey_job(job), [catalogue()["backlash"]])

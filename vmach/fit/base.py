@@ -24,7 +24,6 @@ from vmach.fit.noise.feature_noise import FeatureNoise
 from vmach.fit.noise.means import Means
 from vmach.fit.places import Inner, Places, Step, steps_along
 from vmach.fit.remembered import Remembered
-from vmach.fit.sites import Pooled
 from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import thin_product
@@ -46,16 +45,13 @@ _LARGE = 50
 class Base:
     """Readings of a survey in the units of one feature noise, nuisance projected out.
 
-    Beside means of readings there are as many rows as means. Readings that repeat others are
-    pooled, without loss of what is the same in all of them: there are as many rows as coordinates.
+    Beside means of readings there are as many rows as means.
 
     Parameters
     ----------
     survey : Survey
     noise : FeatureNoise or Means
     members : Members
-    by_reading : bool
-        Whether no readings are pooled, so that columns may differ among those of a site.
 
     Attributes
     ----------
@@ -75,17 +71,9 @@ class Base:
         survey: Survey,
         noise: FeatureNoise | Means,
         members: Members,
-        *,
-        by_reading: bool = False,
     ) -> None:
         self.survey, self.noise, self.members = survey, noise, members
-        self.pooled: Pooled | None = None
-        if survey.sites is not None and not by_reading and isinstance(noise, FeatureNoise):
-            every = survey.residual_mm[:, None], survey.nuisance, members.every_mm
-            others = [columns[:, ~survey.sites.is_constant(columns)] for columns in every]
-            self.pooled = Pooled(noise, survey.sites, np.hstack(others))
-        self._rows = self.pooled or noise
-        nuisance = self._rows.white(survey.nuisance)
+        nuisance = noise.white(survey.nuisance)
         norms = np.linalg.norm(nuisance, axis=0)
         left, size, _ = np.linalg.svd(nuisance / np.where(norms > 0, norms, 1.0), False)
         seen = size > 1e-9 * max(np.max(size, initial=0.0), 1e-300)
@@ -97,8 +85,7 @@ class Base:
         counts = [members.fixed_mm.shape[1], *(c.shape[1] for c in members.columns_mm)]
         self.member_of = np.repeat(np.arange(len(counts)), counts)
         self.stretches = list(itertools.starmap(slice, itertools.pairwise(np.cumsum([0, *counts]))))
-        count = len(self.y) if self.pooled is None else len(survey)
-        self.degrees = count - self.free.shape[1]
+        self.degrees = len(self.y) - self.free.shape[1]
         self.gram, self.seen = self.z.T @ self.z, self.z.T @ self.y
         self.square = float(self.y @ self.y)
         # a root, and the raised one
@@ -112,13 +99,8 @@ class Base:
         return self.white(self.members.every_mm)
 
     def white(self, columns_mm: np.ndarray) -> np.ndarray:
-        """Columns (n, k) mm in unit noise without what the nuisance can explain, (r, k).
-
-        Or those at every site of the survey, (m, k).
-        """
-        if self.pooled is None and len(columns_mm) != len(self.survey):
-            columns_mm = self.survey.at_readings(columns_mm)
-        white = self._rows.white(columns_mm)
+        """Columns (n, k) mm in unit noise without what the nuisance can explain, (r, k)."""
+        white = self.noise.white(columns_mm)
         if white.flags.c_contiguous:
             white -= self.free @ (self.free.T @ white)
         else:
@@ -126,35 +108,14 @@ class Base:
         return white
 
     def back(self, white: np.ndarray) -> np.ndarray:
-        """Columns (r, k) by the transpose of the map that makes columns in mm white.
-
-        Its rows are those of `rows_of`.
-        """
-        if self.pooled is not None:
-            return self.pooled.back(white)
+        """Columns (r, k) by the transpose of the map that makes columns in mm white."""
         return white if isinstance(self.noise, Means) else self.noise.back(white)
 
-    def rows_of(self, columns_mm: np.ndarray) -> np.ndarray:
-        """Columns at every reading (n, k) or site (m, k), at those of them that count here."""
-        if self.pooled is None:
-            is_whole = len(columns_mm) == len(self.survey)
-            return columns_mm if is_whole else self.survey.at_readings(columns_mm)
-        if len(columns_mm) == len(self.pooled.sites.first):
-            return columns_mm
-        assert self.pooled.sites.is_constant(columns_mm).all()
-        return columns_mm[self.pooled.sites.first]
-
-    def spread(self, white: np.ndarray) -> np.ndarray:
-        """White values (r,) as every reading has them, (n,)."""
-        return white if self.pooled is None else self.pooled.spread(white)
-
     def columns(self, columns_mm: np.ndarray) -> Columns:
-        """Columns (n, K) or (m, K) mm, at readings or sites, with their products."""
-        own = self.rows_of(columns_mm)
-        white = self.white(np.asfortranarray(own))
+        """Columns (n, K) mm with their products."""
+        white = self.white(np.asfortranarray(columns_mm))
         cross = thin_product(self.z.T, white)
-        site = None if self.pooled is None else self.pooled.sites.of
-        return Columns.of(lambda: own, white, cross, white.T @ self.y, site)
+        return Columns.of(lambda: columns_mm, white, cross, white.T @ self.y)
 
     @cached_property
     def no_columns(self) -> Columns:
@@ -170,9 +131,7 @@ class Base:
         known = {key: self._columns[key] for key in keys if key in self._columns}
         new = {key: one for key, one in zip(keys, asked, strict=True) if key not in known}
         if new:
-            columns_mm = [
-                self.rows_of(self.survey.signature_at_sites(*one)) for one in new.values()
-            ]
+            columns_mm = [self.survey.signature(*one) for one in new.values()]
             together = self.columns(np.concatenate([own.T for own in columns_mm]).T)
             parts = together.split(columns_mm)
             for key, columns in zip(new, parts, strict=True):

@@ -32,33 +32,20 @@ class Candidate:
         G combinations of inner parameters.
     log_prior : (G,) float64
         How usual each combination is; the exponentials add up to one.
-    at_sites_mm : (m, G, K) float32 or float64
-        What one usual size of each of K coefficients does to a reading at each site.
-    site : (n,) int or None
-        Where readings were taken; each at a site of its own where left out.
+    signatures_mm : (n, G, K) float32 or float64
+        What one usual size of each of K coefficients does to the readings.
     """
 
     effect: Effect
     target: str
     grid: list[dict[str, float]]
     log_prior: np.ndarray
-    at_sites_mm: np.ndarray
-    site: np.ndarray | None = None
-
-    @property
-    def signatures_mm(self) -> np.ndarray:
-        """What it does to the readings, (n, G, K)."""
-        return self.at_sites_mm if self.site is None else self.at_sites_mm[self.site]
-
-    def signature_mm(self, place: int) -> np.ndarray:
-        """That at one place of the grid, (n, K)."""
-        own = self.at_sites_mm[:, place]
-        return own if self.site is None else own[self.site]
+    signatures_mm: np.ndarray
 
     @property
     def rows_mm(self) -> np.ndarray:
-        """The signatures of one place after the other, (G K, m)."""
-        return self.at_sites_mm.transpose(1, 2, 0).reshape(-1, len(self.at_sites_mm))
+        """The signatures of one place after the other, (G K, n)."""
+        return self.signatures_mm.transpose(1, 2, 0).reshape(-1, len(self.signatures_mm))
 
     @property
     def label(self) -> str:
@@ -96,26 +83,24 @@ def candidate_of(survey: Survey, effect: Effect, target: str) -> Candidate | Non
     grid = survey.inner_grid(effect, target)
     if not grid:
         return None
-    first = survey.signature_at_sites(effect, target, grid[0])
+    first = survey.signature(effect, target, grid[0])
     # place by place in memory, and each once: all signatures together are the largest of all.
     # Rounded they are those of a law that differs in the eighth digit
     rows = np.empty((len(grid), first.shape[1], len(first)), dtype=np.float32)
     is_blind = True
     for row, inner in zip(rows, grid, strict=True):
-        columns = survey.signature_at_sites(effect, target, inner)
+        columns = survey.signature(effect, target, inner)
         row[:] = columns.T
         is_blind = is_blind and _is_blind(survey, columns)
     if is_blind:
         return None
     log_prior = np.array([_log_prior(effect, inner) for inner in grid])
     signatures = rows.transpose(2, 0, 1)
-    site = None if survey.sites is None else survey.sites.of
-    return Candidate(effect, target, grid, log_prior - logsumexp(log_prior), signatures, site)
+    return Candidate(effect, target, grid, log_prior - logsumexp(log_prior), signatures)
 
 
 def _is_blind(survey: Survey, columns: np.ndarray) -> bool:
-    """Whether columns (m, K) mm hardly show: what a zero or an alignment can take up does not."""
-    columns = survey.at_readings(columns)
+    """Whether columns (n, K) mm hardly show: what a zero or an alignment can take up does not."""
     shown = np.abs(columns - survey.aligned(columns)).max(initial=0.0)
     return bool(shown < _BLIND * survey.u_mm.min())
 

@@ -29,8 +29,7 @@ class Columns:
     Attributes
     ----------
     make_mm : callable
-        What they are in mm, (n, K), worked out when asked for; where readings were pooled, one
-        row a site.
+        What they are in mm, (n, K), worked out when asked for.
     parts : tuple of ((r, k) float64, (k,) float64)
         The same in unit noise without what the nuisance can explain: columns that stand side by
         side, and how many times each is meant. Scaled columns share their memory.
@@ -40,8 +39,6 @@ class Columns:
         With the members' columns.
     seen : (K,) float64
         With the readings.
-    site : (n,) int or None
-        Which row in mm each reading has, where readings were pooled.
     """
 
     make_mm: Callable[[], np.ndarray]
@@ -49,20 +46,14 @@ class Columns:
     make_gram: Callable[[], np.ndarray]
     cross: np.ndarray
     seen: np.ndarray
-    site: np.ndarray | None = None
 
     @classmethod
     def of(
-        cls,
-        mm: Callable[[], np.ndarray],
-        white: np.ndarray,
-        cross: np.ndarray,
-        seen: np.ndarray,
-        site: np.ndarray | None = None,
+        cls, mm: Callable[[], np.ndarray], white: np.ndarray, cross: np.ndarray, seen: np.ndarray
     ) -> Self:
         """White columns (r, K) that are there."""
         once = np.ones(white.shape[1])
-        return cls(mm, ((white, once),), lambda: white.T @ white, cross, seen, site)
+        return cls(mm, ((white, once),), lambda: white.T @ white, cross, seen)
 
     def __len__(self) -> int:
         return len(self.seen)
@@ -75,7 +66,7 @@ class Columns:
     @property
     def mm(self) -> np.ndarray:
         """In mm, (n, K)."""
-        return self.make_mm() if self.site is None else self.make_mm()[self.site]
+        return self.make_mm()
 
     @property
     def white(self) -> np.ndarray:
@@ -95,7 +86,7 @@ class Columns:
         there = squared > _NOTHING * squared[-1:].max(initial=0.0)
         axes, gram = axes[:, there], np.diag(squared[there])
         cross, seen = self.cross @ axes, self.seen @ axes
-        return type(self)(lambda: self.make_mm() @ axes, (), lambda: gram, cross, seen, self.site)
+        return type(self)(lambda: self.make_mm() @ axes, (), lambda: gram, cross, seen)
 
     def dot(self, white: np.ndarray) -> np.ndarray:
         """Products with other white columns (r, m), (K, m)."""
@@ -115,7 +106,7 @@ class Columns:
     def times(self, matrix: np.ndarray) -> Self:
         """Sums of columns, by a matrix (K, m) of their weights."""
         mm, white = self.make_mm() @ matrix, (matrix.T @ self.white.T).T
-        return self.of(lambda: mm, white, self.cross @ matrix, self.seen @ matrix, self.site)
+        return self.of(lambda: mm, white, self.cross @ matrix, self.seen @ matrix)
 
     def scaled(self, widths: np.ndarray | float) -> Self:
         """Each column so many times, (K,)."""
@@ -128,7 +119,6 @@ class Columns:
             lambda: self.gram * wide * wide[:, None],
             self.cross * wide,
             self.seen * wide,
-            self.site,
         )
 
     def beside(self, other: Self) -> Self:
@@ -146,7 +136,6 @@ class Columns:
             gram,
             np.concatenate([self.cross, other.cross], axis=1),
             np.concatenate([self.seen, other.seen]),
-            self.site,
         )
 
     def split(self, parts_mm: Sequence[np.ndarray]) -> list[Self]:
@@ -155,7 +144,7 @@ class Columns:
         found, whole = [], self.white
         for own, (low, high) in zip(parts_mm, itertools.pairwise(ends), strict=True):
             white, cross = whole[:, low:high].copy("F"), self.cross[:, low:high].copy()
-            found.append(self.of(_ready(own), white, cross, self.seen[low:high], self.site))
+            found.append(self.of(_ready(own), white, cross, self.seen[low:high]))
         return found
 
     @classmethod
@@ -167,7 +156,7 @@ class Columns:
         white = np.concatenate([part.white.T for part in parts]).T
         cross = np.concatenate([part.cross for part in parts], axis=1)
         seen = np.concatenate([part.seen for part in parts])
-        return cls.of(mm, white, cross, seen, parts[0].site)
+        return cls.of(mm, white, cross, seen)
 
 
 def _side_by_side(parts: Sequence[Callable[[], np.ndarray]]) -> Callable[[], np.ndarray]:

@@ -35,7 +35,7 @@ def deletion_residuals(posterior: Posterior) -> np.ndarray:
     assert isinstance(noise, FeatureNoise)
 
     def back(white: np.ndarray) -> np.ndarray:
-        return u_mm[:, None] * noise.back(base.spread(white))
+        return u_mm[:, None] * noise.back(white)
 
     precision = noise.precisions - _squares(back(base.free))
     members, effects, root = posterior.members, posterior.effects.columns.white, posterior.root
@@ -49,7 +49,7 @@ def deletion_residuals(posterior: Posterior) -> np.ndarray:
         some = slice(k, k + _AT_ONCE)
         precision[some] -= _squares(solve_triangular(root, taken[some].T, lower=True).T)
     precision = np.maximum(precision, _LEAST * noise.precisions)
-    away = back(posterior.rest[:, None])[:, 0] / precision
+    away = back(posterior.left[:, None])[:, 0] / precision
     own = (1.0 - noise.share) * (1.0 - 1.0 / noise.weight)
     return away / np.sqrt(1.0 / precision + own)
 

@@ -279,8 +279,7 @@ class Posterior:
     def whiten(self, columns_mm: np.ndarray) -> np.ndarray:
         """Columns in plain unit noise, members and effects counted as noise; (n,), (n, k) or more.
 
-        What the nuisance can explain is taken out. Only products of such columns have a meaning;
-        where readings were pooled, they have as many rows as coordinates.
+        What the nuisance can explain is taken out. Only products of such columns have a meaning.
         """
         white = self.base.white(columns_mm.reshape(len(columns_mm), -1))
         members, root, own = self.members, self.bordered, self.effects.columns
@@ -299,11 +298,6 @@ class Posterior:
 
     @property
     def left(self) -> np.ndarray:
-        """What members and effects leave of the white readings, (n,), in units of the factor."""
-        return self.base.spread(self.rest)
-
-    @property
-    def rest(self) -> np.ndarray:
-        """The same by the rows of the base, (r,)."""
+        """What members and effects leave of the white readings, (r,), in units of the factor."""
         taken = self.base.z @ self.amounts + self.effects.columns.summed(self.mean[1])
         return (self.base.y - taken) / self.sizes.factor

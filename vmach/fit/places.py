@@ -107,9 +107,9 @@ def steps_along(
         changes, signatures = [], []
         for before, after in pairs[k : k + many]:
             if before != here[0]:
-                here = before, base.survey.signature_at_sites(effect, target, dict(before or ()))
-            columns = base.survey.signature_at_sites(effect, target, dict(after))
-            changes.append(csr_array(base.rows_of(columns - here[1]).T))
+                here = before, base.survey.signature(effect, target, dict(before or ()))
+            columns = base.survey.signature(effect, target, dict(after))
+            changes.append(csr_array((columns - here[1]).T))
             signatures.append(columns.T)
             here = after, columns
         rows = base.white(np.concatenate(signatures).T).T

@@ -7,7 +7,7 @@ offsets are projected out.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -16,7 +16,6 @@ from scipy.linalg import block_diag
 
 from vmach.base.note import Note
 from vmach.effects import Circumstances, Effect, EffectInstance
-from vmach.fit.sites import Sites, sites_of
 from vmach.fit.whitening import Whitening, condensed, orthonormal
 from vmach.job import Job
 from vmach.measurements import Measurement
@@ -126,22 +125,13 @@ class Survey:
         """Direction of each reading, (n, 3)."""
         return np.vstack([m.sensing for m in self.measurements])
 
-    @property
+    @cached_property
     def factors(self) -> np.ndarray:
         """Signatures of what is not known of the model, of unit variance, (n, q) mm.
 
         The tables' uncertainty and that of the parameters of the job's effects are the same
         causes in all measurements; what the effects' laws leave open is new in each.
         """
-        return self.at_readings(self.factors_at_sites)
-
-    @property
-    def factors_at_sites(self) -> np.ndarray:
-        """The same at every site, (m, q) mm; at every reading where `sites` is None."""
-        return self._factors if self.sites is None else self._at_sites._factors
-
-    @cached_property
-    def _factors(self) -> np.ndarray:
         pairs = list(zip(self.seen_paths, self.measurements, strict=True))
         tables = TableUncertainty.of(self.job.machine)
         parts = [np.vstack([_of_tables(tables, p, m) for p, m in pairs])]
@@ -157,64 +147,10 @@ class Survey:
         """Turns readings into plain unit noise, the tables' uncertainty counted."""
         return Whitening(self.u_mm, self.factors, self.nuisance)
 
-    @cached_property
-    def sites(self) -> Sites | None:
-        """Where readings were taken, where most repeat others in all that effects depend on."""
-        return sites_of([np.concatenate(part) for part in zip(*self._alike(), strict=True)])
-
-    def _alike(self) -> Iterator[tuple[np.ndarray, ...]]:
-        """What the readings of a site have in common, (P, ...) of each measurement."""
-        for number, m in enumerate(self.measurements):
-            # a reading over several contacts is taken as one of its own
-            own = np.arange(len(m)) if m.contacts is not None else np.zeros(len(m), dtype=int)
-            states, none = m.states, np.zeros((len(m), 3))
-            vectors = [none if v is None else v for v in (states.normal, states.arm_mm)]
-            clamping = np.zeros(len(m), dtype=int)
-            if m.clamping is not None:
-                clamping = np.unique(m.clamping, return_inverse=True)[1]
-            yield (
-                np.full(len(m), number), own, clamping, states.move, states.parameter,
-                states.contact_mm, *vectors, m.sensing,
-            )  # fmt: skip
-
-    def at_readings(self, columns: np.ndarray) -> np.ndarray:
-        """Columns (m, k) at the sites, as the readings have them, (n, k)."""
-        return columns if self.sites is None else columns[self.sites.of]
-
-    @cached_property
-    def u_at_sites_mm(self) -> np.ndarray:
-        """Standard uncertainty of the mean of the readings of each site, (m,)."""
-        if self.sites is None:
-            return self.u_mm
-        return np.bincount(self.sites.of, 1.0 / self.u_mm**2) ** -0.5
-
-    @cached_property
-    def _at_sites(self) -> Survey:
-        """The first reading of each site alone."""
-        assert self.sites is not None
-        kept = np.zeros(len(self), dtype=bool)
-        kept[self.sites.first] = True
-        measurements = tuple(
-            m.keep(kept[own]) for m, own in zip(self.measurements, self.rows, strict=True)
-        )
-        return replace(self, measurements=measurements)
-
     def signature(
         self, effect: Effect, target: str, inner_values: Mapping[str, float]
     ) -> np.ndarray:
         """What one usual size of each coefficient of an effect does to the readings, (n, K) mm."""
-        return self.at_readings(self.signature_at_sites(effect, target, inner_values))
-
-    def signature_at_sites(
-        self, effect: Effect, target: str, inner_values: Mapping[str, float]
-    ) -> np.ndarray:
-        """The same at every site, (m, K) mm; at every reading where `sites` is None."""
-        survey = self if self.sites is None else self._at_sites
-        return survey._signature(effect, target, inner_values)
-
-    def _signature(
-        self, effect: Effect, target: str, inner_values: Mapping[str, float]
-    ) -> np.ndarray:
         sensed = [
             m.sensed(_columns(effect, path, target, inner_values)) if _can_show(m, effect) else None
             for path, m in zip(self.seen_paths, self.measurements, strict=True)
@@ -223,23 +159,17 @@ class Survey:
         blank = [np.zeros((len(m), terms)) for m in self.measurements]
         return np.vstack([b if s is None else s for s, b in zip(sensed, blank, strict=True)])
 
-    def slack_at_sites(
-        self, effect: Effect, target: str, parameters: Mapping[str, float]
-    ) -> np.ndarray:
-        """Signatures of unit variance of what an effect's law leaves open, (m, K) mm.
+    def slack(self, effect: Effect, target: str, parameters: Mapping[str, float]) -> np.ndarray:
+        """Signatures of unit variance of what an effect's law leaves open, (n, K) mm.
 
-        At every site, or at every reading where `sites` is None; independent in every measurement.
+        Independent in every measurement.
         """
         if effect.slack_share == 0.0:
-            return np.zeros((len(self.u_at_sites_mm), 0))
-        survey = self if self.sites is None else self._at_sites
-        return survey._slack(effect, target, parameters, self.u_at_sites_mm)
-
-    def _slack(
-        self, effect: Effect, target: str, parameters: Mapping[str, float], u_mm: np.ndarray
-    ) -> np.ndarray:
+            return np.zeros((len(self), 0))
         blocks = [
-            condensed(m.sensed(effect.slack(path, target, parameters)), u_mm[own], least=_LEAST)
+            condensed(
+                m.sensed(effect.slack(path, target, parameters)), self.u_mm[own], least=_LEAST
+            )
             if _can_show(m, effect)
             else np.zeros((len(m), 0))
             for path, m, own in zip(self.seen_paths, self.measurements, self.rows, strict=True)

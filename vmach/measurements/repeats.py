@@ -2,6 +2,8 @@
 
 What a place has of its own, such as the form of the surface there, all of its readings share. They
 are no independent evidence of what the machine did.
+
+Source: JCGM 100:2008 (GUM), 4.2.3, mean and experimental variance of repeated observations.
 """
 
 from __future__ import annotations

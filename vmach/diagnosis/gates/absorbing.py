@@ -8,7 +8,7 @@ from vmach.fit.survey import Survey
 from vmach.fit.terms import JointFit
 from vmach.fit.whitening import Whiten, Whitening
 
-__all__ = ["absorbing", "slack_at_sites", "slack_of"]
+__all__ = ["absorbing", "slack_of", "stated_slack"]
 
 
 def absorbing(survey: Survey, whiten: Whiten, fit: JointFit) -> Whitening:
@@ -39,14 +39,14 @@ def slack_of(survey: Survey, fit: JointFit) -> np.ndarray:
     """
     if fit.slack_mm is not None:
         return fit.slack_mm
-    return fit.slack_scale * survey.at_readings(slack_at_sites(survey, fit))
+    return fit.slack_scale * stated_slack(survey, fit)
 
 
-def slack_at_sites(survey: Survey, fit: JointFit) -> np.ndarray:
-    """What the laws of all terms state, at every site, (m, K) mm."""
+def stated_slack(survey: Survey, fit: JointFit) -> np.ndarray:
+    """What the laws of all terms state, (n, K) mm."""
     parts = [
-        survey.slack_at_sites(term.effect, term.target, fit.parameters(k))
+        survey.slack(term.effect, term.target, fit.parameters(k))
         for k, term in enumerate(fit.terms)
         if term.effect.slack_share > 0.0
     ]
-    return np.hstack([np.zeros((len(survey.u_at_sites_mm), 0)), *parts])
+    return np.hstack([np.zeros((len(survey), 0)), *parts])

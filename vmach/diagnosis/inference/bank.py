@@ -45,7 +45,7 @@ class Bank:
         # candidates with equally many coefficients are weighed together
         groups: dict[int, list[int]] = {}
         for c, candidate in enumerate(candidates):
-            groups.setdefault(candidate.at_sites_mm.shape[2], []).append(c)
+            groups.setdefault(candidate.signatures_mm.shape[2], []).append(c)
         listed = [c for members in groups.values() for c in members]
         self._place = np.argsort(np.array(listed, dtype=int))
         self._groups = [_Group(base, [candidates[c] for c in g], k) for k, g in groups.items()]
@@ -64,10 +64,9 @@ class _Group:
     def __init__(self, base: Base, candidates: Sequence[Candidate], terms: int) -> None:
         self._log_priors = [c.log_prior for c in candidates]
         self._terms = terms
-        self._rows_of = base.rows_of
         raw = [candidate.rows_mm for candidate in candidates]
         parts, means = [], []
-        wide = max(len(base.survey) if base.pooled is None else 0, *(r.shape[1] for r in raw))
+        wide = len(base.survey)
         for some in _at_once(raw, terms * max(_ROOM // (terms * wide), 1)):
             rows = base.white(some.T).T
             if isinstance(base.noise, Means):
@@ -91,8 +90,7 @@ class _Group:
 
     def _times(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
         """Rows (m, n) times columns (n, k)."""
-        rows = rows.astype(np.float64, copy=False)
-        return (rows if rows.shape[1] == len(columns) else self._rows_of(rows.T).T) @ columns
+        return rows.astype(np.float64, copy=False) @ columns
 
     def _beside_members(self, members: SizedMembers) -> _Beside:
         """What is left beside members alone."""
@@ -145,8 +143,7 @@ def _at_once(rows: Sequence[np.ndarray], many: int) -> Iterator[np.ndarray]:
     for own in rows:
         for k in range(0, len(own), many):
             some = own[k : k + many]
-            # some are at readings, others at sites
-            if few and (sum(map(len, few)) + len(some) > many or few[0].shape[1] != some.shape[1]):
+            if few and sum(map(len, few)) + len(some) > many:
                 yield _joined(few)
                 few = []
             few.append(some)

@@ -81,7 +81,7 @@ def _products(
     First an explanation's own, then those of other effects; many sets ask for the same.
     """
     added = {
-        one: WIDTHS[one[2]] * weighing.candidates[one[0]].at_sites_mm[:, one[1]]
+        one: WIDTHS[one[2]] * weighing.candidates[one[0]].signatures_mm[:, one[1]]
         for one in dict.fromkeys(asked)
     }
     own, nothing = found.posterior.effects.columns, Effects(weighing.base.no_columns)

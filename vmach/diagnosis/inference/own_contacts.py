@@ -81,8 +81,7 @@ def _effects_of(weighing: Weighing) -> Sequence[Effect]:
 
 def _moves_floors(survey: Survey, candidate: Candidate) -> bool:
     """Whether an effect of usual size notably moves the tool along its axis, on any floor."""
-    most = np.abs(candidate.at_sites_mm).max(axis=(1, 2), initial=0.0)
-    moved = (most if candidate.site is None else most[candidate.site]) / survey.u_mm
+    moved = np.abs(candidate.signatures_mm).max(axis=(1, 2), initial=0.0) / survey.u_mm
     return bool(np.any(moved[survey.sensing[:, 2] > FLOOR] > _NOTABLE))
 
 

@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 from scipy.special import gammaln
 
-from vmach.diagnosis.gates.absorbing import slack_at_sites
+from vmach.diagnosis.gates.absorbing import stated_slack
 from vmach.diagnosis.gates.sizes_above_zero import log_factor_of_sizes
 from vmach.diagnosis.inference.bank import Bank
 from vmach.diagnosis.inference.careful_fit import careful_fit
@@ -97,7 +97,6 @@ class Weighing:
         excluded: Sequence[tuple[Effect, str, str]] = (),
         noise: FeatureNoise | None = None,
     ) -> None:
-        self._is_by_reading = False
         self.survey, self.candidates = survey, list(candidates)
         self.excluded = tuple(excluded)
         self.members = members_of(survey)
@@ -114,7 +113,7 @@ class Weighing:
         }
 
     def _take(self, noise: FeatureNoise) -> None:
-        self.base = Base(self.survey, noise, self.members, by_reading=self._is_by_reading)
+        self.base = Base(self.survey, noise, self.members)
         self._none = Effects(self.base.no_columns)
         many = -(-len(self.survey) // _LOOKED_OVER)
         self._means = Base(self.survey, Means(noise, many), self.members) if many > 1 else None
@@ -166,15 +165,6 @@ class Weighing:
         other = copy.copy(self)
         other._take(noise)
         self.forget()
-        return other
-
-    def by_reading(self) -> Self:
-        """The same for candidates that differ among the readings of a site."""
-        if self.base.pooled is None:
-            return self
-        other = copy.copy(self)
-        other._is_by_reading = True
-        other._take(self.base.noise)
         return other
 
     def forget(self) -> None:
@@ -302,7 +292,7 @@ class Weighing:
 
     def _slack(self, fit: JointFit) -> Columns | None:
         """Columns of what the laws leave open, as far as stated."""
-        slack = slack_at_sites(self.survey, fit)
+        slack = stated_slack(self.survey, fit)
         return self.base.columns(slack) if slack.shape[1] else None
 
     def _open(self, fit: JointFit) -> Columns:
@@ -423,8 +413,8 @@ class Weighing:
     def would_take(self, k: int, explanation: Explanation) -> np.ndarray:
         """What candidate k, fitted to what an explanation leaves, would take, (r,) of unit size."""
         evidence = self.looked_over(explanation)
-        white = self.base.white(self.candidates[k].at_sites_mm[:, evidence.best[k, 0]])
-        left, width = explanation.posterior.rest, WIDTHS[evidence.best_width[k, 0]]
+        white = self.base.white(self.candidates[k].signatures_mm[:, evidence.best[k, 0]])
+        left, width = explanation.posterior.left, WIDTHS[evidence.best_width[k, 0]]
         prior = np.eye(white.shape[1]) / width**2
         taken = white @ np.linalg.solve(white.T @ white + prior, white.T @ left)
         return taken / max(float(np.linalg.norm(taken)), 1e-300)
@@ -432,7 +422,7 @@ class Weighing:
     def fitted_alone(self, k: int) -> tuple[Term, np.ndarray]:
         """Candidate k fitted alone: the term and its coefficients (K,)."""
         term, evidence = self.term(k, self.alone), self.evidence(self.alone)
-        columns = self.candidates[k].at_sites_mm[:, evidence.best[k, 0]]
+        columns = self.candidates[k].signatures_mm[:, evidence.best[k, 0]]
         width = WIDTHS[evidence.best_width[k, 0]]
         white, reading = self.base.white(columns), self.base.y
         prior = np.eye(white.shape[1]) / width**2
@@ -441,4 +431,4 @@ class Weighing:
     def alone_mm(self, k: int) -> np.ndarray:
         """What candidate k does to the readings when it is fitted alone, (n,) mm."""
         place = self.evidence(self.alone).best[k, 0]
-        return self.candidates[k].signature_mm(place) @ self.fitted_alone(k)[1]
+        return self.candidates[k].signatures_mm[:, place] @ self.fitted_alone(k)[1]

@@ -59,7 +59,7 @@ class Forms:
 
     def __init__(self, weighing: Weighing, found: Explanation) -> None:
         weighing.forget_means()
-        self._weighing = self._searched = weighing
+        self._weighing = weighing
         self._known = [weighing.candidates[weighing.index_of(t.label)] for t in found.terms]
         self._columns = FormColumns(weighing.survey)
         self._banks: list[tuple[list[Form], Bank]] = []
@@ -74,9 +74,7 @@ class Forms:
         effects but the least probable one, as the others may be known causes. Each effect that is
         given up for a form has to be clearly less probable than it.
         """
-        start = self._explained(found)
-        if found.terms or self._is_worth_a_form(start):
-            start = self._by_reading(start, found)
+        start = self._with(()).explain(found.terms, found.posterior.sizes, refine=False)
         best = self._grown(start)
         for fewer in self._with_fewer(found, start):
             alone = self._alone(fewer, best)
@@ -86,31 +84,19 @@ class Forms:
         return best
 
     def _with_fewer(self, found: Explanation, start: Explanation) -> Iterator[Explanation]:
-        """Over these readings without any effect, and without the one that the search needs least.
+        """Without any effect, and without the one that the search needs least.
 
         Parameters
         ----------
         found : Explanation
         start : Explanation
-            The same over these readings.
+            The same where forms are candidates.
         """
         if found.terms:
             yield self._with(()).nothing()
         if len(found.terms) > 1:
-            without = [self._searched.without(found, [k]).score for k in range(len(found.terms))]
+            without = [self._weighing.without(found, [k]).score for k in range(len(found.terms))]
             yield self._with(()).without(start, [int(np.argmax(without))])
-
-    def _explained(self, here: Explanation) -> Explanation:
-        """The effects of an explanation over these readings."""
-        return self._with(()).explain(here.terms, here.posterior.sizes, refine=False)
-
-    def _by_reading(self, start: Explanation, found: Explanation) -> Explanation:
-        """An explanation over single readings: forms may differ among those of one site."""
-        weighing = self._weighing.by_reading()
-        if weighing is self._weighing:
-            return start
-        self._weighing, self._screen = weighing, _Screen(weighing)
-        return self._explained(found)
 
     def _is_worth_a_form(self, here: Explanation) -> bool:
         """Whether as much remains; a factor on the stated uncertainty may stand for a form."""
@@ -171,7 +157,6 @@ class Forms:
         grown : Explanation
             With forms.
         """
-        alone = self._by_reading(alone, alone)
         self._columns.add_conspicuous(*self._left_mm(alone))
         first = [self._chosen[t.label] for t in grown.terms if t.label in self._chosen]
         forms = dict.fromkeys([*first, *self._leading(_two_views(alone))])
@@ -317,7 +302,7 @@ class _Screen:
             self.rows = rows
             screened = _kept(weighing.survey, kept)
             noise = replace(noise, **of_rows)
-            self.base = Base(screened, noise, members, by_reading=True)
+            self.base = Base(screened, noise, members)
 
     def posterior(self, sizes: Sizes, effects: Effects) -> Posterior:
         """Members at given sizes, and effects, as these readings have them."""

@@ -88,13 +88,9 @@ def members_of(survey: Survey) -> Members:
         DRIFT: _told_apart(survey, unit * drift_of_device(survey)),
     }
     device = np.hstack([*stated_of_device(survey).values()])
-    if survey.sites is not None:
-        device = device[survey.sites.first]
-    fixed = condensed(
-        np.hstack([survey.factors_at_sites, device]), survey.u_at_sites_mm, least=_LEAST_VARIANCE
-    )
+    fixed = condensed(np.hstack([survey.factors, device]), survey.u_mm, least=_LEAST_VARIANCE)
     kept = {name: c for name, c in found.items() if c.shape[1]}
-    return Members(survey.at_readings(fixed), tuple(kept), tuple(kept.values()))
+    return Members(fixed, tuple(kept), tuple(kept.values()))
 
 
 def _offsets(survey: Survey) -> dict[str, np.ndarray]:

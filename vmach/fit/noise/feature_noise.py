@@ -14,7 +14,7 @@ mixture).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -90,24 +90,6 @@ class FeatureNoise:
             np.matmul(matrix, ordered[start:end], out=found[start:end])
         ordered[self._order] = found
         return ordered
-
-    def blocks(self, like: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Readings (b,) of each block, and the map (b, b) that makes their columns in mm white.
-
-        Parameters
-        ----------
-        like : (n,) int
-            Which readings to keep together where all are independent.
-        """
-        if self.share == 0.0:
-            order = np.argsort(like, kind="stable")
-            for rows in np.array_split(order, int(np.ceil(len(order) / _BLOCK))):
-                yield rows, np.diag(np.sqrt(self.weight[rows]) / self.u_mm[rows])
-            return
-        starts = np.cumsum([0, *self._sizes[:-1]]).tolist()
-        for start, (_, inverse) in zip(starts, self._roots, strict=True):
-            rows = self._order[start : start + len(inverse)]
-            yield rows, inverse / self.u_mm[rows]
 
     def standardised(self, white: np.ndarray) -> np.ndarray:
         """The expected independent part of white readings (n,), in standard deviations."""

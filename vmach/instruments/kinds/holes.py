@@ -96,9 +96,12 @@ class Holes(Instrument):
             clamping=None if clamping is None else np.repeat(clamping[holes], per_hole),
             measured_at=None if when is None else np.repeat(when[holes], per_hole),
         )
-        if found.measured_at is not None:
-            found = found.keep(np.argsort(found.measured_at, kind="stable"))
-        return mean_of_repeats(found, [found.states.contact_mm, found.states.move, found.sensing])
+        nominal = np.column_stack([given[name] for name, _ in _READ.values() if name in given])
+        which = np.repeat(nominal[holes], per_hole, axis=0), np.tile(np.arange(per_hole), count)
+        found = mean_of_repeats(found, which)
+        if found.measured_at is None:
+            return found
+        return found.keep(np.argsort(found.measured_at, kind="stable"))
 
     def _u_mm(self, table: Columns) -> np.ndarray:
         """Standard uncertainty of every hole: of its row, else of the section."""

@@ -1,0 +1,51 @@
+"""Places that were measured several times: their means, against sums written out here."""
+
+import numpy as np
+import pytest
+
+from tests.small_job import pocket_points, write_job, write_points
+from vmach.diagnosis.residuals.job_survey import survey_job
+
+UM = 1e-3
+
+
+def measured_again(folder, away_um, order=None):
+    """The survey of a pocket of which every point was measured as often as rows of `away_um`."""
+    job = write_job(folder, {})
+    _, points, normals = pocket_points()
+    texts = []
+    for k, away in enumerate(away_um):
+        write_points(folder / "points.csv", points + UM * away[:, None] * normals)
+        heading, *rows = (folder / "points.csv").read_text().splitlines()
+        if order is not None:
+            heading += ",order"
+            rows = [f"{row},{at}" for row, at in zip(rows, order[k], strict=True)]
+        texts += rows
+    (folder / "points.csv").write_text("\n".join([heading, *texts]) + "\n")
+    return survey_job(job).measurements[0]
+
+
+def test_the_mean_of_a_place_counts_with_the_uncertainty_of_a_reading(tmp_path):
+    count = len(pocket_points()[0])
+    away_um = np.random.default_rng(8).normal(size=(4, count))
+    part = measured_again(tmp_path, away_um)
+    assert len(part) == count and part.surface is not None
+    np.testing.assert_allclose(part.measured_mm, UM * away_um.mean(axis=0), atol=1e-12)
+    assert set(part.u_mm.tolist()) == {0.5 * UM}  # what a place has of its own is no smaller
+    repeat_um = np.sqrt(away_um.var(axis=0, ddof=1).mean())
+    (note,) = (n for n in part.notes if "measured up to 4 times" in n.sentence)
+    assert f"readings repeat to {repeat_um:.2g} um" in note.sentence
+    assert not any("all are kept" in n.sentence for n in part.notes)
+
+
+def test_means_stand_in_the_order_of_measuring(tmp_path):
+    count = len(pocket_points()[0])
+    forth = np.arange(count)
+    part = measured_again(tmp_path, np.zeros((2, count)) + [[0.1], [0.2]], [forth, -forth])
+    assert part.measured_at.tolist() == [0.0] * count
+    assert part.measured_mm == pytest.approx(0.15 * UM, abs=1e-12)
+
+
+def test_places_that_were_measured_once_stay_as_they_are(tmp_path):
+    part = measured_again(tmp_path, np.zeros((1, len(pocket_points()[0]))))
+    assert not any("times" in n.sentence for n in part.notes)
