@@ -428,7 +428,8 @@ def test_scatter_that_knows_the_axes_is_no_noise(tmp_path, along_y, is_told):
         n = np.array(cells[5:8], dtype=float)
         size = along_y if abs(n[1]) > abs(n[0]) else 1.0
         for k in range(4):  # four points close together
-            place = np.array(cells[2:5], dtype=float) + [0.0, 0.0, 0.05 * k * (n[2] == 0.0)]
+            place = np.array(cells[2:5], dtype=float)
+            place[2] += 0.05 * k * (n[2] == 0.0)
             seen = place + 5e-4 * size * random.standard_normal() * n
             name = [f"{len(rows)}", cells[1], *(f"{v:.6f}" for v in place), *cells[5:8]]
             rows.append(",".join([*name, *(f"{v:.6f}" for v in seen), "0.5"]))

@@ -41,7 +41,7 @@ def test_the_mean_of_a_place_counts_with_the_uncertainty_of_a_reading(tmp_path):
 def test_means_stand_in_the_order_of_measuring(tmp_path):
     count = len(pocket_points()[0])
     forth = np.arange(count)
-    part = measured_again(tmp_path, np.zeros((2, count)) + [[0.1], [0.2]], [forth, -forth])
+    part = measured_again(tmp_path, np.outer([0.1, 0.2], np.ones(count)), [forth, -forth])
     assert part.measured_at.tolist() == [0.0] * count
     assert part.measured_mm == pytest.approx(0.15 * UM, abs=1e-12)
 
