@@ -32,6 +32,7 @@ from vmach.measurements.plausibility.part_check import (
 )
 from vmach.measurements.plausibility.tool_alternatives import tool_that_would_cut
 from vmach.measurements.repeats import mean_of_repeats
+from vmach.measurements.stretches import stretches_of
 from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.path.preparation import Preparation
 from vmach.prediction import ActingEffect, Prediction, predict_surface
@@ -135,7 +136,7 @@ def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Meas
         measured_mm=points.measured_deviation_mm[cut],
         predicted_mm=prediction.deviation_mm[cut],
         u_mm=np.ones(len(cut)) if points.u_mm is None else points.u_mm[cut],
-        group=points.feature[cut],
+        group=_groups(points)[cut],
         nuisance=np.hstack([normal, np.cross(arm, normal)]),
         notes=notes,
         clamping=None if points.clamping is None else points.clamping[cut],
@@ -148,6 +149,13 @@ def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Meas
             prediction.effects,
         ),
     )
+
+
+def _groups(points: SurfacePoints) -> np.ndarray:
+    """The feature of each point, (P,) str; where the file names none, the stretch of a surface."""
+    if (points.feature != "").any():
+        return points.feature
+    return stretches_of(points.point_mm, points.normal)
 
 
 def _uncut_note(points: SurfacePoints, prediction: Prediction, name: str) -> Note:
