@@ -13,7 +13,8 @@ import pytest
 from tests.hidden_effects import program_runs
 from tests.hidden_effects.experiment import make_experiment
 from tests.hidden_effects.verdict import judge
-from tests.small_job import pocket_points, write_job, write_points
+from tests.small_job import measurement, pocket_points, write_job, write_points
+from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.errors import InputError
 from vmach.fit.noise.measuring_machine import clampings, drift_of_device, stated_of_device
@@ -157,3 +158,30 @@ def test_a_device_that_is_hardly_known_may_be_what_was_seen(tmp_path):
     assert report["verdict"] == "nothing"
     (note,) = (note for note in report["notes"] if "counted as of the measurement" in note)
     assert "scales and squareness of the measuring machine: 1." in note
+
+
+def lasered_job(folder, **told):
+    """A true axis over 380 mm, measured by a laser that reads 30 ppm too much."""
+    more = measurement("laser", axis="X", at_mm=[-200, -150, -150], u_um=0.3, **told)
+    job = write_job(folder, {"EXX": (lambda x: 0.0 * x, (0, 0, -100))}, more=more)
+    kept = [line for line in job.read_text().splitlines() if not line.startswith("measured")]
+    job.write_text("\n".join(kept) + "\n")
+    random, lines = np.random.default_rng(9), ["run,position_mm,approach,t_s,deviation_um"]
+    place = np.linspace(-380.0, 0.0, 20)
+    for k, (x, way) in enumerate((x, w) for w in (1, -1) for x in place[::w]):
+        lines.append(f"1,{x},{way},{8.0 * k},{30e-3 * x + 0.3 * random.standard_normal():.3f}")
+    (folder / "laser.csv").write_text("\n".join(lines) + "\n")
+    return job
+
+
+def test_a_laser_whose_scale_is_hardly_known_blames_no_axis(tmp_path):
+    (tmp_path / "plain").mkdir()
+    plain = diagnose(survey_job(lasered_job(tmp_path / "plain")))
+    assert [finding.name for finding in plain.findings] == ["scale"]
+    survey = survey_job(lasered_job(tmp_path, scale_u_ppm=20.0))
+    found = diagnose(survey)
+    assert found.verdict == "nothing"
+    assert any("scale of the instrument: 3." in note.sentence for note in found.notes)
+    (column,) = stated_of_device(survey)["scale of the instrument"].T
+    place = survey.paths[0].nose_mm[:, 0]
+    np.testing.assert_allclose(column - column[0], 20e-6 * (place - place[0]), atol=1e-15)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -52,6 +53,7 @@ def along_line(
     nose_mm: np.ndarray,
     *,
     direction: np.ndarray,
+    scale_u_ppm: float,
     model: ModelOfTest,
 ) -> Measurement:
     """Readings of ``deviation_um`` along a straight line, its zero left free.
@@ -65,6 +67,8 @@ def along_line(
         Places of the spindle nose.
     direction : (3,) float64
         Unit vector of the line.
+    scale_u_ppm : float
+        Standard uncertainty of the instrument's own scale.
     model : ModelOfTest
 
     Raises
@@ -80,7 +84,8 @@ def along_line(
     )
     sensing = np.tile(direction, (len(nose_mm), 1))
     doubts = doubts_of_stops(nose_mm, side, table, model)
-    return one_a_stop(settings, table, states, sensing, model=model, notes=doubts)
+    test = one_a_stop(settings, table, states, sensing, model=model, notes=doubts)
+    return replace(test, scale_u_mm=1e-6 * scale_u_ppm * (nose_mm @ direction))
 
 
 def one_a_stop(

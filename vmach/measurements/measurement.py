@@ -32,6 +32,7 @@ _WITH_ROWS = (
     "nuisance",
     "clamping",
     "measured_at",
+    "scale_u_mm",
 )
 
 
@@ -93,6 +94,9 @@ class Measurement:
     measured_at : (P,) float64 or None
         When it was taken, where that is known: the clock of the measuring machine in s, or the
         number in the order of measuring.
+    scale_u_mm : (P,) float64 or None
+        What one standard uncertainty of the instrument's own scale does to each reading, where it
+        is stated.
     """
 
     instrument: type[Instrument]
@@ -110,6 +114,7 @@ class Measurement:
     surface: MadeSurface | None = None
     clamping: np.ndarray | None = None
     measured_at: np.ndarray | None = None
+    scale_u_mm: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         count = len(self.measured_mm)

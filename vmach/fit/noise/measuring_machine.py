@@ -1,7 +1,8 @@
 """What the machine that measured a part adds to the readings, as columns of unit variance.
 
 Its scales and squareness, the form of its probing, what the points of a feature or of a clamping
-have in common: of known size where the job states it. Its drift is known by its clock alone.
+have in common: of known size where the job states it. Its drift is known by its clock alone. Other
+instruments have a scale of their own.
 
 Source: ISO 10360-2 and ISO 10360-5, limits of error; closed forms derived here.
 """
@@ -22,6 +23,7 @@ __all__ = ["CLAMPINGS", "DRIFT", "clampings", "drift_of_device", "stated_of_devi
 CLAMPINGS, DRIFT = "clampings", "drift of the measuring machine"
 SCALES = "scales and squareness of the measuring machine"
 FORM, FEATURES = "form of the probing", "offsets of features"
+INSTRUMENT = "scale of the instrument"
 
 #: lobes that the form of a probing has; one is a shift, and none the radius of the stylus tip
 _LOBES = (2, 3)
@@ -81,7 +83,9 @@ def _stated(m: Measurement, place_mm: np.ndarray, device: Device) -> dict[str, n
     # a reading over several contacts is of a whole feature already
     none = {FORM, FEATURES} if m.contacts is not None else set()
     none = none if m.on_part else set(found)
-    return {name: v[:, :0] if name in none else v for name, v in found.items()}
+    kept = {name: v[:, :0] if name in none else v for name, v in found.items()}
+    own = np.zeros((len(m), 0)) if m.scale_u_mm is None else m.scale_u_mm[:, None]
+    return kept | {INSTRUMENT: own}
 
 
 def _moved_by_clamping(m: Measurement, place_mm: np.ndarray) -> np.ndarray:

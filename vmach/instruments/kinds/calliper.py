@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 
 from vmach.base.units import mm_from_um
 from vmach.errors import InputError
-from vmach.files.toml_file import Positive
+from vmach.files.toml_file import NonNegative, Positive
 from vmach.instruments.drawing import against, end_of_scale
 from vmach.measurements import Contacts, Measurement
 from vmach.measurements.columns import Columns
@@ -44,6 +44,7 @@ class Calliper(Instrument):
 
     tool_length_mm: Positive
     u_um: Positive
+    scale_u_ppm: NonNegative = 0.0
 
     def read(self, table, model):
         ends = [_places(table, k) + model.preparation.zero_mm for k in "12"]
@@ -75,6 +76,7 @@ class Calliper(Instrument):
             group=np.full(count, "lengths"),
             nuisance=np.ones((count, 1)),
             contacts=contacts,
+            scale_u_mm=1e-6 * self.scale_u_ppm * nominal,
         )
 
     @classmethod

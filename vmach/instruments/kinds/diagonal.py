@@ -6,7 +6,7 @@ Source: ISO 230-6, displacement tests on body and face diagonals.
 import numpy as np
 
 from vmach.errors import InputError
-from vmach.files.toml_file import Point
+from vmach.files.toml_file import NonNegative, Point
 from vmach.instruments.line_plots import line_plots
 from vmach.instruments.readings import along_line
 from vmach.measurements.instrument import Instrument
@@ -30,6 +30,7 @@ class Diagonal(Instrument):
 
     from_mm: Point
     to_mm: Point
+    scale_u_ppm: NonNegative = 0.0
 
     def read(self, table, model):
         start, end = np.array(self.from_mm), np.array(self.to_mm)
@@ -42,7 +43,8 @@ class Diagonal(Instrument):
             )
         direction = (end - start) / length
         nose = start + table.numbers["distance_mm"][:, None] * direction
-        return along_line(self, table, nose, direction=direction, model=model)
+        scale_u = self.scale_u_ppm
+        return along_line(self, table, nose, direction=direction, scale_u_ppm=scale_u, model=model)
 
     @classmethod
     def plots(cls, curves):

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from vmach.base.note import in_file
-from vmach.files.toml_file import Point
+from vmach.files.toml_file import NonNegative, Point
 from vmach.instruments.line_plots import line_plots
 from vmach.instruments.readings import PLANNED_TOOL_LENGTH_MM, along_line
 from vmach.machine import LINEAR_AXES
@@ -36,6 +36,7 @@ class Laser(Instrument):
 
     axis: Literal["X", "Y", "Z"]
     at_mm: Point
+    scale_u_ppm: NonNegative = 0.0
 
     def mistaken(self) -> Iterator[dict[str, Any]]:
         """Also the axis that moved."""
@@ -46,7 +47,8 @@ class Laser(Instrument):
         axis = LINEAR_AXES.index(self.axis)
         nose = np.tile(self.at_mm, (len(table.numbers["t_s"]), 1))
         nose[:, axis] = table.numbers["position_mm"]
-        test = along_line(self, table, nose, direction=np.eye(3)[axis], model=model)
+        scale_u, direction = self.scale_u_ppm, np.eye(3)[axis]
+        test = along_line(self, table, nose, direction=direction, scale_u_ppm=scale_u, model=model)
         if test.notes:
             return test
         return test.noted(*in_file(lost_motion_notes(test, table.numbers["approach"]), table.path))
