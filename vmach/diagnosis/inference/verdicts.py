@@ -123,8 +123,13 @@ def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
     odd = noise_before(weighing)
     if not odd.is_as(weighing.base.noise):
         starts.append(weighing.with_candidates(weighing.candidates).with_noise(odd))
-    settled = map(_settled, starts)
-    weighing, found = max(settled, key=lambda pair: pair[1].score)
+    weighing, found = _settled(starts.pop(0))
+    while starts:
+        # one at a time: signatures and products of many readings take much memory
+        other, end = _settled(starts.pop(0))
+        if end.score > found.score:
+            weighing, other, found = other, weighing, end
+        other.forget()
     return weighing, search_beyond(weighing, found)
 
 
