@@ -99,6 +99,13 @@ def test_readings_stand_in_the_order_of_measuring(tmp_path):
     assert variance.min() > 0.8 and variance.max() < 1.0 + 1e-9  # of unit size, linear between
 
 
+def test_a_clock_may_count_from_1970(tmp_path):
+    count = len(pocket_points()[0])
+    survey = pocket_survey(tmp_path, measured_s=1.7e9 + 3.0 * np.arange(count))
+    drift = drift_of_device(survey)
+    assert np.einsum("nk,nk->n", drift, drift).max() < 1.0 + 1e-9 < 1.0 + drift.max()
+
+
 def test_a_clock_and_an_order_are_one_too_many(tmp_path):
     write_points(tmp_path / "points.csv")
     count = range(len(pocket_points()[0]))

@@ -24,6 +24,8 @@ UNIT_TOLERANCE = 1e-3
 
 #: beyond this, mm or um, a number in a file is a slip
 _LARGEST = 1e6
+#: of a clock, s: those that count from 1970 are near 2e9
+_LATEST = 1e11
 
 _NOMINAL = ("x", "y", "z", "i", "j", "k")
 _MEASURED = ("mx", "my", "mz")
@@ -272,10 +274,11 @@ class _Table:
             values = np.array(cells, dtype=np.float64)
         except ValueError:
             values = np.array([decimal_number(cell) for cell in cells])
+        largest = _LATEST if name in WHEN else _LARGEST
         self.check(
-            np.abs(values) <= _LARGEST,
+            np.abs(values) <= largest,
             lambda row: f"{name} is {cells[row].strip()!r}",
-            accepted=f"a finite number, {_LARGEST:g} at most",
+            accepted=f"a finite number, {largest:g} at most",
         )
         return values
 
