@@ -234,8 +234,14 @@ def test_odd_readings_neither_call_for_an_effect_nor_hide_one(
 ):
     make_experiment(tmp_path, effects=effects, seed=seed, design=design, noise=noise)
     report, _ = program_runs.diagnose(tmp_path)
-    found = judge(report, json.loads((tmp_path / "truth.json").read_text()))
-    assert found.outcome in ("right", "class"), found.said
+    truth = json.loads((tmp_path / "truth.json").read_text())
+    found = judge(report, truth)
+    assert found.named == found.true, found.said
+    # the table's odds are 61 to 1: not hidden, and not certain enough to be shown
+    weak = [effect["effect"] for effect in report["weak_effects"]]
+    assert found.true + len(weak) == len(effects), found.said
+    hidden = [name for effect in truth["effects"] for name in effect["accept"]]
+    assert set(weak) <= set(hidden)
 
 
 def test_heavy_tails_alone_name_no_effect(tmp_path):
