@@ -20,6 +20,12 @@ def test_walls_floor_and_bore_of_a_pocket_are_told_apart():
     assert partition(stretches_of(points[order], normals[order])) == partition(feature[order])
 
 
+def test_points_that_were_measured_again_are_no_neighbours():
+    feature, points, normals = pocket_points()
+    found = stretches_of(np.tile(points, (3, 1)), np.tile(normals, (3, 1)))
+    assert partition(found) == partition(np.tile(feature, 3))
+
+
 @pytest.mark.parametrize("count", [1, 2])
 def test_lone_points_share_a_name(count):
     _, points, normals = pocket_points()

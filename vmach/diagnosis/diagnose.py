@@ -157,7 +157,7 @@ def _doubtful_uncertainty(found: Inference) -> tuple[Note, ...]:
 
 def _device(found: Inference) -> Iterator[Note]:
     """A note on what the measuring machine did to the readings, where it is notable."""
-    for name, size_um in of_device_um(found.weighing, found.explanation, found.noise.base).items():
+    for name, size_um in of_device_um(found.weighing, found.explanation).items():
         if is_structure(found.weighing, size_um):
             said = (
                 f"{name}: {size_um:.2g} um RMS of the readings, counted as of the measurement; "

@@ -10,15 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from vmach.base.alike_rows import alike_rows
 from vmach.base.note import Kind, Note
 from vmach.base.units import um_from_mm
+from vmach.errors import InputError
 from vmach.measurements.measurement import Measurement
 
-__all__ = ["mean_of_repeats"]
+__all__ = ["check_degrees", "mean_of_repeats"]
 
 
 def mean_of_repeats(measurement: Measurement, alike: Sequence[np.ndarray]) -> Measurement:
@@ -55,3 +57,21 @@ def mean_of_repeats(measurement: Measurement, alike: Sequence[np.ndarray]) -> Me
     one = replace(measurement, notes=told).keep(first, note)
     found = replace(one, measured_mm=read, measured_at=at)
     return found if at is None else found.keep(np.argsort(at, kind="stable"))
+
+
+def check_degrees(measurement: Measurement, path: Path) -> None:
+    """Refuse readings of so few places that what is left free takes up all of them.
+
+    Raises
+    ------
+    InputError
+        With how many places there are.
+    """
+    if measurement.degrees > 0:
+        return
+    raise InputError(
+        f"{len(measurement)} readings of different places: the "
+        f"{measurement.instrument.left_free} takes up all of them",
+        file=path,
+        accepted="more places; readings of the same place count once",
+    )

@@ -10,6 +10,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from vmach.base.alike_rows import alike_rows
+
 __all__ = ["stretches_of"]
 
 #: median distances of nearest neighbours within which points are near each other; chosen, so that
@@ -24,6 +26,10 @@ def stretches_of(points_mm: np.ndarray, normals: np.ndarray) -> np.ndarray:
 
     Neighbours are near each other, and their normals (P, 3) turn by less than 60 degrees.
     """
+    # points that were measured again are no neighbours
+    single, of = alike_rows([points_mm, normals])
+    if len(single) < len(points_mm):
+        return stretches_of(points_mm[single], normals[single])[of]
     if len(points_mm) < _FEWEST:
         return np.full(len(points_mm), "stretch 1")
     apart = cKDTree(points_mm).query(points_mm, k=2)[0][:, 1]

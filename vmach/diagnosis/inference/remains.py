@@ -9,8 +9,6 @@ import numpy as np
 from vmach.base.units import um_from_mm
 from vmach.diagnosis.inference.rules import CLEARLY, STRUCTURE, TRUST
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
-from vmach.fit.base import Base
-from vmach.fit.marginal_likelihood import Posterior
 from vmach.fit.noise.measuring_machine import CLAMPINGS, DRIFT, stated_of_device
 
 __all__ = [
@@ -23,6 +21,7 @@ __all__ = [
     "where_they_act_um",
 ]
 
+#: members that are of the measurement, whatever their size
 _OF_DEVICE = (CLAMPINGS, DRIFT)
 #: normals that lean less out of the plane than this are those of walls: steeper than 60 degrees
 _WALL = 0.5
@@ -52,23 +51,15 @@ def remains_mm(weighing: Weighing, found: Explanation) -> np.ndarray:
     return _taken_mm(weighing, found, names)
 
 
-def of_device_um(weighing: Weighing, found: Explanation, base: Base) -> dict[str, float]:
+def of_device_um(weighing: Weighing, found: Explanation) -> dict[str, float]:
     """Root mean square of what the measuring machine did to the readings, by name.
-
-    Parameters
-    ----------
-    weighing : Weighing
-    found : Explanation
-    base : Base
-        Of the readings one by one.
 
     Source: closed form derived here: columns F of unit variance take F F^T C^-1 y of readings y
     whose covariance is C.
     """
     names = [name for name in weighing.members.names if name in _OF_DEVICE]
     taken = {name: _taken_mm(weighing, found, [name]) for name in names}
-    survey, effects = weighing.survey, found.posterior.effects.on(base)
-    whiten = Posterior(base, found.posterior.sizes, effects).whiten
+    survey, whiten = weighing.survey, found.posterior.whiten
     white = whiten(survey.residual_mm)
     for name, columns in stated_of_device(survey).items():
         if columns.any():  # else not stated

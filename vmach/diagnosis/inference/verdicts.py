@@ -86,7 +86,7 @@ class Inference:
 
     @cached_property
     def noise(self) -> Posterior:
-        """What counts as noise, reading by reading: the discrepancy too, unless it is structure."""
+        """What counts as noise: the discrepancy too, unless it is structure."""
         base, sizes = self.weighing.base, self.explanation.posterior.sizes
         if self.is_structure:
             sizes = Sizes(1.0, (0.0,) * len(sizes.members))

@@ -26,7 +26,7 @@ class Residuals:
     ----------
     survey : Survey
     noise : Posterior
-        Of what counts as noise beside the effects, reading by reading.
+        Of what counts as noise beside the effects.
     fit : JointFit or None
         Of the effects found.
     """

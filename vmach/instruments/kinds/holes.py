@@ -19,7 +19,7 @@ from vmach.instruments.readings import in_stretches
 from vmach.measurements import Contacts, Measurement
 from vmach.measurements.columns import Columns
 from vmach.measurements.instrument import Instrument, ModelOfTest
-from vmach.measurements.repeats import mean_of_repeats
+from vmach.measurements.repeats import check_degrees, mean_of_repeats
 from vmach.nominal.points import WHEN, when_measured
 from vmach.path.hole_making import CONTACTS, CircularFeature, HoleContacts, hole_contacts
 from vmach.path.toolpath import PathStates
@@ -99,6 +99,7 @@ class Holes(Instrument):
         nominal = np.column_stack([given[name] for name, _ in _READ.values() if name in given])
         which = np.repeat(nominal[holes], per_hole, axis=0), np.tile(np.arange(per_hole), count)
         found = mean_of_repeats(found, which)
+        check_degrees(found, table.path)
         if found.measured_at is None:
             return found
         return found.keep(np.argsort(found.measured_at, kind="stable"))

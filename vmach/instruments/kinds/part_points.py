@@ -31,7 +31,7 @@ from vmach.measurements.plausibility.part_check import (
     some_of,
 )
 from vmach.measurements.plausibility.tool_alternatives import tool_that_would_cut
-from vmach.measurements.repeats import mean_of_repeats
+from vmach.measurements.repeats import check_degrees, mean_of_repeats
 from vmach.measurements.stretches import stretches_of
 from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.path.preparation import Preparation
@@ -94,6 +94,7 @@ def measure_part(
     assert part.surface is not None
     place = part.surface.points_mm, part.surface.normals
     part = mean_of_repeats(part, place)
+    check_degrees(part, path)
     if not is_stated:
         u_mm = np.full(len(part), _uncertainty_mm(part, points))
         part = replace(part, u_mm=u_mm).noted(
