@@ -1,7 +1,7 @@
 """An axis as a shop finds it: no table, slow errors, lost motion, runs that drift.
 
 Source: closed forms written here: a parabola with a wave, half the lost motion on either side
-(ISO 230-2, reversal B), a drift that slows from run to run.
+(ISO 230-2, reversal B), a drift that slows from run to run, stops with errors of their own.
 """
 
 import numpy as np
@@ -17,8 +17,11 @@ SLOW_UM, LOST_UM, DRIFT_UM, STOP_UM = 60.0, 25.0, 3.0, 0.7
 RUNS = 5
 
 
-def axis_job(folder, axis, *, u_um, seed):
-    """Five bidirectional runs along an axis of a machine without tables, zero at the first stop."""
+def axis_job(folder, axis, *, u_um, seed, local_um=0.0, varies=0.0):
+    """Five bidirectional runs along an axis of a machine without tables, zero at the first stop.
+
+    Each stop has an error of its own that every run repeats; the lost motion varies by a share.
+    """
     middle = [-200, -150, -150]
     more = measurement("laser", axis=axis, at_mm=middle, u_um=u_um)
     job = write_job(folder, more=more)
@@ -28,6 +31,8 @@ def axis_job(folder, axis, *, u_um, seed):
     place = np.linspace(-380.0 if axis == "X" else -280.0, 0.0, 20)
     share = np.linspace(0.0, 1.0, 20)
     slow = SLOW_UM * (0.9 * share**2 + 0.1 * np.sin(8.0 * share + 1.0))
+    lost = LOST_UM * (1.0 + varies * np.sin(5.0 * share))
+    slow = slow + local_um * random.standard_normal(20)
     rows = []
     for run in range(RUNS):
         drift = DRIFT_UM * (run / (RUNS - 1)) ** 0.7
@@ -35,7 +40,7 @@ def axis_job(folder, axis, *, u_um, seed):
             for i in order:
                 chance = STOP_UM * random.standard_normal()
                 rows.append(
-                    (run + 1, place[i], side, slow[i] - side * LOST_UM / 2 + drift + chance)
+                    (run + 1, place[i], side, slow[i] - side * lost[i] / 2 + drift + chance)
                 )
     lines = [
         f"{n},{x},{way},{8.0 * k},{v - rows[0][3]:.3f}" for k, (n, x, way, v) in enumerate(rows)
@@ -55,6 +60,25 @@ def test_lost_motion_is_shown_whatever_uncertainty_is_stated(tmp_path, axis, u_u
     (slow,) = [f for f in found.findings if f.name == "component"]
     assert f"component E{axis}{axis}" in slow.rivals.labels
     assert found.remains_um < 4.0 and found.rms_um["after"] < 4.0
+
+
+@pytest.mark.parametrize("seed", [21, 22, 23])
+def test_short_errors_that_every_run_repeats_are_no_cyclic_pitch(tmp_path, seed):
+    """Twenty stops with 2 um each: runs that repeat them say nothing of a law that they follow."""
+    found = diagnose(survey_job(axis_job(tmp_path, "X", u_um=1.0, seed=seed, local_um=2.0)))
+    names = {f.name for f in found.findings}
+    assert "backlash" in names and not names & {"cyclic_pitch", "hysteresis", "axis_expansion"}
+    assert 1.0 < found.remains_um < 4.0
+
+
+@pytest.mark.parametrize("seed", [31, 32, 33])
+def test_lost_motion_that_varies_along_an_axis_is_shown_by_its_mean(tmp_path, seed):
+    """A form that holds lost motion and more, as a curve of it does, does not take its place."""
+    found = diagnose(survey_job(axis_job(tmp_path, "X", u_um=0.5, seed=seed, varies=0.2)))
+    (lost,) = [f for f in found.findings if f.name == "backlash"]
+    share = np.linspace(0.0, 1.0, 20)
+    mean_um = LOST_UM * (1.0 + 0.2 * np.sin(5.0 * share).mean())
+    assert lost.parameters["reversal_um"] == pytest.approx(mean_um, abs=2.0)
 
 
 def test_an_axis_without_a_table_gets_a_map_and_its_lost_motion(tmp_path):

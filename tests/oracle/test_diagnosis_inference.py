@@ -202,7 +202,7 @@ def test_other_effects_widen_an_interval_as_often_as_they_are_there(weighing):
 
 def test_its_slope_is_that_of_differences(weighing):
     found = explained(weighing, "scale X")
-    at = Sizes(1.3, (0.4, 0.2, 0.7, 1.5)[: len(weighing.members.names)])
+    at = Sizes(1.3, (0.4, 0.2, 0.7, 1.5, 0.3, 0.6)[: len(weighing.members.names)])
     effects, base = found.posterior.effects, weighing.base
     slope, _ = Posterior(base, at, effects).slope_and_information()
     for k in range(len(slope)):
@@ -306,7 +306,7 @@ def test_sizes_are_weighed_by_half_a_normal_distribution(weighing, sign):
     )
     free = null_space(survey.nuisance.T)
     dense = free.T @ dense_covariance(base.noise, members, sizes, 0.0 * column) @ free
-    amount = np.linspace(-6.0, 6.0, 12001)
+    amount = np.linspace(-6.0, 6.0, 48001)
     left = free.T @ (survey.residual_mm[:, None] - column * amount)
     log = norm.logpdf(amount) - 0.5 * np.sum(left * np.linalg.solve(dense, left), axis=0)
     density = np.exp(log - log.max())

@@ -7,6 +7,7 @@ import re
 from dataclasses import replace
 from itertools import combinations
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -354,7 +355,8 @@ def test_what_is_not_certain_stays_beside_the_others_while_they_are_judged(monke
     """Without the first effect, of odds 2.1, the second would lose what speaks for it."""
 
     def found(labels):
-        return SimpleNamespace(terms=[SimpleNamespace(label=n) for n in labels], labels=labels)
+        terms = [SimpleNamespace(label=n) for n in labels]
+        return SimpleNamespace(terms=terms, labels=labels, posterior=Mock(), score=0.0)
 
     def supports(_, here):
         odds = {"a": 2.1, "b": 7.0 if "a" in here.labels else 1.2}
@@ -363,10 +365,34 @@ def test_what_is_not_certain_stays_beside_the_others_while_they_are_judged(monke
     weighing = SimpleNamespace(
         careful=lambda _: None,
         without=lambda here, ks: found([n for k, n in enumerate(here.labels) if k not in ks]),
+        explain=lambda terms, *_, **__: found([term.label for term in terms]),
     )
     monkeypatch.setattr(verdicts, "supports_of", supports)
     shown, _, weak = verdicts.judged(weighing, found(["a", "b"]), {"a": np.inf, "b": np.inf})
     assert shown.labels == ["b"] and [w.term.label for w in weak] == ["a"]
+
+
+def test_of_two_that_stand_for_each_other_one_is_shown(monkeypatch):
+    """Each is needless beside the other, and without both nothing explains the readings."""
+
+    def found(labels):
+        terms = [SimpleNamespace(label=n) for n in labels]
+        score = {"a": 5.0, "b": 3.0}.get("".join(labels), 0.0)
+        return SimpleNamespace(terms=terms, labels=labels, posterior=Mock(), score=score)
+
+    def supports(_, here):
+        odds = 2.0 if len(here.labels) == 2 else 50.0
+        return [Support(odds, size_um=2.0, rest_um=0.0) for _ in here.labels]
+
+    weighing = SimpleNamespace(
+        careful=lambda _: None,
+        without=lambda here, ks: found([n for k, n in enumerate(here.labels) if k not in ks]),
+        explain=lambda terms, *_, **__: found([term.label for term in terms]),
+    )
+    monkeypatch.setattr(verdicts, "supports_of", supports)
+    shown, by, weak = verdicts.judged(weighing, found(["b", "a"]), {"a": np.inf, "b": np.inf})
+    assert shown.labels == ["a"] and by["a"].is_shown
+    assert [w.term.label for w in weak] == ["b"]
 
 
 def test_what_is_less_probable_than_nothing_is_no_rival():

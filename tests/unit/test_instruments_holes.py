@@ -212,6 +212,23 @@ def test_a_hole_that_was_measured_twice_counts_by_its_mean(tmp_path):
     np.testing.assert_allclose(test.measured_mm[1::2], 0.0, atol=1e-12)
 
 
+def test_what_leaves_nothing_open_adds_no_columns_to_holes(tmp_path):
+    (test,) = read_instruments(read_job(holes_job(tmp_path, drilled(PLACES))))
+    nothing = np.zeros((len(test.seen_states), 3, 0))
+    assert test.sensed(nothing).shape == (len(test), 0)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 4])
+def test_a_smooth_field_leaves_scale_and_squareness_to_be_shown(tmp_path, seed):
+    """What bends over the plate by 3 um is beyond them: they are its linear part (ISO 230-1)."""
+    job, _ = plate(tmp_path, seed=seed, bump_um=3.0)
+    found = diagnose(survey_job(job))
+    shown = {name for f in found.findings for name in f.rivals.names} | {
+        f.name for f in found.findings
+    }
+    assert {"workpiece_temperature", "squareness"} <= shown
+
+
 def test_holes_that_the_program_does_not_make_are_left_out_and_said(tmp_path):
     rows = "".join(f"{x},{y},{x},{y}\n" for x, y in [*PLACES, (7.0, 7.0)])
     job = holes_job(tmp_path, drilled(PLACES), table="x,y,mx,my\n" + rows)

@@ -55,7 +55,8 @@ class Contacts:
 
     def sensed(self, moved_mm: np.ndarray) -> np.ndarray:
         """What displacements (S, 3, K) mm of the contacts do to the readings, (P, K)."""
-        return self.share @ moved_mm.reshape(-1, moved_mm.shape[2])
+        states, axes, columns = moved_mm.shape
+        return self.share @ moved_mm.reshape(states * axes, columns)
 
 
 @dataclass(frozen=True)

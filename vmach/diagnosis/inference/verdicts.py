@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
@@ -24,11 +24,15 @@ from vmach.diagnosis.proposals.states import MOTION
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.sizes import Sizes
 from vmach.fit.terms import Term
+from vmach.fit.whitening import orthonormal
 
 __all__ = ["Inference", "Reason", "Weak", "infer", "judged", "searched"]
 
 #: times that contacts and the noise of single readings are estimated anew
 _PASSES = 2
+#: cosine between an effect and the span of a form from which on that holds all of it; as in the
+#: list of forms
+_HELD = 0.98
 
 
 class Reason(StrEnum):
@@ -148,19 +152,38 @@ def _settled(weighing: Weighing) -> tuple[Weighing, Explanation]:
 
 
 def _kept(weighing: Weighing, found: Explanation, grown: Explanation) -> Mapping[str, float]:
-    """Effects that forms leave most of their size, and what remains beside both where each acts."""
+    """Effects that forms leave most of their size, and what remains beside both where each acts.
+
+    A form that holds all of an effect and more, as a curve along an axis holds a scale, says
+    nothing of it: it neither takes its place nor clears it.
+    """
     before, beside = (
         dict(zip((t.label for t in e.terms), sizes_um(weighing, e), strict=True))
         for e in (found, grown)
     )
-    forms = [t.effect.form for t in grown.terms if isinstance(t.effect, FormEffect)]
-    of_motion = any(form.kinds & MOTION for form in forms)
-    rests = {
+    forms = [term for term in grown.terms if isinstance(term.effect, FormEffect)]
+    of_motion = any(form.effect.form.kinds & MOTION for form in forms)
+    held = {t.label for k, t in enumerate(found.terms) if _is_held(weighing, found, k, forms)}
+    rests = dict.fromkeys(held, np.inf)
+    for term, rest in zip(grown.terms, rests_um(weighing, grown), strict=True):
         # the mean of a cause that depends on motion is an effect of motion beside its form
-        term.label: np.inf if of_motion and term.effect.follows_travel else rest
-        for term, rest in zip(grown.terms, rests_um(weighing, grown), strict=True)
-    }
-    return {n: rests[n] for n in before if beside.get(n, 0.0) > KEPT * before[n]}
+        says_nothing = term.label in held or (of_motion and term.effect.follows_travel)
+        rests[term.label] = np.inf if says_nothing else rest
+    keep = {n for n in before if n in held or beside.get(n, 0.0) > KEPT * before[n]}
+    return {n: rests[n] for n in before if n in keep}
+
+
+def _is_held(weighing: Weighing, found: Explanation, k: int, forms: Sequence[Term]) -> bool:
+    """Whether what term k does is in the span of what one of some forms can do."""
+    survey, fit = weighing.survey, found.fit
+    assert fit is not None
+
+    def beside_alignment(columns: np.ndarray) -> np.ndarray:
+        return orthonormal((columns - survey.aligned(columns)) / survey.u_mm[:, None])
+
+    own = beside_alignment(fit.explained_mm(k)[:, None])
+    spans = (beside_alignment(survey.signature(f.effect, f.target, f.inner)) for f in forms)
+    return any(float(np.linalg.norm(span.T @ own)) > _HELD for span in spans)
 
 
 def judged(
@@ -194,10 +217,39 @@ def judged(
         term = found.terms[k]
         weak.append(Weak(term, supports[term.label], why))
         found = weighing.without(found, [k])
-    unsure = [k for k, term in enumerate(found.terms) if not supports[term.label].is_shown]
-    named = [(found.terms[k], supports[found.terms[k].label]) for k in unsure]
+    unsure = [term for term in found.terms if not supports[term.label].is_shown]
+    found = weighing.without(found, [k for k, t in enumerate(found.terms) if t in unsure])
+    found, sure = _one_of(weighing, found, unsure, supports)
+    supports |= sure
+    named = [(term, supports[term.label]) for term in unsure if term.label not in sure]
     weak += [Weak(term, support, Reason.DOUBTFUL) for term, support in named]
-    return weighing.without(found, unsure), supports, tuple(weak)
+    return found, supports, tuple(weak)
+
+
+def _one_of(
+    weighing: Weighing,
+    found: Explanation,
+    unsure: Sequence[Term],
+    supports: Mapping[str, Support],
+) -> tuple[Explanation, dict[str, Support]]:
+    """An explanation with those of some unsure effects that are sure without the others.
+
+    Each of two may be needless beside the other, and one of them is there: a class.
+    """
+    sure: dict[str, Support] = {}
+    left = [term for term in unsure if supports[term.label].probability >= 0.5]
+    while left:
+        trials = [
+            weighing.explain([*found.terms, term], found.posterior.sizes, refine=False)
+            for term in left
+        ]
+        best = max(range(len(left)), key=lambda k: trials[k].score)
+        term = left.pop(best)
+        support = supports_of(weighing, trials[best])[-1].beside(supports[term.label].rest_um)
+        if not support.is_shown:
+            break
+        found, sure[term.label] = trials[best], support
+    return found, sure
 
 
 def _doubted(

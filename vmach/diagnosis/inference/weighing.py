@@ -99,8 +99,8 @@ class Weighing:
     ) -> None:
         self.survey, self.candidates = survey, list(candidates)
         self.excluded = tuple(excluded)
-        self.members = members_of(survey)
         self._list()
+        self.members = members_of(survey, self._plain_mm())
         self._log_priors: dict[str, float] = {}
         self._take(noise or FeatureNoise(survey.u_mm, survey.group, np.ones(len(survey))))
 
@@ -111,6 +111,12 @@ class Weighing:
         self._counted = {
             c.label for c in self.candidates if not c.effect.is_unmeasured(machine, c.target)
         }
+
+    def _plain_mm(self) -> np.ndarray:
+        """What laws of one amplitude do that every machine has and nobody measured, (n, k)."""
+        every = [c for c in self.candidates if c.label not in self._counted]
+        plain = [c.signatures_mm[:, 0] for c in every if c.signatures_mm.shape[1:] == (1, 1)]
+        return np.hstack([np.zeros((len(self.survey), 0)), *plain])
 
     def _take(self, noise: FeatureNoise) -> None:
         self.base = Base(self.survey, noise, self.members)

@@ -23,7 +23,8 @@ from vmach.fit.noise.measuring_machine import (
     stated_of_device,
 )
 from vmach.fit.survey import Survey
-from vmach.fit.whitening import condensed
+from vmach.fit.whitening import condensed, orthonormal
+from vmach.measurements import Measurement
 
 __all__ = ["Members", "members_of"]
 
@@ -40,6 +41,12 @@ _BLIND = 1e-3
 _LEAST_VARIANCE = 0.1
 #: the same for a discrepancy of unit size; one of ten u is wrong by 0.15 in such a direction
 _NOTHING = 0.01
+#: decimals of mm, and of what is sensed, to which places are the same
+_SAME_PLACE = 4
+#: times that each is visited at least: from three on what all have in common shows
+_VISITS = 3
+#: more places than a test along an axis has (ISO 230-2: five a metre at least) are a curve
+_MOST_PLACES = 100
 #: half the length of the smallest part that bends, mm: points on one place tell no curvature
 _LEAST_HALF_MM = 25.0
 
@@ -75,14 +82,29 @@ class Members:
         object.__setattr__(self, "columns_mm", tuple(others))
 
 
-def members_of(survey: Survey) -> Members:
-    """All that may differ without being an effect."""
+def members_of(survey: Survey, plain_mm: np.ndarray | None = None) -> Members:
+    """All that may differ without being an effect.
+
+    Parameters
+    ----------
+    survey : Survey
+    plain_mm : (n, k) float64, optional
+        What plain laws do that every machine has and nobody measured. The smooth field has none
+        of it: a scale is by definition the linear part of a positioning error, a squareness that
+        of two straightness errors (ISO 230-1), and a field is what lies beyond them.
+
+    References
+    ----------
+    M. Plumlee, J. Am. Stat. Assoc. 112 (2017) 1274: a discrepancy that is orthogonal to the model.
+    """
     unit = float(np.median(survey.u_mm))
     found = {
         **{name: unit * columns for name, columns in _offsets(survey).items()},
         "form": unit * _forms(survey),
         "time": _told_apart(survey, unit * _in_time(survey)),
-        "field": _told_apart(survey, unit * _field(survey)),
+        "places": unit * _places(survey),
+        "reversals": unit * _reversals(survey),
+        "field": _told_apart(survey, _beyond(survey, unit * _field(survey), plain_mm)),
         "bend": unit * _bend(survey),
         CLAMPINGS: unit * clampings(survey),
         DRIFT: _told_apart(survey, unit * drift_of_device(survey)),
@@ -116,6 +138,48 @@ def _forms(survey: Survey) -> np.ndarray:
         place[rows] = np.linspace(-1.0, 1.0, len(rows)) if len(rows) > 2 else 0.0
     shapes = np.sqrt(3.0) * place, np.sqrt(5.0) * (1.5 * place**2 - 0.5) * (place != 0.0)
     return np.hstack([inside * shape[:, None] for shape in shapes])
+
+
+def _places(survey: Survey) -> np.ndarray:
+    """An offset of each place that an instrument comes back to, (n, K).
+
+    What a short piece of a screw or of a scale does is the same in every run; repeated runs are no
+    further evidence of what it follows (ISO 230-2, mean deviation of a position).
+    """
+    places = [_place_of(m) for m in survey.measurements]
+    none = [np.zeros((len(place), 0)) for place in places]
+    return block_diag(
+        *(np.eye(p.max() + 1)[p] if p.any() else n for p, n in zip(places, none, strict=True))
+    )
+
+
+def _reversals(survey: Survey) -> np.ndarray:
+    """How lost motion varies along what an instrument comes back to, as a smooth curve, (n, K).
+
+    Source: ISO 230-2, the reversal value of a position beside that of the axis.
+    """
+    blocks = []
+    for path, m in zip(survey.paths, survey.measurements, strict=True):
+        share = _place_of(m) / max(_place_of(m).max(), 1)
+        side = np.sum(path.play_side * m.sensing, axis=1)
+        waves = [side * np.cos(k * np.pi * share) for k in range(1, _FIELD_DEGREE + 1)]
+        blocks.append(np.stack(waves, axis=1) * bool(share.any()))
+    return _seen(block_diag(*blocks))
+
+
+def _place_of(measurement: Measurement) -> np.ndarray:
+    """Number of the place of each reading, in their order along the travel, (m,).
+
+    Zero throughout where an instrument does not come back to its places, or has very many.
+    """
+    nose = np.round(measurement.states.nose_mm, _SAME_PLACE)
+    sensing = np.round(measurement.sensing, _SAME_PLACE)
+    places, number = np.unique(np.hstack([nose, sensing]), axis=0, return_inverse=True)
+    seldom = len(measurement) < _VISITS * len(places)
+    stays = not np.ptp(nose, axis=0).any()
+    if measurement.on_part or seldom or stays or len(places) > _MOST_PLACES:
+        return np.zeros(len(measurement), dtype=int)
+    return number.ravel()
 
 
 def _in_time(survey: Survey) -> np.ndarray:
@@ -165,6 +229,16 @@ def _bend(survey: Survey) -> np.ndarray:
         ]
         parts.append(np.einsum("ni,kin->nk", m.sensing, moves) * m.on_part)
     return _seen(np.vstack(parts))
+
+
+def _beyond(survey: Survey, columns: np.ndarray, plain_mm: np.ndarray | None) -> np.ndarray:
+    """Columns (n, k) without what plain laws beside an alignment do as well, by least squares."""
+    if plain_mm is None:
+        return columns
+    u = survey.u_mm[:, None]
+    own = orthonormal((plain_mm - survey.aligned(plain_mm)) / u)
+    beside = (columns - survey.aligned(columns)) / u
+    return columns - u * (own @ (own.T @ beside))
 
 
 def _told_apart(survey: Survey, columns: np.ndarray) -> np.ndarray:
