@@ -338,9 +338,10 @@ def test_effects_of_a_set_that_explains_as_much_belong_to_the_class():
 
 def test_effects_that_come_near_each_other_are_counted_together():
     gains = np.array([3.0, 3.0, 2.0, 9.0])
-    candidates = [SimpleNamespace(label=label) for label in "abcd"]
+    candidates = [SimpleNamespace(label=n, effect=n, target="") for n in "abcd"]
     weighing = SimpleNamespace(
         candidates=candidates,
+        prior_of=lambda effect, _: 4.0 if effect == "b" else 0.0,
         index_of="abcd".index,
         gains=lambda _: gains,
         without=lambda *_, **__: None,
@@ -348,7 +349,11 @@ def test_effects_that_come_near_each_other_are_counted_together():
     found = SimpleNamespace(
         terms=[SimpleNamespace(label="a"), SimpleNamespace(label="d")], labels={"a", "d"}
     )
-    assert in_its_place(weighing, found, 0) == pytest.approx(np.log(2.0 + np.exp(-1.0)))
+    more, prior = in_its_place(weighing, found, 0)
+    whole = 2.0 + np.exp(-1.0)
+    assert more == pytest.approx(np.log(whole))
+    # one of the three is what machines often have
+    assert prior == pytest.approx(np.log((1.0 + np.exp(4.0) + np.exp(-1.0)) / whole))
 
 
 def test_what_is_not_certain_stays_beside_the_others_while_they_are_judged(monkeypatch):

@@ -68,9 +68,11 @@ RULES = (
         UNMEASURED,
         "log odds",
         "for an effect before any reading, and for its being no imitation, where every machine "
-        "has it and nobody measured it: a table that is missing, a squareness not stated",
+        "has it and nobody measured it: a table that is missing, a squareness not stated, lost "
+        "motion of an axis without a table",
         "chosen: of fifty such effects one is too small to be seen",
-        "tests/unit/test_instruments_holes.py, a plate of holes",
+        "tests/unit/test_instruments_holes.py, a plate of holes; "
+        "tests/oracle/test_diagnosis_axis.py",
     ),
     Rule(
         "imitation",

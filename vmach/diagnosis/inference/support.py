@@ -39,7 +39,8 @@ class Support:
     rest_um : float
         What remains unexplained, weighed alike, beyond what would not be looked into.
     prior : float
-        Log odds beforehand that the machine has it, where they are more than even.
+        Log odds beforehand that the machine has it, or what is in its place, where they are more
+        than even.
     """
 
     odds: float
@@ -75,16 +76,12 @@ class Support:
 
 def supports_of(weighing: Weighing, found: Explanation) -> Sequence[Support]:
     """What speaks for each effect of an explanation."""
-    sizes, rests = where_they_act_um(weighing, found)
-    return [
-        Support(
-            found.score - _score_without(weighing, found, k) + in_its_place(weighing, found, k),
-            size,
-            _looked_into(weighing, rest),
-            prior=max(weighing.prior_of(term.effect, term.target), 0.0),
-        )
-        for k, (term, size, rest) in enumerate(zip(found.terms, sizes, rests, strict=True))
-    ]
+    supports = []
+    for k, (size, rest) in enumerate(zip(*where_they_act_um(weighing, found), strict=True)):
+        more, prior = in_its_place(weighing, found, k)
+        odds = found.score - _score_without(weighing, found, k) + more
+        supports.append(Support(odds, size, _looked_into(weighing, rest), max(prior, 0.0)))
+    return supports
 
 
 def _score_without(weighing: Weighing, found: Explanation, k: int) -> float:
@@ -103,9 +100,22 @@ def _looked_into(weighing: Weighing, rest_um: float) -> float:
     return float(np.sqrt(max(rest_um**2 - least**2, 0.0)))
 
 
-def in_its_place(weighing: Weighing, found: Explanation, k: int) -> float:
-    """Log odds that all effects which could stand in the place of term k add to its own."""
-    own = weighing.index_of(found.terms[k].label)
+def in_its_place(weighing: Weighing, found: Explanation, k: int) -> tuple[float, float]:
+    """What all effects that could stand in the place of term k add to its own.
+
+    Returns
+    -------
+    float
+        Log odds that they add to its own.
+    float
+        Log odds beforehand that the machine has the one that is there: a mean over all of them.
+    """
+    term = found.terms[k]
+    own = weighing.index_of(term.label)
     gains = weighing.gains(weighing.without(found, [k], resize=False))
     rivals = [i for i, c in enumerate(weighing.candidates) if c.label not in found.labels]
-    return float(logsumexp([0.0, *(gains[rivals] - gains[own])]))
+    every = [weighing.candidates[i] for i in (own, *rivals)]
+    beside = np.array([0.0, *(gains[rivals] - gains[own])])
+    total = float(logsumexp(beside))
+    prior = np.array([weighing.prior_of(c.effect, c.target) for c in every])
+    return total, float(logsumexp(beside + prior) - total)
