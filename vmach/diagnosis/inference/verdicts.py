@@ -155,7 +155,7 @@ def _kept(weighing: Weighing, found: Explanation, grown: Explanation) -> Mapping
     """Effects that forms leave most of their size, and what remains beside both where each acts.
 
     A form that holds all of an effect and more, as a curve along an axis holds a scale, says
-    nothing of it: it neither takes its place nor clears it.
+    nothing of one that every machine has: it neither takes its place nor clears it.
     """
     before, beside = (
         dict(zip((t.label for t in e.terms), sizes_um(weighing, e), strict=True))
@@ -163,7 +163,12 @@ def _kept(weighing: Weighing, found: Explanation, grown: Explanation) -> Mapping
     )
     forms = [term for term in grown.terms if isinstance(term.effect, FormEffect)]
     of_motion = any(form.effect.form.kinds & MOTION for form in forms)
-    held = {t.label for k, t in enumerate(found.terms) if _is_held(weighing, found, k, forms)}
+    held = {
+        term.label
+        for k, term in enumerate(found.terms)
+        if weighing.prior_of(term.effect, term.target) > 0.0
+        and _is_held(weighing, found, k, forms)
+    }
     rests = dict.fromkeys(held, np.inf)
     for term, rest in zip(grown.terms, rests_um(weighing, grown), strict=True):
         # the mean of a cause that depends on motion is an effect of motion beside its form
