@@ -166,8 +166,7 @@ def _kept(weighing: Weighing, found: Explanation, grown: Explanation) -> Mapping
     held = {
         term.label
         for k, term in enumerate(found.terms)
-        if weighing.prior_of(term.effect, term.target) > 0.0
-        and _is_held(weighing, found, k, forms)
+        if weighing.prior_of(term.effect, term.target) > 0.0 and _is_held(weighing, found, k, forms)
     }
     rests = dict.fromkeys(held, np.inf)
     for term, rest in zip(grown.terms, rests_um(weighing, grown), strict=True):
