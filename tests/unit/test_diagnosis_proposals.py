@@ -2,6 +2,7 @@
 
 import json
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,8 @@ from vmach.cli import app
 from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.inference.rules import RULES
 from vmach.diagnosis.proposals.effect_text import effect_text
+from vmach.diagnosis.proposals.form import Form, FormEffect
+from vmach.diagnosis.proposals.states import CONSTANT, DIRECTIONS, State
 from vmach.diagnosis.report import as_json, as_text
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects import catalogue, load_effect_file
@@ -100,6 +103,24 @@ def test_a_wave_is_found_whatever_its_period(tmp_path):
         np.testing.assert_allclose(moved, 1e-3 * waving(path.nose_mm, None, None), atol=1e-3)
     finally:
         catalogue().pop("proposed_wave", None)
+
+
+@pytest.mark.parametrize(
+    ("code", "needs"), [("path.radial_depth_mm", True), ("path.play_side[:, 1]", False)]
+)
+def test_a_form_over_what_only_a_surface_has_needs_one(tmp_path, code, needs):
+    """A chip load has no meaning between cuts: the file that is written has to say so."""
+    form = Form(CONSTANT, State("chip load", "a state", code), DIRECTIONS[1])
+    assert FormEffect(form).needs_surface == needs
+    proposal = SimpleNamespace(
+        form=form, amount_um=1.0, amount_u_um=0.1, odds=9.0, amounts_um={"amount_um": 1.0}
+    )
+    file = tmp_path / f"of_{needs}.py".lower()
+    file.write_text(effect_text(proposal, name=file.stem))
+    try:
+        assert load_effect_file(file).needs_surface == needs
+    finally:
+        catalogue().pop(file.stem, None)
 
 
 def lurching(q, side, time):

@@ -61,7 +61,7 @@ def effect_text(proposal: Proposal, *, name: str) -> str:
             f'        linear("{n}", "displacement at states of one", usual={USUAL_UM}),'
             for n in proposal.amounts_um
         ),
-        needs_surface=form.direction.needs_surface,
+        needs_surface=form.needs_surface,
         refute=form.refute,
         direction_words=form.direction.words,
         states="\n".join(

@@ -34,6 +34,11 @@ class Form:
         return tuple(s for s in (self.first, self.second) if s is not CONSTANT)
 
     @property
+    def needs_surface(self) -> bool:
+        """Whether it has a meaning on machined surfaces alone."""
+        return self.direction.needs_surface or any(s.needs_surface for s in self.states)
+
+    @property
     def formula(self) -> str:
         """In words."""
         words = [s.words for s in self.states] or ["a shift"] * (not self.direction.lever)
@@ -76,7 +81,7 @@ class FormEffect(Effect):
 
     def __init__(self, form: Form, count: int = 1) -> None:
         self.form = form
-        self.needs_surface = form.direction.needs_surface
+        self.needs_surface = form.needs_surface
         self.parameters = amounts(count)
 
     def possible_targets(self, job: Job) -> tuple[str, ...]:
