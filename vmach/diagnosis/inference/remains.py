@@ -97,10 +97,12 @@ def where_they_act_um(
 ) -> tuple[Sequence[float], Sequence[float]]:
     """Size of each effect where it acts, and what remains there, root mean squares.
 
-    Each reading weighs as the square of what the effect does to it.
+    Each reading weighs as the square of what the effect does to it. Scatter of all readings is no
+    rest: an imitation leaves structure, and single readings have scatter of their own.
     """
     effects = [um_from_mm(own) for own in _effects_mm(weighing, found)]
-    left, scatter = um_from_mm(remains_mm(weighing, found)), _scatter_um(weighing, found)
+    left = um_from_mm(remains_mm(weighing, found))
+    scatter = float(np.sqrt(_uneven(weighing, found))) * usual_u_um(weighing)
     return (
         tuple(_rms_where(own, own) for own in effects),
         tuple(float(np.hypot(_rms_where(left, own), scatter)) for own in effects),
@@ -113,7 +115,7 @@ def _rms_where(values: np.ndarray, effect: np.ndarray) -> float:
     return float(np.sqrt(weight @ values**2 / max(float(weight.sum()), 1e-300)))
 
 
-def _scatter_um(weighing: Weighing, found: Explanation, noise: float = TRUST) -> float:
+def _scatter_um(weighing: Weighing, found: Explanation, noise: float) -> float:
     """Scatter that is no noise, root mean square."""
     beyond = max(found.posterior.sizes.factor**2 - min(noise, TRUST) ** 2, 0.0)
     return float(np.sqrt(max(beyond, _uneven(weighing, found)))) * usual_u_um(weighing)
