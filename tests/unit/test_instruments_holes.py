@@ -124,10 +124,11 @@ def test_round_a_bore_displacements_are_averaged(tmp_path):
     np.testing.assert_allclose(stepped, 0.0, atol=1e-9)
 
 
-def plate(folder, *, seed=3, stretch=-34e-6, lean=64e-6, bump_um=2.0):
+def plate(folder, *, seed=3, stretch=-34e-6, lean=64e-6, bump_um=2.0, screw_um=0.0, u_um=1.0):
     """650 holes of one clamping: stretched, leaning, 3.7 um of scatter that is not white.
 
-    Of the scatter a part is common to rows of 26 holes, a part smooth over the plate.
+    Of the scatter a part is common to rows of 26 holes, a part smooth over the plate. X may have a
+    pitch error of 10 mm.
     """
     random = np.random.default_rng(seed)
     x, y = np.meshgrid(np.linspace(-280.0, 280.0, 26), np.linspace(-220.0, 220.0, 25))
@@ -139,11 +140,12 @@ def plate(folder, *, seed=3, stretch=-34e-6, lean=64e-6, bump_um=2.0):
     turn = place @ np.array([[0.9, 0.3], [0.4, 1.0]]) * np.pi / 90.0
     scatter += bump_um * np.sqrt(2.0) * np.cos(turn + random.uniform(0.0, 6.0, 2))
     true = place * stretch + np.column_stack([-lean * place[:, 1], 0.0 * place[:, 0]])
+    scatter[:, 0] += screw_um * np.sin(2.0 * np.pi * place[:, 0] / 10.0)
     turned = 2e-5 * np.column_stack([-place[:, 1], place[:, 0]])  # as the part lay on the device
     read = place + true + turned + [0.03, -0.02] + 1e-3 * scatter
     rows = [f"{a!r},{b!r},{c!r},{d!r}" for a, b, c, d in np.hstack([place, read]).tolist()]
     table = "x,y,mx,my\n" + "\n".join(rows) + "\n"
-    job = holes_job(folder, drilled(place[order]), table=table)
+    job = holes_job(folder, drilled(place[order]), table=table, u_um=u_um)
     machine = (folder / "machine.toml").read_text()
     for old, new in (("[-400, 0]", "[-700, 0]"), ("[-300, 0]", "[-600, 0]")):
         machine = machine.replace(old, new, 1)
@@ -227,6 +229,15 @@ def test_a_smooth_field_leaves_scale_and_squareness_to_be_shown(tmp_path, seed):
         f.name for f in found.findings
     }
     assert {"workpiece_temperature", "squareness"} <= shown
+
+
+def test_scatter_beyond_what_is_stated_hides_no_pitch_error(tmp_path):
+    """Holes scatter by 3 um where 0.4 um are stated: a pitch error of 2.5 um is shown yet."""
+    found = diagnose(survey_job(plate(tmp_path, screw_um=2.5, u_um=0.4, bump_um=0.5)[0]))
+    (pitch,) = [f for f in found.findings if f.name == "cyclic_pitch"]
+    assert pitch.target == "X" and pitch.status in ("shown", "class")
+    assert pitch.parameters["amplitude_um"] == pytest.approx(2.5, abs=0.6)
+    assert found.remains_um > 2.0
 
 
 def test_holes_that_the_program_does_not_make_are_left_out_and_said(tmp_path):
