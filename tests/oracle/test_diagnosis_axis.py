@@ -17,20 +17,22 @@ SLOW_UM, LOST_UM, DRIFT_UM, STOP_UM = 60.0, 25.0, 3.0, 0.7
 RUNS = 5
 
 
-def axis_job(folder, axis, *, u_um, seed, local_um=0.0, varies=0.0):
+def axis_job(folder, axis, *, u_um, seed, local_um=0.0, varies=0.0, tabled=False):
     """Five bidirectional runs along an axis of a machine without tables, zero at the first stop.
 
     Each stop has an error of its own that every run repeats; the lost motion varies by a share.
+    With a table of the axis, which says zero, there is no slow error.
     """
     middle = [-200, -150, -150]
     more = measurement("laser", axis=axis, at_mm=middle, u_um=u_um)
-    job = write_job(folder, more=more)
+    errors = {f"E{axis}{axis}": (np.zeros_like, None)} if tabled else None
+    job = write_job(folder, errors, more=more)
     text = [line for line in job.read_text().splitlines() if not line.startswith("measured")]
     job.write_text("\n".join(text) + "\n")
     random = np.random.default_rng(seed)
     place = np.linspace(-380.0 if axis == "X" else -280.0, 0.0, 20)
     share = np.linspace(0.0, 1.0, 20)
-    slow = SLOW_UM * (0.9 * share**2 + 0.1 * np.sin(8.0 * share + 1.0))
+    slow = SLOW_UM * (0.9 * share**2 + 0.1 * np.sin(8.0 * share + 1.0)) * (not tabled)
     lost = LOST_UM * (1.0 + varies * np.sin(5.0 * share))
     slow = slow + local_um * random.standard_normal(20)
     rows = []
@@ -79,6 +81,16 @@ def test_lost_motion_that_varies_along_an_axis_is_shown_by_its_mean(tmp_path, se
     share = np.linspace(0.0, 1.0, 20)
     mean_um = LOST_UM * (1.0 + 0.2 * np.sin(5.0 * share).mean())
     assert lost.parameters["reversal_um"] == pytest.approx(mean_um, abs=2.0)
+
+
+@pytest.mark.parametrize("u_um", [0.5, 1.0, 3.0, 5.0])
+def test_lost_motion_is_the_result_of_a_test_of_its_own(tmp_path, u_um):
+    """A table does not say how much an axis has today, and local errors are no doubt about it."""
+    job = axis_job(tmp_path, "Y", u_um=u_um, seed=41, local_um=3.0, varies=0.15, tabled=True)
+    found = diagnose(survey_job(job))
+    assert [(f.name, f.target) for f in found.findings] == [("backlash", "Y")]
+    assert found.findings[0].parameters["reversal_um"] == pytest.approx(25.5, abs=2.0)
+    assert found.remains_um < 4.0
 
 
 def test_an_axis_without_a_table_gets_a_map_and_its_lost_motion(tmp_path):

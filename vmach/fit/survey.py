@@ -176,6 +176,14 @@ class Survey:
         ]
         return block_diag(*blocks)
 
+    def is_tested(self, effect: Effect, target: str) -> bool:
+        """Whether an effect is a result, by its standard, of a test that was made along an axis."""
+        axis = np.eye(3)["XYZ".index(target)] if target in tuple("XYZ") else None
+        return axis is not None and any(
+            effect.name in m.instrument.results and bool(np.all(m.sensing == axis))
+            for m in self.measurements
+        )
+
     def not_testable(self, effect: Effect, target: str) -> str | None:
         """Why none of the measurements can show the effect, or None."""
         reasons = [

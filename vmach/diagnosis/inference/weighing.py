@@ -107,10 +107,8 @@ class Weighing:
     def _list(self) -> None:
         """Where each candidate stands, and those of which a machine has an unknown number."""
         self._place = {c.label: k for k, c in enumerate(self.candidates)}
-        machine = self.survey.job.machine
-        self._counted = {
-            c.label for c in self.candidates if not c.effect.is_unmeasured(machine, c.target)
-        }
+        every = self.candidates
+        self._counted = {c.label for c in every if not self._is_usual(c.effect, c.target)}
 
     def _plain_mm(self) -> np.ndarray:
         """What laws of one amplitude do that every machine has and nobody measured, (n, k)."""
@@ -203,9 +201,14 @@ class Weighing:
         other._counted -= log_priors.keys()
         return other
 
+    def _is_usual(self, effect: Effect, target: str) -> bool:
+        """Whether every machine has some of it, and how much nobody measured or is the question."""
+        machine = self.survey.job.machine
+        return effect.is_unmeasured(machine, target) or self.survey.is_tested(effect, target)
+
     def prior_of(self, effect: Effect, target: str) -> float:
         """Log odds for an effect beforehand, beside one that machines often have."""
-        if effect.is_unmeasured(self.survey.job.machine, target):
+        if self._is_usual(effect, target):
             return UNMEASURED
         return -effect.rarity
 

@@ -31,6 +31,7 @@ class Laser(Instrument):
     signs = ("approach",)
     sign_meaning = "deviation_um is positive where the tool is further along + than programmed"
     left_free = "zero"
+    results = ("backlash",)  # ISO 230-2, reversal value of an axis
     shows_law_band = True
     commonness = 4
 
