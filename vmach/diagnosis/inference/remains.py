@@ -97,15 +97,14 @@ def where_they_act_um(
 ) -> tuple[Sequence[float], Sequence[float]]:
     """Size of each effect where it acts, and what remains there, root mean squares.
 
-    Each reading weighs as the square of what the effect does to it. Scatter of all readings is no
-    rest: an imitation leaves structure, and single readings have scatter of their own.
+    Each reading weighs as the square of what the effect does to it. Scatter is no rest: an
+    imitation leaves structure, and single readings have scatter of their own.
     """
     effects = [um_from_mm(own) for own in _effects_mm(weighing, found)]
     left = um_from_mm(remains_mm(weighing, found))
-    scatter = float(np.sqrt(_uneven(weighing, found))) * usual_u_um(weighing)
     return (
         tuple(_rms_where(own, own) for own in effects),
-        tuple(float(np.hypot(_rms_where(left, own), scatter)) for own in effects),
+        tuple(_rms_where(left, own) for own in effects),
     )
 
 
