@@ -69,7 +69,7 @@ RULES = (
         "log odds",
         "for an effect before any reading, and for its being no imitation, where every machine "
         "has it and nobody measured it, or a test of its own was made: a table that is missing, a "
-        "squareness not stated, lost motion of an axis without a table or beside a laser",
+        "squareness not stated, lost motion of an axis beside a laser",
         "chosen: of fifty such effects one is too small to be seen",
         "tests/unit/test_instruments_holes.py, a plate of holes; "
         "tests/oracle/test_diagnosis_axis.py",

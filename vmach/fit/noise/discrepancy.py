@@ -100,7 +100,7 @@ def members_of(survey: Survey, plain_mm: np.ndarray | None = None) -> Members:
     unit = float(np.median(survey.u_mm))
     found = {
         **{name: unit * columns for name, columns in _offsets(survey).items()},
-        "form": unit * _forms(survey),
+        "form": unit * _seen(_forms(survey)),
         "time": _told_apart(survey, unit * _in_time(survey)),
         "places": unit * _places(survey),
         "reversals": unit * _reversals(survey),
@@ -130,11 +130,12 @@ def _offsets(survey: Survey) -> dict[str, np.ndarray]:
 
 
 def _forms(survey: Survey) -> np.ndarray:
-    """Slope and bend of each group of readings, (n, K)."""
+    """Slope and bend of each group of readings, (n, K); holes are no surface that has any."""
     names, number = np.unique(survey.group, return_inverse=True)
+    has_form = np.concatenate([np.full(len(m), m.contacts is None) for m in survey.measurements])
     inside, place = np.eye(len(names))[number], np.zeros(len(survey))
     for k in range(len(names)):
-        rows = np.flatnonzero(number == k)
+        rows = np.flatnonzero((number == k) & has_form)
         place[rows] = np.linspace(-1.0, 1.0, len(rows)) if len(rows) > 2 else 0.0
     shapes = np.sqrt(3.0) * place, np.sqrt(5.0) * (1.5 * place**2 - 0.5) * (place != 0.0)
     return np.hstack([inside * shape[:, None] for shape in shapes])

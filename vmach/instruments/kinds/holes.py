@@ -100,9 +100,9 @@ class Holes(Instrument):
         which = np.repeat(nominal[holes], per_hole, axis=0), np.tile(np.arange(per_hole), count)
         found = mean_of_repeats(found, which)
         check_degrees(found, table.path)
-        if found.measured_at is None:
-            return found
-        return found.keep(np.argsort(found.measured_at, kind="stable"))
+        # neighbours are those that were measured, or else made, one after the other
+        order = found.states.time_s if found.measured_at is None else found.measured_at
+        return found.keep(np.argsort(order, kind="stable"))
 
     def _u_mm(self, table: Columns) -> np.ndarray:
         """Standard uncertainty of every hole: of its row, else of the section."""

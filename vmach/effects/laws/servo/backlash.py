@@ -37,9 +37,6 @@ class Backlash(OfReversal):
     )
     cure = "preload the nut or the bearing, or set the control's backlash compensation"
 
-    def is_unmeasured(self, machine, target):
-        return f"E{target}{target}" not in machine.components
-
     def on_one_side(self, path, target, reversal_um, take_up_mm):
         share = share_taken_up(path, self.axis(target), take_up_mm)
         return along(target, -0.5e-3 * reversal_um * share)
