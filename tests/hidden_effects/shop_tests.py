@@ -167,7 +167,8 @@ def make_axis(folder: Path, seed: int) -> None:
         [[f"backlash {axis}"], [f"component E{axis}{axis}", f"scale {axis}"]],
         {
             "u_um": u_um,
-            "reversal_um": float(reversal_um.mean()),
+            # of the axis as it is at its stops: the mean reversal value of ISO 230-2
+            "reversal_um": float(np.mean(reversal_um - of_side_um @ [-1.0, 1.0])),
             "rest_um": float(np.sqrt(stop_um**2 + sum(np.var(one) for one in rest))),
         },
     )
