@@ -34,7 +34,8 @@ def make_plate(folder: Path, seed: int) -> None:
     order = in_rows if random.random() < 0.7 else random.permutation(len(place))
     place, row = place[order], row[order]
     strain, hidden = _strain(random)
-    scatter_um = _scatter_um(random, place, row, radius, hidden)
+    scatter_um, has_pitch = _scatter_um(random, place, row, radius)
+    hidden += [["cyclic_pitch X"], ["cyclic_pitch Y"]] * has_pitch
     turned = place @ (strain + np.array([[0.0, -2e-5], [2e-5, 0.0]])).T
     read = np.round(place + turned + [0.03, -0.02] + 1e-3 * scatter_um, random.integers(3, 6))
     u_um = float(random.choice([0.5, 1.0, 2.0, 3.0]))
@@ -44,7 +45,8 @@ def make_plate(folder: Path, seed: int) -> None:
     np.savetxt(
         folder / "holes.csv", rows, delimiter=",", header="x,y,mx,my", comments="", fmt="%.5f"
     )
-    _tell(folder, hidden, {"u_um": u_um, "scatter_um": float(scatter_um.std())})
+    numbers = {"u_um": u_um, "scatter_um": float(scatter_um.std()), "strain": strain.tolist()}
+    _tell(folder, hidden, numbers)
 
 
 def _holes(random: np.random.Generator, radius: float) -> np.ndarray:
@@ -70,8 +72,11 @@ def _strain(random: np.random.Generator) -> tuple[np.ndarray, list[list[str]]]:
     return strain, [[f"scale {'XY'[k]}"], ["squareness C0Y"]]
 
 
-def _scatter_um(random, place, row, radius, hidden) -> np.ndarray:
-    """2 to 4 um along X and Y: half its variance by chance, half of one to three kinds."""
+def _scatter_um(random, place, row, radius) -> tuple[np.ndarray, bool]:
+    """About 2 to 4 um along X and Y, and whether the screws have a pitch error.
+
+    A quarter to two thirds of the square of the size is chance, half of it are one to three kinds.
+    """
     size, count = random.uniform(2.0, 4.0), len(place)
     tails = random.random() < 0.4
     chance = (
@@ -85,9 +90,7 @@ def _scatter_um(random, place, row, radius, hidden) -> np.ndarray:
     for k in chosen:
         one = kinds[k](random, place, row, radius)
         found += size * np.sqrt(0.5 / len(chosen)) * one / one.std()
-        if kinds[k] is _of_screw:
-            hidden += [["cyclic_pitch X"], ["cyclic_pitch Y"]]
-    return found
+    return found, kinds.index(_of_screw) in chosen
 
 
 def _smooth(random, place, row, radius):
@@ -207,5 +210,5 @@ def _drilled(place: np.ndarray) -> str:
     return "\n".join([*head, f"G81 Z-10 R2 F300 {first}", *more, *end])
 
 
-def _tell(folder: Path, hidden: list[list[str]], numbers: dict[str, float]) -> None:
+def _tell(folder: Path, hidden: list[list[str]], numbers: dict[str, object]) -> None:
     (folder / "truth.json").write_text(json.dumps({"hidden": hidden, **numbers}, indent=1))

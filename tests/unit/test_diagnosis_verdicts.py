@@ -356,15 +356,17 @@ def test_effects_that_come_near_each_other_are_counted_together():
     assert prior == pytest.approx(np.log((1.0 + np.exp(4.0) + np.exp(-1.0)) / whole))
 
 
-def test_what_is_not_certain_stays_beside_the_others_while_they_are_judged(monkeypatch):
-    """Without the first effect, of odds 2.1, the second would lose what speaks for it."""
+def judged_by(monkeypatch, labels, odds_of, scores=()):
+    """The verdicts on some effects whose odds, in a set of them, and whose scores are given."""
+    scores = dict(scores)
 
     def found(labels):
         terms = [SimpleNamespace(label=n) for n in labels]
-        return SimpleNamespace(terms=terms, labels=labels, posterior=Mock(), score=0.0)
+        score = scores.get("".join(labels), 0.0)
+        return SimpleNamespace(terms=terms, labels=labels, posterior=Mock(), score=score)
 
     def supports(_, here):
-        odds = {"a": 2.1, "b": 7.0 if "a" in here.labels else 1.2}
+        odds = odds_of(here.labels)
         return [Support(odds[n], size_um=2.0, rest_um=0.0) for n in here.labels]
 
     weighing = SimpleNamespace(
@@ -373,29 +375,25 @@ def test_what_is_not_certain_stays_beside_the_others_while_they_are_judged(monke
         explain=lambda terms, *_, **__: found([term.label for term in terms]),
     )
     monkeypatch.setattr(verdicts, "supports_of", supports)
-    shown, _, weak = verdicts.judged(weighing, found(["a", "b"]), {"a": np.inf, "b": np.inf})
+    return verdicts.judged(weighing, found(labels), dict.fromkeys(labels, np.inf))
+
+
+def test_what_is_not_certain_stays_beside_the_others_while_they_are_judged(monkeypatch):
+    """Without the first effect, of odds 2.1, the second would lose what speaks for it."""
+    shown, _, weak = judged_by(
+        monkeypatch, ["a", "b"], lambda here: {"a": 2.1, "b": 7.0 if "a" in here else 1.2}
+    )
     assert shown.labels == ["b"] and [w.term.label for w in weak] == ["a"]
 
 
 def test_of_two_that_stand_for_each_other_one_is_shown(monkeypatch):
     """Each is needless beside the other, and without both nothing explains the readings."""
-
-    def found(labels):
-        terms = [SimpleNamespace(label=n) for n in labels]
-        score = {"a": 5.0, "b": 3.0}.get("".join(labels), 0.0)
-        return SimpleNamespace(terms=terms, labels=labels, posterior=Mock(), score=score)
-
-    def supports(_, here):
-        odds = 2.0 if len(here.labels) == 2 else 50.0
-        return [Support(odds, size_um=2.0, rest_um=0.0) for _ in here.labels]
-
-    weighing = SimpleNamespace(
-        careful=lambda _: None,
-        without=lambda here, ks: found([n for k, n in enumerate(here.labels) if k not in ks]),
-        explain=lambda terms, *_, **__: found([term.label for term in terms]),
+    shown, by, weak = judged_by(
+        monkeypatch,
+        ["b", "a"],
+        lambda here: dict.fromkeys(here, 2.0 if len(here) == 2 else 50.0),
+        scores={"a": 5.0, "b": 3.0},
     )
-    monkeypatch.setattr(verdicts, "supports_of", supports)
-    shown, by, weak = verdicts.judged(weighing, found(["b", "a"]), {"a": np.inf, "b": np.inf})
     assert shown.labels == ["a"] and by["a"].is_shown
     assert [w.term.label for w in weak] == ["b"]
 

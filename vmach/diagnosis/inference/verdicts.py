@@ -24,15 +24,11 @@ from vmach.diagnosis.proposals.states import MOTION
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.sizes import Sizes
 from vmach.fit.terms import Term
-from vmach.fit.whitening import orthonormal
 
 __all__ = ["Inference", "Reason", "Weak", "infer", "judged", "searched"]
 
 #: times that contacts and the noise of single readings are estimated anew
 _PASSES = 2
-#: cosine between an effect and the span of a form from which on that holds all of it; as in the
-#: list of forms
-_HELD = 0.98
 
 
 class Reason(StrEnum):
@@ -105,7 +101,7 @@ def infer(weighing: Weighing) -> Inference:
     weighing, found = searched(weighing)
     forms = Forms(weighing, found)
     grown = forms.grown(found)
-    shown, supports, weak = judged(weighing, found, _kept(weighing, found, grown))
+    shown, supports, weak = judged(weighing, found, _kept(weighing, forms, found, grown))
     alone = weighing.explain(shown.terms, found.posterior.sizes, refine=False)
     remains = remains_um(weighing, alone, noise=grown.posterior.sizes.factor)
     structure = is_structure(weighing, remains)
@@ -151,7 +147,9 @@ def _settled(weighing: Weighing) -> tuple[Weighing, Explanation]:
     return weighing, found
 
 
-def _kept(weighing: Weighing, found: Explanation, grown: Explanation) -> Mapping[str, float]:
+def _kept(
+    weighing: Weighing, forms: Forms, found: Explanation, grown: Explanation
+) -> Mapping[str, float]:
     """Effects that forms leave most of their size, and what remains beside both where each acts.
 
     A form that holds all of an effect and more, as a curve along an axis holds a scale, says
@@ -161,12 +159,12 @@ def _kept(weighing: Weighing, found: Explanation, grown: Explanation) -> Mapping
         dict(zip((t.label for t in e.terms), sizes_um(weighing, e), strict=True))
         for e in (found, grown)
     )
-    forms = [term for term in grown.terms if isinstance(term.effect, FormEffect)]
-    of_motion = any(form.effect.form.kinds & MOTION for form in forms)
+    chosen = [t.effect.form for t in grown.terms if isinstance(t.effect, FormEffect)]
+    of_motion = any(form.kinds & MOTION for form in chosen)
     held = {
         term.label
         for k, term in enumerate(found.terms)
-        if weighing.prior_of(term.effect, term.target) > 0.0 and _is_held(weighing, found, k, forms)
+        if weighing.prior_of(term.effect, term.target) > 0.0 and forms.holds(found, k, chosen)
     }
     rests = dict.fromkeys(held, np.inf)
     for term, rest in zip(grown.terms, rests_um(weighing, grown), strict=True):
@@ -175,19 +173,6 @@ def _kept(weighing: Weighing, found: Explanation, grown: Explanation) -> Mapping
         rests[term.label] = np.inf if says_nothing else rest
     keep = {n for n in before if n in held or beside.get(n, 0.0) > KEPT * before[n]}
     return {n: rests[n] for n in before if n in keep}
-
-
-def _is_held(weighing: Weighing, found: Explanation, k: int, forms: Sequence[Term]) -> bool:
-    """Whether what term k does is in the span of what one of some forms can do."""
-    survey, fit = weighing.survey, found.fit
-    assert fit is not None
-
-    def beside_alignment(columns: np.ndarray) -> np.ndarray:
-        return orthonormal((columns - survey.aligned(columns)) / survey.u_mm[:, None])
-
-    own = beside_alignment(fit.explained_mm(k)[:, None])
-    spans = (beside_alignment(survey.signature(f.effect, f.target, f.inner)) for f in forms)
-    return any(float(np.linalg.norm(span.T @ own)) > _HELD for span in spans)
 
 
 def judged(

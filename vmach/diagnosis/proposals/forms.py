@@ -21,6 +21,7 @@ from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.noise.discrepancy import Members
 from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
+from vmach.fit.whitening import orthonormal
 
 __all__ = ["Forms"]
 
@@ -43,7 +44,8 @@ _HALVED = 0.5
 _LOOKED_THROUGH = 3000
 #: numbers that products of forms may take up while they are kept
 _ROOM = 25_000_000
-#: a form whose readings follow those of another one that closely is the same
+#: a form whose readings follow those of another one that closely is the same; it holds an effect
+#: whose readings follow its own that closely
 _SAME = 0.98
 
 
@@ -146,6 +148,13 @@ class Forms:
             return here
         self._chosen[_label(best[1])] = best[1]
         return without_needless(weighing, best[0])
+
+    def holds(self, found: Explanation, k: int, forms: Sequence[Form]) -> bool:
+        """Whether what effect k of an explanation does is all in the span of one of some forms."""
+        assert found.fit is not None
+        moved = found.fit.explained_mm(k)[:, None]
+        own = orthonormal(moved - self._weighing.survey.aligned(moved))
+        return any(_share_within(own, self._columns.space_of(form)) > _SAME for form in forms)
 
     def proposals(self, alone: Explanation, grown: Explanation) -> tuple[Proposal, ...]:
         """The forms of a grown explanation, then others that would do nearly as well.

@@ -148,10 +148,8 @@ def _places(survey: Survey) -> np.ndarray:
     further evidence of what it follows (ISO 230-2, mean deviation of a position).
     """
     places = [_place_of(m) for m in survey.measurements]
-    none = [np.zeros((len(place), 0)) for place in places]
-    return block_diag(
-        *(np.eye(p.max() + 1)[p] if p.any() else n for p, n in zip(places, none, strict=True))
-    )
+    # of an instrument that does not come back no place counts
+    return block_diag(*(np.eye(p.max() + 1)[p][:, slice(None if p.any() else 0)] for p in places))
 
 
 def _reversals(survey: Survey) -> np.ndarray:
@@ -161,7 +159,8 @@ def _reversals(survey: Survey) -> np.ndarray:
     """
     blocks = []
     for path, m in zip(survey.paths, survey.measurements, strict=True):
-        share = _place_of(m) / max(_place_of(m).max(), 1)
+        place = _place_of(m)
+        share = place / max(place.max(), 1)
         side = np.sum(path.play_side * m.sensing, axis=1)
         waves = [side * np.cos(k * np.pi * share) for k in range(1, _FIELD_DEGREE + 1)]
         blocks.append(np.stack(waves, axis=1) * bool(share.any()))
