@@ -39,6 +39,27 @@ def test_laser_sees_backlash_from_both_sides(tmp_path):
     assert laser.group[0] == "run 1" and laser.nuisance.shape == (10, 1)
 
 
+def test_rows_without_times_follow_each_other(tmp_path):
+    """Tables of ISO 230-2 hold no times: the same places and sides, at the pace of the machine."""
+    job_path = write_job(tmp_path, more=LASER)
+    timed = [row.split(",") for row in laser_rows(lambda x, way: -3.0 * way).splitlines()]
+    rows = [",".join([*cells[:3], cells[4]]) for cells in timed]
+    (tmp_path / "laser.csv").write_text("\n".join(rows) + "\n")
+    job = read_job(job_path)
+    backlash = set_up_effect("backlash", "X", {"reversal_um": 6.0}, job=job)
+    (laser,) = read_instruments(job, effects=[backlash])
+    np.testing.assert_allclose(laser.measured_mm, laser.predicted_mm, atol=1e-12)
+    (note,) = [note for note in laser.notes if note.kind == Kind.CLOCK]
+    assert note.place == "t_s" and "5 s at each place" in note.text
+    time_s, way_mm = (
+        Circumstances(laser.states, job).time_s,
+        np.abs(np.diff(laser.states.nose_mm[:, 0])),
+    )
+    rapid_mm_per_s = job.machine.motion.rapid_mm_per_min / 60.0
+    # the quickest move takes a millisecond
+    np.testing.assert_allclose(np.diff(time_s), 5.0 + way_mm / rapid_mm_per_s, atol=3e-3)
+
+
 def diagonal_rows(distances, ways):
     rows = ["run,distance_mm,approach,t_s,deviation_um"]
     pairs = zip(distances, ways, strict=True)

@@ -40,7 +40,7 @@ class _OfInstrument(Declaration):
         self._check_names("optional_columns", self.kind.optional_columns, may_be_empty=True)
         if self.kind.follows_program:
             return
-        if "t_s" not in columns:
+        if "t_s" not in (*columns, *self.kind.optional_columns):
             raise self.error(
                 f"columns = {columns!r} hold no times", key="columns", accepted="t_s among them",
                 hint="or follows_program = True where the job's program tells when",

@@ -128,8 +128,10 @@ def _read(settings: Instrument, path: Path) -> tuple[Columns, tuple[Note, ...]]:
     table = read_columns(path, numbers=numbers, text=text, optional=settings.optional_columns)
     if settings.follows_program:
         return table, repeat_notes(table)
-    check_times(table)
-    notes = clock_notes(table)
+    notes: tuple[Note, ...] = ()
+    if "t_s" in table.numbers:
+        check_times(table)
+        notes = clock_notes(table)
     if settings.signs:
         notes += check_signs(table, settings.signs)
     if "spindle_rpm" in settings.columns:

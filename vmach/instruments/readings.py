@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from vmach.base.note import Note, in_file
-from vmach.base.units import mm_from_um
+from vmach.base.note import Kind, Note, in_file
+from vmach.base.units import mm_from_um, mm_per_s_from_mm_per_min
 from vmach.machine import LINEAR_AXES
 from vmach.measurements import Measurement
 from vmach.measurements.columns import Columns
@@ -29,6 +29,7 @@ __all__ = [
     "in_three_directions",
     "one_a_stop",
     "three_directions",
+    "with_clock",
 ]
 
 #: displacements along X, Y and Z of one place
@@ -37,6 +38,29 @@ ALONG = ("dx_um", "dy_um", "dz_um")
 PLANNED_TOOL_LENGTH_MM = 150.0
 #: into how many stretches a test without runs is cut
 STRETCHES = 10
+#: s that an axis stands at a place of which no time was noted; chosen: a laser takes its reading
+#: once the axis has settled, a few seconds after it stopped
+_STOP_S = 5.0
+
+
+def with_clock(
+    table: Columns, nose_mm: np.ndarray, model: ModelOfTest
+) -> tuple[Columns, tuple[Note, ...]]:
+    """A table with the times of its places, (P, 3) mm, and what was assumed of them.
+
+    Tables of ISO 230-2 hold none: the places follow each other row by row, in rapid motion.
+    """
+    if "t_s" in table.numbers:
+        return table, ()
+    way_mm = np.abs(np.diff(nose_mm, axis=0, prepend=nose_mm[:1])).max(axis=1)
+    under_way_s = way_mm / mm_per_s_from_mm_per_min(model.rapid_mm_per_min)
+    time_s = np.cumsum(_STOP_S + under_way_s)
+    said = (
+        f"no times (t_s): the rows are taken to follow each other, {_STOP_S:g} s at each place, "
+        f"{time_s[-1] / 60.0:.0f} min in all; what warms is known as well as that"
+    )
+    note = Note.plain(Kind.CLOCK, said, float(time_s[-1]), "s", place="t_s")
+    return replace(table, numbers=table.numbers | {"t_s": time_s}), in_file((note,), table.path)
 
 
 def doubts_of_stops(
@@ -62,7 +86,7 @@ def along_line(
     ----------
     settings : Instrument
     table : Columns
-        With ``run``, ``approach``, ``t_s`` and ``deviation_um``.
+        With ``run``, ``approach``, ``deviation_um``, and ``t_s`` where it was noted.
     nose_mm : (P, 3) float64
         Places of the spindle nose.
     direction : (3,) float64
@@ -79,12 +103,13 @@ def along_line(
     check_travel(nose_mm, table, model.travel_mm)
     check_extent(nose_mm, table)
     side = np.sign(table.numbers["approach"])[:, None] * np.sign(np.round(direction, 9))
+    table, assumed = with_clock(table, nose_mm, model)
     states = stop_and_go(
         nose_mm, table.numbers["t_s"], side=side, tool_length_mm=settings.tool_length_mm
     )
     sensing = np.tile(direction, (len(nose_mm), 1))
-    doubts = doubts_of_stops(nose_mm, side, table, model)
-    test = one_a_stop(settings, table, states, sensing, model=model, notes=doubts)
+    notes = (*assumed, *doubts_of_stops(nose_mm, side, table, model))
+    test = one_a_stop(settings, table, states, sensing, model=model, notes=notes)
     return replace(test, scale_u_mm=1e-6 * scale_u_ppm * (nose_mm @ direction))
 
 

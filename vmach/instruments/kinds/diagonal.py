@@ -19,7 +19,8 @@ class Diagonal(Instrument):
 
     name = "diagonal"
     title = "Diagonal"
-    columns = ("run", "distance_mm", "approach", "t_s", "deviation_um")
+    columns = ("run", "distance_mm", "approach", "deviation_um")
+    optional_columns = ("t_s",)
     readings = ("deviation_um",)
     signs = ("approach",)
     sign_meaning = (

@@ -26,7 +26,8 @@ class Laser(Instrument):
 
     name = "laser"
     title = "Laser line"
-    columns = ("run", "position_mm", "approach", "t_s", "deviation_um")
+    columns = ("run", "position_mm", "approach", "deviation_um")
+    optional_columns = ("t_s",)
     readings = ("deviation_um",)
     signs = ("approach",)
     sign_meaning = "deviation_um is positive where the tool is further along + than programmed"
@@ -46,7 +47,7 @@ class Laser(Instrument):
 
     def read(self, table, model):
         axis = LINEAR_AXES.index(self.axis)
-        nose = np.tile(self.at_mm, (len(table.numbers["t_s"]), 1))
+        nose = np.tile(self.at_mm, (len(table.lines), 1))
         nose[:, axis] = table.numbers["position_mm"]
         scale_u, direction = self.scale_u_ppm, np.eye(3)[axis]
         test = along_line(self, table, nose, direction=direction, scale_u_ppm=scale_u, model=model)

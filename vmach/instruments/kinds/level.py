@@ -11,7 +11,12 @@ import numpy as np
 
 from vmach.files.toml_file import Point
 from vmach.instruments.line_plots import line_plots
-from vmach.instruments.readings import PLANNED_TOOL_LENGTH_MM, doubts_of_stops, one_a_stop
+from vmach.instruments.readings import (
+    PLANNED_TOOL_LENGTH_MM,
+    doubts_of_stops,
+    one_a_stop,
+    with_clock,
+)
 from vmach.machine import LINEAR_AXES
 from vmach.measurements.instrument import Instrument, PlannedTest
 from vmach.measurements.plausibility.motion_check import check_extent, check_travel
@@ -31,7 +36,8 @@ class Level(Instrument):
 
     name = "level"
     title = "Level"
-    columns = ("run", "position_mm", "approach", "t_s", "tilt_um_per_m")
+    columns = ("run", "position_mm", "approach", "tilt_um_per_m")
+    optional_columns = ("t_s",)
     readings = ("tilt_um_per_m",)
     signs = ("approach",)
     sign_meaning = (
@@ -57,11 +63,12 @@ class Level(Instrument):
         check_extent(nose, table)
         side = np.zeros_like(nose)
         side[:, axis] = np.sign(table.numbers["approach"])
+        table, assumed = with_clock(table, nose, model)
         states, sensing = _tilts(
             nose, table.numbers["t_s"], side, about=self.about, tool_length_mm=self.tool_length_mm
         )
-        doubts = doubts_of_stops(nose, side, table, model)
-        return one_a_stop(self, table, states, sensing, model=model, notes=doubts)
+        notes = (*assumed, *doubts_of_stops(nose, side, table, model))
+        return one_a_stop(self, table, states, sensing, model=model, notes=notes)
 
     @classmethod
     def plots(cls, curves):
