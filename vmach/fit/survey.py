@@ -10,14 +10,16 @@ import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from scipy.linalg import block_diag
 
 from vmach.base.note import Note
-from vmach.effects import Circumstances, Effect, EffectInstance
+from vmach.effects import Circumstances, Effect, EffectInstance, label_of
 from vmach.fit.whitening import Whitening, condensed, orthonormal
 from vmach.job import Job
+from vmach.machine import LINEAR_AXES
 from vmach.measurements import Measurement
 from vmach.path.preparation import job_doubts
 from vmach.path.touched_zero import touched_zero
@@ -178,11 +180,25 @@ class Survey:
 
     def is_tested(self, effect: Effect, target: str) -> bool:
         """Whether an effect is a result, by its standard, of a test that was made along an axis."""
-        axis = np.eye(3)["XYZ".index(target)] if target in tuple("XYZ") else None
-        return axis is not None and any(
-            effect.name in m.instrument.results and bool(np.all(m.sensing == axis))
+        return label_of(effect.name, target) in self._by_axis("results")
+
+    def is_defined(self, effect: Effect, target: str) -> bool:
+        """Whether a test reads just that by definition, as a laser reads a positioning error."""
+        return label_of(effect.name, target) in self._by_axis("defines")
+
+    def _by_axis(self, key: Literal["results", "defines"]) -> set[str]:
+        """What instruments say of the axis that they sense, where they sense a single one."""
+        pairs = (
+            (m, axis)
             for m in self.measurements
+            for axis in zip(LINEAR_AXES, np.eye(3), strict=True)
         )
+        return {
+            said.format(axis=name)
+            for m, (name, unit) in pairs
+            if np.all(m.sensing == unit)
+            for said in getattr(m.instrument, key)
+        }
 
     def not_testable(self, effect: Effect, target: str) -> str | None:
         """Why none of the measurements can show the effect, or None."""

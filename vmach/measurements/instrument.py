@@ -123,8 +123,10 @@ class Instrument(FileSection):
     sign_meaning: ClassVar[str]
     #: what the instrument leaves free, in a word or two
     left_free: ClassVar[str]
-    #: names of effects that are a result of this test by its standard, along what it senses
+    #: effects that are a result of this test by its standard; {axis} is the one that it senses
     results: ClassVar[tuple[str, ...]] = ()
+    #: those that its readings are by definition, whatever else does the same to them
+    defines: ClassVar[tuple[str, ...]] = ()
     #: whether its picture has room for a band of what the effects' laws leave open
     shows_law_band: ClassVar[bool] = False
     #: how many of its diagrams stand side by side on paper

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from vmach.diagnosis.gates.impossible_sizes import impossible_terms
+from vmach.diagnosis.inference.by_definition import as_defined
 from vmach.diagnosis.inference.moves import search, search_beyond, without_needless
 from vmach.diagnosis.inference.noise import beside_own_noise, noise_before
 from vmach.diagnosis.inference.own_contacts import beside_one, over_own_contacts
@@ -130,7 +131,7 @@ def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
         if end.score > found.score:
             weighing, other, found = other, weighing, end
         other.forget()
-    return weighing, search_beyond(weighing, found)
+    return weighing, as_defined(weighing, search_beyond(weighing, found))
 
 
 def _settled(weighing: Weighing) -> tuple[Weighing, Explanation]:

@@ -32,7 +32,8 @@ class Laser(Instrument):
     signs = ("approach",)
     sign_meaning = "deviation_um is positive where the tool is further along + than programmed"
     left_free = "zero"
-    results = ("backlash",)  # ISO 230-2, reversal value of an axis
+    results = ("backlash {axis}",)  # ISO 230-2, reversal value of an axis
+    defines = ("component E{axis}{axis}",)  # ISO 230-1, positioning error motion
     shows_law_band = True
     commonness = 4
 
