@@ -44,12 +44,15 @@ def over_own_contacts(weighing: Weighing, found: Explanation) -> tuple[Weighing,
     moved = survey.made_beside(acting)
     if not _differ(survey, moved, acting):
         return weighing, found
-    known, noise = weighing.candidates, weighing.base.noise
+    known, noise, score = weighing.candidates, weighing.base.noise, found.score
+    # what was worked out of many readings takes much memory
+    weighing.forget()
     other = Weighing(moved, known, excluded=weighing.excluded, noise=noise)
-    if other.explain(found.terms, found.posterior.sizes).score <= found.score:
+    if other.explain(found.terms, found.posterior.sizes).score <= score:
         return weighing, found
     effects = _effects_of(weighing)
     weighing.release()
+    other.release()
     other = other.with_candidates(gather_candidates(moved, effects)[0])
     return other, other.explain(found.terms, found.posterior.sizes)
 

@@ -127,10 +127,13 @@ def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
     weighing, found = _settled(starts.pop(0))
     while starts:
         # one at a time: signatures and products of many readings take much memory
+        asked_back = weighing.put_away()
         other, end = _settled(starts.pop(0))
         if end.score > found.score:
-            weighing, other, found = other, weighing, end
-        other.forget()
+            weighing, found = other, end
+        else:
+            other.put_away()
+            weighing = asked_back()
     return weighing, as_defined(weighing, search_beyond(weighing, found))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -11,6 +11,7 @@ from typing import Self
 import numpy as np
 from scipy.special import gammaln
 
+from vmach.base.memory import give_back_free_memory
 from vmach.diagnosis.gates.absorbing import stated_slack
 from vmach.diagnosis.gates.sizes_above_zero import log_factor_of_sizes
 from vmach.diagnosis.inference.bank import Bank
@@ -18,7 +19,7 @@ from vmach.diagnosis.inference.careful_fit import careful_fit
 from vmach.diagnosis.inference.rules import UNMEASURED
 from vmach.effects import Effect
 from vmach.fit.base import Base
-from vmach.fit.candidates import Candidate
+from vmach.fit.candidates import Candidate, gather_candidates
 from vmach.fit.columns import Columns
 from vmach.fit.deletion_residuals import deletion_residuals
 from vmach.fit.evidence import WIDTHS, Evidence, width_of
@@ -175,15 +176,29 @@ class Weighing:
         """What takes much memory, where another weighing takes its place and goes on."""
         self._forget()
         self.base.forget()
+        give_back_free_memory()
 
     def forget_means(self) -> None:
         """What a search looks candidates over on, where it is over."""
         self._bank_of_means = None
+        give_back_free_memory()
 
     def release(self) -> None:
         """Candidates too, and those of the weighings that this was made of: none is asked again."""
         self.forget()
         self.candidates.clear()
+
+    def put_away(self) -> Callable[[], Self]:
+        """Room for another weighing that goes on meanwhile; asked back, this one as it was.
+
+        Of many readings the candidates are released, and gathered again when they are asked back.
+        """
+        self.forget()
+        if self._means is None:
+            return lambda: self
+        effects = list(dict.fromkeys(candidate.effect for candidate in self.candidates))
+        self.release()
+        return lambda: self.with_candidates(gather_candidates(self.survey, effects)[0])
 
     def with_candidates(self, candidates: Sequence[Candidate]) -> Self:
         """The same with other candidates."""
