@@ -84,6 +84,8 @@ class Effect(ABC):
     commonness: ClassVar[int] = 0
     #: whether it corrects an error table: its parameters are then the lists of a curve
     corrects_table: ClassVar[bool] = False
+    #: whether it is plain: a curve of a table that nobody measured is what lies beyond it
+    goes_before_curves: ClassVar[bool] = False
     #: whether it begins at one moment, its inner parameter ``time_s``
     is_sudden: ClassVar[bool] = False
     #: whether it is always there a little, and may join in an imitation of another effect
@@ -177,6 +179,12 @@ class Effect(ABC):
 
     def curve(self, path: Circumstances, target: str, **inner_values: float) -> np.ndarray:
         """From its coefficients to the correction at the knots, um or urad, (K, K)."""
+        raise NotImplementedError
+
+    def beyond_slope(
+        self, inner_values: Mapping[str, float], target: str, nose_mm: np.ndarray
+    ) -> dict[str, float]:
+        """Inner values of a curve that has no slope over the places of readings, (P, 3) mm."""
         raise NotImplementedError
 
     # what a fit works with; an effect overrides these only where its amplitudes hide ----------

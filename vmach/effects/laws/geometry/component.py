@@ -14,6 +14,8 @@ __all__ = ["Component"]
 _KNOT_SPACING_MM = 20.0
 #: correlation lengths of the correction: a local dent, a change of the whole curve
 _LENGTHS_MM = (30.0, 120.0)
+#: half of a stretch that is but a place; it has no slope
+_POINT_MM = 1e-6
 
 
 class Component(Effect):
@@ -90,14 +92,35 @@ class Component(Effect):
         low, high = path.job.machine.travel_mm[:, component_of(target)[1]]
         return np.linspace(low, high, 1 + int(np.ceil((high - low) / _KNOT_SPACING_MM)))
 
-    def curve(self, path, target, length_mm) -> np.ndarray:
+    def curve(self, path, target, **inner_values) -> np.ndarray:
         """Matrix from coefficients to the correction at the knots, um or urad, (K, K)."""
         size = 15.0 if component_of(target)[2] else 5.0
-        return size * _root(self.knots_mm(path, target), length_mm)
+        return size * _root(self.knots_mm(path, target), **inner_values)
+
+    def beyond_slope(self, inner_values, target, nose_mm):
+        position = nose_mm[:, component_of(target)[1]]
+        return {**inner_values, "from_mm": position.min(), "to_mm": position.max()}
 
 
-def _root(knots_mm: np.ndarray, length_mm: float) -> np.ndarray:
-    """Square root of a squared-exponential covariance between the knots, (K, K)."""
+def _root(
+    knots_mm: np.ndarray,
+    length_mm: float,
+    from_mm: float | None = None,
+    to_mm: float | None = None,
+) -> np.ndarray:
+    """Square root of a squared-exponential covariance between the knots, (K, K).
+
+    With a stretch given, what lies beyond the mean line over it, which goes on as it ends there.
+    """
     apart = np.subtract.outer(knots_mm, knots_mm) / length_mm
     values, vectors = np.linalg.eigh(np.exp(-0.5 * apart**2))
-    return vectors * np.sqrt(np.maximum(values, 0.0))
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    if from_mm is None or to_mm is None:
+        return root
+    middle, half = 0.5 * (from_mm + to_mm), max(0.5 * (to_mm - from_mm), _POINT_MM)
+    share = np.linspace(-1.0, 1.0, len(knots_mm))
+    hats = [np.interp(middle + half * share, knots_mm, unit) for unit in np.eye(len(root))]
+    there = np.stack(hats, axis=1) @ root
+    slope = share @ there / (share @ share)
+    everywhere = np.clip((knots_mm - middle) / half, -1.0, 1.0)
+    return root - there.mean(axis=0) - everywhere[:, None] * slope

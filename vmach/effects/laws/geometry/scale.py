@@ -26,6 +26,7 @@ class Scale(Effect):
     confirm = "measure the axis with a laser, the material sensor on the screw or scale"
     cure = "set the axis' linear compensation, or mend the temperature compensation"
     imitates_as_team = True
+    goes_before_curves = True  # the mean slope of a positioning error (ISO 230-2)
 
     def is_unmeasured(self, machine, target):
         return f"E{target}{target}" not in machine.components

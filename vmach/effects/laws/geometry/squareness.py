@@ -27,6 +27,7 @@ class Squareness(Effect):
         linear("squareness_urad", "rotation of the axis' line, right-handed", usual=30.0),
     )
     targets = tuple(_PAIRS)
+    goes_before_curves = True  # ISO 230-1: a straightness error motion has no slope
     usual_size = "10 to 50 urad (um per metre); more after a collision"
     confirm = "cut or measure a square, turn it by 90 degrees, measure again; or a ballbar"
     cure = "align the guides, or set the control's squareness compensation"
