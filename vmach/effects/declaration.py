@@ -32,6 +32,7 @@ _YES_OR_NO = (
     "is_sudden",
     "is_never_exact",
     "imitates_as_team",
+    "goes_before_curves",
     "follows_travel",
 )
 _WORDS = ("shows_as", "law", "usual_size", "confirm", "cure", "source", "signature")

@@ -15,13 +15,14 @@ M. Plumlee, J. Am. Stat. Assoc. 112 (2017) 1274: what is flexible is orthogonal 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
+from vmach.effects import Effect
 from vmach.fit.candidates import Candidate
 from vmach.fit.whitening import orthonormal
 
@@ -31,13 +32,21 @@ __all__ = ["as_defined"]
 _HELD = 0.98
 
 
-def as_defined(weighing: Weighing, found: Explanation) -> Explanation:
-    """An explanation by what standards define, where that is not clearly less probable."""
-    found = _as_tested(weighing, found)
-    for candidate in weighing.candidates:
-        if _goes_before_curves(weighing, candidate):
-            found = _beside(weighing, found, candidate)
-    return found
+def as_defined(weighing: Weighing, found: Explanation) -> tuple[Weighing, Explanation]:
+    """An explanation by what standards define, where that is not clearly less probable.
+
+    With it the weighing, whose curves have nothing of the plain laws that are there.
+    """
+    found, taken = _as_tested(weighing, found), []
+    for law in weighing.candidates:
+        beside = _beside(weighing, found, law) if _goes_before_curves(weighing, law) else None
+        if beside is not None and beside.score > found.score - CLEARLY:
+            found = beside
+            taken.append(law)
+    if taken:
+        curves = ((c, any(_holds(weighing, c, law) for law in taken)) for c in weighing.candidates)
+        weighing = weighing.with_candidates([_beyond(weighing, c) if h else c for c, h in curves])
+    return weighing, found
 
 
 def _as_tested(weighing: Weighing, found: Explanation) -> Explanation:
@@ -67,32 +76,43 @@ def _goes_before_curves(weighing: Weighing, candidate: Candidate) -> bool:
     return effect.goes_before_curves and effect.is_unmeasured(machine, candidate.target)
 
 
-def _beside(weighing: Weighing, found: Explanation, law: Candidate) -> Explanation:
+def _beside(weighing: Weighing, found: Explanation, law: Candidate) -> Explanation | None:
     """An explanation by a plain law, and by what lies beyond it of the curves that hold it."""
-    curves = _curves_that_hold(weighing, found, law.signatures_mm[:, 0])
-    if not curves:
-        return found
-    places = np.vstack([path.nose_mm for path in weighing.survey.seen_paths])
-    terms = list(found.terms)
-    for k in curves:
-        effect, target = terms[k].effect, terms[k].target
-        terms[k] = replace(terms[k], inner=effect.beyond_slope(terms[k].inner, target, places))
+    terms = [
+        replace(term, inner=_inner_beyond(weighing, term.effect, term.target, term.inner))
+        if _holds(weighing, weighing.candidates[weighing.index_of(term.label)], law)
+        else term
+        for term in found.terms
+    ]
+    if all(new is old for new, old in zip(terms, found.terms, strict=True)):
+        return None
     if law.label not in found.labels:
         terms.append(weighing.term(weighing.index_of(law.label), found))
-    trial = weighing.explain(terms, found.posterior.sizes, refine=False)
-    return trial if trial.score > found.score - CLEARLY else found
+    return weighing.explain(terms, found.posterior.sizes, refine=False)
 
 
-def _curves_that_hold(weighing: Weighing, found: Explanation, law_mm: np.ndarray) -> Sequence[int]:
-    """Curves of tables that nobody measured, nor a test, which can do what a law (n, 1) does."""
-    if found.fit is None:
-        return []
-    law, machine = orthonormal(weighing.base.white(law_mm)), weighing.survey.job.machine
-    return [
-        k
-        for k, term in enumerate(found.terms)
-        if term.effect.corrects_table
-        and term.effect.is_unmeasured(machine, term.target)
-        and not weighing.survey.is_defined(term.effect, term.target)
-        and float(np.linalg.norm(orthonormal(found.fit.signatures[k].white).T @ law)) > _HELD
-    ]
+def _holds(weighing: Weighing, curve: Candidate, law: Candidate) -> bool:
+    """Whether it is of a table that nobody measured, nor a test, and can do all that a law does."""
+    survey, effect, target = weighing.survey, curve.effect, curve.target
+    if not effect.corrects_table or survey.is_defined(effect, target):
+        return False
+    spaces = (weighing.base.white(c.signatures_mm[:, 0].astype(float)) for c in (curve, law))
+    own, its = map(orthonormal, spaces)
+    is_unmeasured = effect.is_unmeasured(survey.job.machine, target)
+    return is_unmeasured and float(np.linalg.norm(own.T @ its)) > _HELD
+
+
+def _beyond(weighing: Weighing, curve: Candidate) -> Candidate:
+    """A curve without slope, as a candidate."""
+    effect, target = curve.effect, curve.target
+    grid = [_inner_beyond(weighing, effect, target, inner) for inner in curve.grid]
+    signatures = [weighing.survey.signature(effect, target, inner) for inner in grid]
+    return replace(curve, grid=grid, signatures_mm=np.stack(signatures, axis=1))
+
+
+def _inner_beyond(
+    weighing: Weighing, effect: Effect, target: str, inner: Mapping[str, float]
+) -> dict[str, float]:
+    """Inner values of a curve that has no slope over the places of all readings."""
+    places = np.vstack([path.nose_mm for path in weighing.survey.seen_paths])
+    return effect.beyond_slope(inner, target, places)

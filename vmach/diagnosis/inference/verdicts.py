@@ -134,7 +134,7 @@ def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
         else:
             other.put_away()
             weighing = asked_back()
-    return weighing, as_defined(weighing, search_beyond(weighing, found))
+    return as_defined(weighing, search_beyond(weighing, found))
 
 
 def _settled(weighing: Weighing) -> tuple[Weighing, Explanation]:

@@ -1,0 +1,67 @@
+"""A curve of a table that nobody measured has no slope that a plain law is (ISO 230-1)."""
+
+import numpy as np
+import pytest
+
+from tests.small_job import measurement, write_job
+from vmach.diagnosis.diagnose import diagnose
+from vmach.diagnosis.residuals.job_survey import survey_job
+from vmach.effects.laws.geometry.component import Component
+from vmach.effects.trial_path import trial_path
+
+LEAN_URAD, SCALE_PPM = 40.0, -25.0
+
+
+@pytest.mark.parametrize("target", ["EXX", "EXY", "EBY"])
+def test_what_lies_beyond_a_slope_has_none(target):
+    """Least squares by numpy over a stretch that was not used for the knots."""
+    path, effect = trial_path(), Component()
+    low, high = path.job.machine.travel_mm["XYZ".index(target[2])]
+    nose = np.linspace([0.7 * low + 0.3 * high] * 3, [0.1 * low + 0.9 * high] * 3, 57)
+    inner = effect.beyond_slope({"length_mm": 120.0}, target, nose)
+    knots = effect.knots_mm(path, target)
+    whole = effect.curve(path, target, length_mm=120.0)
+    beyond = effect.curve(path, target, **inner)
+    place = np.linspace(nose[0, 0], nose[-1, 0], 2001)
+    for before, after in zip(whole.T, beyond.T, strict=True):
+        values = [np.interp(place, knots, one) for one in (before, after)]
+        line = np.polynomial.Polynomial.fit(place, values[0], 1)
+        size = max(np.abs(values[0]).max(), 1e-6)
+        # the mean line of a few dozen places is not that of thousands
+        np.testing.assert_allclose(values[1], values[0] - line(place), atol=0.05 * size)
+
+
+def plate(folder, *, seed, bend_um):
+    """Holes of a machine without tables: squareness, a scale, and an X axis that is not straight.
+
+    Closed forms written here: dx = s x - c y, dy = a bow along X.
+    """
+    random = np.random.default_rng(seed)
+    place = np.round(random.uniform(-100.0, 100.0, (220, 2)), 2)
+    x, y = place.T
+    bow = bend_um * ((y / 100.0) ** 2 - 1.0 / 3.0)
+    moved = np.column_stack(
+        [1e-3 * SCALE_PPM * x - 1e-3 * LEAN_URAD * y + bow, np.zeros(len(x))]
+    ) + 1.0 * random.standard_normal((len(x), 2))
+    job = write_job(folder, more=measurement("holes", u_um=1.0))
+    text = [line for line in job.read_text().splitlines() if not line.startswith("measured")]
+    job.write_text("\n".join(text).replace("tool_length_mm = 100\n", "") + "\n")
+    drills = [f"X{a:.3f} Y{b:.3f}" for a, b in place]
+    head = ["%", "G21 G17 G90", "T1 M6", "S3000 M3", "G54 G43 H1", "G0 X0 Y0 Z20"]
+    lines = [*head, f"G81 Z-10 R2 F300 {drills[0]}", *drills[1:], "G80", "G0 Z20", "M30", "%"]
+    (folder / "part.nc").write_text("\n".join(lines) + "\n")
+    rows = np.hstack([place, place + 1e-3 * moved])
+    np.savetxt(
+        folder / "holes.csv", rows, delimiter=",", header="x,y,mx,my", comments="", fmt="%.6f"
+    )
+    return job
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_squareness_is_shown_beside_an_axis_that_is_not_straight(tmp_path, seed):
+    """One curve could do both; what is a slope is called by its name, with a narrow interval."""
+    found = diagnose(survey_job(plate(tmp_path, seed=seed, bend_um=4.0)))
+    (lean,) = [f for f in found.findings if f.name == "squareness"]
+    low, high = lean.interval_95["squareness_urad"]
+    assert low - 3.0 < LEAN_URAD < high + 3.0 and high - low < 20.0
+    assert any("component EXY" in f.rivals.labels for f in found.findings)
