@@ -14,6 +14,8 @@ __all__ = ["Component"]
 _KNOT_SPACING_MM = 20.0
 #: correlation lengths of the correction: a local dent, a change of the whole curve
 _LENGTHS_MM = (30.0, 120.0)
+#: places of a mean line for each knot; with them it is that of all places to 2 %
+_FINER = 8
 #: half of a stretch that is but a place; it has no slope
 _POINT_MM = 1e-6
 
@@ -118,9 +120,12 @@ def _root(
     if from_mm is None or to_mm is None:
         return root
     middle, half = 0.5 * (from_mm + to_mm), max(0.5 * (to_mm - from_mm), _POINT_MM)
-    share = np.linspace(-1.0, 1.0, len(knots_mm))
+    share = np.linspace(-1.0, 1.0, _FINER * len(knots_mm))
     hats = [np.interp(middle + half * share, knots_mm, unit) for unit in np.eye(len(root))]
     there = np.stack(hats, axis=1) @ root
     slope = share @ there / (share @ share)
-    everywhere = np.clip((knots_mm - middle) / half, -1.0, 1.0)
+    # up to the knots around the stretch, so that it is straight all over it
+    first = knots_mm[knots_mm <= from_mm].max(initial=knots_mm[0])
+    last = knots_mm[knots_mm >= to_mm].min(initial=knots_mm[-1])
+    everywhere = (np.clip(knots_mm, first, last) - middle) / half
     return root - there.mean(axis=0) - everywhere[:, None] * slope
