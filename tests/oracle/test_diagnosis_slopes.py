@@ -5,6 +5,7 @@ import pytest
 
 from tests.small_job import measurement, write_job
 from vmach.diagnosis.diagnose import diagnose
+from vmach.diagnosis.named_fit import fit_named
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects.laws.geometry.component import Component
 from vmach.effects.trial_path import trial_path
@@ -66,3 +67,13 @@ def test_squareness_is_shown_beside_an_axis_that_is_not_straight(tmp_path, seed)
     low, high = lean.interval_95["squareness_urad"]
     assert low - 3.0 < LEAN_URAD < high + 3.0 and high - low < 20.0
     assert any("component EXY" in f.rivals.labels for f in found.findings)
+
+
+def test_what_is_added_has_the_size_that_was_said(tmp_path):
+    """Fitted by their names the two are split as they are in the diagnosis."""
+    survey = survey_job(plate(tmp_path, seed=2, bend_um=4.0))
+    named = fit_named(survey, ["component:EXY", "squareness:C0Y", "scale:X"])
+    (lean,) = [one for one in named if one.effect.name == "squareness"]
+    u = lean.u["squareness_urad"]
+    assert u < 5.0
+    assert lean.parameters["squareness_urad"] == pytest.approx(LEAN_URAD, abs=3.0 * u)

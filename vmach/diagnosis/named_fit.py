@@ -10,6 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from vmach.diagnosis.component_curve import component_directions
 from vmach.diagnosis.fitted_parameters import fitted_parameters
+from vmach.diagnosis.inference.by_definition import beyond_slopes
 from vmach.diagnosis.inference.noise import noise_after
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.support import supports_of
@@ -81,6 +82,8 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
     if noise is not None:
         weighing = weighing.with_noise(noise)
         found = weighing.explain(found.terms, found.posterior.sizes)
+    own = [weighing.candidates[weighing.index_of(term.label)] for term in found.terms]
+    weighing, found = beyond_slopes(weighing, found, own)
     supports, fit = supports_of(weighing, found), weighing.careful(found)
     assert fit is not None
     return tuple(

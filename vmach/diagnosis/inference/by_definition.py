@@ -15,7 +15,7 @@ M. Plumlee, J. Am. Stat. Assoc. 112 (2017) 1274: what is flexible is orthogonal 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -26,7 +26,7 @@ from vmach.effects import Effect
 from vmach.fit.candidates import Candidate
 from vmach.fit.whitening import orthonormal
 
-__all__ = ["as_defined"]
+__all__ = ["as_defined", "beyond_slopes"]
 
 #: cosine from which on a curve can do all that a law does; it does so exactly, or clearly not
 _HELD = 0.98
@@ -37,8 +37,22 @@ def as_defined(weighing: Weighing, found: Explanation) -> tuple[Weighing, Explan
 
     With it the weighing, whose curves have nothing of the plain laws that are there.
     """
-    found, taken = _as_tested(weighing, found), []
-    for law in weighing.candidates:
+    return beyond_slopes(weighing, _as_tested(weighing, found), weighing.candidates)
+
+
+def beyond_slopes(
+    weighing: Weighing, found: Explanation, laws: Sequence[Candidate]
+) -> tuple[Weighing, Explanation]:
+    """The same of some laws alone: those that are plain, and that curves hold, stand beside them.
+
+    Parameters
+    ----------
+    weighing : Weighing
+    found : Explanation
+    laws : sequence of Candidate
+    """
+    taken = []
+    for law in laws:
         beside = _beside(weighing, found, law) if _goes_before_curves(weighing, law) else None
         if beside is not None and beside.score > found.score - CLEARLY:
             found = beside
