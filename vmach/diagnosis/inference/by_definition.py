@@ -60,6 +60,8 @@ def beyond_slopes(
     if taken:
         curves = ((c, any(_holds(weighing, c, law) for law in taken)) for c in weighing.candidates)
         weighing = weighing.with_candidates([_beyond(weighing, c) if h else c for c, h in curves])
+        # sets that were tried before held other curves
+        weighing.tried = {found.labels: found.score}
     return weighing, found
 
 
