@@ -60,6 +60,47 @@ def test_rows_without_times_follow_each_other(tmp_path):
     np.testing.assert_allclose(np.diff(time_s), 5.0 + way_mm / rapid_mm_per_s, atol=3e-3)
 
 
+WIDE = """position_mm,forward_1_um,backward_1_um,forward_2_um,backward_2_um
+-300,1,8,2,9
+-250,3,7,,6
+-200,4,5,5,4
+"""
+
+
+def test_runs_side_by_side_are_read_in_their_order(tmp_path):
+    """As tables after ISO 230-2 have them: out and back in turn, an empty cell was not read."""
+    job_path = write_job(tmp_path, more=LASER)
+    (tmp_path / "laser.csv").write_text(WIDE)
+    (laser,) = read_instruments(read_job(job_path))
+    out, back = [-300.0, -250.0, -200.0], [-200.0, -250.0, -300.0]
+    np.testing.assert_array_equal(laser.states.nose_mm[:, 0], [*out, *back, -300.0, -200.0, *back])
+    np.testing.assert_allclose(1e3 * laser.measured_mm, [1, 3, 4, 5, 7, 8, 2, 5, 4, 6, 9])
+    assert laser.group.tolist() == ["run 1"] * 6 + ["run 2"] * 5
+    sides = Circumstances(laser.states, read_job(job_path)).play_side[:, 0]
+    np.testing.assert_array_equal(sides, [1] * 3 + [-1] * 3 + [1] * 2 + [-1] * 3)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        ("backward_2_um", "backward_2_mm", "in the unit of deviation_um"),
+        ("backward_2_um", "backward_1_um", "position_mm, forward_1, backward_1"),
+        ("backward_2_um", "comment", "header"),
+        ("-250,", "here,", "position_mm is 'here'"),
+        (",7,", ",seven,", "backward_1_um is 'seven'"),
+        ("\n-300,1,8,2,9\n-250,3,7,,6\n-200,4,5,5,4", "", "no rows"),
+        ("1,8,2,9\n-250,3,7,,6\n-200,4,5,5,4", ",,,", "all cells are empty"),
+    ],
+)
+def test_runs_side_by_side_that_are_wrong_are_refused(tmp_path, before, after, said):
+    job_path = write_job(tmp_path, more=LASER)
+    assert before in WIDE
+    (tmp_path / "laser.csv").write_text(WIDE.replace(before, after))
+    with pytest.raises(InputError) as caught:
+        read_instruments(read_job(job_path))
+    assert said in str(caught.value) and "laser.csv" in str(caught.value)
+
+
 def diagonal_rows(distances, ways):
     rows = ["run,distance_mm,approach,t_s,deviation_um"]
     pairs = zip(distances, ways, strict=True)

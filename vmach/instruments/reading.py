@@ -37,6 +37,7 @@ from vmach.measurements.plausibility.reading_check import (
     still_notes,
 )
 from vmach.measurements.plausibility.unit_check import check_unit
+from vmach.measurements.side_by_side import read_side_by_side
 from vmach.path.preparation import Preparation, prepare
 from vmach.path.toolpath import PathStates
 from vmach.plausibility import doubtful_length
@@ -125,7 +126,10 @@ def _read(settings: Instrument, path: Path) -> tuple[Columns, tuple[Note, ...]]:
     every = (*settings.columns, *settings.optional_columns)
     text = [name for name in every if name in settings.text_columns]
     numbers = [name for name in every if name not in settings.text_columns]
-    table = read_columns(path, numbers=numbers, text=text, optional=settings.optional_columns)
+    table = read_side_by_side(path, settings.columns) if settings.has_runs else None
+    table = table or read_columns(
+        path, numbers=numbers, text=text, optional=settings.optional_columns
+    )
     if settings.follows_program:
         return table, repeat_notes(table)
     notes: tuple[Note, ...] = ()

@@ -114,6 +114,8 @@ class Instrument(FileSection):
     text_columns: ClassVar[tuple[str, ...]] = ("run",)
     #: columns that its file may have besides
     optional_columns: ClassVar[tuple[str, ...]] = ()
+    #: whether its columns are run, place, side and reading, so that runs may stand side by side
+    has_runs: ClassVar[bool] = False
     #: whether the program of the job tells when and where the tool was, and not the file
     follows_program: ClassVar[bool] = False
     #: those that hold what was read, in um; and the signs of the last motions, 1, -1 or 0

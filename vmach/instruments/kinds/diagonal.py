@@ -21,6 +21,7 @@ class Diagonal(Instrument):
     title = "Diagonal"
     columns = ("run", "distance_mm", "approach", "deviation_um")
     optional_columns = ("t_s",)
+    has_runs = True
     readings = ("deviation_um",)
     signs = ("approach",)
     sign_meaning = (

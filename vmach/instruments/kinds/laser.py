@@ -28,6 +28,7 @@ class Laser(Instrument):
     title = "Laser line"
     columns = ("run", "position_mm", "approach", "deviation_um")
     optional_columns = ("t_s",)
+    has_runs = True
     readings = ("deviation_um",)
     signs = ("approach",)
     sign_meaning = "deviation_um is positive where the tool is further along + than programmed"

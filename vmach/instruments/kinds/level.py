@@ -38,6 +38,7 @@ class Level(Instrument):
     title = "Level"
     columns = ("run", "position_mm", "approach", "tilt_um_per_m")
     optional_columns = ("t_s",)
+    has_runs = True
     readings = ("tilt_um_per_m",)
     signs = ("approach",)
     sign_meaning = (

@@ -1,0 +1,98 @@
+"""Runs side by side: a row of each place, a column of each run from either side.
+
+Source: ISO 230-2, bidirectional runs; within a run the places are reached in turn, out and back.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from vmach.errors import InputError
+from vmach.files.text_file import csv_rows, decimal_number, read_text
+from vmach.measurements.columns import Columns
+
+__all__ = ["read_side_by_side"]
+
+_RUN = re.compile(r"(forward|backward)_(\d+)(?:_(\w+))?")
+#: sign of the motion into a place
+_SIDES = {"forward": 1.0, "backward": -1.0}
+
+
+def read_side_by_side(path: Path, columns: Sequence[str]) -> Columns | None:
+    """The readings of a file in the order of the runs; None where its runs stand below each other.
+
+    Parameters
+    ----------
+    path : Path
+        With a column of places and ``forward_1, backward_1, forward_2, ...``; an empty cell is a
+        reading that is missing.
+    columns : sequence of str
+        Of a file whose runs stand below each other: run, place, side and reading. The unit of
+        the reading is that of the runs too.
+
+    Raises
+    ------
+    InputError
+        No such file, a column twice, in another unit or of something else, no rows, a cell that is
+        no finite number.
+    """
+    run, place, side, reading = columns
+    every = list(csv_rows(read_text(path, what="measurement file").splitlines(), path))
+    header = [cell.strip() for cell in every[0]] if every else []
+    if place not in header or not any(_RUN.fullmatch(name) for name in header):
+        return None
+    own = [_run_of(name, k, reading) for k, name in enumerate(header) if name != place]
+    runs = [one for one in own if one is not None]
+    if len(runs) < len(own) or len({(r.number, r.side) for r in runs}) < len(runs):
+        raise InputError(
+            f"header '{', '.join(header)}'", file=path, line=1,
+            accepted=f"{place}, forward_1, backward_1, forward_2, ... in the unit of {reading}",
+        )  # fmt: skip
+    body = [(line, cells) for line, cells in enumerate(every[1:], 2) if any(cells)]
+    if not body:
+        raise InputError("no rows of data", file=path)
+    at = np.array([_number(cells, header.index(place), place, path, n) for n, cells in body])
+    rows = []
+    for one in sorted(runs, key=lambda r: (r.number, -_SIDES[r.side])):
+        for k in np.argsort(_SIDES[one.side] * at, kind="stable").tolist():
+            line, cells = body[k]
+            if one.column < len(cells) and cells[one.column].strip():
+                value = _number(cells, one.column, header[one.column], path, line)
+                rows.append((line, one.number, at[k], _SIDES[one.side], value))
+    if not rows:
+        raise InputError("no readings: all cells are empty", file=path)
+    lines, numbers, places, sides, values = map(np.array, zip(*rows, strict=True))
+    text = {run: numbers.astype(str)}
+    return Columns(path, lines, text, {place: places, side: sides, reading: values})
+
+
+@dataclass(frozen=True)
+class _Run:
+    """Where a run from one side stands."""
+
+    number: int
+    side: str
+    column: int
+
+
+def _run_of(name: str, column: int, reading: str) -> _Run | None:
+    """What a column of the header holds; None where that is no run in the unit of the reading."""
+    found = _RUN.fullmatch(name)
+    if found is None or (found[3] and not reading.endswith(f"_{found[3]}")):
+        return None
+    return _Run(int(found[2]), found[1], column)
+
+
+def _number(cells: Sequence[str], column: int, name: str, path: Path, line: int) -> float:
+    cell = cells[column].strip() if column < len(cells) else ""
+    value = decimal_number(cell)
+    if not np.isfinite(value):
+        raise InputError(
+            f"{name} is '{cell}'", file=path, line=line, accepted="a finite number such as -1.25"
+        )
+    return value
