@@ -34,6 +34,7 @@ def judged(folder: Path, kind: str) -> dict[str, object]:
     said = [entry for entry in report["effects"] if entry["effect"] != "unknown"]
     classes = [{_label(entry), *entry["rivals"]} for entry in said]
     shown = [any(c & {*names} for c in classes) for names in truth["hidden"]]
+    led = [any(_label(entry) in names for entry in said) for names in truth["hidden"]]
     true = {name for names in truth["hidden"] for name in names}
     false = [
         _label(entry)
@@ -41,6 +42,7 @@ def judged(folder: Path, kind: str) -> dict[str, object]:
         if not its & true and entry["effect"] not in _MAPS
     ]
     row = {"kind": kind, "verdict": report["verdict"], "first": shown[0], "second": shown[1]}
+    row |= {"led_first": led[0], "led_second": led[1]}
     row |= {"pitch": "" if len(shown) < 3 else sum(shown[2:]), "false": " ".join(false)}
     row |= {"left_um": report["remains_um"], "seconds": round(seconds, 2), "inside": ""}
     row["is_left_ok"] = report["remains_um"] <= max(LEFT_UM, truth.get("rest_um", LEFT_UM))
@@ -63,7 +65,9 @@ def print_table(rows: list[dict]) -> None:
     inside = [r["inside"] for r in axes if r["inside"] != ""]
     for name, hits, count in (
         ("plates: scale or temperature shown", sum(r["first"] for r in plates), len(plates)),
+        ("plates: the same, first of its class", sum(r["led_first"] for r in plates), len(plates)),
         ("plates: squareness shown", sum(r["second"] for r in plates), len(plates)),
+        ("plates: the same, first of its class", sum(r["led_second"] for r in plates), len(plates)),
         ("plates: pitch errors of 1 to 3 um shown", sum(pitch), 2 * len(pitch)),
         ("plates: a false name", sum(bool(r["false"]) for r in plates), len(plates)),
         ("axes: lost motion shown", sum(r["first"] for r in axes), len(axes)),
