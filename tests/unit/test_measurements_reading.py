@@ -87,6 +87,7 @@ def test_runs_side_by_side_are_read_in_their_order(tmp_path):
         ("backward_2_um", "backward_1_um", "position_mm, forward_1, backward_1"),
         ("backward_2_um", "comment", "header"),
         ("-250,", "here,", "position_mm is 'here'"),
+        ("-250,3,7,,6", "-250,3,7", "3 cells"),
         (",7,", ",seven,", "backward_1_um is 'seven'"),
         ("\n-300,1,8,2,9\n-250,3,7,,6\n-200,4,5,5,4", "", "no rows"),
         ("1,8,2,9\n-250,3,7,,6\n-200,4,5,5,4", ",,,", "all cells are empty"),

@@ -10,7 +10,6 @@ import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -180,25 +179,27 @@ class Survey:
 
     def is_tested(self, effect: Effect, target: str) -> bool:
         """Whether an effect is a result, by its standard, of a test that was made along an axis."""
-        return label_of(effect.name, target) in self._by_axis("results")
+        return label_of(effect.name, target) in self._results
 
     def is_defined(self, effect: Effect, target: str) -> bool:
         """Whether a test reads just that by definition, as a laser reads a positioning error."""
-        return label_of(effect.name, target) in self._by_axis("defines")
+        return label_of(effect.name, target) in self._defined
 
-    def _by_axis(self, key: Literal["results", "defines"]) -> set[str]:
-        """What instruments say of the axis that they sense, where they sense a single one."""
-        pairs = (
-            (m, axis)
-            for m in self.measurements
-            for axis in zip(LINEAR_AXES, np.eye(3), strict=True)
-        )
-        return {
-            said.format(axis=name)
-            for m, (name, unit) in pairs
-            if np.all(m.sensing == unit)
-            for said in getattr(m.instrument, key)
-        }
+    @cached_property
+    def _results(self) -> set[str]:
+        """Results of all tests, with the axis that each senses."""
+        return {said.format(axis=a) for m, a in self._along_axes for said in m.instrument.results}
+
+    @cached_property
+    def _defined(self) -> set[str]:
+        """What all tests read by definition, with the axis that each senses."""
+        return {said.format(axis=a) for m, a in self._along_axes for said in m.instrument.defines}
+
+    @cached_property
+    def _along_axes(self) -> list[tuple[Measurement, str]]:
+        """Measurements that sense a single axis, and that axis."""
+        axes = list(zip(LINEAR_AXES, np.eye(3), strict=True))
+        return [(m, a) for m in self.measurements for a, e in axes if np.all(m.sensing == e)]
 
     def not_testable(self, effect: Effect, target: str) -> str | None:
         """Why none of the measurements can show the effect, or None."""

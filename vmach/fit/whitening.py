@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-__all__ = ["Whiten", "Whitening", "condensed", "orthonormal", "thin_product"]
+__all__ = ["Whiten", "Whitening", "condensed", "orthonormal", "share_within", "thin_product"]
 
 #: turns columns (n,) or (n, k) mm into plain unit noise
 Whiten = Callable[[np.ndarray], np.ndarray]
@@ -97,3 +97,11 @@ def thin_product(matrix: np.ndarray, columns: np.ndarray) -> np.ndarray:
     if 1 < columns.shape[1] <= _FEW:
         return np.stack([matrix @ column for column in columns.T], axis=1)
     return matrix @ columns
+
+
+def share_within(space: np.ndarray, other: np.ndarray) -> float:
+    """Which share of a space of readings lies within another one, as a cosine.
+
+    Both are given by orthonormal columns, (n, r) and (n, s).
+    """
+    return float(np.linalg.norm(other.T @ space) / np.sqrt(max(space.shape[1], 1)))

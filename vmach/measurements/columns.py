@@ -12,7 +12,7 @@ import numpy as np
 from vmach.errors import InputError
 from vmach.files.text_file import column_hint, csv_rows, decimal_number, read_text
 
-__all__ = ["Columns", "read_columns"]
+__all__ = ["Columns", "finite_number", "read_columns", "rows_below"]
 
 
 @dataclass(frozen=True)
@@ -69,31 +69,50 @@ def read_columns(
             line=1,
             accepted="every column once",
         )
-    body = [(line, row) for line, row in enumerate(rows[1:], 2) if any(row)]
-    if not body:
-        raise InputError("no rows of data", file=path)
-    for line, row in body:
-        if len(row) != len(header):
-            raise InputError(
-                f"{len(row)} cells", file=path, line=line, accepted=f"{len(header)} as in line 1"
-            )
+    body = rows_below(rows, path)
     cells = {name: [row[k].strip() for _, row in body] for k, name in enumerate(header)}
     values = {name: _numbers(cells[name], name, path, body) for name in numbers}
     lines = np.array([line for line, _ in body])
     return Columns(path, lines, {name: np.array(cells[name]) for name in text}, values)
 
 
+def rows_below(rows: Sequence[list[str]], path: Path) -> list[tuple[int, list[str]]]:
+    """Rows below the heading that hold something, each with its line.
+
+    Raises
+    ------
+    InputError
+        No rows, or one with more or fewer cells than the heading.
+    """
+    body = [(line, row) for line, row in enumerate(rows[1:], 2) if any(row)]
+    if not body:
+        raise InputError("no rows of data", file=path)
+    for line, row in body:
+        if len(row) != len(rows[0]):
+            raise InputError(
+                f"{len(row)} cells", file=path, line=line, accepted=f"{len(rows[0])} as in line 1"
+            )
+    return body
+
+
 def _numbers(
     cells: list[str], name: str, path: Path, body: Sequence[tuple[int, list[str]]]
 ) -> np.ndarray:
-    values = np.empty(len(cells))
-    for k, cell in enumerate(cells):
-        values[k] = decimal_number(cell)
-        if not np.isfinite(values[k]):
-            raise InputError(
-                f"{name} is '{cell}'",
-                file=path,
-                line=body[k][0],
-                accepted="a finite number such as -1.25",
-            )
-    return values
+    pairs = zip(cells, body, strict=True)
+    return np.array([finite_number(cell, name, path, line) for cell, (line, _) in pairs])
+
+
+def finite_number(cell: str, name: str, path: Path, line: int) -> float:
+    """The number in a cell of a named column.
+
+    Raises
+    ------
+    InputError
+        A cell that is no finite number.
+    """
+    value = decimal_number(cell)
+    if not np.isfinite(value):
+        raise InputError(
+            f"{name} is '{cell}'", file=path, line=line, accepted="a finite number such as -1.25"
+        )
+    return value

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from vmach.errors import InputError
-from vmach.files.text_file import csv_rows, decimal_number, read_text
-from vmach.measurements.columns import Columns
+from vmach.files.text_file import csv_rows, read_text
+from vmach.measurements.columns import Columns, finite_number, rows_below
 
 __all__ = ["read_side_by_side"]
 
@@ -53,16 +53,15 @@ def read_side_by_side(path: Path, columns: Sequence[str]) -> Columns | None:
             f"header '{', '.join(header)}'", file=path, line=1,
             accepted=f"{place}, forward_1, backward_1, forward_2, ... in the unit of {reading}",
         )  # fmt: skip
-    body = [(line, cells) for line, cells in enumerate(every[1:], 2) if any(cells)]
-    if not body:
-        raise InputError("no rows of data", file=path)
-    at = np.array([_number(cells, header.index(place), place, path, n) for n, cells in body])
+    body = rows_below(every, path)
+    where = header.index(place)
+    at = np.array([finite_number(cells[where].strip(), place, path, n) for n, cells in body])
     rows = []
     for one in sorted(runs, key=lambda r: (r.number, -_SIDES[r.side])):
         for k in np.argsort(_SIDES[one.side] * at, kind="stable").tolist():
             line, cells = body[k]
-            if one.column < len(cells) and cells[one.column].strip():
-                value = _number(cells, one.column, header[one.column], path, line)
+            if cell := cells[one.column].strip():
+                value = finite_number(cell, header[one.column], path, line)
                 rows.append((line, one.number, at[k], _SIDES[one.side], value))
     if not rows:
         raise InputError("no readings: all cells are empty", file=path)
@@ -86,13 +85,3 @@ def _run_of(name: str, column: int, reading: str) -> _Run | None:
     if found is None or (found[3] and not reading.endswith(f"_{found[3]}")):
         return None
     return _Run(int(found[2]), found[1], column)
-
-
-def _number(cells: Sequence[str], column: int, name: str, path: Path, line: int) -> float:
-    cell = cells[column].strip() if column < len(cells) else ""
-    value = decimal_number(cell)
-    if not np.isfinite(value):
-        raise InputError(
-            f"{name} is '{cell}'", file=path, line=line, accepted="a finite number such as -1.25"
-        )
-    return value

@@ -24,7 +24,7 @@ from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.effects import Effect
 from vmach.fit.candidates import Candidate
-from vmach.fit.whitening import orthonormal
+from vmach.fit.whitening import orthonormal, share_within
 
 __all__ = ["as_defined", "beyond_slopes"]
 
@@ -112,10 +112,10 @@ def _holds(weighing: Weighing, curve: Candidate, law: Candidate) -> bool:
     survey, effect, target = weighing.survey, curve.effect, curve.target
     if not effect.corrects_table or survey.is_defined(effect, target):
         return False
-    spaces = (weighing.base.white(c.signatures_mm[:, 0].astype(float)) for c in (curve, law))
-    own, its = map(orthonormal, spaces)
-    is_unmeasured = effect.is_unmeasured(survey.job.machine, target)
-    return is_unmeasured and float(np.linalg.norm(own.T @ its)) > _HELD
+    if not effect.is_unmeasured(survey.job.machine, target):
+        return False
+    white = (weighing.base.white(c.signatures_mm[:, 0].astype(float)) for c in (law, curve))
+    return share_within(*map(orthonormal, white)) > _HELD
 
 
 def _beyond(weighing: Weighing, curve: Candidate) -> Candidate:

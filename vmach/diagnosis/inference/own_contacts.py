@@ -15,7 +15,7 @@ from vmach.diagnosis.fitted_parameters import fitted_values
 from vmach.diagnosis.inference.bank import Bank
 from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
-from vmach.effects import Effect, EffectInstance
+from vmach.effects import EffectInstance
 from vmach.fit.base import Base
 from vmach.fit.candidates import Candidate, candidate_of, gather_candidates
 from vmach.fit.marginal_likelihood import Effects, Posterior
@@ -50,7 +50,7 @@ def over_own_contacts(weighing: Weighing, found: Explanation) -> tuple[Weighing,
     other = Weighing(moved, known, excluded=weighing.excluded, noise=noise)
     if other.explain(found.terms, found.posterior.sizes).score <= score:
         return weighing, found
-    effects = _effects_of(weighing)
+    effects = weighing.effects
     weighing.release()
     other.release()
     other = other.with_candidates(gather_candidates(moved, effects)[0])
@@ -74,12 +74,8 @@ def beside_one(weighing: Weighing) -> Weighing | None:
     gain, moved = max(trials, key=lambda trial: trial[0], default=(0.0, weighing.survey))
     if gain < CLEARLY:
         return None
-    candidates, excluded = gather_candidates(moved, _effects_of(weighing))
+    candidates, excluded = gather_candidates(moved, weighing.effects)
     return Weighing(moved, candidates, excluded=excluded, noise=weighing.base.noise)
-
-
-def _effects_of(weighing: Weighing) -> Sequence[Effect]:
-    return list(dict.fromkeys(candidate.effect for candidate in weighing.candidates))
 
 
 def _moves_floors(survey: Survey, candidate: Candidate) -> bool:

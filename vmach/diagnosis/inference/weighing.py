@@ -141,6 +141,11 @@ class Weighing:
         self._fewer = Remembered[tuple[Explanation, Explanation]](room)
 
     @property
+    def effects(self) -> list[Effect]:
+        """Those of the candidates, each once."""
+        return list(dict.fromkeys(candidate.effect for candidate in self.candidates))
+
+    @property
     def bank(self) -> Bank:
         """The candidates' signatures, made ready when first asked for."""
         self._bank = self._bank or Bank(self.base, self.candidates)
@@ -196,7 +201,7 @@ class Weighing:
         self.forget()
         if self._means is None:
             return lambda: self
-        effects = list(dict.fromkeys(candidate.effect for candidate in self.candidates))
+        effects = self.effects
         self.release()
         return lambda: self.with_candidates(gather_candidates(self.survey, effects)[0])
 

@@ -21,7 +21,7 @@ from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.noise.discrepancy import Members
 from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
-from vmach.fit.whitening import orthonormal
+from vmach.fit.whitening import orthonormal, share_within
 
 __all__ = ["Forms"]
 
@@ -154,7 +154,7 @@ class Forms:
         assert found.fit is not None
         moved = found.fit.explained_mm(k)[:, None]
         own = orthonormal(moved - self._weighing.survey.aligned(moved))
-        return any(_share_within(own, self._columns.space_of(form)) > _SAME for form in forms)
+        return any(share_within(own, self._columns.space_of(form)) > _SAME for form in forms)
 
     def proposals(self, alone: Explanation, grown: Explanation) -> tuple[Proposal, ...]:
         """The forms of a grown explanation, then others that would do nearly as well.
@@ -222,7 +222,7 @@ class Forms:
                 if gain[k] < CLEARLY or len(taken) == most:
                     break
                 space = self._columns.space_of(forms[k])
-                if all(_share_within(space, other) < _SAME for other in taken):
+                if all(share_within(space, other) < _SAME for other in taken):
                     taken.append(space)
                     chosen += [forms[k]] if forms[k] not in chosen else []
         return [form for form in chosen if _label(form) not in views[0].labels]
@@ -281,11 +281,6 @@ def _complexity(proposal: Proposal) -> tuple[int, int, float]:
 def _two_views(here: Explanation) -> list[Explanation]:
     """An explanation as it is, and beside a discrepancy that leaves forms to show."""
     return [here, beside_little(here)]
-
-
-def _share_within(space: np.ndarray, other: np.ndarray) -> float:
-    """Which share of a space of readings lies within another one, as a cosine."""
-    return float(np.linalg.norm(other.T @ space) / np.sqrt(max(space.shape[1], 1)))
 
 
 class _Screen:
