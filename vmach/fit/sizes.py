@@ -44,22 +44,34 @@ class Sizes:
         factor, *members = np.exp(logarithms).tolist()
         return cls(factor, tuple(members))
 
-    @property
-    def log_prior(self) -> float:
-        """Logarithm of how likely they are beforehand, up to a constant."""
+    def log_prior(self, limits: np.ndarray) -> float:
+        """Logarithm of how likely they are beforehand, up to a constant.
+
+        Parameters
+        ----------
+        limits : (q - 1,) float64
+            Size of each member from which on it falls off as a normal one, in uncertainties as
+            they are: factor times u. May be infinite.
+        """
         usual = -0.5 * (np.log(self.factor) / _LOG_FACTOR) ** 2
-        return float(usual - _POWER * np.log1p((np.array(self.members) / _USUAL_SIZE) ** 2).sum())
+        ratio, beyond = self._squared_ratios(limits)
+        return float(usual - (_POWER * np.log1p(ratio) + 0.5 * beyond).sum())
 
-    @property
-    def slope_of_prior(self) -> np.ndarray:
+    def slope_of_prior(self, limits: np.ndarray) -> np.ndarray:
         """Derivative of `log_prior` by the logarithms, (q,)."""
-        ratio = (np.array(self.members) / _USUAL_SIZE) ** 2
-        return np.array(
-            [-np.log(self.factor) / _LOG_FACTOR**2, *(-2 * _POWER * ratio / (1 + ratio))]
-        )
+        ratio, beyond = self._squared_ratios(limits)
+        of_factor = beyond.sum() - np.log(self.factor) / _LOG_FACTOR**2
+        return np.array([of_factor, *(-2 * _POWER * ratio / (1 + ratio) - beyond)])
 
-    @property
-    def information_of_prior(self) -> np.ndarray:
-        """Second derivative of minus `log_prior` by the logarithms, (q,)."""
-        ratio = (np.array(self.members) / _USUAL_SIZE) ** 2
-        return np.array([1.0 / _LOG_FACTOR**2, *(4 * _POWER * ratio / (1 + ratio) ** 2)])
+    def information_of_prior(self, limits: np.ndarray) -> np.ndarray:
+        """Second derivative of minus `log_prior` by the logarithms, (q, q)."""
+        ratio, beyond = self._squared_ratios(limits)
+        of_members = 4 * _POWER * ratio / (1 + ratio) ** 2 + 2 * beyond
+        information = np.diag([1.0 / _LOG_FACTOR**2 + 2 * beyond.sum(), *of_members])
+        information[0, 1:] = information[1:, 0] = -2 * beyond
+        return information
+
+    def _squared_ratios(self, limits: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Of the members' sizes to the usual one, and to their limits."""
+        members = np.array(self.members)
+        return (members / _USUAL_SIZE) ** 2, (members / (self.factor * limits)) ** 2

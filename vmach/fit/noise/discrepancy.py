@@ -28,8 +28,13 @@ from vmach.measurements import Measurement
 
 __all__ = ["Members", "members_of"]
 
+_TIME = "time"
 #: bends that a wandering makes in the time of a measurement
 _WAVES_IN_TIME = 6.0
+#: size, in uncertainties that readings show, from which on a wandering in time is improbable as what
+#: nobody models: it is an ambient drift (ISO 230-3, environmental temperature variation error),
+#: which is an effect; chosen: about twice the usual size of a member
+_NO_DRIFT = 1.5
 #: degree of the smooth field: half waves over the volume that was visited
 _FIELD_DEGREE = 3
 #: a feature whose normals are that much along Z is a floor
@@ -81,6 +86,11 @@ class Members:
         object.__setattr__(self, "fixed_mm", fixed)
         object.__setattr__(self, "columns_mm", tuple(others))
 
+    @property
+    def limits(self) -> np.ndarray:
+        """Size of each member of unknown size from which on it is an effect, (q,), in u as it is."""
+        return np.array([_NO_DRIFT if name == _TIME else np.inf for name in self.names])
+
 
 def members_of(survey: Survey, plain_mm: np.ndarray | None = None) -> Members:
     """All that may differ without being an effect.
@@ -101,7 +111,7 @@ def members_of(survey: Survey, plain_mm: np.ndarray | None = None) -> Members:
     found = {
         **{name: unit * columns for name, columns in _offsets(survey).items()},
         "form": unit * _seen(_forms(survey)),
-        "time": _told_apart(survey, unit * _in_time(survey)),
+        _TIME: _told_apart(survey, unit * _in_time(survey)),
         "places": unit * _places(survey),
         "reversals": unit * _reversals(survey),
         "field": _told_apart(survey, _beyond(survey, unit * _field(survey), plain_mm)),
