@@ -200,6 +200,18 @@ def test_a_wave_in_time_is_found_though_offsets_of_features_could_hold_it(tmp_pa
     assert float(said[3]) == pytest.approx(true_s["period_s"], rel=0.01)
 
 
+def test_a_large_drift_in_time_is_an_effect_and_hides_no_others(tmp_path):
+    """A wandering of 9 u, of which no law knows, explained a drift and a shift about as well."""
+    hidden = ["lateral_play", "ambient_drift", "datum_shift"]
+    make_experiment(tmp_path, effects=hidden, seed=5653006)
+    report, _ = program_runs.diagnose(tmp_path)
+    assert {(e["effect"], e["target"]) for e in report["effects"]} == {
+        ("lateral_play", "YZ"),
+        ("ambient_drift", "XYZ"),
+        ("datum_shift", None),
+    }
+
+
 def test_what_remains_elsewhere_is_no_doubt_about_a_local_effect(tmp_path):
     """Two of five effects are not found; a glitch of 9 um at few points is there all the same."""
     hidden = ["ambient_drift", "quadrant_glitch", "scale", "missing_table", "leaning_column"]

@@ -31,9 +31,9 @@ __all__ = ["Members", "members_of"]
 _TIME = "time"
 #: bends that a wandering makes in the time of a measurement
 _WAVES_IN_TIME = 6.0
-#: size, in uncertainties that readings show, from which on a wandering in time is improbable as what
-#: nobody models: it is an ambient drift (ISO 230-3, environmental temperature variation error),
-#: which is an effect; chosen: about twice the usual size of a member
+#: size, as a multiple of the noise that readings show, from which on a wandering in time is
+#: improbable as what nobody models: it is an ambient drift (ISO 230-3, environmental temperature
+#: variation error), which is an effect; chosen: about twice the usual size of a member
 _NO_DRIFT = 1.5
 #: degree of the smooth field: half waves over the volume that was visited
 _FIELD_DEGREE = 3
@@ -88,7 +88,7 @@ class Members:
 
     @property
     def limits(self) -> np.ndarray:
-        """Size of each member of unknown size from which on it is an effect, (q,), in u as it is."""
+        """Size of each member, in the noise that readings show, from which on it is an effect."""
         return np.array([_NO_DRIFT if name == _TIME else np.inf for name in self.names])
 
 

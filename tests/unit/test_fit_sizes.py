@@ -1,0 +1,39 @@
+"""The prior of sizes: its slope and information against differences, and what a limit does."""
+
+import numpy as np
+import pytest
+
+from vmach.fit.sizes import Sizes
+
+LIMITS = np.array([np.inf, 1.5, np.inf])
+
+
+@pytest.mark.parametrize("limits", [LIMITS, np.full(3, np.inf)])
+def test_slope_and_information_are_those_of_differences(limits):
+    at, step = Sizes(1.4, (0.3, 4.0, 2.0)), 1e-5
+
+    def moved(k, way):
+        return Sizes.at(at.logarithms + way * step * np.eye(4)[k])
+
+    slope = [
+        (moved(k, 1.0).log_prior(limits) - moved(k, -1.0).log_prior(limits)) / (2 * step)
+        for k in range(4)
+    ]
+    information = [
+        (moved(k, -1.0).slope_of_prior(limits) - moved(k, 1.0).slope_of_prior(limits)) / (2 * step)
+        for k in range(4)
+    ]
+    np.testing.assert_allclose(at.slope_of_prior(limits), slope, rtol=1e-6)
+    np.testing.assert_allclose(at.information_of_prior(limits), information, rtol=1e-6, atol=1e-8)
+
+
+def test_beyond_its_limit_a_size_falls_off_as_a_normal_one():
+    """Of two sizes the ratio of densities is the tail's, times that of a normal distribution."""
+    free = np.full(1, np.inf)
+
+    def more(limits):
+        here, there = (Sizes(2.0, (size,)) for size in (12.0, 6.0))
+        return here.log_prior(limits) - there.log_prior(limits)
+
+    # two and four times the limit of 1.5 uncertainties that are twice as large as stated
+    assert more(np.array([1.5])) - more(free) == pytest.approx(-(4.0**2 - 2.0**2) / 2)
