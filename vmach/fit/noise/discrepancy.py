@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -86,7 +87,7 @@ class Members:
         object.__setattr__(self, "fixed_mm", fixed)
         object.__setattr__(self, "columns_mm", tuple(others))
 
-    @property
+    @cached_property
     def limits(self) -> np.ndarray:
         """Size of each member, in the noise that readings show, from which on it is an effect."""
         return np.array([_NO_DRIFT if name == _TIME else np.inf for name in self.names])
