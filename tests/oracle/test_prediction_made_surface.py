@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.small_job import write_job
-from vmach.diagnosis.inference.own_contacts import beside_one, over_own_contacts
+from vmach.diagnosis.inference.own_contacts import chosen_by_one, over, over_own_contacts
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.residuals.job_survey import survey_job
@@ -122,7 +122,9 @@ def _odds(weighing):
 
 def test_contacts_that_hide_an_effect_are_exchanged_for_its_own(job):
     weighing = prepare_weighing(survey_job(job(10.0, NOISE_UM)))
-    other = beside_one(weighing)
+    label, survey = chosen_by_one(weighing)
+    assert label.startswith("lateral_play X")
+    other = over(survey, weighing)
     sense = [np.sign(end - begin) for _, begin, end in GROOVES for _ in PLACES]
     true = [height_um(10.0, p, s) for s, p in zip(sense, 3 * PLACES, strict=True)]
     off = [np.abs(at_contacts_um(w.survey, 10.0) - true).max() for w in (weighing, other)]
@@ -131,4 +133,4 @@ def test_contacts_that_hide_an_effect_are_exchanged_for_its_own(job):
 
 
 def test_other_contacts_are_not_looked_at_without_need(job):
-    assert beside_one(prepare_weighing(survey_job(job(0.0, NOISE_UM)))) is None
+    assert chosen_by_one(prepare_weighing(survey_job(job(0.0, NOISE_UM)))) is None

@@ -49,7 +49,7 @@ def search(weighing: Weighing, start: Explanation | None = None) -> Explanation:
 
 def search_beyond(weighing: Weighing, here: Explanation) -> Explanation:
     """A more probable set, by all moves."""
-    return _led_on(weighing, here, (_added, _uncovered, _exchanged, _filled, _split))
+    return _led_on(weighing, here, (_added, _uncovered, _afresh, _exchanged, _filled, _split))
 
 
 def _led_on(weighing: Weighing, here: Explanation, moves: Sequence[_Move]) -> Explanation:
@@ -88,6 +88,16 @@ def _uncovered(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
             yield from _possible(max(tried, key=lambda e: e.score))
 
 
+def _afresh(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
+    """A curve as it would be chosen beside the others: it was chosen before they were there."""
+    for k, term in enumerate(here.terms):
+        if term.width is not None:
+            others = weighing.without(here, [k], resize=False)
+            own = weighing.term(weighing.index_of(term.label), others)
+            if (own.width, own.inner) != (term.width, term.inner):
+                yield from _possible(weighing.explain([*others.terms, own], here.posterior.sizes))
+
+
 def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     """Others in place of one effect, or of two that share what one does.
 
@@ -96,7 +106,7 @@ def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     for count in (1, 2):
         for gone in itertools.combinations(range(len(here.terms)), count):
             others = weighing.without(here, gone, resize=False)
-            for child in _filled_up(weighing, others, here.labels, count):
+            for child in _filled_up(weighing, others, here.labels, count, here.score - _NEAR):
                 if child.score > here.score - _NEAR:
                     yield from _possible(weighing.explain(child.terms, child.posterior.sizes))
 
@@ -112,11 +122,19 @@ def _filled(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
 
 
 def _filled_up(
-    weighing: Weighing, start: Explanation, but: AbstractSet[str], most: int
+    weighing: Weighing,
+    start: Explanation,
+    but: AbstractSet[str],
+    most: int,
+    least: float = -np.inf,
 ) -> Iterator[Explanation]:
-    """An explanation with ever more effects, while members and inner parameters stay."""
-    for _ in range(most):
-        leading = _leading(weighing, start, but | start.labels)
+    """An explanation with ever more effects, while members and inner parameters stay.
+
+    The last of them has to make it more probable than the least, those before by their share.
+    """
+    for count in range(most, 0, -1):
+        worth = (least - start.score) * (_SHARE if count > 1 else 1.0)
+        leading = _leading(weighing, start, but | start.labels, worth)
         children = (weighing.extend(start, k, refine=False, resize=False) for k in leading)
         best = max(children, key=lambda e: e.score, default=start)
         if best.score < start.score + _STEP:
@@ -135,7 +153,7 @@ def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
         for i in _unlike(weighing, others, _ranked(weighing, gains, here.labels), 2 * _TRIED):
             if gains[i] < worth:
                 break
-            one = weighing.extend(others, i, resize=False)
+            one = weighing.extend(others, i, refine=False, resize=False)
             further = weighing.gains(one, roughly=True)
             ranked = _ranked(weighing, further, here.labels | one.labels)
             for j in _unlike(weighing, one, ranked, _TRIED):
@@ -169,10 +187,12 @@ def _unlike(
             return
 
 
-def _leading(weighing: Weighing, here: Explanation, but: AbstractSet[str]) -> Iterator[int]:
+def _leading(
+    weighing: Weighing, here: Explanation, but: AbstractSet[str], worth: float = _HOPELESS
+) -> Iterator[int]:
     """Candidates that are worth a fit beside an explanation."""
-    gains = weighing.gains(here, roughly=True)
-    return (k for k in _ranked(weighing, gains, but)[:_TRIED] if gains[k] > _HOPELESS)
+    gains, least = weighing.gains(here, roughly=True), max(worth, _HOPELESS)
+    return (k for k in _ranked(weighing, gains, but)[:_TRIED] if gains[k] > least)
 
 
 def beside_little(here: Explanation) -> Explanation:

@@ -23,7 +23,7 @@ from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
 from vmach.prediction.made_surface import FLOOR
 
-__all__ = ["beside_one", "over_own_contacts"]
+__all__ = ["chosen_by_one", "over", "over_own_contacts"]
 
 #: what other contacts change of the readings, in stated uncertainties, before they matter
 _NOTABLE = 0.25
@@ -57,8 +57,8 @@ def over_own_contacts(weighing: Weighing, found: Explanation) -> tuple[Weighing,
     return other, other.explain(found.terms, found.posterior.sizes)
 
 
-def beside_one(weighing: Weighing) -> Weighing | None:
-    """The weighing over contacts that one effect of usual size would choose.
+def chosen_by_one(weighing: Weighing) -> tuple[str, Survey] | None:
+    """Name and target of an effect, and the survey over contacts that its usual size would choose.
 
     A play that lifts the tool in one direction of travel is hardly seen over contacts that the
     model alone would choose: where it lifts, another pass makes the floor. That effect is taken
@@ -66,16 +66,20 @@ def beside_one(weighing: Weighing) -> Weighing | None:
     """
     sizes = weighing.nothing().posterior.sizes
     trials = (
-        (_gain(weighing, candidate, sizes, moved), moved)
+        (_gain(weighing, candidate, sizes, moved), candidate.label, moved)
         for candidate in weighing.candidates
         if candidate.effect.follows_travel and _moves_floors(weighing.survey, candidate)
         for moved in _made_beside_usual(weighing.survey, candidate)
     )
-    gain, moved = max(trials, key=lambda trial: trial[0], default=(0.0, weighing.survey))
-    if gain < CLEARLY:
-        return None
-    candidates, excluded = gather_candidates(moved, weighing.effects)
-    return Weighing(moved, candidates, excluded=excluded, noise=weighing.base.noise)
+    none = 0.0, "", weighing.survey
+    gain, label, moved = max(trials, key=lambda trial: trial[0], default=none)
+    return (label, moved) if gain >= CLEARLY else None
+
+
+def over(survey: Survey, weighing: Weighing) -> Weighing:
+    """The effects of a weighing over contacts of a survey, and nothing known of its noise."""
+    candidates, excluded = gather_candidates(survey, weighing.effects)
+    return Weighing(survey, candidates, excluded=excluded)
 
 
 def _moves_floors(survey: Survey, candidate: Candidate) -> bool:

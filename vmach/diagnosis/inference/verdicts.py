@@ -13,7 +13,7 @@ from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.by_definition import as_defined
 from vmach.diagnosis.inference.moves import search, search_beyond, without_needless
 from vmach.diagnosis.inference.noise import beside_own_noise, noise_before
-from vmach.diagnosis.inference.own_contacts import beside_one, over_own_contacts
+from vmach.diagnosis.inference.own_contacts import chosen_by_one, over, over_own_contacts
 from vmach.diagnosis.inference.remains import is_structure, remains_um, sizes_um
 from vmach.diagnosis.inference.rules import KEPT
 from vmach.diagnosis.inference.support import Support, rests_um, supports_of
@@ -118,23 +118,34 @@ def infer(weighing: Weighing) -> Inference:
 
 
 def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
-    """The most probable set of effects, and the weighing with the noise that it leaves."""
-    beside = beside_one(weighing)
-    starts = [weighing] if beside is None else [weighing, beside]
-    odd = noise_before(weighing)
-    if not odd.is_as(weighing.base.noise):
-        starts.append(weighing.with_candidates(weighing.candidates).with_noise(odd))
-    weighing, found = _settled(starts.pop(0))
-    while starts:
-        # one at a time: signatures and products of many readings take much memory
-        asked_back = weighing.put_away()
-        other, end = _settled(starts.pop(0))
-        if end.score > found.score:
-            weighing, found = other, end
-        else:
-            other.put_away()
-            weighing = asked_back()
+    """The most probable set of effects, and the weighing with the noise that it leaves.
+
+    Two more starts lead to one: over contacts that an effect would choose, unless that was found,
+    and beside the tails of readings before any effect, unless none are left of them.
+    """
+    chosen, tails = chosen_by_one(weighing), noise_before(weighing)
+    weighing, found = _settled(weighing)
+    if chosen is not None and chosen[0] not in found.labels:
+        weighing, found = _better(weighing, found, over(chosen[1], weighing))
+    if not tails.is_plain and not weighing.base.noise.is_plain:
+        tailed = weighing.with_candidates(weighing.candidates).with_noise(tails)
+        weighing, found = _better(weighing, found, tailed)
     return as_defined(weighing, search_beyond(weighing, found))
+
+
+def _better(
+    weighing: Weighing, found: Explanation, start: Weighing
+) -> tuple[Weighing, Explanation]:
+    """What another start leads to, where that is more probable than what was found.
+
+    One at a time: signatures and products of many readings take much memory.
+    """
+    asked_back = weighing.put_away()
+    other, end = _settled(start)
+    if end.score > found.score:
+        return other, end
+    other.put_away()
+    return asked_back(), found
 
 
 def _settled(weighing: Weighing) -> tuple[Weighing, Explanation]:

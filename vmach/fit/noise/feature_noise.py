@@ -52,6 +52,11 @@ class FeatureNoise:
     correlation: float = 0.0
     log_prior: float = 0.0
 
+    @property
+    def is_plain(self) -> bool:
+        """Whether every reading weighs as stated."""
+        return bool(np.all(self.weight == 1.0))
+
     def is_as(self, other: FeatureNoise) -> bool:
         """Whether it is that of the same readings with the same weights and correlation."""
         same = np.array_equal(self.weight, other.weight) and self.share == other.share
