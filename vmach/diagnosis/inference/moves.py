@@ -89,13 +89,12 @@ def _uncovered(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
 
 
 def _afresh(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
-    """A curve as it would be chosen beside the others: it was chosen before they were there."""
+    """An effect as it would be chosen beside the others: it was chosen before they were there."""
     for k, term in enumerate(here.terms):
-        if term.width is not None:
-            others = weighing.without(here, [k], resize=False)
-            own = weighing.term(weighing.index_of(term.label), others)
-            if (own.width, own.inner) != (term.width, term.inner):
-                yield from _possible(weighing.explain([*others.terms, own], here.posterior.sizes))
+        others = weighing.without(here, [k], resize=False)
+        own = weighing.term(weighing.index_of(term.label), others)
+        if (own.width, own.inner) != (term.width, term.inner):
+            yield from _possible(weighing.explain([*others.terms, own], here.posterior.sizes))
 
 
 def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
