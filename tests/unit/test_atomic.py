@@ -6,6 +6,7 @@ import random
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -252,6 +253,16 @@ def test_outputs_replace_neither_an_input_nor_each_other(tmp_path):
     ):
         with pytest.raises(InputError, match=message):
             check_outputs(outputs, inputs=inputs)
+
+
+@pytest.mark.parametrize("name", ["--no-page", "-"])
+def test_an_option_is_no_name_of_a_result(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    for check in (lambda: check_outputs([Path(name)]), lambda: check_folder(Path(name), ["x"])):
+        with pytest.raises(InputError, match=f"'{name}' stands where the name of a result"):
+            check()
+    check_outputs([tmp_path / name])
+    assert not list(tmp_path.iterdir())
 
 
 def test_results_of_an_earlier_run_do_not_stay_beside_new_ones(tmp_path):

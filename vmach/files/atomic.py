@@ -44,8 +44,8 @@ def check_outputs(outputs: Iterable[Path | None], *, inputs: Iterable[Path] = ()
     Raises
     ------
     InputError
-        A file that is an input, that another result has too, that has no folder to lie in, or
-        that is there and is not, to the bit, what vmach wrote.
+        A file that is named like an option, that is an input, that another result has too, that
+        has no folder to lie in, or that is there and is not, to the bit, what vmach wrote.
     """
     _check_outputs(filter(None, outputs), inputs)
 
@@ -67,6 +67,7 @@ def check_folder(out_dir: Path, names: Iterable[str], *, inputs: Iterable[Path] 
     ------
     InputError
     """
+    _check_name(out_dir)
     out_dir = _resolved(out_dir)
     _check_writable_folder(nearest_existing(out_dir))
     with workplace(out_dir):
@@ -88,6 +89,7 @@ def _check_outputs(
     taken = {_resolved(path) for path in inputs}
     written: set[Path] = set()
     for path in outputs:
+        _check_name(path)
         target = _resolved(path)
         if target in taken:
             what, accepted = "is read by this command", "another name for the result"
@@ -96,6 +98,16 @@ def _check_outputs(
             raise InputError("two results have this name", file=path, accepted="a name for each")
         _check_file(target, results=results)
         written.add(target)
+
+
+def _check_name(path: Path) -> None:
+    """Refuse what is an option that stands where a name was meant."""
+    if str(path).startswith("-"):
+        raise InputError(
+            f"{str(path)!r} stands where the name of a result was expected",
+            accepted="a name that does not begin with -",
+            hint="a whole path may have any name",
+        )
 
 
 @contextmanager
