@@ -44,8 +44,8 @@ def check_outputs(outputs: Iterable[Path | None], *, inputs: Iterable[Path] = ()
     Raises
     ------
     InputError
-        A file that is named like an option, that is an input, that another result has too, that
-        has no folder to lie in, or that is there and is not, to the bit, what vmach wrote.
+        A file that is named like an option, or is an input. One that another result has too, or
+        that has no folder to lie in. One that is there and is not, to the bit, what vmach wrote.
     """
     _check_outputs(filter(None, outputs), inputs)
 
