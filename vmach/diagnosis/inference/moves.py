@@ -42,9 +42,9 @@ _MOVES = 12
 _Move = Callable[[Weighing, Explanation], Iterator[Explanation]]
 
 
-def search(weighing: Weighing, start: Explanation | None = None) -> Explanation:
+def search(weighing: Weighing, here: Explanation) -> Explanation:
     """The most probable set that adding one effect after the other leads to."""
-    return _led_on(weighing, start or weighing.nothing(), (_added,))
+    return _led_on(weighing, here, (_added,))
 
 
 def search_beyond(weighing: Weighing, here: Explanation) -> Explanation:

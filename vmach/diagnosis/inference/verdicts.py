@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
@@ -124,13 +124,13 @@ def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
     and beside the tails of readings before any effect, unless none are left of them.
     """
     chosen, tails = chosen_by_one(weighing), noise_before(weighing)
-    weighing, found = _settled(weighing)
+    weighing, found = _settled(weighing, weighing.nothing(), search)
     if chosen is not None and chosen[0] not in found.labels:
         weighing, found = _better(weighing, found, over(chosen[1], weighing))
     if not tails.is_plain and not weighing.base.noise.is_plain:
         tailed = weighing.with_candidates(weighing.candidates).with_noise(tails)
         weighing, found = _better(weighing, found, tailed)
-    return as_defined(weighing, search_beyond(weighing, found))
+    return as_defined(*_settled(weighing, found, search_beyond))
 
 
 def _better(
@@ -141,16 +141,20 @@ def _better(
     One at a time: signatures and products of many readings take much memory.
     """
     asked_back = weighing.put_away()
-    other, end = _settled(start)
+    other, end = _settled(start, start.nothing(), search)
     if end.score > found.score:
         return other, end
     other.put_away()
     return asked_back(), found
 
 
-def _settled(weighing: Weighing) -> tuple[Weighing, Explanation]:
-    """The most probable set that single moves lead to, over its own contacts and noise."""
-    found = search(weighing)
+def _settled(
+    weighing: Weighing,
+    start: Explanation,
+    lead_on: Callable[[Weighing, Explanation], Explanation],
+) -> tuple[Weighing, Explanation]:
+    """The most probable set that moves lead to, over its own contacts and beside its own noise."""
+    found = lead_on(weighing, start)
     for _ in range(_PASSES):
         before = weighing
         weighing, found = over_own_contacts(weighing, found)
@@ -158,7 +162,7 @@ def _settled(weighing: Weighing) -> tuple[Weighing, Explanation]:
         if weighing is before:
             break
         # another noise may make needless what stood for it
-        found = search(weighing, without_needless(weighing, found))
+        found = lead_on(weighing, without_needless(weighing, found))
     return weighing, found
 
 
