@@ -212,6 +212,20 @@ def test_a_large_drift_in_time_is_an_effect_and_hides_no_others(tmp_path):
     }
 
 
+def test_the_noise_is_that_which_all_effects_leave(tmp_path):
+    """What a shift does looked like tails before it was found; as tails it hid two effects."""
+    hidden = ["datum_shift", "workpiece_temperature", "local_damage", "tool_chip", "backlash"]
+    make_experiment(tmp_path, effects=hidden, seed=6305004, design=PartDesign(corners=True))
+    report, _ = program_runs.diagnose(tmp_path)
+    assert {(e["effect"], e["target"]) for e in report["effects"]} == {
+        ("backlash", "Y"),
+        ("component", "EXY"),
+        ("tool_chip", "T1"),
+        ("datum_shift", None),
+        ("workpiece_temperature", None),
+    }
+
+
 def test_what_remains_elsewhere_is_no_doubt_about_a_local_effect(tmp_path):
     """Two of five effects are not found; a glitch of 9 um at few points is there all the same."""
     hidden = ["ambient_drift", "quadrant_glitch", "scale", "missing_table", "leaning_column"]
