@@ -102,11 +102,12 @@ def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
 
     Members stay as they are at first: where they grow into a gap, they hide what could fill it.
     """
+    least = here.score - _NEAR
     for count in (1, 2):
         for gone in itertools.combinations(range(len(here.terms)), count):
             others = weighing.without(here, gone, resize=False)
-            for child in _filled_up(weighing, others, here.labels, count, here.score - _NEAR):
-                if child.score > here.score - _NEAR:
+            for child in _filled_up(weighing, others, here.labels, count, least):
+                if child.score > least:
                     yield from _possible(weighing.explain(child.terms, child.posterior.sizes))
 
 
