@@ -142,6 +142,26 @@ def test_what_the_laws_leave_open_never_makes_the_fit_worse(tmp_path, hidden, se
         ),
         # with a squareness alone the chip would lengthen the tool: its length has to come along
         (["squareness", "tool_length", "tool_chip"], 4223019, "common", PartDesign(corners=True)),
+        # a smooth field stands for three; others come nearer at first, and then give way
+        (
+            [
+                "head_tilt",
+                "workpiece_temperature",
+                "squareness",
+                "table_load_sag",
+                "missing_table",
+            ],
+            7325002,
+            "correlated",
+            PartDesign(),
+        ),
+        # the same for two; what neighbours had in common counted as tails and hid all four
+        (
+            ["workpiece_warming", "drifted_table", "tool_deflection", "tool_length"],
+            7324003,
+            "correlated",
+            PartDesign(),
+        ),
     ],
 )
 def test_sets_that_no_single_exchange_leads_to_are_found(tmp_path, effects, seed, noise, design):
@@ -188,6 +208,16 @@ def test_effects_that_imitate_another_cause_give_way_to_its_form(
     report, _ = program_runs.diagnose(tmp_path)
     assert report["verdict"] == "unknown"
     assert formula in [proposal["formula"] for proposal in report["proposals"]]
+
+
+def test_an_effect_is_shown_beside_a_cause_that_others_imitate(tmp_path):
+    """A bending tool imitates walls that swell; their form takes its place, not the squareness'."""
+    hidden = ["squareness", "swelling_walls"]
+    make_experiment(tmp_path, effects=hidden, seed=7307007, design=PartDesign(corners=True))
+    report, _ = program_runs.diagnose(tmp_path)
+    assert report["verdict"] == "partly"
+    assert [(e["effect"], e["target"]) for e in report["effects"]] == [("squareness", "C0Y")]
+    assert any("depth below the top" in state for state in report["proposals"][0]["states"])
 
 
 def test_a_wave_in_time_is_found_though_offsets_of_features_could_hold_it(tmp_path):

@@ -52,7 +52,7 @@ def noise_after(weighing: Weighing, explanation: Explanation) -> FeatureNoise | 
     noise = weighing.base.noise
     if np.median(np.abs(noise.standardised(explanation.posterior.left))) < _ROUNDING:
         return None
-    correlated = _correlated(weighing, explanation, _with_tails(weighing, explanation))
+    correlated = _correlated(weighing, explanation, _with_tails(weighing, explanation)[0])
     return None if correlated is noise else correlated
 
 
@@ -86,20 +86,21 @@ def score_with_tails(weighing: Weighing, explanation: Explanation, least: float)
     # what is set aside brings no more than it costs now
     if np.median(away) < _ROUNDING or score + 0.5 * float(np.sum(away[away > _ODD] ** 2)) < least:
         return score
-    tailed = _with_tails(weighing, explanation)
-    if tailed is weighing.base.noise:
-        return score
-    gain = _log_probability(weighing, explanation, tailed) - explanation.posterior.log_probability
-    return max(score, score + gain)
+    return max(score, score + _with_tails(weighing, explanation)[1])
 
 
-def _with_tails(weighing: Weighing, explanation: Explanation) -> FeatureNoise:
-    """The noise with the tails that an explanation leaves; as assumed where they are the same."""
+def _with_tails(weighing: Weighing, explanation: Explanation) -> tuple[FeatureNoise, float]:
+    """The noise with the tails that an explanation leaves, and the log probability it brings.
+
+    As assumed where they are the same, or the readings are no more probable with them.
+    """
     noise = weighing.base.noise
     weight, log_prior = _weights(weighing, explanation)
     if np.abs(np.log(weight / noise.weight)).max() <= _OTHER:
-        return noise
-    return replace(noise, weight=weight, log_prior=log_prior)
+        return noise, 0.0
+    tailed = replace(noise, weight=weight, log_prior=log_prior)
+    gain = _log_probability(weighing, explanation, tailed) - explanation.posterior.log_probability
+    return (tailed, gain) if gain > 0.0 else (noise, 0.0)
 
 
 def _log_probability(weighing: Weighing, explanation: Explanation, noise: FeatureNoise) -> float:

@@ -216,6 +216,7 @@ class Weighing:
     def of_candidates(self, known: Sequence[Candidate], log_priors: Mapping[str, float]) -> Self:
         """The same with other candidates: some of its own, and those whose prior is given."""
         other = self.with_candidates(known)
+        other.tried = {}
         own = (c for c in known if c.label not in log_priors)
         other._log_priors = {c.label: self.log_prior(c) for c in own} | dict(log_priors)
         other._counted -= log_priors.keys()

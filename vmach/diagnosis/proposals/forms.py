@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from vmach.diagnosis.inference.bank import Bank
-from vmach.diagnosis.inference.moves import beside_little, without_needless
+from vmach.diagnosis.inference.moves import beside_little, search, without_needless
 from vmach.diagnosis.inference.remains import remains_mm, remains_um, sizes_um, usual_u_um
 from vmach.diagnosis.inference.rules import CLEARLY, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
@@ -109,12 +109,15 @@ class Forms:
         """Forms beside few effects, where the first brings a good share of what others bring.
 
         As given where none does. The first is sought beside the discrepancy that the others leave.
+        Effects that it leaves something to do come back.
         """
         self._columns.add_conspicuous(*self._left_mm(fewer))
         beside = replace(fewer, posterior=replace(fewer.posterior, sizes=than.posterior.sizes))
         first = self._extended(fewer, self._leading([beside], _FIRST))
         brought = first.score - fewer.score
-        return self._grown(first) if brought > _SHARE * (than.score - fewer.score) else fewer
+        if brought <= _SHARE * (than.score - fewer.score):
+            return fewer
+        return self._grown(search(self._with(()), first))
 
     def _grown(self, here: Explanation) -> Explanation:
         for k in range(_MOST):
