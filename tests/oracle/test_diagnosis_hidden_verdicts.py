@@ -220,6 +220,15 @@ def test_an_effect_is_shown_beside_a_cause_that_others_imitate(tmp_path):
     assert any("depth below the top" in state for state in report["proposals"][0]["states"])
 
 
+def test_a_form_takes_the_place_of_two_effects_and_leaves_a_third(tmp_path):
+    """A head that tilts and a worn guide together imitate the beat of a chiller."""
+    make_experiment(tmp_path, effects=["fixture", "chiller"], seed=7610006)
+    report, _ = program_runs.diagnose(tmp_path)
+    assert report["verdict"] == "partly"
+    assert [e["effect"] for e in report["effects"]] == ["fixture"]
+    assert {e["effect"] for e in report["weak_effects"]} == {"head_tilt", "component"}
+
+
 def test_a_wave_in_time_is_found_though_offsets_of_features_could_hold_it(tmp_path):
     """Each feature takes less time than a turn: its offset is the wave's mean there."""
     make_experiment(tmp_path, effects=["pulsing_oil"], seed=5126005)

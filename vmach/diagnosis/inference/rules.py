@@ -55,8 +55,8 @@ RULES = (
         CLEARLY,
         "log evidence",
         "an effect is shown where it, or another in its place, is 100 times as probable as none; a "
-        "form is added where that makes all readings 100 times more probable, and takes the place "
-        "of effects where it does so for each of these; effects that are closer form a class",
+        "form is added, or takes the place of effects, where that makes all readings 100 times "
+        "more probable; effects that are closer form a class",
         "Jeffreys, Theory of Probability (1961), appendix B: decisive is beyond 100 to 1; noise "
         f"alone reaches a factor b at most once in b times. {_CALIBRATION}: of 11 effects of odds "
         "from 20 to 100 to 1 one was there, of 12 from 100 to 1000 to 1 eight were; of 11 that "

@@ -72,21 +72,19 @@ class Forms:
     def grown(self, found: Explanation) -> Explanation:
         """An explanation with forms added while that is clearly more probable.
 
-        Effects may imitate another cause: forms alone compete with them, and forms beside all
-        effects but the least probable one, as the others may be known causes. Each effect that is
-        given up for a form has to be clearly less probable than it.
+        Effects may imitate another cause: forms compete with all of them, and with those that the
+        search needs least, as the others may be known causes.
         """
         start = self._with(()).explain(found.terms, found.posterior.sizes, refine=False)
         best = self._grown(start)
         for fewer in self._with_fewer(found, start):
             alone = self._alone(fewer, best)
-            given_up = len(best.labels & found.labels - alone.labels)
-            if alone.score > best.score + CLEARLY * max(given_up, 1):
+            if alone.score > best.score + CLEARLY:
                 best = alone
         return best
 
     def _with_fewer(self, found: Explanation, start: Explanation) -> Iterator[Explanation]:
-        """Without any effect, and without the one that the search needs least.
+        """Without any effect, and without those that the search needs least: one, two, ...
 
         Parameters
         ----------
@@ -96,9 +94,10 @@ class Forms:
         """
         if found.terms:
             yield self._with(()).nothing()
-        if len(found.terms) > 1:
-            without = [self._weighing.without(found, [k]).score for k in range(len(found.terms))]
-            yield self._with(()).without(start, [int(np.argmax(without))])
+        without = [self._weighing.without(found, [k]).score for k in range(len(found.terms))]
+        order = np.argsort(without)[::-1].tolist()
+        for count in range(1, len(order)):
+            yield self._with(()).without(start, order[:count])
 
     def _is_worth_a_form(self, here: Explanation) -> bool:
         """Whether as much remains; a factor on the stated uncertainty may stand for a form."""
