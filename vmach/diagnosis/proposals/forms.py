@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import replace
 
 import numpy as np
@@ -44,8 +45,8 @@ _HALVED = 0.5
 _LOOKED_THROUGH = 3000
 #: numbers that products of forms may take up while they are kept
 _ROOM = 25_000_000
-#: a form whose readings follow those of another one that closely is the same; it holds an effect
-#: whose readings follow its own that closely
+#: a form whose readings follow those of another one, or of effects, that closely is the same; it
+#: holds an effect whose readings follow its own that closely
 _SAME = 0.98
 
 
@@ -73,15 +74,37 @@ class Forms:
         """An explanation with forms added while that is clearly more probable.
 
         Effects may imitate another cause: forms compete with all of them, and with those that the
-        search needs least, as the others may be known causes.
+        search needs least, as the others may be known causes. What these do is no other cause.
         """
         start = self._with(()).explain(found.terms, found.posterior.sizes, refine=False)
         best = self._grown(start)
         for fewer in self._with_fewer(found, start):
             alone = self._alone(fewer, best)
-            if alone.score > best.score + CLEARLY:
+            is_clear = alone.score > best.score + CLEARLY
+            if is_clear and not self._says_the_same(found, best.labels, alone.labels):
                 best = alone
         return best
+
+    def _says_the_same(
+        self, found: Explanation, labels: AbstractSet[str], instead: AbstractSet[str]
+    ) -> bool:
+        """Whether the forms of another set do only what effects do that it gives up for them.
+
+        Two tools that wear alike are still tools that wear.
+        """
+        new = [form for label, form in self._chosen.items() if label in instead - labels]
+        gone = found.labels & labels - instead
+        moved = [self._moved_mm(found, k) for k, t in enumerate(found.terms) if t.label in gone]
+        if not new or not moved:
+            return False
+        span = orthonormal(np.hstack(moved))
+        return all(share_within(self._columns.space_of(form), span) > _SAME for form in new)
+
+    def _moved_mm(self, found: Explanation, k: int) -> np.ndarray:
+        """What effect k of an explanation does beyond alignment, (n, 1)."""
+        assert found.fit is not None
+        moved = found.fit.explained_mm(k)[:, None]
+        return moved - self._weighing.survey.aligned(moved)
 
     def _with_fewer(self, found: Explanation, start: Explanation) -> Iterator[Explanation]:
         """Without any effect, and without those that the search needs least: one, two, ...
@@ -153,9 +176,7 @@ class Forms:
 
     def holds(self, found: Explanation, k: int, forms: Sequence[Form]) -> bool:
         """Whether what effect k of an explanation does is all in the span of one of some forms."""
-        assert found.fit is not None
-        moved = found.fit.explained_mm(k)[:, None]
-        own = orthonormal(moved - self._weighing.survey.aligned(moved))
+        own = orthonormal(self._moved_mm(found, k))
         return any(share_within(own, self._columns.space_of(form)) > _SAME for form in forms)
 
     def proposals(self, alone: Explanation, grown: Explanation) -> tuple[Proposal, ...]:
