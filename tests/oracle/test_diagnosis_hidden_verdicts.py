@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from tests.hidden_effects import program_runs
-from tests.hidden_effects.experiment import make_experiment
+from tests.hidden_effects.experiment import KINDS, make_experiment
 from tests.hidden_effects.instruments import INSTRUMENTS
 from tests.hidden_effects.part import PartDesign
+from tests.hidden_effects.state import Hidden
 from tests.hidden_effects.verdict import judge
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.residuals.job_survey import survey_job
@@ -227,6 +228,22 @@ def test_a_form_takes_the_place_of_two_effects_and_leaves_a_third(tmp_path):
     assert report["verdict"] == "partly"
     assert [e["effect"] for e in report["effects"]] == ["fixture"]
     assert {e["effect"] for e in report["weak_effects"]} == {"head_tilt", "component"}
+
+
+def test_two_tools_that_wear_alike_are_no_other_cause(tmp_path, monkeypatch):
+    """The cutting length alone says as much with one amount; both wears do nothing else."""
+
+    def both_wear(rng, machine):
+        def move(state):
+            return 6e-3 * (state.cut_mm / 2200.0)[:, None] * state.normal * [1, 1, 0]
+
+        return Hidden("tool_wear", ("tool_wear",), {}, move, on_part_only=True)
+
+    monkeypatch.setitem(KINDS, "both_wear", both_wear)
+    make_experiment(tmp_path, effects=["both_wear", "squareness"], seed=3, noise="heavy_tails")
+    report, _ = program_runs.diagnose(tmp_path)
+    shown = {(e["effect"], e["target"]) for e in report["effects"]}
+    assert shown == {("tool_wear", "T1"), ("tool_wear", "T2"), ("squareness", "C0Y")}
 
 
 def test_a_wave_in_time_is_found_though_offsets_of_features_could_hold_it(tmp_path):
