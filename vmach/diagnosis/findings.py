@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 from vmach.diagnosis.fitted_parameters import fitted_parameters
 from vmach.diagnosis.inference.other_sets import otherwise
 from vmach.diagnosis.inference.remains import sizes_um
-from vmach.diagnosis.inference.verdicts import Inference
+from vmach.diagnosis.inference.verdicts import Inference, Reason
+from vmach.diagnosis.inference.weighing import Explanation
 from vmach.diagnosis.residuals.where_it_fails import Failure
 from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.words import where_component
@@ -90,11 +91,29 @@ def findings_of(found: Inference) -> tuple[Finding, ...]:
     sizes = sizes_um(found.weighing, found.explanation)
     total = found.remains_um**2 + sum(size**2 for size in sizes)
     fit = found.weighing.careful(found.explanation)
-    others = otherwise(found.weighing, found.explanation)
+    others, judged = otherwise(found.weighing, found.explanation), _as_judged(found)
     return tuple(
-        replace(_finding(found, fit, k, others[k]), size_um=size, share=size**2 / total)
+        replace(
+            _finding(found, fit, k, others[k]),
+            rivals=rivals_of(found.weighing, judged, k),
+            size_um=size,
+            share=size**2 / total,
+        )
         for k, size in enumerate(sizes)
     )
+
+
+def _as_judged(found: Inference) -> Explanation:
+    """The effects that are shown, then those that another cause called for.
+
+    Beside what these stand for the others were judged, and rivals are weighed.
+    """
+    called = [weak.term for weak in found.weak if weak.why is not Reason.DOUBTFUL]
+    shown = found.explanation
+    if not called:
+        return shown
+    terms = [*shown.terms, *called]
+    return found.weighing.explain(terms, shown.posterior.sizes, refine=False)
 
 
 def _finding(found: Inference, fit: JointFit, k: int, others: Sequence[Otherwise]) -> Finding:
@@ -106,7 +125,7 @@ def _finding(found: Inference, fit: JointFit, k: int, others: Sequence[Otherwise
         target=target,
         parameters=fitted.values,
         u=fitted.u,
-        rivals=rivals_of(found.weighing, found.explanation, k),
+        rivals=Rivals((), ()),
         where=where_component(fitted.values, fitted.u, target) if is_component else None,
         interval_95=fitted.interval_95,
         weakly_identified=fitted.weakly_identified,

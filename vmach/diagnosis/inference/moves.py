@@ -10,6 +10,7 @@ from functools import partial
 
 import numpy as np
 
+from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.sizes import Sizes
 
@@ -70,9 +71,16 @@ def _led_on(weighing: Weighing, here: Explanation, moves: Sequence[_Move]) -> Ex
 def _best(
     weighing: Weighing, found: Iterator[Explanation], than: Explanation
 ) -> Explanation | None:
-    """The most probable of some explanations where it is better; all of them are remembered."""
-    best = max(map(weighing.remembered, found), key=lambda e: round(e.score, _TIE), default=None)
+    """The most probable of some explanations where it is better."""
+    remembered = (_remembered(weighing, e) for e in found)
+    best = max(remembered, key=lambda e: round(e.score, _TIE), default=None)
     return best if best is not None and best.score > than.score + _STEP else None
+
+
+def _remembered(weighing: Weighing, tried: Explanation) -> Explanation:
+    """An explanation, noted among those that were tried where nature has such sizes."""
+    is_possible = tried.fit is None or not has_impossible_sizes(tried.fit)
+    return weighing.remembered(tried) if is_possible else tried
 
 
 def _added(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:

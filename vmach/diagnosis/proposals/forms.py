@@ -74,7 +74,7 @@ class Forms:
         """An explanation with forms added while that is clearly more probable.
 
         Effects may imitate another cause: forms compete with all of them, and with those that the
-        search needs least, as the others may be known causes. What these do is no other cause.
+        search needs least, as the others may be known causes.
         """
         start = self._with(()).explain(found.terms, found.posterior.sizes, refine=False)
         best = self._grown(start)
@@ -88,17 +88,19 @@ class Forms:
     def _says_the_same(
         self, found: Explanation, labels: AbstractSet[str], instead: AbstractSet[str]
     ) -> bool:
-        """Whether the forms of another set do only what effects do that it gives up for them.
+        """Whether a form of another set does what an effect of one amount does that it gives up.
 
-        Two tools that wear alike are still tools that wear.
+        On one target or on several: two tools that wear alike are still tools that wear. Several
+        amounts follow another cause by chance.
         """
         new = [form for label, form in self._chosen.items() if label in instead - labels]
-        gone = found.labels & labels - instead
-        moved = [self._moved_mm(found, k) for k, t in enumerate(found.terms) if t.label in gone]
-        if not new or not moved:
-            return False
-        span = orthonormal(np.hstack(moved))
-        return all(share_within(self._columns.space_of(form), span) > _SAME for form in new)
+        by_name: dict[str, list[np.ndarray]] = {}
+        for k, term in enumerate(found.terms if new else ()):
+            if term.label in labels - instead and len(term.effect.amplitudes) == 1:
+                by_name.setdefault(term.effect.name, []).append(self._moved_mm(found, k))
+        spans = [orthonormal(np.hstack(moved)) for moved in by_name.values()]
+        spaces = [self._columns.space_of(form) for form in new]
+        return any(share_within(s, span) > _SAME for s in spaces for span in spans)
 
     def _moved_mm(self, found: Explanation, k: int) -> np.ndarray:
         """What effect k of an explanation does beyond alignment, (n, 1)."""
