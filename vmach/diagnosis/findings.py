@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from vmach.diagnosis.fitted_parameters import fitted_parameters
+from vmach.diagnosis.fitted_parameters import FittedParameters, fitted_parameters
 from vmach.diagnosis.inference.other_sets import otherwise
 from vmach.diagnosis.inference.remains import sizes_um
 from vmach.diagnosis.inference.verdicts import Inference, Reason
@@ -14,8 +14,6 @@ from vmach.diagnosis.residuals.where_it_fails import Failure
 from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.words import where_component
 from vmach.effects import Effect, label_of
-from vmach.fit.terms import JointFit
-from vmach.fit.uncertainty import Otherwise
 
 __all__ = ["Finding", "findings_of", "something_unknown"]
 
@@ -88,14 +86,14 @@ class Finding:
 
 def findings_of(found: Inference) -> tuple[Finding, ...]:
     """A finding for every effect that is shown."""
-    sizes = sizes_um(found.weighing, found.explanation)
+    weighing, judged = found.weighing, _as_judged(found)
+    sizes = sizes_um(weighing, found.explanation)
     total = found.remains_um**2 + sum(size**2 for size in sizes)
-    fit = found.weighing.careful(found.explanation)
-    others, judged = otherwise(found.weighing, found.explanation), _as_judged(found)
+    fit = weighing.careful(found.explanation)
+    others = otherwise(weighing, found.explanation)
     return tuple(
         replace(
-            _finding(found, fit, k, others[k]),
-            rivals=rivals_of(found.weighing, judged, k),
+            _finding(found, fitted_parameters(fit, k, others[k]), k, judged),
             size_um=size,
             share=size**2 / total,
         )
@@ -116,16 +114,15 @@ def _as_judged(found: Inference) -> Explanation:
     return found.weighing.explain(terms, shown.posterior.sizes, refine=False)
 
 
-def _finding(found: Inference, fit: JointFit, k: int, others: Sequence[Otherwise]) -> Finding:
-    effect, target = fit.terms[k].effect, fit.terms[k].target
-    fitted = fitted_parameters(fit, k, others)
+def _finding(found: Inference, fitted: FittedParameters, k: int, judged: Explanation) -> Finding:
+    effect, target = found.explanation.terms[k].effect, found.explanation.terms[k].target
     is_component = effect.corrects_table
     return Finding(
         effect=effect,
         target=target,
         parameters=fitted.values,
         u=fitted.u,
-        rivals=Rivals((), ()),
+        rivals=rivals_of(found.weighing, judged, k),
         where=where_component(fitted.values, fitted.u, target) if is_component else None,
         interval_95=fitted.interval_95,
         weakly_identified=fitted.weakly_identified,
