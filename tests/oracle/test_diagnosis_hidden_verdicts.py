@@ -217,7 +217,12 @@ def test_an_effect_is_shown_beside_a_cause_that_others_imitate(tmp_path):
     make_experiment(tmp_path, effects=hidden, seed=7307007, design=PartDesign(corners=True))
     report, _ = program_runs.diagnose(tmp_path)
     assert report["verdict"] == "partly"
-    assert [(e["effect"], e["target"]) for e in report["effects"]] == [("squareness", "C0Y")]
+    (shown,) = report["effects"]
+    assert (shown["effect"], shown["target"], shown["class"]) == (
+        "squareness",
+        "C0Y",
+        ["squareness"],
+    )
     assert any("depth below the top" in state for state in report["proposals"][0]["states"])
 
 
