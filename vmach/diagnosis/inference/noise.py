@@ -86,7 +86,7 @@ def score_with_tails(weighing: Weighing, explanation: Explanation, least: float)
     # what is set aside brings no more than it costs now
     if np.median(away) < _ROUNDING or score + 0.5 * float(np.sum(away[away > _ODD] ** 2)) < least:
         return score
-    return max(score, score + _with_tails(weighing, explanation)[1])
+    return score + _with_tails(weighing, explanation)[1]
 
 
 def _with_tails(weighing: Weighing, explanation: Explanation) -> tuple[FeatureNoise, float]:
