@@ -257,7 +257,7 @@ class Circumstances:
         """Moves that are the first with another tool."""
         return 1 + np.flatnonzero(np.diff(self.moves.tool))
 
-    @property
+    @cached_property
     def cutting_length_mm(self) -> np.ndarray:
         """Way that the tool has gone at feed so far, (P,)."""
         return self.history.cutting_length_mm(self.states.move, self.states.parameter)

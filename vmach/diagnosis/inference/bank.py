@@ -23,6 +23,8 @@ __all__ = ["Bank"]
 
 #: numbers that are widened together, so few that they stay near the processor
 _CACHED = 200_000
+#: numbers up to which signatures are kept wide, 32 MB
+_KEPT_WIDE = 4_000_000
 #: numbers that white signatures may take up
 _ROOM = 2_000_000
 #: share of the largest variance of effects that is none
@@ -74,6 +76,8 @@ class _Group:
             parts.append((rows @ base.z, rows @ base.y, _products(self._by_place(rows))))
         # means are few: they are kept white
         self._rows = means or list(_at_once(raw, max(_CACHED // wide, 1)))
+        if sum(rows.size for rows in self._rows) < _KEPT_WIDE:
+            self._rows = [np.concatenate(self._rows).astype(np.float64)]
         self._with_members, self._seen, self._gram = map(np.concatenate, zip(*parts, strict=True))
         self._beside = Remembered[_Beside](_SIZES)
 

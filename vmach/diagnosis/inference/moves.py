@@ -19,7 +19,8 @@ __all__ = ["beside_little", "search", "search_beyond", "without_needless"]
 #: size in u of a discrepancy that leaves effects to show; chosen: with 0.1 and 0.02 searches of 88
 #: parts ended as well
 _LITTLE = 0.3
-#: candidates that are tried at each step; with two, 2 of 87 searches ended worse
+#: candidates that are tried at each step; with two, 2 of 87 searches ended worse; of 199 effects
+#: that were dropped, 197 were among the three that cost least
 _TRIED = 3
 #: log odds by which one may lie behind the effect whose place it takes; in none of a few hundred
 #: refits did one from further behind catch up
@@ -215,10 +216,14 @@ def beside_little(here: Explanation) -> Explanation:
 
 
 def without_needless(weighing: Weighing, here: Explanation) -> Explanation:
-    """Drop effects that the others make needless."""
+    """Drop effects that the others make needless; those that cost least beside given sizes."""
+
+    def cost(k: int) -> float:
+        return -weighing.without(here, [k], resize=False).score
+
     while len(here.terms) > 1:
-        fewer = (weighing.without(here, [k]) for k in range(len(here.terms)))
-        best = max(fewer, key=lambda e: e.score)
+        least = sorted(range(len(here.terms)), key=cost)[:_TRIED]
+        best = max((weighing.without(here, [k]) for k in least), key=lambda e: e.score)
         if best.score < here.score:
             break
         here = best

@@ -135,6 +135,7 @@ class Weighing:
         # by identity of the effects: a posterior is asked again and again
         self._known = Remembered[tuple[Effects, Evidence]](room)
         self._fits = Remembered[JointFit](room)
+        self._slacks = Remembered[tuple[JointFit, Columns | None]](room)
         self._careful_fits = Remembered[tuple[Explanation, JointFit | None]](room)
         self._deleted = Remembered[tuple[Explanation, np.ndarray]](room)
         # a search, and the odds of what it found, leave the same terms out
@@ -322,8 +323,12 @@ class Weighing:
 
     def _slack(self, fit: JointFit) -> Columns | None:
         """Columns of what the laws leave open, as far as stated."""
-        slack = stated_slack(self.survey, fit)
-        return self.base.columns(slack) if slack.shape[1] else None
+
+        def made() -> tuple[JointFit, Columns | None]:
+            slack = stated_slack(self.survey, fit)
+            return fit, self.base.columns(slack) if slack.shape[1] else None
+
+        return self._slacks.get(id(fit), made)[1]
 
     def _open(self, fit: JointFit) -> Columns:
         """Columns of unit prior variance of amplitudes and inner parameters of a fit."""

@@ -56,11 +56,11 @@ class FormColumns:
         self._survey = survey
         self._looked_at: set[bytes] = set()
         self._states = _states(survey)
-        self._spots = Spots(survey)
         places = np.concatenate([p.on_part_mm for p in survey.paths])
         self._bend = bend_about(0.5 * (places.min(axis=0) + places.max(axis=0)))
         every = (*DIRECTIONS, ALL_AXES, *TURNS, self._bend)
         self._sensed = {direction: _sensed(survey, direction) for direction in every}
+        self._spots = Spots(survey, self._sensed)
         self.forms = [*self._plain(), *self._of_several(), *self._along_axes()]
 
     def _plain(self) -> Iterator[Form]:
@@ -112,12 +112,13 @@ class FormColumns:
         found = [
             *wave_states(self._survey, rest_mm, self._sensed),
             *wave_states(self._survey, left_mm, self._sensed),
-            *self._spots.states(left_mm, self._sensed),
+            *self._spots.states(left_mm),
         ]
         forms = [Form(CONSTANT, *one) for one in found]
         forms += [Form(*one) for one in stretch_states(self._survey, left_mm, self._sensed, tools)]
         for form in forms:
-            self._states[form.second] = _values(self._survey, form.second)
+            if form.second not in self._states:
+                self._states[form.second] = _values(self._survey, form.second)
         self.forms += [form for form in dict.fromkeys(forms) if form not in known]
 
     def __len__(self) -> int:

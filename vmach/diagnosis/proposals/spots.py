@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -39,39 +39,41 @@ class Spots:
     Parameters
     ----------
     survey : Survey
+    sensed : mapping of Direction to (n, D) float64
+        How readings sense a unit displacement.
     """
 
-    def __init__(self, survey: Survey) -> None:
-        self._survey = survey
+    def __init__(self, survey: Survey, sensed: Mapping[Direction, np.ndarray]) -> None:
         self._rows = slice(None, None, max(1, len(survey) // _LOOKED_THROUGH))
-        self._trials = {is_surface: self._of(frame) for is_surface, frame in _FRAMES.items()}
+        self._unit = survey.u_mm[self._rows]
+        frames = _FRAMES.values()
+        places = {f: [eval(f, {"path": path})[:, :2] for path in survey.paths] for f in frames}
+        trials = {f: _Trials.over(np.concatenate(own)[self._rows]) for f, own in places.items()}
+        self._filters = {
+            direction: _Filter(trials[_FRAMES[direction.needs_surface]], self._scaled(columns))
+            for direction, columns in sensed.items()
+            if not direction.lever
+        }
 
-    def _of(self, frame: str) -> _Trials:
-        places = [eval(frame, {"path": path})[:, :2] for path in self._survey.paths]
-        return _Trials.over(np.concatenate(places)[self._rows])
+    def _scaled(self, columns: np.ndarray) -> np.ndarray:
+        """Columns (n, D) in unit noise, of the readings that are looked through."""
+        return columns[self._rows] / self._unit[:, None]
 
-    def states(
-        self, left_mm: np.ndarray, sensed: dict[Direction, np.ndarray]
-    ) -> Iterator[tuple[State, Direction]]:
+    def states(self, left_mm: np.ndarray) -> Iterator[tuple[State, Direction]]:
         """The most conspicuous bumps, with the direction they show in.
 
         Parameters
         ----------
         left_mm : (n,) float64
             What is not explained.
-        sensed : mapping of Direction to (n, D) float64
-            How readings sense a unit displacement.
         """
-        unit = self._survey.u_mm[self._rows]
-        reading = left_mm[self._rows] / unit
-        for direction, columns in sensed.items():
-            if direction.lever:
-                continue
-            trials = self._trials[direction.needs_surface]
-            power = _Power(trials.place_mm, columns[self._rows] / unit[:, None], reading)
-            found = power.of(trials.height)
+        reading = left_mm[self._rows] / self._unit
+        for direction, own in self._filters.items():
+            trials = own.trials
+            found = own.power(reading)
             for k in peaks(found, trials.height, _PEAKS, length=trials.length):
-                centre, width = power.best_near(trials.centres_mm[k], trials.widths_mm[k])
+                near = trials.centres_mm[k], trials.widths_mm[k]
+                centre, width = own.best_near(reading, *near)
                 looked_at = len(trials.widths_mm) / _FINER**2
                 yield _state(_FRAMES[direction.needs_surface], centre, width, looked_at), direction
 
@@ -98,6 +100,16 @@ class _Trials:
         """Root of the sum of the squares of each, (T,)."""
         return np.linalg.norm(self.height, axis=1)
 
+    def height_of(self, centre_mm: np.ndarray, width_mm: float) -> np.ndarray:
+        """Of another bump at the readings, (n,)."""
+        x, y = self._across - centre_mm[:, None]
+        return np.exp((x * x + y * y) / (-2.0 * width_mm**2))
+
+    @cached_property
+    def _across(self) -> np.ndarray:
+        """The places, each coordinate together, (2, n) mm."""
+        return np.ascontiguousarray(self.place_mm.T)
+
     @classmethod
     def over(cls, place_mm: np.ndarray) -> _Trials:
         """On a raster over all places, in every width; wider bumps over a very large part."""
@@ -119,57 +131,61 @@ class _Trials:
 
 
 @dataclass(frozen=True)
-class _Power:
-    """What bumps take off the sum of squares of readings (n,) in unit noise.
+class _Filter:
+    """What bumps take off the sum of squares of readings in unit noise.
 
     Attributes
     ----------
-    place_mm : (n, 2) float64
+    trials : _Trials
     sensed : (n, D) float64
-        How they sense a unit displacement.
-    reading : (n,) float64
+        How the readings sense a unit displacement.
     """
 
-    place_mm: np.ndarray
+    trials: _Trials
     sensed: np.ndarray
-    reading: np.ndarray
-
-    @cached_property
-    def _across(self) -> np.ndarray:
-        """The places, each coordinate together, (2, n) mm."""
-        return np.ascontiguousarray(self.place_mm.T)
-
-    @cached_property
-    def _seen(self) -> np.ndarray:
-        """Products of every sensed displacement with the readings, (n, D)."""
-        return self.sensed * self.reading[:, None]
 
     @cached_property
     def _products(self) -> np.ndarray:
-        """With each other, (n, D D)."""
+        """Of what is sensed with each other, (n, D D)."""
         products = self.sensed[:, :, None] * self.sensed[:, None, :]
         return products.reshape(len(products), -1)
 
-    def of(self, value: np.ndarray) -> np.ndarray:
-        """Of trials whose heights at the readings are (T, n)."""
-        wide = self.sensed.shape[1]
-        some = (value[k : k + _AT_ONCE] for k in range(0, len(value), _AT_ONCE))
-        gram = np.concatenate([own**2 @ self._products for own in some])
-        return matched_power(value @ self._seen, gram.reshape(-1, wide, wide))
+    @cached_property
+    def _gram(self) -> np.ndarray:
+        """Of the trials, (T, D, D)."""
+        height = self.trials.height
+        some = [height[k : k + _AT_ONCE] for k in range(0, len(height), _AT_ONCE)]
+        return np.concatenate([self._gram_of(own) for own in some])
 
-    def best_near(self, centre: np.ndarray, width: float) -> tuple[np.ndarray, float]:
+    def _gram_of(self, height: np.ndarray) -> np.ndarray:
+        """Of bumps whose heights at the readings are (T, n), (T, D, D)."""
+        wide = self.sensed.shape[1]
+        return (height**2 @ self._products).reshape(-1, wide, wide)
+
+    def power(self, reading: np.ndarray) -> np.ndarray:
+        """Of all trials, (T,), for readings (n,)."""
+        return matched_power(self.trials.height @ self._seen(reading), self._gram)
+
+    def _seen(self, reading: np.ndarray) -> np.ndarray:
+        """Products of every sensed displacement with readings (n,), (n, D)."""
+        return self.sensed * reading[:, None]
+
+    def best_near(
+        self, reading: np.ndarray, centre: np.ndarray, width: float
+    ) -> tuple[np.ndarray, float]:
         """Centre and standard deviation of the most power near some on the raster, mm."""
+        seen = self._seen(reading)
+
+        def at(step: np.ndarray) -> tuple[np.ndarray, float]:
+            return centre + width * step[:2], width * 2.0 ** float(np.clip(step[2], -1.0, 1.0))
 
         def cost(step: np.ndarray) -> float:
-            own = width * 2.0 ** float(np.clip(step[2], -1.0, 1.0))
-            x, y = self._across - (centre + width * step[:2])[:, None]
-            away = x * x + y * y
-            return -float(self.of(np.exp(-0.5 * away / own**2)[None])[0])
+            height = self.trials.height_of(*at(step))[None]
+            return -float(matched_power(height @ seen, self._gram_of(height))[0])
 
         simplex = np.vstack([np.zeros(3), 0.5 * np.eye(3)])
         options = {"maxfev": _EVALUATED, "initial_simplex": simplex, "xatol": 0.02}
-        step = minimize(cost, np.zeros(3), method="Nelder-Mead", options=options).x
-        return centre + width * step[:2], width * 2.0 ** float(np.clip(step[2], -1.0, 1.0))
+        return at(minimize(cost, np.zeros(3), method="Nelder-Mead", options=options).x)
 
 
 def _state(frame: str, centre: np.ndarray, width: float, looked_at: float) -> State:

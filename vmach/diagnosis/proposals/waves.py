@@ -97,14 +97,16 @@ def _peaks(along: np.ndarray, reading: np.ndarray, span: float, shortest: float)
 
 
 def _refined(along: np.ndarray, reading: np.ndarray, frequency: float, step: float) -> float:
-    """The frequency of the peak itself, from the readings where they are."""
-    tried = frequency + step * np.linspace(-1.0, 1.0, 21)
-    turn = np.exp(2j * np.pi * (tried[1] - tried[0]) * along)
-    wave, power = np.exp(2j * np.pi * tried[0] * along), []
-    for _ in tried:
-        power.append(np.linalg.norm(wave @ reading))
-        wave *= turn
-    return float(tried[int(np.argmax(power))])
+    """The frequency of the peak itself, from the readings where they are: of a parabola.
+
+    To a tenth of a step, so that what is found again is known.
+    """
+    wave, turn = (np.exp(2j * np.pi * one * along) for one in (frequency, step))
+    waves = np.stack([wave * turn.conj(), wave, wave * turn])
+    low, here, high = np.linalg.norm(waves @ reading, axis=1)
+    bend = 2.0 * here - low - high
+    aside = 0.5 * (high - low) / bend if bend > 0.0 else np.sign(high - low)
+    return float(frequency + step * np.round(np.clip(aside, -1.0, 1.0), 1))
 
 
 def _state(argument: _Argument, frequency: float, span: float) -> State:
