@@ -99,8 +99,7 @@ def diagnose(
     survey = weighing.survey
     findings = findings_of(found)
     verdict = _verdict(found, findings)
-    fit = weighing.careful(explanation)
-    residuals = Residuals(survey, found.noise, fit)
+    residuals = Residuals(survey, found.noise, found.fit_of_effects)
     failures = where_it_fails(survey, residuals.noise.whiten, survey.residual_mm)
     if verdict == "unknown":
         findings = (something_unknown(failures),)

@@ -86,11 +86,12 @@ class Finding:
 
 def findings_of(found: Inference) -> tuple[Finding, ...]:
     """A finding for every effect that is shown."""
-    weighing, judged = found.weighing, _as_judged(found)
-    sizes = sizes_um(weighing, found.explanation)
+    fit, judged = found.fit, _as_judged(found)
+    if fit is None:
+        return ()
+    others = otherwise(found.among, found.told)
+    sizes = sizes_um(found.among, found.told)[: len(found.supports)]
     total = found.remains_um**2 + sum(size**2 for size in sizes)
-    fit = weighing.careful(found.explanation)
-    others = otherwise(weighing, found.explanation)
     return tuple(
         replace(
             _finding(found, fitted_parameters(fit, k, others[k]), k, judged),

@@ -15,6 +15,7 @@ from vmach.diagnosis.inference.noise import noise_after
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.support import supports_of
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
+from vmach.diagnosis.proposals.forms import Forms
 from vmach.effects import Effect, catalogue, label_of
 from vmach.effects.catalogue import unknown_effect_hint
 from vmach.errors import InputError
@@ -84,12 +85,20 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
         found = weighing.explain(found.terms, found.posterior.sizes)
     own = [weighing.candidates[weighing.index_of(term.label)] for term in found.terms]
     weighing, found = beyond_slopes(weighing, found, own)
-    supports, fit = supports_of(weighing, found), weighing.careful(found)
-    assert fit is not None
+    supports, fit = supports_of(weighing, found), _fit_beside_forms(weighing, found)
     return tuple(
         _named_effect(survey, fit, k, is_called_for=support.is_shown)
         for k, support in enumerate(supports)
     )
+
+
+def _fit_beside_forms(weighing: Weighing, found: Explanation) -> JointFit:
+    """The fit beside forms for what remains, which parameters would make up for else."""
+    forms = Forms(weighing, found)
+    among, told = forms.beside(found, forms.added(found))
+    fit = among.careful(told)
+    assert fit is not None
+    return fit
 
 
 def _extended(

@@ -7,7 +7,7 @@ about its usual size.
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -115,6 +115,11 @@ class JointFit:
     posterior: Posterior
     slack_mm: np.ndarray | None = None
     slack_scale: float = 1.0
+
+    def first(self, count: int) -> JointFit:
+        """So many of its terms, as they were fitted beside the others."""
+        names = ("terms", "coefficients", "covariance", "signatures", "tangents")
+        return replace(self, **{name: getattr(self, name)[:count] for name in names})
 
     def parameters(self, k: int) -> dict[str, float]:
         """Parameters of term k."""

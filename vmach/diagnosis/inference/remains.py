@@ -77,7 +77,9 @@ def _taken_mm(weighing: Weighing, found: Explanation, names: Sequence[str]) -> n
     return taken - weighing.survey.aligned(taken[:, None])[:, 0]
 
 
-def remains_um(weighing: Weighing, found: Explanation, *, noise: float = TRUST) -> float:
+def remains_um(
+    weighing: Weighing, found: Explanation, *, noise: float = TRUST, effects: int | None = None
+) -> float:
     """Root mean square of the discrepancy, and of scatter that is no noise.
 
     Parameters
@@ -87,9 +89,12 @@ def remains_um(weighing: Weighing, found: Explanation, *, noise: float = TRUST) 
     noise : float
         Scatter that is noise, in stated uncertainties; where it is known, as from a fuller
         explanation. More than `TRUST` is none.
+    effects : int, optional
+        So many of its terms are effects; what the others do remains.
     """
     scatter_um = _scatter_um(weighing, found, noise)
-    return float(np.hypot(_rms_um(remains_mm(weighing, found)), scatter_um))
+    forms = [] if effects is None else _effects_mm(weighing, found)[effects:]
+    return float(np.hypot(_rms_um(sum(forms, remains_mm(weighing, found))), scatter_um))
 
 
 def where_they_act_um(

@@ -24,7 +24,7 @@ from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.proposals.states import MOTION
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.sizes import Sizes
-from vmach.fit.terms import Term
+from vmach.fit.terms import JointFit, Term
 
 __all__ = ["Inference", "Reason", "Weak", "infer", "judged", "searched"]
 
@@ -66,6 +66,10 @@ class Inference:
         With the noise that the readings show.
     explanation : Explanation
         By the effects that are shown.
+    among : Weighing
+        The same with forms among its candidates.
+    told : Explanation
+        By the effects that are shown, and forms beside them: what an effect's parameters are.
     supports : tuple of Support
         What speaks for each.
     weak : tuple of Weak
@@ -79,11 +83,23 @@ class Inference:
 
     weighing: Weighing
     explanation: Explanation
+    among: Weighing
+    told: Explanation
     supports: tuple[Support, ...]
     weak: tuple[Weak, ...]
     remains_um: float
     is_structure: bool
     proposals: tuple[Proposal, ...] = ()
+
+    @property
+    def fit(self) -> JointFit | None:
+        """Of the effects that are shown, first, and forms beside them."""
+        return self.among.careful(self.told)
+
+    @property
+    def fit_of_effects(self) -> JointFit | None:
+        """Of the effects alone, as they were fitted beside the forms."""
+        return self.fit.first(len(self.explanation.terms)) if self.fit else None
 
     @cached_property
     def noise(self) -> Posterior:
@@ -104,11 +120,15 @@ def infer(weighing: Weighing) -> Inference:
     grown = forms.grown(found)
     shown, supports, weak = judged(weighing, found, _kept(weighing, forms, found, grown))
     alone = weighing.explain(shown.terms, found.posterior.sizes, refine=False)
-    remains = remains_um(weighing, alone, noise=grown.posterior.sizes.factor)
+    among, told = forms.beside(alone, grown)
+    noise, count = grown.posterior.sizes.factor, len(shown.terms)
+    remains = remains_um(among, told, noise=noise, effects=count)
     structure = is_structure(weighing, remains)
     return Inference(
         weighing,
         alone,
+        among,
+        told,
         tuple(supports[term.label] for term in shown.terms),
         weak,
         remains,

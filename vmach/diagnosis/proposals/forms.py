@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
 
@@ -13,11 +13,12 @@ from vmach.diagnosis.inference.moves import beside_little, search, without_needl
 from vmach.diagnosis.inference.remains import remains_mm, remains_um, sizes_um, usual_u_um
 from vmach.diagnosis.inference.rules import CLEARLY, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
-from vmach.diagnosis.proposals.form import Form
+from vmach.diagnosis.proposals.form import Form, FormEffect
 from vmach.diagnosis.proposals.form_columns import FormColumns
 from vmach.diagnosis.proposals.held_out import held_out_um
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.fit.base import Base
+from vmach.fit.candidates import Candidate
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.noise.discrepancy import Members
 from vmach.fit.sizes import Sizes
@@ -76,7 +77,7 @@ class Forms:
         Effects may imitate another cause: forms compete with all of them, and with those that the
         search needs least, as the others may be known causes.
         """
-        start = self._with(()).explain(found.terms, found.posterior.sizes, refine=False)
+        start = self._start(found)
         best = self._grown(start)
         for fewer in self._with_fewer(found, start):
             alone = self._alone(fewer, best)
@@ -84,6 +85,15 @@ class Forms:
             if is_clear and not self._says_the_same(found, best.labels, alone.labels):
                 best = alone
         return best
+
+    def added(self, found: Explanation) -> Explanation:
+        """An explanation with forms beside its effects; as given where one is needless then."""
+        grown = self._grown(self._start(found))
+        return grown if found.labels <= grown.labels else found
+
+    def _start(self, found: Explanation) -> Explanation:
+        """An explanation where forms are candidates."""
+        return self._with(()).explain(found.terms, found.posterior.sizes, refine=False)
 
     def _says_the_same(
         self, found: Explanation, labels: AbstractSet[str], instead: AbstractSet[str]
@@ -210,12 +220,25 @@ class Forms:
         told = _told(found, len(weighing.survey))
         return tuple(replace(p, form=self._columns.held(p.form)) for p in told)
 
+    def beside(self, shown: Explanation, grown: Explanation) -> tuple[Weighing, Explanation]:
+        """Effects that are shown and the forms of a grown explanation, among all candidates."""
+        forms = [term for term in grown.terms if isinstance(term.effect, FormEffect)]
+        if not forms or not shown.terms:
+            return self._weighing, shown
+        every = [self._chosen[term.label] for term in forms]
+        weighing = self._among(self._weighing.candidates, every)
+        sizes = grown.posterior.sizes
+        return weighing, weighing.explain([*shown.terms, *forms], sizes, refine=False)
+
     def _with(self, forms: Sequence[Form]) -> Weighing:
         """A weighing of the known effects, the forms that were added, and some more."""
-        every = {_label(form): form for form in (*self._chosen.values(), *forms)}
-        listed = len(self._columns)
+        return self._among(self._known, dict.fromkeys([*self._chosen.values(), *forms]))
+
+    def _among(self, effects: Sequence[Candidate], forms: Iterable[Form]) -> Weighing:
+        """A weighing of effects and forms."""
+        listed, every = len(self._columns), {_label(form): form for form in forms}
         return self._weighing.of_candidates(
-            [*self._known, *(self._columns.candidate(f) for f in every.values())],
+            [*effects, *(self._columns.candidate(f) for f in every.values())],
             {label: -float(np.log(listed * f.looked_at)) for label, f in every.items()},
         )
 
