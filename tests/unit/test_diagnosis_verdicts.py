@@ -365,9 +365,9 @@ def judged_by(monkeypatch, labels, odds_of, scores=()):
         score = scores.get("".join(labels), 0.0)
         return SimpleNamespace(terms=terms, labels=labels, posterior=Mock(), score=score)
 
-    def supports(_, here):
+    def supports(_, here, count):
         odds = odds_of(here.labels)
-        return [Support(odds[n], size_um=2.0, rest_um=0.0) for n in here.labels]
+        return [Support(odds[n], size_um=2.0, rest_um=0.0) for n in here.labels[:count]]
 
     weighing = SimpleNamespace(
         careful=lambda _: None,
@@ -375,7 +375,7 @@ def judged_by(monkeypatch, labels, odds_of, scores=()):
         explain=lambda terms, *_, **__: found([term.label for term in terms]),
     )
     monkeypatch.setattr(verdicts, "supports_of", supports)
-    return verdicts.judged(weighing, found(labels), dict.fromkeys(labels, np.inf))
+    return verdicts.judged(weighing, found(labels))
 
 
 def test_what_is_not_certain_stays_beside_the_others_while_they_are_judged(monkeypatch):

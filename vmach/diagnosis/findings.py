@@ -87,7 +87,7 @@ class Finding:
 def findings_of(found: Inference) -> tuple[Finding, ...]:
     """A finding for every effect that is shown."""
     fit, judged = found.fit, _as_judged(found)
-    if fit is None:
+    if fit is None or not found.supports:
         return ()
     others = otherwise(found.among, found.told)
     sizes = sizes_um(found.among, found.told)[: len(found.supports)]
@@ -103,16 +103,15 @@ def findings_of(found: Inference) -> tuple[Finding, ...]:
 
 
 def _as_judged(found: Inference) -> Explanation:
-    """The effects that are shown, then those that another cause called for.
+    """The effects that are shown, beside forms and those of an impossible size.
 
     Beside what these stand for the others were judged, and rivals are weighed.
     """
-    called = [weak.term for weak in found.weak if weak.why is not Reason.DOUBTFUL]
-    shown = found.explanation
+    called = [weak.term for weak in found.weak if weak.why is Reason.IMPOSSIBLE]
+    told = found.told
     if not called:
-        return shown
-    terms = [*shown.terms, *called]
-    return found.weighing.explain(terms, shown.posterior.sizes, refine=False)
+        return told
+    return found.among.explain([*told.terms, *called], told.posterior.sizes, refine=False)
 
 
 def _finding(found: Inference, fitted: FittedParameters, k: int, judged: Explanation) -> Finding:
@@ -123,7 +122,7 @@ def _finding(found: Inference, fitted: FittedParameters, k: int, judged: Explana
         target=target,
         parameters=fitted.values,
         u=fitted.u,
-        rivals=rivals_of(found.weighing, judged, k),
+        rivals=rivals_of(found.among, judged, k),
         where=where_component(fitted.values, fitted.u, target) if is_component else None,
         interval_95=fitted.interval_95,
         weakly_identified=fitted.weakly_identified,

@@ -94,9 +94,8 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
 
 def _fit_beside_forms(weighing: Weighing, found: Explanation) -> JointFit:
     """The fit beside forms for what remains, which parameters would make up for else."""
-    forms = Forms(weighing, found)
-    among, told = forms.beside(found, forms.added(found))
-    fit = among.careful(told)
+    told = Forms(weighing, found).added(found)
+    fit = weighing.careful(told)
     assert fit is not None
     return fit
 

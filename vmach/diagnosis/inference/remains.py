@@ -78,7 +78,7 @@ def _taken_mm(weighing: Weighing, found: Explanation, names: Sequence[str]) -> n
 
 
 def remains_um(
-    weighing: Weighing, found: Explanation, *, noise: float = TRUST, effects: int | None = None
+    weighing: Weighing, found: Explanation, *, noise: float = TRUST, count: int | None = None
 ) -> float:
     """Root mean square of the discrepancy, and of scatter that is no noise.
 
@@ -89,28 +89,34 @@ def remains_um(
     noise : float
         Scatter that is noise, in stated uncertainties; where it is known, as from a fuller
         explanation. More than `TRUST` is none.
-    effects : int, optional
-        So many of its terms are effects; what the others do remains.
+    count : int, optional
+        So many of its terms, the first, are shown; what the others do remains.
     """
     scatter_um = _scatter_um(weighing, found, noise)
-    forms = [] if effects is None else _effects_mm(weighing, found)[effects:]
-    return float(np.hypot(_rms_um(sum(forms, remains_mm(weighing, found))), scatter_um))
+    others = [] if count is None else _effects_mm(weighing, found)[count:]
+    return float(np.hypot(_rms_um(sum(others, remains_mm(weighing, found))), scatter_um))
 
 
 def where_they_act_um(
-    weighing: Weighing, found: Explanation
+    weighing: Weighing, found: Explanation, count: int
 ) -> tuple[Sequence[float], Sequence[float]]:
-    """Size of each effect where it acts, and what remains there, root mean squares.
+    """Size of the first effects where they act, and what remains there, root mean squares.
 
     Each reading weighs as the square of what the effect does to it. Scatter is no rest: an
-    imitation leaves structure, and single readings have scatter of their own.
+    imitation leaves structure, and single readings have scatter of their own. Nor is what other
+    terms do; but one that follows the travel is a doubt about an effect that does, where it acts
+    most where the effect does: the mean of such a cause is an effect of motion beside its form.
     """
-    effects = [um_from_mm(own) for own in _effects_mm(weighing, found)]
-    left = um_from_mm(remains_mm(weighing, found))
-    return (
-        tuple(_rms_where(own, own) for own in effects),
-        tuple(_rms_where(left, own) for own in effects),
-    )
+    every = [um_from_mm(own) for own in _effects_mm(weighing, found)]
+    left, terms = um_from_mm(remains_mm(weighing, found)), found.terms
+    sizes, rests = [], []
+    for term, own in zip(terms[:count], every, strict=False):
+        beside = zip(terms[count:], every[count:], strict=True)
+        moved = [o for t, o in beside if t.effect.follows_travel and term.effect.follows_travel]
+        alike = [o for o in moved if _rms_where(o, own) > np.sqrt(np.mean(o**2))]
+        sizes.append(_rms_where(own, own))
+        rests.append(_rms_where(sum(alike, left), own))
+    return sizes, rests
 
 
 def _rms_where(values: np.ndarray, effect: np.ndarray) -> float:

@@ -18,7 +18,7 @@ from vmach.diagnosis.inference.remains import usual_u_um, where_they_act_um
 from vmach.diagnosis.inference.rules import CLEARLY, IMITATION, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 
-__all__ = ["Support", "in_its_place", "rests_um", "supports_of"]
+__all__ = ["Support", "in_its_place", "supports_of"]
 
 #: log odds beyond which it does not matter how many they are; chosen, far beyond `CLEARLY`
 _CERTAIN = 20.0
@@ -74,10 +74,13 @@ class Support:
         return replace(self, rest_um=min(self.rest_um, rest_um))
 
 
-def supports_of(weighing: Weighing, found: Explanation) -> Sequence[Support]:
-    """What speaks for each effect of an explanation."""
+def supports_of(
+    weighing: Weighing, found: Explanation, count: int | None = None
+) -> Sequence[Support]:
+    """What speaks for the first effects of an explanation, for each where no count is given."""
     supports = []
-    for k, (size, rest) in enumerate(zip(*where_they_act_um(weighing, found), strict=True)):
+    acting = where_they_act_um(weighing, found, len(found.terms) if count is None else count)
+    for k, (size, rest) in enumerate(zip(*acting, strict=True)):
         more, prior = in_its_place(weighing, found, k)
         odds = found.score - _score_without(weighing, found, k) + more
         supports.append(Support(odds, size, _looked_into(weighing, rest), max(prior, 0.0)))
@@ -87,11 +90,6 @@ def supports_of(weighing: Weighing, found: Explanation) -> Sequence[Support]:
 def _score_without(weighing: Weighing, found: Explanation, k: int) -> float:
     """Score without term k, beside the noise that this leaves: odd readings call for no effect."""
     return score_with_tails(weighing, weighing.without(found, [k]), found.score - _CERTAIN)
-
-
-def rests_um(weighing: Weighing, found: Explanation) -> Sequence[float]:
-    """What remains where each effect acts, beyond what would not be looked into."""
-    return [_looked_into(weighing, rest) for rest in where_they_act_um(weighing, found)[1]]
 
 
 def _looked_into(weighing: Weighing, rest_um: float) -> float:

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
 
-import numpy as np
-
 from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.by_definition import as_defined
 from vmach.diagnosis.inference.moves import search, search_beyond, without_needless
@@ -16,12 +14,11 @@ from vmach.diagnosis.inference.noise import beside_own_noise, noise_before
 from vmach.diagnosis.inference.own_contacts import chosen_by_one, over, over_own_contacts
 from vmach.diagnosis.inference.remains import is_structure, remains_um, sizes_um
 from vmach.diagnosis.inference.rules import KEPT
-from vmach.diagnosis.inference.support import Support, rests_um, supports_of
+from vmach.diagnosis.inference.support import Support, supports_of
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.proposals.form import FormEffect
 from vmach.diagnosis.proposals.forms import Forms
 from vmach.diagnosis.proposals.proposal import Proposal
-from vmach.diagnosis.proposals.states import MOTION
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.sizes import Sizes
 from vmach.fit.terms import JointFit, Term
@@ -99,7 +96,7 @@ class Inference:
     @property
     def fit_of_effects(self) -> JointFit | None:
         """Of the effects alone, as they were fitted beside the forms."""
-        return self.fit.first(len(self.explanation.terms)) if self.fit else None
+        return self.fit.first(len(self.supports)) if self.fit and self.supports else None
 
     @cached_property
     def noise(self) -> Posterior:
@@ -118,19 +115,21 @@ def infer(weighing: Weighing) -> Inference:
     weighing, found = searched(weighing)
     forms = Forms(weighing, found)
     grown = forms.grown(found)
-    shown, supports, weak = judged(weighing, found, _kept(weighing, forms, found, grown))
-    alone = weighing.explain(shown.terms, found.posterior.sizes, refine=False)
-    among, told = forms.beside(alone, grown)
-    noise, count = grown.posterior.sizes.factor, len(shown.terms)
-    remains = remains_um(among, told, noise=noise, effects=count)
-    structure = is_structure(weighing, remains)
+    among, beside, replaced = _beside_forms(weighing, forms, found, grown)
+    stay = len(beside.terms) - (len(found.terms) - len(replaced))
+    told, supports, weak = judged(among, beside, stay)
+    shown = told.terms[: len(told.terms) - stay]
+    alone = weighing.explain(shown, found.posterior.sizes, refine=False)
+    noise = grown.posterior.sizes.factor
+    remains = remains_um(among, told, noise=noise, count=len(shown))
+    structure = is_structure(weighing, remains) or stay > 0
     return Inference(
         weighing,
         alone,
         among,
         told,
-        tuple(supports[term.label] for term in shown.terms),
-        weak,
+        tuple(supports[term.label] for term in shown),
+        (*replaced, *weak),
         remains,
         structure,
         proposals=forms.proposals(alone, grown) if structure else (),
@@ -186,68 +185,71 @@ def _settled(
     return weighing, found
 
 
-def _kept(
+def _beside_forms(
     weighing: Weighing, forms: Forms, found: Explanation, grown: Explanation
-) -> Mapping[str, float]:
-    """Effects that forms leave most of their size, and what remains beside both where each acts.
+) -> tuple[Weighing, Explanation, tuple[Weak, ...]]:
+    """Effects, then forms beside them; and effects that are of the forms' causes.
 
-    A form that holds all of an effect and more, as a curve along an axis holds a scale, says
-    nothing of one that every machine has: it neither takes its place nor clears it.
+    An effect keeps about its size beside a form. One that shrinks is an imitation. One that grows
+    is a part of the form's cause, and stays beside it. A form that holds all of an effect and
+    more, as a curve along an axis holds a scale, says nothing of one that every machine has: it
+    does not stand beside it.
     """
-    before, beside = (
-        dict(zip((t.label for t in e.terms), sizes_um(weighing, e), strict=True))
-        for e in (found, grown)
-    )
-    chosen = [t.effect.form for t in grown.terms if isinstance(t.effect, FormEffect)]
-    of_motion = any(form.kinds & MOTION for form in chosen)
-    held = {
-        term.label
-        for k, term in enumerate(found.terms)
-        if weighing.prior_of(term.effect, term.target) > 0.0 and forms.holds(found, k, chosen)
-    }
-    rests = dict.fromkeys(held, np.inf)
-    for term, rest in zip(grown.terms, rests_um(weighing, grown), strict=True):
-        # the mean of a cause that depends on motion is an effect of motion beside its form
-        says_nothing = term.label in held or (of_motion and term.effect.follows_travel)
-        rests[term.label] = np.inf if says_nothing else rest
-    keep = {n for n in before if n in held or beside.get(n, 0.0) > KEPT * before[n]}
-    return {n: rests[n] for n in before if n in keep}
+    chosen = [term for term in grown.terms if isinstance(term.effect, FormEffect)]
+    if not chosen:
+        return weighing, found, ()
+    usual = [k for k, t in enumerate(found.terms) if weighing.prior_of(t.effect, t.target) > 0.0]
+    holding = {(k, form.label) for k in usual for form in chosen if forms.holds(found, k, form)}
+    held = {k for k, _ in holding}
+    stay = [form for form in chosen if form.label not in {label for _, label in holding}]
+    among = forms.among(stay)
+    sizes = dict(zip((t.label for t in grown.terms), sizes_um(weighing, grown), strict=True))
+    beside = {term.label: term for term in grown.terms}
+    effects, gone = [], []
+    for k, (term, size) in enumerate(zip(found.terms, sizes_um(weighing, found), strict=True)):
+        if KEPT * size < sizes.get(term.label, 0.0) < size / KEPT or k in held:
+            effects.append(beside.get(term.label, term))
+            continue
+        gone.append(k)
+        if sizes.get(term.label, 0.0) > size and stay:
+            stay.append(beside[term.label])
+    supports = supports_of(weighing, found) if gone else ()
+    replaced = tuple(Weak(found.terms[k], supports[k], Reason.REPLACED) for k in gone)
+    here = among.explain([*effects, *stay], grown.posterior.sizes, refine=False)
+    return among, here, replaced
 
 
 def judged(
-    weighing: Weighing, found: Explanation, beside_forms: Mapping[str, float]
+    weighing: Weighing, found: Explanation, stay: int = 0
 ) -> tuple[Explanation, dict[str, Support], tuple[Weak, ...]]:
     """An explanation without effects that are not shown, what speaks for the others, and those.
 
     Imitations go, the least probable first. The others stay judged as beside them: their smallest
-    odds count, and the smallest rest, beside forms too: what a form is no effect has left. What is
-    not certain stays beside what is judged.
+    odds count, and the smallest rest. What is not certain stays beside what is judged.
 
     Parameters
     ----------
     weighing : Weighing
     found : Explanation
-    beside_forms : mapping of str to float
-        Effects that forms leave, and the rest of each beside them, um.
+    stay : int
+        So many of its terms, the last, are of other causes, and stay.
     """
     supports: dict[str, Support] = {}
     weak: list[Weak] = []
     while True:
-        here = zip(found.terms, supports_of(weighing, found), strict=True)
-        supports = {
-            t.label: s.after(supports.get(t.label, s)).beside(beside_forms.get(t.label, np.inf))
-            for t, s in here
-        }
-        doubted = _doubted(weighing, found, supports, beside_forms)
+        effects = found.terms[: len(found.terms) - stay]
+        here = zip(effects, supports_of(weighing, found, len(effects)), strict=True)
+        supports = {t.label: s.after(supports.get(t.label, s)) for t, s in here}
+        doubted = _doubted(weighing, found, supports)
         if doubted is None:
             break
         k, why = doubted
         term = found.terms[k]
         weak.append(Weak(term, supports[term.label], why))
         found = weighing.without(found, [k])
-    unsure = [term for term in found.terms if not supports[term.label].is_shown]
+    unsure = [term for term in effects if not supports[term.label].is_shown]
     found = weighing.without(found, [k for k, t in enumerate(found.terms) if t in unsure])
-    found, sure = _one_of(weighing, found, unsure, supports)
+    found, sure = _one_of(weighing, found, unsure, supports, stay)
     supports |= sure
     named = [(term, supports[term.label]) for term in unsure if term.label not in sure]
     weak += [Weak(term, support, Reason.DOUBTFUL) for term, support in named]
@@ -259,6 +261,7 @@ def _one_of(
     found: Explanation,
     unsure: Sequence[Term],
     supports: Mapping[str, Support],
+    stay: int,
 ) -> tuple[Explanation, dict[str, Support]]:
     """An explanation with those of some unsure effects that are sure without the others.
 
@@ -267,13 +270,16 @@ def _one_of(
     sure: dict[str, Support] = {}
     left = [term for term in unsure if supports[term.label].probability >= 0.5]
     while left:
+        count = len(found.terms) - stay
+        shown, others = found.terms[:count], found.terms[count:]
         trials = [
-            weighing.explain([*found.terms, term], found.posterior.sizes, refine=False)
+            weighing.explain([*shown, term, *others], found.posterior.sizes, refine=False)
             for term in left
         ]
         best = max(range(len(left)), key=lambda k: trials[k].score)
         term = left.pop(best)
-        support = supports_of(weighing, trials[best])[-1].beside(supports[term.label].rest_um)
+        support = supports_of(weighing, trials[best], count + 1)[-1]
+        support = support.beside(supports[term.label].rest_um)
         if not support.is_shown:
             break
         found, sure[term.label] = trials[best], support
@@ -281,20 +287,13 @@ def _one_of(
 
 
 def _doubted(
-    weighing: Weighing,
-    found: Explanation,
-    supports: Mapping[str, Support],
-    beside_forms: Mapping[str, float],
+    weighing: Weighing, found: Explanation, supports: Mapping[str, Support]
 ) -> tuple[int, Reason] | None:
     """The effect that is most probably an imitation, and why."""
-    fit = weighing.careful(found)
-    places = {term.label: k for k, term in enumerate(found.terms)}
-    reasons = {
-        Reason.DOUBTFUL: [k for n, k in places.items() if supports[n].probability < 0.5],
-        Reason.REPLACED: [k for n, k in places.items() if n not in beside_forms],
-        Reason.IMPOSSIBLE: impossible_terms(fit) if fit else [],
-    }
-    for why, ks in reasons.items():
+    fit, count = weighing.careful(found), len(supports)
+    unlikely = [k for k in range(count) if supports[found.terms[k].label].probability < 0.5]
+    impossible = [k for k in impossible_terms(fit) if k < count] if fit else []
+    for why, ks in ((Reason.DOUBTFUL, unlikely), (Reason.IMPOSSIBLE, impossible)):
         if ks:
             return min(ks, key=lambda k: supports[found.terms[k].label].order), why
     return None

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vmach.diagnosis.proposals.states import CONSTANT, Direction, State
+from vmach.diagnosis.proposals.states import CONSTANT, MOTION, Direction, State
 from vmach.effects import Effect, Parameter, linear
 from vmach.job import Job
 from vmach.path.circumstances import Circumstances
@@ -81,6 +81,7 @@ class FormEffect(Effect):
 
     def __init__(self, form: Form, count: int = 1) -> None:
         self.form = form
+        self.follows_travel = bool(form.kinds & MOTION)
         self.needs_surface = form.needs_surface
         self.parameters = amounts(count)
 

@@ -13,7 +13,7 @@ from vmach.diagnosis.inference.moves import beside_little, search, without_needl
 from vmach.diagnosis.inference.remains import remains_mm, remains_um, sizes_um, usual_u_um
 from vmach.diagnosis.inference.rules import CLEARLY, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
-from vmach.diagnosis.proposals.form import Form, FormEffect
+from vmach.diagnosis.proposals.form import Form
 from vmach.diagnosis.proposals.form_columns import FormColumns
 from vmach.diagnosis.proposals.held_out import held_out_um
 from vmach.diagnosis.proposals.proposal import Proposal
@@ -23,6 +23,7 @@ from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.noise.discrepancy import Members
 from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
+from vmach.fit.terms import Term
 from vmach.fit.whitening import orthonormal, share_within
 
 __all__ = ["Forms"]
@@ -186,10 +187,10 @@ class Forms:
         self._chosen[_label(best[1])] = best[1]
         return without_needless(weighing, best[0])
 
-    def holds(self, found: Explanation, k: int, forms: Sequence[Form]) -> bool:
-        """Whether what effect k of an explanation does is all in the span of one of some forms."""
+    def holds(self, found: Explanation, k: int, form: Term) -> bool:
+        """Whether what effect k of an explanation does is all in the span of a form."""
         own = orthonormal(self._moved_mm(found, k))
-        return any(share_within(own, self._columns.space_of(form)) > _SAME for form in forms)
+        return share_within(own, self._columns.space_of(self._chosen[form.label])) > _SAME
 
     def proposals(self, alone: Explanation, grown: Explanation) -> tuple[Proposal, ...]:
         """The forms of a grown explanation, then others that would do nearly as well.
@@ -220,21 +221,20 @@ class Forms:
         told = _told(found, len(weighing.survey))
         return tuple(replace(p, form=self._columns.held(p.form)) for p in told)
 
-    def beside(self, shown: Explanation, grown: Explanation) -> tuple[Weighing, Explanation]:
-        """Effects that are shown and the forms of a grown explanation, among all candidates."""
-        forms = [term for term in grown.terms if isinstance(term.effect, FormEffect)]
-        if not forms or not shown.terms:
-            return self._weighing, shown
-        every = [self._chosen[term.label] for term in forms]
-        weighing = self._among(self._weighing.candidates, every)
-        sizes = grown.posterior.sizes
-        return weighing, weighing.explain([*shown.terms, *forms], sizes, refine=False)
+    def among(self, terms: Sequence[Term]) -> Weighing:
+        """The weighing of all effects, with the forms of some terms."""
+        if not terms:
+            return self._weighing
+        chosen = [self._chosen[term.label] for term in terms]
+        weighing = self._of(self._weighing.candidates, chosen)
+        weighing.tried = self._weighing.tried
+        return weighing
 
     def _with(self, forms: Sequence[Form]) -> Weighing:
         """A weighing of the known effects, the forms that were added, and some more."""
-        return self._among(self._known, dict.fromkeys([*self._chosen.values(), *forms]))
+        return self._of(self._known, dict.fromkeys([*self._chosen.values(), *forms]))
 
-    def _among(self, effects: Sequence[Candidate], forms: Iterable[Form]) -> Weighing:
+    def _of(self, effects: Sequence[Candidate], forms: Iterable[Form]) -> Weighing:
         """A weighing of effects and forms."""
         listed, every = len(self._columns), {_label(form): form for form in forms}
         return self._weighing.of_candidates(
