@@ -251,6 +251,28 @@ def test_a_parameter_is_told_beside_the_form_of_what_nobody_foresaw(
     assert rms["after"] == pytest.approx(left, rel=0.1) and rms["after"] < rms["before"]
 
 
+@pytest.mark.parametrize(
+    ("effects", "seed", "noise", "shown"),
+    [
+        # of the play of a gib, and of lost motion that comes and goes, the mean is an effect
+        (["loose_gib"], 7306002, "white", []),
+        (["tool_radius", "loose_gib"], 7610007, "common", ["tool_radius"]),
+        # the nut of the other axis says nothing of this one
+        (["backlash", "loosening_nut"], 7307006, "white", ["backlash"]),
+        # beside a column that nods a bent table stood for what the squareness left
+        (["squareness", "nodding_column"], 981217, "common", ["squareness"]),
+    ],
+)
+def test_effects_are_judged_beside_the_form_of_what_nobody_foresaw(
+    tmp_path, effects, seed, noise, shown
+):
+    design = PartDesign(corners=seed % 3 == 0, two_set_ups=seed % 5 == 0)
+    make_experiment(tmp_path, effects=effects, seed=seed, design=design, noise=noise)
+    report, _ = program_runs.diagnose(tmp_path)
+    named = [entry["effect"] for entry in report["effects"] if entry["effect"] != "unknown"]
+    assert named == shown and report["verdict"] == ("partly" if shown else "unknown")
+
+
 def test_a_form_takes_the_place_of_two_effects_and_leaves_a_third(tmp_path):
     """A head that tilts and a worn guide together imitate the beat of a chiller."""
     make_experiment(tmp_path, effects=["fixture", "chiller"], seed=7610006)

@@ -87,8 +87,9 @@ RULES = (
         "kept",
         KEPT,
         "share",
-        "an effect keeps so much of its size beside a form over states; one that keeps less is an "
-        "imitation of the form",
+        "an effect keeps so much of its size beside a form over states, and the form leaves it no "
+        "more than the inverse; one that shrinks is an imitation of the form, one that grows is a "
+        "part of its cause",
         "chosen: where both act alike each has half",
         "tests/unit/test_proposed_directions.py",
     ),
@@ -96,7 +97,8 @@ RULES = (
         "structure",
         STRUCTURE,
         "stated u",
-        "what remains is structure where its size is above the uncertainty of one reading",
+        "what remains is structure where its size is above the uncertainty of one reading, or "
+        "where a form was found",
         "chosen: what is below u hides in the scatter of a reading",
         _COUNTS,
     ),
