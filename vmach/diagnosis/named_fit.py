@@ -85,19 +85,20 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
         found = weighing.explain(found.terms, found.posterior.sizes)
     own = [weighing.candidates[weighing.index_of(term.label)] for term in found.terms]
     weighing, found = beyond_slopes(weighing, found, own)
-    supports, fit = supports_of(weighing, found), _fit_beside_forms(weighing, found)
-    return tuple(
-        _named_effect(survey, fit, k, is_called_for=support.is_shown)
-        for k, support in enumerate(supports)
-    )
+    return _beside_forms(weighing, found)
 
 
-def _fit_beside_forms(weighing: Weighing, found: Explanation) -> JointFit:
-    """The fit beside forms for what remains, which parameters would make up for else."""
-    told = Forms(weighing, found).added(found)
+def _beside_forms(weighing: Weighing, found: Explanation) -> tuple[NamedEffect, ...]:
+    """The effects beside forms for what remains; parameters would make up for that else."""
+    forms, count = Forms(weighing, found), len(found.terms)
+    told = forms.added(found)
+    weighing = forms.among(told.terms[count:])
     fit = weighing.careful(told)
     assert fit is not None
-    return fit
+    return tuple(
+        _named_effect(weighing.survey, fit, k, is_called_for=support.is_shown)
+        for k, support in enumerate(supports_of(weighing, told, count))
+    )
 
 
 def _extended(

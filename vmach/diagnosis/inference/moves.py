@@ -215,16 +215,23 @@ def beside_little(here: Explanation) -> Explanation:
     return replace(here, posterior=replace(here.posterior, sizes=small))
 
 
-def without_needless(weighing: Weighing, here: Explanation) -> Explanation:
-    """Drop effects that the others make needless; those that cost least beside given sizes."""
+def without_needless(
+    weighing: Weighing, here: Explanation, *, but: AbstractSet[str] = frozenset()
+) -> Explanation:
+    """Drop effects that the others make needless, those that cost least beside given sizes.
+
+    Some may have to stay, by their labels.
+    """
 
     def cost(k: int) -> float:
         return -weighing.without(here, [k], resize=False).score
 
     while len(here.terms) > 1:
-        least = sorted(range(len(here.terms)), key=cost)[:_TRIED]
-        best = max((weighing.without(here, [k]) for k in least), key=lambda e: e.score)
-        if best.score < here.score:
+        free = [k for k, term in enumerate(here.terms) if term.label not in but]
+        least = sorted(free, key=cost)[:_TRIED]
+        fewer = (weighing.without(here, [k]) for k in least)
+        best = max(fewer, key=lambda e: e.score, default=None)
+        if best is None or best.score < here.score:
             break
         here = best
     return here

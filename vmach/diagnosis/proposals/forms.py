@@ -88,9 +88,8 @@ class Forms:
         return best
 
     def added(self, found: Explanation) -> Explanation:
-        """An explanation with forms beside its effects; as given where one is needless then."""
-        grown = self._grown(self._start(found))
-        return grown if found.labels <= grown.labels else found
+        """An explanation with forms beside its effects, which all stay."""
+        return self._grown(self._start(found), but=found.labels)
 
     def _start(self, found: Explanation) -> Explanation:
         """An explanation where forms are candidates."""
@@ -154,7 +153,8 @@ class Forms:
             return fewer
         return self._grown(search(self._with(()), first))
 
-    def _grown(self, here: Explanation) -> Explanation:
+    def _grown(self, here: Explanation, *, but: AbstractSet[str] = frozenset()) -> Explanation:
+        """An explanation with forms; effects that they make needless go, but some."""
         for k in range(_MOST):
             if not self._is_worth_a_form(here):
                 break
@@ -162,14 +162,16 @@ class Forms:
                 # effects may have taken a part of what one form is
                 self._columns.add_conspicuous(*self._left_mm(self._weighing.alone))
             self._columns.add_conspicuous(*self._left_mm(here))
-            better = self._extended(here, self._leading(_two_views(here)))
+            better = self._extended(here, self._leading(_two_views(here)), but=but)
             if better.score < here.score + CLEARLY:
                 break
             here = better
         return here
 
-    def _extended(self, here: Explanation, leading: Sequence[Form]) -> Explanation:
-        """An explanation with the best of some forms, without what it makes needless."""
+    def _extended(
+        self, here: Explanation, leading: Sequence[Form], *, but: AbstractSet[str] = frozenset()
+    ) -> Explanation:
+        """An explanation with the best of some forms, without what it makes needless, but some."""
         weighing, little = self._with(leading), beside_little(here).posterior.sizes
 
         def fitted(form: Form) -> Explanation:
@@ -185,7 +187,7 @@ class Forms:
         if best is None:
             return here
         self._chosen[_label(best[1])] = best[1]
-        return without_needless(weighing, best[0])
+        return without_needless(weighing, best[0], but=but)
 
     def holds(self, found: Explanation, k: int, form: Term) -> bool:
         """Whether what effect k of an explanation does is all in the span of a form."""
