@@ -23,6 +23,7 @@ __all__ = [
     "diagnose",
     "held_out",
     "left_by_proposal",
+    "misfits_um",
     "predicted_um",
     "share_foretold",
 ]
@@ -62,11 +63,18 @@ def add(folder: Path, report: dict) -> Path:
 
 
 def left_by_proposal(folder: Path, true_um: np.ndarray, part: Part) -> float:
-    """Share of the check part's misfit, free of noise, that the first form proposed leaves.
+    """Share of the check part's misfit, free of noise, that the first form proposed leaves."""
+    before, after = misfits_um(folder / "job.toml", true_um, part)
+    return after / before
+
+
+def misfits_um(job: Path, true_um: np.ndarray, part: Part) -> tuple[float, float]:
+    """Misfit of the check part, free of noise, without and with the first form that is proposed.
 
     In a process of its own: an effect that was loaded would be a candidate of the next diagnosis.
     """
-    command = [sys.executable, "-c", f"from {__name__} import _propose; _propose()", folder]
+    folder = job.parent
+    command = [sys.executable, "-c", f"from {__name__} import _propose; _propose()", job]
     ended = subprocess.run(command, capture_output=True, text=True, check=False)
     if ended.returncode:
         raise RuntimeError(ended.stderr)
@@ -74,8 +82,10 @@ def left_by_proposal(folder: Path, true_um: np.ndarray, part: Part) -> float:
         np.genfromtxt(folder / name, delimiter=",", names=True, dtype=None, encoding="utf-8")
         for name in _FORETOLD
     )
-    misfit = [aligned_rms_um(true_um - told["deviation_um"], part) for told in (before, after)]
-    return misfit[1] / misfit[0]
+    return (
+        aligned_rms_um(true_um - before["deviation_um"], part),
+        aligned_rms_um(true_um - after["deviation_um"], part),
+    )
 
 
 #: what the check part would be without and with a form that is proposed
@@ -83,12 +93,13 @@ _FORETOLD = ("check_without.csv", "check_with.csv")
 
 
 def _propose() -> None:
-    """Add what is proposed for the folder of the command line, and foretell the check part."""
-    folder = Path(sys.argv[-1])
-    job, file = folder / "job_proposed.toml", folder / "proposed_form.py"
-    _vmach("effects", "propose", folder / "job.toml", "-o", file)
-    _vmach("add", folder / "job.toml", file.stem, "--effect-file", file, "-o", job)
-    for one, out in zip((folder / "job.toml", job), _FORETOLD, strict=True):
+    """Add what is proposed for the job of the command line, and foretell the check part."""
+    job = Path(sys.argv[-1])
+    folder = job.parent
+    more, file = folder / "job_proposed.toml", folder / "proposed_form.py"
+    _vmach("effects", "propose", job, "-o", file)
+    _vmach("add", job, file.stem, "--effect-file", file, "-o", more)
+    for one, out in zip((job, more), _FORETOLD, strict=True):
         points, program = folder / "check_measured.csv", folder / "check.nc"
         _vmach("predict", one, "--points", points, "--program", program, "-o", folder / out)
 

@@ -273,6 +273,28 @@ def test_effects_are_judged_beside_the_form_of_what_nobody_foresaw(
     assert named == shown and report["verdict"] == ("partly" if shown else "unknown")
 
 
+@pytest.mark.parametrize(
+    ("effects", "seed", "noise", "design"),
+    [
+        (["squareness", "nodding_column"], 981217, "common", PartDesign()),
+        (["tool_radius", "loose_gib"], 981176, "correlated", PartDesign()),
+    ],
+)
+def test_an_effect_and_a_form_together_foretell_another_part(
+    tmp_path, effects, seed, noise, design
+):
+    """The effect is added first; what it made up for would be missing from the form."""
+    made = make_experiment(tmp_path, effects=effects, seed=seed, design=design, noise=noise)
+    report, _ = program_runs.diagnose(tmp_path)
+    job = program_runs.add(tmp_path, report)
+    told_um = program_runs.predicted_um(
+        job.with_name("job.toml"), tmp_path / "check_measured.csv", program=tmp_path / "check.nc"
+    )
+    left_um, beside_form_um = program_runs.misfits_um(job, made.check_deviation_um, made.check)
+    assert beside_form_um < 0.5 < 3.0 < left_um
+    assert left_um < program_runs.aligned_rms_um(told_um, made.check)
+
+
 def test_a_form_takes_the_place_of_two_effects_and_leaves_a_third(tmp_path):
     """A head that tilts and a worn guide together imitate the beat of a chiller."""
     make_experiment(tmp_path, effects=["fixture", "chiller"], seed=7610006)
