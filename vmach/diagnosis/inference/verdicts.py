@@ -115,8 +115,7 @@ def infer(weighing: Weighing) -> Inference:
     weighing, found = searched(weighing)
     forms = Forms(weighing, found)
     grown = forms.grown(found)
-    among, beside, replaced = _beside_forms(weighing, forms, found, grown)
-    stay = len(beside.terms) - (len(found.terms) - len(replaced))
+    among, beside, stay, replaced = _beside_forms(weighing, forms, found, grown)
     told, supports, weak = judged(among, beside, stay)
     shown = told.terms[: len(told.terms) - stay]
     alone = weighing.explain(shown, found.posterior.sizes, refine=False)
@@ -187,17 +186,27 @@ def _settled(
 
 def _beside_forms(
     weighing: Weighing, forms: Forms, found: Explanation, grown: Explanation
-) -> tuple[Weighing, Explanation, tuple[Weak, ...]]:
-    """Effects, then forms beside them; and effects that are of the forms' causes.
+) -> tuple[Weighing, Explanation, int, tuple[Weak, ...]]:
+    """Effects to judge, then what is of other causes and stays, and how many these are.
 
     An effect keeps about its size beside a form. One that shrinks is an imitation. One that grows
     is a part of the form's cause, and stays beside it. A form that holds all of an effect and
     more, as a curve along an axis holds a scale, says nothing of one that every machine has: it
     does not stand beside it.
+
+    Returns
+    -------
+    Weighing
+        With the forms among its candidates.
+    Explanation
+    int
+        So many of its terms, the last, are of other causes.
+    tuple of Weak
+        What is an imitation or a part of another cause.
     """
     chosen = [term for term in grown.terms if isinstance(term.effect, FormEffect)]
     if not chosen:
-        return weighing, found, ()
+        return weighing, found, 0, ()
     usual = [k for k, t in enumerate(found.terms) if weighing.prior_of(t.effect, t.target) > 0.0]
     holding = {(k, form.label) for k in usual for form in chosen if forms.holds(found, k, form)}
     held = {k for k, _ in holding}
@@ -216,7 +225,7 @@ def _beside_forms(
     supports = supports_of(weighing, found) if gone else ()
     replaced = tuple(Weak(found.terms[k], supports[k], Reason.REPLACED) for k in gone)
     here = among.explain([*effects, *stay], grown.posterior.sizes, refine=False)
-    return among, here, replaced
+    return among, here, len(stay), replaced
 
 
 def judged(
