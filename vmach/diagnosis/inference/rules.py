@@ -24,7 +24,8 @@ CLEARLY = 4.6
 UNMEASURED = 4.0
 #: size of an effect, in what remains where it acts, where it is as probably an imitation as not
 IMITATION = 5.0
-#: share of its size that a form leaves an effect at least; less is left of an imitation
+#: share of its size that a form leaves an effect at least, less is left of an imitation; and whose
+#: inverse it does not reach beside a form, as a part of the form's cause does
 KEPT = 0.5
 #: what remains counts as structure from this multiple of the median stated uncertainty on
 STRUCTURE = 1.0
@@ -87,9 +88,9 @@ RULES = (
         "kept",
         KEPT,
         "share",
-        "an effect keeps so much of its size beside a form over states, and the form leaves it no "
-        "more than the inverse; one that shrinks is an imitation of the form, one that grows is a "
-        "part of its cause",
+        "an effect keeps so much of its size beside a form over states, and grows to less than the "
+        "inverse; one that shrinks more is an imitation of the form, one that grows more is a part "
+        "of its cause",
         "chosen: where both act alike each has half",
         "tests/unit/test_proposed_directions.py",
     ),
