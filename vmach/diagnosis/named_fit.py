@@ -85,10 +85,10 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
         found = weighing.explain(found.terms, found.posterior.sizes)
     own = [weighing.candidates[weighing.index_of(term.label)] for term in found.terms]
     weighing, found = beyond_slopes(weighing, found, own)
-    return _beside_forms(weighing, found)
+    return _named_beside_forms(weighing, found)
 
 
-def _beside_forms(weighing: Weighing, found: Explanation) -> tuple[NamedEffect, ...]:
+def _named_beside_forms(weighing: Weighing, found: Explanation) -> tuple[NamedEffect, ...]:
     """The effects beside forms for what remains; parameters would make up for that else."""
     forms, count = Forms(weighing, found), len(found.terms)
     told = forms.added(found)

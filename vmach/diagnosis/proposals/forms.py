@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
 
@@ -234,10 +234,10 @@ class Forms:
 
     def _with(self, forms: Sequence[Form]) -> Weighing:
         """A weighing of the known effects, the forms that were added, and some more."""
-        return self._of(self._known, dict.fromkeys([*self._chosen.values(), *forms]))
+        return self._of(self._known, [*self._chosen.values(), *forms])
 
-    def _of(self, effects: Sequence[Candidate], forms: Iterable[Form]) -> Weighing:
-        """A weighing of effects and forms."""
+    def _of(self, effects: Sequence[Candidate], forms: Sequence[Form]) -> Weighing:
+        """A weighing of effects and forms, each of these once."""
         listed, every = len(self._columns), {_label(form): form for form in forms}
         return self._weighing.of_candidates(
             [*effects, *(self._columns.candidate(f) for f in every.values())],
