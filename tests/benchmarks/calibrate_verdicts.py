@@ -3,12 +3,12 @@
     python tests/benchmarks/calibrate_verdicts.py --rows calibration.csv [--share 0.5]
     python tests/benchmarks/calibrate_verdicts.py --rows calibration.csv --fit
 
-Experiments of known and foreign causes are drawn with every kind of noise, on seeds that nothing
-else uses. Every effect that a search takes gives a row: whether it is true, its log odds, its size
-and what remains. `CLEARLY` of `vmach/diagnosis/inference/rules.py` is compared with how often
-effects of such odds are there. `IMITATION` is fitted to those that leave something; the
-sizes of the discrepancy give its prior in `vmach/fit/sizes.py`. Cases whose rows are in the file
-are not run again.
+Experiments of known and foreign causes, and of both, are drawn with every kind of noise, on seeds
+that nothing else uses. Every effect that is judged, beside the forms that were found, gives a row:
+whether it is true, its log odds, its size, what remains and its share of both. `CLEARLY` of
+`vmach/diagnosis/inference/rules.py` is compared with how often effects of such odds are there.
+`IMITATION` is fitted to those that leave something; the sizes of the discrepancy give its prior in
+`vmach/fit/sizes.py`. Cases whose rows are in the file are not run again.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from threadpoolctl import threadpool_limits
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from tests.benchmarks.bench_hidden_effects import effects_of
+from tests.benchmarks.count_verdicts import BESIDE
 from tests.hidden_effects.experiment import FOREIGN_KINDS, SINGLE_KINDS, make_experiment
 from tests.hidden_effects.measuring import NOISES
 from tests.hidden_effects.part import PartDesign
@@ -37,18 +38,20 @@ from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.rules import CLEARLY, IMITATION
 from vmach.diagnosis.inference.support import Support, supports_of
-from vmach.diagnosis.inference.verdicts import searched
+from vmach.diagnosis.inference.verdicts import beside_forms, searched
+from vmach.diagnosis.proposals.forms import Forms
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.diagnosis.rivals import rivals_of
 from vmach.fit.sizes import _POWER, _USUAL_SIZE
 
 COLUMNS = (
-    "kind", "noise", "seed", "effect", "is_true", "odds", "size_um", "rest_um", "members",
+    "kind", "noise", "seed", "effect", "is_true", "odds", "size_um", "rest_um", "share", "members",
 )  # fmt: skip
 #: first seed, and kinds with how often each is drawn
-FIRST_SEED = 940_000
+FIRST_SEED = 14_000_000
 DRAWN = {
-    "none": 24, **dict.fromkeys(FOREIGN_KINDS, 3), **dict.fromkeys(SINGLE_KINDS, 2),
+    "none": 24, **dict.fromkeys(FOREIGN_KINDS, 3), **dict.fromkeys(SINGLE_KINDS, 1),
+    **dict.fromkeys(BESIDE[:: len(BESIDE) // 120], 1),
     "double": 30, "triple": 14, "four": 8, "five": 8,
 }  # fmt: skip
 
@@ -63,7 +66,7 @@ def cases() -> list[tuple[str, str, int]]:
 
 @threadpool_limits.wrap(limits=1, user_api="blas")
 def rows_of(kind: str, noise: str, seed: int) -> Iterator[dict]:
-    """A row of every effect that a search takes and nature allows; the first names none."""
+    """A row of every effect that is judged and nature allows; the first names none."""
     case = {"kind": kind, "noise": noise, "seed": seed}
     design = PartDesign(corners=seed % 3 == 0, two_set_ups=seed % 5 == 0)
     with tempfile.TemporaryDirectory() as name:
@@ -77,14 +80,14 @@ def rows_of(kind: str, noise: str, seed: int) -> Iterator[dict]:
         weighing = prepare_weighing(survey_job(folder / "job.toml"))
         weighing, found = searched(weighing)
     yield case | {"members": json.dumps(found.posterior.sizes.members)}
-    fit = weighing.careful(found)
+    forms = Forms(weighing, found)
+    weighing, found, stay, _ = beside_forms(weighing, forms, found, forms.grown(found))
+    fit, count = weighing.careful(found), len(found.terms) - stay
     impossible = impossible_terms(fit) if fit else []
-    for k, (term, support) in enumerate(
-        zip(found.terms, supports_of(weighing, found), strict=True)
-    ):
+    for k, support in enumerate(supports_of(weighing, found, count)):
         if k in impossible:
             continue
-        names = rivals_of(weighing, found, k).names
+        term, names = found.terms[k], rivals_of(weighing, found, k).names
         entry = {"effect": term.effect.name, "target": term.target, "class": names}
         yield case | {
             "effect": term.label,
@@ -92,6 +95,7 @@ def rows_of(kind: str, noise: str, seed: int) -> Iterator[dict]:
             "odds": round(support.odds, 3),
             "size_um": round(support.size_um, 4),
             "rest_um": round(support.rest_um, 4),
+            "share": round(support.share, 6),
         }
 
 
@@ -109,17 +113,18 @@ def print_odds(rows: list[dict]) -> None:
 def print_fit(rows: list[dict]) -> None:
     """Print the most likely `IMITATION`, and what others would say of the rows."""
     rows = [row for row in rows if row["effect"] and float(row["odds"]) >= CLEARLY]
-    supports = [Support(*(float(row[c]) for c in ("odds", "size_um", "rest_um"))) for row in rows]
+    columns = ("odds", "size_um", "rest_um", "share")
+    supports = [Support(*(float(row[c]) for c in columns)) for row in rows]
     is_true = np.array([row["is_true"] == "1" for row in rows])
     leaves = np.array([s.rest_um > 0.0 for s in supports])
-    ratio = np.array([s.size_um / max(s.rest_um, 1e-9) for s in supports])
+    ratio = np.array([s.size_um * s.share / max(s.rest_um, 1e-9) for s in supports])
     print(f"{len(rows)} effects of clear evidence, {is_true.sum()} true; {leaves.sum()} leave rest")
     sign = np.where(is_true, 1.0, -1.0)[leaves]
-    trials = np.exp(np.linspace(0.0, 3.0, 61))
+    trials = np.exp(np.linspace(-2.0, 2.0, 81))
     cost = [np.logaddexp(0, -2 * sign * np.log(ratio[leaves] / t)).sum() for t in trials]
     print(f"IMITATION = {trials[int(np.argmin(cost))]:.2f}, in use {IMITATION}")
     print("shown from this ratio on: so many, of which so many false; true ones lost")
-    for least in (1.0, 2.0, 3.0, 4.0, 5.0, 7.0):
+    for least in (0.2, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 3.0):
         shown = ratio >= least
         false, lost = (shown & ~is_true).sum(), (~shown & is_true).sum()
         print(f"{least:.1f}: {shown.sum():4d} {false:4d} {lost:4d}")

@@ -31,8 +31,7 @@ from tests.hidden_effects.experiment import FOREIGN_KINDS, SINGLE_KINDS
 from tests.hidden_effects.measuring import NOISES, PEERS
 
 #: an effect and a cause that no catalogue holds, together
-_KNOWN = ("backlash", "scale", "tool_radius", "squareness", "fixture", "tool_length")
-BESIDE = tuple(f"{known}+{foreign}" for foreign in FOREIGN_KINDS for known in _KNOWN)
+BESIDE = tuple(f"{known}+{foreign}" for foreign in FOREIGN_KINDS for known in SINGLE_KINDS)
 #: groups of the table: kinds of each, cases with white noise, and with each other kind
 GROUPS: dict[str, tuple[tuple[str, ...], int, int]] = {
     "nothing": (("none",), 24, 24),

@@ -263,6 +263,10 @@ def test_a_parameter_is_told_beside_the_form_of_what_nobody_foresaw(
         (["backlash", "loosening_nut"], 7307006, "white", ["backlash"]),
         # beside a column that nods a bent table stood for what the squareness left
         (["squareness", "nodding_column"], 981217, "common", ["squareness"]),
+        # 3.7 um where it acts, 1.6 um of another cause there, and most of all that is to be seen
+        (["backlash", "ringing"], 7337001, "heavy_tails", ["backlash"]),
+        # a chipped tool stood for both; a form said what the radius does
+        (["tool_radius", "lobed_probe"], 9007001, "white", ["tool_radius"]),
     ],
 )
 def test_effects_are_judged_beside_the_form_of_what_nobody_foresaw(

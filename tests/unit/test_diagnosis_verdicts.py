@@ -302,16 +302,18 @@ def test_readings_without_any_error_say_nothing(tmp_path, states_u):
 
 def test_what_a_rival_makes_needless_goes_before_what_is_small():
     """A curve that two tables share: without the needless one the other is as large as both."""
-    needless = Support(odds=2.5, size_um=14.0, rest_um=2.0)
-    small = Support(odds=45.0, size_um=3.0, rest_um=2.0)
+    needless = Support(odds=2.5, size_um=14.0, rest_um=2.0, share=0.8)
+    small = Support(odds=45.0, size_um=3.0, rest_um=2.0, share=0.1)
     assert needless.probability > 0.5 > small.probability
     assert needless.order < small.order
 
 
-def test_an_effect_five_times_as_large_as_the_rest_is_as_probably_an_imitation():
-    support = Support(odds=50.0, size_um=5.0, rest_um=1.0)
-    assert support.probability == pytest.approx(0.5, abs=0.03)
-    assert not replace(support, rest_um=1.1).is_shown and replace(support, rest_um=0.9).is_shown
+def test_an_effect_that_is_half_of_everything_has_to_be_four_times_as_large_as_the_rest():
+    support = Support(odds=50.0, size_um=8.0, rest_um=2.0, share=0.5)
+    assert support.probability == pytest.approx(0.5, abs=0.01)
+    assert not replace(support, rest_um=2.1).is_shown and replace(support, rest_um=1.9).is_shown
+    assert not replace(support, share=0.48).is_shown and replace(support, share=0.52).is_shown
+    assert replace(support, share=0.001, rest_um=0.0).is_shown  # it leaves nothing
 
 
 def test_a_class_is_the_fewest_effects_that_hold_99_per_cent():

@@ -14,7 +14,13 @@ from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.sizes import Sizes
 
-__all__ = ["beside_little", "search", "search_beyond", "without_needless"]
+__all__ = [
+    "beside_little",
+    "search",
+    "search_beyond",
+    "search_exchanging",
+    "without_needless",
+]
 
 #: size in u of a discrepancy that leaves effects to show; chosen: with 0.1 and 0.02 searches of 88
 #: parts ended as well
@@ -50,6 +56,11 @@ _Move = Callable[[Weighing, Explanation], Iterator[Explanation]]
 def search(weighing: Weighing, here: Explanation) -> Explanation:
     """The most probable set that adding one effect after the other leads to."""
     return _led_on(weighing, here, (_added,))
+
+
+def search_exchanging(weighing: Weighing, here: Explanation) -> Explanation:
+    """A more probable set, by effects that are added or take the place of others."""
+    return _led_on(weighing, here, (_added, _exchanged))
 
 
 def search_beyond(weighing: Weighing, here: Explanation) -> Explanation:

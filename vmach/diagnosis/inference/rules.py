@@ -22,8 +22,9 @@ __all__ = [
 CLEARLY = 4.6
 #: log prior odds of an effect that every machine has and nobody measured in this one
 UNMEASURED = 4.0
-#: size of an effect, in what remains where it acts, where it is as probably an imitation as not
-IMITATION = 5.0
+#: size of an effect, in what remains where it acts, times its share of all that is not known to be
+#: there, where it is as probably an imitation as not
+IMITATION = 2.0
 #: share of its size that a form leaves an effect at least, less is left of an imitation; and whose
 #: inverse it does not reach beside a form, as a part of the form's cause does
 KEPT = 0.5
@@ -78,10 +79,15 @@ RULES = (
     Rule(
         "imitation",
         IMITATION,
-        "sizes of the rest",
-        "an effect that is so many times as large as what remains, each reading weighed by the "
-        "effect's square, is as probably an imitation as not; the odds grow with its variance",
-        f"{_CALIBRATION}; kept where an earlier regression had even odds",
+        "share times sizes of the rest",
+        "an effect is as probably an imitation as not where its size, times its share, is so many "
+        "times what remains, each reading weighed by the effect's square; the share is of the "
+        "variance of what remains and of the effects that are not shown; what every machine has "
+        "is no piece of another cause, its share is 1",
+        f"{_CALIBRATION}: even odds between 0.9 and 1.5; chosen larger, as a false name costs more "
+        "than one that is withheld: of 371 effects 319 pass, 26 of them false, and 16 true ones do "
+        "not. Where only a size of five rests counted, 28 of 316 were false, and 21 true ones did "
+        "not pass",
         _COUNTS,
     ),
     Rule(

@@ -14,7 +14,12 @@ import numpy as np
 from scipy.special import expit, logsumexp
 
 from vmach.diagnosis.inference.noise import score_with_tails
-from vmach.diagnosis.inference.remains import usual_u_um, where_they_act_um
+from vmach.diagnosis.inference.remains import (
+    remains_um,
+    sizes_um,
+    usual_u_um,
+    where_they_act_um,
+)
 from vmach.diagnosis.inference.rules import CLEARLY, IMITATION, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 
@@ -22,8 +27,9 @@ __all__ = ["Support", "in_its_place", "supports_of"]
 
 #: log odds beyond which it does not matter how many they are; chosen, far beyond `CLEARLY`
 _CERTAIN = 20.0
-#: share of an effect below which what remains beside it does not matter
-_LEAST = 0.05
+#: share of an effect below which what remains beside it does not matter: that of the smallest
+#: effect beside the largest
+_LEAST = 1e-4
 
 
 @dataclass(frozen=True)
@@ -38,6 +44,9 @@ class Support:
         Root mean square of what it does, each reading weighed by the square of that.
     rest_um : float
         What remains unexplained, weighed alike, beyond what would not be looked into.
+    share : float
+        Of the variance of what remains and what effects do, but for those that are shown: a cause
+        falls into imitations.
     prior : float
         Log odds beforehand that the machine has it, or what is in its place, where they are more
         than even.
@@ -46,14 +55,15 @@ class Support:
     odds: float
     size_um: float
     rest_um: float
+    share: float = 1.0
     prior: float = 0.0
 
     @property
     def probability(self) -> float:
         """That it is no imitation of something else."""
-        size = max(self.size_um, 1e-9)
-        rest = float(np.hypot(self.rest_um, _LEAST * size))
-        return float(expit(2.0 * np.log(size / (IMITATION * rest)) + self.prior))
+        own = max(self.size_um * self.share, 1e-9)
+        rest = float(np.hypot(self.rest_um, _LEAST * own))
+        return float(expit(2.0 * np.log(own / (IMITATION * rest)) + self.prior))
 
     @property
     def is_shown(self) -> bool:
@@ -78,12 +88,38 @@ def supports_of(
     weighing: Weighing, found: Explanation, count: int | None = None
 ) -> Sequence[Support]:
     """What speaks for the first effects of an explanation, for each where no count is given."""
+    count = len(found.terms) if count is None else count
+    sizes, rests = where_they_act_um(weighing, found, count)
+    rests = [_looked_into(weighing, rest) for rest in rests]
     supports = []
-    acting = where_they_act_um(weighing, found, len(found.terms) if count is None else count)
-    for k, (size, rest) in enumerate(zip(*acting, strict=True)):
+    for k, (size, rest) in enumerate(zip(sizes, rests, strict=True)):
         more, prior = in_its_place(weighing, found, k)
         odds = found.score - _score_without(weighing, found, k) + more
-        supports.append(Support(odds, size, _looked_into(weighing, rest), max(prior, 0.0)))
+        supports.append(Support(odds, size, rest, prior=max(prior, 0.0)))
+    return _with_shares(weighing, found, supports)
+
+
+def _with_shares(
+    weighing: Weighing, found: Explanation, supports: Sequence[Support]
+) -> Sequence[Support]:
+    """What speaks for the first effects, with the share of each in what is not known to be there.
+
+    What every machine has is no piece of another cause, nor is what is shown: neither counts for
+    the others. The most probable one is shown first.
+    """
+    count = len(supports)
+    own = np.array(sizes_um(weighing, found)[:count]) ** 2
+    rest = remains_um(weighing, found, count=count) ** 2
+    usual = [weighing.prior_of(t.effect, t.target) > 0.0 for t in found.terms[:count]]
+    supports, left = list(supports), [k for k in range(count) if not usual[k]]
+    while left:
+        whole = max(own[left].sum() + rest, 1e-300)
+        for k in left:
+            supports[k] = replace(supports[k], share=float(own[k] / whole))
+        first = max(left, key=lambda k: (supports[k].is_shown, supports[k].probability))
+        if not supports[first].is_shown:
+            break
+        left.remove(first)
     return supports
 
 

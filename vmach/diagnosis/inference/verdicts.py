@@ -23,7 +23,7 @@ from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.sizes import Sizes
 from vmach.fit.terms import JointFit, Term
 
-__all__ = ["Inference", "Reason", "Weak", "infer", "judged", "searched"]
+__all__ = ["Inference", "Reason", "Weak", "beside_forms", "infer", "judged", "searched"]
 
 #: times that contacts and the noise of single readings are estimated anew
 _PASSES = 2
@@ -115,7 +115,7 @@ def infer(weighing: Weighing) -> Inference:
     weighing, found = searched(weighing)
     forms = Forms(weighing, found)
     grown = forms.grown(found)
-    among, beside, stay, replaced = _beside_forms(weighing, forms, found, grown)
+    among, beside, stay, replaced = beside_forms(weighing, forms, found, grown)
     told, supports, weak = judged(among, beside, stay)
     shown = told.terms[: len(told.terms) - stay]
     alone = weighing.explain(shown, found.posterior.sizes, refine=False)
@@ -184,15 +184,15 @@ def _settled(
     return weighing, found
 
 
-def _beside_forms(
+def beside_forms(
     weighing: Weighing, forms: Forms, found: Explanation, grown: Explanation
 ) -> tuple[Weighing, Explanation, int, tuple[Weak, ...]]:
     """Effects to judge, then what is of other causes and stays, and how many these are.
 
-    An effect keeps about its size beside a form. One that shrinks is an imitation. One that grows
-    is a part of the form's cause, and stays beside it. A form that holds all of an effect and
-    more, as a curve along an axis holds a scale, says nothing of one that every machine has: it
-    does not stand beside it.
+    An effect keeps about its size beside a form, or was found there. One that shrinks is an
+    imitation. One that grows is a part of the form's cause, and stays beside it. A form that holds
+    all of an effect and more, as a curve along an axis holds a scale, says nothing of one that
+    every machine has: it does not stand beside it.
 
     Returns
     -------
@@ -205,7 +205,7 @@ def _beside_forms(
         What is an imitation or a part of another cause.
     """
     chosen = [term for term in grown.terms if isinstance(term.effect, FormEffect)]
-    if not chosen:
+    if not chosen and grown.labels == found.labels:
         return weighing, found, 0, ()
     usual = [k for k, t in enumerate(found.terms) if weighing.prior_of(t.effect, t.target) > 0.0]
     holding = {(k, form.label) for k in usual for form in chosen if forms.holds(found, k, form)}
@@ -222,6 +222,8 @@ def _beside_forms(
         gone.append(k)
         if sizes.get(term.label, 0.0) > size and stay:
             stay.append(beside[term.label])
+    known = found.labels | {form.label for form in chosen}
+    effects += [term for term in grown.terms if term.label not in known]
     supports = supports_of(weighing, found) if gone else ()
     replaced = tuple(Weak(found.terms[k], supports[k], Reason.REPLACED) for k in gone)
     here = among.explain([*effects, *stay], grown.posterior.sizes, refine=False)

@@ -9,7 +9,12 @@ from dataclasses import replace
 import numpy as np
 
 from vmach.diagnosis.inference.bank import Bank
-from vmach.diagnosis.inference.moves import beside_little, search, without_needless
+from vmach.diagnosis.inference.moves import (
+    beside_little,
+    search,
+    search_exchanging,
+    without_needless,
+)
 from vmach.diagnosis.inference.remains import remains_mm, remains_um, sizes_um, usual_u_um
 from vmach.diagnosis.inference.rules import CLEARLY, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
@@ -76,7 +81,8 @@ class Forms:
         """An explanation with forms added while that is clearly more probable.
 
         Effects may imitate another cause: forms compete with all of them, and with those that the
-        search needs least, as the others may be known causes.
+        search needs least, as the others may be known causes. In the end every effect competes
+        with the forms: one that imitations hid may be what a form says.
         """
         start = self._start(found)
         best = self._grown(start)
@@ -85,7 +91,19 @@ class Forms:
             is_clear = alone.score > best.score + CLEARLY
             if is_clear and not self._says_the_same(found, best.labels, alone.labels):
                 best = alone
-        return best
+        return self._among_all_effects(best)
+
+    def _among_all_effects(self, here: Explanation) -> Explanation:
+        """An explanation with forms, where effects that were not found before may stand beside."""
+        forms = [self._chosen[t.label] for t in here.terms if t.label in self._chosen]
+        if not forms:
+            return here
+        every = self._of(self._weighing.candidates, forms)
+        start = every.explain(here.terms, here.posterior.sizes, refine=False)
+        found = search_exchanging(every, start)
+        new = found.labels - here.labels
+        self._known += [c for c in self._weighing.candidates if c.label in new]
+        return found
 
     def added(self, found: Explanation) -> Explanation:
         """An explanation with forms beside its effects, which all stay."""
