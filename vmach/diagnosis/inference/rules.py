@@ -82,8 +82,8 @@ RULES = (
         "share times sizes of the rest",
         "an effect is as probably an imitation as not where its size, times its share, is so many "
         "times what remains, each reading weighed by the effect's square; the share is of the "
-        "variance of what remains and of the effects that are not shown; what every machine has "
-        "is no piece of another cause, its share is 1",
+        "variance of what remains beside forms and of effects that are not shown; what every "
+        "machine has is no piece of another cause, its share is 1",
         f"{_CALIBRATION}: even odds between 0.9 and 1.5; chosen larger, as a false name costs more "
         "than one that is withheld: of 371 effects 319 pass, 26 of them false, and 16 true ones do "
         "not. Where only a size of five rests counted, 28 of 316 were false, and 21 true ones did "

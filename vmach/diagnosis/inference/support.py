@@ -104,12 +104,12 @@ def _with_shares(
 ) -> Sequence[Support]:
     """What speaks for the first effects, with the share of each in what is not known to be there.
 
-    What every machine has is no piece of another cause, nor is what is shown: neither counts for
-    the others. The most probable one is shown first.
+    What every machine has is no piece of another cause, nor is what is shown or a form that was
+    found: none counts for the others. The most probable one is shown first.
     """
     count = len(supports)
     own = np.array(sizes_um(weighing, found)[:count]) ** 2
-    rest = remains_um(weighing, found, count=count) ** 2
+    rest = remains_um(weighing, found) ** 2
     usual = [weighing.prior_of(t.effect, t.target) > 0.0 for t in found.terms[:count]]
     supports, left = list(supports), [k for k in range(count) if not usual[k]]
     while left:
