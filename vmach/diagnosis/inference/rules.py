@@ -86,9 +86,9 @@ RULES = (
         "machine has is no piece of another cause, its share is 1",
         f"{_CALIBRATION}, the share then of everything: even odds at 0.9; chosen larger, as a "
         "false name costs more than one that is withheld. With shown effects out of the share, "
-        "worked out from the same rows, of 371 effects 319 pass, 26 of them false, and 16 true ones do "
-        "not. Where only a size of five rests counted, 28 of 316 were false, and 21 true ones did "
-        "not pass",
+        "worked out from the same rows, of 371 effects 319 pass, 26 of them false, and 16 true "
+        "ones do not. Where only a size of five rests counted, 28 of 316 were false, and 21 true "
+        "ones did not pass",
         _COUNTS,
     ),
     Rule(
