@@ -116,8 +116,8 @@ def _print_noise(noise: str, rows: list[dict]) -> None:
 
 
 def _is_right(row: dict) -> bool:
-    if row["kind"] in BESIDE:  # the effect is told, and nothing else
-        return row["named"] == row["true"] == "1"
+    if row["kind"] in BESIDE:  # what is told is there: the effect, and a cause that acts like one
+        return row["named"] == row["true"] != "0"
     return row["outcome"] in ("right", "class")
 
 
