@@ -163,6 +163,20 @@ def test_what_the_laws_leave_open_never_makes_the_fit_worse(tmp_path, hidden, se
             "correlated",
             PartDesign(),
         ),
+        # a reflector a metre off stands for the table, until what nature has is looked for
+        (
+            ["probe_radius", "hysteresis", "datum_shift", "servo_lag", "drifted_table"],
+            11055004,
+            "device_scale",
+            PartDesign(),
+        ),
+        # a chip that makes the tool longer stands for another tool's length
+        (
+            ["fixture", "tool_chip", "leaning_column", "tool_length", "hysteresis"],
+            11035002,
+            "heavy_tails",
+            PartDesign(corners=True),
+        ),
     ],
 )
 def test_sets_that_no_single_exchange_leads_to_are_found(tmp_path, effects, seed, noise, design):

@@ -10,7 +10,8 @@ from functools import partial
 
 import numpy as np
 
-from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes
+from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossible_terms
+from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.sizes import Sizes
 
@@ -19,6 +20,7 @@ __all__ = [
     "search",
     "search_beyond",
     "search_exchanging",
+    "search_possible",
     "without_needless",
 ]
 
@@ -69,6 +71,22 @@ def search_beyond(weighing: Weighing, here: Explanation) -> Explanation:
     return _led_on(weighing, here, (*steps, partial(_filled, onward=steps)))
 
 
+def search_possible(weighing: Weighing, here: Explanation) -> Explanation:
+    """A set whose sizes nature has, with one effect more or another, and what that leads to.
+
+    It is taken where it is not clearly less probable than one with an impossible size.
+    """
+    if _is_possible(here):
+        return here
+    found = itertools.chain(_more(weighing, here), _instead_of_impossible(weighing, here))
+    possible = (_remembered(weighing, e) for e in found if _is_possible(e))
+    best = max(possible, key=lambda e: round(e.score, _TIE), default=here)
+    if best.score <= here.score - CLEARLY:
+        return here
+    further = _led_on(weighing, best, (_exchanged,))
+    return further if _is_possible(further) else best
+
+
 def _led_on(weighing: Weighing, here: Explanation, moves: Sequence[_Move]) -> Explanation:
     """Where moves lead to, while one makes the whole more probable; the first kinds first."""
     for _ in range(_MOVES):
@@ -91,8 +109,27 @@ def _best(
 
 def _remembered(weighing: Weighing, tried: Explanation) -> Explanation:
     """An explanation, noted among those that were tried where nature has such sizes."""
-    is_possible = tried.fit is None or not has_impossible_sizes(tried.fit)
-    return weighing.remembered(tried) if is_possible else tried
+    return weighing.remembered(tried) if _is_possible(tried) else tried
+
+
+def _is_possible(tried: Explanation) -> bool:
+    return tried.fit is None or not has_impossible_sizes(tried.fit)
+
+
+def _more(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
+    """One effect more of many: what has an impossible size hides most of what is missing."""
+    gains = weighing.gains(here, roughly=True)
+    for k in _ranked(weighing, gains, here.labels)[: 2 * _TRIED]:
+        yield weighing.extend(here, k)
+
+
+def _instead_of_impossible(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
+    """Another effect in the place of each that has an impossible size."""
+    assert here.fit is not None
+    for gone in impossible_terms(here.fit):
+        others = weighing.without(here, [gone], resize=False)
+        for k in _leading(weighing, others, here.labels):
+            yield weighing.extend(others, k)
 
 
 def _added(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:

@@ -9,7 +9,7 @@ from functools import cached_property
 
 from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.by_definition import as_defined
-from vmach.diagnosis.inference.moves import search, search_beyond, without_needless
+from vmach.diagnosis.inference.moves import search, search_beyond, search_possible, without_needless
 from vmach.diagnosis.inference.noise import beside_own_noise, noise_before
 from vmach.diagnosis.inference.own_contacts import chosen_by_one, over, over_own_contacts
 from vmach.diagnosis.inference.remains import is_structure, remains_um, sizes_um
@@ -148,7 +148,8 @@ def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
     if not tails.is_plain and not weighing.base.noise.is_plain:
         tailed = weighing.with_candidates(weighing.candidates).with_noise(tails)
         weighing, found = _better(weighing, found, tailed)
-    return as_defined(*_settled(weighing, found, search_beyond))
+    weighing, found = _settled(weighing, found, search_beyond)
+    return as_defined(weighing, search_possible(weighing, found))
 
 
 def _better(
