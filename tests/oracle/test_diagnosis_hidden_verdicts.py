@@ -433,6 +433,16 @@ def test_what_readings_have_in_common_as_noise_is_no_failure_of_the_model(tmp_pa
     assert min([1.0, *(failure["p"] for failure in report["where_it_fails"])]) > 1e-4
 
 
+def test_an_effect_that_cancels_a_form_comes_with_a_doubt(tmp_path):
+    """A head that tilts by 119 urad +- 170, and a turn about Z, are each twice what was read."""
+    hidden = ["head_tilt", "loose_gib"]
+    make_experiment(tmp_path, effects=hidden, seed=15000296, noise="heavy_tails")
+    report, _ = program_runs.diagnose(tmp_path)
+    assert report["rms_um"]["after"] > report["rms_um"]["before"]
+    (told,) = (note for note in report["note_records"] if note["kind"] == "cancelling")
+    assert told["size"] == pytest.approx(report["rms_um"]["after"], abs=1e-3)
+
+
 def test_axes_that_never_turn_are_no_candidates(tmp_path):
     """Programs that turn A, B or C are refused, so no experiment can hide a rotary axis' place."""
     make_experiment(tmp_path, effects=[], seed=33)

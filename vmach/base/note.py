@@ -80,6 +80,7 @@ class Kind(StrEnum):
     LOST_MOTION = "lost motion"
     EXCHANGED = "exchanged"  #: what readings look like if one thing in the files is mistaken
     SCATTER = "scatter"  #: of what an explanation leaves, beside the stated uncertainty
+    CANCELLING = "cancelling"  #: effects and forms that cancel in part
     IMPOSSIBLE = "impossible"  #: a fitted size that nature does not have
     NOT_CALLED_FOR = "not called for"  #: an effect that the measurements do not ask for
     # evaluations

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -122,6 +122,7 @@ def diagnose(
             *_doubtful_uncertainty(found),
             *_outliers(found),
             *_device(found),
+            *_cancelling(found, residuals.rms_um),
         ),
         residuals=residuals,
     )
@@ -163,6 +164,18 @@ def _device(found: Inference) -> Iterator[Note]:
                 "what the machine tool does alike cannot be told from it"
             )
             yield Note.plain(Kind.SCATTER, said, size_um, "um", place=name)
+
+
+def _cancelling(found: Inference, rms_um: Mapping[str, float]) -> tuple[Note, ...]:
+    """A note where effects and a form are large and cancel: without it they make matters worse."""
+    before, after = rms_um["before"], rms_um["after"]
+    if not found.proposals or after <= before:
+        return ()
+    said = (
+        f"the effects alone make the residual larger, {before:.3g} to {after:.3g} um: they and what "
+        "remains cancel in part; add the first form with them, or measure before anything is added"
+    )
+    return (Note.question(Kind.CANCELLING, said, after, "um", place="residual"),)
 
 
 def _outliers(found: Inference) -> tuple[Note, ...]:
