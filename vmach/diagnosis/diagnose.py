@@ -172,8 +172,8 @@ def _cancelling(found: Inference, rms_um: Mapping[str, float]) -> tuple[Note, ..
     if not found.proposals or after <= before:
         return ()
     said = (
-        f"the effects alone make the residual larger, {before:.3g} to {after:.3g} um: they and what "
-        "remains cancel in part; add the first form with them, or measure before anything is added"
+        f"the effects alone make the residual larger, {before:.3g} to {after:.3g} um: they and "
+        "what remains cancel in part; add the first form with them, or measure before adding"
     )
     return (Note.question(Kind.CANCELLING, said, after, "um", place="residual"),)
 
