@@ -123,11 +123,13 @@ def print_fit(rows: list[dict]) -> None:
     trials = np.exp(np.linspace(-2.0, 2.0, 81))
     cost = [np.logaddexp(0, -2 * sign * np.log(ratio[leaves] / t)).sum() for t in trials]
     print(f"IMITATION = {trials[int(np.argmin(cost))]:.2f}, in use {IMITATION}")
-    print("shown from this ratio on: so many, of which so many false; true ones lost")
-    for least in (0.2, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 3.0):
-        shown = ratio >= least
+    print("shown from this many rests on: so many, of which so many false; true ones lost")
+    alone = np.array([s.size_um / max(s.rest_um, 1e-9) for s in supports])
+    rules = [("size", alone, 5.0), *(("size x share", ratio, k) for k in (0.5, 1.0, 1.5, 2.0, 3.0))]
+    for name, own, least in rules:
+        shown = own >= least
         false, lost = (shown & ~is_true).sum(), (~shown & is_true).sum()
-        print(f"{least:.1f}: {shown.sum():4d} {false:4d} {lost:4d}")
+        print(f"{name} {least:.1f}: {shown.sum():4d} {false:4d} {lost:4d}")
 
 
 def print_prior(rows: list[dict]) -> None:

@@ -30,6 +30,9 @@ _LITTLE = 0.3
 #: candidates that are tried at each step; with two, 2 of 87 searches ended worse; of 199 effects
 #: that were dropped, 197 were among the three that cost least
 _TRIED = 3
+#: candidates that are tried beside an impossible size; chosen: on a part that was looked at the one
+#: that was missing came fourth
+_MORE = 6
 #: log odds by which one may lie behind the effect whose place it takes; in none of a few hundred
 #: refits did one from further behind catch up
 _NEAR = 6.0
@@ -79,9 +82,8 @@ def search_possible(weighing: Weighing, here: Explanation) -> Explanation:
     if _is_possible(here):
         return here
     found = itertools.chain(_more(weighing, here), _instead_of_impossible(weighing, here))
-    possible = (_remembered(weighing, e) for e in found if _is_possible(e))
-    best = max(possible, key=lambda e: round(e.score, _TIE), default=here)
-    if best.score <= here.score - CLEARLY:
+    best = _best(weighing, filter(_is_possible, found), here.score - CLEARLY)
+    if best is None:
         return here
     further = _led_on(weighing, best, (_exchanged,))
     return further if _is_possible(further) else best
@@ -90,7 +92,7 @@ def search_possible(weighing: Weighing, here: Explanation) -> Explanation:
 def _led_on(weighing: Weighing, here: Explanation, moves: Sequence[_Move]) -> Explanation:
     """Where moves lead to, while one makes the whole more probable; the first kinds first."""
     for _ in range(_MOVES):
-        found = (_best(weighing, move(weighing, here), here) for move in moves)
+        found = (_best(weighing, move(weighing, here), here.score + _STEP) for move in moves)
         better = next(filter(None, found), None)
         if better is None:
             break
@@ -98,13 +100,11 @@ def _led_on(weighing: Weighing, here: Explanation, moves: Sequence[_Move]) -> Ex
     return here
 
 
-def _best(
-    weighing: Weighing, found: Iterator[Explanation], than: Explanation
-) -> Explanation | None:
-    """The most probable of some explanations where it is better."""
+def _best(weighing: Weighing, found: Iterator[Explanation], than: float) -> Explanation | None:
+    """The most probable of some explanations where its score is larger than a given one."""
     remembered = (_remembered(weighing, e) for e in found)
     best = max(remembered, key=lambda e: round(e.score, _TIE), default=None)
-    return best if best is not None and best.score > than.score + _STEP else None
+    return best if best is not None and best.score > than else None
 
 
 def _remembered(weighing: Weighing, tried: Explanation) -> Explanation:
@@ -119,7 +119,7 @@ def _is_possible(tried: Explanation) -> bool:
 def _more(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     """One effect more of many: what has an impossible size hides most of what is missing."""
     gains = weighing.gains(here, roughly=True)
-    for k in _ranked(weighing, gains, here.labels)[: 2 * _TRIED]:
+    for k in _ranked(weighing, gains, here.labels)[:_MORE]:
         yield weighing.extend(here, k)
 
 
