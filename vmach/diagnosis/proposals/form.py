@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -92,6 +93,7 @@ class FormEffect(Effect):
         return 1e-3 * self.form.at(path) @ np.array([amount_um[p.name] for p in self.parameters])
 
 
+@cache
 def amounts(count: int) -> tuple[Parameter, ...]:
     """The amplitudes of a form."""
     names = ["amount_um"] if count == 1 else [f"amount_{k + 1}_um" for k in range(count)]

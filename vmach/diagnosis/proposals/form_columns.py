@@ -62,6 +62,7 @@ class FormColumns:
         self._sensed = {direction: _sensed(survey, direction) for direction in every}
         self._spots = Spots(survey, self._sensed)
         self.forms = [*self._plain(), *self._of_several(), *self._along_axes()]
+        self._known = set(self.forms)
 
     def _plain(self) -> Iterator[Form]:
         """Those of one amount."""
@@ -107,7 +108,6 @@ class FormColumns:
         if asked in self._looked_at:  # what shows is on the list
             return
         self._looked_at.add(asked)
-        known = set(self.forms)
         tools = [(s, value[:, 0]) for s, value in self._states.items() if s.kind == "tool"]
         found = [
             *wave_states(self._survey, rest_mm, self._sensed),
@@ -119,7 +119,9 @@ class FormColumns:
         for form in forms:
             if form.second not in self._states:
                 self._states[form.second] = _values(self._survey, form.second)
-        self.forms += [form for form in dict.fromkeys(forms) if form not in known]
+        new = [form for form in dict.fromkeys(forms) if form not in self._known]
+        self.forms += new
+        self._known.update(new)
 
     def __len__(self) -> int:
         return len(self.forms)
