@@ -73,9 +73,10 @@ def print_table(rows: list[dict]) -> None:
     others = [row for row in rows if row["noise"] != "white"]
     for name, some in (("white noise", white), ("other noise", others)):
         print(
-            f"| hidden, {name} | cases | right or in the class | limits | a false name | limits |"
+            f"| hidden, {name} | cases | right or in the class | limits | in a larger class "
+            "| a false name | limits |"
         )
-        print("|---|---|---|---|---|---|")
+        print("|---|---|---|---|---|---|---|")
         for group, (kinds, *_) in GROUPS.items():
             _print_line(group, [row for row in some if row["kind"] in kinds])
         print()
@@ -142,7 +143,11 @@ def _has_forms(row: dict) -> bool:
 def _print_line(name: str, rows: list[dict]) -> None:
     counts = _count(rows, _is_right), _count(rows, _is_false)
     limits = [_limits(hits, len(rows)) for hits in counts]
-    print(f"| {name} | {len(rows)} | {counts[0]} | {limits[0]} | {counts[1]} | {limits[1]} |")
+    larger = _count(rows, lambda row: row["outcome"] == "vague" and not _is_right(row))
+    print(
+        f"| {name} | {len(rows)} | {counts[0]} | {limits[0]} | {larger} "
+        f"| {counts[1]} | {limits[1]} |"
+    )
 
 
 def _print_share(name: str, rows: list[dict], hits: str, of: str) -> None:
