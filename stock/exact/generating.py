@@ -15,8 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stock.compiled import njit_inlined, njit_kernel, njit_part
+from stock.compiled import njit_inlined, njit_kernel, njit_part, read_only
 from stock.sweeps import Sweeps
+from stock.threads import run_in_parts
 from stock.tools import Tool
 
 __all__ = ["Generation", "find_generating"]
@@ -27,6 +28,8 @@ _CHORDS = 16
 _TIE_MM = 1e-9
 #: a normal with a smaller horizontal part than this is that of a floor
 _FLOOR = 1e-9
+#: points that are worth a thread, each of which looks at thousands of chords
+_WORTH_A_THREAD = 8
 
 
 @dataclass(frozen=True)
@@ -76,20 +79,19 @@ def find_generating(
     chords = np.stack(
         [sweeps.nominal_tip_at(index, begin), sweeps.nominal_tip_at(index, end)], axis=1
     )
-    sweep = np.empty(len(points_mm), dtype=np.int64)
-    parameter = np.empty(len(points_mm))
-    contact = np.empty((len(points_mm), 3))
-    for k, (point, normal) in enumerate(zip(points_mm, normals, strict=True)):
-        supports = np.array([_support(tool, normal) for tool in tools])
-        chord, share = _closest(point, chords, supports[sweeps.tool[index]])
-        sweep[k] = index[chord]
-        parameter[k] = begin[chord] + share * (end[chord] - begin[chord])
-        support = supports[sweeps.tool[sweep[k]]]
-        if sweeps.sweep_rad[sweep[k]] != 0:
-            parameter[k] = _refined(point, support, sweeps, sweep[k], parameter[k])
-        tip = sweeps.nominal_tip_at(sweep[k : k + 1], parameter[k : k + 1])[0]
-        contact[k] = _touching(point - tip, support)
+    supports = np.empty((len(points_mm), len(tools), 7))
+    for k, normal in enumerate(normals):
+        supports[k] = [_support(tool, normal) for tool in tools]
+    chord, share = _closest(points_mm, chords, supports, sweeps.tool[index])
+    sweep = index[chord]
+    parameter = begin[chord] + share * (end[chord] - begin[chord])
+    own = supports[np.arange(len(points_mm)), sweeps.tool[sweep]]
+    for k in np.flatnonzero(sweeps.sweep_rad[sweep] != 0):
+        parameter[k] = _refined(points_mm[k], own[k], sweeps, sweep[k], parameter[k])
     tips = sweeps.nominal_tip_at(sweep, parameter)
+    contact = np.empty((len(points_mm), 3))
+    for k, offset in enumerate(points_mm - tips):
+        contact[k] = _touching(offset, own[k])
     miss = np.linalg.norm(tips + contact - points_mm, axis=1)
     return Generation(sweep, parameter, contact, miss)
 
@@ -116,16 +118,44 @@ def _support(tool: Tool, normal: np.ndarray) -> np.ndarray:
     return np.array([*ends, 0.0])
 
 
-@njit_kernel()
-def _closest(point, chords, supports):
-    """The last chord whose tool comes closest to the point, and where on it."""
-    best, chord, share = np.inf, 0, 0.0
-    p = _vector(point)
-    for k in range(len(chords)):
-        distance, s = _approach(p, _vector(chords[k, 0]), _vector(chords[k, 1]), supports[k])
-        if distance <= best + 1e-9:
-            best, chord, share = min(best, distance), k, s
+def _closest(
+    points_mm: np.ndarray, chords: np.ndarray, supports: np.ndarray, tool: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The last of the chords whose tools come closest to each point, and where on it.
+
+    Parameters
+    ----------
+    points_mm : (P, 3) float64
+    chords : (C, 2, 3) float64
+    supports : (P, T, 7) float64
+        Of every tool at each point.
+    tool : (C,) int32
+        Which of them goes along a chord.
+    """
+    points = read_only(np.ascontiguousarray(points_mm))
+    chord, share = np.zeros(len(points), dtype=np.int64), np.zeros(len(points))
+    run_in_parts(
+        lambda begin, end: _closest_of_some(
+            (points, supports), (chords, tool), (chord, share), begin, end
+        ),
+        len(points),
+        least=_WORTH_A_THREAD,
+    )
     return chord, share
+
+
+@njit_kernel()
+def _closest_of_some(surface, path, found, begin, end):
+    """For points `begin` to `end`."""
+    (points, supports), (chords, tool), (chord, share) = surface, path, found
+    for i in range(begin, end):
+        best, point = np.inf, _vector(points[i])
+        for k in range(len(chords)):
+            first, last = _vector(chords[k, 0]), _vector(chords[k, 1])
+            distance, s = _approach(point, first, last, supports[i, tool[k]])
+            if distance <= best + 1e-9:
+                best = min(best, distance)
+                chord[i], share[i] = k, s
 
 
 @njit_inlined()
