@@ -28,6 +28,8 @@ _CHORDS = 16
 _TIE_MM = 1e-9
 #: a normal with a smaller horizontal part than this is that of a floor
 _FLOOR = 1e-9
+#: share of a chord to which the place on it is known where it is searched for
+_ON_THE_WAY = 1e-9
 #: points that are worth a thread, each of which looks at thousands of chords
 _WORTH_A_THREAD = 8
 
@@ -179,13 +181,33 @@ def _approach(point, start, end, support):
     way, offset = _less(end, start), _less(point, start)
     first, last = _vector(support), _vector(support[3:])
     if support[6] == 1.0:
+        s = _nearest_of_disc(_less(offset, (0.0, 0.0, first[2])), way, last[0])
+        return _from_disc(_less(offset, (0.0, 0.0, first[2])), way, last[0], s), s
+    return _between_segments(_less(offset, first), _less(last, first), way)
+
+
+@njit_part()
+def _nearest_of_disc(offset, way, radius):
+    """Where on its way a level disc comes closest; by ternary search where it rises or falls."""
+    if way[2] == 0.0:
         length = way[0] ** 2 + way[1] ** 2
         s = 0.0 if length == 0.0 else (offset[0] * way[0] + offset[1] * way[1]) / length
-        s = min(max(s, 0.0), 1.0)
-        beside = math.hypot(offset[0] - s * way[0], offset[1] - s * way[1])
-        below = offset[2] - first[2] - s * way[2]
-        return math.hypot(max(beside - last[0], 0.0), below), s
-    return _between_segments(_less(offset, first), _less(last, first), way)
+        return min(max(s, 0.0), 1.0)
+    low, high = 0.0, 1.0
+    while high - low > _ON_THE_WAY:  # the distance is a convex function of s
+        left, right = (2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0
+        if _from_disc(offset, way, radius, left) < _from_disc(offset, way, radius, right):
+            high = right
+        else:
+            low = left
+    return 0.5 * (low + high)
+
+
+@njit_inlined()
+def _from_disc(offset, way, radius, s):
+    """Distance of a point from a level disc at s on its way."""
+    beside = math.hypot(offset[0] - s * way[0], offset[1] - s * way[1])
+    return math.hypot(max(beside - radius, 0.0), offset[2] - s * way[2])
 
 
 @njit_part()
