@@ -28,8 +28,11 @@ _CHORDS = 16
 _TIE_MM = 1e-9
 #: a normal with a smaller horizontal part than this is that of a floor
 _FLOOR = 1e-9
-#: share of a chord to which the place on it is known where it is searched for
-_ON_THE_WAY = 1e-9
+#: share of a chord to which the place on it is known where it is searched for: on a chord of a
+#: metre as closely as `_ALIKE_MM`
+_ON_THE_WAY = 1e-12
+#: chords whose tools come as close but for this are alike: the last one counts
+_ALIKE_MM = 1e-9
 #: points that are worth a thread, each of which looks at thousands of chords
 _WORTH_A_THREAD = 8
 
@@ -154,8 +157,9 @@ def _closest_of_some(surface, path, found, begin, end):
         best, point = np.inf, _vector(points[i])
         for k in range(len(chords)):
             first, last = _vector(chords[k, 0]), _vector(chords[k, 1])
-            distance, s = _approach(point, first, last, supports[i, tool[k]])
-            if distance <= best + 1e-9:
+            enough = best + _ALIKE_MM
+            distance, s = _approach(point, first, last, supports[i, tool[k]], enough)
+            if distance <= enough:
                 best = min(best, distance)
                 chord[i], share[i] = k, s
 
@@ -176,38 +180,55 @@ def _dot(a, b):
 
 
 @njit_part()
-def _approach(point, start, end, support):
-    """Least distance of the support on the chord from the point, and where that is."""
+def _approach(point, start, end, support, enough):
+    """Least distance of the support on the chord from the point, and where that is.
+
+    Beyond `enough` it may be another place and its distance.
+    """
     way, offset = _less(end, start), _less(point, start)
     first, last = _vector(support), _vector(support[3:])
     if support[6] == 1.0:
-        s = _nearest_of_disc(_less(offset, (0.0, 0.0, first[2])), way, last[0])
-        return _from_disc(_less(offset, (0.0, 0.0, first[2])), way, last[0], s), s
+        return _between_disc_and_point(_less(offset, (0.0, 0.0, first[2])), way, last[0], enough)
     return _between_segments(_less(offset, first), _less(last, first), way)
 
 
 @njit_part()
-def _nearest_of_disc(offset, way, radius):
-    """Where on its way a level disc comes closest; by ternary search where it rises or falls."""
-    if way[2] == 0.0:
-        length = way[0] ** 2 + way[1] ** 2
-        s = 0.0 if length == 0.0 else (offset[0] * way[0] + offset[1] * way[1]) / length
-        return min(max(s, 0.0), 1.0)
-    low, high = 0.0, 1.0
-    while high - low > _ON_THE_WAY:  # the distance is a convex function of s
+def _between_disc_and_point(offset, way, radius, enough):
+    """The same of a level disc on its way from the origin."""
+    # the point is nearest at one place seen from above, at another in height; in all, between them
+    across = _share(offset[0] * way[0] + offset[1] * way[1], way[0] ** 2 + way[1] ** 2)
+    upright = _share(offset[2] * way[2], way[2] ** 2) if way[2] != 0.0 else across
+    across = across if way[0] != 0.0 or way[1] != 0.0 else upright
+    least = math.hypot(_beside_disc(offset, way, radius, across), offset[2] - upright * way[2])
+    if least > enough:
+        return least, across
+    low, high = min(across, upright), max(across, upright)
+    while high - low > _ON_THE_WAY:  # ternary search: the distance is convex
         left, right = (2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0
         if _from_disc(offset, way, radius, left) < _from_disc(offset, way, radius, right):
             high = right
         else:
             low = left
-    return 0.5 * (low + high)
+    s = 0.5 * (low + high)
+    return _from_disc(offset, way, radius, s), s
+
+
+@njit_inlined()
+def _share(part, whole):
+    """Part of a whole, 0 to 1; 0 of nothing."""
+    return min(max(part / whole, 0.0), 1.0) if whole > 0.0 else 0.0
+
+
+@njit_inlined()
+def _beside_disc(offset, way, radius, s):
+    """How far beside a level disc at s on its way a point is, seen from above."""
+    return max(math.hypot(offset[0] - s * way[0], offset[1] - s * way[1]) - radius, 0.0)
 
 
 @njit_inlined()
 def _from_disc(offset, way, radius, s):
-    """Distance of a point from a level disc at s on its way."""
-    beside = math.hypot(offset[0] - s * way[0], offset[1] - s * way[1])
-    return math.hypot(max(beside - radius, 0.0), offset[2] - s * way[2])
+    """Distance of the point from that disc."""
+    return math.hypot(_beside_disc(offset, way, radius, s), offset[2] - s * way[2])
 
 
 @njit_part()

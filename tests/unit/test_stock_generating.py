@@ -23,6 +23,12 @@ def _straight(start_mm: np.ndarray, end_mm: np.ndarray, tool: np.ndarray) -> Swe
     )  # fmt: skip
 
 
+def _on_move(sweeps: Sweeps, move: int, places: np.ndarray) -> tuple[np.ndarray, float]:
+    """Tips (n, 3) at places of a straight move, and the radius of its tool."""
+    start, end = sweeps.start_mm[move], sweeps.end_mm[move]
+    return start + places[:, None] * (end - start), 0.5 * _DIAMETERS_MM[sweeps.tool[move]]
+
+
 def _miss_mm(point: np.ndarray, normal: np.ndarray, tips: np.ndarray, radius: float) -> np.ndarray:
     """Of a flat end mill at tips (n, 3): of its end for a floor, of its flank for a wall."""
     away = point - tips
@@ -51,15 +57,31 @@ def test_no_place_of_any_move_comes_closer(drawn):
     sweeps, points, normals = drawn
     found = find_generating(points, normals, sweeps=sweeps, tools=_TOOLS)
     for k, (point, normal) in enumerate(zip(points, normals, strict=True)):
-        least = np.inf
-        for move in range(_MOVES):
-            tips = sweeps.nominal_tip_at(np.full(len(_PLACES), move), _PLACES)
-            radius = 0.5 * _DIAMETERS_MM[sweeps.tool[move]]
-            least = min(least, float(_miss_mm(point, normal, tips, radius).min()))
-        # the place is searched for to 1e-9 of a move; one that is tried lies within half a step of
-        # 125 mm / 4000 from the best
-        assert found.miss_mm[k] <= least + 1e-6
+        tried = [_miss_mm(point, normal, *_on_move(sweeps, m, _PLACES)) for m in range(_MOVES)]
+        least = float(np.min(tried))
+        # a place that is tried lies within half a step of 125 mm / 4000 from the best
         assert found.miss_mm[k] == pytest.approx(least, abs=0.016)
+        assert found.miss_mm[k] <= least + 1e-9
+        place = _on_move(sweeps, found.sweep[k], found.parameter[k : k + 1])
+        (own,) = _miss_mm(point, normal, *place)
+        assert found.miss_mm[k] == pytest.approx(own, abs=1e-9)
+
+
+@pytest.mark.parametrize("rise_mm", [0.0, -3.0])
+def test_a_wall_is_made_on_its_circle_or_helix_where_the_tool_is_beside_it(rise_mm):
+    """Once round, from +X towards +Y, at a radius of 20 mm: the wall has one of 25 mm."""
+    still = np.zeros((1, 2, 3))
+    ends = np.array([[[20.0, 0.0, -1.0]], [[20.0, 0.0, -1.0 + rise_mm]]])
+    circle = Sweeps(
+        *ends, np.array([[0.0, 0.0, -1.0]]), np.array([[0.0, 0.0, 1.0]]),
+        np.array([2.0 * np.pi]), np.zeros(1), np.zeros(1), still, still, still, still,
+    )  # fmt: skip
+    turn = np.array([0.3, 2.0, 4.5])
+    around = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(3)])
+    found = find_generating(25.0 * around, -around, sweeps=circle, tools=_TOOLS)
+    # the place on an arc is searched for to 1e-9 of it, where the distance has a flat minimum
+    assert found.miss_mm == pytest.approx(0.0, abs=1e-6)
+    assert found.parameter == pytest.approx(turn / (2.0 * np.pi), abs=1e-6)
 
 
 @pytest.mark.parametrize("depth", [0.0, 3.0])
@@ -69,8 +91,8 @@ def test_the_bottom_of_a_plunge_is_made_at_its_end(depth):
     found = find_generating(
         np.array([[1.0, 2.0, 0.0]]), np.array([[0.0, 0.0, 1.0]]), sweeps=plunge, tools=_TOOLS
     )
-    assert found.miss_mm[0] == pytest.approx(0.0, abs=1e-6)
-    assert found.parameter[0] == pytest.approx(5.0 / (5.0 + depth), abs=1e-6)
+    assert found.miss_mm[0] == pytest.approx(0.0, abs=1e-12)
+    assert found.parameter[0] == pytest.approx(5.0 / (5.0 + depth), abs=1e-12)
 
 
 def test_many_points_are_found_as_each_alone(drawn):

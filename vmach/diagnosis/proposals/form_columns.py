@@ -61,8 +61,8 @@ class FormColumns:
         every = (*DIRECTIONS, ALL_AXES, *TURNS, self._bend)
         self._sensed = {direction: _sensed(survey, direction) for direction in every}
         self._spots = Spots(survey, self._sensed)
-        self.forms = [*self._plain(), *self._of_several(), *self._along_axes()]
-        self._known = set(self.forms)
+        # in the order in which they came; each once
+        self._forms = dict.fromkeys([*self._plain(), *self._of_several(), *self._along_axes()])
 
     def _plain(self) -> Iterator[Form]:
         """Those of one amount."""
@@ -119,12 +119,15 @@ class FormColumns:
         for form in forms:
             if form.second not in self._states:
                 self._states[form.second] = _values(self._survey, form.second)
-        new = [form for form in dict.fromkeys(forms) if form not in self._known]
-        self.forms += new
-        self._known.update(new)
+        self._forms.update(dict.fromkeys(forms))
+
+    @property
+    def forms(self) -> list[Form]:
+        """All of them, new ones last."""
+        return [*self._forms]
 
     def __len__(self) -> int:
-        return len(self.forms)
+        return len(self._forms)
 
     def columns(self, form: Form) -> np.ndarray:
         """Signatures of a usual amount each, (n, K) mm."""

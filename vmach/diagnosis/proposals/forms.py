@@ -307,7 +307,7 @@ class Forms:
                 self._banks.append((some, bank))
             yield some, bank
         if known < room:
-            self._listed = len(self._columns.forms)
+            self._listed = len(self._columns)
 
 
 def _proposal(weighing: Weighing, form: Form, start: Explanation, trial: Explanation) -> Proposal:
