@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
@@ -52,7 +53,7 @@ class _Recursion:
 
     def __call__(self, columns: np.ndarray) -> np.ndarray:
         """The map of columns (n, k), each by itself."""
-        lying = "F" if columns.flags.f_contiguous else "C"
+        lying: Literal["F", "C"] = "F" if columns.flags.f_contiguous else "C"
         found = np.empty(columns.shape, order=lying)
         (count, many), (down, across) = columns.shape, (s // 8 for s in found.strides)
         given, made = read_only(columns.ravel(lying)), found.ravel(lying)
