@@ -177,6 +177,20 @@ def test_what_the_laws_leave_open_never_makes_the_fit_worse(tmp_path, hidden, se
             "heavy_tails",
             PartDesign(corners=True),
         ),
+        # a tool too small and a chip of it say nothing alone: before the chip all walls are off
+        (
+            ["tool_radius", "thermal_bow", "workpiece_warming", "tool_chip", "backlash"],
+            17005007,
+            "white",
+            PartDesign(),
+        ),
+        # a slip stands where the chip was, and the chip where nothing was
+        (
+            ["corner_rounding", "workpiece_temperature", "tool_chip"],
+            17023003,
+            "correlated",
+            PartDesign(),
+        ),
     ],
 )
 def test_sets_that_no_single_exchange_leads_to_are_found(tmp_path, effects, seed, noise, design):

@@ -245,6 +245,36 @@ def test_evidence_of_a_candidate_is_what_it_adds(weighing, size):
     assert evidence == pytest.approx(mean, abs=1e-6)
 
 
+@pytest.mark.parametrize("beside", [(), ("scale Y",)])
+def test_gain_of_a_pair_is_what_both_add(weighing, beside):
+    """The first as it is best alone; the second at every place and width, as it adds to that."""
+    here = explained(weighing, *beside)
+    evidence, gains = weighing.evidence(here), weighing.gains(here)
+    i, j = map(weighing.index_of, ("backlash X", "scale X"))
+    first, second = (weighing.candidates[k].signatures_mm for k in (i, j))
+    first = WIDTHS[evidence.best_width[i, 0]] * first[:, evidence.best[i, 0]]
+    own, base, sizes = here.posterior.effects.columns, weighing.base, here.posterior.sizes
+
+    def log_probability(*columns):
+        more = base.columns(np.hstack(columns))
+        return Posterior(base, sizes, Effects(own.beside(more))).log_probability
+
+    both = [log_probability(first, w * second[:, 0]) - log_probability(first) for w in WIDTHS]
+    factor = np.log(np.mean(np.exp(np.array(both) - max(both)))) + max(both)
+    one_more = explained(weighing, *beside, "backlash X")
+    prior = weighing.gains(one_more)[j] - weighing.evidence(one_more).log_factor[j, 0]
+    assert weighing.pair_gains(here)[i, j] == pytest.approx(gains[i] + factor + prior, abs=1e-6)
+
+
+def test_gains_of_pairs_leave_out_what_is_there(weighing):
+    here = explained(weighing, "scale X")
+    gains = weighing.pair_gains(here)
+    there = weighing.index_of("scale X")
+    other = np.delete(np.delete(gains, there, axis=0), there, axis=1)
+    assert np.isneginf(gains[there]).all() and np.isneginf(gains[:, there]).all()
+    assert np.isfinite(other[~np.eye(len(other), dtype=bool)]).all()
+
+
 def test_score_does_not_depend_on_the_way_to_a_set(weighing):
     one, other = ("scale X", "backlash Y"), ("backlash Y", "scale X")
     scores = explained(weighing, *one).score, explained(weighing, *other).score

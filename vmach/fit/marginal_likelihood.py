@@ -272,6 +272,22 @@ class Posterior:
         seen = places.seen / factor**2 - taken.T @ self.seen
         return gram[places.which], seen.reshape(shape)[places.which]
 
+    def left_of(self, columns: Columns) -> np.ndarray:
+        """What members and effects leave of white columns, (r, K), in squares of the factor.
+
+        Their products with other white columns are those beside members and effects.
+        """
+        root, taken = self.bordered, self.taken(columns)
+        count = len(self.members.here)
+        of_effects = solved(root.own, taken[count:], transposed=True)
+        amount = np.zeros((len(self.base.member_of), len(columns)))
+        amount[self.members.here] = self.members.given_back(
+            taken[:count] - root.border @ of_effects
+        )
+        factor = self.sizes.factor
+        left = columns.white - factor * (self.base.z @ amount)
+        return (left - self.effects.columns.summed(of_effects)) / factor**2
+
     @property
     def seen(self) -> np.ndarray:
         """What the readings say, by the root, (k,)."""

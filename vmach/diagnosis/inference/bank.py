@@ -7,6 +7,7 @@ low rank.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -14,12 +15,13 @@ import numpy as np
 
 from vmach.fit.base import Base, SizedMembers
 from vmach.fit.candidates import Candidate
+from vmach.fit.columns import Columns
 from vmach.fit.evidence import Evidence, evidence_at_places
 from vmach.fit.marginal_likelihood import Posterior
 from vmach.fit.noise.means import Means
 from vmach.fit.remembered import Remembered
 
-__all__ = ["Bank"]
+__all__ = ["IN_PAIRS", "Bank"]
 
 #: numbers that are widened together, so few that they stay near the processor
 _CACHED = 200_000
@@ -31,6 +33,11 @@ _ROOM = 2_000_000
 _NOTHING = 1e-14
 #: sizes of members beside which products are kept: those of an explanation, and little ones
 _SIZES = 3
+#: coefficients of an effect at most that is looked at in pairs; one of more is a curve
+IN_PAIRS = 6
+
+#: what an effect takes: its products with columns in mm, (n, e), and of the readings, (e,)
+_Taken = tuple[np.ndarray, np.ndarray]
 
 
 class Bank:
@@ -48,8 +55,8 @@ class Bank:
         groups: dict[int, list[int]] = {}
         for c, candidate in enumerate(candidates):
             groups.setdefault(candidate.signatures_mm.shape[2], []).append(c)
-        listed = [c for members in groups.values() for c in members]
-        self._place = np.argsort(np.array(listed, dtype=int))
+        self._listed = list(groups.values())
+        self._place = np.argsort(np.concatenate([*self._listed, []]).astype(int))
         self._groups = [_Group(base, [candidates[c] for c in g], k) for k, g in groups.items()]
 
     def evidence(self, posterior: Posterior) -> Evidence:
@@ -59,13 +66,32 @@ class Bank:
         parts = [group.evidence(posterior.members, back, seen) for group in self._groups]
         return Evidence.joined(parts, self._place)
 
+    def beside_each(self, posterior: Posterior, firsts: Sequence[Columns]) -> np.ndarray:
+        """Log factors of every candidate beside a posterior and one effect more, of F, (F, C).
+
+        Minus infinity for candidates that are curves.
+
+        Parameters
+        ----------
+        posterior : Posterior
+        firsts : sequence of Columns
+            Each effect's, of unit prior variance.
+        """
+        white, seen = _apart(posterior)
+        back, more = self._base.back(white), _each_apart(posterior, firsts)
+        found = np.full((len(firsts), len(self._place)), -np.inf)
+        for group, own in zip(self._groups, self._listed, strict=True):
+            if group.terms <= IN_PAIRS:
+                found[:, own] = group.beside_each(posterior.members, (back, seen), more)
+        return found
+
 
 class _Group:
     """Candidates with equally many coefficients K, at P places in all."""
 
     def __init__(self, base: Base, candidates: Sequence[Candidate], terms: int) -> None:
         self._log_priors = [c.log_prior for c in candidates]
-        self._terms = terms
+        self.terms = terms
         raw = [candidate.rows_mm for candidate in candidates]
         parts, means = [], []
         wide = len(base.survey)
@@ -86,11 +112,29 @@ class _Group:
 
         What they take of the readings is `seen`, (e,).
         """
+        return self._evidence(self._left(members, back, seen))
+
+    def _evidence(self, left: _Beside) -> Evidence:
+        """Of each, from products."""
+        return evidence_at_places(left.gram, self._by_place(left.inner[:, None]), self._log_priors)
+
+    def beside_each(
+        self, members: SizedMembers, effects: _Taken, more: Sequence[_Taken]
+    ) -> np.ndarray:
+        """Log factors of each beside effects, as above, and one effect more of F, (F, C)."""
+        left, found = self._left(members, *effects), []
+        every = np.concatenate([back for back, _ in more], axis=1)
+        together = np.concatenate([self._times(rows, every) for rows in self._rows])
+        ends = np.cumsum([len(seen) for _, seen in more])[:-1]
+        for taken, (_, seen) in zip(np.split(together, ends, axis=1), more, strict=True):
+            found.append(self._evidence(left.without(self._by_place(taken), seen)).log_factor[:, 0])
+        return np.array(found)
+
+    def _left(self, members: SizedMembers, back: np.ndarray, seen: np.ndarray) -> _Beside:
+        """What members and effects leave."""
         beside = self._beside.get(members.sizes, lambda: self._beside_members(members))
         taken = np.concatenate([self._times(rows, back) for rows in self._rows])
-        inner = beside.inner - taken @ seen
-        gram = beside.gram - _products(self._by_place(taken))
-        return evidence_at_places(gram, self._by_place(inner[:, None]), self._log_priors)
+        return beside.without(self._by_place(taken), seen)
 
     def _times(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
         """Rows (m, n) times columns (n, k)."""
@@ -104,7 +148,7 @@ class _Group:
 
     def _by_place(self, rows: np.ndarray) -> np.ndarray:
         """Rows (P K, n) as (P, K, n)."""
-        return rows.reshape(len(rows) // self._terms, self._terms, rows.shape[1])
+        return rows.reshape(len(rows) // self.terms, self.terms, rows.shape[1])
 
 
 @dataclass(frozen=True)
@@ -120,6 +164,10 @@ class _Beside:
 
     gram: np.ndarray
     inner: np.ndarray
+
+    def without(self, taken: np.ndarray, seen: np.ndarray) -> _Beside:
+        """What effects leave, that take (P, K, e) of the candidates and (e,) of the readings."""
+        return _Beside(self.gram - _products(taken), self.inner - (taken @ seen).ravel())
 
 
 def _apart(posterior: Posterior) -> tuple[np.ndarray, np.ndarray]:
@@ -139,6 +187,19 @@ def _apart(posterior: Posterior) -> tuple[np.ndarray, np.ndarray]:
     amount[members.here] = members.given_back(root.border @ axes)
     white = own.summed(axes) / k - posterior.base.z @ amount
     return white / k, axes.T @ (root.own @ root.seen_effects)
+
+
+def _each_apart(posterior: Posterior, effects: Sequence[Columns]) -> list[_Taken]:
+    """The same of each of several effects more, beside a posterior; products with columns in mm."""
+    together, base = Columns.joined(effects), posterior.base
+    gram, seen = posterior.products(together)
+    back = base.back(posterior.left_of(together))
+    ends, found = np.cumsum([0, *map(len, effects)]).tolist(), []
+    for own in itertools.starmap(slice, itertools.pairwise(ends)):
+        squared, axes = np.linalg.eigh(gram[own, own] + np.eye(own.stop - own.start))
+        axes = axes / np.sqrt(squared)
+        found.append((back[:, own] @ axes, axes.T @ seen[own]))
+    return found
 
 
 def _at_once(rows: Sequence[np.ndarray], many: int) -> Iterator[np.ndarray]:

@@ -6,7 +6,6 @@ import itertools
 from collections.abc import Callable, Iterator, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -33,6 +32,9 @@ _TRIED = 3
 #: candidates that are tried beside an impossible size; chosen: on a part that was looked at the one
 #: that was missing came fourth
 _MORE = 6
+#: candidates that are tried plainly where nothing leads on; chosen: on a part that was looked at
+#: the one that was missing came eighth
+_MANY = 12
 #: log odds by which one may lie behind the effect whose place it takes; in none of a few hundred
 #: refits did one from further behind catch up
 _NEAR = 6.0
@@ -69,9 +71,15 @@ def search_exchanging(weighing: Weighing, here: Explanation) -> Explanation:
 
 
 def search_beyond(weighing: Weighing, here: Explanation) -> Explanation:
-    """A more probable set, by all moves."""
-    steps = (_added, _uncovered, _afresh, _exchanged, _split)
-    return _led_on(weighing, here, (*steps, partial(_filled, onward=steps)))
+    """A more probable set, by all moves; a large discrepancy is filled where none of them helps."""
+    moves = (_added, _uncovered, _afresh, _exchanged, _elsewhere, _split, _added_of_many, _paired)
+    here = _led_on(weighing, here, moves)
+    for _ in range(_MOVES):
+        filled = _filled(weighing, here, moves)
+        if filled.score < here.score + _STEP:
+            break
+        here = filled
+    return here
 
 
 def search_possible(weighing: Weighing, here: Explanation) -> Explanation:
@@ -138,6 +146,15 @@ def _added(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
         yield weighing.extend(here, k)
 
 
+def _added_of_many(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
+    """One effect more, of many: what the others then leave open may make up for what it costs."""
+    ranked = _ranked(weighing, weighing.gains(here, roughly=True), here.labels)[:_MANY]
+    plain = {k: weighing.extend(here, k, refine=False, resize=False).score for k in ranked}
+    for k in sorted(ranked, key=lambda k: -round(plain[k], _TIE))[:_TRIED]:
+        if plain[k] > here.score + _HOPELESS:
+            yield weighing.extend(here, k)
+
+
 def _uncovered(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     """One effect more, that a large discrepancy hides: beside little of it, which may then grow."""
     little = beside_little(here)
@@ -172,20 +189,37 @@ def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
                     yield weighing.explain(child.terms, child.posterior.sizes)
 
 
-def _filled(
-    weighing: Weighing, here: Explanation, *, onward: Sequence[_Move]
-) -> Iterator[Explanation]:
+def _elsewhere(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
+    """One effect less, and another clearly elsewhere without that; one more where it helps."""
+    least = here.score - _NEAR
+    for gone, kept in itertools.permutations(range(len(here.terms)), 2):
+        others = weighing.without(here, sorted((gone, kept)), resize=False)
+        k = weighing.index_of(here.terms[kept].label)
+        as_it_is = weighing.without(here, [gone], resize=False).score
+        if others.score + weighing.gains(others, roughly=True)[k] < as_it_is + CLEARLY:
+            continue
+        afresh = weighing.extend(others, k, resize=False)
+        for child in (afresh, *_filled_up(weighing, afresh, here.labels, 1, least)):
+            if child.score > least:
+                yield weighing.explain(child.terms, child.posterior.sizes)
+
+
+def _filled(weighing: Weighing, here: Explanation, moves: Sequence[_Move]) -> Explanation:
     """Several effects in place of a large discrepancy, and what other moves make of them.
 
-    Together they may be less probable at first, as some stand for others.
+    Together they may be less probable at first, as some stand for others. As given where none do.
     """
     sizes = beside_little(here).posterior.sizes
-    if sizes != here.posterior.sizes:
-        start = weighing.explain(here.terms, sizes, refine=False, resize=False)
-        for last in [*_filled_up(weighing, start, here.labels, _MOVES)][-1:]:
-            filled = without_needless(weighing, weighing.explain(last.terms, sizes))
-            is_new = filled.labels != here.labels and filled.score > here.score - _BEHIND
-            yield _led_on(weighing, filled, onward) if is_new else filled
+    if sizes == here.posterior.sizes:
+        return here
+    start = weighing.explain(here.terms, sizes, refine=False, resize=False)
+    *_, last = start, *_filled_up(weighing, start, here.labels, _MOVES)
+    if last is start:
+        return here
+    filled = without_needless(weighing, weighing.explain(last.terms, sizes))
+    if filled.labels != here.labels and filled.score > here.score - _BEHIND:
+        filled = _led_on(weighing, filled, moves)
+    return _remembered(weighing, filled)
 
 
 def _filled_up(
@@ -226,6 +260,27 @@ def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
             for j in _unlike(weighing, one, ranked, _TRIED):
                 if one.score + further[j] > least:
                     yield weighing.extend(one, j)
+
+
+def _paired(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
+    """Two effects more, of which neither may say anything alone; beside little of the rest too."""
+    little = beside_little(here)
+    views = [here] if little.posterior.sizes == here.posterior.sizes else [here, little]
+    for view in views:
+        for i, j in _leading_pairs(weighing.pair_gains(view)):
+            one = weighing.extend(view, i, refine=False, resize=False)
+            yield weighing.extend(one, j)
+
+
+def _leading_pairs(gains: np.ndarray) -> Iterator[tuple[int, int]]:
+    """Pairs that are worth a fit, by gains (C, C), the most probable first; none shares one."""
+    gains = np.round(gains, _TIE)
+    for _ in range(_TRIED):
+        if gains.max(initial=-np.inf) < 2.0 * _HOPELESS:
+            return
+        i, j = divmod(int(np.argmax(gains)), len(gains))
+        yield i, j
+        gains[[i, j]] = gains[:, [i, j]] = -np.inf
 
 
 def _ranked(weighing: Weighing, gains: np.ndarray, but: AbstractSet[str]) -> list[int]:

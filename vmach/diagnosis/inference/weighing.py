@@ -14,7 +14,7 @@ from scipy.special import gammaln
 from vmach.base.memory import give_back_free_memory
 from vmach.diagnosis.gates.absorbing import stated_slack
 from vmach.diagnosis.gates.sizes_above_zero import log_factor_of_sizes
-from vmach.diagnosis.inference.bank import Bank
+from vmach.diagnosis.inference.bank import IN_PAIRS, Bank
 from vmach.diagnosis.inference.careful_fit import careful_fit
 from vmach.diagnosis.inference.rules import UNMEASURED
 from vmach.effects import Effect
@@ -416,18 +416,25 @@ class Weighing:
 
     def looked_over(self, explanation: Explanation) -> Evidence:
         """The same for a search, which fits what is worth it: on means where readings are many."""
-        base = self._means
-        if base is None:
+        if self._means is None:
             return self.evidence(explanation)
-        bank = self._bank_of_means = self._bank_of_means or Bank(base, self.candidates)
         posterior = explanation.posterior
         effects, key = posterior.effects, (id(posterior.effects), posterior.sizes, "means")
 
         def made() -> tuple[Effects, Evidence]:
-            on_means = Posterior(base, posterior.sizes, effects.on(base))
+            bank, on_means = self._looked_over(explanation)
             return effects, bank.evidence(on_means)
 
         return self._known.get(key, made)[1]
+
+    def _looked_over(self, explanation: Explanation) -> tuple[Bank, Posterior]:
+        """What a search looks candidates over with."""
+        posterior, base = explanation.posterior, self._means
+        if base is None:
+            return self.bank, posterior
+        self._bank_of_means = self._bank_of_means or Bank(base, self.candidates)
+        effects = posterior.effects.on(base)
+        return self._bank_of_means, Posterior(base, posterior.sizes, effects)
 
     def gains(self, explanation: Explanation, *, roughly: bool = False) -> np.ndarray:
         """Log odds of every candidate beside an explanation, at its sizes.
@@ -439,11 +446,46 @@ class Weighing:
             Whether they only say what is worth a fit.
         """
         evidence = self.looked_over(explanation) if roughly else self.evidence(explanation)
-        count = self._count(explanation.terms)
+        return evidence.log_factor[:, 0] + self._log_priors_beside(self._count(explanation.terms))
+
+    def _log_priors_beside(self, count: int) -> np.ndarray:
+        """Log prior odds of every candidate beside a set with so many ordinary ones, (C,)."""
         more = self._log_prior_of_count(count + 1) - self._log_prior_of_count(count)
-        return evidence.log_factor[:, 0] + [
-            self.log_prior(c) + more * (c.label in self._counted) for c in self.candidates
+        return np.array(
+            [self.log_prior(c) + more * (c.label in self._counted) for c in self.candidates]
+        )
+
+    def pair_gains(self, explanation: Explanation) -> np.ndarray:
+        """Log odds of every two candidates beside an explanation, at its sizes, (C, C).
+
+        They only say what is worth a fit: the first, in rows, is at its best place. Minus infinity
+        for curves, and for what is there.
+        """
+        gains, count = self.gains(explanation, roughly=True), self._count(explanation.terms)
+        odds = np.full((len(gains),) * 2, -np.inf)
+        asked = [
+            k
+            for k, c in enumerate(self.candidates)
+            if c.label not in explanation.labels and c.signatures_mm.shape[2] <= IN_PAIRS
         ]
+        if not asked:
+            return odds
+        bank, posterior = self._looked_over(explanation)
+        firsts = [posterior.base.columns(self._at_best(k, explanation)) for k in asked]
+        odds[asked] = bank.beside_each(posterior, firsts)
+        counts = [self._log_priors_beside(count + more) for more in (0, 1)]
+        for k in asked:
+            is_counted = self.candidates[k].label in self._counted
+            odds[k] += gains[k] + counts[is_counted]
+        odds[:, np.setdiff1d(np.arange(len(gains)), asked)] = -np.inf
+        np.fill_diagonal(odds, -np.inf)
+        return odds
+
+    def _at_best(self, k: int, explanation: Explanation) -> np.ndarray:
+        """Candidate k at its best place and width beside an explanation, (n, K) mm."""
+        evidence = self.looked_over(explanation)
+        width = WIDTHS[evidence.best_width[k, 0]]
+        return width * self.candidates[k].signatures_mm[:, evidence.best[k, 0]]
 
     def would_take(self, k: int, explanation: Explanation) -> np.ndarray:
         """What candidate k, fitted to what an explanation leaves, would take, (r,) of unit size."""
