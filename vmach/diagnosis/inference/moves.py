@@ -263,13 +263,10 @@ def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
 
 
 def _paired(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
-    """Two effects more, of which neither may say anything alone; beside little of the rest too."""
+    """Two effects more, of which neither may say anything alone; beside little, which may grow."""
     little = beside_little(here)
-    views = [here] if little.posterior.sizes == here.posterior.sizes else [here, little]
-    for view in views:
-        for i, j in _leading_pairs(weighing.pair_gains(view)):
-            one = weighing.extend(view, i, refine=False, resize=False)
-            yield weighing.extend(one, j)
+    for i, j in _leading_pairs(weighing.pair_gains(little)):
+        yield weighing.extend(weighing.extend(little, i, refine=False, resize=False), j)
 
 
 def _leading_pairs(gains: np.ndarray) -> Iterator[tuple[int, int]]:
