@@ -10,6 +10,7 @@ import pytest
 from tests.small_job import measurement, write_job
 from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.residuals.job_survey import survey_job
+from vmach.fit.noise.discrepancy import members_of
 from vmach.history.rounds import rounds
 
 #: of the axis: slow error over its travel, lost motion, drift over five runs, scatter of a stop
@@ -82,6 +83,15 @@ def test_lost_motion_that_varies_along_an_axis_is_shown_by_its_mean(tmp_path, se
     share = np.linspace(0.0, 1.0, 20)
     mean_um = LOST_UM * (1.0 + 0.2 * np.sin(5.0 * share).mean())
     assert lost.parameters["reversal_um"] == pytest.approx(mean_um, abs=2.0)
+
+
+def test_variation_of_lost_motion_has_no_part_of_its_mean(tmp_path):
+    """ISO 230-2: the mean reversal value of an axis is that of its positions, each once."""
+    survey = survey_job(axis_job(tmp_path, "X", u_um=1.0, seed=11))
+    members = members_of(survey)
+    varies = members.columns_mm[members.names.index("reversals")]
+    side = np.genfromtxt(tmp_path / "laser.csv", delimiter=",", names=True)["approach"]
+    np.testing.assert_allclose(side @ varies, 0.0, atol=1e-9 * np.abs(varies).sum())
 
 
 @pytest.mark.parametrize("u_um", [0.5, 1.0, 3.0, 5.0])

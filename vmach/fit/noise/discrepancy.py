@@ -166,15 +166,18 @@ def _places(survey: Survey) -> np.ndarray:
 def _reversals(survey: Survey) -> np.ndarray:
     """How lost motion varies along what an instrument comes back to, as a smooth curve, (n, K).
 
-    Source: ISO 230-2, the reversal value of a position beside that of the axis.
+    About the mean of all places, as that is the lost motion of the axis.
+
+    Source: ISO 230-2, the reversal value of a position, and the mean reversal value of an axis.
     """
     blocks = []
     for path, m in zip(survey.paths, survey.measurements, strict=True):
-        place = _place_of(m)
-        share = place / max(place.max(), 1)
+        place, degrees = _place_of(m), np.arange(1, _FIELD_DEGREE + 1)
+        last = max(int(place.max()), 1)
+        waves = np.cos(np.outer(np.arange(last + 1), np.pi * degrees / last))
+        waves -= waves.mean(axis=0)
         side = np.sum(path.play_side * m.sensing, axis=1)
-        waves = [side * np.cos(k * np.pi * share) for k in range(1, _FIELD_DEGREE + 1)]
-        blocks.append(np.stack(waves, axis=1) * bool(share.any()))
+        blocks.append(side[:, None] * waves[place] * bool(place.any()))
     return _seen(block_diag(*blocks))
 
 
