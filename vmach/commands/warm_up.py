@@ -208,10 +208,17 @@ def _compensate(folder: Path) -> None:
 
 
 def _diagnose(folder: Path) -> None:
+    import numpy as np
+
     from vmach.diagnosis.diagnose import diagnose
     from vmach.diagnosis.residuals.job_survey import survey_job
+    from vmach.fit.noise.feature_noise import FeatureNoise
 
-    diagnose(survey_job(folder))
+    survey = survey_job(folder)
+    diagnose(survey)
+    # the noise of these readings is not correlated
+    correlated = FeatureNoise(survey.u_mm, survey.group, np.ones(len(survey)), 0.5, 0.5)
+    correlated.white(survey.nuisance)
 
 
 def compile_if_cold(command: str | None) -> None:

@@ -56,7 +56,9 @@ class _Recursion:
         lying: Literal["F", "C"] = "F" if columns.flags.f_contiguous else "C"
         found = np.empty(columns.shape, order=lying)
         (count, many), (down, across) = columns.shape, (s // 8 for s in found.strides)
-        given, made = read_only(columns.ravel(lying)), found.ravel(lying)
+        # one kind of numbers: the kernel is compiled once for each
+        given = read_only(columns.ravel(lying).astype(np.float64, copy=False))
+        made = found.ravel(lying)
         rule = (self.order, self.own, self.of_state, self.kept, self.taken)
         state = np.zeros(many)
         run_in_parts(
