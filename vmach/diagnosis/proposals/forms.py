@@ -50,6 +50,8 @@ _TOLD = 3
 _HALVED = 0.5
 #: readings at most that all forms are looked through on; the best are fitted to all readings
 _LOOKED_THROUGH = 3000
+#: decimals of a gain; beyond them rounding would choose among forms that do the same
+_TIE = 5
 #: numbers that products of forms may take up while they are kept
 _ROOM = 25_000_000
 #: a form whose readings follow those of another one, or of effects, that closely is the same; it
@@ -201,7 +203,7 @@ class Forms:
 
         # one at a time: a fit of many readings takes much memory
         pairs = ((fitted(form), form) for form in leading)
-        best = max(pairs, key=lambda pair: pair[0].score, default=None)
+        best = max(pairs, key=lambda pair: round(pair[0].score, _TIE), default=None)
         if best is None:
             return here
         self._chosen[_label(best[1])] = best[1]
@@ -286,7 +288,8 @@ class Forms:
         chosen: list[Form] = []
         for gain in gains:
             taken: list[np.ndarray] = []
-            for k in np.argsort(-np.array(gain)):
+            # of forms that these readings cannot tell apart the first that is listed
+            for k in np.argsort(-np.round(gain, _TIE), kind="stable"):
                 if gain[k] < CLEARLY or len(taken) == most:
                     break
                 space = self._columns.space_of(forms[k])
