@@ -52,6 +52,11 @@ class Candidate:
         """Name and target."""
         return label_of(self.effect.name, self.target)
 
+    @property
+    def is_curve(self) -> bool:
+        """Whether its coefficients are a curve, and no amounts."""
+        return not self.effect.amplitudes
+
 
 def gather_candidates(
     survey: Survey, effects: Iterable[Effect] | None = None

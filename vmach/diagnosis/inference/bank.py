@@ -21,7 +21,7 @@ from vmach.fit.marginal_likelihood import Posterior
 from vmach.fit.noise.means import Means
 from vmach.fit.remembered import Remembered
 
-__all__ = ["IN_PAIRS", "Bank"]
+__all__ = ["Bank"]
 
 #: numbers that are widened together, so few that they stay near the processor
 _CACHED = 200_000
@@ -33,9 +33,6 @@ _ROOM = 2_000_000
 _NOTHING = 1e-14
 #: sizes of members beside which products are kept: those of an explanation, and little ones
 _SIZES = 3
-#: coefficients of an effect at most that is looked at in pairs; one of more is a curve
-IN_PAIRS = 6
-
 #: what an effect takes: its products with columns in mm, (n, e), and of the readings, (e,)
 _Taken = tuple[np.ndarray, np.ndarray]
 
@@ -51,13 +48,16 @@ class Bank:
 
     def __init__(self, base: Base, candidates: Sequence[Candidate]) -> None:
         self._base = base
-        # candidates with equally many coefficients are weighed together
-        groups: dict[int, list[int]] = {}
+        # candidates with equally many coefficients are weighed together, curves by themselves
+        groups: dict[tuple[int, bool], list[int]] = {}
         for c, candidate in enumerate(candidates):
-            groups.setdefault(candidate.signatures_mm.shape[2], []).append(c)
+            key = candidate.signatures_mm.shape[2], candidate.is_curve
+            groups.setdefault(key, []).append(c)
         self._listed = list(groups.values())
         self._place = np.argsort(np.concatenate([*self._listed, []]).astype(int))
-        self._groups = [_Group(base, [candidates[c] for c in g], k) for k, g in groups.items()]
+        self._groups = [
+            _Group(base, [candidates[c] for c in g], terms) for (terms, _), g in groups.items()
+        ]
 
     def evidence(self, posterior: Posterior) -> Evidence:
         """Evidence of every candidate beside members and effects of a posterior."""
@@ -81,7 +81,7 @@ class Bank:
         back, more = self._base.back(white), _each_apart(posterior, firsts)
         found = np.full((len(firsts), len(self._place)), -np.inf)
         for group, own in zip(self._groups, self._listed, strict=True):
-            if group.terms <= IN_PAIRS:
+            if not group.are_curves:
                 found[:, own] = group.beside_each(posterior.members, (back, seen), more)
         return found
 
@@ -91,7 +91,8 @@ class _Group:
 
     def __init__(self, base: Base, candidates: Sequence[Candidate], terms: int) -> None:
         self._log_priors = [c.log_prior for c in candidates]
-        self.terms = terms
+        self._terms = terms
+        self.are_curves = all(c.is_curve for c in candidates)
         raw = [candidate.rows_mm for candidate in candidates]
         parts, means = [], []
         wide = len(base.survey)
@@ -148,7 +149,7 @@ class _Group:
 
     def _by_place(self, rows: np.ndarray) -> np.ndarray:
         """Rows (P K, n) as (P, K, n)."""
-        return rows.reshape(len(rows) // self.terms, self.terms, rows.shape[1])
+        return rows.reshape(len(rows) // self._terms, self._terms, rows.shape[1])
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from scipy.special import gammaln
 from vmach.base.memory import give_back_free_memory
 from vmach.diagnosis.gates.absorbing import stated_slack
 from vmach.diagnosis.gates.sizes_above_zero import log_factor_of_sizes
-from vmach.diagnosis.inference.bank import IN_PAIRS, Bank
+from vmach.diagnosis.inference.bank import Bank
 from vmach.diagnosis.inference.careful_fit import careful_fit
 from vmach.diagnosis.inference.rules import UNMEASURED
 from vmach.effects import Effect
@@ -402,7 +402,7 @@ class Weighing:
         """Candidate k with its best inner parameters on what an explanation leaves."""
         candidate, evidence = self.candidates[k], self.looked_over(explanation)
         width = None
-        if not candidate.effect.amplitudes:
+        if candidate.is_curve:
             width = WIDTHS[evidence.best_width[k, 0]]
         return Term(candidate.effect, candidate.target, candidate.grid[evidence.best[k, 0]], width)
 
@@ -466,7 +466,7 @@ class Weighing:
         asked = [
             k
             for k, c in enumerate(self.candidates)
-            if c.label not in explanation.labels and c.signatures_mm.shape[2] <= IN_PAIRS
+            if c.label not in explanation.labels and not c.is_curve
         ]
         if not asked:
             return odds
