@@ -365,3 +365,32 @@ def test_a_result_that_cannot_take_its_place_leaves_the_others(tmp_path, monkeyp
         write(tmp_path / "a", "new")
         write(tmp_path / "b", "new")
     assert contents(tmp_path) == {"a": "old", "b": "old"}
+
+
+AT_ONCE = """
+import sys
+from pathlib import Path
+from vmach.files.atomic import atomic_file, atomic_folder
+from vmach.files.together import together
+
+place, who = Path(sys.argv[1]), sys.argv[2]
+for k in range(40):
+    with together():
+        for name in ("first", "second"):
+            with atomic_file(place / name) as file:
+                file.write_text(f"{who}{k}")
+        with atomic_folder(place / "out") as folder:
+            (folder / "third").write_text(f"{who}{k}")
+"""
+
+
+def test_runs_at_once_leave_the_results_of_one(tmp_path):
+    runs = [
+        subprocess.Popen([sys.executable, "-c", AT_ONCE, tmp_path, who], stderr=subprocess.PIPE)
+        for who in ("a", "b", "c")
+    ]
+    assert [run.communicate()[1].decode() for run in runs] == [""] * 3
+    places = [tmp_path / name for name in ("first", "second", "out/third")]
+    assert len({place.read_text() for place in places}) == 1
+    check_outputs(places[:2])  # all are known
+    check_folder(tmp_path / "out", ["third"])

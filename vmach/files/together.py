@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
-from contextlib import ExitStack, contextmanager
+import fcntl
+import os
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Protocol
+
+from vmach.files.workplace import nearest_existing
 
 __all__ = ["Result", "put_in_place", "together"]
 
@@ -78,8 +82,25 @@ def put_in_place(result: Result, room: ExitStack) -> None:
 
 
 def _put_all(results: list[Result]) -> None:
+    """Put them in their places while no other run does so in the same folders."""
+    with _held({nearest_existing(result.place.parent) for result in results}):
+        _exchange_all(sorted(results, key=lambda result: not result.is_folder))
+
+
+@contextmanager
+def _held(folders: Collection[Path]) -> Iterator[None]:
+    """Lock folders, in an order that all runs share; not where the file system has no locks."""
+    with ExitStack() as locks:
+        for folder in sorted(folders):
+            lock = os.open(folder, os.O_RDONLY)
+            locks.callback(os.close, lock)
+            with suppress(OSError):
+                fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def _exchange_all(results: Sequence[Result]) -> None:
     """Exchange the first in one step, while nothing is in the places of the others."""
-    results = sorted(results, key=lambda result: not result.is_folder)
     for result in results:
         result.prepare([other.place for other in results])
     try:

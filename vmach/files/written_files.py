@@ -47,13 +47,24 @@ def is_written(path: Path, *, results: Path | None = None) -> bool:
     results : Path, optional
         Folder of results that the file lies in, at whatever depth.
     """
+    if not path.is_file() or not _noted(path, results):
+        return False
+    try:
+        digest = _sum(path)
+    except FileNotFoundError:  # another run is about to put its own there
+        return True
+    # asked again: another run may have put its own there meanwhile, noted before
+    return digest in _noted(path, results)
+
+
+def _noted(path: Path, results: Path | None) -> set[str]:
+    """What the SHA-256 of a file may be."""
     lists = [(path.parent, RESULTS_LIST), (path.parent, FILES_LIST)]
     if results is not None:
         lists.append((results, RESULTS_LIST))
-    sums = set().union(
+    return set().union(
         *(_read(folder / name).get(_name(path, folder), set()) for folder, name in lists)
     )
-    return bool(sums) and path.is_file() and _sum(path) in sums
 
 
 def note_file(path: Path, content: Path, *, coming: Collection[Path] = ()) -> None:
