@@ -49,7 +49,8 @@ class Spread:
     Attributes
     ----------
     u : float
-        Root of the mean square distance from the stated value.
+        Root of the mean square distance from the stated value; where other effects are possible,
+        what a normal distribution of that interval has, if that is more.
     low, high : float
         Ends of the interval that holds 95 %.
     is_shown : bool
@@ -99,7 +100,11 @@ def parameter_uncertainty(
 def _averaged(
     spreads: dict[str, Spread], fit: JointFit, k: int, others: Sequence[Otherwise]
 ) -> dict[str, Spread]:
-    """Spreads over the fit's own set of effects and others, each a normal distribution."""
+    """Spreads over the fit's own set of effects and others, each a normal distribution.
+
+    The standard uncertainty is that of the interval: the root of the mean square would be that of
+    an improbable set far away.
+    """
     if not others:
         return spreads
     slope, wide = fit.slope(k), float(ndtri(0.975))
@@ -115,8 +120,7 @@ def _averaged(
         low, high = _quantiles(weight, away, spread)
         # of its own set it is known better than as a normal distribution
         low, high = value + min(low, own.low - value), value + max(high, own.high - value)
-        u = float(np.sqrt(weight[0] * own.u**2 + weight[1:] @ (away**2 + spread**2)[1:]))
-        found[name] = replace(own, u=u, low=low, high=high)
+        found[name] = replace(own, u=max(own.u, 0.5 * (high - low) / wide), low=low, high=high)
     return found
 
 
