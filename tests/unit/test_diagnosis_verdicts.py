@@ -18,7 +18,7 @@ from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossible_size_notes
 from vmach.diagnosis.inference import verdicts
 from vmach.diagnosis.inference.prepare import prepare_weighing
-from vmach.diagnosis.inference.remains import remains_um
+from vmach.diagnosis.inference.remains import remains_um, where_they_act_um
 from vmach.diagnosis.inference.support import Support, in_its_place
 from vmach.diagnosis.next_test.planned_program import write_program
 from vmach.diagnosis.report import as_json, as_text
@@ -468,3 +468,10 @@ def test_scatter_that_knows_the_axes_is_no_noise(tmp_path, along_y, is_told):
     weighing = prepare_weighing(survey_job(job), [catalogue()["backlash"]])
     told = remains_um(weighing, weighing.nothing())
     assert (told > 0.5) == is_told
+    # it is a rest beside an effect of that axis, and none beside one of the other
+    both = weighing.nothing()
+    for label in ("backlash X", "backlash Y"):
+        both = weighing.extend(both, weighing.index_of(label), resize=False)
+    _, (beside_x, beside_y) = where_they_act_um(weighing, both, 2)
+    assert beside_x < 0.3
+    assert beside_y == pytest.approx(0.5 * np.sqrt(along_y**2 - 1.0), abs=0.3)
