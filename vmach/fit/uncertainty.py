@@ -49,8 +49,8 @@ class Spread:
     Attributes
     ----------
     u : float
-        Root of the mean square distance from the stated value; where other effects are possible,
-        what a normal distribution of that interval has, if that is more.
+        Root of the mean square distance from the stated value; of other effects that are possible,
+        as far as the interval reaches.
     low, high : float
         Ends of the interval that holds 95 %.
     is_shown : bool
@@ -102,8 +102,8 @@ def _averaged(
 ) -> dict[str, Spread]:
     """Spreads over the fit's own set of effects and others, each a normal distribution.
 
-    The standard uncertainty is that of the interval: the root of the mean square would be that of
-    an improbable set far away.
+    The standard uncertainty is no larger than the farther end of the interval says: else it would
+    be that of an improbable set far away.
     """
     if not others:
         return spreads
@@ -120,7 +120,9 @@ def _averaged(
         low, high = _quantiles(weight, away, spread)
         # of its own set it is known better than as a normal distribution
         low, high = value + min(low, own.low - value), value + max(high, own.high - value)
-        found[name] = replace(own, u=max(own.u, 0.5 * (high - low) / wide), low=low, high=high)
+        u = float(np.sqrt(weight[0] * own.u**2 + weight[1:] @ (away**2 + spread**2)[1:]))
+        u = min(u, max(own.u, max(high - value, value - low) / wide))
+        found[name] = replace(own, u=u, low=low, high=high)
     return found
 
 
