@@ -9,6 +9,7 @@ import pytest
 from jsonschema import Draft202012Validator
 from typer.testing import CliRunner
 
+from tests.measured_job import write_measured_job
 from tests.unit.test_diagnosis_verdicts import nothing, stretched_and_loose, tip_job
 from vmach.cli import app
 from vmach.diagnosis.diagnose import diagnose
@@ -18,6 +19,8 @@ from vmach.diagnosis.inference.rules import RULES
 from vmach.diagnosis.next_test.next_measurement import next_measurement
 from vmach.diagnosis.proposals.effect_text import effect_text
 from vmach.diagnosis.proposals.form import Form, FormEffect
+from vmach.diagnosis.proposals.form_columns import FormColumns
+from vmach.diagnosis.proposals.forms import Forms
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.proposals.refuting import refuting_test
 from vmach.diagnosis.proposals.states import CONSTANT, DIRECTIONS, State, states_of
@@ -209,3 +212,28 @@ def test_every_number_that_decides_is_told():
     for rule in RULES:
         assert f"{rule.name} = {rule.value:g}" in said
         assert rule.origin in said and rule.guard in said
+
+
+def test_forms_are_looked_through_as_they_are_fitted_where_zeros_were_touched(tmp_path):
+    """Two tools, whose zeros are of other touches."""
+    job = write_measured_job(tmp_path)
+    job.write_text(job.read_text() + "\n[probing]\n")
+    survey = survey_job(job)
+    columns = FormColumns(survey)
+    differ = 0
+    for form in columns.forms[::40]:
+        looked_at = columns.columns(form)
+        fitted = survey.signature(FormEffect(form, looked_at.shape[1]), form.formula, {})
+        np.testing.assert_allclose(looked_at, fitted, atol=1e-9)
+        differ += bool(np.abs(looked_at).max() > 1e-6)
+    assert differ > 20
+
+
+def test_forms_without_room_are_weighed_once_at_each_look(pushed_job, monkeypatch):
+    monkeypatch.setattr("vmach.diagnosis.proposals.forms._AT_ONCE", 50)
+    weighing = prepare_weighing(survey_job(pushed_job))
+    forms = Forms(weighing, weighing.nothing())
+    monkeypatch.setattr("vmach.diagnosis.proposals.forms._ROOM", 120 * len(weighing.survey))
+    looks = [[form for some, _ in forms._weighed() for form in some] for _ in range(3)]
+    assert len(looks[0]) > 150
+    assert looks[1] == looks[0] and looks[2] == looks[0]

@@ -37,7 +37,8 @@ class Finding:
     weakly_identified : tuple of str
         Parameters of which the readings say hardly more than was known before.
     odds, probability : float
-        Log odds for it, given everything else, and the probability that it is there.
+        Log odds for it, given everything else, and the probability that it is no imitation of
+        something else.
     size_um, share : float
         Root mean square of what it does to the readings, and its share of the mean square of
         all that was found and remains.

@@ -62,7 +62,7 @@ def where_component(
     unit = key.rsplit("_", 1)[1]
     position = np.array(parameters["position_mm"])
     value, spread = np.array(parameters[key]), np.array(u[key])
-    # the alignment leaves offset and slope open: what counts is the difference from the middle
+    # the alignment leaves the level open: what counts is the difference from the middle
     shape = value - np.median(value)
     peak = int(np.argmax(np.abs(shape)))
     clear = (np.abs(shape) > _CLEAR * spread) & (np.abs(shape) > 0.3 * np.abs(shape[peak]))
