@@ -344,7 +344,7 @@ def test_what_only_the_user_knows_is_asked_or_said(tmp_path):
     (one,) = import_files([tmp_path / "x.csv"], Questions(ask=person))
     values = one.sections[0].values
     assert values["position_zero_mm"] == -7 and values["reverse"] is True
-    assert len(asked) == 3  # which error, and the two questions
+    assert len(asked) == 4  # which error, and the three questions
 
 
 SOUND = '''\
@@ -523,3 +523,46 @@ def test_a_report_without_normals_takes_them_from_the_cad(tmp_path):
     assert caught.value.line == 4
     with pytest.raises(InputError, match="need the CAD"):
         import_files([report], Questions())
+
+
+def test_answers_that_nobody_gave_are_said_and_marked(tmp_path):
+    machine = write_job(tmp_path).with_name("machine.toml")
+    (tmp_path / "X.csv").write_text(LASER)
+    run = command(tmp_path / "X.csv", "--error", "EXX", "--into", machine, "--yes")
+    assert (
+        "assumed, as nobody has said it: deviation=measured-target, counts=up, zero=0 (--set"
+        in (run.output)
+    )
+    assert "EXX: measured_at_mm, where the reflector stood, is not said" in run.output
+    said = "# mend: nobody has said counts=up, zero=0, deviation=measured-target"
+    assert f'table = "errors/EXX.csv"  {said}\n' in machine.read_text()
+
+
+def test_answers_that_were_given_are_no_assumptions(tmp_path):
+    machine = write_job(tmp_path).with_name("machine.toml")
+    (tmp_path / "X.csv").write_text(LASER)
+    answers = ("counts=up", "zero=0", "deviation=measured-target", "measured_at=-300 -200 -250")
+    given = [word for answer in answers for word in ("--set", answer)]
+    run = command(tmp_path / "X.csv", "--error", "EXX", "--into", machine, "--yes", *given)
+    assert run.exit_code == 0, run.exception
+    assert "assumed" not in run.output and "is not said" not in run.output
+    assert "# mend" not in machine.read_text()
+    assert "measured_at_mm = [-300, -200, -250]" in machine.read_text()
+
+
+@pytest.mark.parametrize("answer, is_there", [("-300 -200 -250", True), ("unknown", False)])
+def test_the_place_of_the_reflector_is_asked(answer, is_there, tmp_path):
+    (tmp_path / "x.csv").write_text(LASER)
+    asked = []
+
+    def ask(question, default):
+        asked.append(question)
+        return answer if "reflector" in question else default
+
+    questions = Questions({"error": "EXX"}, ask)
+    (one,) = import_files([tmp_path / "x.csv"], questions)
+    assert sum("where did the reflector stand" in text for text in asked) == 1
+    assert ("measured_at_mm" in one.sections[0].values) is is_there
+    assert any("is not said" in text for text in one.told) is not is_there
+    import_files([tmp_path / "x.csv"], Questions({"error": "EBX"}, ask))
+    assert sum("where did the reflector stand" in text for text in asked) == 1

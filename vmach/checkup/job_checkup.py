@@ -9,6 +9,7 @@ from typing import Any
 
 from gcode import ProgramError
 from vmach.checkup.finding import Finding, Weight
+from vmach.checkup.machine_statements import machine_statements, reached_positions
 from vmach.checkup.program_needs import program_findings
 from vmach.effects import read_effects
 from vmach.errors import InputError
@@ -26,7 +27,7 @@ from vmach.run.inspection import surface_points
 
 __all__ = ["OPEN_MARK", "check_job"]
 
-#: what stands behind a line that `vmach init` guessed
+#: what stands behind a line that `vmach init` or `vmach import` guessed
 OPEN_MARK = "# mend"
 #: keys of a job that name a file
 _FILES = ("machine", "program", "nominal", "measured")
@@ -50,6 +51,7 @@ def check_job(path: str | Path) -> tuple[Finding, ...]:
     found = [*_job_file(path)]
     if all(finding.weight is not Weight.MEND for finding in found):
         found += _whole_job(path)
+    found += _machine_statements(path)
     order = list(Weight)
     once = dict.fromkeys(found)
     return tuple(sorted(once, key=lambda finding: order.index(finding.weight)))
@@ -112,13 +114,23 @@ def _machine(file: Path) -> Iterator[Finding]:
         yield from _refusal(lambda: admitted_machine(file))
 
 
+def _machine_statements(path: Path) -> Iterator[Finding]:
+    """What the machine file of a job leaves out, whatever else is wrong with the job."""
+    try:
+        name = tomllib.loads(read_text(path, what="job file")).get("machine")
+    except (InputError, ValueError, RecursionError):
+        return  # said above
+    if isinstance(name, str) and (path.parent / name).is_file():
+        yield from machine_statements(path.parent / name)
+
+
 def _open_lines(file: Path, text: str) -> Iterator[Finding]:
-    """Lines that `vmach init` guessed, and that nobody has mended since."""
+    """Lines that `init` or `import` guessed, and that nobody has mended since."""
     for number, line in enumerate(text.splitlines(), 1):
         said, mark, what = line.partition(OPEN_MARK)
         if mark:
             words = what.strip(" :")
-            guess = f"{said.strip() or 'the lines below'}: a guess of vmach init"
+            guess = f"{said.strip() or 'the lines below'}: a guess of vmach"
             guess += f" ({words})" if words else ""
             hint = f"mend it, and take '{OPEN_MARK}' away"
             yield Finding(Weight.LOOK, guess, file, number, hint=hint)
@@ -133,6 +145,7 @@ def _whole_job(path: Path) -> Iterator[Finding]:
         yield Finding.of_error(error)
         return
     yield from map(Finding.of_note, preparation.notes)
+    yield from reached_positions(preparation)
     yield from _drawing(job)
     try:
         effects = read_effects(job.effects, file=path, job=job)

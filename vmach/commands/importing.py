@@ -168,13 +168,16 @@ def _square(text: str, questions: Questions) -> Imported:
 
 
 def _self_checks(found: list[Imported], written: list[Path], targets: list[Path]) -> list[str]:
-    """What the readings that were imported would be on the job's machine, in words."""
+    """What the readings would be on the job's machine, and which places it lacks, in words."""
     from vmach.importers.importing import is_machine
-    from vmach.importers.self_check import check_readings
+    from vmach.importers.self_check import check_readings, missing_places
 
     names = {Path(name).name for one in found for name in one.files}
-    jobs = (path for path in targets if path in written and not is_machine(path))
-    return [line for job in jobs for line in check_readings(job, names)]
+    edited = [path for path in targets if path in written]
+    jobs = [path for path in edited if not is_machine(path)]
+    checks = [line for job in jobs for line in check_readings(job, names)]
+    machines = [path for path in edited if is_machine(path)]
+    return checks + [line for machine in machines for line in missing_places(machine)]
 
 
 def _record(found: list[Imported], written: list[Path], checks: list[str]) -> dict[str, Any]:
