@@ -37,7 +37,7 @@ def import_files(
     ] = None,
     square: Annotated[
         list[str] | None,
-        typer.Option(help="calliper lengths AC, BD, AD of a square, mm: 'XY 140.4 142.8 99.8'"),
+        typer.Option(help="calliper lengths AC, BD, AD of a square, mm: 'XY 424.18 424.35 300'"),
     ] = None,
     column: Annotated[
         list[str] | None, typer.Option(metavar="NAME=HEADING", help="which column holds what")
@@ -151,7 +151,7 @@ def _squareness(text: str, questions: Questions) -> Imported:
 
 
 def _square(text: str, questions: Questions) -> Imported:
-    """``XY 140.4 142.8 99.8`` as a line of [squareness]."""
+    """``XY 424.18 424.35 300`` as a line of [squareness]."""
     from vmach.files.text_file import decimal_number
     from vmach.importers.squareness import NAMES, square_sections
 
@@ -161,7 +161,7 @@ def _square(text: str, questions: Questions) -> Imported:
     if not good or plane not in {*NAMES, *(name[::-1] for name in NAMES)}:
         raise InputError(
             f"--square '{text}'",
-            accepted="plane, diagonals AC and BD, side AD in mm: 'XY 140.4 142.8 99.8'",
+            accepted="plane, diagonals AC and BD, side AD in mm: 'XY 424.18 424.35 300'",
             hint="A is the lowest corner, AC goes up along both axes, AD along the first",
         )
     return square_sections(plane, (lengths[0], lengths[1], lengths[2]), questions)
