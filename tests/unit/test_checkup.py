@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from tests.small_job import write_job
+from tests.small_job import write_job, write_job_with_nominal
 from vmach.checkup import Weight, check_job
 from vmach.cli import app
 
@@ -196,3 +196,16 @@ def test_every_table_that_ends_before_the_program_is_to_mend(tmp_path):
     found = words(job)
     assert [text.split()[1] for text in found] == ["EXX", "EYX"]
     assert all("its table ends before" in text for text in found)
+
+
+def test_a_part_that_stands_out_of_its_blank_is_to_mend_without_a_drawing(tmp_path):
+    job = write_job_with_nominal(tmp_path)
+    assert words(job) == []
+    job.write_text(job.read_text().replace("min_mm = [-30,", "min_mm = [-20,"))
+    (found,) = words(job)
+    assert "out of the stock" in found
+
+
+def test_what_run_lacks_without_cad_and_blank_is_said(folder):
+    assumed = "\n".join(words(folder, Weight.ASSUMED))
+    assert "'vmach run' has nothing to inspect" in assumed and "needs '--no-solid'" in assumed

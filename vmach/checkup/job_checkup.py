@@ -146,7 +146,7 @@ def _whole_job(path: Path) -> Iterator[Finding]:
         return
     yield from map(Finding.of_note, preparation.notes)
     yield from reached_positions(preparation)
-    yield from _drawing(job)
+    yield from _part(job)
     try:
         effects = read_effects(job.effects, file=path, job=job)
         read_instruments(job, effects=effects)
@@ -155,14 +155,15 @@ def _whole_job(path: Path) -> Iterator[Finding]:
     yield from _assumed(path, job)
 
 
-def _drawing(job: Job) -> Iterator[Finding]:
-    """What is asked of the part, against its CAD."""
-    if not (job.drawing.tolerances or job.drawing.datums):
+def _part(job: Job) -> Iterator[Finding]:
+    """The part against its blank, and what is asked of it against its CAD."""
+    if job.nominal is None and job.measured is None:
         return
     try:
         nominal = None if job.nominal is None else read_nominal(job.nominal, job.nominal_unit)
         points = surface_points(job, nominal)
-        yield from map(Finding.of_error, drawing_faults(job, nominal, points))
+        if job.drawing.tolerances or job.drawing.datums:
+            yield from map(Finding.of_error, drawing_faults(job, nominal, points))
     except InputError as error:
         yield Finding.of_error(error)
 
@@ -192,13 +193,12 @@ def _assumed(path: Path, job: Any) -> Iterator[Finding]:
             "probe_length_mm in [probing], from the spindle nose to its tip",
         )
     if job.nominal is None:
-        yield assumed(
-            "there is no nominal CAD: deviations are those of the path",
-            "nominal = a STEP or STL file",
-        )
+        what = "'vmach run' has nothing to inspect, 'vmach path' has the error of the tool"
+        what = what if job.measured is None else "deviations are those of the measured points"
+        yield assumed(f"there is no nominal CAD: {what}", "nominal = a STEP or STL file")
     if job.blank is None:
         yield assumed(
-            "there is no [stock]: 'vmach run' cuts no solid without it",
+            "there is no [stock]: 'vmach run' needs '--no-solid' without it",
             "[stock] with min_mm and max_mm, or file",
         )
     if not job.machine.components:

@@ -59,7 +59,7 @@ def _unplaced(machine: Machine, file: Path) -> Iterator[Finding]:
 def reached_positions(preparation: Preparation) -> Iterator[Finding]:
     """Tables that end before a position that the program, or a touched zero, reaches."""
     machine, path = preparation.job.machine, preparation.path
-    parts = list(path.parts(PIECES_AT_ONCE))
+    parts = path.parts(PIECES_AT_ONCE)
     ends = [f(part.nodes.nose_mm, axis=0) for part in parts for f in (np.min, np.max)]
     found = []
     for name, component in machine.components.items():
@@ -71,7 +71,7 @@ def reached_positions(preparation: Preparation) -> Iterator[Finding]:
     if found or machine.unplaced:
         return
     try:
-        for part in parts:
+        for part in path.parts(PIECES_AT_ONCE):
             displacement_of(preparation, part.nodes, Variant.ABBE, ())
     except InputError as error:
         yield Finding.of_error(error)
