@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.table import Table
 
 from vmach.base.note import Kind, Note, note_records
 from vmach.base.progress import progress_bar
@@ -284,6 +282,7 @@ def history(
 ) -> None:
     """Show how the error fell from job to job."""
     from vmach.history import draw_history, history_of
+    from vmach.history.printing import history_table
     from vmach.job import read_job
 
     _load(effect_file)
@@ -310,24 +309,10 @@ def history(
         ]
         print(json.dumps(rows, indent=1))
         return
-    table = Table("job", "added", "RMS fitted, um", "held out, um")
-    if check is not None:
-        table.add_column("RMS other part, um")
-    for name, s in zip(_names([s.job for s in steps]), steps, strict=True):
-        other = [] if s.check_rms_um is None else [f"{s.check_rms_um:.2f}"]
-        table.add_row(name, ", ".join(s.added), f"{s.rms_um:.2f}", f"{s.held_out_um:.2f}", *other)
-    console().print(table)
+    console().print(history_table(steps, is_checked=check is not None))
     for note in steps[-1].notes:
         print(f"note: {note}")
     print(f"drawn in {picture}")
-
-
-def _names(jobs: Sequence[Path]) -> list[str]:
-    """Names of job files; with their folders where two of them are called alike."""
-    names = [job.name for job in jobs]
-    if len(set(names)) == len(names):
-        return names
-    return [os.path.relpath(job) for job in jobs]
 
 
 def _other_part(
