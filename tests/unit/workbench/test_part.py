@@ -201,7 +201,7 @@ def test_the_report_is_of_what_is_on_the_screen(page):
     column = data["variants"]["shown"]
     assert (column["label"], column["range_um"]) == ("Abbe − HTM", 5)
     assert column["largest_um"] == pytest.approx(figures["largest_um"])
-    outside = column["outside"][data["tolerance_index"]] / column["count"]
+    outside = column["outside"][data["tolerance_index"]] / column["weight"]
     assert outside == pytest.approx(figures["outside"])
 
 

@@ -113,7 +113,7 @@ export function listenToControls() {
     clearTimeout(waiting);
     waiting = setTimeout(attempt(loadValues), 120);
   };
-  byId("grey").onchange = (event) => stage.scene.setLook({ greyWithin: event.target.checked });
+  byId("grey").onchange = showGrey;
   byId("marks-on").onchange = makeMarks;
   byId("range").oninput = showScale;
   for (const id of ["section", "section-at"]) byId(id).oninput = showSection;
@@ -134,6 +134,11 @@ function showTolerance() {
   stage.scene?.setLook({ tolerance: stage.toleranceUm });
 }
 
+// A size is no deviation: none of it is within a tolerance.
+function showGrey() {
+  stage.scene?.setLook({ greyWithin: byId("grey").checked && isSigned() });
+}
+
 function showSection() {
   const axis = byId("section").value, { scene } = stage;
   byId("section-at").hidden = axis === "";
@@ -145,25 +150,35 @@ function showSection() {
 
 // ---- scale and figures
 
+// Whether what is shown has a direction; an uncertainty has none.
+export function isSigned() {
+  const { quantity, isOfTwo } = bench.figures ?? {};
+  return Boolean(isOfTwo) || bench.about?.quantities.find((one) => one.name === quantity)?.is_signed !== false;
+}
+
 function showScale() {
   const { range_um } = bench.figures, at = Number(byId("range").value);
   const end = stage.rangeUm = Number((range_um * 10 ** ((at - 50) / 50)).toPrecision(2));
-  byId("range-text").textContent = "± " + short(end) + " µm";
-  byId("ticks").replaceChildren(...[1, 0.5, 0, -0.5, -1].map((share) => {
-    const tick = el("li", {}, share === 0 ? "0" : (share > 0 ? "+" : "") + short(share * end) + (share === 1 ? " µm" : ""));
-    tick.style.top = 50 - 50 * share + "%";
+  const hasSign = isSigned(), shares = hasSign ? [1, 0.5, 0, -0.5, -1] : [1, 0.75, 0.5, 0.25, 0];
+  byId("range-text").textContent = (hasSign ? "± " : "") + short(end) + " µm";
+  byId("ramp").classList.toggle("sizes", !hasSign);
+  byId("ticks").replaceChildren(...shares.map((share) => {
+    const tick = el("li", {}, share === 0 ? "0" : (hasSign && share > 0 ? "+" : "") + short(share * end) + (share === 1 ? " µm" : ""));
+    tick.style.top = (hasSign ? 50 - 50 * share : 100 - 100 * share) + "%";
     return tick;
   }));
   stage.scenes.forEach((scene) => scene.setLook({ range: end, tolerance: stage.toleranceUm }));
+  showGrey();
 }
 
 function showFigures() {
-  const f = bench.figures, entry = (word, value, unit = "µm", kind = "") =>
-    el("div", { class: kind, title: "+ material is left on, − too much is cut off" }, el("dt", {}, word), el("dd", {}, value, " ", el("small", {}, unit)));
+  const f = bench.figures, hasSign = isSigned(), number = hasSign ? signed : fixed;
+  const title = hasSign ? "+ material is left on, − too much is cut off" : null;
+  const entry = (word, value, unit = "µm") => el("div", { title }, el("dt", {}, word), el("dd", {}, value, " ", el("small", {}, unit)));
   const rows = [
-    entry("RMS", fixed(f.rms_um)), entry("Mean", signed(f.mean_um)),
-    entry("Highest", signed(f.high_um)), entry("Lowest", signed(f.low_um)),
-    entry(`Beyond ± ${short(stage.toleranceUm)} µm`, fixed(100 * f.outside, 1), "%"),
+    entry("RMS", fixed(f.rms_um)), entry("Mean", number(f.mean_um)),
+    entry("Highest", number(f.high_um)), entry("Lowest", number(f.low_um)),
+    ...(hasSign ? [entry(`Beyond ± ${short(stage.toleranceUm)} µm`, fixed(100 * f.outside, 1), "%")] : []),
     entry(f.points === "measured" ? "Measured" : "Points", f.count.toLocaleString("en").replaceAll(",", " "), ""),
   ];
   byId("figures").replaceChildren(...rows);
