@@ -1,5 +1,6 @@
 // Look: the point that was clicked with the share of every error, the worst places, the features.
 
+import { showAddress } from "./api.js";
 import { bench } from "./bench.js";
 import { componentWords } from "./components.js";
 import { clock, el, fixed, micro, redraw, signed } from "./dom.js";
@@ -83,7 +84,7 @@ function showNotes(section) {
     ["Effects", about.effects.join(", ") || "none beside the error tables"],
   ];
   redraw(section, [el("h3", {}, "The job"), machined ? el("p", { class: "lead" }, "It is machined: ",
-    el("a", { href: "/show/" + machined.page, target: "_blank", rel: "noopener" }, "its report")) : null,
+    el("a", { href: showAddress(machined.page), target: "_blank", rel: "noopener" }, "its report")) : null,
     el("dl", { class: "facts" }, facts.map(([word, value]) => el("div", {}, el("dt", {}, word), el("dd", {}, value)))),
     ...about.notes.map((note) => el("p", { class: "remark" }, micro(note)))]);
 }
