@@ -88,6 +88,7 @@ def test_a_decimal_comma_is_one_and_two_numbers_are_refused(tab):
 
 
 def test_readings_of_the_part_say_what_they_replace_and_draw_no_empty_chart(tab, folder):
+    open_readings(tab)
     tab.get_by_label("Instrument").select_option("part")
     says(tab, ".readings", "take the place of points.csv")
     drop(tab, "#panel-diagnose .drop", "again.csv", (folder / "points.csv").read_text())
