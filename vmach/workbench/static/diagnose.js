@@ -142,7 +142,7 @@ function details(rows) {
 function next(found) {
   return el("article", { class: "card next" }, el("h4", {}, "Measure next"), el("p", {}, micro(found.next_measurement.text)),
     found.program ? el("p", {}, el("a", { href: downloadAddress(found.program), download: "" }, "Download its NC program")) : null,
-    el("p", { class: "soft" }, "Drop its readings below."));
+    found.program ? el("p", { class: "soft" }, "Drop its readings below.") : null);
 }
 
 function whole(found) {
