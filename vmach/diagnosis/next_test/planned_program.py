@@ -16,6 +16,9 @@ __all__ = ["U_MM", "write_program"]
 
 #: standard uncertainty of a reading, of whatever instrument
 U_MM = 0.5e-3
+#: a comment holds no other
+_NO_BRACKETS = str.maketrans("()", ",,")
+_SIDES = "{}: the last motion of each axis before the reading, 1 in +, -1 in -"
 
 
 def write_program(test: PlannedTest, job: Job) -> str:
@@ -60,8 +63,12 @@ def _how_to_diagnose_again(test: PlannedTest) -> list[str]:
         "tool_length_mm": PLANNED_TOOL_LENGTH_MM,
         "u_um": um_from_mm(U_MM),
     }
+    instrument = catalogue()[kind]
     return [
-        f"readings into {kind}.csv: {','.join(catalogue()[kind].columns)}",
+        "start with the machine cold; t_s counts from the start of this program",
+        f"readings into {kind}.csv: {','.join(instrument.columns)}",
+        instrument.sign_meaning.translate(_NO_BRACKETS),
+        *([_SIDES.format(", ".join(instrument.signs))] if instrument.signs else []),
         "then into the job, with the length and the uncertainty that were used:",
         "[[measurements]]",
         *(f"{key} = {_toml(value)}" for key, value in stated.items()),
