@@ -98,6 +98,9 @@ def set_up_effect(
     _check_target(entry, effect.possible_targets(job))
     _check_names(entry, parameters, [p.name for p in effect.parameters])
     values = _values(entry, effect, parameters)
+    if (wrong := effect.complaint(target, values)) is not None:
+        key, what, accepted = wrong
+        raise entry.error(f"effect '{name}': {what}", key=key, accepted=accepted)
     return EffectInstance(effect, target, values, job, _one_sigma(effect, target, values, job))
 
 
@@ -131,6 +134,7 @@ def _values(
         name = parameter.name
         if name in parameters:
             values[name] = _value(entry, parameter, parameters[name])
+            _check_form(entry, name, values[name], is_list=effect.corrects_table)
         elif parameter.optional:
             values[name] = parameter.usual
         elif name in needed:
@@ -154,6 +158,14 @@ def _value(entry: _Entry, parameter: Parameter, given: Any) -> float | list[floa
     if not good.all():
         raise entry.error(f"{what} is out of bounds", key=key, accepted=accepted)
     return numbers.tolist()
+
+
+def _check_form(entry: _Entry, key: str, value: float | list[float], *, is_list: bool) -> None:
+    """Whether a curve has its list, and everything else its one number."""
+    if isinstance(value, list) == is_list and value != []:
+        return
+    accepted = "a list of one or more numbers" if is_list else "one number"
+    raise entry.error(f"effect '{entry.name}': {key} = {value!r}", key=key, accepted=accepted)
 
 
 def _one_sigma(
