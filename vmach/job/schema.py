@@ -7,7 +7,15 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field
 
 from gcode import INCREMENT_SYSTEMS, WORK_OFFSETS, ProgramError, dialect_name, dialect_names
-from vmach.files.toml_file import FileSection, Finite, NonNegative, Point, Positive, Whole
+from vmach.files.toml_file import (
+    FileSection,
+    Finite,
+    NonNegative,
+    Point,
+    Positive,
+    Whole,
+    numbers_once,
+)
 
 __all__ = [
     "FILE_KEY",
@@ -37,6 +45,7 @@ MeasurementTable = Annotated[dict[str, Any], FILE_KEY]
 
 #: largest number of a tool, and of a row of the offset memory
 _LARGEST_TOOL = 99_999
+_Number = Annotated[int, Field(ge=1, le=_LARGEST_TOOL)]
 
 
 def _known_offsets(offsets: dict[str, Point]) -> dict[str, Point]:
@@ -213,8 +222,8 @@ class JobSchema(FileSection):
     tool_offsets: Literal["program", "touched off"] = "program"
     work_offsets_mm: Annotated[dict[str, Point], AfterValidator(_known_offsets)]
     stock: StockEntry | None = None
-    tools: dict[Annotated[int, Field(ge=1, le=_LARGEST_TOOL)], ToolEntry]
-    offsets: dict[Annotated[int, Field(ge=1, le=_LARGEST_TOOL)], OffsetRow] = {}
+    tools: Annotated[dict[_Number, ToolEntry], numbers_once("tool")]
+    offsets: Annotated[dict[_Number, OffsetRow], numbers_once("offset")] = {}
     inspection: InspectionEntry = InspectionEntry()
     measuring_machine: MeasuringMachineEntry = MeasuringMachineEntry()
     probing: ProbingEntry | None = None
