@@ -10,6 +10,7 @@ from pathlib import Path
 
 import tomlkit
 
+from vmach.files.toml_text import quoted_path
 from vmach.history.job_text import checked_job, parsed_job
 from vmach.job import Job
 from vmach.job.path_keys import change_paths
@@ -68,10 +69,10 @@ def history_toml(
     last = old.history[-1] if old.history else {}
     files = {n: moved_path(f, old.folder, folder) for n, f in last.get("effect_files", {}).items()}
     files |= {name: _seen_from(file, folder) for name, file in (effect_files or {}).items()}
-    own = ", ".join(f"{name} = {json.dumps(file)}" for name, file in files.items())
+    own = ", ".join(f"{name} = {quoted_path(Path(file))}" for name, file in files.items())
     return (
         "\n[[history]]\n"
-        f"previous = {json.dumps(_seen_from(old.path, folder))}\n"
+        f"previous = {quoted_path(Path(_seen_from(old.path, folder)))}\n"
         f"added = {json.dumps(list(added), ensure_ascii=False)}\n"
         + "".join(f"{name} = {value:.4g}\n" for name, value in (figures or {}).items())
         + (f"effect_files = {{{own}}}\n" if own else "")

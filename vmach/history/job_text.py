@@ -95,6 +95,7 @@ def _with_both(one: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, An
 def _says(text: str, wanted: Mapping[str, Any]) -> bool:
     """Whether it is TOML with these values, and without empty tables of those that grow."""
     try:
+        text.encode()  # names of files may have bytes that no text can hold
         said = tomllib.loads(text)
     except ValueError:
         return False
