@@ -95,7 +95,10 @@ def set_up_effect(
             hint=unknown_effect_hint(name, job),
         )
     effect, entry = known[name], _Entry(job.path, name, target)
-    _check_target(entry, effect.possible_targets(job))
+    targets = effect.possible_targets(job)
+    if not targets:
+        raise _without_targets(entry, effect, job)
+    _check_target(entry, targets)
     _check_names(entry, parameters, [p.name for p in effect.parameters])
     values = _values(entry, effect, parameters)
     if (wrong := effect.complaint(target, values)) is not None:
@@ -110,6 +113,16 @@ def _check_target(entry: _Entry, targets: Sequence[str]) -> None:
     has = f"the target '{entry.target}'" if entry.target else "no target"
     choice = ", ".join(targets) if targets != ("",) else "no target"
     raise entry.error(f"effect '{entry.name}' has {has}", accepted=choice)
+
+
+def _without_targets(entry: _Entry, effect: Effect, job: Job) -> InputError:
+    """What to say of an effect that needs more than the job has, as a second work offset."""
+    has = [*job.work_offsets_mm, *(f"T{number}" for number in job.tools)]
+    return entry.error(
+        f"effect '{entry.name}' has nothing that it could act on: {effect.title}",
+        accepted="a job with what it acts on",
+        hint=f"the job has {', '.join(has)}; add what is missing, or take the effect out",
+    )
 
 
 def _check_names(entry: _Entry, parameters: Mapping[str, Any], names: Sequence[str]) -> None:

@@ -94,13 +94,16 @@ def csv_rows(lines: Iterable[str], path: Path) -> Iterator[list[str]]:
         A cell of more than 131,072 characters; with the line.
     """
     reader = csv.reader(lines)
+    ended = 0
     try:
-        yield from reader
+        for row in reader:
+            yield row
+            ended = reader.line_num
     except csv.Error as error:
         raise InputError(
             f"no row of a CSV file: {error}",
             file=path,
-            line=reader.line_num,
+            line=ended + 1,
             hint="look for a quotation mark without its partner",
         ) from None
 

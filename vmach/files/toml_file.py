@@ -75,6 +75,15 @@ _ACCEPTED = {
     "model_type": "a table",
     "string_type": "text in quotes",
     "tuple_type": "a list in brackets",
+    "int_from_float": "a whole number",
+    "date_type": "a date: 2025-01-31",
+    "date_parsing": "a date: 2025-01-31",
+    "date_from_datetime_parsing": "a date: 2025-01-31",
+    "date_from_datetime_inexact": "a date: 2025-01-31",
+    "string_too_short": "text in quotes, not empty",
+    "string_pattern_mismatch": "text of the form {pattern}",
+    "too_long": "a list of {max_length}",
+    "too_short": "a list of {min_length} or more",
 }
 
 
@@ -282,7 +291,10 @@ def _complaint(
 
 def _accepted(complaint: Mapping[str, Any]) -> str:
     message: str = complaint["msg"].removeprefix("Value error, ").removeprefix("accepted: ")
-    return _ACCEPTED.get(complaint["type"], message.removeprefix("Input should be "))
+    words = _ACCEPTED.get(complaint["type"])
+    if words is None:
+        return message.removeprefix("Input should be ")
+    return words.format(**complaint.get("ctx", {}))
 
 
 def _known_keys(schema: type[FileSection], keys: list[str]) -> list[str]:
