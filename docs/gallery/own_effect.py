@@ -14,17 +14,21 @@ SAMPLES = Path(__file__).resolve().parents[2] / "samples"
 
 
 class BedTwist(vmach.Effect):
-    """The bed is twisted: the table rises with the product of X and Y."""
+    """The bed is twisted: the table rises with the product of X and Y.
+
+    A displacement is that of the tool relative to the workpiece: over a table that rises it is
+    negative along Z.
+    """
 
     name = "bed_twist"
     title = "twist of the bed"
     parameters = (vmach.linear("twist_um_per_m2", "rise over one square metre", usual=20.0),)
     targets = ("",)
-    source = "closed form of this script: dz = twist x y"
+    source = "closed form of this script: the table rises by twist x y"
 
     def displacement(self, path, target, twist_um_per_m2):
         x_mm, y_mm, _ = path.nose_mm.T
-        return vmach.along("Z", 1e-9 * twist_um_per_m2 * x_mm * y_mm)
+        return vmach.along("Z", -1e-9 * twist_um_per_m2 * x_mm * y_mm)
 
 
 vmach.add_effect(BedTwist())
@@ -37,7 +41,7 @@ change_um = after.error_um - before.error_um
 rows = np.argsort(np.abs(change_um[:, 2]))[[0, -1]]
 for k in rows:
     x, y, _ = before.nose_mm[k]
-    print(f"at X{x:.1f} Y{y:.1f} the tip moves by {change_um[k, 2]:+.3f} um in Z")
+    print(f"at X{x:.1f} Y{y:.1f} the tip is {-change_um[k, 2]:.3f} um deeper in the part")
 np.testing.assert_allclose(
-    change_um[:, 2], 60e-6 * before.nose_mm[:, 0] * before.nose_mm[:, 1], atol=1e-9
+    change_um[:, 2], -60e-6 * before.nose_mm[:, 0] * before.nose_mm[:, 1], atol=1e-9
 )

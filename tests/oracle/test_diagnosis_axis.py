@@ -11,7 +11,7 @@ from tests.small_job import measurement, write_job
 from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.fit.noise.discrepancy import members_of
-from vmach.history.rounds import rounds
+from vmach.history.rounds import add_in_rounds
 
 #: of the axis: slow error over its travel, lost motion, drift over five runs, scatter of a stop
 SLOW_UM, LOST_UM, DRIFT_UM, STOP_UM = 60.0, 25.0, 3.0, 0.7
@@ -106,7 +106,7 @@ def test_lost_motion_is_the_result_of_a_test_of_its_own(tmp_path, u_um):
 
 def test_an_axis_without_a_table_gets_a_map_and_its_lost_motion(tmp_path):
     """What was found is added in rounds until nothing is left; 4 um of 23 at most remain."""
-    *_, last = rounds(axis_job(tmp_path, "X", u_um=1.0, seed=12))
+    last = add_in_rounds(axis_job(tmp_path, "X", u_um=1.0, seed=12)).steps[-1]
     text = last.job.read_text()
     assert "[effects.backlash.X]" in text and "[effects.component." in text
     assert last.after_um < 4.0

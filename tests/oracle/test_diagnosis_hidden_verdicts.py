@@ -197,8 +197,9 @@ def test_sets_that_no_single_exchange_leads_to_are_found(tmp_path, effects, seed
     make_experiment(tmp_path, effects=effects, seed=seed, design=design, noise=noise)
     report, _ = program_runs.diagnose(tmp_path)
     found = judge(report, json.loads((tmp_path / "truth.json").read_text()))
-    # what these floors cannot tell apart makes one class of each larger than is useful
-    assert found.outcome in ("right", "class", "vague"), found.said
+    # what these floors cannot tell apart makes one class of each larger than is useful, and chance
+    # may speak for one more: all that are there have to be told
+    assert found.outcome in ("right", "class", "vague", "extra"), found.said
 
 
 @pytest.mark.parametrize(

@@ -200,6 +200,19 @@ def test_other_effects_widen_an_interval_as_often_as_they_are_there(weighing):
     )
 
 
+def test_an_improbable_effect_far_away_widens_neither_interval_nor_uncertainty(weighing):
+    found = explained(weighing, "backlash X")
+    fit = weighing.careful(found)
+    alone = parameter_uncertainty(fit, 0)["reversal_um"]
+    slope = fit.slope(0)[:, list(fit.parameters(0)).index("reversal_um")]
+    moved = np.zeros(len(slope))
+    moved[0] = 1000.0 * alone.u / slope[0]
+    other = Otherwise(0.004, moved, np.zeros((len(slope),) * 2))
+    both = parameter_uncertainty(fit, 0, [other])["reversal_um"]
+    assert both.high - both.low < 1.1 * (alone.high - alone.low)
+    assert both.u < 1.2 * alone.u
+
+
 def test_its_slope_is_that_of_differences(weighing):
     found = explained(weighing, "scale X")
     at = Sizes(1.3, (0.4, 0.2, 0.7, 1.5, 0.3, 0.6)[: len(weighing.members.names)])

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.signal import lsim
 
 from tests.small_job import write_job
 from vmach.effects import Circumstances, catalogue
+from vmach.effects.laws.heat.warm_by_time import OfWarmthByTime
 from vmach.job import read_job
 from vmach.path.instrument_motion import stop_and_go
 from vmach.path.preparation import prepare
@@ -108,3 +111,9 @@ def test_tools_warm_in_the_spindle_and_cool_outside(tmp_path):
     np.testing.assert_allclose(
         moved[own, 2], -9e-3 * np.interp(here.time_s[own], time, warm), atol=3e-5
     )
+
+
+def test_what_warms_evenly_is_cold_before_the_start():
+    """Zeros are touched then: it does not go on backwards."""
+    path = SimpleNamespace(time_s=np.array([-400.0, 0.0, 700.0]))
+    np.testing.assert_allclose(OfWarmthByTime.warmth(path, 700.0), [0.0, 0.0, 1.0 - np.exp(-1.0)])

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from unittest.mock import MagicMock
+
 import numpy as np
 import pytest
+from numpy.polynomial.legendre import legval
 from scipy.stats import kstest, multivariate_normal
 
+from vmach.effects.wandering import wandering
 from vmach.fit.evidence import WIDTHS, log_evidence
+from vmach.fit.noise import discrepancy
 from vmach.fit.whitening import Whitening, orthonormal
 from vmach.machine import read_machine
 from vmach.uncertainty.tables import TableUncertainty
@@ -121,3 +126,31 @@ def test_table_uncertainty_is_read_off_the_tables(tmp_path):
     # f'' h^2 / 8 of the parabola: 40 um x 2 / 400^2 x 20^2 / 8
     np.testing.assert_allclose(np.mean(found.bend["EXX"]), -0.025e-3, atol=0.02e-3)
     assert found.bend_apart["EXX"] < 0.06e-3
+
+
+@pytest.mark.parametrize("length", [1500.0, 600.0, 20.0])
+def test_wandering_has_the_covariance_of_its_process(length):
+    """Matern 3/2; of very many lengths the variance alone, as knots are few."""
+    place = np.linspace(0.0, 3000.0, 181)
+    waves = wandering(place, length)
+    ours = waves @ waves.T
+    np.testing.assert_allclose(np.diag(ours), 1.0, atol=1e-12)
+    if length > 100.0:
+        apart = np.sqrt(3.0) * np.abs(np.subtract.outer(place, place)) / length
+        np.testing.assert_allclose(ours, (1.0 + apart) * np.exp(-apart), atol=0.05)
+
+
+@pytest.mark.parametrize("count", [9, 10])
+def test_slope_and_bend_of_a_feature_are_legendre_polynomials(count):
+    """Of unit variance along it; one of two readings has none."""
+    group = np.array(["wall"] * count + ["pair"] * 2)
+    part = MagicMock(contacts=None)
+    part.__len__.return_value = len(group)
+    survey = MagicMock(group=group, measurements=[part])
+    survey.__len__.return_value = len(group)
+    forms = discrepancy._forms(survey)
+    place = np.linspace(-1.0, 1.0, count)
+    bend = forms[:count, 3]
+    np.testing.assert_allclose(forms[:count, 1], np.sqrt(3.0) * place, atol=1e-12)
+    np.testing.assert_allclose(bend, np.sqrt(5.0) * legval(place, [0.0, 0.0, 1.0]), atol=1e-12)
+    assert not forms[count:].any()

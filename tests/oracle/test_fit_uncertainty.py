@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from scipy.special import logsumexp
 
-from vmach.effects import Effect, along, inner, linear
+from vmach.effects import Effect, along, catalogue, inner, linear
 from vmach.fit.base import Base
 from vmach.fit.joint_fit import fit_terms
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.noise.discrepancy import Members
 from vmach.fit.noise.feature_noise import FeatureNoise
 from vmach.fit.sizes import Sizes
-from vmach.fit.terms import Term
+from vmach.fit.terms import FREE, JointFit, Term, pull_of_prior
 from vmach.fit.uncertainty import parameter_uncertainty
 
 TIME_S = np.linspace(0.0, 1000.0, 40)
@@ -163,3 +167,33 @@ def test_the_height_of_a_step_carries_that_its_moment_is_not_known():
         spread = parameter_uncertainty(fit, 0)["height_um"]
         inside.append(spread.low <= height <= spread.high)
     assert 0.93 < np.mean(inside) < 0.97
+
+
+def test_an_angle_has_a_slope_where_it_jumps_by_a_turn():
+    """Of the phase at the coefficients -1 and 0: that of a circle of radius one."""
+    term = Term(catalogue()["cyclic_pitch"], "X", {"pitch_mm": 10.0})
+    fit = SimpleNamespace(terms=(term,), coefficients=(np.array([-1.0, -1e-9]),))
+    fit.parameters = lambda k: term.effect.settle(fit.coefficients[k], term.inner)
+    slope = JointFit.slope(fit, 0)
+    phase = list(fit.parameters(0)).index("phase_rad")
+    np.testing.assert_allclose(slope[:2, phase], [0.0, -1.0], atol=1e-4)
+
+
+def test_evidence_beside_tangents_is_that_of_an_integral(tmp_path):
+    """Over the logarithm of a time constant that readings pull away from its usual value."""
+    survey = OneSeries(Warming().displacement(TIME_S, "", 2.0, 100.0)[:, 2] / 1.0)
+    posterior = beside_noise(survey)
+    fit = fit_terms(posterior, [Term(Warming(), "", {"tau_s": 300.0})])
+    term, spread = fit.terms[0], 0.7
+    open_ = fit.open.scaled(np.array([term.prior_width, spread]))
+    ours = replace(posterior, effects=Effects(open_)).log_probability
+    ours -= 0.5 * float(term.unusual @ term.unusual) + pull_of_prior(fit, 0)
+    steps = np.linspace(-4.0, 4.0, 2001)
+    logs = []
+    for step in steps:  # amplitude in closed form, its logarithm by brute force
+        own = survey.signature(Warming(), "", {"tau_s": 600.0 * np.exp(spread * step)})
+        column = posterior.base.columns(own * FREE)
+        logs.append(replace(posterior, effects=Effects(column)).log_probability)
+    logs = np.array(logs) - 0.5 * steps**2 - 0.5 * np.log(2.0 * np.pi)
+    exact = logsumexp(logs) + np.log(steps[1] - steps[0])
+    assert ours == pytest.approx(exact, abs=0.15)

@@ -59,6 +59,11 @@ def test_pictures_and_profile(tmp_path, capsys):
     assert report["profile"]["length_mm"] == 750
     text = capsys.readouterr().out
     assert "volumetric accuracy" in text
+    ranges = [f"{v:.1f}" for v in report["volumetric"]["range_xyz_um"]]
+    assert "range of the error: X {}  Y {}  Z {} um".format(*ranges) in text
+    words = " ".join(text.split())
+    assert "may cancel" in words and "difference of unit vectors, no unit" in words
+    assert "below 0.05" in words and "range of reading" in words
     assert "% smaller" in text
 
 
@@ -71,6 +76,7 @@ def test_the_page_says_what_the_json_says_and_asks_for_nothing(tmp_path):
         assert f"{report['volumetric'][name]:.1f} " in page.text
     assert all(name in page.text for name in list(report["contributions_percent"])[:5])
     assert all(row["diagonal"] in page.text for row in report["diagonals"])
+    assert "Range of angle × arm in it" in page.text and "may cancel" in page.text
 
 
 def test_cones_stand_on_the_grid_and_point_along_the_errors():

@@ -105,6 +105,16 @@ def test_a_single_result_may_be_made_again(tmp_path):
     assert contents(tmp_path) == {"x.csv": "two", "y.csv": "two"}
 
 
+def test_single_results_are_known_to_sha256sum(tmp_path):
+    for text in ("first", "second"):
+        with atomic_file(tmp_path / "a.csv") as file:
+            file.write_text(text)
+    (tmp_path / "b.csv").write_text("a user's")
+    check = ["sha256sum", "--check", "--strict", "--ignore-missing", FILES_LIST]
+    said = subprocess.run(check, cwd=tmp_path, capture_output=True, text=True)
+    assert "improperly formatted" not in said.stderr
+
+
 def test_single_results_do_not_make_a_folder_one_of_users(tmp_path):
     write(tmp_path / "x.csv", "x")
     (tmp_path / "job.toml").write_text("a user's")

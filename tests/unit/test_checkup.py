@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from tests.small_job import write_job, write_job_with_nominal
 from vmach.checkup import Weight, check_job
 from vmach.cli import app
 
@@ -152,3 +153,59 @@ def test_all_faults_of_a_drawing_are_told_at_once(tmp_path):
 
 def test_the_drawing_of_the_sample_has_sense(tmp_path):
     assert drawn(tmp_path) == []
+
+
+def plain_job(folder, errors, more=""):
+    """A pocket on a machine with some tables: component -> (curve, place, first position)."""
+    job = write_job(folder, {name: (curve, at) for name, (curve, at) in errors.items()})
+    machine = folder / "machine.toml"
+    machine.write_text(machine.read_text() + more)
+    return job
+
+
+def test_displacements_without_a_place_are_named_with_their_line(tmp_path):
+    """Roll of X turns EYX and EZX, not EXX."""
+    curves = {name: (lambda x: 0.01 * x, None) for name in ("EXX", "EYX", "EAX")}
+    job = plain_job(tmp_path, curves)
+    job.write_text(job.read_text().replace("part.nc", "nowhere.nc"))
+    (found,) = [f for f in check_job(job) if "measured_at_mm" in f.what]
+    assert found.weight is Weight.MEND and "EYX has no measured_at_mm" in found.what
+    line = (tmp_path / "machine.toml").read_text().splitlines()[found.line - 1]
+    assert line == 'table = "errors/EYX.csv"'
+
+
+def test_tables_that_are_missing_or_short_are_assumed_in_one_line_each(tmp_path):
+    job = plain_job(tmp_path, {"EXX": (lambda x: 0.01 * x, None)})
+    table = tmp_path / "errors" / "EXX.csv"
+    head, *rows = table.read_text().splitlines()
+    table.write_text("\n".join([head, *rows[5:]]))
+    assumed = words(job, Weight.ASSUMED)
+    (missing,) = [text for text in assumed if "no table, taken as zero" in text]
+    assert "machine.toml: EYX EZX" in missing and "EXX" not in missing
+    assert len([text for text in assumed if "positions beyond are refused" in text]) == 1
+    assert words(job) == []
+
+
+def test_every_table_that_ends_before_the_program_is_to_mend(tmp_path):
+    curve = (lambda x: 0.01 * x, None)
+    job = plain_job(tmp_path, {"EXX": curve, "EYX": curve, "EYY": curve})
+    for name in ("EXX", "EYX"):
+        table = tmp_path / "errors" / f"{name}.csv"
+        head, *rows = table.read_text().splitlines()
+        table.write_text("\n".join([head, *rows[22:]]))  # from -180 mm
+    found = words(job)
+    assert [text.split()[1] for text in found] == ["EXX", "EYX"]
+    assert all("its table ends before" in text for text in found)
+
+
+def test_a_part_that_stands_out_of_its_blank_is_to_mend_without_a_drawing(tmp_path):
+    job = write_job_with_nominal(tmp_path)
+    assert words(job) == []
+    job.write_text(job.read_text().replace("min_mm = [-30,", "min_mm = [-20,"))
+    (found,) = words(job)
+    assert "out of the stock" in found
+
+
+def test_what_run_lacks_without_cad_and_blank_is_said(folder):
+    assumed = "\n".join(words(folder, Weight.ASSUMED))
+    assert "'vmach run' has nothing to inspect" in assumed and "needs '--no-solid'" in assumed

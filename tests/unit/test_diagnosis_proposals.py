@@ -9,17 +9,25 @@ import pytest
 from jsonschema import Draft202012Validator
 from typer.testing import CliRunner
 
+from tests.measured_job import write_measured_job
 from tests.unit.test_diagnosis_verdicts import nothing, stretched_and_loose, tip_job
 from vmach.cli import app
 from vmach.diagnosis.diagnose import diagnose
+from vmach.diagnosis.findings import something_unknown
+from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.rules import RULES
+from vmach.diagnosis.next_test.next_measurement import next_measurement
 from vmach.diagnosis.proposals.effect_text import effect_text
 from vmach.diagnosis.proposals.form import Form, FormEffect
-from vmach.diagnosis.proposals.states import CONSTANT, DIRECTIONS, State
+from vmach.diagnosis.proposals.form_columns import FormColumns
+from vmach.diagnosis.proposals.forms import Forms
+from vmach.diagnosis.proposals.proposal import Proposal
+from vmach.diagnosis.proposals.refuting import refuting_test
+from vmach.diagnosis.proposals.states import CONSTANT, DIRECTIONS, State, states_of
 from vmach.diagnosis.report import as_json, as_text
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects import catalogue, load_effect_file
-from vmach.history.rounds import rounds
+from vmach.history.rounds import add_in_rounds
 from vmach.schemas import json_schema
 
 
@@ -72,7 +80,7 @@ def test_a_proposal_is_an_effect_file_that_can_be_added(pushed_job, tmp_path):
     effect = load_effect_file(file)
     try:
         assert effect.name == "proposed_push"
-        assert effect.confirm.startswith("measure again")
+        assert effect.confirm.startswith("cut the same surfaces in the opposite direction")
         said = run("add", pushed_job, "proposed_push", "-o", tmp_path / "2.toml")
         before, after = map(float, re.search(r"([\d.]+) um before, ([\d.]+) um", said).groups())
         assert after < 0.4 * before
@@ -144,10 +152,58 @@ def test_where_nothing_remains_there_is_nothing_to_propose(tmp_path):
 
 def test_rounds_add_what_is_shown_until_nothing_is_left(tmp_path):
     job = tip_job(tmp_path, stretched_and_loose, count=120)
-    (step,) = rounds(job)
+    rounds = add_in_rounds(job)
+    (step,) = rounds.steps
     assert set(step.added) == {"scale X", "backlash Y"}
     assert step.after_um < 0.7 < step.before_um
-    assert list(rounds(step.job)) == []
+    assert rounds.job == step.job and rounds.left.verdict == "nothing"
+    assert add_in_rounds(step.job, rounds.left).steps == ()
+
+
+def test_adding_in_rounds_says_what_remains(pushed_job):
+    said = run("diagnose", pushed_job, "--add-all").replace("\n", " ")
+    left = re.search(
+        r"nothing further is shown, but ([\d.]+) um RMS of something else remain", said
+    )
+    assert float(left[1]) > 1.0
+    assert f"vmach effects propose {pushed_job} -o my_effect.py" in said
+    assert "go on from" not in said
+
+
+def test_a_form_comes_with_the_test_that_would_refute_it(pushed_job, tmp_path):
+    said = run("diagnose", pushed_job, "--out", tmp_path / "out")
+    assert "to refute it: cut the same surfaces in the opposite direction" in said
+    page = (tmp_path / "out" / "diagnosis.html").read_text()
+    assert "<li>cut the same surfaces in the opposite direction" in page
+
+
+def test_every_state_has_a_test_that_would_refute_it(pushed_job):
+    survey = survey_job(pushed_job)
+    for state in states_of(survey.job, survey.paths[0]):
+        assert refuting_test(state)
+
+
+def form_of(words, path, job):
+    """The form of a state of these words into X, proposed with 4 um."""
+    (state,) = [s for s in states_of(job, path) if s.words == words]
+    form = Form(state, CONSTANT, DIRECTIONS[0])
+    return Proposal(form, {"amount_um": 4.0}, {"amount_um": 0.4}, 2.0, 50.0, 0.1, (2.0, 0.6))
+
+
+@pytest.mark.parametrize(
+    ("words", "said", "is_runnable"),
+    [
+        ("direction of Y", "if form 1 is true, it shows there by", True),
+        ("feed per tooth in 0.1 mm", "no test without cutting would show", False),
+    ],
+)
+def test_the_next_measurement_would_refute_the_first_form(pushed_job, words, said, is_runnable):
+    weighing = prepare_weighing(survey_job(pushed_job))
+    survey, nothing_found = weighing.survey, weighing.nothing()
+    proposal = form_of(words, survey.paths[0], survey.job)
+    test = next_measurement(weighing, nothing_found, (something_unknown(()),), (proposal,))
+    assert said in test.text
+    assert (test.program is not None) == is_runnable
 
 
 def test_every_number_that_decides_is_told():
@@ -156,3 +212,28 @@ def test_every_number_that_decides_is_told():
     for rule in RULES:
         assert f"{rule.name} = {rule.value:g}" in said
         assert rule.origin in said and rule.guard in said
+
+
+def test_forms_are_looked_through_as_they_are_fitted_where_zeros_were_touched(tmp_path):
+    """Two tools, whose zeros are of other touches."""
+    job = write_measured_job(tmp_path)
+    job.write_text(job.read_text() + "\n[probing]\n")
+    survey = survey_job(job)
+    columns = FormColumns(survey)
+    differ = 0
+    for form in columns.forms[::40]:
+        looked_at = columns.columns(form)
+        fitted = survey.signature(FormEffect(form, looked_at.shape[1]), form.formula, {})
+        np.testing.assert_allclose(looked_at, fitted, atol=1e-9)
+        differ += bool(np.abs(looked_at).max() > 1e-6)
+    assert differ > 20
+
+
+def test_forms_without_room_are_weighed_once_at_each_look(pushed_job, monkeypatch):
+    monkeypatch.setattr("vmach.diagnosis.proposals.forms._AT_ONCE", 50)
+    weighing = prepare_weighing(survey_job(pushed_job))
+    forms = Forms(weighing, weighing.nothing())
+    monkeypatch.setattr("vmach.diagnosis.proposals.forms._ROOM", 120 * len(weighing.survey))
+    looks = [[form for some, _ in forms._weighed() for form in some] for _ in range(3)]
+    assert len(looks[0]) > 150
+    assert looks[1] == looks[0] and looks[2] == looks[0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import warnings
 from dataclasses import replace
 from itertools import combinations
 from types import SimpleNamespace
@@ -17,8 +18,9 @@ from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossible_size_notes
 from vmach.diagnosis.inference import verdicts
+from vmach.diagnosis.inference.noise import noise_before
 from vmach.diagnosis.inference.prepare import prepare_weighing
-from vmach.diagnosis.inference.remains import remains_um
+from vmach.diagnosis.inference.remains import remains_um, where_they_act_um
 from vmach.diagnosis.inference.support import Support, in_its_place
 from vmach.diagnosis.next_test.planned_program import write_program
 from vmach.diagnosis.report import as_json, as_text
@@ -32,6 +34,7 @@ from vmach.history import draw_history, history_of
 from vmach.history.added_effects import add_effects
 from vmach.instruments import planned_tests, read_instruments, settings_of
 from vmach.job import read_job
+from vmach.measurements import apart_from_few, apart_from_neighbours
 
 TIP = measurement("tip", frame="rigid", u_um=0.5)
 
@@ -468,3 +471,36 @@ def test_scatter_that_knows_the_axes_is_no_noise(tmp_path, along_y, is_told):
     weighing = prepare_weighing(survey_job(job), [catalogue()["backlash"]])
     told = remains_um(weighing, weighing.nothing())
     assert (told > 0.5) == is_told
+    # it is a rest beside an effect of that axis, and none beside one of the other
+    both = weighing.nothing()
+    for label in ("backlash X", "backlash Y"):
+        both = weighing.extend(both, weighing.index_of(label), resize=False)
+    _, (beside_x, beside_y) = where_they_act_um(weighing, both, 2)
+    assert beside_x < 0.3
+    assert beside_y == pytest.approx(0.5 * np.sqrt(along_y**2 - 1.0), abs=0.3)
+
+
+def test_readings_that_stand_apart_are_told_by_the_others_where_they_are_few():
+    value = np.array([1.0, 1.1, 40.0, 0.9, 1.0, 5.0, 6.0, *np.arange(8.0)])
+    group = np.array(["five"] * 5 + ["two"] * 2 + ["eight"] * 8)
+    apart = apart_from_few(value, group)
+    assert apart[:5] == pytest.approx([0.05, 0.1, 39.0, 0.15, 0.05], abs=0.06)
+    assert np.isinf(apart[5:7]).all() and not apart[7:].any()
+    # what neighbours tell elsewhere stays
+    both = apart_from_neighbours(value, group, few=apart)
+    assert both[:7] == pytest.approx(apart[:7])
+    assert both[7:] == pytest.approx(apart_from_neighbours(value, group)[7:])
+
+
+def test_readings_that_are_what_was_predicted_have_plain_noise(tmp_path):
+    weighing = prepare_weighing(survey_job(tip_job(tmp_path, nothing)), [catalogue()["backlash"]])
+    survey = weighing.survey
+    exact = [
+        replace(m, measured_mm=m.predicted_mm.copy(), predicted_mm=m.predicted_mm.copy())
+        for m in survey.measurements
+    ]
+    weighing = weighing.on(replace(survey, measurements=tuple(exact)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        noise = noise_before(weighing)
+    assert np.all(noise.weight == 1.0) and noise.log_prior == 0.0

@@ -31,7 +31,7 @@ def test_example_of_an_own_effect_runs(tmp_path):
     states = prepare(job).path.nodes
     effect = load_effect_file(file)
     moved = effect.displacement(Circumstances(states, job), "", twist_um_per_m2=1e6)
-    np.testing.assert_allclose(moved[:, 2], 1e-3 * states.nose_mm[:, 0] * states.nose_mm[:, 1])
+    np.testing.assert_allclose(moved[:, 2], -1e-3 * states.nose_mm[:, 0] * states.nose_mm[:, 1])
 
 
 @pytest.mark.usefixtures("no_effects_added")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from importlib import invalidate_caches
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,6 +26,7 @@ from vmach.importers import Questions, catalogue, import_files
 from vmach.importers.importing import Target, kind_of, write_imported
 from vmach.importers.self_check import check_readings
 from vmach.importers.source_file import SourceFile
+from vmach.importers.squareness import skew_of_square, skew_u
 from vmach.instruments import read_instruments
 from vmach.job import read_job
 from vmach.machine import Variant, displacement, read_machine
@@ -344,7 +346,7 @@ def test_what_only_the_user_knows_is_asked_or_said(tmp_path):
     (one,) = import_files([tmp_path / "x.csv"], Questions(ask=person))
     values = one.sections[0].values
     assert values["position_zero_mm"] == -7 and values["reverse"] is True
-    assert len(asked) == 3  # which error, and the two questions
+    assert len(asked) == 4  # which error, and the three questions
 
 
 SOUND = '''\
@@ -434,6 +436,7 @@ def command(*words):
         ([], "nothing to import"),
         (["--squareness", "XY 34"], "--squareness 'XY 34'; accepted: plane, size, unit"),
         (["--squareness", "XY 1.2.3 more"], "--squareness 'XY 1.2.3 more'"),
+        (["--square", "XY 424.18 424.35 300", "--set", "u_mm=0"], "u_mm = 0; accepted: a standard"),
         (["--square", "XY 1 2"], "--square 'XY 1 2'; accepted: plane, diagonals AC and BD"),
         (["--square", ""], "--square ''"),
         (["--set", "error", "x.csv"], "--set 'error'; accepted: --set NAME=VALUE"),
@@ -523,3 +526,69 @@ def test_a_report_without_normals_takes_them_from_the_cad(tmp_path):
     assert caught.value.line == 4
     with pytest.raises(InputError, match="need the CAD"):
         import_files([report], Questions())
+
+
+def test_answers_that_nobody_gave_are_said_and_marked(tmp_path):
+    machine = write_job(tmp_path).with_name("machine.toml")
+    (tmp_path / "X.csv").write_text(LASER)
+    run = command(tmp_path / "X.csv", "--error", "EXX", "--into", machine, "--yes")
+    assert (
+        "assumed, as nobody has said it: deviation=measured-target, counts=up, zero=0 (--set"
+        in (run.output)
+    )
+    assert "EXX: measured_at_mm, where the reflector stood, is not said" in run.output
+    said = "# mend: nobody has said counts=up, zero=0, deviation=measured-target"
+    assert f'table = "errors/EXX.csv"  {said}\n' in machine.read_text()
+
+
+def test_answers_that_were_given_are_no_assumptions(tmp_path):
+    machine = write_job(tmp_path).with_name("machine.toml")
+    (tmp_path / "X.csv").write_text(LASER)
+    answers = ("counts=up", "zero=0", "deviation=measured-target", "measured_at=-300 -200 -250")
+    given = [word for answer in answers for word in ("--set", answer)]
+    run = command(tmp_path / "X.csv", "--error", "EXX", "--into", machine, "--yes", *given)
+    assert run.exit_code == 0, run.exception
+    assert "assumed" not in run.output and "is not said" not in run.output
+    assert "# mend" not in machine.read_text()
+    assert "measured_at_mm = [-300, -200, -250]" in machine.read_text()
+
+
+@pytest.mark.parametrize("answer, is_there", [("-300 -200 -250", True), ("unknown", False)])
+def test_the_place_of_the_reflector_is_asked(answer, is_there, tmp_path):
+    (tmp_path / "x.csv").write_text(LASER)
+    asked = []
+
+    def ask(question, default):
+        asked.append(question)
+        return answer if "reflector" in question else default
+
+    questions = Questions({"error": "EXX"}, ask)
+    (one,) = import_files([tmp_path / "x.csv"], questions)
+    assert sum("where did the reflector stand" in text for text in asked) == 1
+    assert ("measured_at_mm" in one.sections[0].values) is is_there
+    assert any("is not said" in text for text in one.told) is not is_there
+    import_files([tmp_path / "x.csv"], Questions({"error": "EBX"}, ask))
+    assert sum("where did the reflector stand" in text for text in asked) == 1
+
+
+def test_a_square_by_callipers_is_as_sure_as_the_page_says(tmp_path, monkeypatch):
+    """u / a for a square; a rectangle by differences of the formula itself."""
+    monkeypatch.chdir(tmp_path)
+    page = (Path(__file__).parents[2] / "docs" / "how-to" / "signs-and-zeros.md").read_text()
+    run = command("--square", "XY 424.18 424.35 300", "--yes")
+    said = run.output.partition("\n\n")[0]
+    assert said.count("--square") == 2 and said in page
+    finer = command("--square", "XY 424.18 424.35 300", "--yes", "--set", "u_mm=0.005")
+    assert "standard uncertainty 17 urad" in finer.output
+    lengths, step_mm = (250.0, 250.1, 200.0), 1e-3
+    slopes = [
+        (skew_of_square(*(v + step_mm * (i == k) for i, v in enumerate(lengths)))
+         - skew_of_square(*lengths)) / step_mm
+        for k in range(2)
+    ]  # fmt: skip
+    assert skew_u(*lengths, u_mm=0.02) == pytest.approx(0.02 * np.hypot(*slopes), rel=1e-3)
+
+
+def test_a_square_that_leans_too_much_is_asked_about():
+    assert "is a length misread?" in command("--square", "XY 140.4 142.8 99.8", "--yes").output
+    assert "misread" not in command("--square", "XY 424.18 424.35 300", "--yes").output

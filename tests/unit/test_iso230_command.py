@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 
 from tests.report_page import Page, assert_asks_for_nothing
@@ -11,6 +12,8 @@ from tests.small_job import write_job
 from vmach.commands.accuracy import accuracy
 from vmach.commands.iso230 import iso230
 from vmach.errors import InputError
+from vmach.iso230.evaluation import evaluate
+from vmach.machine.tables.runs import Runs
 
 RUNS = "position_mm,forward_1,backward_1,forward_2,backward_2\n0,1,0,3,2\n100,5,4,5,6\n"
 
@@ -56,6 +59,22 @@ def test_the_sheet_has_figures_uncertainty_and_a_line_to_sign(runs, tmp_path):
     assert f"{entry['U_k2']['A']:.1f}" in page.text
     marks = [a for t, a in page.elements if t == "path" and a.get("class") == "dots forward"]
     assert [a["d"].count("M") for a in marks] == [2, 2]  # two runs of two targets
+    lines = [a.get("class", "") for t, a in page.elements if t == "path"]
+    assert lines.count("line range-E") == lines.count("line range-A") == 2
+    assert "range A" in page.text and "range E" in page.text
+
+
+def test_the_ends_that_are_drawn_are_those_of_the_figures():
+    runs = Runs(np.array([0.0, 100.0]), np.array([[1.0, 5], [3, 5]]), np.array([[0.0, 4], [2, 6]]))
+    result = evaluate(runs)
+    ends = result.ends()
+    assert ends["E"] == (1.0, 5.0)
+    assert ends["A"] == pytest.approx((1 - 2 * np.sqrt(2), 5 + 2 * np.sqrt(2)))
+    for name, (low, high) in ends.items():
+        assert high - low == pytest.approx(getattr(result, name))
+    assert set(evaluate(Runs(runs.position_mm, runs.forward[:1], runs.backward[:1])).ends()) == {
+        "E"
+    }
 
 
 def test_budget_file_changes_the_uncertainty(runs, tmp_path, capsys):

@@ -131,4 +131,9 @@ def test_numbers_have_a_unit_in_their_name_or_their_description():
 
 def test_unknown_schema_is_refused_with_what_there_is():
     result = CliRunner().invoke(app, ["schema", "sumary"])
-    assert "summary, predict, path" in str(result.exception)
+    assert "job, machine, summary, predict, path" in str(result.exception)
+
+
+def test_the_list_of_schemas_is_plain_text():
+    listed = CliRunner().invoke(app, ["schema"]).stdout
+    assert "`" not in listed and len(listed.splitlines()) == len(SCHEMAS) + 2

@@ -9,6 +9,7 @@ from typing import Any
 
 from gcode import ProgramError
 from vmach.checkup.finding import Finding, Weight
+from vmach.checkup.machine_statements import machine_statements, reached_positions
 from vmach.checkup.program_needs import program_findings
 from vmach.effects import read_effects
 from vmach.errors import InputError
@@ -27,7 +28,7 @@ from vmach.run.inspection import surface_points
 
 __all__ = ["OPEN_MARK", "check_job"]
 
-#: what stands behind a line that `vmach init` guessed
+#: what stands behind a line that `vmach init` or `vmach import` guessed
 OPEN_MARK = "# mend"
 #: keys of a job that name a file
 _FILES = ("machine", "program", "nominal", "measured")
@@ -51,6 +52,7 @@ def check_job(path: str | Path) -> tuple[Finding, ...]:
     found = [*_job_file(path)]
     if all(finding.weight is not Weight.MEND for finding in found):
         found += _whole_job(path)
+    found += _machine_statements(path)
     order = list(Weight)
     once = dict.fromkeys(found)
     return tuple(sorted(once, key=lambda finding: order.index(finding.weight)))
@@ -115,13 +117,23 @@ def _machine(file: Path) -> Iterator[Finding]:
         yield from _refusal(lambda: admitted_machine(file))
 
 
+def _machine_statements(path: Path) -> Iterator[Finding]:
+    """What the machine file of a job leaves out, whatever else is wrong with the job."""
+    try:
+        name = tomllib.loads(read_text(path, what="job file")).get("machine")
+    except (InputError, ValueError, RecursionError):
+        return  # said above
+    if isinstance(name, str) and (path.parent / name).is_file():
+        yield from machine_statements(path.parent / name)
+
+
 def _open_lines(file: Path, text: str) -> Iterator[Finding]:
-    """Lines that `vmach init` guessed, and that nobody has mended since."""
+    """Lines that `init` or `import` guessed, and that nobody has mended since."""
     for number, line in enumerate(text.splitlines(), 1):
         said, mark, what = line.partition(OPEN_MARK)
         if mark:
             words = what.strip(" :")
-            guess = f"{said.strip() or 'the lines below'}: a guess of vmach init"
+            guess = f"{said.strip() or 'the lines below'}: a guess of vmach"
             guess += f" ({words})" if words else ""
             hint = f"mend it, and take '{OPEN_MARK}' away"
             yield Finding(Weight.LOOK, guess, file, number, hint=hint)
@@ -136,7 +148,8 @@ def _whole_job(path: Path) -> Iterator[Finding]:
         yield Finding.of_error(error)
         return
     yield from map(Finding.of_note, preparation.notes)
-    yield from _drawing(job)
+    yield from reached_positions(preparation)
+    yield from _part(job)
     try:
         effects = read_effects(job.effects, file=path, job=job)
         read_instruments(job, effects=effects)
@@ -145,14 +158,15 @@ def _whole_job(path: Path) -> Iterator[Finding]:
     yield from _assumed(path, job)
 
 
-def _drawing(job: Job) -> Iterator[Finding]:
-    """What is asked of the part, against its CAD."""
-    if not (job.drawing.tolerances or job.drawing.datums):
+def _part(job: Job) -> Iterator[Finding]:
+    """The part against its blank, and what is asked of it against its CAD."""
+    if job.nominal is None and job.measured is None:
         return
     try:
         nominal = None if job.nominal is None else read_nominal(job.nominal, job.nominal_unit)
         points = surface_points(job, nominal)
-        yield from map(Finding.of_error, drawing_faults(job, nominal, points))
+        if job.drawing.tolerances or job.drawing.datums:
+            yield from map(Finding.of_error, drawing_faults(job, nominal, points))
     except InputError as error:
         yield Finding.of_error(error)
 
@@ -182,13 +196,12 @@ def _assumed(path: Path, job: Any) -> Iterator[Finding]:
             "probe_length_mm in [probing], from the spindle nose to its tip",
         )
     if job.nominal is None:
-        yield assumed(
-            "there is no nominal CAD: deviations are those of the path",
-            "nominal = a STEP or STL file",
-        )
+        what = "'vmach run' has nothing to inspect, 'vmach path' has the error of the tool"
+        what = what if job.measured is None else "deviations are those of the measured points"
+        yield assumed(f"there is no nominal CAD: {what}", "nominal = a STEP or STL file")
     if job.blank is None:
         yield assumed(
-            "there is no [stock]: 'vmach run' cuts no solid without it",
+            "there is no [stock]: 'vmach run' needs '--no-solid' without it",
             "[stock] with min_mm and max_mm, or file",
         )
     if not job.machine.components:

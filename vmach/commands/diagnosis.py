@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.table import Table
 
 from vmach.base.note import Kind, Note, note_records
 from vmach.base.progress import progress_bar
@@ -30,7 +28,6 @@ from vmach.files.together import together
 
 if TYPE_CHECKING:
     from vmach.diagnosis.diagnose import Diagnosis
-    from vmach.diagnosis.findings import Finding
     from vmach.diagnosis.named_fit import NamedEffect
     from vmach.job import Job
 
@@ -64,7 +61,7 @@ def diagnose(
     if job is None:
         raise typer.BadParameter("which job? JOB is job.toml, or the folder it is in")
     from vmach.diagnosis.diagnose import diagnose as diagnose_survey
-    from vmach.diagnosis.report import as_text
+    from vmach.diagnosis.report import as_text, words_of_add
     from vmach.diagnosis.residuals.job_survey import survey_job
     from vmach.job import read_job
 
@@ -93,17 +90,19 @@ def diagnose(
             if out is not None:
                 progress("draw", 0, 1)
                 written = write_diagnosis(out, found, nominal=nominal, command=command_line())
-                if found.next_measurement is not None:
+                if found.next_program is not None:
                     program = program or str(out / written[-1])
     print(as_text(found, program=program))
     if add_all:
-        _add_all(job)
+        _add_all(job, found)
     elif found.verdict in ("named", "class", "partly"):
-        print(f"to add this to the model: vmach add {job} {' '.join(map(_word, found.findings))}")
-    if found.next_measurement is not None and program is None:
+        print(f"to add this to the model: vmach add {job} {words_of_add(found)}")
+    if found.proposals:
+        print(f"to write form 1 as an effect: vmach effects propose {job} -o my_effect.py")
+    if found.next_program is not None and program is None:
         print("--next FILE writes the program of the measurement to do next")
-    if next_file is not None and program is None:
-        print(f"no next measurement is called for; {next_file} was not written")
+    if next_path is not None:
+        _tell_of_program(next_path, found, is_named=next_file is not None)
     if out is None:
         print("--out DIR writes a page with pictures")
     else:
@@ -120,33 +119,50 @@ def _write_files(
     from vmach.diagnosis.report import write_figures
 
     program = None
-    if found.next_measurement is not None and next_path is not None:
+    if found.next_program is not None and next_path is not None:
         program = str(next_path) if is_named else next_path.name
         with atomic_file(next_path) as temporary:
-            temporary.write_text(found.next_measurement.program, encoding="utf-8")
+            temporary.write_text(found.next_program, encoding="utf-8")
     if json_file is not None:
         write_figures(json_file, found, program=program)
     return program
 
 
-def _add_all(job: Path) -> None:
-    """Add what is shown, round by round, each in a job of its own."""
-    from vmach.history.rounds import rounds
+def _add_all(job: Path, found: Diagnosis) -> None:
+    """Add what is shown, round by round, each in a job of its own, and say what is left."""
+    from vmach.history.rounds import add_in_rounds
 
     with progress_bar() as progress:
         progress("add", 0, 1)
-        steps = list(rounds(job))
-    for step in steps:
+        rounds = add_in_rounds(job, found)
+    for step in rounds.steps:
         print(
             f"{step.job}: {', '.join(step.added)}; {step.before_um:.2f} -> {step.after_um:.2f} um"
         )
-    last = steps[-1].job if steps else job
-    print(f"nothing further is shown; go on from {last}, or from any job before it")
+        for label, others in step.out_of_class.items():
+            print(f"  {label} was chosen out of a class: it may as well be {', '.join(others)}")
+    left = rounds.left
+    if left.verdict in ("partly", "unknown"):
+        print(
+            f"nothing further is shown, but {left.remains_um:.2f} um RMS of something else remain "
+            "beside noise"
+        )
+        if left.proposals:
+            print(f"vmach effects propose {rounds.job} -o my_effect.py  writes the first form")
+    else:
+        print("nothing further is shown")
+    if rounds.steps:
+        print(f"go on from {rounds.job}, or from any job before it")
 
 
-def _word(finding: Finding) -> str:
-    """An effect as `vmach add` is told of it."""
-    return f"{finding.name}:{finding.target}" if finding.target else finding.name
+def _tell_of_program(path: Path, found: Diagnosis, *, is_named: bool) -> None:
+    """Say that a file for the next measurement's program is not of this diagnosis."""
+    if found.next_program is not None:
+        return
+    if path.exists():
+        print(f"{path} is from an earlier diagnosis; this one calls for no such program")
+    elif is_named:
+        print(f"no program of a next measurement is called for; {path} was not written")
 
 
 def _tell(out: Path, written: Sequence[str], possible: Sequence[str]) -> None:
@@ -266,6 +282,7 @@ def history(
 ) -> None:
     """Show how the error fell from job to job."""
     from vmach.history import draw_history, history_of
+    from vmach.history.printing import history_table
     from vmach.job import read_job
 
     _load(effect_file)
@@ -292,24 +309,10 @@ def history(
         ]
         print(json.dumps(rows, indent=1))
         return
-    table = Table("job", "added", "RMS fitted, um", "held out, um")
-    if check is not None:
-        table.add_column("RMS other part, um")
-    for name, s in zip(_names([s.job for s in steps]), steps, strict=True):
-        other = [] if s.check_rms_um is None else [f"{s.check_rms_um:.2f}"]
-        table.add_row(name, ", ".join(s.added), f"{s.rms_um:.2f}", f"{s.held_out_um:.2f}", *other)
-    console().print(table)
+    console().print(history_table(steps, is_checked=check is not None))
     for note in steps[-1].notes:
         print(f"note: {note}")
     print(f"drawn in {picture}")
-
-
-def _names(jobs: Sequence[Path]) -> list[str]:
-    """Names of job files; with their folders where two of them are called alike."""
-    names = [job.name for job in jobs]
-    if len(set(names)) == len(names):
-        return names
-    return [os.path.relpath(job) for job in jobs]
 
 
 def _other_part(

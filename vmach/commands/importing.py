@@ -37,7 +37,7 @@ def import_files(
     ] = None,
     square: Annotated[
         list[str] | None,
-        typer.Option(help="calliper lengths AC, BD, AD of a square, mm: 'XY 140.4 142.8 99.8'"),
+        typer.Option(help="calliper lengths AC, BD, AD of a square, mm: 'XY 424.18 424.35 300'"),
     ] = None,
     column: Annotated[
         list[str] | None, typer.Option(metavar="NAME=HEADING", help="which column holds what")
@@ -151,7 +151,7 @@ def _squareness(text: str, questions: Questions) -> Imported:
 
 
 def _square(text: str, questions: Questions) -> Imported:
-    """``XY 140.4 142.8 99.8`` as a line of [squareness]."""
+    """``XY 424.18 424.35 300`` as a line of [squareness]."""
     from vmach.files.text_file import decimal_number
     from vmach.importers.squareness import NAMES, square_sections
 
@@ -161,20 +161,23 @@ def _square(text: str, questions: Questions) -> Imported:
     if not good or plane not in {*NAMES, *(name[::-1] for name in NAMES)}:
         raise InputError(
             f"--square '{text}'",
-            accepted="plane, diagonals AC and BD, side AD in mm: 'XY 140.4 142.8 99.8'",
+            accepted="plane, diagonals AC and BD, side AD in mm: 'XY 424.18 424.35 300'",
             hint="A is the lowest corner, AC goes up along both axes, AD along the first",
         )
     return square_sections(plane, (lengths[0], lengths[1], lengths[2]), questions)
 
 
 def _self_checks(found: list[Imported], written: list[Path], targets: list[Path]) -> list[str]:
-    """What the readings that were imported would be on the job's machine, in words."""
+    """What the readings would be on the job's machine, and which places it lacks, in words."""
     from vmach.importers.importing import is_machine
-    from vmach.importers.self_check import check_readings
+    from vmach.importers.self_check import check_readings, missing_places
 
     names = {Path(name).name for one in found for name in one.files}
-    jobs = (path for path in targets if path in written and not is_machine(path))
-    return [line for job in jobs for line in check_readings(job, names)]
+    edited = [path for path in targets if path in written]
+    jobs = [path for path in edited if not is_machine(path)]
+    checks = [line for job in jobs for line in check_readings(job, names)]
+    machines = [path for path in edited if is_machine(path)]
+    return checks + [line for machine in machines for line in missing_places(machine)]
 
 
 def _record(found: list[Imported], written: list[Path], checks: list[str]) -> dict[str, Any]:

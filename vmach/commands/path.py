@@ -46,6 +46,8 @@ def path(
         print(json.dumps(figures, indent=1))
         return
     x, y, z = figures["largest_abs_xyz_um"]
-    print(f"{figures['nodes']} nodes; largest error in X {x:.2f}, Y {y:.2f}, Z {z:.2f} um")
+    print(
+        f"{figures['nodes']} nodes of the path; largest error in X {x:.2f}, Y {y:.2f}, Z {z:.2f} um"
+    )
     worst = figures["largest_error_um"]
     print(f"largest error vector {worst:.2f} um, line {figures['at_line']}")

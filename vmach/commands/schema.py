@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from vmach.errors import InputError
+
 __all__ = ["schema"]
 
 
@@ -26,6 +28,10 @@ def schema(
         for known in EDITED_FILES:
             print(f"{known:11} {known}.toml, for editors")
         for known, record in SCHEMAS.items():
-            print(f"{known:11} {(record.__doc__ or '').splitlines()[0]}")
+            said = (record.__doc__ or "").splitlines()[0]
+            print(f"{known:11} {said.replace('``', '')}")
         return
+    if name not in SCHEMAS:
+        known = ", ".join([*EDITED_FILES, *SCHEMAS])
+        raise InputError(f"there is no schema {name!r}", accepted=known)
     print(json.dumps(json_schema(name), indent=1))

@@ -74,6 +74,11 @@ class Diagnosis:
     notes: tuple[Note, ...]
     residuals: Residuals
 
+    @property
+    def next_program(self) -> str | None:
+        """The next measurement as an NC program, where one is called for."""
+        return None if self.next_measurement is None else self.next_measurement.program
+
 
 @threadpool_limits.wrap(limits=1, user_api="blas")
 def diagnose(
@@ -116,7 +121,7 @@ def diagnose(
         blind_spots=blind_spots(
             weighing, explanation, is_named=verdict != "unknown", remains=found.is_structure
         ),
-        next_measurement=next_measurement(weighing, explanation, findings),
+        next_measurement=next_measurement(weighing, explanation, findings, found.proposals),
         notes=(
             *survey.notes,
             *_doubtful_uncertainty(found),
@@ -139,7 +144,7 @@ def _verdict(found: Inference, findings: Sequence[Finding]) -> str:
 
 def _doubtful_uncertainty(found: Inference) -> tuple[Note, ...]:
     """A note where the rest scatters far less or more than the readings' uncertainty says."""
-    factor = found.explanation.posterior.sizes.factor
+    factor = found.told.posterior.sizes.factor
     if factor < _TOO_QUIET:
         said = (
             f"what is left scatters {1.0 / factor:.3g} times less than u_um says: is u_um "

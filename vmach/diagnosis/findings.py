@@ -13,7 +13,8 @@ from vmach.diagnosis.inference.weighing import Explanation
 from vmach.diagnosis.residuals.where_it_fails import Failure
 from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.words import where_component
-from vmach.effects import Effect, label_of
+from vmach.effects import Effect, catalogue, label_of
+from vmach.machine import LINEAR_AXES
 
 __all__ = ["Finding", "findings_of", "something_unknown"]
 
@@ -36,7 +37,8 @@ class Finding:
     weakly_identified : tuple of str
         Parameters of which the readings say hardly more than was known before.
     odds, probability : float
-        Log odds for it, given everything else, and the probability that it is there.
+        Log odds for it, given everything else, and the probability that it is no imitation of
+        something else.
     size_um, share : float
         Root mean square of what it does to the readings, and its share of the mean square of
         all that was found and remains.
@@ -73,7 +75,7 @@ class Finding:
 
     @property
     def joint_rivals(self) -> tuple[str, ...]:
-        """Names of rivals that would have to act on all axes, or all tools, at once."""
+        """Names of rivals that no single target makes."""
         alone = {label.split()[0] for label in self.rivals.labels}
         return tuple(name for name in self.rivals.names if name not in alone)
 
@@ -81,7 +83,15 @@ class Finding:
     def indistinct(self) -> tuple[str, ...]:
         """What the data cannot tell this effect from, in words."""
         others = tuple(label for label in self.rivals.labels if label != self.label)
-        return (*others, *(f"{name} on all axes or tools at once" for name in self.joint_rivals))
+        return (*others, *map(_at_once, self.joint_rivals))
+
+
+def _at_once(name: str) -> str:
+    """An effect that would have to act on all axes, or all tools, at once."""
+    effect = catalogue()[name]
+    if not effect.imitates_as_team:
+        return name
+    return f"{name} on {'all axes' if effect.targets == LINEAR_AXES else 'all tools'} at once"
 
 
 def findings_of(found: Inference) -> tuple[Finding, ...]:

@@ -12,11 +12,11 @@ from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.inference.verdicts import Weak
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.residuals.where_it_fails import Failure
-from vmach.diagnosis.words import describe, expected
+from vmach.diagnosis.words import describe, expected, rounded
 from vmach.effects.declaration import unit_of
 from vmach.files.atomic import atomic_file
 
-__all__ = ["as_json", "as_text", "write_figures"]
+__all__ = ["as_json", "as_text", "words_of_add", "write_figures"]
 
 _VERDICTS = {
     "named": "The model lacks:",
@@ -112,9 +112,9 @@ def _rounded(value: Any) -> Any:
 def as_text(found: Diagnosis, *, program: str | None = None) -> str:
     """The diagnosis for people."""
     rms = found.rms_um
-    lines = [_VERDICTS[found.verdict]]
+    lines = [_verdict_line(found)]
     for finding in found.findings:
-        lines += _finding_lines(finding)
+        lines += _finding_lines(finding, is_told_apart=found.next_measurement is not None)
     if found.verdict in ("partly", "unknown"):
         lines.append(f"  what remains beside noise: {found.remains_um:.2f} um RMS")
     for number, p in enumerate(found.proposals, 1):
@@ -123,8 +123,7 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
             f"  form {number}: {p.words}; log odds {p.odds:.0f}, "
             f"features held out {without:.2f} -> {with_it:.2f} um"
         )
-    if found.proposals:
-        lines.append("  `vmach effects propose JOB -o my_effect.py` writes the first as an effect")
+        lines.append(f"    to refute it: {p.form.refute}")
     lines += [
         f"  weak: {weak.term.label}: {weak.why}; not counted as present" for weak in found.weak
     ]
@@ -150,6 +149,18 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
     return "\n".join(lines)
 
 
+def words_of_add(found: Diagnosis) -> str:
+    """What is shown, as `vmach add` is told of it."""
+    every = [f for f in found.findings if f.effect is not None]
+    return " ".join(f"{f.name}:{f.target}" if f.target else f.name for f in every)
+
+
+def _verdict_line(found: Diagnosis) -> str:
+    if found.verdict == "class" and any(f.status == "shown" for f in found.findings):
+        return "The model lacks these; of some these measurements show no more than a class:"
+    return _VERDICTS[found.verdict]
+
+
 def _chance(p: float) -> str:
     """How often chance alone would look like this."""
     return f"p = {p:<6.1g}" if p >= 1e-9 else "p < 1e-9 "
@@ -158,11 +169,11 @@ def _chance(p: float) -> str:
 def _uncertainty(finding: Finding, name: str) -> str:
     if name in finding.weakly_identified:
         return "(weakly identified by these readings)"
-    low, high = finding.interval_95[name]
-    return f"(u = {finding.u[name]:.2g}; 95 % between {low:.4g} and {high:.4g})"
+    _, low, high = rounded(finding.parameters[name], finding.interval_95[name])
+    return f"(u = {finding.u[name]:.2g}; 95 % between {low} and {high})"
 
 
-def _finding_lines(finding: Finding) -> list[str]:
+def _finding_lines(finding: Finding, *, is_told_apart: bool) -> list[str]:
     if finding.effect is None:
         return [f"  where: {finding.where or 'everywhere; more scatter than the uncertainty says'}"]
     lines = [
@@ -175,11 +186,14 @@ def _finding_lines(finding: Finding) -> list[str]:
     else:
         meaning = {p.name: p.meaning for p in finding.effect.parameters}
         lines += [
-            f"    {name} = {value:.4g}  {_uncertainty(finding, name)}: {meaning[name]}"
+            f"    {name} = {rounded(value, finding.interval_95[name])[0]}  "
+            f"{_uncertainty(finding, name)}: {meaning[name]}"
             for name, value in finding.parameters.items()
         ]
     if finding.indistinct:
         lines.append(f"    cannot be told from: {', '.join(finding.indistinct)}")
+        if not is_told_apart:
+            lines.append("    none of the tests that vmach can plan tells them apart")
     effect = finding.effect
     for word, text in (
         ("usual", effect.usual_size),

@@ -49,13 +49,13 @@ def write_diagnosis(
     InputError
         The folder cannot be written to.
     """
-    program = None if found.next_measurement is None else _PROGRAM
+    program = None if found.next_program is None else _PROGRAM
     title = job_name(found.residuals.survey.job.path)
     with atomic_folder(folder) as place:
         write_figures(place / _FIGURES, found, program=program)
         write_diagnosis_page(
             place / _PAGE, found, title=title, nominal=nominal, command=command, program=program
         )
-        if found.next_measurement is not None:
-            (place / _PROGRAM).write_text(found.next_measurement.program, encoding="utf-8")
+        if found.next_program is not None:
+            (place / _PROGRAM).write_text(found.next_program, encoding="utf-8")
     return tuple(filter(None, (_FIGURES, _PAGE, program)))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from vmach.diagnosis.residuals import Residuals
@@ -10,11 +12,13 @@ from vmach.effects import Effect
 __all__ = [
     "describe",
     "expected",
+    "rounded",
     "where_component",
     "with_unit",
 ]
 
-_UNITS = ("um", "mm", "ppm", "urad", "rad", "s", "ms", "ms2")
+#: units at the ends of names, as people write them
+_UNITS = {unit: unit for unit in ("um", "mm", "ppm", "urad", "rad", "s", "ms")} | {"ms2": "ms²"}
 #: a correction counts as there where it exceeds this many standard uncertainties
 _CLEAR = 3.0
 
@@ -32,7 +36,15 @@ def describe(effect: Effect) -> dict[str, str]:
 def with_unit(parameter: str, value: float) -> str:
     """A value of a parameter with the unit that stands at the end of its name."""
     unit = parameter.rsplit("_", 1)[-1]
-    return f"{value:g} {unit}" if unit in _UNITS else f"{parameter} = {value:g}"
+    return f"{value:g} {_UNITS[unit]}" if unit in _UNITS else f"{parameter} = {value:g}"
+
+
+def rounded(value: float, interval: tuple[float, float]) -> tuple[str, str, str]:
+    """A value and the ends of its interval; two digits of the interval's half width count."""
+    half = max(0.5 * (interval[1] - interval[0]), 1e-3 * abs(value), 1e-12)
+    digits = 1 - math.floor(math.log10(half))
+    own, low, high = (f"{round(x, digits):.{max(digits, 0)}f}" for x in (value, *interval))
+    return own, low, high
 
 
 def expected(residuals: Residuals) -> str:
@@ -50,7 +62,7 @@ def where_component(
     unit = key.rsplit("_", 1)[1]
     position = np.array(parameters["position_mm"])
     value, spread = np.array(parameters[key]), np.array(u[key])
-    # the alignment leaves offset and slope open: what counts is the difference from the middle
+    # the alignment leaves the level open: what counts is the difference from the middle
     shape = value - np.median(value)
     peak = int(np.argmax(np.abs(shape)))
     clear = (np.abs(shape) > _CLEAR * spread) & (np.abs(shape) > 0.3 * np.abs(shape[peak]))

@@ -68,7 +68,7 @@ class Effect(ABC):
     ...
     ...     def displacement(self, path, target, twist_um_per_m2):
     ...         x, y, _ = path.nose_mm.T
-    ...         return along("Z", 1e-9 * twist_um_per_m2 * x * y)
+    ...         return along("Z", -1e-9 * twist_um_per_m2 * x * y)
     """
 
     name: ClassVar[str]

@@ -117,7 +117,8 @@ def _read(listed: Path) -> _Sums:
     with contextlib.suppress(OSError, UnicodeDecodeError):
         for line in listed.read_text(encoding="utf-8", errors="surrogateescape").split("\n"):
             digest, _, name = line.partition("  ")
-            sums.setdefault(name, set()).add(digest)
+            if name:
+                sums.setdefault(name, set()).add(digest)
     return sums
 
 

@@ -38,6 +38,8 @@ _GONE = 0.025
 _ROOM = 10_000_000
 #: numbers that signatures with their products may take up while they are remembered
 _ROOM_OF_COLUMNS = 12_000_000
+#: share of the largest norm that is what rounding leaves of a column
+_ROUNDING = 1e-12
 #: half the size of a triangle from which on its halves are inverted one by one
 _LARGE = 50
 
@@ -75,12 +77,13 @@ class Base:
         self.survey, self.noise, self.members = survey, noise, members
         nuisance = noise.white(survey.nuisance)
         norms = np.linalg.norm(nuisance, axis=0)
-        left, size, _ = np.linalg.svd(nuisance / np.where(norms > 0, norms, 1.0), False)
+        there = norms > _ROUNDING * norms.max(initial=0.0)
+        left, size, _ = np.linalg.svd(nuisance[:, there] / norms[there], False)
         seen = size > 1e-9 * max(np.max(size, initial=0.0), 1e-300)
         self.free = left[:, seen]
         self.constant = noise.log_prior - 0.5 * noise.log_determinant
         self.constant -= float(np.log(size[seen]).sum())
-        self.constant -= float(np.log(norms[norms > 0]).sum())
+        self.constant -= float(np.log(norms[there]).sum())
         self.y = self.white(survey.residual_mm[:, None])[:, 0]
         counts = [members.fixed_mm.shape[1], *(c.shape[1] for c in members.columns_mm)]
         self.member_of = np.repeat(np.arange(len(counts)), counts)

@@ -16,7 +16,7 @@ from vmach.effects import Effect, Parameter, label_of
 from vmach.fit.columns import Columns
 from vmach.fit.marginal_likelihood import Posterior
 
-__all__ = ["FREE", "JointFit", "Term"]
+__all__ = ["FREE", "JointFit", "Term", "pull_of_prior"]
 
 #: prior standard deviation of amplitudes, in usual sizes; keeps twins apart
 FREE = 30.0
@@ -71,6 +71,15 @@ class Term:
         """How many of these each logarithm lies from its usual value, (I,)."""
         off = [np.log(self.inner[p.name] / p.usual) / p.spread for p in self.free_parameters]
         return np.array(off)
+
+    def apart(self, name: str, value: float, stated: float) -> float:
+        """How far a parameter is from a stated value, the short way round where it is an angle."""
+        away, cycle = value - stated, self._cycles[name]
+        return away - cycle * round(away / cycle) if np.isfinite(cycle) else away
+
+    @cached_property
+    def _cycles(self) -> dict[str, float]:
+        return {p.name: p.cycle for p in self.effect.parameters}
 
     def inner_at(self, steps: np.ndarray) -> dict[str, float]:
         """All inner parameters, the free ones with their logarithms moved by steps (I,)."""
@@ -139,13 +148,6 @@ class JointFit:
         moved = (axes * np.sqrt(np.maximum(squared, 0.0))).T @ self.slope(k)
         return [dict(zip(self.parameters(k), row, strict=True)) for row in moved.tolist()]
 
-    def numbers(self, k: int) -> float:
-        """Amplitudes and inner parameters of term k, each as far as the readings determine it."""
-        term = self.terms[k]
-        amplitudes = np.full(len(self.coefficients[k]), term.prior_width)
-        before = np.concatenate([amplitudes, term.spread_of_inner])
-        return float(np.sum(1.0 - np.diag(self.covariance[k]) / before**2))
-
     def slope(self, k: int) -> np.ndarray:
         """Change of the parameters of term k with coefficients and logarithms, (K + I, N)."""
         term, count = self.terms[k], len(self.coefficients[k])
@@ -158,9 +160,22 @@ class JointFit:
         rows = []
         for unit in np.eye(len(start)):
             near = settled(start + _STEP * unit)
-            rows.append([(near[name] - centre[name]) / _STEP for name in centre])
+            rows.append([term.apart(name, near[name], centre[name]) / _STEP for name in centre])
         return np.array(rows)
 
     def explained_mm(self, k: int) -> np.ndarray:
         """What term k does to the readings, (n,)."""
         return self.signatures[k].mm @ self.coefficients[k]
+
+
+def pull_of_prior(fit: JointFit, k: int) -> float:
+    """What an integral beside tangents about the best fit of term k is too large by, as logarithm.
+
+    The readings pull the inner parameters there, and the prior pulls them back by as much.
+
+    Source: derived here: g^T V g / 2 of a normal prior with slope g and a covariance V of both.
+    """
+    term, covariance = fit.terms[k], fit.covariance[k]
+    inner = len(covariance) - len(term.unusual)
+    slope = term.unusual / term.spread_of_inner
+    return 0.5 * float(slope @ covariance[inner:, inner:] @ slope)

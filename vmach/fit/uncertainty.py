@@ -2,11 +2,13 @@
 
 Close to the best fit an inner parameter (a time constant, a width) is not always described by a
 tangent: the readings may allow it a long way up but not down. So its probability is worked out on
-a grid of values, with amplitudes and the other effects eliminated at each. The uncertainty is the
-root of the mean square distance from the value that is stated.
+a grid of values, with amplitudes and the other effects eliminated at each: a profile. How wide the
+amplitudes are at a node adds to their uncertainty and not to the node's weight, else laws that the
+readings hardly see would gain by their freedom. The uncertainty is the root of the mean square
+distance from the value that is stated.
 
-Source: JCGM 101:2008, intervals from a distribution; closed form derived here: amplitudes
-integrated out at every node of the grid.
+Source: JCGM 101:2008, intervals from a distribution; closed form derived here: normal amplitudes
+at every node of the grid.
 """
 
 from __future__ import annotations
@@ -49,7 +51,8 @@ class Spread:
     Attributes
     ----------
     u : float
-        Root of the mean square distance from the stated value.
+        Root of the mean square distance from the stated value; of other effects that are possible,
+        as far as the interval reaches.
     low, high : float
         Ends of the interval that holds 95 %.
     is_shown : bool
@@ -99,7 +102,11 @@ def parameter_uncertainty(
 def _averaged(
     spreads: dict[str, Spread], fit: JointFit, k: int, others: Sequence[Otherwise]
 ) -> dict[str, Spread]:
-    """Spreads over the fit's own set of effects and others, each a normal distribution."""
+    """Spreads over the fit's own set of effects and others, each a normal distribution.
+
+    The standard uncertainty is no larger than the farther end of the interval says: else it would
+    be that of an improbable set far away.
+    """
     if not others:
         return spreads
     slope, wide = fit.slope(k), float(ndtri(0.975))
@@ -116,6 +123,7 @@ def _averaged(
         # of its own set it is known better than as a normal distribution
         low, high = value + min(low, own.low - value), value + max(high, own.high - value)
         u = float(np.sqrt(weight[0] * own.u**2 + weight[1:] @ (away**2 + spread**2)[1:]))
+        u = min(u, max(own.u, max(high - value, value - low) / wide))
         found[name] = replace(own, u=u, low=low, high=high)
     return found
 
@@ -285,18 +293,17 @@ def _weighed(
 def _spreads(fit: JointFit, k: int, distribution: _Distribution) -> dict[str, Spread]:
     """Spread of every parameter: at each node a normal distribution, its weight the node's."""
     term, stated = fit.terms[k], fit.parameters(k)
-    cycle = {p.name: p.cycle for p in term.effect.parameters}
     weight = distribution.weight
     away = np.empty((len(weight), len(stated)))
     local = np.empty_like(away)
     for g, (inner, mean, covariance) in enumerate(distribution):
         here = term.effect.settle(mean, inner)
-        away[g] = [_apart(here[name], stated[name], cycle[name]) for name in stated]
+        away[g] = [term.apart(name, here[name], stated[name]) for name in stated]
 
         def settled(c: np.ndarray, inner: Mapping[str, float] = inner) -> dict[str, float]:
             return term.effect.settle(c, inner)
 
-        slope = _slopes(settled, mean)
+        slope = _slopes(term, settled, mean)
         local[g] = np.einsum("kj,kl,lj->j", slope, covariance, slope)
     found, prior = {}, _prior_u(term)
     for j, (name, value) in enumerate(stated.items()):
@@ -306,12 +313,6 @@ def _spreads(fit: JointFit, k: int, distribution: _Distribution) -> dict[str, Sp
         low, high = value + min(low, 0.0), value + max(high, 0.0)
         found[name] = Spread(u, low, high, u < _HARDLY * prior[name])
     return found
-
-
-def _apart(value: float, stated: float, cycle: float) -> float:
-    """How far a value lies from the stated one, the short way round where it is an angle."""
-    away = value - stated
-    return away - cycle * round(away / cycle) if np.isfinite(cycle) else away
 
 
 def _quantiles(weight: np.ndarray, mean: np.ndarray, sigma: np.ndarray) -> tuple[float, float]:
@@ -325,8 +326,12 @@ def _quantiles(weight: np.ndarray, mean: np.ndarray, sigma: np.ndarray) -> tuple
     return tuple(brentq(excess, low, high, args=(share,)) for share in (0.025, 0.975))
 
 
-def _slopes(settle: Callable[[np.ndarray], dict[str, float]], mean: np.ndarray) -> np.ndarray:
+def _slopes(
+    term: Term, settle: Callable[[np.ndarray], dict[str, float]], mean: np.ndarray
+) -> np.ndarray:
     """Derivative of every parameter by every coefficient, (K, parameters)."""
-    centre = np.array(list(settle(mean).values()))
-    near = [list(settle(mean + _STEP * unit).values()) for unit in np.eye(len(mean))]
-    return (np.array(near) - centre) / _STEP
+    centre, rows = settle(mean), []
+    for unit in np.eye(len(mean)):
+        near = settle(mean + _STEP * unit)
+        rows.append([term.apart(name, near[name], centre[name]) / _STEP for name in centre])
+    return np.array(rows)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from vmach.diagnosis.diagnose import diagnose
+from vmach.diagnosis.diagnose import Diagnosis, diagnose
+from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.residuals.job_survey import survey_job
+from vmach.effects import read_effects
 from vmach.history.added_effects import add_effects
 from vmach.job import read_job
 
-__all__ = ["Round", "rounds"]
+__all__ = ["Round", "Rounds", "add_in_rounds"]
 
 #: rounds at most; each has to find something new
 _MOST = 10
@@ -25,42 +27,77 @@ class Round:
     ----------
     job : Path
     added : tuple of str
+    out_of_class : mapping of str to sequence of str
+        What was added out of a class, and what it cannot be told from.
     before_um, after_um : float
         Root mean square of measured minus predicted.
     """
 
     job: Path
     added: tuple[str, ...]
+    out_of_class: Mapping[str, Sequence[str]]
     before_um: float
     after_um: float
 
 
-def rounds(job_path: str | Path) -> Iterator[Round]:
-    """Diagnose, add what is shown into a new job, and go on from there.
+@dataclass(frozen=True)
+class Rounds:
+    """All rounds, and where they end.
+
+    Attributes
+    ----------
+    steps : tuple of Round
+    job : Path
+        The last one.
+    left : Diagnosis
+        Of the last job.
+    """
+
+    steps: tuple[Round, ...]
+    job: Path
+    left: Diagnosis
+
+
+def add_in_rounds(job_path: str | Path, first: Diagnosis | None = None) -> Rounds:
+    """Add what a diagnosis shows into a new job, diagnose that, and so on.
+
+    Parameters
+    ----------
+    job_path : path
+    first : Diagnosis, optional
+        Of that job, where it is known.
 
     Raises
     ------
     InputError
         As `survey_job` and `add_effects` do.
     """
-    path = Path(job_path)
-    seen: set[str] = {label for label in _of_job(path)}
+    path, steps = Path(job_path), []
+    job = read_job(path)
+    seen = {effect.label for effect in read_effects(job.effects, file=job.path, job=job)}
+    found = first or diagnose(survey_job(path))
     for _ in range(_MOST):
-        found = diagnose(survey_job(path))
-        new = [f for f in found.findings if f.effect is not None and f.label not in seen]
+        new = _new(found, seen)
         if not new:
-            return
+            break
         path, _ = add_effects(path, [f.label.replace(" ", ":") for f in new])
         seen |= {f.label for f in new}
-        last = read_job(path).history[-1]
-        labels = tuple(f.label for f in new)
-        yield Round(path, labels, last["rms_before_um"], last["rms_after_um"])
+        steps.append(_round(path, new))
+        found = diagnose(survey_job(path))
+    return Rounds(tuple(steps), path, found)
 
 
-def _of_job(path: Path) -> Iterator[str]:
-    """Labels of the effects that a job has already."""
-    from vmach.effects import read_effects
+def _new(found: Diagnosis, seen: Collection[str]) -> Sequence[Finding]:
+    """What is shown and not in the job."""
+    return [f for f in found.findings if f.effect is not None and f.label not in seen]
 
-    job = read_job(path)
-    for effect in read_effects(job.effects, file=job.path, job=job):
-        yield effect.label
+
+def _round(path: Path, new: Sequence[Finding]) -> Round:
+    rms = read_job(path).history[-1]
+    return Round(
+        job=path,
+        added=tuple(f.label for f in new),
+        out_of_class={f.label: f.indistinct for f in new if f.status == "class"},
+        before_um=rms["rms_before_um"],
+        after_um=rms["rms_after_um"],
+    )

@@ -52,7 +52,7 @@ def component_question(source: SourceFile, questions: Questions, *, said: str | 
         "error",
         f"which error does {source.path.name} hold? EXX is the positioning of X",
         COMPONENT_NAMES,
-        default=said,
+        said=said,
     )
 
 
@@ -72,7 +72,13 @@ def runs_text(runs: Runs, name: str) -> str:
 
 
 def error_section(
-    name: str, file: str, questions: Questions, *, zero_mm: float = 0.0, is_down: bool = False
+    name: str,
+    file: str,
+    questions: Questions,
+    *,
+    zero_mm: float = 0.0,
+    is_down: bool = False,
+    comment: str = "",
 ) -> tuple[Section, ...]:
     """The section of a machine file that names the table."""
     values: dict[str, object] = {"table": file}
@@ -82,4 +88,4 @@ def error_section(
         values |= {"reverse": True, "reverse_deviations": True}
     if "measured_at" in questions.given and not component_of(name)[2]:
         values["measured_at_mm"] = questions.point("measured_at", "where the reflector stood")
-    return (Section("machine", f"errors.{name}", values),)
+    return (Section("machine", f"errors.{name}", values, comment=comment),)

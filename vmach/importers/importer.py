@@ -26,12 +26,15 @@ class Section:
         Numbers, words, lists of them, true or false.
     is_array : bool
         One more ``[[table]]`` instead of the one ``[table]``.
+    comment : str
+        What stands behind the first key; empty for none.
     """
 
     file: Literal["machine", "job"]
     table: str
     values: Mapping[str, Any]
     is_array: bool = False
+    comment: str = ""
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from vmach.errors import InputError
@@ -85,8 +85,9 @@ def import_files(
     for path in paths:
         source = SourceFile(path)
         importer = kind_of(source, kind)
+        questions.assumed.clear()
         try:
-            found.append(importer.read(source, questions))
+            found.append(_with_assumptions(importer.read(source, questions), questions))
         except InputError as error:
             if error.file is not None:
                 raise
@@ -96,6 +97,15 @@ def import_files(
         keys = ", ".join(dict.fromkeys(k for one in catalogue().values() for k in one.keys))
         raise InputError(f"--set {unused[0]}: no file asks for it", accepted=keys)
     return found
+
+
+def _with_assumptions(one: Imported, questions: Questions) -> Imported:
+    """What came of a file, with a line on the answers that nobody gave."""
+    taken = questions.taken(questions.assumed)
+    if not taken:
+        return one
+    said = f"assumed, as nobody has said it: {taken} (--set KEY=VALUE says otherwise)"
+    return replace(one, told=(*one.told, said))
 
 
 def write_imported(imported: Sequence[Imported], target: Target) -> list[Path]:
@@ -155,4 +165,4 @@ def _relative(section: Section, folder: Path, file: Path) -> Section:
             path = (folder / str(values[key])).resolve()
             inside = path.is_relative_to(here)
             values[key] = (path.relative_to(here) if inside else path).as_posix()
-    return Section(section.file, section.table, values, section.is_array)
+    return replace(section, values=values)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from vmach.importers.importer import Imported
 from vmach.importers.questions import Questions
 from vmach.importers.self_check import LaserReadings, check_laser
 from vmach.importers.source_file import SourceFile
+from vmach.machine.component_errors import component_of
 from vmach.machine.tables.runs import Runs
 
 __all__ = ["LASER_KEYS", "Readings", "approach_in_order", "table_imported"]
@@ -22,8 +23,12 @@ LASER_KEYS: Mapping[str, str] = {
     "error": "which error it is: EXX, EYX, EBX ...",
     "counts": "up where the laser's positions grow as the axis moves in +, else down",
     "zero": "machine position of the axis where the file's position is 0, mm",
-    "measured_at": "where the reflector stood, machine coordinates, mm",
+    "measured_at": "where the reflector stood, in the frame of the body that the axis carries, mm",
 }
+
+
+#: of a reflector whose place nobody knows any more
+_UNKNOWN = "unknown"
 
 
 @dataclass(frozen=True)
@@ -77,11 +82,14 @@ def table_imported(
         unit="mm",
         default=0.0,
     )
+    own = _with_reflector(name, questions)
     runs, is_down = _runs(readings, source), counts == "down"
     convention = Convention.of(questions.machine_file)
     file = f"errors/{name}.csv"
     files = {file: runs_text(runs.scaled(convention.factor(name)), name)}
-    sections = error_section(name, file, questions, zero_mm=zero, is_down=is_down)
+    taken = questions.taken(("counts", "zero", "deviation"))
+    comment = f"mend: nobody has said {taken}" if taken else ""
+    sections = error_section(name, file, own, zero_mm=zero, is_down=is_down, comment=comment)
     check = check_laser(
         LaserReadings(name, readings.position, readings.value, readings.approach),
         files,
@@ -92,7 +100,32 @@ def table_imported(
     )
     said = f"{source.path.name}: {len(readings.value)} readings at {len(runs.position_mm)} "
     said += f"positions, {len(runs.forward)} runs forward, {len(runs.backward)} backward"
-    return Imported(files, sections, (said, check))
+    return Imported(files, sections, (said, check, *_missing_place(name, own)))
+
+
+def _with_reflector(name: str, questions: Questions) -> Questions:
+    """The answers with the place of the reflector, asked of whoever is there; angles have none."""
+    if component_of(name)[2] or questions.ask is None or "measured_at" in questions.given:
+        return questions
+    text = questions.text(
+        "measured_at",
+        "where did the reflector stand, in the frame of the body that the axis carries?",
+        accepted=f"three numbers in mm: '-300 -200 -250', or {_UNKNOWN}",
+        default=_UNKNOWN,
+    )
+    if text == _UNKNOWN:
+        return questions
+    return replace(questions, given={**questions.given, "measured_at": text})
+
+
+def _missing_place(name: str, questions: Questions) -> tuple[str, ...]:
+    """A line for a displacement whose arm is not known."""
+    if component_of(name)[2] or "measured_at" in questions.given:
+        return ()
+    return (
+        f"{name}: measured_at_mm, where the reflector stood, is not said; vmach run needs it once "
+        f"an angle of {name[2]} has a table (--set measured_at='x y z')",
+    )
 
 
 def approach_in_order(position: np.ndarray) -> np.ndarray:

@@ -105,7 +105,7 @@ def length_factor(source: SourceFile, questions: Questions, said: str | None) ->
     if said is not None and "unit" not in questions.given:
         return _UNITS[said]
     unit = questions.choice(
-        "unit", f"unit of the coordinates in {source.path.name}", tuple(_UNITS), default=said
+        "unit", f"unit of the coordinates in {source.path.name}", tuple(_UNITS), said=said
     )
     return _UNITS[unit]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -32,6 +32,10 @@ class Questions:
         Of the job whose nominal CAD points are laid on.
     machine_file : Path or None
         The machine file that the tables are for.
+    used : set of str
+        Keys that were asked for.
+    assumed : dict of str to str
+        What was taken because neither the file nor the user says it.
     """
 
     given: Mapping[str, str] = field(default_factory=dict)
@@ -40,14 +44,31 @@ class Questions:
     job_file: Path | None = None
     machine_file: Path | None = None
     used: set[str] = field(default_factory=set)
+    assumed: dict[str, str] = field(default_factory=dict)
 
     @cached_property
     def job(self) -> Job | None:
         """The job, read when it is first asked for."""
         return None if self.job_file is None else read_job(self.job_file)
 
-    def text(self, key: str, question: str, *, accepted: str, default: str | None = None) -> str:
+    def text(
+        self,
+        key: str,
+        question: str,
+        *,
+        accepted: str,
+        default: str | None = None,
+        said: str | None = None,
+    ) -> str:
         """An answer in words.
+
+        Parameters
+        ----------
+        key, question, accepted : str
+        default : str, optional
+            What is assumed where nobody can be asked.
+        said : str, optional
+            What the file itself says: no assumption.
 
         Raises
         ------
@@ -58,11 +79,14 @@ class Questions:
         if key in self.given:
             return self.given[key].strip()
         if self.ask is not None:
-            return self.ask(f"{question} ({accepted})", default or "").strip()
+            return self.ask(f"{question} ({accepted})", said or default or "").strip()
+        if said is not None:
+            return said
         if default is None:
             raise InputError(
                 f"the file does not say: {question}", accepted=accepted, hint=f"--set {key}=..."
             )
+        self.assumed[key] = default
         return default
 
     @classmethod
@@ -84,19 +108,28 @@ class Questions:
             Another word.
         """
         self.used.add(key)
+        if key not in self.given:
+            self.assumed[key] = choices[0]
         return _one_of(key, self.given.get(key, choices[0]), choices)
 
     def choice(
-        self, key: str, question: str, choices: Sequence[str], *, default: str | None = None
+        self,
+        key: str,
+        question: str,
+        choices: Sequence[str],
+        *,
+        default: str | None = None,
+        said: str | None = None,
     ) -> str:
-        """One of some words.
+        """One of some words; `default` and `said` as in `text`.
 
         Raises
         ------
         InputError
             Another word.
         """
-        word = self.text(key, question, accepted=", ".join(choices), default=default)
+        accepted = ", ".join(choices)
+        word = self.text(key, question, accepted=accepted, default=default, said=said)
         return _one_of(key, word, choices)
 
     def number(self, key: str, question: str, *, unit: str, default: float | None = None) -> float:
@@ -131,6 +164,10 @@ class Questions:
         if len(values) != count or not all(abs(value) <= _LARGEST for value in values):
             raise InputError(f"{key} = '{text}'", accepted=accepted)
         return values
+
+    def taken(self, keys: Iterable[str]) -> str:
+        """What was assumed of some keys, as ``counts=up, zero=0``; empty for none."""
+        return ", ".join(f"{key}={self.assumed[key]}" for key in keys if key in self.assumed)
 
     def unused(self) -> list[str]:
         """Keys that were given and that nothing asked for."""

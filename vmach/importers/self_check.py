@@ -27,7 +27,7 @@ from vmach.machine import LINEAR_AXES, RigidDisplacement, Variant, displacement
 from vmach.machine.component_errors import component_of
 from vmach.machine.files.machine_file import read_machine
 
-__all__ = ["LaserReadings", "check_laser", "check_readings", "difference"]
+__all__ = ["LaserReadings", "check_laser", "check_readings", "difference", "missing_places"]
 
 _HEAD = """schema = 1
 name = "self-check"
@@ -137,6 +137,20 @@ def _in_words(
     if angular:
         return f"that means: {where}, the tool is turned about {way} by {amount}"
     return f"that means: {where}, the tool is {amount} further to {way} than told"
+
+
+def missing_places(machine_file: Path) -> list[str]:
+    """A line where a machine file lacks measuring points that its angles ask for."""
+    try:
+        unplaced = read_machine(machine_file).unplaced
+    except InputError:
+        return []  # vmach check says what is wrong with it
+    if not unplaced:
+        return []
+    return [
+        f"{machine_file}: {' '.join(unplaced)} without measured_at_mm: vmach run refuses the "
+        "machine until it says where the reflector stood"
+    ]
 
 
 def _machine_text(nose: np.ndarray, axis: int, convention: Convention) -> str:

@@ -8,6 +8,8 @@ Of four calliper lengths: Marlin, ``Configuration.h``, "Bed Skew Compensation" (
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from dataclasses import replace
 
 from vmach.base.units import rad_from_urad, urad_from_rad
 from vmach.errors import InputError
@@ -15,8 +17,12 @@ from vmach.importers.convention import Convention
 from vmach.importers.importer import Imported, Section
 from vmach.importers.questions import Questions
 
-__all__ = ["NAMES", "skew_of_square", "square_sections", "squareness_sections"]
+__all__ = ["NAMES", "skew_of_square", "skew_u", "square_sections", "squareness_sections"]
 
+#: standard uncertainty of a length between two corners by callipers, mm
+_CALLIPER_U_MM = 0.02
+#: a machine tool leans less, urad
+_DOUBTFUL_URAD = 1000.0
 #: by plane: the squareness that carries it, and its sign where the angle between the + axes grows
 NAMES = {"XY": ("EC0Y", 1.0), "ZX": ("EB0X", 1.0), "YZ": ("EA0Y", -1.0)}
 
@@ -93,10 +99,57 @@ def skew_of_square(ac_mm: float, bd_mm: float, ad_mm: float) -> float:
     return cosine / math.sqrt(1.0 - cosine**2)
 
 
+def skew_u(ac_mm: float, bd_mm: float, ad_mm: float, *, u_mm: float) -> float:
+    """Standard uncertainty of `skew_of_square`, rad, where each diagonal has `u_mm`.
+
+    Source: closed form derived here, with sides a, b and the angle at A:
+    AC^2 - BD^2 = 4 a b cos, so u(cos) = u sqrt(AC^2 + BD^2) / (2 a b); u / a for a square. The
+    side counts in second order only.
+
+    Examples
+    --------
+    >>> round(1e6 * skew_u(424.18, 424.35, 300.0, u_mm=0.02), 1)
+    66.7
+    """
+    diagonals_squared = ac_mm**2 + bd_mm**2
+    ab_mm = math.sqrt(0.5 * diagonals_squared - ad_mm**2)
+    return u_mm * math.sqrt(diagonals_squared) / (2.0 * ad_mm * ab_mm)
+
+
 def square_sections(
     plane: str, lengths_mm: tuple[float, float, float], told: Questions
 ) -> Imported:
-    """The line of ``[squareness]`` for the diagonals AC, BD and the side AD of a square."""
-    skew = skew_of_square(*lengths_mm)
-    leans = Questions({"angle": "less" if skew > 0 else "more"}, machine_file=told.machine_file)
-    return squareness_sections(plane, urad_from_rad(abs(skew)), leans, what="--square")
+    """The line of ``[squareness]`` for the diagonals AC, BD and the side AD of a square.
+
+    Raises
+    ------
+    InputError
+        Lengths of no square, or an uncertainty that is none.
+    """
+    size_urad = urad_from_rad(skew_of_square(*lengths_mm))
+    leans = Questions(
+        {"angle": "less" if size_urad > 0 else "more"}, machine_file=told.machine_file
+    )
+    found = squareness_sections(plane, round(abs(size_urad), 1), leans, what="--square")
+    return replace(found, told=(*found.told, *_how_sure(lengths_mm, size_urad, told)))
+
+
+def _how_sure(
+    lengths_mm: tuple[float, float, float], size_urad: float, told: Questions
+) -> Iterator[str]:
+    """What the callipers leave of it, and whether it can be."""
+    u_mm = told.number(
+        "u_mm", "standard uncertainty of each diagonal", unit="mm", default=_CALLIPER_U_MM
+    )
+    if not 0.0 < u_mm < min(lengths_mm):
+        raise InputError(f"u_mm = {u_mm:g}", accepted="a standard uncertainty above 0 mm")
+    u_urad = urad_from_rad(skew_u(*lengths_mm, u_mm=u_mm))
+    yield (
+        f"--square: standard uncertainty {u_urad:.0f} urad, as each length has {u_mm:g} mm "
+        "(--set u_mm=... says otherwise)"
+    )
+    if abs(size_urad) > _DOUBTFUL_URAD:
+        yield (
+            f"--square: {abs(size_urad):.0f} urad are more than 1 mm per metre, which a printer "
+            "may have and no machine tool: is a length misread?"
+        )

@@ -28,7 +28,10 @@ def section_text(section: Section) -> str:
 
 
 def _keys_text(section: Section) -> str:
-    return "".join(f"{key} = {_value(value)}\n" for key, value in section.values.items())
+    lines = [f"{key} = {_value(value)}\n" for key, value in section.values.items()]
+    if section.comment and lines:
+        lines[0] = f"{lines[0].rstrip()}  # {section.comment}\n"
+    return "".join(lines)
 
 
 def _value(value: Any) -> str:

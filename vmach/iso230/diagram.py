@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from io import BytesIO
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -71,14 +70,11 @@ def draw_evaluation(result: Evaluation, *, title: str, unit: str, factor: float)
 
 def _mark_ranges(axes: Axes, result: Evaluation, factor: float) -> None:
     """Lines at both ends of E, and of A where there are runs enough."""
-    means = np.concatenate((result.mean_forward, result.mean_backward))
-    for end in (means.min(), means.max()):
-        axes.axhline(factor * end, color=_MEAN, lw=0.8, ls=":")
-    if result.s_forward is None or result.s_backward is None:
-        return
-    wide = 2.0 * np.concatenate((result.s_forward, result.s_backward))
-    for end in (np.min(means - wide), np.max(means + wide)):
-        axes.axhline(factor * end, color="black", lw=0.9, ls="-.")
+    styles = {"E": (_MEAN, 0.8, ":"), "A": ("black", 0.9, "-.")}
+    for name, ends in result.ends().items():
+        colour, width, dashes = styles[name]
+        for end in ends:
+            axes.axhline(factor * end, color=colour, lw=width, ls=dashes)
 
 
 def _figures_text(result: Evaluation, unit: str, factor: float) -> str:

@@ -63,6 +63,15 @@ class Evaluation:
     B: float
     B_mean: float
 
+    def ends(self) -> dict[str, tuple[float, float]]:
+        """Lowest and highest end of the ranges E, and A where there are runs enough."""
+        means = np.concatenate((self.mean_forward, self.mean_backward))
+        found = {"E": (float(means.min()), float(means.max()))}
+        if self.s_forward is not None and self.s_backward is not None:
+            wide = 2.0 * np.concatenate((self.s_forward, self.s_backward))
+            found["A"] = (float((means - wide).min()), float((means + wide).max()))
+        return found
+
     def figures(self) -> dict[str, float | None]:
         """The single-number results by their names."""
         return {

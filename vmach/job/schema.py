@@ -137,7 +137,7 @@ class InspectionEntry(FileSection):
 
 
 class MeasuringMachineEntry(FileSection):
-    """[measuring_machine]: its limits of error (ISO 10360), or what is known of it."""
+    """[measuring_machine]: its maximum permissible errors (ISO 10360), or what is known of it."""
 
     k_mm_per_um: Positive = 350.0
     scale_u_ppm: NonNegative | None = None

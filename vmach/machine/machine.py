@@ -126,9 +126,10 @@ class Machine:
         InputError
             A linear component is `unplaced`: the arm is then unknown.
         """
-        for name in self.unplaced:
+        if self.unplaced:
+            verb = "has" if len(self.unplaced) == 1 else "have"
             raise InputError(
-                f"machine '{self.name}': {name} has no measured_at_mm",
+                f"machine '{self.name}': {' '.join(self.unplaced)} {verb} no measured_at_mm",
                 file=self.files[0] if self.files else None,
                 accepted="three numbers: where the reflector stood, in the frame of the body "
                 "that the axis carries",

@@ -2,7 +2,7 @@
 
 from vmach.measurements.instrument import Curves, Instrument, ModelOfTest, PlannedTest
 from vmach.measurements.measurement import Contacts, Measurement
-from vmach.measurements.neighbours import apart_from_neighbours
+from vmach.measurements.neighbours import apart_from_few, apart_from_neighbours
 
 __all__ = [
     "Contacts",
@@ -11,5 +11,6 @@ __all__ = [
     "Measurement",
     "ModelOfTest",
     "PlannedTest",
+    "apart_from_few",
     "apart_from_neighbours",
 ]

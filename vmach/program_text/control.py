@@ -32,7 +32,8 @@ def target_control(own: str, name: str | None, *, file: Path) -> type[Dialect]:
     try:
         control = dialect_called(own if name in (None, "auto") else name)
     except ProgramError:
-        raise InputError(f"--dialect {name}", accepted=", ".join(dialect_names())) from None
+        written = (known for known in dialect_names() if dialect_called(known).is_written)
+        raise InputError(f"--dialect {name}", accepted=", ".join(written)) from None
     if not dialect_called(own).is_written:
         raise InputError(
             f"programs in {dialect_called(own).title} are read, not written back",

@@ -35,4 +35,7 @@ class ImportOutput(Output):
     written: list[str]
     """Every file that was written; the lines of a file that is not here are in `sections`."""
     self_checks: list[str]
-    """What instruments of the job would read on its machine, beside what they read."""
+    """What instruments of the job would read on its machine, beside what they read.
+
+    Also measuring points that the machine file lacks.
+    """

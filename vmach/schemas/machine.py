@@ -67,7 +67,7 @@ class _DoubleCounting(Output):
     reading_um: float
     """Range of the table."""
     angular_share_um: float
-    """What angular errors times their arms already say of it."""
+    """Range of angle times arm in it; may be the larger, as it and the rest of a reading cancel."""
     correlation: float = Field(ge=-1.0, le=1.0)
     """Of the two along the axis, without unit."""
 

@@ -259,6 +259,7 @@ class PathErrors(Output):
     """``path --json``: the error of the tool tip along the program, machine axes."""
 
     nodes: int
+    """Points of the path at which the error was computed."""
     largest_abs_xyz_um: Vector
     range_xyz_um: Vector
     largest_error_um: float

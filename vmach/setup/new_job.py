@@ -123,6 +123,8 @@ def _machine_lines(answers: Answers) -> Iterator[str]:
     yield "# [errors.EXX]"
     yield '# table = "errors/EXX.csv"'
     yield "# position_zero_mm = 0  # where the axis is at position 0 of the table"
+    yield "# nose_at_mm = [-380, -230, -300]  # machine coordinates at one of the readings"
+    yield "# stick_out_mm = 120  # how far the reflector was below the spindle nose"
     yield ""
     yield "# Squareness, for example from a ballbar, in urad."
     yield "# [squareness]"

@@ -10,6 +10,9 @@ from rich.table import Table
 
 __all__ = ["print_accuracy"]
 
+#: a reading is angle times arm and a rest
+_MAY_CANCEL = "angle x arm and the rest of a reading may cancel"
+
 
 def print_accuracy(console: Console, report: dict[str, Any]) -> None:
     """Print the figures of ``accuracy.json`` for people."""
@@ -32,6 +35,7 @@ def print_accuracy(console: Console, report: dict[str, Any]) -> None:
         say(f"   nose {nose} mm with error {error} um")
     say(f"error of the tip: largest {figures['largest_error_um']:.1f}, mean "
         f"{figures['mean_error_um']:.1f}, RMS {figures['rms_error_um']:.1f} um")  # fmt: skip
+    say(f"range of the error: {_vector(figures['range_xyz_um'], '.1f')} um")
     console.print(_shares_table(report))
     console.print(_grouping_table(report))
     console.print(_diagonal_table(report))
@@ -83,11 +87,14 @@ def _shares_table(report: dict[str, Any]) -> Table:
         [name, f"{share:.1f}", *_share_cells(counted.get(name))]
         for name, share in report["contributions_percent"].items()
     ]
-    return _table(
-        "share in the largest difference, and in readings",
-        ("error", "share, %", "reading, um", "angle x arm, um"),
+    table = _table(
+        "share in the largest difference; ranges of readings",
+        ("error", "share, %", "range of reading, um", "range of angle x arm in it, um"),
         rows,
     )
+    if counted:
+        table.caption, table.caption_justify = _MAY_CANCEL, "left"
+    return table
 
 
 def _share_cells(counted: dict[str, Any] | None) -> list[str]:
@@ -101,12 +108,13 @@ def _grouping_table(report: dict[str, Any]) -> Table:
     rows = [["exact", f"{exact['points']:,}", f"{exact['pairs']:,}",
              f"{exact['largest_difference_um']:.1f}"]]  # fmt: skip
     rows += [
-        [str(row["angular_tolerance"]), f"{row['records']:,}", f"{row['comparisons']:,}",
+        [f"below {row['angular_tolerance']:g}", f"{row['records']:,}", f"{row['comparisons']:,}",
          f"{row['largest_difference_um']:.1f}"]
         for row in report["grouping"]
     ]  # fmt: skip
     headings = ("grouping", "vectors", "comparisons", "largest difference, um")
-    return _table("grouping by direction beside the exact result", headings, rows)
+    title = "grouping by direction (difference of unit vectors, no unit) beside the exact result"
+    return _table(title, headings, rows)
 
 
 def _diagonal_table(report: dict[str, Any]) -> Table:

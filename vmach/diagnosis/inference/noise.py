@@ -11,7 +11,7 @@ from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.base import Base
 from vmach.fit.marginal_likelihood import best_sizes
 from vmach.fit.noise.feature_noise import FeatureNoise
-from vmach.measurements import apart_from_neighbours
+from vmach.measurements import apart_from_few, apart_from_neighbours
 
 __all__ = [
     "beside_own_noise",
@@ -117,10 +117,12 @@ def _weights(weighing: Weighing, explanation: Explanation) -> tuple[np.ndarray, 
     """
     left, group = weighing.deletion_residuals(explanation), weighing.survey.group
     away = np.abs(left)
+    if np.median(away) < _ROUNDING:
+        return np.ones(len(away)), 0.0
     normal = -0.5 * len(away) * (1.0 + np.log(2.0 * np.pi * np.mean(away**2)))
     best, weight, log_prior = normal + _WORTH, np.ones(len(away)), 0.0
     # neighbours that lie together have a cause, and are no tail
-    alone = np.minimum(away, apart_from_neighbours(left, group))
+    alone = np.minimum(away, apart_from_neighbours(left, group, few=apart_from_few(left, group)))
     for degrees in _TAILS:
         scale = np.median(away) / stdtrit(degrees, 0.75)
         log = gammaln(0.5 * (degrees + 1)) - gammaln(0.5 * degrees)
@@ -178,8 +180,8 @@ def _correlated(weighing: Weighing, explanation: Explanation, noise: FeatureNois
                 best, found = here, trial
     if best < plain + _WORTH:
         return noise if noise.share == 0.0 else replace(noise, share=0.0)
-    is_same = abs(found.share - noise.share) < 0.1 and noise.share > 0.0
-    return noise if is_same else found
+    moved = max(abs(found.share - noise.share), abs(found.correlation - noise.correlation))
+    return noise if noise.share > 0.0 and moved < 0.1 else found
 
 
 def _moved(share: float, step: float, low: float, high: float) -> float:

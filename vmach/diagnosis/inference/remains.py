@@ -92,8 +92,8 @@ def remains_um(
     count : int, optional
         So many of its terms, the first, are shown; what the others do remains.
     """
-    scatter_um = _scatter_um(weighing, found, noise)
     others = [] if count is None else _effects_mm(weighing, found)[count:]
+    scatter_um = np.sqrt(_scatter_um2(weighing, found, noise).mean())
     return float(np.hypot(_rms_um(sum(others, remains_mm(weighing, found))), scatter_um))
 
 
@@ -102,20 +102,21 @@ def where_they_act_um(
 ) -> tuple[Sequence[float], Sequence[float]]:
     """Size of the first effects where they act, and what remains there, root mean squares.
 
-    Each reading weighs as the square of what the effect does to it. Scatter is no rest: an
+    Each reading weighs as the square of what the effect does to it. Noise is no rest: an
     imitation leaves structure, and single readings have scatter of their own. Nor is what other
     terms do; but one that follows the travel is a doubt about an effect that does, where it acts
     most where the effect does: the mean of such a cause is an effect of motion beside its form.
     """
     every = [um_from_mm(own) for own in _effects_mm(weighing, found)]
     left, terms = um_from_mm(remains_mm(weighing, found)), found.terms
+    scatter = _scatter_um2(weighing, found, TRUST)
     sizes, rests = [], []
     for term, own in zip(terms[:count], every, strict=False):
         beside = zip(terms[count:], every[count:], strict=True)
         moved = [o for t, o in beside if t.effect.follows_travel and term.effect.follows_travel]
         alike = [o for o in moved if _rms_where(o, own) > np.sqrt(np.mean(o**2))]
         sizes.append(_rms_where(own, own))
-        rests.append(_rms_where(sum(alike, left), own))
+        rests.append(_rms_where(np.sqrt(sum(alike, left) ** 2 + scatter), own))
     return sizes, rests
 
 
@@ -125,10 +126,11 @@ def _rms_where(values: np.ndarray, effect: np.ndarray) -> float:
     return float(np.sqrt(weight @ values**2 / max(float(weight.sum()), 1e-300)))
 
 
-def _scatter_um(weighing: Weighing, found: Explanation, noise: float) -> float:
-    """Scatter that is no noise, root mean square."""
+def _scatter_um2(weighing: Weighing, found: Explanation, noise: float) -> np.ndarray:
+    """Mean square of the scatter of each reading that is no noise, (n,)."""
     beyond = max(found.posterior.sizes.factor**2 - min(noise, TRUST) ** 2, 0.0)
-    return float(np.sqrt(max(beyond, _uneven(weighing, found)))) * usual_u_um(weighing)
+    uneven = _uneven(weighing, found)
+    return np.maximum(beyond, uneven) * usual_u_um(weighing) ** 2
 
 
 def _left_in_u(weighing: Weighing, found: Explanation) -> np.ndarray:
@@ -137,8 +139,8 @@ def _left_in_u(weighing: Weighing, found: Explanation) -> np.ndarray:
     return np.abs(posterior.sizes.factor * weighing.base.noise.standardised(posterior.left))
 
 
-def _uneven(weighing: Weighing, found: Explanation) -> float:
-    """Mean square, in stated u, of scatter along one axis of the machine that the other has not.
+def _uneven(weighing: Weighing, found: Explanation) -> np.ndarray:
+    """Mean square, in stated u, of scatter of walls along one axis that the other has not, (n,).
 
     No device and no surface knows how a wall lies to X and Y; the axes do. It counts where walls
     along both clearly scatter otherwise: by the logarithm, which few odd readings do not move.
@@ -148,15 +150,16 @@ def _uneven(weighing: Weighing, found: Explanation) -> float:
     )
     size = _left_in_u(weighing, found)
     along_x, along_y = np.abs(weighing.survey.sensing[:, :2]).T
-    groups = [size[on_wall & here] for here in (along_x > along_y, along_x <= along_y)]
-    if min(map(len, groups)) < _FEW:
-        return 0.0
-    logs = [np.log(np.maximum(group, _LEAST)) for group in groups]
+    groups = [on_wall & here for here in (along_x > along_y, along_x <= along_y)]
+    none = np.zeros(len(size))
+    if min(np.count_nonzero(group) for group in groups) < _FEW:
+        return none
+    logs = [np.log(np.maximum(size[group], _LEAST)) for group in groups]
     apart = logs[0].mean() - logs[1].mean()
     if 0.5 * apart**2 < CLEARLY * sum(own.var() / len(own) for own in logs):
-        return 0.0
-    means = np.array([np.mean(group**2) for group in groups])
-    return float(np.array(list(map(len, groups))) @ (means - means.min()) / len(size))
+        return none
+    means = [np.mean(size[group] ** 2) for group in groups]
+    return sum((np.where(g, m - min(means), 0.0) for g, m in zip(groups, means, strict=True)), none)
 
 
 def _rms_um(values_mm: np.ndarray) -> float:

@@ -31,7 +31,7 @@ from vmach.fit.noise.means import Means
 from vmach.fit.remembered import Remembered
 from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
-from vmach.fit.terms import JointFit, Term
+from vmach.fit.terms import JointFit, Term, pull_of_prior
 
 __all__ = ["Explanation", "Weighing"]
 
@@ -344,11 +344,11 @@ class Weighing:
 
     def _log_prior_of(self, fit: JointFit) -> float:
         total = self._log_prior_of_count(self._count(fit.terms))
-        for term in fit.terms:
+        for k, term in enumerate(fit.terms):
             candidate = self.candidates[self.index_of(term.label)]
             looked_at = 1 if term.free_inner else len(candidate.grid)
             total += self.log_prior(candidate) - np.log(looked_at * len(WIDTHS))
-            total -= 0.5 * float(np.sum(term.unusual**2))
+            total -= 0.5 * float(np.sum(term.unusual**2)) + pull_of_prior(fit, k)
         return total
 
     def extend(

@@ -17,7 +17,10 @@ from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.next_test.planned_program import U_MM, write_program
+from vmach.diagnosis.proposals.form import FormEffect
+from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.effects import Circumstances
+from vmach.effects.effect import at_contact
 from vmach.fit.terms import Term
 from vmach.fit.whitening import orthonormal
 from vmach.instruments import PlannedTest, planned_tests
@@ -42,30 +45,34 @@ class NextMeasurement:
         candidates that came nearest.
     text : str
         What to do, in words.
-    program : str
-        The test as an NC program.
+    program : str or None
+        The test as an NC program; None where none without cutting would tell.
     power : float
         By how many standard uncertainties they differ in it, at least.
     """
 
     separates: tuple[str, ...]
     text: str
-    program: str
+    program: str | None
     power: float
 
 
 def next_measurement(
-    weighing: Weighing, explanation: Explanation, findings: Sequence[Finding]
+    weighing: Weighing,
+    explanation: Explanation,
+    findings: Sequence[Finding],
+    proposals: Sequence[Proposal] = (),
 ) -> NextMeasurement | None:
     """The most powerful test for the first finding that has rivals; None where none helps.
 
-    For something unknown it is the test that tells the candidates apart that came nearest to an
-    explanation, whichever of them is true.
+    Where forms are proposed for what else remains it is one that would refute the first. For
+    something unknown without a form it is the test that tells the candidates apart that came
+    nearest to an explanation, whichever of them is true.
     """
     tests: Sequence[_Test] = ()
     for k, finding in enumerate(findings):
         if finding.effect is None:
-            return _for_unknown(weighing)
+            break
         assert explanation.fit is not None
         rivals = _labels(weighing, finding)
         if not rivals:
@@ -77,7 +84,39 @@ def next_measurement(
             best = _best_test(weighing, tests, one, rivals, is_true=is_true)
             if best is not None:
                 return best
-    return None
+    if proposals:
+        return _for_form(weighing.survey.job, proposals[0])
+    is_unknown = any(finding.effect is None for finding in findings)
+    return _for_unknown(weighing) if is_unknown else None
+
+
+def _for_form(job: Job, proposal: Proposal) -> NextMeasurement:
+    """The test without cutting in which a form shows most; where it shows in none, one by hand."""
+    powers = [(_power_of_form(*test, proposal), test[0]) for test in _tests(job)]
+    power, test = max(powers, key=lambda both: both[0])
+    separates = (f"form 1: {proposal.form.formula}",)
+    if power <= _USEFUL:
+        text = (
+            "no test without cutting would show what form 1 says of this machine. "
+            f"To refute it, {proposal.form.refute}"
+        )
+        return NextMeasurement(separates, text, None, power)
+    text = (
+        f"{test.text}: if form 1 is true, it shows there by {power:.0f} standard uncertainties; "
+        "where it does not, form 1 is refuted"
+    )
+    return NextMeasurement(separates, text, write_program(test, job), power)
+
+
+def _power_of_form(test: PlannedTest, path: Circumstances, proposal: Proposal) -> float:
+    """What the test would show of a form, in standard uncertainties."""
+    if proposal.form.needs_surface:
+        return 0.0
+    effect = FormEffect(proposal.form, len(proposal.amounts_um))
+    moved = at_contact(effect.displacement(path, "", **proposal.amounts_um), path)
+    shown = np.einsum("pi,pi->p", test.sensing, moved)
+    basis = orthonormal(test.nuisance, tolerance=1e-7)
+    return float(np.linalg.norm(shown - basis @ (basis.T @ shown))) / U_MM
 
 
 def _labels(weighing: Weighing, finding: Finding) -> list[str]:
@@ -85,7 +124,7 @@ def _labels(weighing: Weighing, finding: Finding) -> list[str]:
     return [
         c.label
         for c in weighing.candidates
-        if c.effect.name != finding.name
+        if c.label != finding.label
         and (c.label in finding.rivals.labels or c.effect.name in finding.joint_rivals)
     ]
 

@@ -30,7 +30,11 @@ def write_program(test: PlannedTest, job: Job) -> str:
     lines = [
         "%",
         f"({test.text})",
-        "(part and fixtures off the table: the places are all over the work space)",
+        *(
+            ["(part and fixtures off the table: the places are all over the work space)"]
+            if test.maps_work_space
+            else []
+        ),
         f"(places of the spindle nose in {name} of the job, tool length off)",
         *(f"({line})" for line in _how_to_diagnose_again(test)),
         f"G21 G90 G94 G17 G40 G49 G80 {name}",

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
 from vmach.diagnosis.diagnose import Diagnosis
-from vmach.diagnosis.words import expected
+from vmach.diagnosis.findings import Finding
+from vmach.diagnosis.words import expected, rounded
 from vmach.effects import Effect
 from vmach.machine import LINEAR_AXES
 
@@ -34,15 +33,9 @@ def chance_words(p: float) -> str:
 def quantity(
     parameter: str, value: float, interval: tuple[float, float]
 ) -> tuple[str, str, str, str]:
-    """A value, the ends of its interval, and the unit that stands at the end of its name.
-
-    Two digits of the interval's half width count.
-    """
-    half = max(0.5 * (interval[1] - interval[0]), 1e-3 * abs(value), 1e-12)
-    digits = 1 - math.floor(math.log10(half))
+    """A value, the ends of its interval, and the unit that stands at the end of its name."""
     unit = _UNITS.get(parameter.rsplit("_", 1)[-1], "")
-    shown = [f"{round(x, digits):.{max(digits, 0)}f}" for x in (value, *interval)]
-    value_text, low, high = (text.replace("-", "−") for text in shown)
+    value_text, low, high = (text.replace("-", "−") for text in rounded(value, interval))
     return value_text, low, high, unit
 
 
@@ -67,12 +60,12 @@ def headline(found: Diagnosis) -> tuple[str, str]:
             f"Measured minus predicted is {rms['before']:.2f} um RMS, {expected(found.residuals)} "
             f"make {rms['expected_noise']:.2f} um. No name is given: {remains}.",
         )
-    names = "; ".join(_named(f.effect, f.target) for f in found.findings if f.effect)
+    names = "; ".join(_named(f) for f in found.findings if f.effect)
     if found.verdict == "partly":
         return f"Missing in the model: {names}, and something else", f"{fell}. {remains}."
     if found.verdict == "class":
         return (
-            f"Missing in the model: {names}, or an effect like it",
+            f"Missing in the model: {names}",
             f"{fell}. These readings narrow the cause down to a class; the next measurement "
             "tells its members apart."
             if found.next_measurement
@@ -89,7 +82,12 @@ def state_words(found: Diagnosis) -> dict[str, str]:
     return {"before": "before", "after": "with the effects found"}
 
 
-def _named(effect: Effect, target: str) -> str:
+def _named(finding: Finding) -> str:
+    words = _words_of(finding.effect, finding.target) if finding.effect else finding.name
+    return f"{words}, or an effect like it" if finding.status == "class" else words
+
+
+def _words_of(effect: Effect, target: str) -> str:
     if effect.corrects_table:
         return f"the error table {target} as it is now"
     title = effect.title.split(" (")[0]

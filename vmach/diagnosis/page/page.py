@@ -17,6 +17,7 @@ from vmach.diagnosis.page.covariate_panels import covariate_panels
 from vmach.diagnosis.page.heading import chance_words, headline, quantity, state_words
 from vmach.diagnosis.page.instrument_pictures import instrument_pictures
 from vmach.diagnosis.page.residual_map import ResidualMap, residual_map
+from vmach.diagnosis.report import words_of_add
 from vmach.diagnosis.words import expected
 from vmach.files.atomic import atomic_file
 from vmach.job import Job
@@ -86,6 +87,8 @@ def write_diagnosis_page(
         cards=[_card(finding, found) for finding in found.findings],
         bars=_bars(found),
         states=state_words(found),
+        add=words_of_add(found),
+        job_file=job.path.name,
         map=None if part is None else _map_view(part, nominal is not None),
         panels=covariate_panels(residuals),
         instruments=instrument_pictures(residuals),
@@ -125,8 +128,7 @@ def _card(finding: Finding, found: Diagnosis) -> dict:
     return {
         "finding": finding,
         "rows": rows,
-        "rivals": [(label, alone.get(label)) for label in finding.rivals.labels if label != own],
-        "joint_rivals": finding.joint_rivals,
+        "rivals": [(words, alone.get(words)) for words in finding.indistinct],
         "alone": alone.get(own, found.rms_um["after"]),
         "curve": None if rows else _curve(finding),
     }

@@ -19,7 +19,7 @@ from vmach.effects import Effect, linear
 
 
 class {kind}(Effect):
-    """Proposed with {amount:.3g} um (u = {u:.2g}); log odds {odds:.0f}."""
+    """Proposed with {size}; log odds {odds:.0f}."""
 
     name = "{name}"
     title = "{formula}"
@@ -28,10 +28,9 @@ class {kind}(Effect):
     )
     targets = ("",)
     needs_surface = {needs_surface}
-    usual_size = "{amount:.3g} um where it was proposed"
+    usual_size = "{size} where it was proposed"
     confirm = (
-        "{refute},"
-        " {direction_words}"
+        "{refute}"
     )
     cure = "find what does it, then mend or compensate it"
 
@@ -54,18 +53,23 @@ def effect_text(proposal: Proposal, *, name: str) -> str:
         formula=form.formula,
         kind="".join(word.capitalize() for word in name.split("_")),
         name=name,
-        amount=proposal.amount_um,
-        u=proposal.amount_u_um,
+        size=_size(proposal),
         odds=proposal.odds,
         parameters="\n".join(
-            f'        linear("{n}", "displacement at states of one", usual={USUAL_UM}),'
+            f'        linear("{n}", "displacement per unit of its states", usual={USUAL_UM}),'
             for n in proposal.amounts_um
         ),
         needs_surface=form.needs_surface,
         refute=form.refute,
-        direction_words=form.direction.words,
         states="\n".join(
             f"        state = state * np.reshape({s.code}, (len(path), -1))" for s in states
         ),
         direction=form.direction.code,
     )
+
+
+def _size(proposal: Proposal) -> str:
+    """Its amount; of several, that have no size in common, what they do to the readings."""
+    if len(proposal.amounts_um) > 1:
+        return f"{proposal.size_um:.3g} um RMS"
+    return f"{proposal.amount_um:.3g} um (u = {proposal.amount_u_um:.2g})"

@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 
+from vmach.diagnosis.proposals.refuting import ELSEWHERE, refuting_test
 from vmach.diagnosis.proposals.states import CONSTANT, MOTION, Direction, State
 from vmach.effects import Effect, Parameter, linear
 from vmach.job import Job
@@ -52,9 +53,8 @@ class Form:
 
     @property
     def refute(self) -> str:
-        """The test that would refute it, in words."""
-        vary = " and ".join(dict.fromkeys(s.kind for s in self.states)) or "place"
-        return f"measure again with another {vary} and all else the same: readings have to follow"
+        """What to do that would refute it, and what has to be seen if it is true."""
+        return "; ".join(dict.fromkeys(map(refuting_test, self.states))) or ELSEWHERE
 
     @property
     def kinds(self) -> frozenset[str]:
@@ -97,4 +97,4 @@ class FormEffect(Effect):
 def amounts(count: int) -> tuple[Parameter, ...]:
     """The amplitudes of a form."""
     names = ["amount_um"] if count == 1 else [f"amount_{k + 1}_um" for k in range(count)]
-    return tuple(linear(n, "displacement at states of one", usual=USUAL_UM) for n in names)
+    return tuple(linear(n, "displacement per unit of its states", usual=USUAL_UM) for n in names)

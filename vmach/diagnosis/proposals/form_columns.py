@@ -23,6 +23,7 @@ from vmach.diagnosis.proposals.states import (
     states_of,
 )
 from vmach.diagnosis.proposals.stretches import stretch_states
+from vmach.diagnosis.proposals.touched_zeros import TouchedZeros
 from vmach.diagnosis.proposals.waves import wave_states
 from vmach.fit.candidates import Candidate
 from vmach.fit.survey import Survey
@@ -30,8 +31,6 @@ from vmach.fit.whitening import orthonormal
 
 __all__ = ["FormColumns"]
 
-#: forms that are weighed together
-_AT_ONCE = 500
 #: kinds of what may push along all axes at once, by another amount each
 _ALONG_ALL = ("time", "warm-up", "time since tool change", "spindle", "tool change", "tool")
 #: kinds of what may be more or less along an axis
@@ -56,6 +55,7 @@ class FormColumns:
         self._survey = survey
         self._looked_at: set[bytes] = set()
         self._states = _states(survey)
+        self._zeros = TouchedZeros(survey)
         places = np.concatenate([p.on_part_mm for p in survey.paths])
         self._bend = bend_about(0.5 * (places.min(axis=0) + places.max(axis=0)))
         every = (*DIRECTIONS, ALL_AXES, *TURNS, self._bend)
@@ -134,7 +134,10 @@ class FormColumns:
         first, second = self._states[form.first], self._states[form.second]
         product = (first[:, :, None] * second[:, None, :]).reshape(len(first), 1, -1)
         sensed = self._sensed[form.direction][:, :, None]
-        return 1e-3 * USUAL_UM * (sensed * product).reshape(len(first), -1)
+        columns = 1e-3 * USUAL_UM * (sensed * product).reshape(len(first), -1)
+        if self._zeros and not form.needs_surface:
+            columns -= self._zeros.columns_mm(form)
+        return columns
 
     def space_of(self, form: Form) -> np.ndarray:
         """Orthonormal basis of the signatures with alignment taken off, (n, r)."""
@@ -153,19 +156,17 @@ class FormColumns:
         """The form as a candidate of a search."""
         return _candidate(form, self.columns(form))
 
-    def batches(
+    def shown(
         self, forms: Sequence[Form], rows: np.ndarray | slice
-    ) -> Iterator[tuple[list[Form], list[Candidate]]]:
-        """Those of some forms that show, some at a time, and as candidates over some readings."""
-        for k in range(0, len(forms), _AT_ONCE):
-            pairs = ((form, self.columns(form)) for form in forms[k : k + _AT_ONCE])
-            shown = [
-                (form, _candidate(form, columns[rows]))
-                for form, columns in pairs
-                if np.ptp(columns, axis=0).max() > _BLIND_MM
-            ]
-            if shown:
-                yield [form for form, _ in shown], [candidate for _, candidate in shown]
+    ) -> tuple[list[Form], list[Candidate]]:
+        """Those of some forms that show, and as candidates over some readings."""
+        pairs = ((form, self.columns(form)) for form in forms)
+        shown = [
+            (form, _candidate(form, columns[rows]))
+            for form, columns in pairs
+            if np.ptp(columns, axis=0).max() > _BLIND_MM
+        ]
+        return [form for form, _ in shown], [candidate for _, candidate in shown]
 
 
 def _candidate(form: Form, columns: np.ndarray) -> Candidate:

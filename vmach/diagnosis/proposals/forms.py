@@ -54,6 +54,8 @@ _LOOKED_THROUGH = 3000
 _TIE = 5
 #: numbers that products of forms may take up while they are kept
 _ROOM = 25_000_000
+#: forms that are weighed together
+_AT_ONCE = 500
 #: a form whose readings follow those of another one, or of effects, that closely is the same; it
 #: holds an effect whose readings follow its own that closely
 _SAME = 0.98
@@ -301,16 +303,15 @@ class Forms:
     def _weighed(self) -> Iterator[tuple[list[Form], Bank]]:
         """Forms with their products, kept for the next time where there is room for them."""
         yield from self._banks
-        known = sum(len(forms) for forms, _ in self._banks) if self._banks else 0
-        room = _ROOM // len(self._screen.base.y)
-        new = self._columns.forms[self._listed :]
-        for some, candidates in self._columns.batches(new, self._screen.rows):
-            bank = Bank(self._screen.base, candidates)
-            if (known := known + len(some)) < room:
-                self._banks.append((some, bank))
-            yield some, bank
-        if known < room:
-            self._listed = len(self._columns)
+        forms, room = self._columns.forms, _ROOM // len(self._screen.base.y)
+        for k in range(self._listed, len(forms), _AT_ONCE):
+            new = forms[k : k + _AT_ONCE]
+            some, candidates = self._columns.shown(new, self._screen.rows)
+            weighed = (some, Bank(self._screen.base, candidates))
+            if k == self._listed and k + len(new) < room:
+                self._banks.append(weighed)
+                self._listed += len(new)
+            yield weighed
 
 
 def _proposal(weighing: Weighing, form: Form, start: Explanation, trial: Explanation) -> Proposal:
@@ -376,7 +377,9 @@ class _Screen:
             of_rows = {name: getattr(noise, name)[rows] for name in ("u_mm", "group", "weight")}
             self.rows = rows
             screened = _kept(weighing.survey, kept)
-            noise = replace(noise, **of_rows)
+            # neighbours are further apart now
+            further = noise.correlation ** (count / len(rows))
+            noise = replace(noise, correlation=further, **of_rows)
             self.base = Base(screened, noise, members)
 
     def posterior(self, sizes: Sizes, effects: Effects) -> Posterior:

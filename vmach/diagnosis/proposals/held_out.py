@@ -28,7 +28,8 @@ def held_out_um(survey: Survey, fit: JointFit, last: int) -> tuple[float, float]
     left = target.copy()
     for k in range(_FOLDS):
         train, test = fold != k, fold == k
-        amount = np.linalg.lstsq(column[train], target[train], rcond=None)[0]
+        weight = 1.0 / survey.u_mm[train]
+        amount = np.linalg.lstsq(column[train] * weight[:, None], target[train] * weight)[0]
         left[test] = target[test] - column[test] @ amount
     without, with_it = (float(um_from_mm(np.sqrt(np.mean(v**2)))) for v in (target, left))
     return without, with_it

@@ -44,7 +44,7 @@ class Spots:
     """
 
     def __init__(self, survey: Survey, sensed: Mapping[Direction, np.ndarray]) -> None:
-        self._rows = slice(None, None, max(1, len(survey) // _LOOKED_THROUGH))
+        self._rows = slice(None, None, max(1, -(-len(survey) // _LOOKED_THROUGH)))
         self._unit = survey.u_mm[self._rows]
         frames = _FRAMES.values()
         places = {f: [eval(f, {"path": path})[:, :2] for path in survey.paths] for f in frames}

@@ -198,7 +198,11 @@ def _of_time() -> Iterator[State]:
     yield State("time", "time in hours", "path.time_s / 3600.0")
     yield State("order of measuring", "order of measuring", "np.linspace(0.0, 1.0, len(path))")
     for tau in _SETTLES_S:
-        yield State("warm-up", f"warm-up within {tau:g} s", f"-np.expm1(-path.time_s / {tau})")
+        yield State(
+            "warm-up",
+            f"warm-up within {tau:g} s",
+            f"-np.expm1(-np.maximum(path.time_s, 0.0) / {tau})",
+        )
         yield State(
             "time since tool change",
             f"time since the tool change, settling within {tau:g} s",

@@ -116,10 +116,10 @@ def _sums(values: np.ndarray) -> np.ndarray:
 
 def _state(start_s: float, end_s: float, looked_at: float) -> State:
     until = "the end" if np.isinf(end_s) else f"{end_s:.0f} s"
-    end = "np.inf" if np.isinf(end_s) else f"{end_s:.1f}"
+    end = "np.inf" if np.isinf(end_s) else repr(float(end_s))
     return State(
         "stretch of time",
         f"the time from {start_s:.0f} s to {until}",
-        f"(path.time_s >= {start_s:.1f}) & (path.time_s < {end})",
+        f"(path.time_s >= {float(start_s)!r}) & (path.time_s < {end})",
         looked_at=max(looked_at, 1.0),
     )

@@ -1,7 +1,7 @@
 """Waves whose period nobody knows: where the periodogram of what is left has its peaks.
 
-Source: N. R. Lomb, Astrophys. Space Sci. 39 (1976) 447 (least-squares periodogram of readings
-that are not equally spaced).
+Source: T. Deeming, Astrophys. Space Sci. 36 (1975) 137 (Fourier analysis of readings that are not
+equally spaced: their gaps leak into other frequencies, so that several peaks are tried).
 """
 
 from __future__ import annotations

@@ -144,12 +144,13 @@ def _forms(survey: Survey) -> np.ndarray:
     """Slope and bend of each group of readings, (n, K); holes are no surface that has any."""
     names, number = np.unique(survey.group, return_inverse=True)
     has_form = np.concatenate([np.full(len(m), m.contacts is None) for m in survey.measurements])
-    inside, place = np.eye(len(names))[number], np.zeros(len(survey))
+    inside, slope, bend = np.eye(len(names))[number], np.zeros(len(survey)), np.zeros(len(survey))
     for k in range(len(names)):
         rows = np.flatnonzero((number == k) & has_form)
-        place[rows] = np.linspace(-1.0, 1.0, len(rows)) if len(rows) > 2 else 0.0
-    shapes = np.sqrt(3.0) * place, np.sqrt(5.0) * (1.5 * place**2 - 0.5) * (place != 0.0)
-    return np.hstack([inside * shape[:, None] for shape in shapes])
+        if len(rows) > 2:
+            place = np.linspace(-1.0, 1.0, len(rows))
+            slope[rows], bend[rows] = np.sqrt(3.0) * place, np.sqrt(5.0) * (1.5 * place**2 - 0.5)
+    return np.hstack([inside * shape[:, None] for shape in (slope, bend)])
 
 
 def _places(survey: Survey) -> np.ndarray:

@@ -4,7 +4,7 @@ Its scales and squareness, the form of its probing, what the points of a feature
 have in common: of known size where the job states it. Its drift is known by its clock alone. Other
 instruments have a scale of their own.
 
-Source: ISO 10360-2 and ISO 10360-5, limits of error; closed forms derived here.
+Source: ISO 10360-2 and ISO 10360-5, maximum permissible errors; closed forms derived here.
 """
 
 from __future__ import annotations

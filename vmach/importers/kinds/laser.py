@@ -125,12 +125,12 @@ def _table(source: SourceFile, questions: Questions) -> LooseTable | None:
 def _readings(table: LooseTable, questions: Questions) -> Readings:
     """Every reading by itself, deviations as measured minus target."""
     position = table.complete("position")
-    wanted = ("measured-target", "target-measured")
-    sense = questions.told("deviation", wanted)
-    sign = 1.0 if sense == wanted[0] else -1.0
     if "actual" in table.numbers:
+        questions.used.add("deviation")  # both are there: no question
         value = 1e3 * (table.complete("actual") - position)
         return Readings(position, value, _approach(table, position), table.lines)
+    wanted = ("measured-target", "target-measured")
+    sign = 1.0 if questions.told("deviation", wanted) == wanted[0] else -1.0
     if "deviation" in table.numbers:
         value = sign * table.complete("deviation")
         return Readings(position, value, _approach(table, position), table.lines)

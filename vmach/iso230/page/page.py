@@ -61,6 +61,7 @@ def iso230_page(
             "unit": with_micro_sign(axis.unit),
             "rows": _rows(report["tables"][axis.name]),
             "diagram": _diagram(axis),
+            "ranges": sorted(axis.result.ends()),
         }
         for axis in axes
     ]
@@ -91,7 +92,7 @@ def _rows(entry: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
 
 
 def _diagram(axis: EvaluatedTable) -> Markup:
-    """Readings, means of both directions, two standard deviations, mean of both."""
+    """Readings, means of both directions, two standard deviations, mean of both, ranges E and A."""
     result, factor = axis.result, axis.factor
     runs, x = result.runs, result.runs.position_mm
     sides = (
@@ -117,4 +118,7 @@ def _diagram(axis: EvaluatedTable) -> Markup:
             plot.dots(x[known], run[known], name)
         plot.line(x, mean, name)
     plot.line(x, 0.5 * (sides[0][2] + sides[1][2]), "middle-line")
+    for name, (lowest, highest) in result.ends().items():
+        for end in (lowest, highest):
+            plot.line(x[[0, -1]], np.full(2, factor * end), f"range-{name}")
     return plot.markup(f"Deviations of {axis.name} against the target position")

@@ -38,7 +38,8 @@ async def _diagnose(request: Request) -> Response:
         found = _json(session, out / "diagnosis.json")
         found |= {"page": str(out / "diagnosis.html"), "job": session.folder.name_of(job)}
         found["run"] = run.number
-        found["program"] = str(out / "next.nc") if found.get("next_measurement") else None
+        program = (found.get("next_measurement") or {}).get("program")
+        found["program"] = program and str(out / program)
         session.show("diagnosis", found, job, step="diagnosis")
         return found
 

@@ -46,7 +46,9 @@ class TableLoadSag(Effect):
     source = (
         "equation (32) of docs/laws.md; Euler-Bernoulli cantilever, P L^3 / (3 E I), L the overhang"
     )
-    parameters = (linear("sag_um", "drop at the ends of the travel", usual=10.0),)
+    parameters = (
+        linear("sag_um", "drop at the upper end of the travel, rise at the lower", usual=10.0),
+    )
     targets = ("X", "Y")
     rarity = 2.5
     usual_size = "5 to 20 um for half the permitted load"

@@ -25,5 +25,5 @@ class OfWarmthByTime(Effect):
 
     @staticmethod
     def warmth(path, time_constant_s: float) -> np.ndarray:
-        """Share of the final warmth, (P,)."""
-        return 1.0 - np.exp(-path.time_s / time_constant_s)
+        """Share of the final warmth, (P,); none before the start, when zeros are touched."""
+        return -np.expm1(-np.maximum(path.time_s, 0.0) / time_constant_s)
