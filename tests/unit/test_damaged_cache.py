@@ -80,6 +80,14 @@ def test_bytecode_that_is_cut_short_is_named_and_dropped(tmp_path):
     assert vmach().stdout == first.stdout
 
 
+def test_a_mistake_in_a_module_is_no_damage(tmp_path, monkeypatch):
+    (tmp_path / "wrong_module.py").write_text("x = (\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(SyntaxError) as caught:
+        import_module("wrong_module")
+    assert drop_damaged(caught.value) == ()
+
+
 @pytest.mark.parametrize("error", [EOFError, "Abort"])
 def test_nothing_ends_with_a_bare_word(monkeypatch, capsys, error):
     def fails(*_):

@@ -48,7 +48,7 @@ def _files_behind(error: BaseException | None) -> Iterator[Path]:
 def _file_of(frame: FrameType) -> Iterator[Path]:
     """What a frame was about to load: bytecode, or the kernels of a function."""
     place, name, said = frame.f_code.co_filename, frame.f_code.co_name, frame.f_locals
-    if "importlib" in place and name == "get_code" and said.get("bytecode_path"):
+    if "importlib" in place and name == "_compile_bytecode" and said.get("bytecode_path"):
         yield Path(said["bytecode_path"])
     if Path(place).parts[-3:] == ("numba", "core", "caching.py") and "load" in name:
         yield from _kernels_of(said.get("self"))
